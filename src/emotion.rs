@@ -1,0 +1,77 @@
+//! The four emotions of the paper and weights over them (S-32: other emotions are mixtures of these).
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// One of the four emotions; the order is the paper's and is the index used in every table and buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[repr(u32)]
+pub enum Emotion {
+    /// Index 0.
+    Happy = 0,
+    /// Index 1.
+    Angry = 1,
+    /// Index 2.
+    Sad = 2,
+    /// Index 3.
+    Neutral = 3,
+}
+
+impl Emotion {
+    /// All four, in index order.
+    pub const ALL: [Self; 4] = [Self::Happy, Self::Angry, Self::Sad, Self::Neutral];
+
+    /// Index in tables and buffers, 0 to 3.
+    pub const fn index(self) -> usize {
+        self as usize
+    }
+
+    /// Lower-case name, as written in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Happy => "happy",
+            Self::Angry => "angry",
+            Self::Sad => "sad",
+            Self::Neutral => "neutral",
+        }
+    }
+
+    /// Weights that are 1 for this emotion and 0 for the others.
+    pub fn weights(self) -> [f32; 4] {
+        let mut weights = [0.0; 4];
+        weights[self.index()] = 1.0;
+        weights
+    }
+}
+
+impl fmt::Display for Emotion {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Emotion {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|emotion| emotion.name().eq_ignore_ascii_case(text))
+            .ok_or_else(|| format!("unknown emotion {text:?}; use happy, angry, sad or neutral"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_round_trip_and_unknown_ones_are_refused() {
+        for emotion in Emotion::ALL {
+            assert_eq!(emotion.name().to_uppercase().parse(), Ok(emotion));
+        }
+        assert!("joyful".parse::<Emotion>().unwrap_err().contains("joyful"));
+    }
+}

@@ -1,0 +1,45 @@
+//! The library's error: one enum per layer, gathered here.
+
+/// Result of the library's fallible functions.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// Any error of the library. Messages say what was wrong, where, the value and the allowed range;
+/// [`Error::hint`] gives the way out.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// A motion file or gait could not be used.
+    #[error(transparent)]
+    Gait(#[from] crate::gait::Error),
+    /// A gait library could not be read or does not hold what was asked of it.
+    #[error(transparent)]
+    Library(#[from] crate::library::Error),
+    /// A character could not be loaded or driven.
+    #[error(transparent)]
+    Avatar(#[from] crate::avatar::Error),
+    /// A scenario is wrong.
+    #[error(transparent)]
+    Scenario(#[from] crate::scenario::Error),
+    /// The simulation refused its input or failed.
+    #[error(transparent)]
+    Sim(#[from] crate::sim::Error),
+    /// Vulkan failed.
+    #[cfg(feature = "vulkan")]
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::Error),
+    /// Drawing failed.
+    #[cfg(feature = "vulkan")]
+    #[error(transparent)]
+    Render(#[from] crate::render::Error),
+    /// A result could not be written.
+    #[error(transparent)]
+    Export(#[from] crate::export::Error),
+    /// Something asked for on the command line is not possible; message and way out.
+    #[error("{message}")]
+    Usage {
+        /// What is not possible.
+        message: String,
+        /// What to do instead.
+        hint: String,
+    },
+}

@@ -1,0 +1,34 @@
+//! Crowds of thousands of people who look happy, angry, sad or neutral.
+//!
+//! ```text
+//!  mocap files ─► gait ─► library ─► avatar ─► scenario ─► sim ─► render ─► window / headset / files
+//!  (BVH, AMC,     strides, GEA(e),   rig map,  who walks   one    culling,
+//!   CSV)          speed    clips     retarget  where, how  step   draw
+//! ```
+//! A module uses what stands to its left, never what stands to its right (`tests/layers.rs`).
+//! [`kernels`] is the floor under [`reference`] (CPU) and `gpu` (Vulkan).
+//!
+//! Frames: right-handed, y up, metres, seconds, radians. A model faces +z. The ground plane is stored as
+//! `(x, z)`; only [`ground`] crosses between the two.
+#![deny(missing_docs)]
+
+pub mod avatar;
+pub mod emotion;
+pub mod error;
+pub mod export;
+pub mod gait;
+#[cfg(feature = "vulkan")]
+#[allow(unsafe_code, reason = "all calls into Vulkan live here, one SAFETY comment per block")]
+pub mod gpu;
+pub mod ground;
+pub mod kernels;
+pub mod library;
+pub mod reference;
+#[cfg(feature = "vulkan")]
+#[allow(unsafe_code, reason = "records draw calls through Vulkan, one SAFETY comment per block")]
+pub mod render;
+pub mod scenario;
+pub mod sim;
+
+pub use emotion::Emotion;
+pub use error::{Error, Result};
