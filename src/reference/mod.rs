@@ -14,6 +14,7 @@
 )]
 
 pub mod exact;
+pub mod orca;
 pub mod shared;
 
 use crate::kernels::{KernelId, Store};
