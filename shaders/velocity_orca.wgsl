@@ -15,7 +15,7 @@
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
-const GROUP = 32u;
+const GROUP = 8u;
 const TILE = 4u;
 const KEY_MASK = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES = 255u;          // candidates that the low bits can number
@@ -29,7 +29,7 @@ var<private> segment_numbers: array<u32, 12>;
 var<private> segment_distances: array<f32, 12>;
 
 
-@compute @workgroup_size(32)
+@compute @workgroup_size(8)
 fn velocity_orca(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let row = i32(group.y);
     let column = i32(group.x * TILE);
@@ -58,33 +58,17 @@ fn velocity_orca(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         let slot = min(base + lane, end - 1u);
         let motion = slot_motion[slot * 2u];
         let at = motion.xy;
-        var k0 = NO_KEY; var k1 = NO_KEY; var k2 = NO_KEY; var k3 = NO_KEY; var k4 = NO_KEY; var k5 = NO_KEY;
-        var k6 = NO_KEY; var k7 = NO_KEY; var k8 = NO_KEY; var k9 = NO_KEY; var k10 = NO_KEY;
-        let total = select(0u, count0 + count1 + count2, fits && is_mine);
-        for (var place = 0u; place < total; place++) {
-            var candidate = base0 + place;
-            if place >= count0 {
-                candidate = base1 + (place - count0);
+        keys_clear();
+        if fits {
+            for (var place = 0u; place < count0; place++) {
+                offer(base0 + place, place, slot, at, range2);
             }
-            if place >= count0 + count1 {
-                candidate = base2 + (place - count0 - count1);
+            for (var place = 0u; place < count1; place++) {
+                offer(base1 + place, count0 + place, slot, at, range2);
             }
-            let to = slot_motion[candidate * 2u].xy - at;
-            let distance2 = dot2(to, to);
-            let wanted = distance2 < range2 && candidate != slot;
-            let key = select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
-            // Insertion into the sorted keys without a branch.
-            k10 = max(min(k10, key), k9);
-            k9 = max(min(k9, key), k8);
-            k8 = max(min(k8, key), k7);
-            k7 = max(min(k7, key), k6);
-            k6 = max(min(k6, key), k5);
-            k5 = max(min(k5, key), k4);
-            k4 = max(min(k4, key), k3);
-            k3 = max(min(k3, key), k2);
-            k2 = max(min(k2, key), k1);
-            k1 = max(min(k1, key), k0);
-            k0 = min(k0, key);
+            for (var place = 0u; place < count2; place++) {
+                offer(base2 + place, count0 + count1 + place, slot, at, range2);
+            }
         }
         let ambiguous = same(k0, k1) || same(k1, k2) || same(k2, k3) || same(k3, k4) || same(k4, k5) || same(k5, k6)
             || same(k6, k7) || same(k7, k8) || same(k8, k9) || same(k9, k10);
@@ -119,6 +103,52 @@ fn velocity_orca(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
             new_velocity[slot] = avoid(slot, motion, count);
         }
     }
+}
+
+// The keys found so far, nearest first.
+var<private> k0: u32;
+var<private> k1: u32;
+var<private> k2: u32;
+var<private> k3: u32;
+var<private> k4: u32;
+var<private> k5: u32;
+var<private> k6: u32;
+var<private> k7: u32;
+var<private> k8: u32;
+var<private> k9: u32;
+var<private> k10: u32;
+
+fn keys_clear() {
+    k0 = NO_KEY;
+    k1 = NO_KEY;
+    k2 = NO_KEY;
+    k3 = NO_KEY;
+    k4 = NO_KEY;
+    k5 = NO_KEY;
+    k6 = NO_KEY;
+    k7 = NO_KEY;
+    k8 = NO_KEY;
+    k9 = NO_KEY;
+    k10 = NO_KEY;
+}
+
+// Inserts a candidate into the sorted keys, without a branch.
+fn offer(candidate: u32, place: u32, slot: u32, at: vec2<f32>, range2: f32) {
+    let to = slot_motion[candidate * 2u].xy - at;
+    let distance2 = dot2(to, to);
+    let wanted = distance2 < range2 && candidate != slot;
+    let key = select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
+    k10 = max(min(k10, key), k9);
+    k9 = max(min(k9, key), k8);
+    k8 = max(min(k8, key), k7);
+    k7 = max(min(k7, key), k6);
+    k6 = max(min(k6, key), k5);
+    k5 = max(min(k5, key), k4);
+    k4 = max(min(k4, key), k3);
+    k3 = max(min(k3, key), k2);
+    k2 = max(min(k2, key), k1);
+    k1 = max(min(k1, key), k0);
+    k0 = min(k0, key);
 }
 
 // Two keys whose order the low bits decided.
@@ -204,23 +234,27 @@ fn avoid(slot: u32, motion: vec4<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
     let id = slot_agent[slot];
     let hard = obstacle_lines(motion.xy, motion.zw, traits.x, traits.y);
-    var made = hard;
+    // First the user, who takes none of the avoidance, so the agent takes all; then the neighbours, nearest first.
     let to_user = step.user_position - motion.xy;
-    if step.user_radius > 0.0 && dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance {
-        // The user takes none of the avoidance, so the agent takes all.
-        let radius = traits.x + step.user_radius + step.safety_margin;
-        lines[made] = agent_line(motion.zw, to_user, motion.zw - step.user_velocity, radius,
-                                 step.inverse_time_horizon, step.inverse_time_step, 1.0, 1.0);
-        made++;
-    }
-    for (var k = 0u; k < count; k++) {
-        let other = found[k];
-        let theirs = slot_motion[other * 2u];
-        let radius = traits.x + slot_motion[other * 2u + 1u].x + step.safety_margin;
-        let side = select(-1.0, 1.0, id < slot_agent[other]);
-        lines[made] = agent_line(motion.zw, theirs.xy - motion.xy, motion.zw - theirs.zw, radius,
-                                 step.inverse_time_horizon, step.inverse_time_step, step.responsibility, side);
-        made++;
+    let is_near = dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance;
+    let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
+    let made = hard + users + count;
+    for (var k = 0u; k < users + count; k++) {
+        let is_user = k < users;
+        let other = found[max(k, users) - users];
+        var theirs = slot_motion[other * 2u];
+        theirs = select(theirs, vec4<f32>(step.user_position, step.user_velocity), is_user);
+        let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
+        lines[hard + k] = agent_line(
+            motion.zw,
+            theirs.xy - motion.xy,
+            motion.zw - theirs.zw,
+            traits.x + their_radius + step.safety_margin,
+            step.inverse_time_horizon,
+            step.inverse_time_step,
+            select(step.responsibility, 1.0, is_user),
+            select(-1.0, 1.0, slot < other || is_user),
+        );
     }
     return solve(made, hard, traits.y, preferred_velocity[id]);
 }

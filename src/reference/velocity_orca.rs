@@ -95,7 +95,7 @@ impl Scene<'_> {
         let nearest = self.neighbours(slot, position);
         for k in 0..nearest.count {
             let other = nearest.slots[k] as usize;
-            let side = if self.slot_agent[slot] < nearest.ids[k] { 1.0 } else { -1.0 };
+            let side = if slot < other { 1.0 } else { -1.0 };
             let (motion, body) = (self.slot_motion[other * 2], self.slot_motion[other * 2 + 1]);
             lines[count] = avoid(motion, body[0], step.responsibility, side);
             count += 1;
