@@ -11,7 +11,7 @@ use super::schema::{Route, RouteMode};
 use glam::{Vec2, Vec3};
 
 /// Mean density, agents/m²: where two streets cross it is about 1.7 times as high.
-const DENSITY: f32 = 0.19;
+const DENSITY: f32 = 0.16;
 
 /// Streets each way and their width.
 #[derive(Debug, Clone, Copy)]
@@ -33,7 +33,7 @@ impl City {
             // With blocks as wide as the streets the streets cover (3 k² + 2 k) squares of that side.
             let k = streets as f32;
             let width = (area / (3.0 * k * k + 2.0 * k)).sqrt().max(18.0);
-            let most = if streets == 1 { 103.0 } else { 64.0 };
+            let most = if streets == 1 { 112.0 } else { 64.0 };
             if width <= most || streets >= 99 {
                 return Self { streets, width, block: width };
             }
@@ -121,12 +121,12 @@ fn ways(city: &City) -> Vec<Route> {
     let edge = city.width * 0.5;
     for (name, s) in [("diagonal-a", 1.0), ("diagonal-b", -1.0)] {
         let (narrow, side) = (lanes * 0.45, q * s);
-        add(&format!("{name}-z"), [[-side, -arm], [-side, -edge], [side, edge], [side, arm]], narrow, 0.5);
-        add(&format!("{name}-x"), [[-arm, -side], [-edge, -side], [edge, side], [arm, side]], narrow, 0.5);
+        add(&format!("{name}-z"), [[-side, -arm], [-side, -edge], [side, edge], [side, arm]], narrow, 0.3);
+        add(&format!("{name}-x"), [[-arm, -side], [-edge, -side], [edge, side], [arm, side]], narrow, 0.3);
     }
     for (name, sx, sz) in [("corner-a", 1.0, 1.0), ("corner-b", 1.0, -1.0), ("corner-c", -1.0, -1.0), ("corner-d", -1.0, 1.0)] {
         let points = [[0.0, sz * arm], [0.0, sz * edge * 0.5], [sx * edge * 0.5, 0.0], [sx * arm, 0.0]];
-        add(name, points, lanes * 0.5, 0.35);
+        add(name, points, lanes * 0.5, 0.25);
     }
     ways
 }

@@ -77,11 +77,11 @@ mod tests {
     #[test]
     fn draws_have_these_values_for_ever() {
         // Changing any of these changes every crowd ever seeded: mark it "results:" in the changelog.
-        assert_eq!(bits(0, 0, Purpose::Start, 0), 0);
-        assert_eq!(bits(1, 0, Purpose::Start, 0), 0);
-        assert_eq!(bits(1 << 32, 0, Purpose::Start, 0), 0);
-        assert_eq!(bits(42, 7, Purpose::Emotion, 3), 0);
-        assert_eq!(bits(u64::MAX, u32::MAX, Purpose::Scenery, u32::MAX), 0);
+        assert_eq!(bits(0, 0, Purpose::Start, 0), 0x0233_c9b4);
+        assert_eq!(bits(1, 0, Purpose::Start, 0), 0x5993_0ab5);
+        assert_eq!(bits(1 << 32, 0, Purpose::Start, 0), 0x6874_513a);
+        assert_eq!(bits(42, 7, Purpose::Emotion, 3), 0x16a6_c05c);
+        assert_eq!(bits(u64::MAX, u32::MAX, Purpose::Scenery, u32::MAX), 0x384b_2e52);
     }
 
     #[test]

@@ -10,7 +10,7 @@ const DENSITY: f32 = 0.14;
 /// Makes the place for a number of agents.
 pub(super) fn generate(agents: u32) -> Generated {
     // A dome covers pi/4 of its square.
-    let blocks = Blocks::for_agents(agents, DENSITY, 6.4, 3.6, 0.8);
+    let blocks = Blocks::for_agents(agents, DENSITY, 6.0, 4.2, 0.8);
     let streets = blocks.streets();
     let mut made = Generated { bounds: blocks.outline(), ground: Ground::Deck, ..Generated::default() };
     made.routes = streets.straight();
