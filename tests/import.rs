@@ -34,27 +34,30 @@ fn fit(a: &[Vec3], b: &[Vec3]) -> (Quat, f32, f32) {
 }
 
 #[test]
-fn experiment_level() {
+fn experiment_strides() {
     let Some(root) = data() else { println!("skipped"); return };
-    let takes = import_file(&root.join("egait/cmu.csv")).unwrap();
-    for take in &takes {
-        let subject = take.name.split('_').next().unwrap();
-        let amc = root.join(format!("cmu-asfamc/{subject}/{}.amc", take.name));
-        if !amc.is_file() { continue; }
-        let real = import_file(&amc).unwrap().remove(0);
-        let n = take.poses.len();
-        // all joints relative to root, stacked
-        let a: Vec<Vec3> = take.poses.iter().flat_map(|p| p.map(|x| x - p[0])).collect();
-        let mut best = (Quat::IDENTITY, 0.0, f32::MAX, 0);
-        for s in 0..real.poses.len().saturating_sub(4 * n) {
-            let b: Vec<Vec3> = (0..n).flat_map(|i| { let p = real.poses[s + 4 * i]; p.map(|x| x - p[0]) }).collect();
-            let (q, sc, e) = fit(&a, &b);
-            if e < best.2 { best = (q, sc, e, s); }
+    let mut trials = std::collections::HashMap::new();
+    for l in std::fs::read_to_string(root.join("cmu-asfamc/trials.csv")).unwrap().lines().skip(1) { let c: Vec<&str> = l.split(',').collect(); trials.insert(c[0].to_owned(), c[3].parse::<f32>().unwrap()); }
+    let mut stack = vec![root.join("cmu-asfamc"), root.join("bandai-namco"), root.join("100style")];
+    let mut files = vec![];
+    while let Some(d) = stack.pop() { for f in std::fs::read_dir(d).unwrap() { let f = f.unwrap().path(); if f.is_dir() { stack.push(f); } else if f.extension().is_some_and(|e| e == "amc" || e == "bvh") { files.push(f); } } }
+    files.sort();
+    let mut cmu = std::collections::HashMap::new();
+    for f in files {
+        let t = import_file(&f).unwrap().remove(0);
+        match stride::strides(&t) { Err(e) => println!("{e}"), Ok(s) => {
+            let v: Vec<f32> = s.iter().map(|s| s.gait.speed).collect();
+            // same take on the spot
+            let mut c = t.clone(); for p in &mut c.poses { let r = p[0].with_y(0.0); for x in p.iter_mut() { *x -= r; } }
+            let b = stride::best(&t).unwrap();
+            cmu.insert(t.name.clone(), b.speed);
+            let cs = stride::strides(&c).map(|s| s.iter().map(|s| s.gait.speed).sum::<f32>()/s.len() as f32);
+            println!("{} n {} frames {} dur {:.2?} v {:.2?} mean {:.2} trial {:.2?} spot {:.2?} turn {:.0?} mis {:.3?} best {:.2}", t.name, s.len(), t.poses.len(), s.iter().map(|s| s.duration).take(8).collect::<Vec<_>>(), v.iter().take(8).collect::<Vec<_>>(), v.iter().sum::<f32>()/v.len() as f32, trials.get(&t.name), cs.ok(), s.iter().map(|s| s.turn.to_degrees()).take(8).collect::<Vec<_>>(), s.iter().map(|s| s.mismatch).take(8).collect::<Vec<_>>(), b.speed);
+        } }
+    }
+    for f in ["bml","cmu","ewalk","ict","sig","ewalk_untransformed_sample"] {
+        for t in import_file(&root.join(format!("egait/{f}.csv"))).unwrap() {
+            match stride::strides(&t) { Err(e) => println!("{e}"), Ok(s) => println!("{f} {} n {} frames {} dur {:.2?} v {:.2?} cmu {:.2?} mis {:.3} label {:?} {}", t.name, s.len(), t.poses.len(), s.iter().map(|s| s.duration).collect::<Vec<_>>(), s.iter().map(|s| s.gait.speed).collect::<Vec<_>>(), cmu.get(&t.name), s[0].mismatch, t.label, s[0].gait.source) }
         }
-        let up = best.0.inverse() * Vec3::Y;
-        let ang = |q: Quat| (q.inverse() * Vec3::Y).angle_between(up).to_degrees();
-        let pitch = |q: Quat| { let v = q.inverse() * Vec3::Y; v.z.atan2(v.y).to_degrees() };
-        println!("{} n {} start {} scale {:.3} rms {:.4} up {:.3} | none {:.1} a {:.1} b {:.1} | pitch true {:.1} a {:.1} b {:.1}", take.name, n, best.3, best.1, best.2, up,
-            ang(Quat::IDENTITY), ang(import::egait::level_a(&take.poses)), ang(import::egait::level_b(&take.poses)), up.z.atan2(up.y).to_degrees(), pitch(import::egait::level_a(&take.poses)), pitch(import::egait::level_b(&take.poses)));
     }
 }

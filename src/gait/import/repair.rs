@@ -4,8 +4,8 @@ use super::{Options, text};
 use crate::gait::{Error, Joint, Pose, Recording};
 use glam::Vec3;
 
-/// Length of foot, knee, hip and root, spine, neck, head of an adult of 1.70 m, m (mean of the CMU walkers).
-pub(crate) const BODY_LENGTH: f32 = 1.42;
+/// Length of foot, knee, hip and root, spine, neck, head of an adult, m (mean of the CMU walkers).
+pub(crate) const BODY_LENGTH: f32 = 1.36;
 
 /// Units of length that motion files use: metres per unit and name.
 const UNITS: [(f32, &str); 6] = [
