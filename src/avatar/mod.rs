@@ -5,7 +5,10 @@
 //! rigid to its nearest driven ancestor, so its weights move there and the shape in the rest pose is unchanged.
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
 
+mod body;
+
 use crate::gait::{JOINT_COUNT, Joint};
+pub use body::{Sex, generated};
 use glam::{Mat4, Quat, Vec3};
 
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
@@ -109,7 +112,8 @@ impl Avatar {
     pub fn model_from_joint(&self, rotations: &[Quat; JOINT_COUNT], root: Vec3) -> [Mat4; JOINT_COUNT] {
         let mut model = [Mat4::IDENTITY; JOINT_COUNT];
         for joint in 0..JOINT_COUNT {
-            let translation = if joint == Joint::Root as usize { root } else { self.joints[joint].translation };
+            let translation =
+                if joint == Joint::Root as usize { root } else { self.joints[joint].translation };
             let local = Mat4::from_rotation_translation(rotations[joint], translation);
             model[joint] = if joint == 0 { local } else { model[Joint::PARENT[joint]] * local };
         }
