@@ -78,9 +78,9 @@ impl Measures {
     pub(super) fn head<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
         let size = if self.sex == Sex::Male { 1.0 } else { 0.955 };
         // Hair adds to the stature, so the crown of the skull lies under it.
-        let nape = if self.sex == Sex::Male { 0.75 } else { 0.22 };
+        let nape = if self.sex == Sex::Male { 0.45 } else { 0.22 };
         let skull = Skull { crown: self.height - 0.014 * size, size, nape };
-        let segments = [12, 8, 5][builder.level.min(2)];
+        let segments = [12, 7, 5][builder.level.min(2)];
         let mut rings: Vec<Ring> = SKULL
             .iter()
             .map(|&(drop, half_width, front, back, keep)| Ring {
@@ -117,7 +117,7 @@ impl Measures {
     }
 
     fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (14, 4) } else { (8, 2) };
+        let (columns, rows) = if builder.level == 0 { (14, 4) } else { (7, 2) };
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
             let fringe = 0.052;
@@ -136,6 +136,9 @@ impl Measures {
             let thickness = if row == 0 { -0.004 } else { thick };
             let ring = (0..columns).map(|k| {
                 let angle = TAU * k as f32 / columns as f32;
+                // Flatter over the forehead, where it would look like a peak.
+                let thickness =
+                    thickness * (1.0 - 0.4 * (1.0 - step(0.2, 1.3, angle.min(TAU - angle))) * (1.0 - t));
                 skull.around(angle, hairline(angle) * (1.0 - t).powf(1.35), thickness)
             });
             grid.push(ring.collect());

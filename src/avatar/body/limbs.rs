@@ -46,10 +46,10 @@ impl Measures {
                 (0, -0.10, 0.022, 1, TOP),
                 (0, -0.03, 0.040, 0, TOP),
                 (0, 0.12, 0.047, 1, TOP),
-                (0, 0.46, 0.047, 1, cuff),
-                (0, 0.47, 0.038, 0, SKIN),
+                (0, 0.46, 0.047, 0, cuff),
+                (0, 0.47, 0.042, 1, SKIN),
                 (0, 0.88, 0.034, 0, SKIN),
-                (1, 0.06, 0.036, 1, SKIN),
+                (1, 0.06, 0.037, 1, SKIN),
                 (1, 0.25, 0.034, 0, SKIN),
                 (1, 1.00, 0.022, 1, SKIN),
             ],
@@ -63,7 +63,8 @@ impl Measures {
                 (1, 0.06, 0.048, 1, TOP),
                 (1, 0.25, 0.045, 0, TOP),
                 (1, 0.92, 0.035, 1, cuff),
-                (1, 0.94, 0.027, 0, SKIN),
+                (1, 0.93, 0.027, 0, SKIN),
+                (1, 0.99, 0.026, 0, SKIN),
             ],
         };
         builder.begin(skin);
@@ -105,13 +106,12 @@ impl Measures {
             keep,
         };
         let rings = [
-            ring(-0.012, 0.0, 0.021, 0.026, 1),
+            ring(-0.022, 0.0, 0.021, 0.026, 1),
             ring(0.030, 0.002, 0.019, 0.040, 0),
-            ring(0.085, 0.006, 0.017, 0.044, 0),
-            ring(0.135, 0.018, 0.014, 0.037, 0),
+            ring(0.090, 0.007, 0.017, 0.044, 0),
             ring(0.165, 0.032, 0.011, 0.028, 1),
         ];
-        let segments = [6, 4][builder.level.min(1)];
+        let segments = [6, 3][builder.level.min(1)];
         builder.begin(skin);
         builder.loft(&rings, segments, [Cap::Open, Cap::Fan(0.010)]);
         builder.end(None);
@@ -148,9 +148,9 @@ impl Measures {
                 (0, 0.60, 0.062, 2, SKIN),
                 (0, 0.86, 0.051, 0, SKIN),
                 (1, 0.00, 0.048, 2, SKIN),
-                (1, 0.32, 0.051, 1, SKIN),
+                (1, 0.32, 0.051, 0, SKIN),
                 (1, 0.60, 0.042, 0, SKIN),
-                (1, 0.95, 0.032, 2, SKIN),
+                (1, 1.04, 0.031, 2, SKIN),
             ],
             Sex::Male => &[
                 (0, -0.05, 0.080, 2, BOTTOM),
@@ -158,9 +158,10 @@ impl Measures {
                 (0, 0.50, 0.076, 0, BOTTOM),
                 (0, 0.86, 0.064, 0, BOTTOM),
                 (1, 0.00, 0.062, 2, BOTTOM),
-                (1, 0.35, 0.060, 1, BOTTOM),
-                (1, 0.93, 0.053, 2, Paint::tinted(Material::Bottom, 0.6)),
-                (1, 0.95, 0.036, 0, Paint::tinted(Material::Bottom, 0.6)),
+                (1, 0.35, 0.060, 0, BOTTOM),
+                (1, 0.95, 0.053, 2, Paint::tinted(Material::Bottom, 0.6)),
+                (1, 0.96, 0.036, 0, SHOE),
+                (1, 1.05, 0.033, 0, SHOE),
             ],
         };
         builder.begin(skin);
