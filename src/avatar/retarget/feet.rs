@@ -1,0 +1,195 @@
+//! Where the feet go: stance detection on the gait, and a plan that keeps the planted foot still.
+//!
+//! During stance a foot is flat on the ground and moves backwards in model space at exactly the clip's travel;
+//! it lands on its heel and leaves over its toe, each of which stands still while it is the pivot. During swing
+//! the ankle follows the gait, corrected by a cubic so that it meets both ends of the stance.
+
+use super::cycle::{at_phase, hermite};
+use super::rig::Sole;
+use crate::gait::{Joint, Pose};
+use glam::{Quat, Vec3};
+use std::f32::consts::PI;
+
+/// Shares of the stance: the foot is flat between them.
+const FLAT: [f32; 2] = [0.16, 0.64];
+
+/// Toe lift at the strike and heel rise at toe-off of a usual stride (ours), radians.
+const STRIKE_PITCH: f32 = 0.28;
+const LEAVE_PITCH: f32 = -0.62;
+
+/// Travel per cycle over leg length of a usual walk, for which the two pitches hold.
+const USUAL_STRIDE: f32 = 1.55;
+
+/// When a foot stands.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Stance {
+    /// Phase of the foot strike.
+    pub(super) strike: f32,
+    /// Length of the stance in cycles.
+    pub(super) share: f32,
+}
+
+/// Finds the stance of `foot`. It begins after the foot's most forward point, when the foot has come to rest on
+/// the ground (its speed over the ground falls under half the walking speed), and ends at its rearmost point.
+/// Neither height nor velocity thresholds are needed, so styles that drag or stamp their feet do not confuse it.
+/// `travel` in metres per cycle.
+pub(super) fn stance(poses: &[Pose], foot: Joint, travel: f32) -> Stance {
+    let count = poses.len();
+    let z = |i: usize| poses[i % count][foot as usize].z;
+    let best = |better: fn(f32, f32) -> bool| {
+        (1..count).fold(0, |best, i| if better(z(i), z(best)) { i } else { best })
+    };
+    let (front, rear) = (best(|a, b| a > b), best(|a, b| a < b));
+    // Speed over the ground in metres per cycle.
+    let speed = |i: usize| (z(i + 1) - z(i + count - 1)) * 0.5 * count as f32 + travel;
+    let mut strike = front as f32;
+    if travel > 1e-3 {
+        for i in front..front + count / 6 {
+            let (now, next) = (speed(i), speed(i + 1));
+            if next < 0.5 * travel {
+                strike = i as f32 + ((now - 0.5 * travel) / (now - next).max(1e-6)).clamp(0.0, 1.0);
+                break;
+            }
+            strike = i as f32 + 1.0;
+        }
+    }
+    let strike = strike / count as f32;
+    let share = (rear as f32 / count as f32 - strike).rem_euclid(1.0);
+    // A walk always has a foot on the ground; below 0.42 it is a run.
+    let share = if share < 0.42 { share.max(0.3) } else { share.clamp(0.52, 0.72) };
+    Stance { strike: strike.rem_euclid(1.0), share }
+}
+
+/// The plan of one foot.
+#[derive(Debug, Clone)]
+pub(super) struct FootPlan<'a> {
+    /// Resampled gait.
+    pub(super) poses: &'a [Pose],
+    /// Foot joint in the gait.
+    pub(super) foot: Joint,
+    /// When it stands.
+    pub(super) stance: Stance,
+    /// Avatar metres per gait metre.
+    pub(super) scale: f32,
+    /// Avatar metres per cycle.
+    pub(super) travel: f32,
+    /// Travel over leg length.
+    pub(super) relative_stride: f32,
+    /// Ankle height above the ground of the flat foot: gait, avatar, m.
+    pub(super) ankle: [f32; 2],
+    /// Added to the scaled gait's x, m (hips of another width).
+    pub(super) shift: f32,
+    pub(super) sole: Sole,
+}
+
+/// Ankle position and foot pitch (toe up is positive, radians).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FootTarget {
+    pub(super) ankle: Vec3,
+    pub(super) pitch: f32,
+}
+
+/// Turn of a foot by `pitch`, toe up.
+pub(super) fn pitched(pitch: f32) -> Quat {
+    Quat::from_rotation_x(-pitch)
+}
+
+fn ease(t: f32) -> f32 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// A maximum with a rounded corner of about `round`.
+fn soft_max(a: f32, b: f32, round: f32) -> f32 {
+    0.5 * (a + b + ((a - b) * (a - b) + round * round).sqrt())
+}
+
+impl FootPlan<'_> {
+    /// The gait's own ankle, scaled to the avatar, standing on the avatar's ground.
+    fn follow(&self, phase: f32) -> Vec3 {
+        let p = at_phase(self.poses, self.foot, phase);
+        Vec3::new(
+            p.x * self.scale + self.shift,
+            (p.y - self.ankle[0]) * self.scale + self.ankle[1],
+            p.z * self.scale,
+        )
+    }
+
+    /// Where the flat foot stands `u` cycles after its strike: a line straight back.
+    fn planted(&self, u: f32) -> Vec3 {
+        const SAMPLES: usize = 16;
+        let middle = self.stance.share * 0.5 * (FLAT[0] + FLAT[1]);
+        let mut mean = Vec3::ZERO;
+        for k in 0..SAMPLES {
+            let t = (k as f32 + 0.5) / SAMPLES as f32;
+            let at = self.stance.share * (FLAT[0] + (FLAT[1] - FLAT[0]) * t);
+            mean += self.follow(self.stance.strike + at) + Vec3::Z * self.travel * (at - middle);
+        }
+        mean /= SAMPLES as f32;
+        Vec3::new(mean.x, self.ankle[1], mean.z - self.travel * (u - middle))
+    }
+
+    fn stance_pitch(&self, u: f32) -> f32 {
+        let t = u / self.stance.share;
+        let vigour = (self.relative_stride / USUAL_STRIDE).clamp(0.0, 1.25);
+        let rise = ((t - FLAT[1]) / (1.0 - FLAT[1])).clamp(0.0, 1.0);
+        vigour * (STRIKE_PITCH * (1.0 - ease(t / FLAT[0])) + LEAVE_PITCH * rise * rise)
+    }
+
+    fn standing(&self, u: f32) -> FootTarget {
+        let pitch = self.stance_pitch(u);
+        let pivot = if pitch > 0.0 { self.sole.heel } else { self.sole.toe };
+        FootTarget { ankle: self.planted(u) + pivot - pitched(pitch) * pivot, pitch }
+    }
+
+    fn swinging(&self, u: f32) -> FootTarget {
+        const STEP: f32 = 1.0 / 256.0;
+        let (share, strike) = (self.stance.share, self.stance.strike);
+        let length = 1.0 - share;
+        let t = (u - share) / length;
+        let [leave, land] = [self.standing(share), self.standing(0.0)];
+        // Slopes just inside the stance, per cycle.
+        let slope = |a: FootTarget, b: FootTarget| ((b.ankle - a.ankle) / STEP, (b.pitch - a.pitch) / STEP);
+        let (leave_slope, pitch_slope) = slope(self.standing(share - STEP), leave);
+        let (land_slope, _) = slope(land, self.standing(STEP));
+        let follow_slope =
+            |phase: f32| (self.follow(phase + STEP) - self.follow(phase - STEP)) / (2.0 * STEP);
+        let (start, end) = (strike + share, strike);
+        let correction = hermite(
+            leave.ankle - self.follow(start),
+            (leave_slope - follow_slope(start)) * length,
+            land.ankle - self.follow(end),
+            (land_slope - follow_slope(end)) * length,
+            t,
+        );
+        let pitch = hermite(leave.pitch, 0.5 * pitch_slope * length, land.pitch, 0.0, t);
+        let mut ankle = self.follow(strike + u) + correction;
+        // Neither toe nor heel may touch the ground on the way.
+        let turn = pitched(pitch);
+        let lowest = (turn * self.sole.heel).y.min((turn * self.sole.toe).y);
+        let clearance = 0.022 * self.scale * (PI * t).sin();
+        let rounding = 0.02 * self.scale * (PI * t).sin();
+        ankle.y = soft_max(ankle.y, clearance - lowest, rounding.max(0.0));
+        FootTarget { ankle, pitch }
+    }
+
+    /// Where the foot is at `phase`.
+    pub(super) fn at(&self, phase: f32) -> FootTarget {
+        let u = (phase - self.stance.strike).rem_euclid(1.0);
+        if u <= self.stance.share { self.standing(u) } else { self.swinging(u) }
+    }
+}
+
+/// Height of the gait's ankles while their feet are flat, m.
+pub(super) fn ankle_height(poses: &[Pose], feet: [(Joint, Stance); 2]) -> f32 {
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (foot, stance) in feet {
+        for k in 0..8_u8 {
+            let t = FLAT[0] + (FLAT[1] - FLAT[0]) * f32::from(k) / 8.0;
+            sum += at_phase(poses, foot, stance.strike + stance.share * t).y;
+            count += 1.0;
+        }
+    }
+    sum / count
+}
