@@ -29,14 +29,19 @@ impl Walker {
         let stance = 0.6;
         let u = phase.rem_euclid(1.0);
         let half = 0.5 * travel * stance;
+        let back = 0.07 * travel;
         if u < stance {
             let late = ((u / stance - 0.65) / 0.35).max(0.0);
-            return Vec3::new(x, 0.08 + 0.10 * late * late, half - travel * u + 0.06 * late * late);
+            return Vec3::new(x, 0.08 + 0.10 * late * late, half - back - travel * u + 0.06 * late * late);
         }
         let t = (u - stance) / (1.0 - stance);
         let ease = t * t * (3.0 - 2.0 * t);
         let lift = 0.10 * (1.0 - t) + 0.06 * (PI * t).sin();
-        Vec3::new(x, 0.08 + lift, (-half + 0.06) + (2.0 * half - 0.06) * (ease + 0.04 * (TAU * t).sin()))
+        Vec3::new(
+            x,
+            0.08 + lift,
+            (-half - back + 0.06) + (2.0 * half - 0.06) * (ease + 0.04 * (TAU * t).sin()),
+        )
     }
 
     fn pose(&self, phase: f32) -> Pose {

@@ -1,7 +1,7 @@
 //! Periodic curves: a gait resampled to the clip's phases, and small filters over the cycle.
 
 use super::super::{CLIP_FRAMES, Error};
-use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
+use crate::gait::{Gait, Joint, Pose};
 use glam::Vec3;
 
 /// Checks a gait and samples it at the clip's phases (periodic Catmull-Rom between its frames).

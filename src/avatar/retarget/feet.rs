@@ -4,7 +4,7 @@
 //! it lands on its heel and leaves over its toe, each of which stands still while it is the pivot. During swing
 //! the ankle follows the gait, corrected by a cubic so that it meets both ends of the stance.
 
-use super::cycle::{at_phase, hermite};
+use super::cycle::{at_phase, hermite, smooth_above};
 use super::rig::Sole;
 use crate::gait::{Joint, Pose};
 use glam::{Quat, Vec3};
@@ -16,6 +16,9 @@ const FLAT: [f32; 2] = [0.16, 0.64];
 /// Toe lift at the strike and heel rise at toe-off of a usual stride (ours), radians.
 const STRIKE_PITCH: f32 = 0.28;
 const LEAVE_PITCH: f32 = -0.62;
+
+/// Most heel rise for the sake of reach, radians.
+const MOST_RISE: f32 = 0.8;
 
 /// Travel per cycle over leg length of a usual walk, for which the two pitches hold.
 const USUAL_STRIDE: f32 = 1.55;
@@ -80,6 +83,12 @@ pub(super) struct FootPlan<'a> {
     /// Added to the scaled gait's x, m (hips of another width).
     pub(super) shift: f32,
     pub(super) sole: Sole,
+    /// How far the whole stance is moved back so that the leg reaches the strike, m.
+    pub(super) set_back: f32,
+    /// Leg length of the avatar, m.
+    pub(super) leg: f32,
+    /// Further heel rise per frame of the clip, radians (see [`Self::rise_to_reach`]); empty for none.
+    pub(super) rise: Vec<f32>,
 }
 
 /// Ankle position and foot pitch (toe up is positive, radians).
@@ -126,14 +135,64 @@ impl FootPlan<'_> {
             mean += self.follow(self.stance.strike + at) + Vec3::Z * self.travel * (at - middle);
         }
         mean /= SAMPLES as f32;
-        Vec3::new(mean.x, self.ankle[1], mean.z - self.travel * (u - middle))
+        Vec3::new(mean.x, self.ankle[1], mean.z - self.set_back - self.travel * (u - middle))
     }
 
     fn stance_pitch(&self, u: f32) -> f32 {
         let t = u / self.stance.share;
         let vigour = (self.relative_stride / USUAL_STRIDE).clamp(0.0, 1.25);
         let rise = ((t - FLAT[1]) / (1.0 - FLAT[1])).clamp(0.0, 1.0);
-        vigour * (STRIKE_PITCH * (1.0 - ease(t / FLAT[0])) + LEAVE_PITCH * rise * rise)
+        let pitch = vigour * (STRIKE_PITCH * (1.0 - ease(t / FLAT[0])) + LEAVE_PITCH * rise * rise);
+        let Some(count) = Some(self.rise.len()).filter(|&count| count > 0) else { return pitch };
+        let at = (self.stance.strike + u).rem_euclid(1.0) * count as f32;
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 <= at <= count, taken modulo count"
+        )]
+        let first = at as usize % count;
+        let (a, b) = (self.rise[first], self.rise[(first + 1) % count]);
+        // The more of the two rises: the profile's, or what the leg needs.
+        pitch.max(0.0) - (-pitch).max(0.0).max(a + (b - a) * at.fract())
+    }
+
+    /// How far the foot strikes out of reach of a hip that may dip a little, m; `hips` per frame of the clip.
+    pub(super) fn strikes_beyond(&self, hips: &[Vec3], reach: f32) -> f32 {
+        const DIP: f32 = 0.025;
+        let ankle = self.standing(0.0).ankle;
+        let nearest = |frame: &usize| {
+            let apart = (*frame as f32 / hips.len() as f32 - self.stance.strike).rem_euclid(1.0);
+            (apart.min(1.0 - apart) * 1e4).round()
+        };
+        let frame = (0..hips.len()).min_by(|a, b| nearest(a).total_cmp(&nearest(b))).unwrap_or(0);
+        let hip = hips[frame];
+        let (height, aside) = (hip.y - DIP * self.leg - ankle.y, hip.x - ankle.x);
+        let ahead = (reach * reach - height * height - aside * aside).max(0.0).sqrt();
+        (ankle.z - hip.z - ahead).clamp(0.0, 0.4 * self.travel * self.stance.share)
+    }
+
+    /// Makes the heel rise as early and as far as the leg needs to reach its foot behind it, so that the hips
+    /// need not drop. `hips`: the hip joint per frame of the clip; `reach`: the leg's greatest length, m.
+    pub(super) fn rise_to_reach(&mut self, hips: &[Vec3], reach: f32) {
+        let count = hips.len();
+        let mut rise = vec![0.0; count];
+        for (frame, (rise, hip)) in rise.iter_mut().zip(hips).enumerate() {
+            let u = (frame as f32 / count as f32 - self.stance.strike).rem_euclid(1.0);
+            let flat = self.planted(u);
+            let behind = u > 0.4 * self.stance.share && u < self.stance.share + 0.08;
+            let short =
+                |pitch: f32| (flat + self.sole.toe - pitched(pitch) * self.sole.toe).distance(*hip) > reach;
+            if !behind || flat.z > hip.z || !short(0.0) {
+                continue;
+            }
+            let (mut low, mut high) = (0.0, MOST_RISE);
+            for _ in 0..12 {
+                let middle = 0.5 * (low + high);
+                if short(-middle) { low = middle } else { high = middle }
+            }
+            *rise = high;
+        }
+        self.rise = smooth_above(&rise);
     }
 
     fn standing(&self, u: f32) -> FootTarget {
@@ -167,9 +226,11 @@ impl FootPlan<'_> {
         // Neither toe nor heel may touch the ground on the way.
         let turn = pitched(pitch);
         let lowest = (turn * self.sole.heel).y.min((turn * self.sole.toe).y);
-        let clearance = 0.022 * self.scale * (PI * t).sin();
-        let rounding = 0.02 * self.scale * (PI * t).sin();
-        ankle.y = soft_max(ankle.y, clearance - lowest, rounding.max(0.0));
+        // A foot leaves and meets the ground steeply: what is low must not move along it.
+        let arch = (PI * t).sin().max(0.0);
+        let clearance = 0.032 * self.leg * arch.powf(0.6);
+        let rounding = 0.02 * self.leg * arch;
+        ankle.y = soft_max(ankle.y, clearance - lowest, rounding);
         FootTarget { ankle, pitch }
     }
 

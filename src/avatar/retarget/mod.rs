@@ -39,6 +39,13 @@ struct Posture {
     hips: Vec3,
 }
 
+impl Posture {
+    /// Where a hip joint is, m.
+    fn hip(&self, rig: &Rig, joint: Joint) -> Vec3 {
+        self.hips + self.pelvis * (rig.at(joint) - rig.hips())
+    }
+}
+
 /// Puts a gait onto an avatar.
 ///
 /// Left and right, phase 0 and cycle time stay; metres are scaled by leg length, so [`Clip::speed`] differs from
@@ -61,7 +68,7 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
     let stances = feet.map(|foot| feet::stance(&poses, foot, gait.stride_travel()));
     let gait_ankle = feet::ankle_height(&poses, [(feet[0], stances[0]), (feet[1], stances[1])]);
     let gait_hips = [Joint::LeftHip, Joint::RightHip].map(|hip| cycle::mean(&poses, hip));
-    let plans = [0, 1].map(|side| {
+    let mut plans = [0, 1].map(|side| {
         let hip = rig.legs[side].chain[0];
         FootPlan {
             poses: &poses,
@@ -73,6 +80,9 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
             ankle: [gait_ankle, rig.at(feet[side]).y],
             shift: rig.at(hip).x - gait_hips[side].x * scale,
             sole: rig.soles[side],
+            set_back: 0.0,
+            leg: rig.leg_length(),
+            rise: Vec::new(),
         }
     });
     let ankle = 0.5 * (rig.at(feet[0]).y + rig.at(feet[1]).y);
@@ -85,6 +95,16 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
             })
         })
         .collect();
+    let hips = [0, 1].map(|side| -> Vec<Vec3> {
+        postures.iter().map(|body| body.hip(&rig, rig.legs[side].chain[0])).collect()
+    });
+    let reach = [0, 1].map(|side| REACH * rig.legs[side].reach());
+    // Both feet alike, or the walk would limp.
+    let set_back = [0, 1].map(|side| plans[side].strikes_beyond(&hips[side], reach[side]));
+    for side in 0..2 {
+        plans[side].set_back = set_back[0].max(set_back[1]);
+        plans[side].rise_to_reach(&hips[side], reach[side]);
+    }
     let targets: Vec<[FootTarget; 2]> = (0..CLIP_FRAMES)
         .map(|frame| frame as f32 / CLIP_FRAMES as f32)
         .map(|phase| [plans[0].at(phase), plans[1].at(phase)])
@@ -260,8 +280,7 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
 fn overreach(rig: &Rig, body: &Posture, feet: &[FootTarget; 2]) -> f32 {
     let excess = |side: usize| {
         let leg = &rig.legs[side];
-        let hip = body.hips + body.pelvis * (rig.at(leg.chain[0]) - rig.hips());
-        let away = hip - feet[side].ankle;
+        let away = body.hip(rig, leg.chain[0]) - feet[side].ankle;
         let longest = REACH * leg.reach();
         let flat = away.x * away.x + away.z * away.z;
         away.y - (longest * longest - flat).max(0.25 * longest * longest).sqrt()
