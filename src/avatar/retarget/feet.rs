@@ -96,6 +96,8 @@ pub(super) struct FootPlan<'a> {
 pub(super) struct FootTarget {
     pub(super) ankle: Vec3,
     pub(super) pitch: f32,
+    /// On the ground; a swinging foot may fall short of its target, a planted one may not.
+    pub(super) planted: bool,
 }
 
 /// Turn of a foot by `pitch`, toe up.
@@ -175,6 +177,18 @@ impl FootPlan<'_> {
     /// need not drop. `hips`: the hip joint per frame of the clip; `reach`: the leg's greatest length, m.
     pub(super) fn rise_to_reach(&mut self, hips: &[Vec3], reach: f32) {
         let count = hips.len();
+        // The foot leaves the ground early when even a raised heel does not help; a walk keeps its double support.
+        let unreachable = |u: f32| {
+            let at = (self.stance.strike + u).rem_euclid(1.0) * count as f32;
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 <= at <= count")]
+            let hip = hips[at as usize % count];
+            let ankle = self.planted(u) + self.sole.toe - pitched(-0.8 * MOST_RISE) * self.sole.toe;
+            ankle.z < hip.z && ankle.distance(hip) > reach
+        };
+        let share = self.stance.share;
+        let earliest = share.min(0.53);
+        let steps = (0..16_u8).map(|k| earliest + (share - earliest) * f32::from(k) / 16.0);
+        self.stance.share = steps.into_iter().find(|&u| unreachable(u)).unwrap_or(share);
         let mut rise = vec![0.0; count];
         for (frame, (rise, hip)) in rise.iter_mut().zip(hips).enumerate() {
             let u = (frame as f32 / count as f32 - self.stance.strike).rem_euclid(1.0);
@@ -198,7 +212,7 @@ impl FootPlan<'_> {
     fn standing(&self, u: f32) -> FootTarget {
         let pitch = self.stance_pitch(u);
         let pivot = if pitch > 0.0 { self.sole.heel } else { self.sole.toe };
-        FootTarget { ankle: self.planted(u) + pivot - pitched(pitch) * pivot, pitch }
+        FootTarget { ankle: self.planted(u) + pivot - pitched(pitch) * pivot, pitch, planted: true }
     }
 
     fn swinging(&self, u: f32) -> FootTarget {
@@ -210,15 +224,17 @@ impl FootPlan<'_> {
         // Slopes just inside the stance, per cycle.
         let slope = |a: FootTarget, b: FootTarget| ((b.ankle - a.ankle) / STEP, (b.pitch - a.pitch) / STEP);
         let (leave_slope, pitch_slope) = slope(self.standing(share - STEP), leave);
+        // A foot that is off the ground starts forward at once, it does not drift on with the ground.
+        let leave_slope = leave_slope.with_z(leave_slope.z.max(-0.7 * self.travel));
         let (land_slope, _) = slope(land, self.standing(STEP));
-        let follow_slope =
-            |phase: f32| (self.follow(phase + STEP) - self.follow(phase - STEP)) / (2.0 * STEP);
+        // One-sided, from within the swing: captured feet stop abruptly.
+        let follow_slope = |a: f32, b: f32| (self.follow(b) - self.follow(a)) / (b - a);
         let (start, end) = (strike + share, strike);
         let correction = hermite(
             leave.ankle - self.follow(start),
-            (leave_slope - follow_slope(start)) * length,
+            (leave_slope - follow_slope(start, start + 4.0 * STEP)) * length,
             land.ankle - self.follow(end),
-            (land_slope - follow_slope(end)) * length,
+            (land_slope - follow_slope(end - 4.0 * STEP, end)) * length,
             t,
         );
         let pitch = hermite(leave.pitch, 0.5 * pitch_slope * length, land.pitch, 0.0, t);
@@ -228,10 +244,10 @@ impl FootPlan<'_> {
         let lowest = (turn * self.sole.heel).y.min((turn * self.sole.toe).y);
         // A foot leaves and meets the ground steeply: what is low must not move along it.
         let arch = (PI * t).sin().max(0.0);
-        let clearance = 0.032 * self.leg * arch.powf(0.6);
+        let clearance = 0.034 * self.leg * arch.powf(0.6);
         let rounding = 0.02 * self.leg * arch;
         ankle.y = soft_max(ankle.y, clearance - lowest, rounding);
-        FootTarget { ankle, pitch }
+        FootTarget { ankle, pitch, planted: false }
     }
 
     /// Where the foot is at `phase`.

@@ -132,7 +132,7 @@ fn stand(rig: &Rig) -> Vec<ClipFrame> {
     let feet = [0, 1].map(|side| {
         let [hip, _, foot] = rig.legs[side].chain.map(|joint| rig.at(joint));
         // Feet under the hips, whatever the rest pose does with the legs.
-        FootTarget { ankle: Vec3::new(hip.x, foot.y, hips.z), pitch: 0.0 }
+        FootTarget { ankle: Vec3::new(hip.x, foot.y, hips.z), pitch: 0.0, planted: true }
     });
     let height = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) + 0.994 * size;
     let spread = [0, 1].map(|side| {
@@ -279,6 +279,9 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
 /// How far the hips stand too high for a leg to reach its foot, m.
 fn overreach(rig: &Rig, body: &Posture, feet: &[FootTarget; 2]) -> f32 {
     let excess = |side: usize| {
+        if !feet[side].planted {
+            return 0.0;
+        }
         let leg = &rig.legs[side];
         let away = body.hip(rig, leg.chain[0]) - feet[side].ankle;
         let longest = REACH * leg.reach();
