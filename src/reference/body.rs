@@ -1,6 +1,6 @@
 //! Twin of `shaders/shared/body.wgsl` and `rig.wgsl`: how bodies lie in the flat buffers.
 
-use crate::avatar::CLIP_FRAMES;
+use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, Vertex};
 use crate::gait::JOINT_COUNT;
 
 /// Elements of a pose in `clip_frames` and `local_rotations`: 16 local rotations, then the root's position.
@@ -44,4 +44,35 @@ pub fn joint_translation(rig: &[[f32; 4]], avatar: usize, joint: usize) -> [f32;
 pub fn joint_forward(rig: &[[f32; 4]], avatar: usize, joint: usize) -> [f32; 3] {
     let at = avatar * RIG_STRIDE + joint * 4;
     [rig[at + 1][2], rig[at + 2][2], rig[at + 3][2]]
+}
+
+/// An avatar as it lies in `rig`.
+pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
+    let mut rig = [[0.0; 4]; RIG_STRIDE];
+    for (joint, rest) in avatar.joints.iter().enumerate() {
+        rig[joint * 4] = rest.translation.extend(0.0).to_array();
+        for axis in 0..3 {
+            rig[joint * 4 + 1 + axis] = rest.joint_from_mesh.row(axis).to_array();
+        }
+    }
+    rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
+    rig
+}
+
+/// A frame of a clip as it lies in `clip_frames`.
+pub fn clip_elements(frame: &ClipFrame) -> [[f32; 4]; POSE_STRIDE] {
+    std::array::from_fn(|element| match frame.rotations.get(element) {
+        Some(rotation) => rotation.to_array(),
+        None => frame.root.extend(0.0).to_array(),
+    })
+}
+
+/// A vertex as it lies in `mesh_vertices`.
+pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
+        vertex.weights,
+        vertex.color.extend(0.0).to_array(),
+    ]
 }

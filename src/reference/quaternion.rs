@@ -163,7 +163,8 @@ mod tests {
     #[test]
     fn yaw_turns_left_and_pitch_lowers_the_chin() {
         let face = quat_rotate(quat_yaw_pitch(0.5, 0.25), [0.0, 0.0, 1.0]);
-        let want = Vec3::new(0.5_f32.sin() * 0.25_f32.cos(), -(0.25_f32.sin()), 0.5_f32.cos() * 0.25_f32.cos());
+        let want =
+            Vec3::new(0.5_f32.sin() * 0.25_f32.cos(), -(0.25_f32.sin()), 0.5_f32.cos() * 0.25_f32.cos());
         assert!((Vec3::from(face) - want).length() < 1e-6);
     }
 

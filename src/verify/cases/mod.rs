@@ -1,0 +1,3 @@
+//! Inputs for the kernels, plausible ones and hard ones, each from a seed.
+
+pub mod animation;

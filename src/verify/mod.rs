@@ -1,0 +1,3 @@
+//! Runs every kernel against its CPU twin.
+
+pub mod cases;
