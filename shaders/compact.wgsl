@@ -12,7 +12,6 @@
 //   5 (run):    writes `visible`.
 // dispatch_args: 3 words of groups for kernels of one invocation per visible agent (64 a group), then 3 words per
 // avatar for `skin`: x covers the vertices of its level 0, y its near agents.
-const KERNEL: u32 = 0u; // KernelId::Compact
 const RUN: u32 = 64u;
 const COLUMNS: u32 = 16u;    // columns of a row of bucket_counts, the most buckets there can be
 const MOST_GROUPS: u32 = 65535u; // along one axis, on every device
@@ -76,7 +75,7 @@ fn apply_capacities(run: u32) {
         seen++;
         if is_last || (demoted && frame.level_count == 1u) {
             agent_bucket[agent] = NONE;
-            atomicMin(&failure[KERNEL], agent);
+            atomicMin(&failure[KERNEL_ID], agent);
             continue;
         }
         if demoted {

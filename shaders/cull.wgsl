@@ -3,7 +3,6 @@
 // An upright capsule of agent_height and agent_radius, times the agent's scale, is tested against the frusta;
 // the level follows from the camera's distance to its middle. `compact` turns the buckets into lists.
 // All inputs of the animation kernels are judged here: an agent with an impossible one is not drawn and reported.
-const KERNEL: u32 = 1u; // KernelId::Cull
 const HEADING_LIMIT: f32 = 10000.0; // rad; beyond it a float has no direction left
 const SCALE_LIMIT: f32 = 100.0;
 const WEIGHT_LIMIT: f32 = 1000000.0;
@@ -57,7 +56,7 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     let scale = bitcast<f32>(info.y);
     agent_bucket[agent] = NONE;
     if !is_usable(agent, avatar, scale) {
-        atomicMin(&failure[KERNEL], agent);
+        atomicMin(&failure[KERNEL_ID], agent);
         return;
     }
     let at = position[agent];

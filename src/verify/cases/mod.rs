@@ -1,3 +1,2 @@
-//! Inputs for the kernels, plausible ones and hard ones, each from a seed.
-
+//! Inputs for the kernels: plausible ones and the hard ones, from a seed.
 pub mod animation;
