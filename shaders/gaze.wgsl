@@ -65,7 +65,7 @@ fn within_flexion(flexion: f32) -> f32 {
 
 // Turns a face that looks along (yaw, 0) to look along (yaw + turn, pitch), about up and its own left.
 fn face_turn(yaw: f32, turn: f32, pitch: f32) -> vec4<f32> {
-    return quat_mul(quat_yaw_pitch(yaw + turn, pitch), quat_yaw_pitch(-yaw, 0.0));
+    return quat_after_yaw(quat_yaw_pitch(yaw + turn, pitch), -yaw);
 }
 
 // Critically damped spring over `time`, exact for a resting target: (value, rate), rate and step limited.

@@ -21,7 +21,7 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
     let avatar = look[agent].x & 255u;
     let scale = bitcast<f32>(look[agent].y);
     let at = position[agent];
-    let heading = quat_yaw_pitch(stance[agent].x, 0.0);
+    let heading = stance[agent].x;
 
     var rotations = array<vec4<f32>, 16>(); // world_from_joint
     var origins = array<vec3<f32>, 16>();   // of the joints, world, m
@@ -29,8 +29,9 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let local = local_rotations[slot * POSE_STRIDE + joint];
         if joint == 0u {
             let root = local_rotations[slot * POSE_STRIDE + JOINTS].xyz;
-            rotations[0] = quat_mul(heading, local);
-            origins[0] = vec3<f32>(at.x, 0.0, at.y) + quat_rotate(heading, root) * scale;
+            rotations[0] = quat_before_yaw(heading, local);
+            let turned = turn_left(exact_sin_cos(heading), root) * scale;
+            origins[0] = vec3<f32>(at.x + turned.x, turned.y, at.y + turned.z);
         } else {
             let parent = parents[joint];
             let arm = quat_rotate(rotations[parent], joint_translation(avatar, joint));
@@ -47,8 +48,11 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let bind_y = rig[bind + 1u];
         let bind_z = rig[bind + 2u];
         let out = slot * PALETTE_STRIDE + joint * 3u;
-        palettes[out] = bind_x * row_x.x + bind_y * row_x.y + bind_z * row_x.z + vec4<f32>(0.0, 0.0, 0.0, o.x);
-        palettes[out + 1u] = bind_x * row_y.x + bind_y * row_y.y + bind_z * row_y.z + vec4<f32>(0.0, 0.0, 0.0, o.y);
-        palettes[out + 2u] = bind_x * row_z.x + bind_y * row_z.y + bind_z * row_z.z + vec4<f32>(0.0, 0.0, 0.0, o.z);
+        let turned_x = bind_x * row_x.x + bind_y * row_x.y + bind_z * row_x.z;
+        palettes[out] = vec4<f32>(turned_x.xyz, turned_x.w + o.x);
+        let turned_y = bind_x * row_y.x + bind_y * row_y.y + bind_z * row_y.z;
+        palettes[out + 1u] = vec4<f32>(turned_y.xyz, turned_y.w + o.y);
+        let turned_z = bind_x * row_z.x + bind_y * row_z.y + bind_z * row_z.z;
+        palettes[out + 2u] = vec4<f32>(turned_z.xyz, turned_z.w + o.z);
     }
 }

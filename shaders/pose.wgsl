@@ -40,18 +40,20 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var element = 0u; element < POSE_STRIDE; element++) {
         let is_root = element == JOINTS; // the last element is a position
         var blend = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        var is_first = true;
         for (var i = 0u; i < SAMPLES; i++) {
             let share = shares[i];
             if share > 0.0 {
                 let clip = min(ids[i], frame.clip_count - 1u) * CLIP_FRAMES;
                 let a = clip_frames[(clip + frame_a) * POSE_STRIDE + element];
                 let b = clip_frames[(clip + frame_b) * POSE_STRIDE + element];
-                if is_root {
-                    blend = blend + (a + (b - a) * t) * share;
-                } else {
+                var sample = a + (b - a) * t;
+                if !is_root {
                     let q = quat_normalize(quat_lerp(a, b, t));
-                    blend = blend + select(q, -q, dot4(blend, q) < 0.0) * share;
+                    sample = select(q, -q, !is_first && dot4(blend, q) < 0.0);
                 }
+                blend = select(blend + sample * share, sample * share, is_first);
+                is_first = false;
             }
         }
         local_rotations[slot * POSE_STRIDE + element] = select(quat_normalize(blend), blend, is_root);

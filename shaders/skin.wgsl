@@ -34,10 +34,11 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let weights = mesh_vertices[source + 2u];
     let joints = bitcast<u32>(normal_joints.w);
     let matrices = (bucket_start[bucket] + id.y) * PALETTE_STRIDE;
-    var row_x = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-    var row_y = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-    var row_z = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-    for (var i = 0u; i < 4u; i++) {
+    let first_joint = matrices + (joints & (JOINTS - 1u)) * 3u;
+    var row_x = palettes[first_joint] * weights.x;
+    var row_y = palettes[first_joint + 1u] * weights.x;
+    var row_z = palettes[first_joint + 2u] * weights.x;
+    for (var i = 1u; i < 4u; i++) {
         let joint = (joints >> (8u * i)) & (JOINTS - 1u);
         let weight = weights[i];
         row_x = row_x + palettes[matrices + joint * 3u] * weight;

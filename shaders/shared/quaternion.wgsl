@@ -1,6 +1,7 @@
 // uses: exact
 // Vectors and quaternions (x, y, z, w), every sum written out from left to right. Twin: reference::quaternion.
-// A quaternion `b_from_a` turns vectors of frame a into frame b; products read right to left.
+// A quaternion `b_from_a` turns vectors of frame a into frame b; products read right to left. Nothing is added to or
+// multiplied with a constant zero: devices may drop that, which changes the sign of a zero.
 
 // x kept in [low, high]; unlike clamp the same on every device, signed zeros included.
 fn limit(x: f32, low: f32, high: f32) -> f32 {
@@ -61,6 +62,23 @@ fn quat_yaw_pitch(yaw: f32, pitch: f32) -> vec4<f32> {
     let y = exact_sin_cos(yaw * 0.5);
     let x = exact_sin_cos(pitch * 0.5);
     return vec4<f32>(y.y * x.x, y.x * x.y, -(y.x * x.x), y.y * x.y);
+}
+
+// A vector turned to the left about y by the angle of (sine, cosine).
+fn turn_left(turn: vec2<f32>, v: vec3<f32>) -> vec3<f32> {
+    return vec3<f32>(turn.y * v.x + turn.x * v.z, v.y, turn.y * v.z - turn.x * v.x);
+}
+
+// q, then turned to the left about y by `yaw` radians.
+fn quat_before_yaw(yaw: f32, q: vec4<f32>) -> vec4<f32> {
+    let t = exact_sin_cos(yaw * 0.5);
+    return vec4<f32>(t.y * q.x + t.x * q.z, t.y * q.y + t.x * q.w, t.y * q.z - t.x * q.x, t.y * q.w - t.x * q.y);
+}
+
+// Turned to the left about y by `yaw` radians, then q.
+fn quat_after_yaw(q: vec4<f32>, yaw: f32) -> vec4<f32> {
+    let t = exact_sin_cos(yaw * 0.5);
+    return vec4<f32>(q.x * t.y - q.z * t.x, q.y * t.y + q.w * t.x, q.z * t.y + q.x * t.x, q.w * t.y - q.y * t.x);
 }
 
 // The rotation of a matrix given by rows, which may carry one scale for all axes.

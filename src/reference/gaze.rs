@@ -5,7 +5,7 @@ use super::body::{
 };
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
-    add3, limit, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
+    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
     xyz,
 };
 use crate::gait::{JOINT_COUNT, Joint};
@@ -79,7 +79,7 @@ fn within_flexion(flexion: f32) -> f32 {
 }
 
 fn face_turn(yaw: f32, turn: f32, pitch: f32) -> [f32; 4] {
-    quat_mul(quat_yaw_pitch(yaw + turn, pitch), quat_yaw_pitch(-yaw, 0.0))
+    quat_after_yaw(quat_yaw_pitch(yaw + turn, pitch), -yaw)
 }
 
 /// Critically damped spring over `time`, exact for a resting target: (value, rate), rate and step limited.

@@ -1,7 +1,8 @@
 //! Forward kinematics in the world and the matrices for skinning.
 
 use super::body::{PALETTE_STRIDE, POSE_STRIDE, RIG_STRIDE, joint_translation, visible_agents};
-use super::quaternion::{add3, add4, quat_mul, quat_rotate, quat_yaw_pitch, scale3, scale4, xyz};
+use super::exact::sin_cos;
+use super::quaternion::{add3, add4, quat_before_yaw, quat_mul, quat_rotate, scale3, scale4, turn_left, xyz};
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::palette::Slices;
 use rayon::prelude::*;
@@ -15,15 +16,16 @@ pub fn palette(b: Slices<'_>) {
         let avatar = (look[agent][0] & 255) as usize;
         let scale = f32::from_bits(look[agent][1]);
         let [x, z] = position[agent];
-        let heading = quat_yaw_pitch(stance[agent][0], 0.0);
+        let heading = stance[agent][0];
 
         let mut rotations = [[0.0; 4]; JOINT_COUNT];
         let mut origins = [[0.0; 3]; JOINT_COUNT];
         for joint in 0..JOINT_COUNT {
             if joint == 0 {
                 let root = xyz(pose[JOINT_COUNT]);
-                rotations[0] = quat_mul(heading, pose[0]);
-                origins[0] = add3([x, 0.0, z], scale3(quat_rotate(heading, root), scale));
+                rotations[0] = quat_before_yaw(heading, pose[0]);
+                let turned = scale3(turn_left(sin_cos(heading), root), scale);
+                origins[0] = [x + turned[0], turned[1], z + turned[2]];
             } else {
                 let parent = Joint::PARENT[joint];
                 let arm = quat_rotate(rotations[parent], joint_translation(rig, avatar, joint));
@@ -34,11 +36,10 @@ pub fn palette(b: Slices<'_>) {
             let bind = avatar * RIG_STRIDE + joint * 4 + 1;
             for axis in 0..3 {
                 let [mx, my, mz] = rows[axis];
-                let turned = add4(
-                    add4(scale4(rig[bind], mx), scale4(rig[bind + 1], my)),
-                    scale4(rig[bind + 2], mz),
-                );
-                palette[joint * 3 + axis] = add4(turned, [0.0, 0.0, 0.0, origins[joint][axis]]);
+                let turned = add4(scale4(rig[bind], mx), scale4(rig[bind + 1], my));
+                let mut row = add4(turned, scale4(rig[bind + 2], mz));
+                row[3] += origins[joint][axis];
+                palette[joint * 3 + axis] = row;
             }
         }
     });

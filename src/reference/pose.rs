@@ -29,18 +29,20 @@ pub fn pose(b: Slices<'_>) {
         for (element, out) in pose.iter_mut().enumerate() {
             let is_root = element == POSE_STRIDE - 1;
             let mut blend = [0.0; 4];
+            let mut is_first = true;
             for (id, share) in ids.into_iter().zip(shares) {
                 if share > 0.0 {
                     let clip = id.min(frame.clip_count - 1) as usize * CLIP_STRIDE + element;
                     let from = clip_frames[clip + frame_a * POSE_STRIDE];
                     let to = clip_frames[clip + frame_b * POSE_STRIDE];
-                    if is_root {
-                        blend = add4(blend, scale4(lerp4(from, to, t), share));
-                    } else {
+                    let mut sample = lerp4(from, to, t);
+                    if !is_root {
                         let q = quat_normalize(quat_lerp(from, to, t));
-                        let aligned = if dot4(blend, q) < 0.0 { negate4(q) } else { q };
-                        blend = add4(blend, scale4(aligned, share));
+                        sample = if !is_first && dot4(blend, q) < 0.0 { negate4(q) } else { q };
                     }
+                    let part = scale4(sample, share);
+                    blend = if is_first { part } else { add4(blend, part) };
+                    is_first = false;
                 }
             }
             *out = if is_root { blend } else { quat_normalize(blend) };

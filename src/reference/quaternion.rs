@@ -115,6 +115,23 @@ pub fn quat_yaw_pitch(yaw: f32, pitch: f32) -> [f32; 4] {
     [yc * xs, ys * xc, -(ys * xs), yc * xc]
 }
 
+/// A vector turned to the left about y by the angle of (sine, cosine).
+pub fn turn_left([s, c]: [f32; 2], v: [f32; 3]) -> [f32; 3] {
+    [c * v[0] + s * v[2], v[1], c * v[2] - s * v[0]]
+}
+
+/// q, then turned to the left about y by `yaw` radians.
+pub fn quat_before_yaw(yaw: f32, q: [f32; 4]) -> [f32; 4] {
+    let [s, c] = sin_cos(yaw * 0.5);
+    [c * q[0] + s * q[2], c * q[1] + s * q[3], c * q[2] - s * q[0], c * q[3] - s * q[1]]
+}
+
+/// Turned to the left about y by `yaw` radians, then q.
+pub fn quat_after_yaw(q: [f32; 4], yaw: f32) -> [f32; 4] {
+    let [s, c] = sin_cos(yaw * 0.5);
+    [q[0] * c - q[2] * s, q[1] * c + q[3] * s, q[2] * c + q[0] * s, q[3] * c - q[1] * s]
+}
+
 /// The rotation of a matrix given by rows, which may carry one scale for all axes.
 pub fn quat_from_rows(row_x: [f32; 3], row_y: [f32; 3], row_z: [f32; 3]) -> [f32; 4] {
     let square = dot3(row_x, row_x);
@@ -154,6 +171,10 @@ mod tests {
             let v = Vec3::new(1.0, -2.0, 0.5);
             assert!(Quat::from_array(quat_mul(a.to_array(), b.to_array())).dot(a * b).abs() > 0.999_999);
             assert!((Vec3::from(quat_rotate(a.to_array(), v.to_array())) - a * v).length() < 2e-6);
+            let yaw = Quat::from_rotation_y(0.7);
+            assert!(Quat::from_array(quat_before_yaw(0.7, a.to_array())).dot(yaw * a).abs() > 0.999_999);
+            assert!(Quat::from_array(quat_after_yaw(a.to_array(), 0.7)).dot(a * yaw).abs() > 0.999_999);
+            assert!((Vec3::from(turn_left(sin_cos(0.7), v.to_array())) - yaw * v).length() < 2e-6);
             let m = Mat3::from_quat(a) * 3.0;
             let rows = [m.row(0), m.row(1), m.row(2)].map(|row| row.to_array());
             assert!(Quat::from_array(quat_from_rows(rows[0], rows[1], rows[2])).dot(a).abs() > 0.999_999);

@@ -36,11 +36,14 @@ fn row_at(row: [f32; 4], p: [f32; 3]) -> f32 {
 
 fn skin_vertex(source: &[[f32; 4]], matrices: &[[f32; 4]]) -> ([f32; 4], [f32; 4]) {
     let joints = source[1][3].to_bits();
-    let mut rows = [[0.0; 4]; 3];
-    for (i, weight) in source[2].into_iter().enumerate() {
+    let of_joint = |i: usize| {
         let joint = (joints >> (8 * i)) as usize & (JOINT_COUNT - 1);
-        for (row, of_joint) in rows.iter_mut().zip(&matrices[joint * 3..joint * 3 + 3]) {
-            *row = add4(*row, scale4(*of_joint, weight));
+        [0, 1, 2].map(|axis| scale4(matrices[joint * 3 + axis], source[2][i]))
+    };
+    let mut rows = of_joint(0);
+    for i in 1..4 {
+        for (row, part) in rows.iter_mut().zip(of_joint(i)) {
+            *row = add4(*row, part);
         }
     }
     let n = xyz(source[1]);
