@@ -21,6 +21,7 @@ const ROTATION_LIMIT: f32 = 1.2217305;    // 70 degrees from the torso (A-17)
 const FLEXION_LIMIT: f32 = 0.7853982;     // 45 degrees (A-17)
 const EXTENSION_LIMIT: f32 = 0.7853982;   // 45 degrees (A-17)
 const TOO_CLOSE: f32 = 0.01;              // m: nearer on the ground than this, a direction means nothing (spec 1.8)
+const INSIDE: f32 = 0.25;                 // m, ours: the same for natural mode, the user stands in the agent's head
 const RANGE: f32 = 8.0;                   // m, spec 1.8 r_gaze
 const RANGE_HYSTERESIS: f32 = 0.5;        // m, ours
 const HALF_FIELD: f32 = 1.5707964;        // 90 degrees, spec 1.8 fov / 2
@@ -118,7 +119,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let is_fresh = (gaze_frame[agent] & VALID) != 0u && age <= 1u;
     let was_engaged = is_fresh && (gaze_frame[agent] & ENGAGED) != 0u;
     let old = gaze_state[agent];
-    let is_too_close = ground * scale < TOO_CLOSE;
+    let is_too_close = ground * scale < select(TOO_CLOSE, INSIDE, frame.gaze_mode == NATURAL);
 
     if frame.gaze_mode != NATURAL {
         if emotion > SAD {

@@ -28,6 +28,8 @@ pub const FLEXION_LIMIT: f32 = 0.785_398_2;
 pub const EXTENSION_LIMIT: f32 = 0.785_398_2;
 /// Nearer on the ground than this, a direction means nothing, m.
 pub const TOO_CLOSE: f32 = 0.01;
+/// The same for natural mode: the user stands in the agent's head, m.
+pub const INSIDE: f32 = 0.25;
 /// Farther than this nobody is gazed at, m.
 pub const RANGE: f32 = 8.0;
 /// Added to [`RANGE`] while gazing, m.
@@ -152,7 +154,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let is_fresh = memory & VALID != 0 && age <= 1;
     let was_engaged = is_fresh && memory & ENGAGED != 0;
     let old = b.gaze_state[agent];
-    let is_too_close = ground * scale < TOO_CLOSE;
+    let is_too_close = ground * scale < if b.frame.gaze_mode == NATURAL { INSIDE } else { TOO_CLOSE };
 
     let body = Body {
         avatar,
