@@ -11,7 +11,7 @@ const SCALE_LIMIT: f32 = 100.0;
 const WEIGHT_LIMIT: f32 = 1_000_000.0;
 
 fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
-    weight >= 0.0 && weight < WEIGHT_LIMIT && (weight == 0.0 || clip < clip_count)
+    (0.0..WEIGHT_LIMIT).contains(&weight) && (weight == 0.0 || clip < clip_count)
 }
 
 fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {

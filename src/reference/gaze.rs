@@ -10,6 +10,7 @@ use super::quaternion::{
 };
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::gaze::Slices;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 const NATURAL: u32 = 0;
 const HAPPY: u32 = 0;
@@ -23,9 +24,9 @@ pub const THETA_SAD: f32 = 0.174_532_93;
 /// 70 degrees from the torso.
 pub const ROTATION_LIMIT: f32 = 1.221_730_5;
 /// 45 degrees.
-pub const FLEXION_LIMIT: f32 = 0.785_398_2;
+pub const FLEXION_LIMIT: f32 = FRAC_PI_4;
 /// 45 degrees.
-pub const EXTENSION_LIMIT: f32 = 0.785_398_2;
+pub const EXTENSION_LIMIT: f32 = FRAC_PI_4;
 /// Nearer on the ground than this, a direction means nothing, m.
 pub const TOO_CLOSE: f32 = 0.01;
 /// The same for natural mode: the user stands in the agent's head, m.
@@ -35,11 +36,11 @@ pub const RANGE: f32 = 8.0;
 /// Added to [`RANGE`] while gazing, m.
 pub const RANGE_HYSTERESIS: f32 = 0.5;
 /// Half the field of regard, 90 degrees.
-pub const HALF_FIELD: f32 = 1.570_796_4;
+pub const HALF_FIELD: f32 = FRAC_PI_2;
 /// Added to [`HALF_FIELD`] while gazing, 10 degrees.
 pub const FIELD_HYSTERESIS: f32 = 0.174_532_93;
 /// Fastest turn of the head, 180 degrees/s.
-pub const RATE_LIMIT: f32 = 3.141_592_7;
+pub const RATE_LIMIT: f32 = PI;
 /// Of the critically damped spring, 1/s: 2 / 0.25 s.
 pub const SPRING: f32 = 8.0;
 const SPRING_LOG2: f32 = 11.541_561;

@@ -244,7 +244,7 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     let away = away * away;
     store.position.push([user_eyes.x + away * angle.sin(), user_eyes.z + away * angle.cos()]);
     let walk = [0.0, 1.0, dice.between(0.0, 1.0)][dice.below(3) as usize];
-    store.stance.push([dice.between(-3.14, 3.14), walk]);
+    store.stance.push([dice.between(-3.1, 3.1), walk]);
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), u32::from(dice.below(8) > 0));
     store.look.push([
@@ -306,7 +306,7 @@ const HARD: [Hard; 12] = [
 ];
 
 fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
-    let angry_gazer = Emotion::Angry as u32 * 0x100 | 1 << 16;
+    let angry_gazer = (Emotion::Angry as u32) << 8 | 1 << 16;
     match hard {
         Hard::NotANumber => store.position[agent][1] = f32::NAN,
         Hard::Infinite => store.stance[agent][0] = f32::INFINITY,
