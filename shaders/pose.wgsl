@@ -50,7 +50,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
                 var sample = a + (b - a) * t;
                 if !is_root {
                     let q = quat_normalize(quat_lerp(a, b, t));
-                    sample = select(q, -q, !is_first && dot4(blend, q) < 0.0);
+                    sample = select(q, -q, dot4(blend, q) < 0.0);
                 }
                 blend = select(blend + sample * share, sample * share, is_first);
                 is_first = false;

@@ -229,6 +229,35 @@ fn a_whole_frame_of_one_gait_is_that_frame_and_half_way_lies_between() {
 }
 
 #[test]
+fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
+    let mut store = one_agent();
+    run(&mut store);
+    assert_eq!(visible_agents(&store.visible), [0]);
+    let faults: [fn(&mut Store); 13] = [
+        |s| s.position[0][0] = f32::NAN,
+        |s| s.position[0][1] = f32::INFINITY,
+        |s| s.stance[0][0] = f32::NAN,
+        |s| s.stance[0][0] = 1e9,
+        |s| s.stance[0][1] = f32::NEG_INFINITY,
+        |s| s.look[0][0] = 2, // avatars are 0 and 1
+        |s| s.look[0][1] = f32::NAN.to_bits(),
+        |s| s.look[0][1] = 0,
+        |s| s.look[0][1] = (-1.0_f32).to_bits(),
+        |s| s.gait_weights[0][3] = -0.1,
+        |s| s.gait_weights[0][1] = f32::NAN,
+        |s| s.gaits[0][0] = s.frame.clip_count,
+        |s| s.frame.clip_count = 0,
+    ];
+    for (number, fault) in faults.into_iter().enumerate() {
+        let mut store = one_agent();
+        fault(&mut store);
+        run(&mut store);
+        assert!(visible_agents(&store.visible).is_empty(), "fault {number}");
+        assert_eq!(store.failure[KernelId::Cull as usize], 0, "fault {number}");
+    }
+}
+
+#[test]
 fn without_walk_or_without_weights_an_agent_stands() {
     for (walk, weights) in [(0.0, [1.0, 1.0, 0.0, 0.0]), (1.0, [0.0; 4])] {
         let mut store = one_agent();

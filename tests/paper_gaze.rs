@@ -190,9 +190,18 @@ fn a16_happy_flexion_is_constant_in_paper_mode_and_five_degrees_above_the_user_i
 fn a17_the_neck_turns_at_most_seventy_degrees_and_a_user_behind_is_not_followed() {
     let behind = seen_from_neck(150.0, 2.0, 1.6);
     close(neck_of(standing(Emotion::Angry, PAPER, behind)).1, 70.0);
+    close(neck_of(standing(Emotion::Angry, PAPER, seen_from_neck(-150.0, 2.0, 1.6))).1, -70.0);
+    close(neck_of(standing(Emotion::Angry, PAPER, seen_from_neck(0.0, 0.5, 3.0))).0, -45.0);
     let (flexion, rotation) = neck_of(standing(Emotion::Angry, NATURAL, behind));
     close(flexion, 0.0);
     close(rotation, 0.0);
+    for side in [-1.0, 1.0] {
+        let mut store = standing(Emotion::Angry, NATURAL, seen_from_neck(85.0 * side, 0.6, 0.2));
+        run(&mut store);
+        let (_, face) = eyes_and_face(&store, 0, &avatar(0, 0));
+        close(face.x.atan2(face.z).to_degrees(), 70.0 * side);
+        close((-face.y).asin().to_degrees(), 45.0);
+    }
 }
 
 #[test]
@@ -328,6 +337,18 @@ fn natural_gaze_ends_beyond_eight_metres_and_hands_the_head_back_to_the_gait() {
     // and back in range it starts from where the gait holds the head
     let angles = film(&mut store, 2, |_| seen_from_neck(40.0, 5.0, 1.63));
     assert!(angles[0].1 < 0.1, "snapped to {} rad", angles[0].1);
+}
+
+#[test]
+fn a_gaze_that_missed_a_picture_starts_afresh_at_its_target() {
+    for (missed, starts_at) in [(1, -60.0), (2, 60.0)] {
+        let mut store = standing(Emotion::Angry, NATURAL, Vec3::ZERO);
+        film(&mut store, 1, |_| seen_from_neck(-60.0, 3.0, 1.63));
+        store.frame.frame_index += missed - 1;
+        let angles = film(&mut store, 1, |_| seen_from_neck(60.0, 3.0, 1.63));
+        let degrees = angles[0].1.to_degrees();
+        assert!((degrees - starts_at).abs() < 4.0, "missed {missed}: {degrees} degrees");
+    }
 }
 
 #[test]

@@ -38,7 +38,7 @@ pub fn pose(b: Slices<'_>) {
                     let mut sample = lerp4(from, to, t);
                     if !is_root {
                         let q = quat_normalize(quat_lerp(from, to, t));
-                        sample = if !is_first && dot4(blend, q) < 0.0 { negate4(q) } else { q };
+                        sample = if dot4(blend, q) < 0.0 { negate4(q) } else { q };
                     }
                     let part = scale4(sample, share);
                     blend = if is_first { part } else { add4(blend, part) };
