@@ -19,3 +19,13 @@ pub mod shared;
 use crate::kernels::{KernelId, Store};
 
 include!(concat!(env!("OUT_DIR"), "/reference.rs"));
+
+/// Inputs for the arithmetic probe: `(a, b, c, d)` with a, b, c in [-10, 10) and d in [-1, 1), b not 0.
+pub fn probe_cases(count: u32) -> Vec<[f32; 4]> {
+    let unit = |case: u32, lane: u32| exact::unit_f32(exact::hash_u32(case * 4 + lane + 1)) * 2.0 - 1.0;
+    let case = |i| {
+        let b = unit(i, 1) * 10.0;
+        [unit(i, 0) * 10.0, if b == 0.0 { 1.0 } else { b }, unit(i, 2) * 10.0, unit(i, 3)]
+    };
+    (0..count).map(case).collect()
+}
