@@ -1,9 +1,9 @@
 //! A small pixel font for captions: printable ASCII, five by seven dots and one row below the line.
 
 /// Dots from one character to the next.
-pub const ADVANCE: u32 = 6;
+pub(super) const ADVANCE: u32 = 6;
 /// Dots from one line to the next.
-pub const LINE: u32 = 10;
+pub(super) const LINE: u32 = 10;
 
 /// Rows from the top, seven or eight (the eighth hangs below the line), `#` is a dot.
 #[rustfmt::skip]
@@ -106,7 +106,7 @@ const GLYPHS: [&str; 95] = [
 ];
 
 /// The dots of a text as (x, y) from its top left corner; characters outside printable ASCII appear as `?`.
-pub fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
+pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
     (0_u32..).zip(text.chars()).flat_map(|(column, character)| {
         let index = (character as usize).checked_sub(32).filter(|i| *i < GLYPHS.len());
         let rows = GLYPHS[index.unwrap_or(31)].split(' ');
