@@ -18,7 +18,10 @@ const H: u32 = 180;
 fn open() -> Option<Arc<Device>> {
     let device = Device::open(None, Validation::Sync).or_else(|_| Device::open(None, Validation::Off));
     match device {
-        Ok(device) => Some(device),
+        Ok(device) => {
+            println!("{device:?} names {}", gaitway::gpu::validation_messages().len());
+            Some(device)
+        }
         Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
         Err(error) => {
             println!("skipped: no Vulkan ({error})");
@@ -52,7 +55,7 @@ fn flat() -> Atmosphere {
         zenith: Vec3::ONE,
         horizon: Vec3::new(0.0, 0.0, 0.2),
         ground_bounce: Vec3::ONE,
-        sky_light: 1.0,
+        sky_light: Vec3::ONE,
         haze: 0.0,
         exposure: 1.0,
         ..Atmosphere::DAY
@@ -422,8 +425,12 @@ fn two_eyes_in_one_go_see_what_each_would_see_alone() {
     assert_eq!((pair.width, pair.height), (2 * W, H));
     for eye in 0..2_usize {
         // the shadow map is fitted to both eyes, so edges of shadows may differ a little
-        let alone =
-            View { clip_from_world: [both.clip_from_world[eye]; 2], eyes: [both.eyes[eye]; 2], eye_count: 1 };
+        let alone = View {
+            clip_from_world: [both.clip_from_world[eye]; 2],
+            eyes: [both.eyes[eye]; 2],
+            eye_count: 1,
+            parallel: false,
+        };
         let alone = draw(1, &alone);
         let differ = (0..H)
             .flat_map(|y| (0..W).map(move |x| (x, y)))

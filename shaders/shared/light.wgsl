@@ -47,7 +47,7 @@ fn shade(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>) -> vec3<f32> {
         sun = facing * sunlight(world, normal);
     }
     let up = 0.5 + 0.5 * normal.y;
-    let ambient = mix(view.ground_bounce.rgb, view.sky_zenith.rgb * view.sky_zenith.w, up);
+    let ambient = mix(view.ground_bounce.rgb, view.sky_light.rgb, up);
     let albedo = min(color, vec3<f32>(1.0));
     return albedo * (view.sun_color.rgb * sun + ambient) + max(color - 1.0, vec3<f32>(0.0));
 }
@@ -57,7 +57,7 @@ fn shade(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>) -> vec3<f32> {
 fn finish(light: vec3<f32>, world: vec3<f32>, eye: u32) -> vec4<f32> {
     let away = world - view.eyes[eye].xyz;
     let far = length(away);
-    let clear = exp(-far * view.sky_horizon.w);
+    let clear = exp(-far * view.sky_horizon.w * view.eyes[eye].w);
     let behind = sky_color(vec3<f32>(away.x, max(away.y, 0.0), away.z) / max(far, 1.0e-3));
     return vec4<f32>(tone(mix(behind, light, clear) * view.ground_bounce.w), 1.0);
 }

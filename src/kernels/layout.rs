@@ -78,6 +78,7 @@ pub struct ViewUniforms {
     pub sun_direction: [f32; 4],
     pub sun_color: [f32; 4],
     pub sky_zenith: [f32; 4],
+    pub sky_light: [f32; 4],
     pub sky_horizon: [f32; 4],
     pub ground_bounce: [f32; 4],
     pub emotion_colors: [[f32; 4]; 4],

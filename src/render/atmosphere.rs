@@ -15,8 +15,8 @@ pub struct Atmosphere {
     pub horizon: Vec3,
     /// Light that the ground throws back onto surfaces that face down.
     pub ground_bounce: Vec3,
-    /// Light of the sky on surfaces that face up, as a factor of `zenith`.
-    pub sky_light: f32,
+    /// Light of the sky on surfaces that face up.
+    pub sky_light: Vec3,
     /// Share of light lost per metre of air, 1/m; 0.004 blurs a street's end.
     pub haze: f32,
     /// Brightness of the picture, 1 as is.
@@ -31,7 +31,7 @@ impl Atmosphere {
         zenith: Vec3::new(0.13, 0.3, 0.62),
         horizon: Vec3::new(0.58, 0.7, 0.82),
         ground_bounce: Vec3::new(0.16, 0.15, 0.135),
-        sky_light: 0.75,
+        sky_light: Vec3::new(0.26, 0.31, 0.38),
         haze: 0.0035,
         exposure: 0.95,
     };
@@ -43,7 +43,7 @@ impl Atmosphere {
         zenith: Vec3::new(0.5, 0.53, 0.57),
         horizon: Vec3::new(0.66, 0.68, 0.7),
         ground_bounce: Vec3::new(0.22, 0.21, 0.2),
-        sky_light: 1.0,
+        sky_light: Vec3::new(0.52, 0.54, 0.57),
         haze: 0.006,
         exposure: 0.95,
     };
@@ -55,7 +55,7 @@ impl Atmosphere {
         zenith: Vec3::new(0.12, 0.17, 0.36),
         horizon: Vec3::new(0.78, 0.5, 0.36),
         ground_bounce: Vec3::new(0.14, 0.11, 0.1),
-        sky_light: 1.1,
+        sky_light: Vec3::new(0.24, 0.22, 0.3),
         haze: 0.005,
         exposure: 1.0,
     };

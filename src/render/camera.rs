@@ -195,13 +195,16 @@ pub struct View {
     pub eyes: [Vec3; 2],
     /// 1 for a picture or a window, 2 for a headset.
     pub eye_count: u32,
+    /// Whether the projection is parallel: a map, which has no haze.
+    pub parallel: bool,
 }
 
 impl View {
     /// One eye through a camera, for a picture of this size in pixels.
     pub fn mono(camera: &Camera, width: u32, height: u32) -> Self {
         let clip = camera.clip_from_world(aspect(width, height));
-        Self { clip_from_world: [clip; 2], eyes: [camera.position; 2], eye_count: 1 }
+        let parallel = matches!(camera.projection, Projection::Orthographic { .. });
+        Self { clip_from_world: [clip; 2], eyes: [camera.position; 2], eye_count: 1, parallel }
     }
 
     /// Two eyes, `interpupillary` metres apart about the camera.
@@ -214,6 +217,7 @@ impl View {
             clip_from_world: [clip(&left), clip(&right)],
             eyes: [left.position, right.position],
             eye_count: 2,
+            parallel: matches!(camera.projection, Projection::Orthographic { .. }),
         }
     }
 

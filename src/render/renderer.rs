@@ -447,17 +447,19 @@ impl Renderer {
         let fit = shadow::sun_view(view, sun, self.shadow_size);
         let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
         let matrices = |f: &dyn Fn(&Mat4) -> Mat4| view.clip_from_world.map(|m| f(&m).to_cols_array_2d());
+        let haze = if view.parallel { 0.0 } else { 1.0 };
         let markers = self.settings.markers.unwrap_or_default();
         #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
         let texels = self.shadow_size as f32;
         ViewUniforms {
             clip_from_world: matrices(&|m| *m),
             world_from_clip: matrices(&Mat4::inverse),
-            eyes: view.eyes.map(|eye| with(eye, 1.0)),
+            eyes: view.eyes.map(|eye| with(eye, haze)),
             shadow_from_world: fit.shadow_from_world.to_cols_array_2d(),
             sun_direction: with(sun, 1.5 * fit.texel),
             sun_color: with(air.sun, 1.0 / texels),
-            sky_zenith: with(air.zenith, air.sky_light),
+            sky_zenith: with(air.zenith, 0.0),
+            sky_light: with(air.sky_light, 0.0),
             sky_horizon: with(air.horizon, air.haze.max(0.0)),
             ground_bounce: with(air.ground_bounce, air.exposure),
             emotion_colors: markers.colors.map(|color| Vec4::from((color, markers.opacity)).to_array()),
