@@ -29,6 +29,7 @@ pub mod reference;
 pub mod render;
 pub mod scenario;
 pub mod sim;
+pub mod verify;
 
 pub use emotion::Emotion;
 pub use error::{Error, Result};

@@ -1,2 +1,104 @@
-//! placeholder
-#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}
+//! Vulkan: devices, buffers, kernels. Knows nothing of gaits or emotions.
+//!
+//! [`Device`] is a Vulkan device with its queue and allocator; [`Engine`] holds one Vulkan buffer per
+//! [`BufferId`](crate::kernels::BufferId) and one pipeline per kernel and runs lists of passes; [`plan`] places the
+//! barriers from what the kernels read and write.
+
+mod buffer;
+mod device;
+mod engine;
+pub mod plan;
+
+pub use buffer::{Buffer, Memory};
+pub use device::{Device, DeviceInfo, DeviceKind, Validation, list, validation_messages};
+pub use engine::{Engine, PassTime};
+
+/// Vulkan failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// There is no Vulkan loader on this machine.
+    #[error("no Vulkan loader found ({0})")]
+    NoLoader(String),
+    /// There is a loader but no driver.
+    #[error("no Vulkan driver found ({call}: {result})")]
+    NoDriver {
+        /// The call that said so.
+        call: &'static str,
+        /// What it said.
+        result: ash::vk::Result,
+    },
+    /// The validation layer was asked for but is not installed.
+    #[error("the Vulkan validation layer (VK_LAYER_KHRONOS_validation) is not installed")]
+    NoValidationLayer,
+    /// No device fits.
+    #[error("no usable Vulkan device matches {wanted:?}; found: {found}")]
+    NoDevice {
+        /// Name or index asked for.
+        wanted: String,
+        /// What there is, with the reason why each is not usable.
+        found: String,
+    },
+    /// A call failed.
+    #[error("{call} failed: {result}")]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// What it said.
+        result: ash::vk::Result,
+    },
+    /// The device was lost while passes ran.
+    #[error("the device was lost; the last passes submitted were {passes}")]
+    DeviceLost {
+        /// The passes, first to last.
+        passes: String,
+    },
+    /// Memory could not be had.
+    #[error("cannot allocate {bytes} bytes for {name:?}: {reason}")]
+    Memory {
+        /// Buffer or image.
+        name: String,
+        /// Size.
+        bytes: u64,
+        /// Why.
+        reason: String,
+    },
+    /// A buffer is larger than the device can bind.
+    #[error("buffer {name:?} needs {bytes} bytes, but this device binds at most {limit}: use fewer agents")]
+    TooLarge {
+        /// Buffer.
+        name: &'static str,
+        /// Size.
+        bytes: u64,
+        /// The device's `maxStorageBufferRange` or `maxUniformBufferRange`.
+        limit: u64,
+    },
+    /// A pass needs a kernel that the engine was not built with.
+    #[error("kernel {0} is not part of this engine")]
+    NoKernel(&'static str),
+}
+
+impl Error {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::NoLoader(_) | Self::NoDriver { .. } => Some(
+                "Debian/Ubuntu: apt install libvulkan1 mesa-vulkan-drivers; Fedora: dnf install vulkan-loader \
+                 mesa-vulkan-drivers; Arch: pacman -S vulkan-icd-loader vulkan-swrast; or run scripts/setup and \
+                 prefix the command with scripts/gpu-env; or add --backend cpu",
+            ),
+            Self::NoValidationLayer => {
+                Some("Debian/Ubuntu: apt install vulkan-validationlayers; or run through scripts/gpu-env")
+            }
+            Self::NoDevice { .. } => Some("`gaitway devices` lists the devices; or add --backend cpu"),
+            Self::Memory { .. } | Self::TooLarge { .. } => {
+                Some("use fewer agents (--agents) or --backend cpu")
+            }
+            _ => None,
+        }
+    }
+}
+
+pub(crate) fn call(call: &'static str) -> impl FnOnce(ash::vk::Result) -> Error {
+    move |result| Error::Call { call, result }
+}

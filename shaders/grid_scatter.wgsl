@@ -1,0 +1,49 @@
+// uses: step
+// Packs the agents in cell order, within a cell by id, so that what neighbours read lies together and the order
+// does not depend on which thread came first. Two passes chosen by `level`:
+//   0: each agent takes the next free place of its cell (any order),
+//   1: each cell sorts its agents by id and copies what neighbours read into its slots.
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> agent_cell: array<u32>;                // [agent]
+@group(0) @binding(2) var<storage, read> cell_start: array<u32>;                // [cell + 1]
+@group(0) @binding(3) var<storage, read_write> cell_cursor: array<atomic<u32>>; // [cell], zero before level 0
+@group(0) @binding(4) var<storage, read_write> slot_agent: array<u32>;          // [slot]
+@group(0) @binding(5) var<storage, read> position: array<vec2<f32>>;            // [agent] m
+@group(0) @binding(6) var<storage, read> velocity: array<vec2<f32>>;            // [agent] m/s
+@group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;   // [slot] position, velocity
+@group(0) @binding(8) var<storage, read_write> agent_slot: array<u32>;          // [agent]
+var<immediate> level: u32;
+
+@compute @workgroup_size(64)
+fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
+    if level == 0u {
+        if id.x < step.agent_count {
+            let cell = agent_cell[id.x];
+            slot_agent[cell_start[cell] + atomicAdd(&cell_cursor[cell], 1u)] = id.x;
+        }
+        return;
+    }
+    if id.x >= step.cell_count {
+        return;
+    }
+    let first = cell_start[id.x];
+    let end = cell_start[id.x + 1u];
+    for (var i = first + 1u; i < end; i++) { // insertion sort: a cell holds a handful
+        let agent = slot_agent[i];
+        var hole = i;
+        while hole > first {
+            let before = slot_agent[hole - 1u];
+            if before <= agent {
+                break;
+            }
+            slot_agent[hole] = before;
+            hole--;
+        }
+        slot_agent[hole] = agent;
+    }
+    for (var slot = first; slot < end; slot++) {
+        let agent = slot_agent[slot];
+        slot_motion[slot] = vec4<f32>(position[agent], velocity[agent]);
+        agent_slot[agent] = slot;
+    }
+}

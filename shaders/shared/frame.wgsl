@@ -1,0 +1,19 @@
+// Parameters of one picture; the Rust twin is kernels::layout::FrameUniforms. World frame, y up, metres.
+struct FrameUniforms {
+    planes: array<vec4<f32>, 12>, // inside is dot(plane.xyz, p) + plane.w >= 0; eye 0 has 0..6, eye 1 has 6..12
+    user_eyes: vec4<f32>,         // xyz: midpoint of the user's eyes, which agents look at
+    camera: vec4<f32>,            // xyz: where distances for the level of detail are measured from
+    level_distance: vec4<f32>,    // x, y: nearer than this is level 0, 1; z: farther than this is not drawn, m
+    agent_count: u32,
+    eye_count: u32,               // 1 or 2; an agent is drawn if either eye sees it
+    level_count: u32,             // levels of detail, at most 3
+    bucket_count: u32,            // avatars * levels, at most 16
+    visible_capacity: u32,        // agents that local_rotations and palettes have room for
+    near_capacity: u32,           // agents that the skinned vertices have room for
+    frame_index: u32,             // counts pictures; a gaze not updated in the picture before starts afresh
+    gaze_mode: u32,               // 0 natural, 1 paper
+    frame_time: f32,              // seconds since the picture before
+    agent_height: f32,            // bounding height for culling, m
+    agent_radius: f32,            // bounding radius for culling, m
+    padding: f32,
+}

@@ -1,0 +1,30 @@
+// Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).
+struct StepUniforms {
+    agent_count: u32,
+    step_index: u32,
+    seed: u32,
+    cell_count: u32,             // columns * rows
+    grid_columns: u32,
+    grid_rows: u32,
+    grid_origin: vec2<f32>,      // corner of cell 0, m
+    cell_size: f32,              // m
+    inverse_cell_size: f32,      // 1/m
+    time_step: f32,              // s
+    inverse_time_step: f32,      // 1/s
+    neighbour_distance: f32,     // centre to centre, m
+    neighbour_cap: u32,          // at most NEIGHBOURS
+    inverse_time_horizon: f32,           // 1/s
+    inverse_time_horizon_obstacles: f32, // 1/s
+    user_position: vec2<f32>,    // m
+    user_velocity: vec2<f32>,    // m/s
+    user_radius: f32,            // m; 0 when there is no user to avoid
+    obstacle_count: u32,         // obstacle segments
+    turn_rate: f32,              // rad/s
+    perturbation: f32,           // m/s added to the preferred velocity at random, to break symmetry
+    walk_speed: f32,             // below this share of the preferred speed the body blends to standing
+    blend_rate: f32,             // 1/s, how fast it does
+    time_horizon_obstacles: f32, // s
+    responsibility: f32,         // share of the avoidance an agent takes towards another: 0.5
+    safety_margin: f32,          // m added to the summed radii while avoiding
+    padding: f32,
+}

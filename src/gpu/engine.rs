@@ -1,0 +1,524 @@
+//! One Vulkan buffer per [`BufferId`], one pipeline per kernel, and lists of passes run in one submission.
+
+use super::plan::{Command, Op, plan};
+use super::{Buffer, Device, Error, Memory, call};
+use crate::kernels::{Access, BufferId, Extent, Kernel, KernelId, Pass, Store};
+use ash::{ext, vk};
+use std::ffi::CString;
+use std::sync::Arc;
+
+/// Dispatches longer than this along x go on along y.
+const MAX_GROUPS_X: u32 = 65_535;
+
+/// Most passes that one submission can time.
+const TIMED_PASSES: u32 = 2048;
+
+/// How long a pass ran on the device.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PassTime {
+    /// The pass.
+    pub pass: Pass,
+    /// Milliseconds between the device's timestamps.
+    pub milliseconds: f64,
+}
+
+struct Pipeline {
+    raw: vk::Pipeline,
+    layout: vk::PipelineLayout,
+    set_layout: vk::DescriptorSetLayout,
+    set: vk::DescriptorSet,
+    label: CString,
+}
+
+/// Buffers, pipelines and a command buffer on one device.
+pub struct Engine {
+    device: Arc<Device>,
+    buffers: Vec<Option<Buffer>>,
+    pipelines: Vec<Option<Pipeline>>,
+    descriptors: vk::DescriptorPool,
+    pool: vk::CommandPool,
+    commands: vk::CommandBuffer,
+    fence: vk::Fence,
+    queries: vk::QueryPool,
+    staging: Option<Buffer>,
+}
+
+impl std::fmt::Debug for Engine {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Engine").field("device", &self.device).finish_non_exhaustive()
+    }
+}
+
+impl Engine {
+    /// Makes pipelines for `kernels`, a buffer for everything they bind, as long as in `store`, and uploads all.
+    ///
+    /// # Errors
+    /// When a buffer is larger than the device can bind, memory is short, or a call fails.
+    pub fn new(device: &Arc<Device>, store: &Store, kernels: &[KernelId]) -> Result<Self, Error> {
+        let mut engine = Self {
+            device: device.clone(),
+            buffers: BufferId::ALL.iter().map(|_| None).collect(),
+            pipelines: KernelId::ALL.iter().map(|_| None).collect(),
+            descriptors: vk::DescriptorPool::null(),
+            pool: vk::CommandPool::null(),
+            commands: vk::CommandBuffer::null(),
+            fence: vk::Fence::null(),
+            queries: vk::QueryPool::null(),
+            staging: None,
+        };
+        engine.make_commands(kernels.len())?;
+        for &kernel in kernels {
+            for binding in kernel.kernel().bindings {
+                engine.make_buffer(binding.buffer, store.bytes(binding.buffer).len() as u64)?;
+            }
+            let pipeline = engine.make_pipeline(kernel.kernel())?;
+            engine.pipelines[kernel as usize] = Some(pipeline);
+        }
+        let made: Vec<_> =
+            BufferId::ALL.into_iter().filter(|id| engine.buffers[*id as usize].is_some()).collect();
+        engine.upload(store, &made)?;
+        Ok(engine)
+    }
+
+    /// The device.
+    pub fn device(&self) -> &Arc<Device> {
+        &self.device
+    }
+
+    /// The Vulkan buffer of a name, if a kernel of this engine binds it.
+    pub fn buffer(&self, id: BufferId) -> Option<&Buffer> {
+        self.buffers[id as usize].as_ref()
+    }
+
+    /// Bytes of all buffers on the device.
+    pub fn bytes(&self) -> u64 {
+        self.buffers.iter().flatten().map(Buffer::size).sum()
+    }
+
+    fn make_commands(&mut self, kernels: usize) -> Result<(), Error> {
+        let count = u32::try_from(kernels.max(1)).unwrap_or(u32::MAX);
+        let sizes = [
+            vk::DescriptorPoolSize::default()
+                .ty(vk::DescriptorType::STORAGE_BUFFER)
+                .descriptor_count(8 * count),
+            vk::DescriptorPoolSize::default()
+                .ty(vk::DescriptorType::UNIFORM_BUFFER)
+                .descriptor_count(2 * count),
+        ];
+        let descriptors = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.device.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        let queries = vk::QueryPoolCreateInfo::default()
+            .query_type(vk::QueryType::TIMESTAMP)
+            .query_count(2 * TIMED_PASSES);
+        let raw = &self.device.raw;
+        // SAFETY: the create-infos are complete and the device is alive; `Drop` destroys what was made.
+        unsafe {
+            self.descriptors =
+                raw.create_descriptor_pool(&descriptors, None).map_err(call("vkCreateDescriptorPool"))?;
+            self.pool = raw.create_command_pool(&pool, None).map_err(call("vkCreateCommandPool"))?;
+            let allocate =
+                vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+            self.commands = raw
+                .allocate_command_buffers(&allocate)
+                .map_err(call("vkAllocateCommandBuffers"))?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            self.fence =
+                raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(call("vkCreateFence"))?;
+            self.queries = raw.create_query_pool(&queries, None).map_err(call("vkCreateQueryPool"))?;
+        }
+        Ok(())
+    }
+
+    fn make_buffer(&mut self, id: BufferId, bytes: u64) -> Result<(), Error> {
+        if self.buffers[id as usize].is_some() {
+            return Ok(());
+        }
+        let limits = &self.device.limits;
+        let limit =
+            if id.is_uniform() { limits.max_uniform_buffer_range } else { limits.max_storage_buffer_range };
+        if bytes > u64::from(limit) {
+            return Err(Error::TooLarge { name: id.name(), bytes, limit: u64::from(limit) });
+        }
+        self.buffers[id as usize] = Some(Buffer::new(&self.device, id.name(), bytes, Memory::Device)?);
+        Ok(())
+    }
+
+    fn make_pipeline(&self, kernel: &'static Kernel) -> Result<Pipeline, Error> {
+        let kind = |access| match access {
+            Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+            Access::Read | Access::Write => vk::DescriptorType::STORAGE_BUFFER,
+        };
+        let bindings: Vec<_> = kernel
+            .bindings
+            .iter()
+            .map(|b| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(b.index)
+                    .descriptor_count(1)
+                    .descriptor_type(kind(b.access))
+                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
+            })
+            .collect();
+        let levels = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
+        let levels = if kernel.has_level { &levels[..] } else { &[] };
+        let entry = CString::new(kernel.name).unwrap_or_default();
+        let raw = &self.device.raw;
+        // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
+        // written into the descriptor set live as long as the engine.
+        unsafe {
+            let set_layout = raw
+                .create_descriptor_set_layout(
+                    &vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings),
+                    None,
+                )
+                .map_err(call("vkCreateDescriptorSetLayout"))?;
+            let set_layouts = [set_layout];
+            let layout = raw
+                .create_pipeline_layout(
+                    &vk::PipelineLayoutCreateInfo::default()
+                        .set_layouts(&set_layouts)
+                        .push_constant_ranges(levels),
+                    None,
+                )
+                .map_err(call("vkCreatePipelineLayout"))?;
+            let module = raw
+                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(kernel.spirv), None)
+                .map_err(call("vkCreateShaderModule"))?;
+            let stage = vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::COMPUTE)
+                .module(module)
+                .name(&entry);
+            let create = [vk::ComputePipelineCreateInfo::default().layout(layout).stage(stage)];
+            let made = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
+            raw.destroy_shader_module(module, None);
+            let pipeline = made
+                .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            self.device.name(pipeline, kernel.name);
+            let allocate = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(self.descriptors)
+                .set_layouts(&set_layouts);
+            let set = raw
+                .allocate_descriptor_sets(&allocate)
+                .map_err(call("vkAllocateDescriptorSets"))?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            let infos: Vec<_> = kernel
+                .bindings
+                .iter()
+                .map(|b| {
+                    let buffer =
+                        self.buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
+                    [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
+                })
+                .collect();
+            let writes: Vec<_> = kernel
+                .bindings
+                .iter()
+                .zip(&infos)
+                .map(|(b, info)| {
+                    vk::WriteDescriptorSet::default()
+                        .dst_set(set)
+                        .dst_binding(b.index)
+                        .descriptor_type(kind(b.access))
+                        .buffer_info(info)
+                })
+                .collect();
+            raw.update_descriptor_sets(&writes, &[]);
+            let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
+            Ok(Pipeline { raw: pipeline, layout, set_layout, set, label })
+        }
+    }
+
+    /// Copies buffers from the host to the device.
+    ///
+    /// # Errors
+    /// When a call fails or memory for staging is short.
+    pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        let ids = self.present(ids);
+        let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Upload)?;
+        if let Some(staging) = &mut self.staging {
+            for (id, offset, length) in &copies {
+                staging.bytes_mut()[*offset..offset + length].copy_from_slice(store.bytes(*id));
+            }
+        }
+        self.copy(&copies, true)
+    }
+
+    /// Copies buffers from the device to the host; the store's buffers keep their lengths.
+    ///
+    /// # Errors
+    /// When a call fails or memory for staging is short.
+    pub fn download(&mut self, store: &mut Store, ids: &[BufferId]) -> Result<(), Error> {
+        let ids = self.present(ids);
+        let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Readback)?;
+        self.copy(&copies, false)?;
+        if let Some(staging) = &self.staging {
+            for (id, offset, length) in copies {
+                store.bytes_mut(id).copy_from_slice(&staging.bytes()[offset..offset + length]);
+            }
+        }
+        Ok(())
+    }
+
+    fn present(&self, ids: &[BufferId]) -> Vec<BufferId> {
+        ids.iter().copied().filter(|id| self.buffers[*id as usize].is_some()).collect()
+    }
+
+    /// Lays the buffers out one after another in a staging buffer.
+    fn stage(
+        &mut self,
+        ids: &[BufferId],
+        length: impl Fn(BufferId) -> usize,
+        memory: Memory,
+    ) -> Result<Vec<(BufferId, usize, usize)>, Error> {
+        let mut end = 0;
+        let mut copies = Vec::with_capacity(ids.len());
+        for &id in ids {
+            let length = length(id);
+            if length > 0 {
+                copies.push((id, end, length));
+                end += length.next_multiple_of(16);
+            }
+        }
+        self.staging = None; // the two directions want different memory; on a GPU that matters more than the making
+        if end > 0 {
+            self.staging = Some(Buffer::new(&self.device, "staging", end as u64, memory)?);
+        }
+        Ok(copies)
+    }
+
+    fn copy(&mut self, copies: &[(BufferId, usize, usize)], to_device: bool) -> Result<(), Error> {
+        let Some(staging) = self.staging.as_ref().map(|buffer| buffer.raw) else { return Ok(()) };
+        self.record(|engine, raw, commands| {
+            for (id, offset, length) in copies {
+                let Some(buffer) = engine.buffers[*id as usize].as_ref() else { continue };
+                let (offset, size) = (*offset as u64, *length as u64);
+                let region = vk::BufferCopy::default().size(size);
+                // SAFETY: both buffers are at least that large; recording has begun.
+                unsafe {
+                    if to_device {
+                        raw.cmd_copy_buffer(commands, staging, buffer.raw, &[region.src_offset(offset)]);
+                    } else {
+                        raw.cmd_copy_buffer(commands, buffer.raw, staging, &[region.dst_offset(offset)]);
+                    }
+                }
+            }
+            // the host reads what was copied only after the fence, and through this dependency
+            let barrier = [vk::MemoryBarrier2::default()
+                .src_stage_mask(vk::PipelineStageFlags2::COPY)
+                .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+                .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+                .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+            // SAFETY: recording has begun.
+            unsafe {
+                raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
+            }
+            Ok(())
+        })
+    }
+
+    /// Records, submits and waits.
+    fn record(
+        &self,
+        body: impl FnOnce(&Self, &ash::Device, vk::CommandBuffer) -> Result<(), Error>,
+    ) -> Result<(), Error> {
+        let raw = &self.device.raw;
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: every submission is waited for, so the command buffer is not in use.
+        unsafe { raw.begin_command_buffer(self.commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
+        body(self, raw, self.commands)?;
+        // SAFETY: recording has begun.
+        unsafe { raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
+        self.device.submit_and_wait(self.commands, self.fence)
+    }
+
+    /// Runs the operations in order, barriers between them where their buffers demand it.
+    ///
+    /// `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
+    ///
+    /// # Errors
+    /// When a pass needs a kernel that this engine lacks, a call fails or the device is lost.
+    pub fn run(
+        &mut self,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+        timed: bool,
+    ) -> Result<Vec<PassTime>, Error> {
+        let passes = ops.iter().filter(|op| matches!(op, Op::Pass(_))).count();
+        let timed = timed && passes <= TIMED_PASSES as usize;
+        let outcome = self.record(|engine, raw, commands| {
+            if timed {
+                // SAFETY: recording has begun and the queries are not in use.
+                unsafe { raw.cmd_reset_query_pool(commands, engine.queries, 0, 2 * TIMED_PASSES) };
+            }
+            let mut query = 0;
+            for command in plan(ops) {
+                match command {
+                    Command::Barrier => engine.barrier(commands),
+                    Command::Op(index, Op::Set(id)) => {
+                        let Some(buffer) = engine.buffer(id) else { continue };
+                        // SAFETY: uniform contents are a few hundred bytes, a multiple of four, within the buffer.
+                        unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents(index, id)) };
+                    }
+                    Command::Op(_, Op::Pass(pass)) => {
+                        engine.dispatch(commands, pass, timed.then_some(query))?;
+                        query += 2;
+                    }
+                }
+            }
+            engine.barrier(commands);
+            Ok(())
+        });
+        match outcome {
+            Err(Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. }) => {
+                let names = ops.iter().filter_map(|op| match op {
+                    Op::Pass(pass) => Some(pass.kernel.kernel().name),
+                    Op::Set(_) => None,
+                });
+                let mut names: Vec<_> = names.collect();
+                names.dedup();
+                names.truncate(16);
+                return Err(Error::DeviceLost { passes: names.join(", ") });
+            }
+            other => other?,
+        }
+        if timed { self.times(ops) } else { Ok(Vec::new()) }
+    }
+
+    fn dispatch(&self, commands: vk::CommandBuffer, pass: Pass, query: Option<u32>) -> Result<(), Error> {
+        let kernel = pass.kernel.kernel();
+        let Some(pipeline) = &self.pipelines[pass.kernel as usize] else {
+            return Err(Error::NoKernel(kernel.name));
+        };
+        let raw = &self.device.raw;
+        // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
+        // within what every Vulkan device takes; indirect arguments lie within their buffer.
+        unsafe {
+            self.label(commands, Some(&pipeline.label));
+            if let Some(query) = query {
+                let stage = vk::PipelineStageFlags2::TOP_OF_PIPE;
+                raw.cmd_write_timestamp2(commands, stage, self.queries, query);
+            }
+            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
+            raw.cmd_bind_descriptor_sets(
+                commands,
+                vk::PipelineBindPoint::COMPUTE,
+                pipeline.layout,
+                0,
+                &[pipeline.set],
+                &[],
+            );
+            if kernel.has_level {
+                let level = pass.level.to_ne_bytes();
+                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &level);
+            }
+            match pass.extent {
+                Extent::Invocations(count) => {
+                    let groups = count.div_ceil(kernel.workgroup_size[0]);
+                    if groups > 0 {
+                        raw.cmd_dispatch(
+                            commands,
+                            groups.min(MAX_GROUPS_X),
+                            groups.div_ceil(MAX_GROUPS_X),
+                            1,
+                        );
+                    }
+                }
+                Extent::Groups(x, y) => {
+                    if x > 0 && y > 0 {
+                        raw.cmd_dispatch(commands, x, y, 1);
+                    }
+                }
+                Extent::Indirect(buffer, element) => {
+                    if let Some(buffer) = self.buffer(buffer) {
+                        raw.cmd_dispatch_indirect(commands, buffer.raw, u64::from(element) * 4);
+                    }
+                }
+            }
+            if let Some(query) = query {
+                let stage = vk::PipelineStageFlags2::COMPUTE_SHADER;
+                raw.cmd_write_timestamp2(commands, stage, self.queries, query + 1);
+            }
+            self.label(commands, None);
+        }
+        Ok(())
+    }
+
+    /// Opens (with a name) or closes a debug label.
+    fn label(&self, commands: vk::CommandBuffer, name: Option<&CString>) {
+        let Some(loader): Option<&ext::debug_utils::Device> = self.device.names.as_ref() else { return };
+        // SAFETY: recording has begun; labels are closed in the order they were opened.
+        unsafe {
+            match name {
+                Some(name) => {
+                    let label = vk::DebugUtilsLabelEXT::default().label_name(name);
+                    loader.cmd_begin_debug_utils_label(commands, &label);
+                }
+                None => loader.cmd_end_debug_utils_label(commands),
+            }
+        }
+    }
+
+    fn barrier(&self, commands: vk::CommandBuffer) {
+        let before = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let after = before | vk::PipelineStageFlags2::DRAW_INDIRECT | vk::PipelineStageFlags2::VERTEX_SHADER;
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(before)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(after)
+            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+        // SAFETY: recording has begun.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+
+    fn times(&self, ops: &[Op]) -> Result<Vec<PassTime>, Error> {
+        let passes = ops.iter().filter_map(|op| match op {
+            Op::Pass(pass) => Some(*pass),
+            Op::Set(_) => None,
+        });
+        let passes: Vec<_> = passes.collect();
+        let mut stamps = vec![0_u64; passes.len() * 2];
+        if stamps.is_empty() {
+            return Ok(Vec::new());
+        }
+        let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
+        // SAFETY: the queries were written by the submission that has been waited for.
+        unsafe { self.device.raw.get_query_pool_results(self.queries, 0, &mut stamps, flags) }
+            .map_err(call("vkGetQueryPoolResults"))?;
+        let period = f64::from(self.device.limits.timestamp_period) * 1e-6;
+        Ok(passes
+            .into_iter()
+            .zip(stamps.chunks_exact(2))
+            .map(|(pass, s)| PassTime { pass, milliseconds: s[1].saturating_sub(s[0]) as f64 * period })
+            .collect())
+    }
+}
+
+impl Drop for Engine {
+    fn drop(&mut self) {
+        let raw = &self.device.raw;
+        // SAFETY: every submission was waited for; null handles are ignored by Vulkan.
+        unsafe {
+            for pipeline in self.pipelines.drain(..).flatten() {
+                raw.destroy_pipeline(pipeline.raw, None);
+                raw.destroy_pipeline_layout(pipeline.layout, None);
+                raw.destroy_descriptor_set_layout(pipeline.set_layout, None);
+            }
+            raw.destroy_query_pool(self.queries, None);
+            raw.destroy_fence(self.fence, None);
+            raw.destroy_command_pool(self.pool, None);
+            raw.destroy_descriptor_pool(self.descriptors, None);
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Where barriers stand in a list of passes: derived from what each kernel reads and writes.
+
+use crate::kernels::{Access, BufferId, Extent, Kernel, Pass};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+
+/// One thing to record.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Op {
+    /// Overwrite a uniform buffer with the contents given for this place in the list.
+    Set(BufferId),
+    /// Launch a kernel.
+    Pass(Pass),
+}
+
+/// One thing recorded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Command {
+    /// Everything written before is visible to everything after.
+    Barrier,
+    /// As asked for; the number is its place among the operations.
+    Op(usize, Op),
+}
+
+/// What has been touched since the last barrier.
+#[derive(Debug, Default)]
+pub struct Hazards {
+    read: BTreeSet<BufferId>,
+    written: BTreeSet<BufferId>,
+}
+
+impl Hazards {
+    /// Notes the next operation; true if a barrier must stand before it.
+    pub fn touch(&mut self, reads: &[BufferId], writes: &[BufferId]) -> bool {
+        let after_write = reads.iter().chain(writes).any(|buffer| self.written.contains(buffer));
+        let after_read = writes.iter().any(|buffer| self.read.contains(buffer));
+        let barrier = after_write || after_read;
+        if barrier {
+            self.read.clear();
+            self.written.clear();
+        }
+        self.read.extend(reads);
+        self.written.extend(writes);
+        barrier
+    }
+}
+
+/// Buffers that an operation reads and writes.
+fn touched(op: Op) -> (Vec<BufferId>, Vec<BufferId>) {
+    match op {
+        Op::Set(buffer) => (Vec::new(), vec![buffer]),
+        Op::Pass(pass) => {
+            let kernel: &Kernel = pass.kernel.kernel();
+            let of = |write: bool| {
+                let bindings = kernel.bindings.iter().filter(move |b| (b.access == Access::Write) == write);
+                bindings.map(|b| b.buffer).collect::<Vec<_>>()
+            };
+            let mut reads = of(false);
+            if let Extent::Indirect(buffer, _) = pass.extent {
+                reads.push(buffer);
+            }
+            (reads, of(true))
+        }
+    }
+}
+
+/// Puts the barriers into a list of operations.
+pub fn plan(ops: &[Op]) -> Vec<Command> {
+    let mut hazards = Hazards::default();
+    let mut commands = Vec::with_capacity(ops.len() * 2);
+    for (index, op) in ops.iter().enumerate() {
+        let (reads, writes) = touched(*op);
+        if hazards.touch(&reads, &writes) {
+            commands.push(Command::Barrier);
+        }
+        commands.push(Command::Op(index, *op));
+    }
+    commands
+}
+
+/// The plan as text, one command a line.
+pub fn text(commands: &[Command]) -> String {
+    let mut text = String::new();
+    for command in commands {
+        let _ = match command {
+            Command::Barrier => writeln!(text, "barrier"),
+            Command::Op(_, Op::Set(buffer)) => writeln!(text, "set {}", buffer.name()),
+            Command::Op(_, Op::Pass(pass)) => {
+                let kernel = pass.kernel.kernel();
+                if kernel.has_level {
+                    writeln!(text, "{} {}", kernel.name, pass.level)
+                } else {
+                    writeln!(text, "{}", kernel.name)
+                }
+            }
+        };
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::KernelId;
+
+    #[test]
+    fn a_barrier_stands_wherever_a_pass_meets_what_another_wrote() {
+        let pass = |kernel, level| Op::Pass(Pass { kernel, level, extent: Extent::Invocations(1) });
+        let ops = [
+            Op::Set(BufferId::Step),
+            pass(KernelId::GridCount, 0),
+            pass(KernelId::GridScan, 0),
+            pass(KernelId::GridScan, 1),
+        ];
+        assert_eq!(
+            text(&plan(&ops)),
+            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan 0\nbarrier\ngrid_scan 1\n"
+        );
+    }
+
+    #[test]
+    fn reads_after_reads_need_no_barrier_and_writes_after_reads_do() {
+        let (a, b) = (BufferId::Position, BufferId::Velocity);
+        let mut hazards = Hazards::default();
+        assert!(!hazards.touch(&[a], &[]));
+        assert!(!hazards.touch(&[a], &[b]));
+        assert!(hazards.touch(&[], &[a]));
+        assert!(hazards.touch(&[a], &[]));
+    }
+}

@@ -1,0 +1,363 @@
+//! WGSL to SPIR-V and to what the rest of the program needs to know about a shader: its bindings, their access
+//! and types, the workgroup size, the struct layouts.
+//!
+//! `build.rs` includes this file and compiles every shader when the crate is built; the feature `hot-reload`
+//! uses the same code while the program runs.
+
+#[path = "spirv.rs"]
+mod spirv;
+
+use naga::back::spv;
+use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy, Layouter};
+use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
+use naga::{AddressSpace, Block, Module, ScalarKind, ShaderStage, Statement, Type, TypeInner, VectorSize};
+use std::path::{Path, PathBuf};
+
+/// Text of one shader with the shared texts it asks for behind it, and where each part came from.
+///
+/// A line `// uses: exact, orca` names files of `shaders/shared/`. They follow the shader's own text (WGSL
+/// allows use before declaration), so the shader's line numbers stay true.
+pub struct Source {
+    /// File stem, the kernel's name.
+    pub name: String,
+    text: String,
+    /// First line (from 0) of each part and its file.
+    parts: Vec<(usize, PathBuf)>,
+}
+
+impl Source {
+    /// Reads `file` and the shared texts it uses, each once.
+    pub fn read(file: &Path, shared: &Path) -> Result<Self, String> {
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut source = Self { name, text: String::new(), parts: Vec::new() };
+        let mut wanted = vec![file.to_path_buf()];
+        let mut next = 0;
+        while next < wanted.len() {
+            let part = wanted[next].clone();
+            next += 1;
+            let text = std::fs::read_to_string(&part).map_err(|e| format!("{}: {e}", part.display()))?;
+            for used in text.lines().filter_map(|line| line.strip_prefix("// uses:")) {
+                for stem in used.split(',').map(str::trim) {
+                    let path = shared.join(format!("{stem}.wgsl"));
+                    if !wanted.contains(&path) {
+                        wanted.push(path);
+                    }
+                }
+            }
+            source.parts.push((source.text.lines().count(), part));
+            source.text.push_str(&text);
+            if !source.text.ends_with('\n') {
+                source.text.push('\n');
+            }
+        }
+        Ok(source)
+    }
+
+    /// All files the text came from.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.parts.iter().map(|(_, file)| file.as_path())
+    }
+
+    /// `file:line:column` of a byte range of the joined text.
+    fn place(&self, span: naga::Span) -> String {
+        let at = span.location(&self.text);
+        let line = at.line_number as usize - 1;
+        match self.parts.iter().rev().find(|(first, _)| *first <= line) {
+            Some((first, file)) => format!("{}:{}:{}", file.display(), line - first + 1, at.line_position),
+            None => self.name.clone(),
+        }
+    }
+}
+
+/// How a shader uses a buffer.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Use {
+    /// Uniform buffer.
+    Uniform,
+    /// Storage buffer, read only.
+    Read,
+    /// Storage buffer, written (and perhaps read).
+    Write,
+    /// Sampled image.
+    Texture,
+    /// Sampler.
+    Sampler,
+}
+
+/// One binding.
+#[derive(Debug, Clone)]
+pub struct Binding {
+    /// Name of the variable, and of the buffer.
+    pub name: String,
+    /// Descriptor set.
+    pub group: u32,
+    /// Binding number.
+    pub binding: u32,
+    /// Access.
+    pub access: Use,
+    /// Bytes of one element (storage) or of the whole (uniform).
+    pub stride: u32,
+    /// Element type in Rust.
+    pub rust: String,
+    /// `file:line:column` of the declaration.
+    pub place: String,
+}
+
+/// A struct that a buffer holds.
+#[derive(Debug, Clone)]
+pub struct Layout {
+    /// Name.
+    pub name: String,
+    /// Fields: name, offset, size.
+    pub fields: Vec<(String, u32, u32)>,
+    /// Bytes of one element in an array.
+    pub size: u32,
+    /// `file:line:column` of the declaration.
+    pub place: String,
+}
+
+/// One entry point.
+#[derive(Debug)]
+pub struct Entry {
+    /// Name.
+    pub name: String,
+    /// Stage.
+    pub stage: ShaderStage,
+    /// Workgroup size of a compute entry point.
+    pub workgroup_size: [u32; 3],
+    /// What it binds, by binding number.
+    pub bindings: Vec<Binding>,
+    /// Name and size of the immediates, if any.
+    pub immediate: Option<(String, u32)>,
+    /// The code.
+    pub spirv: Vec<u32>,
+}
+
+/// A compiled shader file.
+#[derive(Debug)]
+pub struct Shader {
+    /// Entry points in source order.
+    pub entries: Vec<Entry>,
+    /// Structs in buffers.
+    pub layouts: Vec<Layout>,
+}
+
+/// Compiles one file. The error is `file:line:column: message`, one line per fault.
+pub fn compile(source: &Source) -> Result<Shader, String> {
+    let module = naga::front::wgsl::parse_str(&source.text).map_err(|error| {
+        let labels: Vec<_> = error
+            .labels()
+            .map(|(span, label)| format!("{}: {}: {label}", source.place(span), error.message()))
+            .collect();
+        if labels.is_empty() { format!("{}: {}", source.name, error.message()) } else { labels.join("\n") }
+    })?;
+    let capabilities = Capabilities::IMMEDIATES | Capabilities::MULTIVIEW;
+    let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|error| {
+        let mut text = error.to_string();
+        let mut cause = std::error::Error::source(error.as_inner());
+        while let Some(inner) = cause {
+            text = format!("{text}: {inner}");
+            cause = inner.source();
+        }
+        let place = error.spans().next().map_or(source.name.clone(), |(span, _)| source.place(*span));
+        format!("{place}: {text}")
+    })?;
+    barriers_are_uniform(&module, source)?;
+    let mut layouter = Layouter::default();
+    layouter.update(module.to_ctx()).map_err(|error| format!("{}: {error}", source.name))?;
+    let mut entries = Vec::new();
+    for index in 0..module.entry_points.len() {
+        entries.push(entry(source, &module, &info, &layouter, index)?);
+    }
+    Ok(Shader { entries, layouts: layouts(source, &module, &layouter) })
+}
+
+fn entry(
+    source: &Source,
+    module: &Module,
+    info: &ModuleInfo,
+    layouter: &Layouter,
+    index: usize,
+) -> Result<Entry, String> {
+    let point = &module.entry_points[index];
+    let (mut bindings, mut immediate) = (Vec::new(), None);
+    for (handle, variable) in module.global_variables.iter() {
+        let usage = info.get_entry_point(index)[handle];
+        let name = variable.name.clone().unwrap_or_default();
+        let place = source.place(module.global_variables.get_span(handle));
+        if variable.space == AddressSpace::Immediate && !usage.is_empty() {
+            immediate = Some((name, layouter[variable.ty].size));
+            continue;
+        }
+        let Some(resource) = &variable.binding else { continue };
+        if usage.is_empty() {
+            if module.entry_points.len() == 1 {
+                return Err(format!("{place}: binding `{name}` is never used: remove it"));
+            }
+            continue;
+        }
+        let ty = &module.types[variable.ty];
+        let (access, stride, rust) = match (&variable.space, &ty.inner) {
+            (AddressSpace::Uniform, _) => (
+                Use::Uniform,
+                layouter[variable.ty].size,
+                rust_type(module, ty).map_err(|e| format!("{place}: {e}"))?,
+            ),
+            (AddressSpace::Storage { .. }, TypeInner::Array { base, stride, .. }) => {
+                let access = if usage.contains(GlobalUse::WRITE) { Use::Write } else { Use::Read };
+                let element = rust_type(module, &module.types[*base]).map_err(|e| format!("{place}: {e}"))?;
+                (access, *stride, element)
+            }
+            (AddressSpace::Storage { .. }, _) => {
+                return Err(format!("{place}: storage binding `{name}` must be an array of elements"));
+            }
+            (_, TypeInner::Sampler { .. }) => (Use::Sampler, 0, String::new()),
+            _ => (Use::Texture, 0, String::new()),
+        };
+        bindings.push(Binding {
+            name,
+            group: resource.group,
+            binding: resource.binding,
+            access,
+            stride,
+            rust,
+            place,
+        });
+    }
+    bindings.sort_by_key(|binding| (binding.group, binding.binding));
+    let spirv = emit(module, info, index).map_err(|e| format!("{}: {e}", source.name))?;
+    Ok(Entry {
+        name: point.name.clone(),
+        stage: point.stage,
+        workgroup_size: point.workgroup_size,
+        bindings,
+        immediate,
+        spirv,
+    })
+}
+
+/// The SPIR-V of one entry point, with the choices this project has measured.
+fn emit(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, String> {
+    let point = &module.entry_points[index];
+    let restrict = BoundsCheckPolicy::Restrict; // costs nothing measurable, and no index can leave its buffer
+    let options = spv::Options {
+        lang_version: (1, 3),
+        flags: spv::WriterFlags::DEBUG, // names for captures; without ADJUST_COORDINATE_SPACE, which flips y
+        fake_missing_bindings: false,
+        binding_map: module
+            .global_variables
+            .iter()
+            .filter_map(|(_, variable)| variable.binding)
+            .map(|b| {
+                (b, spv::BindingInfo { descriptor_set: b.group, binding: b.binding, ..Default::default() })
+            })
+            .collect(),
+        bounds_check_policies: BoundsCheckPolicies {
+            index: restrict,
+            buffer: restrict,
+            image_load: restrict,
+            binding_array: restrict,
+        },
+        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None, // kernels write first
+        force_loop_bounding: false, // every loop has an integer bound of its own; a counter costs time
+        ..Default::default()
+    };
+    let pipeline = spv::PipelineOptions { shader_stage: point.stage, entry_point: point.name.clone() };
+    let words = spv::write_vec(module, info, &options, Some(&pipeline)).map_err(|error| error.to_string())?;
+    Ok(spirv::strip_private_layout(&spirv::no_contraction(&words)))
+}
+
+/// The Rust twin of a WGSL type in a buffer.
+fn rust_type(module: &Module, ty: &Type) -> Result<String, String> {
+    let scalar = |scalar: &naga::Scalar| match (scalar.kind, scalar.width) {
+        (ScalarKind::Float, 4) => Ok("f32"),
+        (ScalarKind::Uint, 4) => Ok("u32"),
+        (ScalarKind::Sint, 4) => Ok("i32"),
+        other => Err(format!("{other:?} has no place in a buffer: use f32, u32 or i32")),
+    };
+    match &ty.inner {
+        TypeInner::Scalar(s) | TypeInner::Atomic(s) => Ok(scalar(s)?.to_owned()),
+        TypeInner::Vector { size: VectorSize::Tri, .. } => {
+            Err("vec3 is padded differently in Rust: use vec2 or vec4".to_owned())
+        }
+        TypeInner::Vector { size, scalar: s } => Ok(format!("[{}; {}]", scalar(s)?, *size as u32)),
+        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } => {
+            Ok(format!("[{}; {n}]", rust_type(module, &module.types[*base])?))
+        }
+        TypeInner::Struct { .. } => {
+            Ok(format!("crate::kernels::layout::{}", ty.name.as_deref().unwrap_or("?")))
+        }
+        other => {
+            Err(format!("{other:?} has no Rust twin: use scalars, vec2, vec4, arrays or structs of these"))
+        }
+    }
+}
+
+/// Layouts of all structs that a buffer variable holds.
+fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Vec<Layout> {
+    let mut reached: Vec<_> = module
+        .global_variables
+        .iter()
+        .filter(|(_, v)| matches!(v.space, AddressSpace::Uniform | AddressSpace::Storage { .. }))
+        .map(|(_, v)| v.ty)
+        .collect();
+    let mut found = Vec::new();
+    while let Some(handle) = reached.pop() {
+        let ty = &module.types[handle];
+        match &ty.inner {
+            TypeInner::Array { base, .. } => reached.push(*base),
+            TypeInner::Struct { members, .. } => {
+                reached.extend(members.iter().map(|member| member.ty));
+                found.push(Layout {
+                    name: ty.name.clone().unwrap_or_default(),
+                    fields: members
+                        .iter()
+                        .map(|m| (m.name.clone().unwrap_or_default(), m.offset, layouter[m.ty].size))
+                        .collect(),
+                    size: layouter[handle].to_stride(),
+                    place: source.place(module.types.get_span(handle)),
+                });
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// naga lets a `workgroupBarrier` through where not every invocation may reach it; a GPU would hang there.
+fn barriers_are_uniform(module: &Module, source: &Source) -> Result<(), String> {
+    fn holds(block: &Block, wanted: &dyn Fn(&Statement) -> bool) -> bool {
+        block.iter().any(|statement| {
+            wanted(statement)
+                || match statement {
+                    Statement::Block(inner) => holds(inner, wanted),
+                    Statement::If { accept, reject, .. } => holds(accept, wanted) || holds(reject, wanted),
+                    Statement::Switch { cases, .. } => cases.iter().any(|case| holds(&case.body, wanted)),
+                    Statement::Loop { body, continuing, .. } => {
+                        holds(body, wanted) || holds(continuing, wanted)
+                    }
+                    _ => false,
+                }
+        })
+    }
+    let barrier =
+        |s: &Statement| matches!(s, Statement::ControlBarrier(_) | Statement::WorkGroupUniformLoad { .. });
+    let leaves = |s: &Statement| matches!(s, Statement::Return { .. });
+    for point in &module.entry_points {
+        let mut may_have_left = false;
+        for (statement, span) in point.function.body.span_iter() {
+            let conditional = matches!(statement, Statement::If { .. } | Statement::Switch { .. });
+            let inner = {
+                let mut block = Block::new();
+                block.push(statement.clone(), *span);
+                block
+            };
+            if holds(&inner, &barrier) && (conditional || may_have_left) {
+                let place = source.place(*span);
+                return Err(format!("{place}: a barrier that some invocations may not reach hangs a GPU"));
+            }
+            may_have_left |= conditional && holds(&inner, &leaves);
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! Rust twins of the structs that buffers hold. Every field's offset and size is checked against the WGSL when
+//! the crate is built.
+
+use bytemuck::{Pod, Zeroable};
+
+/// Size of a field, from a function that borrows it (used by the generated layout checks).
+#[allow(clippy::needless_pass_by_value, reason = "a function pointer, used in const context only")]
+pub(crate) const fn field_size<T, F>(_: fn(&T) -> &F) -> usize {
+    size_of::<F>()
+}
+
+/// Parameters of one simulation step; units and meaning stand in `shaders/shared/step.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct StepUniforms {
+    pub agent_count: u32,
+    pub step_index: u32,
+    pub seed: u32,
+    pub cell_count: u32,
+    pub grid_columns: u32,
+    pub grid_rows: u32,
+    pub grid_origin: [f32; 2],
+    pub cell_size: f32,
+    pub inverse_cell_size: f32,
+    pub time_step: f32,
+    pub inverse_time_step: f32,
+    pub neighbour_distance: f32,
+    pub neighbour_cap: u32,
+    pub inverse_time_horizon: f32,
+    pub inverse_time_horizon_obstacles: f32,
+    pub user_position: [f32; 2],
+    pub user_velocity: [f32; 2],
+    pub user_radius: f32,
+    pub obstacle_count: u32,
+    pub turn_rate: f32,
+    pub perturbation: f32,
+    pub walk_speed: f32,
+    pub blend_rate: f32,
+    pub time_horizon_obstacles: f32,
+    pub responsibility: f32,
+    pub safety_margin: f32,
+    pub padding: f32,
+}
+
+/// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct FrameUniforms {
+    pub planes: [[f32; 4]; 12],
+    pub user_eyes: [f32; 4],
+    pub camera: [f32; 4],
+    pub level_distance: [f32; 4],
+    pub agent_count: u32,
+    pub eye_count: u32,
+    pub level_count: u32,
+    pub bucket_count: u32,
+    pub visible_capacity: u32,
+    pub near_capacity: u32,
+    pub frame_index: u32,
+    pub gaze_mode: u32,
+    pub frame_time: f32,
+    pub agent_height: f32,
+    pub agent_radius: f32,
+    pub padding: f32,
+}

@@ -1,0 +1,112 @@
+//! Runs passes on both sides from the same inputs and compares every buffer that they write.
+
+use crate::gpu::plan::Op;
+use crate::gpu::{Device, Engine, Error};
+use crate::kernels::{Access, BufferId, KernelId, Pass, Store};
+use crate::reference;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+/// The outcome of comparing one kernel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Comparison {
+    /// The kernel.
+    pub kernel: KernelId,
+    /// Words of 32 bits compared.
+    pub compared: usize,
+    /// Words with equal bits.
+    pub exact: usize,
+    /// Largest difference of floats; infinite where one side is not finite or an integer differs.
+    pub max_error: f32,
+    /// Where the first difference stands: buffer, element, word, CPU and device value.
+    pub first: Option<String>,
+}
+
+/// Buffers that hold integers (in every word): any difference there is an error.
+fn is_integer(buffer: BufferId) -> bool {
+    matches!(
+        buffer.name(),
+        "agent_cell"
+            | "agent_slot"
+            | "slot_agent"
+            | "visible"
+            | "bucket_start"
+            | "draw_args"
+            | "dispatch_args"
+    ) || buffer.name().starts_with("cell_")
+        || ["phase", "route", "failure", "run_sums", "look", "gaits", "gaze_frame"].contains(&buffer.name())
+}
+
+fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
+    let set: BTreeSet<_> = passes.iter().map(|pass| pass.kernel).collect();
+    set.into_iter().collect()
+}
+
+/// Runs `passes` on the device and on the CPU, both from `store`, and compares after every pass what it wrote.
+///
+/// Each pass starts from the CPU's state, so a difference is charged to the kernel that made it.
+///
+/// # Errors
+/// When the device fails.
+pub fn compare_passes(
+    device: &Arc<Device>,
+    store: &Store,
+    passes: &[Pass],
+) -> Result<Vec<Comparison>, Error> {
+    let mut cpu = store.clone();
+    let mut engine = Engine::new(device, store, &kernels_of(passes))?;
+    let mut found: Vec<Comparison> = Vec::new();
+    for pass in passes {
+        let kernel = pass.kernel.kernel();
+        let all: Vec<_> = kernel.bindings.iter().map(|b| b.buffer).collect();
+        let writes: Vec<_> =
+            kernel.bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer).collect();
+        engine.upload(&cpu, &all)?;
+        if let crate::kernels::Extent::Indirect(buffer, _) = pass.extent {
+            engine.upload(&cpu, &[buffer])?;
+        }
+        engine.run(&[Op::Pass(*pass)], |_, _| Vec::new(), false)?;
+        let mut gpu = cpu.clone();
+        engine.download(&mut gpu, &writes)?;
+        reference::run(pass.kernel, &mut cpu, pass.level);
+        if !found.iter().any(|c| c.kernel == pass.kernel) {
+            found.push(Comparison {
+                kernel: pass.kernel,
+                compared: 0,
+                exact: 0,
+                max_error: 0.0,
+                first: None,
+            });
+        }
+        if let Some(comparison) = found.iter_mut().find(|c| c.kernel == pass.kernel) {
+            for buffer in writes {
+                compare(comparison, buffer, cpu.bytes(buffer), gpu.bytes(buffer));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Adds the comparison of one buffer.
+fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8]) {
+    let words = buffer.stride() / 4;
+    for (index, (w, g)) in want.chunks_exact(4).zip(got.chunks_exact(4)).enumerate() {
+        comparison.compared += 1;
+        if w == g {
+            comparison.exact += 1;
+            continue;
+        }
+        let bits = |bytes: &[u8]| u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
+        let (w, g) = (bits(w), bits(g));
+        let (a, b) = (f32::from_bits(w), f32::from_bits(g));
+        let error = if is_integer(buffer) { f32::INFINITY } else { (a - b).abs() };
+        let error = if error.is_nan() { f32::INFINITY } else { error };
+        comparison.max_error = comparison.max_error.max(error);
+        if comparison.first.is_none() {
+            let (element, word) = (index / words, index % words);
+            let name = buffer.name();
+            comparison.first =
+                Some(format!("{name}[{element}].{word}: CPU {a:e} ({w:#010x}), device {b:e} ({g:#010x})"));
+        }
+    }
+}

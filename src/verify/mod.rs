@@ -1,0 +1,12 @@
+//! Every kernel against its CPU twin, on the user's own device.
+
+pub mod cases;
+#[cfg(feature = "vulkan")]
+mod equivalence;
+#[cfg(feature = "vulkan")]
+mod numerics;
+
+#[cfg(feature = "vulkan")]
+pub use equivalence::{Comparison, compare_passes};
+#[cfg(feature = "vulkan")]
+pub use numerics::{Numerics, numerics};
