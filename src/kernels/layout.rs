@@ -40,7 +40,7 @@ pub struct StepUniforms {
     pub time_horizon_obstacles: f32,
     pub responsibility: f32,
     pub safety_margin: f32,
-    pub padding: f32,
+    pub wrap: f32,
 }
 
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.
