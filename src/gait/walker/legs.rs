@@ -8,18 +8,18 @@ use glam::DVec3;
 const LONGEST: f64 = 0.9975;
 
 /// Share of the stride after which the heel leaves the ground.
-pub(super) const HEEL_OFF: f64 = 0.40;
+pub(super) const HEEL_OFF: f64 = 0.32;
 
 /// Share of the swing after which the ankle is highest (the knee folds early, the foot then reaches forward).
 const LIFT_PEAK: f64 = 0.30;
 
 /// Ankle ahead of the pelvis at foot strike, as a share of the travel per stride. Below a quarter, because the
 /// rear foot rolls over its ball and so ends further back than the front one starts.
-const STRIKE_AHEAD: f64 = 0.22;
+const STRIKE_AHEAD: f64 = 0.21;
 
 /// Braking of the foot just before it strikes, in travels per stride per phase^2: it reaches
 /// `1 / (2 BRAKING)` of the travel beyond its strike and comes back with the ground.
-const BRAKING: f64 = 26.0;
+const BRAKING: f64 = 44.0;
 
 /// Braking of the foot's fall, in lifts per phase^2.
 const FALL_BRAKING: f64 = 40.0;

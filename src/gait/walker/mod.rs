@@ -28,6 +28,9 @@ pub const FRAMES: usize = 64;
 /// Version of the generator, written into [`Gait::source`]; raised whenever the same style gives another gait.
 pub const VERSION: u32 = 1;
 
+/// The pelvis is lowest this share of a cycle after a strike.
+const BOB_LAG: f64 = 0.015;
+
 /// Pelvis of one frame: where it is and how it is turned.
 struct Pelvis {
     root: DVec3,
@@ -62,7 +65,7 @@ impl Pelvis {
 
 /// Height of the pelvis about its mean, m: lowest in the middle of double support, highest over the standing leg.
 fn bob(style: &WalkerStyle, phase: f64) -> f64 {
-    -style.bounce * cos(2.0 * TAU * (phase - 0.04))
+    -style.bounce * cos(2.0 * TAU * (phase - BOB_LAG))
 }
 
 /// Rotates about +x, positive tips +y towards +z (forwards).
