@@ -6,5 +6,6 @@
     reason = "counts of cases are small"
 )]
 
+pub mod animation;
 pub mod crossing;
 pub mod step;
