@@ -1,12 +1,10 @@
 //! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
 
-use super::body::{
-    POSE_STRIDE, RIG_EYES, RIG_STRIDE, joint_forward, joint_translation, visible_agents,
-};
+use super::body::{POSE_STRIDE, RIG_EYES, RIG_STRIDE, joint_forward, joint_translation, visible_agents};
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
-    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
-    xyz,
+    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
+    quat_yaw_pitch, sub3, xyz,
 };
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::gaze::Slices;
@@ -211,8 +209,7 @@ fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) 
         quat_from_rows(xyz(b.rig[bind]), xyz(b.rig[bind + 1]), xyz(b.rig[bind + 2]))
     };
     let (spine_rest, neck_rest) = (rest(SPINE), rest(NECK));
-    let turned =
-        quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
+    let turned = quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
     b.local_rotations[body.base + NECK] = quat_normalize(turned);
     remember(b, agent, [flexion, torso + rotation, 0.0, 0.0], emotion != SAD);
 }
@@ -225,11 +222,8 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
 
     let range = RANGE + if body.was_engaged { RANGE_HYSTERESIS } else { 0.0 };
     let field = HALF_FIELD + if body.was_engaged { FIELD_HYSTERESIS } else { 0.0 };
-    let in_view = if body.is_too_close {
-        body.was_engaged
-    } else {
-        body.ground * scale < range && yaw.abs() < field
-    };
+    let in_view =
+        if body.is_too_close { body.was_engaged } else { body.ground * scale < range && yaw.abs() < field };
     let engaged = emotion <= ANGRY && in_view;
 
     let mut rotation = own_yaw;

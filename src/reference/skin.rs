@@ -21,7 +21,8 @@ pub fn skin(b: Slices<'_>) {
     let agents = skinned[first * SKINNED_STRIDE..end * SKINNED_STRIDE]
         .par_chunks_exact_mut(vertex_count * SKINNED_STRIDE);
     agents.enumerate().for_each(|(agent, out)| {
-        let matrices = &palettes[(bucket_start[bucket] as usize + agent) * PALETTE_STRIDE..][..PALETTE_STRIDE];
+        let matrices =
+            &palettes[(bucket_start[bucket] as usize + agent) * PALETTE_STRIDE..][..PALETTE_STRIDE];
         for (vertex, out) in out.chunks_exact_mut(SKINNED_STRIDE).enumerate() {
             let source = &mesh_vertices[(first_vertex + vertex) * VERTEX_STRIDE..][..VERTEX_STRIDE];
             let (position, normal) = skin_vertex(source, matrices);
