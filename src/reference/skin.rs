@@ -1,8 +1,7 @@
 //! Linear blend skinning of the near agents of one avatar.
 
-use super::body::{PALETTE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
+use super::body::{JOINTS, PALETTE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
 use super::quaternion::{add4, dot3, scale4, xyz};
-use crate::gait::JOINT_COUNT;
 use crate::kernels::skin::Slices;
 use rayon::prelude::*;
 
@@ -37,7 +36,7 @@ fn row_at(row: [f32; 4], p: [f32; 3]) -> f32 {
 fn skin_vertex(source: &[[f32; 4]], matrices: &[[f32; 4]]) -> ([f32; 4], [f32; 4]) {
     let joints = source[1][3].to_bits();
     let of_joint = |i: usize| {
-        let joint = (joints >> (8 * i)) as usize & (JOINT_COUNT - 1);
+        let joint = (joints >> (8 * i)) as usize & (JOINTS - 1);
         [0, 1, 2].map(|axis| scale4(matrices[joint * 3 + axis], source[2][i]))
     };
     let mut rows = of_joint(0);

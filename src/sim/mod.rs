@@ -10,4 +10,6 @@
 pub mod obstacles;
 pub mod order;
 
-#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}
+#[allow(missing_docs)]
+#[derive(Debug, thiserror::Error)]
+pub enum Error {}
