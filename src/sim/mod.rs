@@ -10,6 +10,4 @@
 pub mod obstacles;
 pub mod order;
 
-#[allow(missing_docs)]
-#[derive(Debug, thiserror::Error)]
-pub enum Error {}
+#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}
