@@ -18,12 +18,12 @@ impl Cast {
     ///
     /// # Errors
     /// When there is no avatar or gait, too many avatars, or a gait cannot drive an avatar.
-    pub fn new(gaits: &[Gait], avatars: Vec<Avatar>) -> Result<Self, Error> {
+    pub fn new(gaits: &[Gait], avatars: Vec<Avatar>) -> Result<Self, crate::Error> {
         if avatars.is_empty() || avatars.len() > MAX_AVATARS {
-            return Err(Error::Avatars { found: avatars.len(), most: MAX_AVATARS });
+            return Err(Error::Avatars { found: avatars.len(), most: MAX_AVATARS }.into());
         }
         if gaits.is_empty() {
-            return Err(Error::NoGaits);
+            return Err(Error::NoGaits.into());
         }
         let pairs: Vec<_> = avatars.iter().flat_map(|a| (0..=gaits.len()).map(move |g| (a, g))).collect();
         let clips = pairs.into_par_iter().map(|(avatar, gait)| match gaits.get(gait) {
