@@ -1,5 +1,15 @@
 //! Pictures: what is where, in which colour, and that the validation layer has nothing to say.
 #![cfg(feature = "vulkan")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    clippy::lossy_float_literal,
+    reason = "helpers of tests; small made-up numbers"
+)]
 
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
@@ -18,10 +28,7 @@ const H: u32 = 180;
 fn open() -> Option<Arc<Device>> {
     let device = Device::open(None, Validation::Sync).or_else(|_| Device::open(None, Validation::Off));
     match device {
-        Ok(device) => {
-            println!("{device:?} names {}", gaitway::gpu::validation_messages().len());
-            Some(device)
-        }
+        Ok(device) => Some(device),
         Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
         Err(error) => {
             println!("skipped: no Vulkan ({error})");
@@ -40,7 +47,7 @@ fn assert_silent() {
     assert!(messages.is_empty(), "{messages:#?}");
 }
 
-/// Writes the picture where GAITWAY_PICTURES says, to be looked at.
+/// Writes the picture where `GAITWAY_PICTURES` says, to be looked at.
 fn keep(name: &str, image: &Image) {
     if let Some(folder) = std::env::var_os("GAITWAY_PICTURES") {
         let path = PathBuf::from(folder).join(format!("{name}.png"));
@@ -142,6 +149,13 @@ fn boxes_appear_where_the_camera_matrix_says_in_their_own_colours() {
         assert!(green.y < 90.0, "up is up");
         let sky = at(&image, &view, Vec3::new(-1.5, 0.2, 0.0));
         assert!(sky[2] > 40 && sky[0] == sky[1], "{sky:?}");
+        // with several samples a slanted edge has tones between the two colours
+        let tones: std::collections::BTreeSet<u8> = (0..W * H)
+            .filter_map(|i| image.pixel(i % W, i / W))
+            .filter(|p| p[0] > p[1].saturating_add(30))
+            .map(|p| p[0])
+            .collect();
+        assert_eq!(tones.len() > 2, renderer.settings().samples > 1, "{tones:?}");
     }
     assert_silent();
 }
@@ -335,14 +349,6 @@ impl HandMade {
 
 const COLORS: [u32; 4] = [0xc0_8060, 0x20_2020, 0xb0_2020, 0x20_20b0];
 
-fn linear(hex: u32) -> Vec3 {
-    let c = |shift: u32| {
-        let s = ((hex >> shift) & 0xff) as f32 / 255.0;
-        if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055_f32).powf(2.4) }
-    };
-    Vec3::new(c(16), c(8), c(0))
-}
-
 fn is_color(found: [u8; 3], hex: u32) -> bool {
     let [_, r, g, b] = hex.to_be_bytes();
     // five or six bits a channel
@@ -405,7 +411,6 @@ fn agents_cast_shadows_and_stand_on_rings_of_their_emotion() {
         };
         assert!(far(with) < far(without) && far(with) < 90.0, "agent {i}: {without:?} {with:?} {want}");
     }
-    let _ = linear(COLORS[0]);
     assert_silent();
 }
 

@@ -97,6 +97,7 @@ pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
     use crate::avatar::{Material, RestJoint, Vertex};
