@@ -10,12 +10,12 @@ pub const RIG_STRIDE: usize = 4 * JOINT_COUNT + 1;
 /// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshBuffers {
-    /// `mesh_vertices`: [vertex][4]. Position and material (bits); normal and four joints of eight bits (bits); weights;
+    /// `mesh_vertices`: `[vertex][4]`. Position and material (bits); normal and four joints of eight bits (bits); weights;
     /// linear colour and 0.
     pub vertices: Vec<[[f32; 4]; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
-    /// `mesh_table`: [bucket] first index, index count, first vertex, vertex count.
+    /// `mesh_table`: `[bucket]` first index, index count, first vertex, vertex count.
     pub mesh_table: Vec<[u32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
@@ -81,7 +81,7 @@ fn append(mesh: &Mesh, out: &mut MeshBuffers) -> [u32; 4] {
     [first_index, length(out.indices.len()) - first_index, first_vertex, count]
 }
 
-/// `rig`: [avatar][65]. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
+/// `rig`: `[avatar][65]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
 /// midpoint of the eyes in the head joint. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     let mut rig = Vec::with_capacity(avatars.len() * RIG_STRIDE);
