@@ -12,6 +12,7 @@
 )]
 
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
+use gaitway::export::image::{Tile, contact_sheet};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory, Validation, validation_messages};
 use gaitway::render::camera::{Camera, View};
@@ -466,6 +467,31 @@ fn the_same_scene_gives_the_same_picture_and_sizes_can_change() {
     assert_eq!(first, renderer.draw(&view(64, 48), None).unwrap());
     renderer.set_environment(&[]).unwrap();
     assert_ne!(first, renderer.draw(&view(64, 48), None).unwrap());
+    assert_silent();
+}
+
+#[test]
+fn pictures_go_onto_a_contact_sheet() {
+    let Some(device) = device() else { return };
+    let mut renderer = Renderer::new(&device, Settings::sized(W, H)).unwrap();
+    renderer.set_environment(&[tower().surface()]).unwrap();
+    let airs = [
+        ("day", Atmosphere::DAY),
+        ("overcast", Atmosphere::OVERCAST),
+        ("evening\nsecond line, (x) = 3.5 m/s", Atmosphere::EVENING),
+    ];
+    let mut images = Vec::new();
+    for (_, air) in airs {
+        renderer.set_atmosphere(air);
+        let view = View::mono(&Camera::user_eyes(Vec3::new(3.0, 1.7, -6.0), -0.3, 0.05), W, H);
+        images.push(renderer.draw(&view, None).unwrap());
+    }
+    let tiles: Vec<_> =
+        airs.iter().zip(&images).map(|((caption, _), image)| Tile { caption, image }).collect();
+    let sheet = contact_sheet(&tiles, 2);
+    keep("sheet", &sheet);
+    assert!(sheet.width > 2 * W && sheet.height > 2 * H);
+    assert!(images[0] != images[1] && images[1] != images[2]);
     assert_silent();
 }
 
