@@ -64,8 +64,8 @@ fn compile_folder(folder: &Path, spirv: &Path) -> Result<Vec<(Source, Shader)>, 
     files.retain(|file| file.extension().is_some_and(|extension| extension == "wgsl"));
     files.sort();
     let (mut shaders, mut errors) = (Vec::new(), Vec::new());
-    for file in files {
-        let compiled = Source::read(&file, Path::new("shaders/shared"))
+    for (number, file) in files.into_iter().enumerate() {
+        let compiled = Source::read(&file, Path::new("shaders/shared"), number)
             .and_then(|source| compile::compile(&source).map(|shader| (source, shader)));
         match compiled {
             Ok((source, shader)) => {

@@ -1,9 +1,8 @@
 // uses: step, grid
-// Counts the agents of each cell and notes each agent's cell. cell_counts must be zero before (grid_scan leaves it so).
+// Counts the agents of each cell. cell_counts must be zero before (grid_scatter leaves it so).
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;            // [agent] m
 @group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell]
-@group(0) @binding(3) var<storage, read_write> agent_cell: array<u32>;          // [agent]
 
 @compute @workgroup_size(64)
 fn grid_count(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -12,7 +11,5 @@ fn grid_count(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = grid_cell(position[agent], step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    let cell = u32(at.y) * step.grid_columns + u32(at.x);
-    agent_cell[agent] = cell;
-    atomicAdd(&cell_counts[cell], 1u);
+    atomicAdd(&cell_counts[u32(at.y) * step.grid_columns + u32(at.x)], 1u);
 }

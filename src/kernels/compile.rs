@@ -26,8 +26,9 @@ pub struct Source {
 }
 
 impl Source {
-    /// Reads `file` and the shared texts it uses, each once.
-    pub fn read(file: &Path, shared: &Path) -> Result<Self, String> {
+    /// Reads `file` and the shared texts it uses, each once; `number` becomes the constant `KERNEL_ID`, under which
+    /// a kernel reports failures.
+    pub fn read(file: &Path, shared: &Path, number: usize) -> Result<Self, String> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut source = Self { name, text: String::new(), parts: Vec::new() };
         let mut wanted = vec![file.to_path_buf()];
@@ -50,6 +51,7 @@ impl Source {
                 source.text.push('\n');
             }
         }
+        source.text.push_str(&format!("const KERNEL_ID: u32 = {number}u;\n"));
         Ok(source)
     }
 

@@ -40,7 +40,7 @@ pub struct StepUniforms {
     pub time_horizon_obstacles: f32,
     pub responsibility: f32,
     pub safety_margin: f32,
-    pub padding: f32,
+    pub wrap: f32,
 }
 
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.
@@ -52,6 +52,7 @@ pub struct FrameUniforms {
     pub user_eyes: [f32; 4],
     pub camera: [f32; 4],
     pub level_distance: [f32; 4],
+    pub standing_clips: [[u32; 4]; 4],
     pub agent_count: u32,
     pub eye_count: u32,
     pub level_count: u32,
@@ -63,7 +64,7 @@ pub struct FrameUniforms {
     pub frame_time: f32,
     pub agent_height: f32,
     pub agent_radius: f32,
-    pub padding: f32,
+    pub clip_count: u32,
 }
 
 /// Parameters of one picture for the draw shaders; units and meaning stand in `shaders/shared/view.wgsl`.

@@ -29,7 +29,6 @@ pub fn grid_scan(b: Slices<'_>) {
                 b.cell_start[cell] = sum;
                 sum += b.cell_counts[cell];
                 b.cell_counts[cell] = 0;
-                b.cell_cursor[cell] = 0;
             }
         }
     }

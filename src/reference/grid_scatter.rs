@@ -1,22 +1,29 @@
 //! Packs the agents in cell order, within a cell by id.
 
+use super::shared::cell_index;
 use crate::kernels::grid_scatter::Slices;
+use rayon::prelude::*;
 
 /// Twin of `shaders/grid_scatter.wgsl`.
 pub fn grid_scatter(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
     if b.level == 0 {
         // in order of id, so the cells come out sorted already
-        for agent in 0..b.step.agent_count {
-            let cell = b.agent_cell[agent as usize] as usize;
-            b.slot_agent[(b.cell_start[cell] + b.cell_cursor[cell]) as usize] = agent;
-            b.cell_cursor[cell] += 1;
+        for agent in 0..agents {
+            let cell = cell_index(b.position[agent], b.step);
+            b.slot_agent[(b.cell_start[cell] + b.cell_counts[cell]) as usize] = agent as u32;
+            b.cell_counts[cell] += 1;
         }
         return;
     }
-    for slot in 0..b.step.agent_count as usize {
-        let agent = b.slot_agent[slot] as usize;
-        let ([x, y], [vx, vy]) = (b.position[agent], b.velocity[agent]);
-        b.slot_motion[slot] = [x, y, vx, vy];
-        b.agent_slot[agent] = slot as u32;
+    let slot_agent = &b.slot_agent[..agents];
+    b.slot_motion.par_chunks_exact_mut(2).zip(slot_agent).for_each(|(slot, &agent)| {
+        let ([x, y], [vx, vy]) = (b.position[agent as usize], b.velocity[agent as usize]);
+        slot[0] = [x, y, vx, vy];
+        slot[1] = b.body[agent as usize];
+    });
+    for (slot, &agent) in slot_agent.iter().enumerate() {
+        b.agent_slot[agent as usize] = slot as u32;
     }
+    b.cell_counts[..b.step.cell_count as usize].fill(0);
 }

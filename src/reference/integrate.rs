@@ -1,0 +1,68 @@
+//! Moves, turns, advances the phase of the walk.
+
+use super::exact::{atan2, dot2, is_finite2, wrap};
+use crate::kernels::KernelId;
+use crate::kernels::integrate::Slices;
+use crate::kernels::layout::StepUniforms;
+use rayon::prelude::*;
+
+/// Slower than this the body does not turn, m/s.
+const TURNING_SPEED: f32 = 0.05;
+
+/// Twin of `shaders/integrate.wgsl`.
+pub fn integrate(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
+    let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
+    let state = state.zip(&mut b.stance[..agents]).zip(&mut b.phase[..agents]).enumerate().with_min_len(1024);
+    let failed = state
+        .filter_map(|(agent, (((position, velocity), stance), phase))| {
+            let v = new_velocity[agent_slot[agent] as usize];
+            if !is_finite2(v) {
+                *velocity = [0.0, 0.0];
+                return Some(agent as u32);
+            }
+            moved(step, v, body[agent], position, stance, phase);
+            *velocity = v;
+            None
+        })
+        .min();
+    if let Some(agent) = failed {
+        let word = &mut b.failure[KernelId::Integrate as usize];
+        *word = agent.min(*word);
+    }
+}
+
+fn moved(
+    step: &StepUniforms,
+    v: [f32; 2],
+    traits: [f32; 4],
+    position: &mut [f32; 2],
+    stance: &mut [f32; 2],
+    phase: &mut u32,
+) {
+    for axis in 0..2 {
+        let mut p = position[axis] + v[axis] * step.time_step;
+        if step.wrap > 0.0 {
+            if p >= step.wrap {
+                p -= step.wrap;
+            }
+            if p < 0.0 {
+                p += step.wrap;
+            }
+        }
+        position[axis] = p;
+    }
+    let speed = dot2(v, v).sqrt();
+    let mut heading = stance[0];
+    if speed > TURNING_SPEED {
+        let most = step.turn_rate * step.time_step;
+        let turn = wrap(atan2(v[0], v[1]) - heading);
+        heading = wrap(heading + turn.clamp(-most, most));
+    }
+    let walking = speed > step.walk_speed * traits[2];
+    let blend = if walking { step.blend_rate } else { -step.blend_rate } * step.time_step;
+    *stance = [heading, (stance[1] + blend).clamp(0.0, 1.0)];
+    let strides = (speed * step.time_step / traits[3].max(0.1)).min(0.5);
+    *phase = phase.wrapping_add(((strides * 16_777_216.0) as u32) << 8);
+}
