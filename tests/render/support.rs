@@ -189,8 +189,8 @@ impl HandMade {
             }
             if near {
                 let mesh = meshes.mesh_table[0];
-                for vertex in &meshes.vertices[..mesh[3] as usize] {
-                    let [p, n, ..] = *vertex;
+                for vertex in meshes.vertices.chunks(4).take(mesh[3] as usize) {
+                    let (p, n) = (vertex[0], vertex[1]);
                     skinned.extend([[p[0] + place.x, p[1], p[2] + place.y, 1.0], [n[0], n[1], n[2], 0.0]]);
                 }
             }
