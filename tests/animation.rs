@@ -6,10 +6,10 @@ use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{
-    CLIP_STRIDE, NONE, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE, vertex_elements,
-    visible_agents,
+    CLIP_STRIDE, HEAD, NECK, NONE, PALETTE_STRIDE, PARENTS, POSE_STRIDE, SKINNED_STRIDE, SPINE,
+    VERTEX_STRIDE, visible_agents,
 };
-use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes};
+use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// Runs all passes on the CPU.
@@ -50,6 +50,14 @@ fn world_from_joint(store: &Store, slot: usize, avatar: &Avatar) -> [Mat4; JOINT
     let model = avatar.model_from_joint(&rotations, root);
     let world = world_from_model(store, store.visible[slot] as usize);
     model.map(|joint| world * joint)
+}
+
+#[test]
+fn the_kernels_know_the_skeleton_and_the_clips() {
+    assert_eq!(PARENTS, Joint::PARENT);
+    let by_name = [(SPINE, "spine"), (NECK, "neck"), (HEAD, "head")];
+    assert!(by_name.iter().all(|(joint, name)| Joint::ALL[*joint].name() == *name));
+    assert_eq!(reference::body::CLIP_FRAMES, CLIP_FRAMES);
 }
 
 #[test]

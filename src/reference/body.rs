@@ -1,16 +1,25 @@
 //! Twin of `shaders/shared/body.wgsl` and `rig.wgsl`: how bodies lie in the flat buffers.
 
-use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, Vertex};
-use crate::gait::JOINT_COUNT;
-
+/// Joints of a body, by number as in `gait::skeleton::Joint`.
+pub const JOINTS: usize = 16;
+/// The chest.
+pub const SPINE: usize = 1;
+/// The joint that gazes turn first.
+pub const NECK: usize = 2;
+/// The joint that carries the eyes.
+pub const HEAD: usize = 3;
+/// Parent of each joint; parents stand before their children, the root is its own.
+pub const PARENTS: [usize; JOINTS] = [0, 0, 1, 2, 1, 4, 5, 1, 7, 8, 0, 10, 11, 0, 13, 14];
+/// Frames of a clip.
+pub const CLIP_FRAMES: usize = 64;
 /// Elements of a pose in `clip_frames` and `local_rotations`: 16 local rotations, then the root's position.
-pub const POSE_STRIDE: usize = JOINT_COUNT + 1;
+pub const POSE_STRIDE: usize = JOINTS + 1;
 /// Elements of an avatar in `rig`: per joint its rest translation and three rows of `joint_from_mesh`, then the eyes.
-pub const RIG_STRIDE: usize = 4 * JOINT_COUNT + 1;
+pub const RIG_STRIDE: usize = 4 * JOINTS + 1;
 /// Element of an avatar's rig that holds the midpoint of the eyes in the head joint.
-pub const RIG_EYES: usize = 4 * JOINT_COUNT;
+pub const RIG_EYES: usize = 4 * JOINTS;
 /// Elements of an agent in `palettes`: three rows per joint.
-pub const PALETTE_STRIDE: usize = 3 * JOINT_COUNT;
+pub const PALETTE_STRIDE: usize = 3 * JOINTS;
 /// Elements of a vertex in `mesh_vertices`.
 pub const VERTEX_STRIDE: usize = 4;
 /// Elements of a vertex in `skinned`.
@@ -44,35 +53,4 @@ pub fn joint_translation(rig: &[[f32; 4]], avatar: usize, joint: usize) -> [f32;
 pub fn joint_forward(rig: &[[f32; 4]], avatar: usize, joint: usize) -> [f32; 3] {
     let at = avatar * RIG_STRIDE + joint * 4;
     [rig[at + 1][2], rig[at + 2][2], rig[at + 3][2]]
-}
-
-/// An avatar as it lies in `rig`.
-pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
-    let mut rig = [[0.0; 4]; RIG_STRIDE];
-    for (joint, rest) in avatar.joints.iter().enumerate() {
-        rig[joint * 4] = rest.translation.extend(0.0).to_array();
-        for axis in 0..3 {
-            rig[joint * 4 + 1 + axis] = rest.joint_from_mesh.row(axis).to_array();
-        }
-    }
-    rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
-    rig
-}
-
-/// A frame of a clip as it lies in `clip_frames`.
-pub fn clip_elements(frame: &ClipFrame) -> [[f32; 4]; POSE_STRIDE] {
-    std::array::from_fn(|element| match frame.rotations.get(element) {
-        Some(rotation) => rotation.to_array(),
-        None => frame.root.extend(0.0).to_array(),
-    })
-}
-
-/// A vertex as it lies in `mesh_vertices`.
-pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
-    [
-        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
-        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
-        vertex.weights,
-        vertex.color.extend(0.0).to_array(),
-    ]
 }

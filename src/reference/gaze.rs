@@ -1,6 +1,6 @@
 //! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
 
-use super::body::{
+use super::body::{HEAD, JOINTS, NECK, SPINE, 
     POSE_STRIDE, RIG_EYES, RIG_STRIDE, joint_forward, joint_translation, visible_agents,
 };
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
@@ -8,7 +8,6 @@ use super::quaternion::{
     add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
     xyz,
 };
-use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::gaze::Slices;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
@@ -54,9 +53,6 @@ pub const VALID: u32 = 0x4000_0000;
 pub const ENGAGED: u32 = 0x8000_0000;
 const FRAME_BITS: u32 = 0x3fff_ffff;
 
-const SPINE: usize = Joint::Spine as usize;
-const NECK: usize = Joint::Neck as usize;
-const HEAD: usize = Joint::Head as usize;
 
 /// Twin of `shaders/gaze.wgsl`.
 pub fn gaze(mut b: Slices<'_>) {
@@ -137,7 +133,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let spine = quat_mul(root, b.local_rotations[base + SPINE]);
     let neck = quat_mul(spine, b.local_rotations[base + NECK]);
     let head = quat_mul(neck, b.local_rotations[base + HEAD]);
-    let root_at = xyz(b.local_rotations[base + JOINT_COUNT]);
+    let root_at = xyz(b.local_rotations[base + JOINTS]);
     let spine_at = add3(root_at, quat_rotate(root, joint_translation(b.rig, avatar, SPINE)));
     let neck_at = add3(spine_at, quat_rotate(spine, joint_translation(b.rig, avatar, NECK)));
     let head_arm = quat_rotate(neck, joint_translation(b.rig, avatar, HEAD));

@@ -1,9 +1,8 @@
 //! Forward kinematics in the world and the matrices for skinning.
 
-use super::body::{PALETTE_STRIDE, POSE_STRIDE, RIG_STRIDE, joint_translation, visible_agents};
+use super::body::{JOINTS, PARENTS, PALETTE_STRIDE, POSE_STRIDE, RIG_STRIDE, joint_translation, visible_agents};
 use super::exact::sin_cos;
 use super::quaternion::{add3, add4, quat_before_yaw, quat_mul, quat_rotate, scale3, scale4, turn_left, xyz};
-use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::palette::Slices;
 use rayon::prelude::*;
 
@@ -18,16 +17,16 @@ pub fn palette(b: Slices<'_>) {
         let [x, z] = position[agent];
         let heading = stance[agent][0];
 
-        let mut rotations = [[0.0; 4]; JOINT_COUNT];
-        let mut origins = [[0.0; 3]; JOINT_COUNT];
-        for joint in 0..JOINT_COUNT {
+        let mut rotations = [[0.0; 4]; JOINTS];
+        let mut origins = [[0.0; 3]; JOINTS];
+        for joint in 0..JOINTS {
             if joint == 0 {
-                let root = xyz(pose[JOINT_COUNT]);
+                let root = xyz(pose[JOINTS]);
                 rotations[0] = quat_before_yaw(heading, pose[0]);
                 let turned = scale3(turn_left(sin_cos(heading), root), scale);
                 origins[0] = [x + turned[0], turned[1], z + turned[2]];
             } else {
-                let parent = Joint::PARENT[joint];
+                let parent = PARENTS[joint];
                 let arm = quat_rotate(rotations[parent], joint_translation(rig, avatar, joint));
                 rotations[joint] = quat_mul(rotations[parent], pose[joint]);
                 origins[joint] = add3(origins[parent], scale3(arm, scale));

@@ -1,9 +1,8 @@
 //! The pose of every visible agent: up to four gaits and standing, blended.
 
-use super::body::{CLIP_STRIDE, POSE_STRIDE, visible_agents};
+use super::body::{CLIP_FRAMES, CLIP_STRIDE, POSE_STRIDE, visible_agents};
 use super::exact::unit_f32;
 use super::quaternion::{add4, dot4, lerp4, limit, negate4, quat_lerp, quat_normalize, scale4};
-use crate::avatar::CLIP_FRAMES;
 use crate::kernels::pose::Slices;
 use rayon::prelude::*;
 

@@ -1,7 +1,9 @@
 //! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
 
 use super::exact::dot2;
-use super::orca::{LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, obstacle_line, segment_distance2, solve};
+use super::orca::{
+    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, obstacle_line, segment_distance2, solve,
+};
 use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::velocity_orca::Slices;
@@ -45,7 +47,8 @@ struct Nearest {
 impl Nearest {
     /// Insertion by (squared distance, id): a total order, so the order of the cells does not matter.
     fn insert(&mut self, cap: usize, slot: u32, distance2: f32, id: u32) {
-        let before = |i: usize| distance2 < self.distance2[i] || (distance2 == self.distance2[i] && id < self.ids[i]);
+        let before =
+            |i: usize| distance2 < self.distance2[i] || (distance2 == self.distance2[i] && id < self.ids[i]);
         if self.count == cap && !before(cap - 1) {
             return;
         }
@@ -123,7 +126,14 @@ impl Scene<'_> {
                 let mut column = cx - ring;
                 while column <= cx + ring {
                     if (0..columns).contains(&column) {
-                        self.scan_cell((row * columns + column) as usize, slot, position, range2, cap, &mut nearest);
+                        self.scan_cell(
+                            (row * columns + column) as usize,
+                            slot,
+                            position,
+                            range2,
+                            cap,
+                            &mut nearest,
+                        );
                     }
                     column += stride;
                 }
@@ -137,7 +147,15 @@ impl Scene<'_> {
         }
     }
 
-    fn scan_cell(&self, cell: usize, own: usize, at: [f32; 2], range2: f32, cap: usize, nearest: &mut Nearest) {
+    fn scan_cell(
+        &self,
+        cell: usize,
+        own: usize,
+        at: [f32; 2],
+        range2: f32,
+        cap: usize,
+        nearest: &mut Nearest,
+    ) {
         for slot in self.cell_start[cell]..self.cell_start[cell + 1] {
             let [x, y, ..] = self.slot_motion[slot as usize * 2];
             let to = [x - at[0], y - at[1]];

@@ -173,9 +173,8 @@ impl Streets {
     /// Round every block between neighbouring streets (round some of them in a huge scene).
     pub(super) fn loops(&self, weight: f32) -> Vec<Route> {
         let width = Self::lanes(self.width.min_element());
-        let blocks: Vec<(usize, usize)> = (1..self.xs.len())
-            .flat_map(|i| (1..self.zs.len()).map(move |j| (i, j)))
-            .collect();
+        let blocks: Vec<(usize, usize)> =
+            (1..self.xs.len()).flat_map(|i| (1..self.zs.len()).map(move |j| (i, j))).collect();
         let step = blocks.len().div_ceil(MAX_LOOPS).max(1);
         let around = |&(i, j): &(usize, usize)| {
             let (x0, x1, z0, z1) = (self.xs[i - 1], self.xs[i], self.zs[j - 1], self.zs[j]);

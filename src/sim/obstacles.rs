@@ -58,8 +58,11 @@ pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<
     for (number, segment) in segments.iter().enumerate() {
         let [ax, az, bx, bz] = segment[0];
         // border cells also hold agents from outside, so they take whatever lies beyond them
-        let column = |x: f32| (((x - step.grid_origin[0]) * step.inverse_cell_size).floor() as i32).clamp(0, columns - 1);
-        let row = |z: f32| (((z - step.grid_origin[1]) * step.inverse_cell_size).floor() as i32).clamp(0, rows - 1);
+        let column = |x: f32| {
+            (((x - step.grid_origin[0]) * step.inverse_cell_size).floor() as i32).clamp(0, columns - 1)
+        };
+        let row =
+            |z: f32| (((z - step.grid_origin[1]) * step.inverse_cell_size).floor() as i32).clamp(0, rows - 1);
         for r in row(az.min(bz) - reach)..=row(az.max(bz) + reach) {
             for c in column(ax.min(bx) - reach)..=column(ax.max(bx) + reach) {
                 let centre = [
@@ -128,7 +131,10 @@ mod tests {
             let list = &lists[lists[cell] as usize..lists[cell + 1] as usize];
             assert!(list.is_sorted());
             for i in 0..25_usize {
-                let at = [(cell % 10) as f32 * 2.0 + (i % 5) as f32 * 0.5, (cell / 10) as f32 * 2.0 + (i / 5) as f32 * 0.5];
+                let at = [
+                    (cell % 10) as f32 * 2.0 + (i % 5) as f32 * 0.5,
+                    (cell / 10) as f32 * 2.0 + (i / 5) as f32 * 0.5,
+                ];
                 for (number, segment) in found.iter().enumerate() {
                     if crate::reference::orca::segment_distance2(segment, at) < 9.0 {
                         assert!(list.contains(&(number as u32)), "cell {cell} lacks segment {number}");

@@ -73,7 +73,10 @@ fn infer_unit(size: f32) -> (f32, String) {
         }
         _ => {
             let metres = BODY_LENGTH / size;
-            (metres, format!("unit: unknown; scaled by {metres:.4} to an adult's body length of {BODY_LENGTH} m"))
+            (
+                metres,
+                format!("unit: unknown; scaled by {metres:.4} to an adult's body length of {BODY_LENGTH} m"),
+            )
         }
     }
 }
@@ -157,7 +160,8 @@ pub(super) fn check_sides(take: &mut Recording) {
                 .to_owned(),
         );
     } else if bend < least {
-        take.report.push("sides: the knees are too straight to check left and right; taken as named".to_owned());
+        take.report
+            .push("sides: the knees are too straight to check left and right; taken as named".to_owned());
     } else {
         take.report.push("sides: left is left (checked by the bend of the knees)".to_owned());
     }

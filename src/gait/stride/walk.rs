@@ -105,7 +105,8 @@ pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
 /// root's height is pinned as well, so that it also stays level.
 pub(super) fn restore_travel(poses: &mut [Pose], rate: f32) {
     let root_height: Vec<f32> = poses.iter().map(|pose| pose[Joint::Root as usize].y).collect();
-    let range = root_height.iter().copied().fold(f32::MIN, f32::max) - root_height.iter().copied().fold(f32::MAX, f32::min);
+    let range = root_height.iter().copied().fold(f32::MIN, f32::max)
+        - root_height.iter().copied().fold(f32::MAX, f32::min);
     let mut lift = vec![0.0; poses.len()];
     if range < 1e-3 {
         let sole: Vec<f32> = poses

@@ -85,7 +85,12 @@ impl FootPath {
         let (z0, y0) = self.rolled(self.duty);
         // Interpolated on the passing ground, where the foot ends at rest, then moved back to the walker.
         let from = Key { at: z0.at + self.travel * self.duty, velocity: z0.velocity + self.travel, ..z0 };
-        let strike = Key { phase: 1.0, at: self.strike + self.travel, velocity: 0.0, acceleration: -BRAKING * self.travel };
+        let strike = Key {
+            phase: 1.0,
+            at: self.strike + self.travel,
+            velocity: 0.0,
+            acceleration: -BRAKING * self.travel,
+        };
         let z = quintic(from, strike, phase) - self.travel * phase;
         (z, self.swing_height(y0, phase))
     }

@@ -15,7 +15,7 @@ use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, clip_elements, rig_elements, vertex_elements,
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE,
     visible_slots,
 };
 use crate::reference::exact::{hash_u32, unit_f32};
@@ -172,6 +172,37 @@ fn planes(eye: Vec3) -> [[f32; 4]; 6] {
         plane(Vec3::new(0.0, -cosine, sine)),
         Vec3::Z.extend(-(eye.z + 0.05)).to_array(),
         [0.0, 0.0, 0.0, 1.0],
+    ]
+}
+
+/// An avatar as it lies in `rig`.
+pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
+    let mut rig = [[0.0; 4]; RIG_STRIDE];
+    for (joint, rest) in avatar.joints.iter().enumerate() {
+        rig[joint * 4] = rest.translation.extend(0.0).to_array();
+        for axis in 0..3 {
+            rig[joint * 4 + 1 + axis] = rest.joint_from_mesh.row(axis).to_array();
+        }
+    }
+    rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
+    rig
+}
+
+/// A frame of a clip as it lies in `clip_frames`.
+pub fn clip_elements(frame: &ClipFrame) -> [[f32; 4]; POSE_STRIDE] {
+    std::array::from_fn(|element| match frame.rotations.get(element) {
+        Some(rotation) => rotation.to_array(),
+        None => frame.root.extend(0.0).to_array(),
+    })
+}
+
+/// A vertex as it lies in `mesh_vertices`.
+pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
+        vertex.weights,
+        vertex.color.extend(0.0).to_array(),
     ]
 }
 

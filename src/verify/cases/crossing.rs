@@ -49,7 +49,9 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
         let column = (cell as usize % columns) as f32 + 0.5;
         let row = (cell as usize / columns) as f32 + 0.5;
         let stream = hash_u32(3 * cell + 3) & 1;
-        store.position.push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
+        store
+            .position
+            .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
         store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
         store.body.push([0.25, 2.0, 1.3, 1.4]);
         store.stance.push([0.0, 1.0]);
@@ -77,7 +79,8 @@ pub struct CrossingQuality {
 pub fn crossing_quality(store: &Store) -> CrossingQuality {
     let side = store.step.wrap;
     let inner = |p: &[f32; 2]| p.iter().all(|c| (5.0..=side - 5.0).contains(c));
-    let chosen: Vec<usize> = (0..store.step.agent_count as usize).filter(|&i| inner(&store.position[i])).collect();
+    let chosen: Vec<usize> =
+        (0..store.step.agent_count as usize).filter(|&i| inner(&store.position[i])).collect();
     let mut cells: std::collections::BTreeMap<(i32, i32), Vec<usize>> = std::collections::BTreeMap::new();
     let cell = |p: [f32; 2]| (p[0].floor() as i32, p[1].floor() as i32);
     for &i in &chosen {

@@ -60,7 +60,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         match i % 16 {
             0 => position = [position[0].round(), position[1].round()], // on a lattice: ties of distance
             1 if i > 16 => (position, velocity) = (store.position[i - 16], store.velocity[i - 16]), // at one point
-            2 => position = [position[0] * 3.0 - side, -u(4) * side],   // outside the bounds
+            2 => position = [position[0] * 3.0 - side, -u(4) * side], // outside the bounds
             3 => velocity = [0.0, 0.0],
             4 if i % 64 == 4 => position = [side * 0.25 + u(4), side * 0.25 + u(5)], // a dense knot
             5 if i > 16 => {
