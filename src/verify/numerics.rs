@@ -6,7 +6,7 @@ use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use std::sync::Arc;
 
 /// Cases that the probe tries.
-pub(super) const CASES: u32 = 65_536;
+pub const CASES: u32 = 65_536;
 
 /// What a device's arithmetic does.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
