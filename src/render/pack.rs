@@ -1,7 +1,12 @@
 //! Avatars as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the layouts.
 
-use crate::avatar::{Avatar, LEVELS, Mesh};
-use crate::reference::body::{VERTEX_STRIDE, rig_elements, vertex_elements};
+use crate::avatar::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
+use crate::gait::JOINT_COUNT;
+
+/// Elements of `mesh_vertices` per vertex.
+pub const VERTEX_STRIDE: usize = 4;
+/// Elements of `rig` per avatar: four per joint and the eyes.
+pub const RIG_STRIDE: usize = 4 * JOINT_COUNT + 1;
 
 /// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -71,16 +76,32 @@ fn append(mesh: &Mesh, out: &mut MeshBuffers) -> [u32; 4] {
 /// `rig`: `[avatar][65]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
 /// midpoint of the eyes in the head joint. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
-    avatars.iter().flat_map(rig_elements).collect()
+    let joint = |joint: &RestJoint| {
+        let row = |axis| joint.joint_from_mesh.row(axis).to_array();
+        [joint.translation.extend(0.0).to_array(), row(0), row(1), row(2)]
+    };
+    let elements = |avatar: &Avatar| {
+        let eyes = avatar.eyes_in_head.extend(0.0).to_array();
+        avatar.joints.iter().flat_map(joint).chain([eyes]).collect::<Vec<_>>()
+    };
+    avatars.iter().flat_map(elements).collect()
+}
+
+/// A vertex as it lies in `mesh_vertices`.
+fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
+        vertex.weights,
+        vertex.color.extend(0.0).to_array(),
+    ]
 }
 
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
-    use crate::avatar::{Material, RestJoint, Vertex};
-    use crate::gait::JOINT_COUNT;
-    use crate::reference::body::RIG_STRIDE;
+    use crate::avatar::Material;
     use glam::{Mat4, Quat, Vec3};
 
     fn mesh(vertices: usize, indices: &[u32]) -> Mesh {
