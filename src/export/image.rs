@@ -228,6 +228,7 @@ pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Image {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, reason = "remainders of 256")]
 mod tests {
     use super::*;
 

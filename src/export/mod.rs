@@ -5,6 +5,6 @@ mod font;
 pub mod image;
 #[cfg(feature = "vulkan")]
 pub mod video;
-#[allow(missing_docs)]
+#[allow(missing_docs, reason = "placeholder")]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {}

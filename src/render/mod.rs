@@ -14,6 +14,7 @@ mod pipelines;
 mod record;
 mod renderer;
 mod scene;
+mod settings;
 mod shadow;
 mod target;
 
@@ -21,8 +22,9 @@ pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
 pub use image::Image;
-pub use renderer::{Markers, Renderer, Settings};
+pub use renderer::Renderer;
 pub use scene::Surface;
+pub use settings::{Markers, Settings};
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]
