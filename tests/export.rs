@@ -1,4 +1,9 @@
 //! Claims about trajectory files.
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    reason = "a failing unwrap fails the test; values are copied, not computed"
+)]
 
 use gaitway::export::{Error, TrajectoryFormat, TrajectoryWriter, Walkable};
 use gaitway::scenario::{Crowd, Geometry, Scenario, populate};
@@ -43,18 +48,26 @@ fn the_database_is_jupedsims_version_two() {
     assert_eq!(text("SELECT value FROM metadata WHERE key = 'version'"), "2");
     assert_eq!(text("SELECT value FROM metadata WHERE key = 'fps'"), "30");
     assert!((number("SELECT count(*) FROM trajectory_data") - 40.0).abs() < 0.5);
-    assert!((number("SELECT count(*) FROM frame_data JOIN geometry ON geometry_hash = hash") - 5.0).abs() < 0.5);
+    assert!(
+        (number("SELECT count(*) FROM frame_data JOIN geometry ON geometry_hash = hash") - 5.0).abs() < 0.5
+    );
     assert!(text("SELECT wkt FROM geometry").starts_with("POLYGON (("));
-    assert!(text("SELECT sql FROM sqlite_master WHERE type = 'index' AND sql NOT NULL").contains("(frame, id)"));
-    for (key, column) in [("xmin", "min(pos_x)"), ("xmax", "max(pos_x)"), ("ymin", "min(pos_y)"), ("ymax", "max(pos_y)")] {
+    assert!(
+        text("SELECT sql FROM sqlite_master WHERE type = 'index' AND sql NOT NULL").contains("(frame, id)")
+    );
+    for (key, column) in
+        [("xmin", "min(pos_x)"), ("xmax", "max(pos_x)"), ("ymin", "min(pos_y)"), ("ymax", "max(pos_y)")]
+    {
         let written: f64 = text(&format!("SELECT value FROM metadata WHERE key = '{key}'")).parse().unwrap();
         assert!((written - number(&format!("SELECT {column} FROM trajectory_data"))).abs() < 1e-9, "{key}");
     }
     let agent = &scene.1.agents[2];
     let row: [f64; 4] = database
-        .query_row("SELECT pos_x, pos_y, ori_x, ori_y FROM trajectory_data WHERE frame = 0 AND id = 3", [], |row| {
-            Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?])
-        })
+        .query_row(
+            "SELECT pos_x, pos_y, ori_x, ori_y FROM trajectory_data WHERE frame = 0 AND id = 3",
+            [],
+            |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?]),
+        )
         .unwrap();
     let facing = agent.velocity.normalize();
     let expected = [agent.position.x, -agent.position.y, facing.x, -facing.y].map(f64::from);
@@ -126,7 +139,12 @@ fn what_does_not_fit_is_refused_with_the_agent_and_the_way_out() {
     let missing = folder.path().join("no/such/folder.csv");
     let missing = TrajectoryWriter::create(&missing, TrajectoryFormat::Csv, RATE, &Walkable::default());
     assert!(matches!(missing, Err(Error::Write { .. })));
-    let no_area = TrajectoryWriter::create(&folder.path().join("a.db"), TrajectoryFormat::Sqlite, RATE, &Walkable::default());
+    let no_area = TrajectoryWriter::create(
+        &folder.path().join("a.db"),
+        TrajectoryFormat::Sqlite,
+        RATE,
+        &Walkable::default(),
+    );
     assert!(no_area.unwrap_err().to_string().contains("3 or more"));
 }
 

@@ -109,13 +109,16 @@ impl TrajectoryWriter {
     ) -> Result<Self, Error> {
         let unusable = |message: String| Error::Unusable { path: path.to_owned(), message };
         if !(0.001..=1000.0).contains(&frame_rate) {
-            return Err(unusable(format!("frame rate {frame_rate}; it must be 0.001 to 1000 frames per second")));
+            return Err(unusable(format!(
+                "frame rate {frame_rate}; it must be 0.001 to 1000 frames per second"
+            )));
         }
         let sink = match format {
             TrajectoryFormat::Sqlite => {
                 if walkable.bounds.len() < 3 {
                     let found = walkable.bounds.len();
-                    let message = format!("walkable area of {found} corners; it needs 3 or more, or use .txt or .csv");
+                    let message =
+                        format!("walkable area of {found} corners; it needs 3 or more, or use .txt or .csv");
                     return Err(unusable(message));
                 }
                 Sink::Sqlite(Box::new(Sqlite::create(path, frame_rate, &walkable.wkt())?))
@@ -150,7 +153,10 @@ impl TrajectoryWriter {
         let unusable = |message: String| Error::Unusable { path: self.path.clone(), message };
         if positions.len() != headings.len() {
             let (p, h) = (positions.len(), headings.len());
-            return Err(unusable(format!("frame {}: {p} positions but {h} headings; give one each", self.frames)));
+            return Err(unusable(format!(
+                "frame {}: {p} positions but {h} headings; give one each",
+                self.frames
+            )));
         }
         if self.frames >= MAX_FRAMES || u32::try_from(positions.len()).is_err() {
             return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
@@ -158,7 +164,8 @@ impl TrajectoryWriter {
         let rows = || (0_u32..).zip(positions.iter().copied().zip(headings.iter().copied()));
         if let Some((id, (position, heading))) = rows().find(|(_, (p, h))| !p.is_finite() || !h.is_finite()) {
             let frame = self.frames;
-            let message = format!("frame {frame}: agent {id} is at {position}, heading {heading}; both must be finite");
+            let message =
+                format!("frame {frame}: agent {id} is at {position}, heading {heading}; both must be finite");
             return Err(unusable(message));
         }
         let frame = self.frames;

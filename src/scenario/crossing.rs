@@ -89,6 +89,9 @@ pub(super) fn generate(agents: u32) -> Generated {
     let mut made = Generated { bounds: city.outline(), ground: Ground::Asphalt, ..Generated::default() };
     // Off the middle, so that no lane of the streets ends in the user.
     made.user = Vec2::new(0.12 * city.width, 0.16 * city.width);
+    // Above the near arm: from anywhere else the houses hide the crossing.
+    let eye = Vec3::new(0.22 * city.width, 0.42 * city.width, 0.5 * city.width + 0.75 * city.block);
+    made.overview = Some((eye, Vec3::new(0.0, 0.0, -0.05 * city.width)));
     made.routes = ways(&city);
     blocks(&city, &mut made);
     for &x in &city.lines() {
@@ -124,7 +127,9 @@ fn ways(city: &City) -> Vec<Route> {
         add(&format!("{name}-z"), [[-side, -arm], [-side, -edge], [side, edge], [side, arm]], narrow, 0.3);
         add(&format!("{name}-x"), [[-arm, -side], [-edge, -side], [edge, side], [arm, side]], narrow, 0.3);
     }
-    for (name, sx, sz) in [("corner-a", 1.0, 1.0), ("corner-b", 1.0, -1.0), ("corner-c", -1.0, -1.0), ("corner-d", -1.0, 1.0)] {
+    for (name, sx, sz) in
+        [("corner-a", 1.0, 1.0), ("corner-b", 1.0, -1.0), ("corner-c", -1.0, -1.0), ("corner-d", -1.0, 1.0)]
+    {
         let points = [[0.0, sz * arm], [0.0, sz * edge * 0.5], [sx * edge * 0.5, 0.0], [sx * arm, 0.0]];
         add(name, points, lanes * 0.5, 0.25);
     }
@@ -192,10 +197,13 @@ fn intersection(city: &City, at: Vec2, props: &mut Vec<Prop>) {
             props.push(Prop::new(PropKind::Pavement, center, slab).facing(heading));
             let light = out(half + 0.6, side * (kerb + 0.35));
             let facing = heading + if side > 0.0 { 0.0 } else { 180.0 };
-            props.push(Prop::new(PropKind::TrafficLight, light, Vec3::new(0.4, 3.6, 0.4)).facing(facing % 360.0));
+            props.push(
+                Prop::new(PropKind::TrafficLight, light, Vec3::new(0.4, 3.6, 0.4)).facing(facing % 360.0),
+            );
             let mut along = half + 9.0;
             while along < half + length - 1.0 {
-                let lamp = Prop::new(PropKind::Lamp, out(along, side * (kerb + 0.35)), Vec3::new(0.3, 5.5, 1.2));
+                let lamp =
+                    Prop::new(PropKind::Lamp, out(along, side * (kerb + 0.35)), Vec3::new(0.3, 5.5, 1.2));
                 props.push(lamp.facing((heading - side * 90.0) % 360.0));
                 along += 18.0;
             }
@@ -230,7 +238,9 @@ fn street_ends(city: &City, props: &mut Vec<Prop>) {
             let seed = u32::try_from(n).unwrap_or(0) * 4 + u32::from(quarter);
             let tall = range(0, seed, Purpose::Scenery, 9, 14.0, 40.0);
             let wide = Vec3::new(city.width + city.block, tall, 16.0);
-            props.push(Prop::new(PropKind::Building, place(40.0, 0.0), wide).facing(heading % 180.0).scenery());
+            props.push(
+                Prop::new(PropKind::Building, place(40.0, 0.0), wide).facing(heading % 180.0).scenery(),
+            );
         }
     }
 }

@@ -125,7 +125,13 @@ pub struct Prop {
 impl Prop {
     /// A prop facing +z, solid by its kind.
     pub const fn new(kind: PropKind, position: Vec2, size: Vec3) -> Self {
-        Self { kind, position: [position.x, position.y], heading_deg: 0.0, size: size.to_array(), solid: None }
+        Self {
+            kind,
+            position: [position.x, position.y],
+            heading_deg: 0.0,
+            size: size.to_array(),
+            solid: None,
+        }
     }
 
     /// The same, turned.

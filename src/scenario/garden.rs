@@ -47,7 +47,8 @@ fn middle(props: &mut Vec<Prop>, block: f32) {
         let heading = f32::from(quarter) * 90.0 + 45.0;
         let out = Vec2::new(heading.to_radians().sin(), heading.to_radians().cos());
         // A bench looks at the water; the middle block's corners are its place.
-        let bench = Prop::new(PropKind::Bench, out * (block * 0.5).max(fountain + 2.0), Vec3::new(1.5, 0.9, 0.55));
+        let bench =
+            Prop::new(PropKind::Bench, out * (block * 0.5).max(fountain + 2.0), Vec3::new(1.5, 0.9, 0.55));
         props.push(bench.facing(heading + 180.0 - if heading > 180.0 { 360.0 } else { 0.0 }));
     }
 }
@@ -61,12 +62,17 @@ fn surroundings(props: &mut Vec<Prop>, side: f32) {
         let (along_x, along_z) = (direction.x == 0.0, direction.x != 0.0);
         let hedge = Vec3::new(if along_x { side + 2.0 } else { 0.9 }, 1.5, if along_z { side } else { 0.9 });
         props.push(Prop::new(PropKind::Hedge, direction * (out + 0.55), hedge).scenery());
-        let size = Vec3::new(if along_x { side + 2.0 * lawn } else { lawn }, 0.01, if along_z { side } else { lawn });
+        let size = Vec3::new(
+            if along_x { side + 2.0 * lawn } else { lawn },
+            0.01,
+            if along_z { side } else { lawn },
+        );
         props.push(Prop::new(PropKind::Lawn, direction * (out + lawn * 0.5), size));
         for i in 0..14_u8 {
             let id = u32::from(i) + 100 * (direction.x.to_bits() >> 20) + 7 * (direction.y.to_bits() >> 20);
             let draw = |k: u32, low: f32, high: f32| range(0, id, Purpose::Scenery, 40 + k, low, high);
-            let at = direction * (out + draw(0, 4.0, 18.0)) + direction.perp() * draw(1, -0.7, 0.7) * (side * 0.7 + 12.0).min(90.0);
+            let at = direction * (out + draw(0, 4.0, 18.0))
+                + direction.perp() * draw(1, -0.7, 0.7) * (side * 0.7 + 12.0).min(90.0);
             let crown = draw(2, 3.0, 5.5);
             props.push(Prop::new(PropKind::Tree, at, Vec3::new(crown, crown * 1.6, crown)).scenery());
         }

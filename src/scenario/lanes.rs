@@ -208,7 +208,8 @@ fn same_way_back(line: &[Vec2]) -> Vec<Vec2> {
 fn blocked(scenario: &Scenario, route: &Route, needed: f32, free: &Clearance) -> Error {
     let center: Vec<Vec2> = route.waypoints.iter().copied().map(Vec2::from).collect();
     let closed = route.mode == RouteMode::Loop;
-    let mut message = format!("route {:?} has no lane that is clear of obstacles and bounds by {needed:.2} m", route.name);
+    let mut message =
+        format!("route {:?} has no lane that is clear of obstacles and bounds by {needed:.2} m", route.name);
     let tight = segments(&center, closed).enumerate().find(|(_, (a, b))| !free.passes(*a, *b, needed));
     if let Some((i, (a, b))) = tight {
         let found = if free.walkable(a) {

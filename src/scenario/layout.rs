@@ -50,6 +50,8 @@ pub(super) struct Generated {
     pub(super) ground: Ground,
     pub(super) props: Vec<Prop>,
     pub(super) user: Vec2,
+    /// Eye and target of the overview; `None`: a raised three-quarter view.
+    pub(super) overview: Option<(Vec3, Vec3)>,
 }
 
 impl Scenario {
@@ -72,7 +74,7 @@ impl Scenario {
         made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
         let user = self.user.position.map_or(made.user, Vec2::from);
         Geometry {
-            overview: overview(&bounds, user),
+            overview: made.overview.unwrap_or_else(|| overview(&bounds, user)),
             obstacles: made.obstacles.into_iter().map(|p| polygon::oriented(p, true)).collect(),
             spawns: self.spawns.clone(),
             routes: made.routes,
@@ -173,9 +175,8 @@ impl Streets {
     /// Round every block between neighbouring streets (round some of them in a huge scene).
     pub(super) fn loops(&self, weight: f32) -> Vec<Route> {
         let width = Self::lanes(self.width.min_element());
-        let blocks: Vec<(usize, usize)> = (1..self.xs.len())
-            .flat_map(|i| (1..self.zs.len()).map(move |j| (i, j)))
-            .collect();
+        let blocks: Vec<(usize, usize)> =
+            (1..self.xs.len()).flat_map(|i| (1..self.zs.len()).map(move |j| (i, j))).collect();
         let step = blocks.len().div_ceil(MAX_LOOPS).max(1);
         let around = |&(i, j): &(usize, usize)| {
             let (x0, x1, z0, z1) = (self.xs[i - 1], self.xs[i], self.zs[j - 1], self.zs[j]);

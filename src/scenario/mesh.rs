@@ -88,7 +88,8 @@ impl<'a> Builder<'a> {
         }
         for i in 0..4 {
             let ((xa, za), (xb, zb)) = (ring[i], ring[(i + 1) % 4]);
-            let side = [corner(xa, za, false), corner(xb, zb, false), corner(xb, zb, true), corner(xa, za, true)];
+            let side =
+                [corner(xa, za, false), corner(xb, zb, false), corner(xb, zb, true), corner(xa, za, true)];
             self.quad(side, color);
         }
     }
@@ -161,7 +162,10 @@ impl<'a> Builder<'a> {
         };
         for i in 0..sides {
             let (a, b) = (out(i), out(i + 1));
-            self.quad([center + a * inner, center + a * outer, center + b * outer, center + b * inner], color);
+            self.quad(
+                [center + a * inner, center + a * outer, center + b * outer, center + b * inner],
+                color,
+            );
         }
     }
 
@@ -170,8 +174,10 @@ impl<'a> Builder<'a> {
     pub(super) fn ball(&mut self, center: Vec3, radii: Vec3, sides: u32, color: Vec3) {
         let rings = (sides / 2).max(2);
         let point = |i: u32, j: u32| {
-            let (up, around) =
-                (std::f32::consts::PI * j as f32 / rings as f32, std::f32::consts::TAU * i as f32 / sides as f32);
+            let (up, around) = (
+                std::f32::consts::PI * j as f32 / rings as f32,
+                std::f32::consts::TAU * i as f32 / sides as f32,
+            );
             Vec3::new(up.sin() * around.sin(), -up.cos(), up.sin() * around.cos())
         };
         let mut grid = Vec::new();
@@ -251,7 +257,7 @@ mod tests {
         let closed: [(&str, f32, EnvironmentMesh); 4] = [
             ("block", 6.0, build(|b| b.block(up, Vec3::new(1.0, 2.0, 3.0), up))),
             ("ball", 4.18, build(|b| b.ball(up * 2.0, Vec3::ONE, 32, up))),
-            ("wheel", 3.14, build(|b| b.wheel(up, 1.0, 1.0, 64, up))),
+            ("wheel", std::f32::consts::PI, build(|b| b.wheel(up, 1.0, 1.0, 64, up))),
             ("cone", 1.04, build(|b| b.turned(up, &[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], 64, up))),
         ];
         for (name, expected, mesh) in closed {

@@ -33,7 +33,7 @@ pub use layout::Geometry;
 pub use mesh::EnvironmentMesh;
 pub use populate::populate;
 pub use schema::{
-    Condition, EmotionMode, GaitChoice, Gaze, GazeMode, Layout, Model, Navigation, Obstacle, Point, Population,
-    Route, RouteMode, Scenario, Shares, Spawn, User,
+    Condition, EmotionMode, GaitChoice, Gaze, GazeMode, Layout, Model, Navigation, Obstacle, Point,
+    Population, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_NEIGHBOURS};

@@ -53,10 +53,7 @@ impl Lot {
     fn size(&self) -> Vec2 {
         let (c, r) = (self.columns as f32, self.rows as f32);
         let island = self.island();
-        Vec2::new(
-            c * island.x + (c + 1.0) * self.footway,
-            r * island.y + (r + 1.0) * self.aisle,
-        )
+        Vec2::new(c * island.x + (c + 1.0) * self.footway, r * island.y + (r + 1.0) * self.aisle)
     }
 
     #[allow(clippy::cast_precision_loss, reason = "a few hundred islands")]
@@ -95,7 +92,9 @@ pub(super) fn generate(agents: u32) -> Generated {
     let mut made = Generated { bounds: outline, ground: Ground::Asphalt, ..Generated::default() };
     let streets = lot.streets();
     // In the aisle and on the footway next to the middle.
-    let nearest = |lines: &[f32]| lines.iter().copied().fold(f32::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a });
+    let nearest = |lines: &[f32]| {
+        lines.iter().copied().fold(f32::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a })
+    };
     made.user = Vec2::new(nearest(&streets.xs) + 0.6, nearest(&streets.zs) + 0.6);
     made.routes = streets.straight();
     made.routes.extend(streets.loops(1.0));
@@ -131,7 +130,11 @@ fn island(lot: &Lot, center: Vec2, single: bool, id: &mut u32, made: &mut Genera
             made.props.push(Prop::new(PropKind::Line, at, Vec3::new(0.12, 0.01, CAR.z + 0.3)));
         }
     }
-    let lamp = Prop::new(PropKind::Lamp, Vec2::new(center.x - island.x * 0.5 - 0.7, center.y), Vec3::new(0.3, 6.0, 1.2));
+    let lamp = Prop::new(
+        PropKind::Lamp,
+        Vec2::new(center.x - island.x * 0.5 - 0.7, center.y),
+        Vec3::new(0.3, 6.0, 1.2),
+    );
     made.props.push(if single { lamp.facing(90.0) } else { lamp.facing(90.0).scenery() });
 }
 

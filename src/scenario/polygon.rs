@@ -49,7 +49,8 @@ pub fn contains(polygon: &[Vec2], point: Vec2) -> bool {
 pub fn point_segment_distance(point: Vec2, a: Vec2, b: Vec2) -> f32 {
     let along = b - a;
     let length_squared = along.length_squared();
-    let t = if length_squared > 0.0 { ((point - a).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
+    let t =
+        if length_squared > 0.0 { ((point - a).dot(along) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
     point.distance(a + along * t)
 }
 
@@ -57,12 +58,13 @@ pub fn point_segment_distance(point: Vec2, a: Vec2, b: Vec2) -> f32 {
 pub fn segments_meet(a: Vec2, b: Vec2, c: Vec2, d: Vec2) -> bool {
     let side = |p: Vec2, q: Vec2, r: Vec2| (q - p).perp_dot(r - p);
     let (s1, s2, s3, s4) = (side(a, b, c), side(a, b, d), side(c, d, a), side(c, d, b));
-    if ((s1 > 0.0 && s2 < 0.0) || (s1 < 0.0 && s2 > 0.0)) && ((s3 > 0.0 && s4 < 0.0) || (s3 < 0.0 && s4 > 0.0)) {
+    if ((s1 > 0.0 && s2 < 0.0) || (s1 < 0.0 && s2 > 0.0))
+        && ((s3 > 0.0 && s4 < 0.0) || (s3 < 0.0 && s4 > 0.0))
+    {
         return true;
     }
-    let on = |s: f32, p: Vec2, q: Vec2, r: Vec2| {
-        s == 0.0 && r.cmpge(p.min(q)).all() && r.cmple(p.max(q)).all()
-    };
+    let on =
+        |s: f32, p: Vec2, q: Vec2, r: Vec2| s == 0.0 && r.cmpge(p.min(q)).all() && r.cmple(p.max(q)).all();
     on(s1, a, b, c) || on(s2, a, b, d) || on(s3, c, d, a) || on(s4, c, d, b)
 }
 

@@ -31,10 +31,7 @@ const START_SPEED: f32 = 1.2;
 /// # Errors
 /// [`Error::Value`] for an invalid scenario; [`Error::Populate`] when an emotion in use has no gait, a route is
 /// blocked, or there is no room: what, where, and the way out.
-pub fn populate<'a>(
-    scenario: &Scenario,
-    gaits_for: impl Fn(Emotion) -> &'a [u32],
-) -> Result<Crowd, Error> {
+pub fn populate<'a>(scenario: &Scenario, gaits_for: impl Fn(Emotion) -> &'a [u32]) -> Result<Crowd, Error> {
     scenario.validate()?;
     let geometry = scenario.geometry();
     let cast = Cast::new(scenario, gaits_for)?;
@@ -75,13 +72,12 @@ struct Cast<'a> {
 impl<'a> Cast<'a> {
     fn new<'g: 'a>(scenario: &'a Scenario, gaits_for: impl Fn(Emotion) -> &'g [u32]) -> Result<Self, Error> {
         let baseline = scenario.condition == Condition::Baseline;
-        let shares = if baseline {
-            Emotion::Neutral.weights()
-        } else {
-            scenario.population.emotions.normalised()
-        };
+        let shares =
+            if baseline { Emotion::Neutral.weights() } else { scenario.population.emotions.normalised() };
         let gaits = Emotion::ALL.map(gaits_for);
-        if let Some(missing) = Emotion::ALL.into_iter().find(|e| shares[e.index()] > 0.0 && gaits[e.index()].is_empty()) {
+        if let Some(missing) =
+            Emotion::ALL.into_iter().find(|e| shares[e.index()] > 0.0 && gaits[e.index()].is_empty())
+        {
             let why = if baseline { "the baseline needs one" } else { "its share is above 0" };
             return Err(Error::Populate {
                 name: scenario.name.clone(),
@@ -157,8 +153,8 @@ fn colors(seed: u64, agent: u32) -> [u32; 4] {
     const SKIN: [u32; 7] = [0xf3d3bc, 0xe6b899, 0xd29f7b, 0xb47d57, 0x8d5a3b, 0x6b4128, 0x4a2c1b];
     const HAIR: [u32; 7] = [0x1c1714, 0x33241b, 0x5a3b24, 0x8a5f35, 0xc49a58, 0x8f8b86, 0x7a2f1d];
     const TOP: [u32; 14] = [
-        0x2f4b6e, 0x9a3b3b, 0x4d6b46, 0xd9d4c7, 0x33363c, 0xc78b3c, 0x6a4c7d, 0x3f8a8c, 0xb9b2a7, 0x7d5a43, 0xcf6a57,
-        0x8aa5bf, 0xe3c565, 0x56606b,
+        0x2f4b6e, 0x9a3b3b, 0x4d6b46, 0xd9d4c7, 0x33363c, 0xc78b3c, 0x6a4c7d, 0x3f8a8c, 0xb9b2a7, 0x7d5a43,
+        0xcf6a57, 0x8aa5bf, 0xe3c565, 0x56606b,
     ];
     const BOTTOM: [u32; 8] = [0x2a3b55, 0x1f2226, 0x5b5348, 0x7c7465, 0x3c4a3c, 0x474c57, 0x8d8675, 0x5a3a33];
     let pick = |draw: u32, list: &[u32]| list[index(seed, agent, Purpose::Colors, draw, list.len())];
@@ -297,7 +293,8 @@ impl<'a> Places<'a> {
         let high = corners.iter().copied().reduce(Vec2::max)?;
         let position = low + (high - low) * Vec2::new(draw(1), draw(2));
         let body = self.scenario.navigation.radius * self.scenario.population.scale[1] + 0.05;
-        (polygon::contains(corners, position) && self.free.admits(position, body)).then_some((region, position))
+        (polygon::contains(corners, position) && self.free.admits(position, body))
+            .then_some((region, position))
     }
 
     /// The nearest waypoint in sight of a lane of the region's routes.
@@ -338,7 +335,9 @@ impl<'a> Places<'a> {
         let (message, hint) = if unseen > ATTEMPTS / 2 {
             let count = self.spawns.len();
             (
-                format!("agent {agent} of {wanted} sees no waypoint of its routes from any of the {count} spawn regions"),
+                format!(
+                    "agent {agent} of {wanted} sees no waypoint of its routes from any of the {count} spawn regions"
+                ),
                 "let a route begin in each spawn region, or clear the way between them",
             )
         } else {
@@ -367,7 +366,8 @@ impl Taken {
     }
 
     fn bucket(&self, cell: IVec2) -> usize {
-        let key = cell.x.cast_unsigned().wrapping_mul(0x9e37_79b1) ^ cell.y.cast_unsigned().wrapping_mul(0x85eb_ca77);
+        let key = cell.x.cast_unsigned().wrapping_mul(0x9e37_79b1)
+            ^ cell.y.cast_unsigned().wrapping_mul(0x85eb_ca77);
         (key ^ (key >> 15)) as usize & (self.heads.len() - 1)
     }
 

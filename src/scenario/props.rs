@@ -183,7 +183,11 @@ fn store(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     for i in 0..7_u32 {
         let x = (i as f32 - 3.0) * size.x * 0.07;
         let tall = 0.3 + 0.4 * unit(0, id, Purpose::Scenery, 10 + i);
-        b.block(v(x, size.y * 0.75, front + 0.21), v(size.x * 0.04, size.y * 0.18 * tall, 0.06), srgb(0xffffff));
+        b.block(
+            v(x, size.y * 0.75, front + 0.21),
+            v(size.x * 0.04, size.y * 0.18 * tall, 0.06),
+            srgb(0xffffff),
+        );
     }
 }
 
@@ -199,13 +203,21 @@ fn traffic_light(b: &mut Builder<'_>, size: Vec3, id: u32) {
     b.turned(Vec3::ZERO, &[(0.12, 0.0), (0.07, 0.3), (0.06, h - 1.0)], 8, post);
     b.block(v(0.0, h - 1.0, 0.0), v(0.36, 1.0, 0.3), srgb(0x1c1e20));
     let lit = id % 2;
-    let lights = [(0.72, v(1.8, 0.1, 0.08), lit == 0), (0.42, v(1.7, 1.0, 0.05), false), (0.12, v(0.1, 1.7, 0.4), lit == 1)];
+    let lights = [
+        (0.72, v(1.8, 0.1, 0.08), lit == 0),
+        (0.42, v(1.7, 1.0, 0.05), false),
+        (0.12, v(0.1, 1.7, 0.4), lit == 1),
+    ];
     for (y, color, on) in lights {
         let color = if on { color } else { color * 0.12 };
         b.block(v(0.0, h - 1.0 + y, 0.16), v(0.2, 0.2, 0.04), color);
     }
     b.block(v(0.0, 2.1, 0.12), v(0.26, 0.5, 0.16), srgb(0x1c1e20));
-    b.block(v(0.0, 2.2, 0.21), v(0.14, 0.2, 0.03), if lit == 0 { v(0.1, 1.6, 0.4) } else { v(1.7, 0.1, 0.08) });
+    b.block(
+        v(0.0, 2.2, 0.21),
+        v(0.14, 0.2, 0.03),
+        if lit == 0 { v(0.1, 1.6, 0.4) } else { v(1.7, 0.1, 0.08) },
+    );
 }
 
 fn tree(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
@@ -214,7 +226,7 @@ fn tree(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     b.turned(Vec3::ZERO, &[(r, 0.0), (r * 0.7, h * 0.5)], 6, srgb(0x5d4632));
     let sides = if detail == Detail::Full { 10 } else { 6 };
     let crown = v(size.x * 0.5, h * 0.32, size.z * 0.5);
-    if id % 3 == 0 {
+    if id.is_multiple_of(3) {
         for (y, scale) in [(0.25, 1.0), (0.48, 0.76), (0.7, 0.5)] {
             let profile = [(0.0, 0.0), (crown.x * scale, 0.0), (0.0, h * 0.4 * (0.6 + 0.4 * scale))];
             b.turned(v(0.0, h * y, 0.0), &profile, sides, leaf);
@@ -234,7 +246,12 @@ fn hedge(b: &mut Builder<'_>, base: Vec3, size: Vec3) {
 #[allow(clippy::cast_precision_loss, reason = "a few dozen flowers")]
 fn bed(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let t = 0.5_f32.min(size.x * 0.2);
-    b.sheet(v(0.0, 0.1, 0.0), size.x - 2.0 * t, size.z - 2.0 * t, pick(id, 0, &[0x76a34e, 0x6b9848, 0x83ab55]));
+    b.sheet(
+        v(0.0, 0.1, 0.0),
+        size.x - 2.0 * t,
+        size.z - 2.0 * t,
+        pick(id, 0, &[0x76a34e, 0x6b9848, 0x83ab55]),
+    );
     for side in [-0.5, 0.5] {
         hedge(b, v(0.0, 0.0, side * (size.z - t)), v(size.x, size.y, t));
         hedge(b, v(side * (size.x - t), 0.0, 0.0), v(t, size.y, size.z - 2.0 * t));
@@ -282,9 +299,8 @@ fn car(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let (w, h, l) = (size.x, size.y, size.z);
     let paint = pick(id, 0, &PAINTS);
     b.block(v(0.0, 0.28, 0.0), v(w, h * 0.38, l), paint);
-    let cabin = |y0: f32, y1: f32, grow: f32| {
-        (v(-w * 0.44 - grow, y0, -l * 0.36), v(w * 0.44 + grow, y1, l * 0.2))
-    };
+    let cabin =
+        |y0: f32, y1: f32, grow: f32| (v(-w * 0.44 - grow, y0, -l * 0.36), v(w * 0.44 + grow, y1, l * 0.2));
     let roof = 0.28 + h * 0.38;
     let (low, high) = cabin(roof, h - 0.06, 0.0);
     b.frustum_box(low, high, 0.78, srgb(0x22303c));
@@ -309,7 +325,8 @@ fn car(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
 #[allow(clippy::cast_precision_loss, reason = "a few rings")]
 fn pod(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let (r, h) = (size.x * 0.5, size.y);
-    let (shell, glow) = (srgb(0xe6ebf0), [v(0.15, 1.6, 1.9), v(1.7, 0.5, 1.5), v(1.8, 0.9, 0.2)][(id % 3) as usize]);
+    let (shell, glow) =
+        (srgb(0xe6ebf0), [v(0.15, 1.6, 1.9), v(1.7, 0.5, 1.5), v(1.8, 0.9, 0.2)][(id % 3) as usize]);
     let sides = if detail == Detail::Full { 28 } else { 12 };
     b.turned(Vec3::ZERO, &[(r, 0.0), (r, h * 0.28)], sides, shell);
     b.turned(v(0.0, h * 0.28, 0.0), &[(r * 0.97, 0.0), (r * 0.97, h * 0.06)], sides, glow);

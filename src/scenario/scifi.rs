@@ -20,7 +20,13 @@ pub(super) fn generate(agents: u32) -> Generated {
     let height = (blocks.block * 0.62).min(9.0);
     for center in blocks.centers() {
         // Doors look at the middle of the place; the frame stands out by less than the margin left here.
-        let turn = if center.x.abs() > center.y.abs() { -90.0 * center.x.signum() } else if center.y > 0.0 { 180.0 } else { 0.0 };
+        let turn = if center.x.abs() > center.y.abs() {
+            -90.0 * center.x.signum()
+        } else if center.y > 0.0 {
+            180.0
+        } else {
+            0.0
+        };
         let size = Vec3::new(blocks.block * 0.95, height, blocks.block * 0.95);
         made.props.push(Prop::new(PropKind::Pod, center, size).facing(turn));
     }
@@ -41,8 +47,16 @@ fn deck(props: &mut Vec<Prop>, blocks: &Blocks) {
             for side in [-0.5, 0.5] {
                 let edge = line + side * blocks.path * 0.86;
                 let length = blocks.block * 0.9;
-                props.push(Prop::new(PropKind::Strip, Vec2::new(edge, middle), Vec3::new(0.14, 0.01, length)));
-                props.push(Prop::new(PropKind::Strip, Vec2::new(middle, edge), Vec3::new(length, 0.01, 0.14)));
+                props.push(Prop::new(
+                    PropKind::Strip,
+                    Vec2::new(edge, middle),
+                    Vec3::new(0.14, 0.01, length),
+                ));
+                props.push(Prop::new(
+                    PropKind::Strip,
+                    Vec2::new(middle, edge),
+                    Vec3::new(length, 0.01, 0.14),
+                ));
             }
         }
         for j in 0..lines {

@@ -29,7 +29,12 @@ impl Scenario {
         let word = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(word) {
             let allowed = "1 to 64 letters, digits, '-' or '_'";
-            return Err(Error::value("name", format!("{:?}", self.name), allowed, "files are named after it"));
+            return Err(Error::value(
+                "name",
+                format!("{:?}", self.name),
+                allowed,
+                "files are named after it",
+            ));
         }
         if i64::try_from(self.seed).is_err() {
             return Err(Error::value("seed", self.seed, "0 to 2^63 - 1", "TOML knows no larger integer"));
@@ -47,7 +52,11 @@ impl Scenario {
             return Err(Error::value("bounds", "[..]", "left out with a generated layout", hint));
         }
         for (index, obstacle) in self.obstacles.iter().enumerate() {
-            outline(&format!("obstacles[{index}].polygon"), &obstacle.polygon, "the corners of something solid")?;
+            outline(
+                &format!("obstacles[{index}].polygon"),
+                &obstacle.polygon,
+                "the corners of something solid",
+            )?;
         }
         routes(&self.routes)?;
         spawns(&self.spawns, &self.routes, self.layout)?;
@@ -79,11 +88,21 @@ fn population(population: &Population) -> Result<(), Error> {
     let [low, high] = population.scale;
     if !(low >= 0.5 && low <= high && high <= 2.0) {
         let found = format!("[{low}, {high}]");
-        return Err(Error::value("population.scale", found, "[least, greatest] within 0.5 to 2", "try [0.93, 1.07]"));
+        return Err(Error::value(
+            "population.scale",
+            found,
+            "[least, greatest] within 0.5 to 2",
+            "try [0.93, 1.07]",
+        ));
     }
     if population.avatars.is_empty() || population.avatars.len() > 256 {
         let found = format!("{} names", population.avatars.len());
-        return Err(Error::value("population.avatars", found, "1 to 256 names", "try [\"female\", \"male\"]"));
+        return Err(Error::value(
+            "population.avatars",
+            found,
+            "1 to 256 names",
+            "try [\"female\", \"male\"]",
+        ));
     }
     if let Some(index) = population.avatars.iter().position(|name| name.trim().is_empty()) {
         let key = format!("population.avatars[{index}]");
@@ -91,7 +110,13 @@ fn population(population: &Population) -> Result<(), Error> {
     }
     let e = population.emotions;
     for (name, share) in [("happy", e.happy), ("angry", e.angry), ("sad", e.sad), ("neutral", e.neutral)] {
-        within(&format!("population.emotions.{name}"), share, 0.0, 1e6, "shares are relative: 1 and 1 is half each")?;
+        within(
+            &format!("population.emotions.{name}"),
+            share,
+            0.0,
+            1e6,
+            "shares are relative: 1 and 1 is half each",
+        )?;
     }
     if e.normalised().iter().all(|&share| share <= 0.0) {
         let hint = "give at least one emotion a share, such as neutral = 1.0";
@@ -108,9 +133,21 @@ fn navigation(n: &Navigation) -> Result<(), Error> {
         return Err(Error::value("navigation.neighbour_cap", n.neighbour_cap, allowed, "10 is usual"));
     }
     within("navigation.time_horizon", n.time_horizon, 0.1, 20.0, "seconds; 2 is usual")?;
-    within("navigation.time_horizon_obstacles", n.time_horizon_obstacles, 0.1, 20.0, "seconds; 0.5 to 1 is usual")?;
+    within(
+        "navigation.time_horizon_obstacles",
+        n.time_horizon_obstacles,
+        0.1,
+        20.0,
+        "seconds; 0.5 to 1 is usual",
+    )?;
     within("navigation.radius", n.radius, 0.05, 2.0, "metres; 0.25 is usual")?;
-    within("navigation.max_speed_factor", n.max_speed_factor, 1.0, 10.0, "times the preferred speed; 1.5 is usual")?;
+    within(
+        "navigation.max_speed_factor",
+        n.max_speed_factor,
+        1.0,
+        10.0,
+        "times the preferred speed; 1.5 is usual",
+    )?;
     within("navigation.max_speed", n.max_speed, 0.1, 10.0, "metres a second; 2.5 is usual")?;
     within("navigation.perturbation", n.perturbation, 0.0, 0.5, "share of the preferred speed; 0.02 is usual")
 }
@@ -143,7 +180,12 @@ fn outline(key: &str, corners: &[Point], hint: &str) -> Result<(), Error> {
     }
     if let Some((i, j)) = polygon::self_intersection(&polygon) {
         let found = format!("edges {i} and {j} cross");
-        return Err(Error::value(key, found, "an outline that does not cross itself", "put the corners in order"));
+        return Err(Error::value(
+            key,
+            found,
+            "an outline that does not cross itself",
+            "put the corners in order",
+        ));
     }
     Ok(())
 }
@@ -169,7 +211,12 @@ fn routes(routes: &[Route]) -> Result<(), Error> {
             if !last && Vec2::from(waypoint).distance(Vec2::from(next)) < 0.5 {
                 let key = format!("routes[{index}].waypoints[{i}]");
                 let found = format!("{waypoint:?}");
-                return Err(Error::value(key, found, "at least 0.5 m from the next one", "remove one of the two"));
+                return Err(Error::value(
+                    key,
+                    found,
+                    "at least 0.5 m from the next one",
+                    "remove one of the two",
+                ));
             }
         }
         within(&key("width"), route.width, 0.0, 10_000.0, "metres; 0 is a single lane")?;
