@@ -1,7 +1,7 @@
 //! Pictures into PNG files, and many pictures onto one sheet.
 
 use super::font;
-use crate::render::Image;
+use crate::picture::Image;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 

@@ -4,7 +4,7 @@
 //! Both get the same frames: 4:2:0, BT.709, limited range, chroma sited left (the default of both formats).
 
 use super::image::{Error, Unfinished, check};
-use crate::render::Image;
+use crate::picture::Image;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};

@@ -8,7 +8,6 @@
 mod atmosphere;
 pub mod camera;
 mod crowd;
-mod image;
 pub mod pack;
 mod pipelines;
 mod record;
@@ -21,7 +20,7 @@ mod target;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
-pub use image::Image;
+pub use crate::picture::Image;
 pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings};
