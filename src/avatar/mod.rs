@@ -6,12 +6,16 @@
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
 
 mod body;
+mod load;
 mod retarget;
+mod rig_map;
 
 use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
 use glam::{Mat4, Quat, Vec3};
+pub use load::{Loaded, load, load_bytes, load_with_map};
 pub use retarget::{retarget, standing};
+pub use rig_map::RigMap;
 
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
 pub const CLIP_FRAMES: usize = 64;

@@ -13,7 +13,6 @@ mod weights;
 use super::{Avatar, LEVELS, Mesh, RestJoint};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
-#[allow(unused_imports, reason = "the loader packs weights too")]
 pub(in crate::avatar) use shape::pack;
 use shape::{Builder, Paint, Shares};
 use weights::Bones;
