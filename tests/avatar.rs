@@ -12,7 +12,7 @@ mod raster;
 #[path = "avatar/walker.rs"]
 mod walker;
 
-use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget, standing};
+use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, RigMap, Sex, generated, load_with_map, retarget, standing};
 use gaitway::gait::Joint;
 use glam::{Mat4, Quat, Vec3};
 use raster::{Sheet, rest};
@@ -52,17 +52,16 @@ fn contact(avatar: &Avatar, clip: &Clip) -> Contact {
     let mut result = Contact::default();
     let mut touching = [false; CLIP_FRAMES];
     for foot in [Joint::LeftFoot, Joint::RightFoot] {
-        let vertices: Vec<Vec3> = mesh
-            .vertices
-            .iter()
-            .filter(|v| {
-                usize::from(v.joints[0]) == foot as usize && v.weights[0] > 0.9 && v.position.y < 0.05
-            })
-            .map(|v| v.position)
-            .collect();
-        let at = |frame: usize, p: Vec3| {
-            let model =
-                pose(avatar, clip, frame)[foot as usize] * avatar.joints[foot as usize].joint_from_mesh;
+        let hang = |joint: usize| -> Vec<(usize, Vec3)> {
+            let own =
+                mesh.vertices.iter().filter(|v| usize::from(v.joints[0]) == joint && v.weights[0] > 0.9);
+            own.filter(|v| v.position.y < 0.05).map(|v| (joint, v.position)).collect()
+        };
+        // A peg leg has no foot.
+        let own = hang(foot as usize);
+        let vertices = if own.is_empty() { hang(foot as usize - 1) } else { own };
+        let at = |frame: usize, (joint, p): (usize, Vec3)| {
+            let model = pose(avatar, clip, frame)[joint] * avatar.joints[joint].joint_from_mesh;
             model.transform_point3(p) + Vec3::Z * clip.stride_travel * frame as f32 / CLIP_FRAMES as f32
         };
         let frames: Vec<Vec<Vec3>> =
@@ -283,5 +282,67 @@ fn draws_the_bodies() {
         }
         front.draw(&avatar, 0, &standing(&avatar).frames[0], 0.4, 0.9, -0.05);
         front.save(&picture(&format!("front-{}.png", avatar.name)));
+    }
+}
+
+/// Where the characters made by others lie, if they are there.
+fn characters() -> Option<PathBuf> {
+    let data = std::env::var_os("GAITWAY_DATA")
+        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
+    let folder = data.join("characters");
+    folder.is_dir().then_some(folder)
+}
+
+fn character_files() -> Vec<PathBuf> {
+    let Some(folder) = characters() else {
+        println!("skipped: no characters beside the repository and GAITWAY_DATA is not set");
+        return Vec::new();
+    };
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder)
+        .unwrap()
+        .filter_map(|entry| std::fs::read_dir(entry.unwrap().path()).ok())
+        .flatten()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.extension().is_some_and(|e| e == "glb" || e == "vrm"))
+        .collect();
+    files.sort();
+    files
+}
+
+#[test]
+fn every_character_walks_or_is_refused_with_a_reason() {
+    let gait = Walker::at(1.2, 1.1).gait();
+    for file in character_files() {
+        let stem = file.file_stem().unwrap().to_string_lossy().into_owned();
+        let loaded = match load_with_map(&file, &RigMap::default()) {
+            Ok(loaded) => loaded,
+            Err(error) => {
+                println!("{stem}: refused: {error}");
+                assert_eq!(stem, "RiggedSimple", "{error}");
+                assert!(error.to_string().contains("no humanoid"), "{error}");
+                continue;
+            }
+        };
+        let avatar = loaded.avatar;
+        let joints = rest(&avatar);
+        let model = avatar.model_from_joint(&joints.rotations, joints.root).map(|m| m.w_axis.truncate());
+        println!("{stem}: {}\n    eyes {} ", loaded.report.join("\n    "), avatar.eyes_in_head);
+        for joint in Joint::ALL {
+            println!("    {:15} {:.3}", joint.name(), model[joint as usize]);
+        }
+        let clip = retarget(&gait, &avatar).unwrap();
+        let c = contact(&avatar, &clip);
+        println!("    travel {:.3} rough {:.3} {c:?}", clip.stride_travel, roughness(&clip));
+        let mut sheet = Sheet::new(7.0, 2.5, 200.0);
+        sheet.draw(&avatar, 0, &rest(&avatar), 0.5, 1.6, -0.1);
+        sheet.draw(&avatar, 0, &standing(&avatar).frames[0], 0.3, 1.0, -0.1);
+        for frame in [0, 16] {
+            sheet.draw(&avatar, 0, &clip.frames[frame], 1.57, 1.1, -0.1);
+        }
+        sheet.draw(&avatar, 0, &clip.frames[40], 0.4, 0.9, -0.1);
+        let last = avatar.levels.len() - 1;
+        sheet.draw(&avatar, last.min(1), &clip.frames[40], 0.4, 0.8, -0.1);
+        sheet.draw(&avatar, last, &clip.frames[40], 0.4, 0.7, -0.1);
+        sheet.save(&picture(&format!("loaded-{stem}.png")));
     }
 }

@@ -13,13 +13,8 @@ use glam::{Mat3, Mat4, Quat, Vec3};
 const PEOPLE: std::ops::RangeInclusive<f32> = 1.0..=2.6;
 
 /// Metres per unit of the units that files come in.
-const UNITS: [(f32, &str); 5] = [
-    (0.01, "centimetres"),
-    (0.001, "millimetres"),
-    (0.0254, "inches"),
-    (0.3048, "feet"),
-    (100.0, "units of 100 m"),
-];
+const UNITS: [(f32, &str); 4] =
+    [(0.01, "centimetres"), (0.001, "millimetres"), (0.0254, "inches"), (100.0, "units of 100 m")];
 
 /// Most triangles of the coarser levels.
 const COARSE: [usize; 2] = [1200, 350];

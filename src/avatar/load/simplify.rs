@@ -4,7 +4,7 @@ use super::super::body::pack;
 use super::super::{Mesh, Vertex};
 use crate::gait::JOINT_COUNT;
 use glam::{IVec3, Vec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 /// Merges vertices in ever larger cells until at most `most` triangles are left.
 ///
@@ -36,19 +36,31 @@ struct Sum {
     count: f32,
     position: Vec3,
     normal: Vec3,
-    color: Vec3,
+    /// Colours and how many vertices have them: mixing hair and skin would give neither.
+    colors: Vec<(Vec3, u32)>,
     shares: [f32; JOINT_COUNT],
     first: Vertex,
+}
+
+/// Which way a surface looks, coarsely: sheets and limbs thinner than a cell keep their sides.
+fn facing(normal: Vec3) -> u8 {
+    let across = if normal.x.abs() > normal.y.abs() { normal.x } else { normal.y };
+    u8::from(normal.z > 0.0) + 2 * u8::from(across > 0.0)
 }
 
 fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
     let mut cells: BTreeMap<Cell, usize> = BTreeMap::new();
     let mut sums: Vec<Sum> = Vec::new();
+    // Flat-shaded meshes have many normals in one place; a common one keeps them together, without cracks.
+    let place = |p: Vec3| (p * 1e4).round().as_ivec3().to_array();
+    let mut normals: HashMap<[i32; 3], Vec3> = HashMap::new();
+    for v in &mesh.vertices {
+        *normals.entry(place(v.position)).or_default() += v.normal;
+    }
     let mut slot_of = Vec::with_capacity(mesh.vertices.len());
     for v in &mesh.vertices {
         let at: IVec3 = (v.position / cell).floor().as_ivec3();
-        // Front and back of the body, so that sheets and limbs thinner than a cell do not collapse.
-        let facing = u8::from(v.normal.z > 0.0);
+        let facing = facing(normals.get(&place(v.position)).copied().unwrap_or(v.normal));
         let key = Cell { joint: v.joints[0], material: v.material as u32, at: at.to_array(), facing };
         let slot = *cells.entry(key).or_insert(sums.len());
         if slot == sums.len() {
@@ -57,7 +69,7 @@ fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
                 count: 0.0,
                 position: zero,
                 normal: zero,
-                color: zero,
+                colors: Vec::new(),
                 shares: [0.0; JOINT_COUNT],
                 first: *v,
             });
@@ -66,7 +78,10 @@ fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
         sum.count += 1.0;
         sum.position += v.position;
         sum.normal += v.normal;
-        sum.color += v.color;
+        match sum.colors.iter_mut().find(|(color, _)| color.distance(v.color) < 0.05) {
+            Some((_, votes)) => *votes += 1,
+            None => sum.colors.push((v.color, 1)),
+        }
         for (joint, weight) in v.joints.iter().zip(v.weights) {
             sum.shares[usize::from(*joint)] += weight;
         }
@@ -95,7 +110,11 @@ fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
             out.vertices.push(Vertex {
                 position: sum.position / sum.count,
                 normal: sum.normal.try_normalize().unwrap_or(sum.first.normal),
-                color: sum.color / sum.count,
+                color: sum
+                    .colors
+                    .iter()
+                    .max_by_key(|(_, votes)| *votes)
+                    .map_or(sum.first.color, |(color, _)| *color),
                 material: sum.first.material,
                 joints,
                 weights,

@@ -79,7 +79,7 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
             relative_stride: travel / rig.leg_length(),
             ankle: [gait_ankle, rig.at(feet[side]).y],
             shift: rig.at(hip).x - gait_hips[side].x * scale,
-            sole: rig.soles[side],
+            sole: rig.soles[side].clone(),
             set_back: 0.0,
             leg: rig.leg_length(),
             rise: Vec::new(),
@@ -130,9 +130,13 @@ fn stand(rig: &Rig) -> Vec<ClipFrame> {
     let size = rig.leg_length();
     let hips = rig.hips();
     let feet = [0, 1].map(|side| {
-        let [hip, _, foot] = rig.legs[side].chain.map(|joint| rig.at(joint));
+        let hip = rig.at(rig.legs[side].chain[0]);
         // Feet under the hips, whatever the rest pose does with the legs.
-        FootTarget { ankle: Vec3::new(hip.x, foot.y, hips.z), pitch: 0.0, planted: true }
+        FootTarget {
+            ankle: Vec3::new(hip.x, -rig.soles[side].lowest(0.0), hips.z),
+            pitch: 0.0,
+            planted: true,
+        }
     });
     let height = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) + 0.994 * size;
     let spread = [0, 1].map(|side| {
