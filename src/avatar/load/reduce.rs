@@ -2,7 +2,7 @@
 
 use super::super::body::pack;
 use super::super::rig_map::RigMap;
-use super::super::{Avatar, LEVELS, Material, Mesh, RestJoint, Vertex};
+use super::super::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
 use super::rig::{Driven, find, upward};
 use super::simplify::simplify;
 use super::source::{Part, Source};
@@ -58,7 +58,10 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     });
     let fine = Mesh { vertices: figure.vertices, indices: figure.indices };
     let mut levels = vec![fine];
-    for most in COARSE.into_iter().take(LEVELS - 1) {
+    let fine = levels[0].indices.len() / 3;
+    // Characters that are coarse already get coarser in proportion.
+    let targets = [COARSE[0].min(fine / 3), COARSE[1].min(fine / 10)];
+    for most in targets.into_iter().take(LEVELS - 1) {
         let coarse = simplify(&levels[0], most, height);
         // A character may be coarser than our levels already.
         if coarse.indices.len() < levels.last().map_or(0, |mesh| mesh.indices.len()) {
@@ -239,7 +242,7 @@ fn add_part(figure: &mut Figure, source: &Source, driven: &Driven, pose: &[Mat4]
             position: matrix.transform_point3(position),
             normal: normal.normalize_or_zero(),
             color: part.colors[i],
-            material: Material::Fixed,
+            material: part.material,
             joints,
             weights,
         });

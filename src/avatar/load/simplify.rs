@@ -18,7 +18,16 @@ pub(super) fn simplify(mesh: &Mesh, most: usize, height: f32) -> Mesh {
         if coarse.indices.len() / 3 <= most {
             break;
         }
-        coarse = cluster(mesh, cell);
+        coarse = cluster(mesh, cell, true);
+        cell *= 1.25;
+    }
+    // Very few triangles: limbs may lose their sides.
+    cell = height / 24.0;
+    for _ in 0..12 {
+        if coarse.indices.len() / 3 <= most {
+            break;
+        }
+        coarse = cluster(mesh, cell, false);
         cell *= 1.25;
     }
     coarse
@@ -48,7 +57,7 @@ fn facing(normal: Vec3) -> u8 {
     u8::from(normal.z > 0.0) + 2 * u8::from(across > 0.0)
 }
 
-fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
+fn cluster(mesh: &Mesh, cell: f32, keep_sides: bool) -> Mesh {
     let mut cells: BTreeMap<Cell, usize> = BTreeMap::new();
     let mut sums: Vec<Sum> = Vec::new();
     // Flat-shaded meshes have many normals in one place; a common one keeps them together, without cracks.
@@ -60,7 +69,11 @@ fn cluster(mesh: &Mesh, cell: f32) -> Mesh {
     let mut slot_of = Vec::with_capacity(mesh.vertices.len());
     for v in &mesh.vertices {
         let at: IVec3 = (v.position / cell).floor().as_ivec3();
-        let facing = facing(normals.get(&place(v.position)).copied().unwrap_or(v.normal));
+        let facing = if !keep_sides {
+            0
+        } else {
+            facing(normals.get(&place(v.position)).copied().unwrap_or(v.normal))
+        };
         let key = Cell { joint: v.joints[0], material: v.material as u32, at: at.to_array(), facing };
         let slot = *cells.entry(key).or_insert(sums.len());
         if slot == sums.len() {

@@ -1,5 +1,7 @@
 //! A glTF or VRM file as plain data: nodes, skins and triangles in file space, everything checked.
 
+use super::super::Material;
+use super::super::glb::MATERIALS;
 use super::accessor;
 use glam::{Mat4, Vec2, Vec3};
 use gltf::buffer::Data as Buffer;
@@ -42,6 +44,8 @@ pub(super) struct Part {
     /// (index into the skin's joints, weight) per vertex.
     pub(super) influences: Vec<Vec<(usize, f32)>>,
     pub(super) indices: Vec<u32>,
+    /// What tints it.
+    pub(super) material: Material,
 }
 
 /// The file.
@@ -93,7 +97,7 @@ impl Source {
     /// A message that says what is wrong and where in the file.
     pub(super) fn read(bytes: &[u8], base: Option<&Path>) -> Result<Self, String> {
         let json = json_of(bytes)?;
-        refuse_required_extensions(&json)?;
+        check_json(&json)?;
         let gltf =
             gltf::Gltf::from_slice(bytes).map_err(|error| format!("not a usable glTF 2.0 file: {error}"))?;
         let buffers = read_buffers(&gltf, base)?;
@@ -350,7 +354,8 @@ impl Source {
                 }
             }
         }
-        Ok(Part { node, skin, positions, normals, colors, influences, indices })
+        let material = tint(primitive);
+        Ok(Part { node, skin, positions, normals, colors, influences, indices, material })
     }
 }
 
@@ -363,7 +368,8 @@ fn vertex_colors(
 ) -> Result<Vec<Vec3>, String> {
     use gltf::Semantic;
     let surface = primitive.material().pbr_metallic_roughness();
-    let factor = surface.base_color_factor();
+    // The base colour of a tinted material is only an example of an agent's colour.
+    let factor = if tint(primitive) == Material::Fixed { surface.base_color_factor() } else { [1.0; 4] };
     let mut colors = vec![Vec3::new(factor[0], factor[1], factor[2]).clamp(Vec3::ZERO, Vec3::ONE); count];
     if let Some(found) = primitive.get(&Semantic::Colors(0)) {
         let found = accessor::vec3(&found, buffers)?;
@@ -385,6 +391,13 @@ fn vertex_colors(
     Ok(colors)
 }
 
+/// Materials named by [`super::super::glb`] take the agent's colours.
+fn tint(primitive: &gltf::Primitive<'_>) -> Material {
+    let material = primitive.material();
+    let known = MATERIALS.iter().find(|(_, name, _)| material.name() == Some(name));
+    known.map_or(Material::Fixed, |(material, ..)| *material)
+}
+
 /// The JSON of a `.glb` or `.gltf`, for extensions that the glTF crate does not know.
 fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
     let word = |at: usize| -> Option<usize> {
@@ -404,8 +417,24 @@ fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
         .map_err(|error| format!("is neither GLB nor glTF: its JSON is wrong ({error})"))
 }
 
-/// Extensions without which the geometry cannot be read.
-fn refuse_required_extensions(json: &serde_json::Value) -> Result<(), String> {
+/// Refuses what the glTF crate does not: other versions, extensions that pack the geometry, and positions that
+/// point past the accessors (the crate would index with them).
+fn check_json(json: &serde_json::Value) -> Result<(), String> {
+    let version = json["asset"]["version"].as_str().unwrap_or("none");
+    if !version.starts_with("2.") {
+        return Err(format!("is glTF version {version}, expected 2.0"));
+    }
+    let accessors = json["accessors"].as_array().map_or(0, Vec::len);
+    for (index, mesh) in json["meshes"].as_array().into_iter().flatten().enumerate() {
+        for primitive in mesh["primitives"].as_array().into_iter().flatten() {
+            for (name, accessor) in primitive["attributes"].as_object().into_iter().flatten() {
+                let found = accessor.as_u64().and_then(|found| usize::try_from(found).ok());
+                if found.is_none_or(|found| found >= accessors) {
+                    return Err(format!("mesh {index}: {name} is accessor {accessor} of {accessors}"));
+                }
+            }
+        }
+    }
     for name in
         json["extensionsRequired"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str)
     {

@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 const FLAT: [f32; 2] = [0.16, 0.64];
 
 /// Toe lift at the strike and heel rise at toe-off of a usual stride (ours), radians.
-const STRIKE_PITCH: f32 = 0.28;
+const STRIKE_PITCH: f32 = 0.25;
 const LEAVE_PITCH: f32 = -0.62;
 
 /// Most heel rise for the sake of reach, radians.

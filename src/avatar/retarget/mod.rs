@@ -21,7 +21,7 @@ use rig::{Rig, anatomical_hinge, hinge};
 use std::f32::consts::TAU;
 
 /// Greatest use of a leg's length: a knee never locks.
-const REACH: f32 = 0.99;
+const REACH: f32 = 0.996;
 
 /// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;
