@@ -76,7 +76,7 @@ fn float(bytes: &[u8], data: DataType, slot: usize, normalised: bool) -> f32 {
         DataType::U32 => {
             #[allow(clippy::cast_precision_loss, reason = "glTF has no float attribute of this type")]
             let value = u32::from_le_bytes(array(bytes, at)) as f32;
-            (value, 4_294_967_295.0)
+            (value, 4_294_967_296.0)
         }
     };
     if normalised { (value / most).max(-1.0) } else { value }

@@ -258,7 +258,7 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
         turns[Joint::Spine as usize] = body.chest;
         turns[Joint::Neck as usize] = body.chest.slerp(body.head, 0.5);
         turns[Joint::Head as usize] = body.head;
-        for side in 0..2 {
+        for (side, foot) in feet.iter().enumerate() {
             let arm = &rig.arms[side];
             let own = body.chest.inverse() * body.arms[side][0];
             let fallback = body.chest * anatomical_hinge(own, -1.0);
@@ -269,9 +269,9 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
             }
             let leg = &rig.legs[side];
             let hip = root + body.pelvis * (rig.at(leg.chain[0]) - rig.at(Joint::Root));
-            let directions = reach(leg, hip, feet[side].ankle, body.knees[side]);
+            let directions = reach(leg, hip, foot.ankle, body.knees[side]);
             let [thigh, shin] = leg.turns(directions, body.knees[side]);
-            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(feet[side].pitch)]) {
+            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(foot.pitch)]) {
                 turns[joint as usize] = turn;
             }
         }
