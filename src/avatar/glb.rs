@@ -1,4 +1,4 @@
-//! Writes an avatar as binary glTF, readable by any viewer and, without loss, by [`super::load`].
+//! Writes an avatar as binary glTF, readable by any viewer and, without loss, by [`super::load()`].
 //!
 //! One skinned mesh (level 0) with one primitive per [`Material`], named `gaitway.skin` and so on: the base colour
 //! of the material is an example, the vertex colours are the avatar's.

@@ -201,6 +201,69 @@ fn feet_hung_under_the_root_follow_the_lower_leg() {
 }
 
 #[test]
+fn turned_tipped_and_onlooker_named_characters_come_out_alike() {
+    let plain = generated(Sex::Male);
+    let expected = read(&glb(&plain)).unwrap().avatar;
+    let turned = |by: Quat| {
+        edited(&glb(&plain), |json| {
+            let parent = serde_json::json!({ "name": "world", "rotation": by.to_array(), "children": [0] });
+            json["nodes"].as_array_mut().unwrap().push(parent);
+            json["scenes"][0]["nodes"] = serde_json::json!([17, 16]);
+        })
+    };
+    let exchanged = edited(&glb(&plain), |json| {
+        for node in json["nodes"].as_array_mut().unwrap() {
+            let name = node["name"].as_str().unwrap();
+            node["name"] = match name.split_once('_') {
+                Some(("left", part)) => format!("right_{part}"),
+                Some(("right", part)) => format!("left_{part}"),
+                _ => name.to_owned(),
+            }
+            .into();
+        }
+    });
+    for (file, said) in [
+        (turned(Quat::from_rotation_y(1.0)), "facing: turned by -57"),
+        (turned(Quat::from_rotation_x(std::f32::consts::FRAC_PI_2)), "up: "),
+        (exchanged, "left and right were exchanged"),
+    ] {
+        let found = read(&file).unwrap();
+        assert!(found.report.iter().any(|line| line.contains(said)), "{:?}", found.report);
+        for (a, b) in expected.joints.iter().zip(&found.avatar.joints) {
+            assert!(
+                a.translation.distance(b.translation) < 1e-3,
+                "{said}: {} {}",
+                a.translation,
+                b.translation
+            );
+        }
+        let far =
+            |avatar: &Avatar| avatar.levels[0].vertices.iter().map(|v| v.position.z).fold(0.0, f32::max);
+        assert!((far(&expected) - far(&found.avatar)).abs() < 2e-3, "{said}: the toes point elsewhere");
+    }
+}
+
+/// The files in `assets/avatars` are what this program writes; GAITWAY_UPDATE_ASSETS=1 writes them anew.
+#[test]
+fn shipped_avatars_are_the_generated_ones() {
+    for sex in Sex::ALL {
+        let path =
+            PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("assets/avatars/{}.glb", sex.name()));
+        let avatar = generated(sex);
+        if std::env::var_os("GAITWAY_UPDATE_ASSETS").is_some() {
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            write_glb(&avatar, &path).unwrap();
+        }
+        let shipped = load_with_map(&path, &RigMap::default()).unwrap().avatar;
+        let fresh = read(&glb(&avatar)).unwrap().avatar;
+        assert_eq!(shipped.levels[0].indices, fresh.levels[0].indices, "run with GAITWAY_UPDATE_ASSETS=1");
+        for (a, b) in shipped.levels[0].vertices.iter().zip(&fresh.levels[0].vertices) {
+            assert!(a.position.distance(b.position) < 1e-4, "run with GAITWAY_UPDATE_ASSETS=1");
+        }
+    }
+}
+
+#[test]
 fn vrm_names_and_rig_maps_are_followed() {
     let plain = generated(Sex::Female);
     let nameless = edited(&glb(&plain), |json| {

@@ -74,9 +74,9 @@ fn float(bytes: &[u8], data: DataType, slot: usize, normalised: bool) -> f32 {
         DataType::U16 => (f32::from(u16::from_le_bytes(array(bytes, at))), 65535.0),
         DataType::I16 => (f32::from(i16::from_le_bytes(array(bytes, at))), 32767.0),
         DataType::U32 => {
-            #[allow(clippy::cast_precision_loss, reason = "glTF has no float attribute of this type")]
-            let value = u32::from_le_bytes(array(bytes, at)) as f32;
-            (value, 4_294_967_296.0)
+            // glTF has no float attribute of this type; the last bits do not matter.
+            let value = u32::from_le_bytes(array(bytes, at));
+            (value as f32, u32::MAX as f32)
         }
     };
     if normalised { (value / most).max(-1.0) } else { value }

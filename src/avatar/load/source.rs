@@ -391,7 +391,7 @@ fn vertex_colors(
     Ok(colors)
 }
 
-/// Materials named by [`super::super::glb`] take the agent's colours.
+/// Materials named by [`mod@super::super::glb`] take the agent's colours.
 fn tint(primitive: &gltf::Primitive<'_>) -> Material {
     let material = primitive.material();
     let known = MATERIALS.iter().find(|(_, name, _)| material.name() == Some(name));
