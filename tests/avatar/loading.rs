@@ -3,10 +3,8 @@
 use crate::raster::{self, Sheet, rest};
 use crate::walker::Walker;
 use crate::{contact, picture, pose, rigs, roughness};
-use gaitway::avatar::{
-    Avatar, CLIP_FRAMES, Error, Loaded, RigMap, Sex, generated, glb, load_bytes, load_with_map, retarget,
-    standing,
-};
+use gaitway::avatar::{Avatar, CLIP_FRAMES, Error, Loaded, RigMap, Sex};
+use gaitway::avatar::{generated, glb, load_bytes, load_with_map, retarget, standing, write_glb};
 use gaitway::gait::Joint;
 use glam::{Quat, Vec3};
 use std::path::PathBuf;
@@ -243,7 +241,7 @@ fn turned_tipped_and_onlooker_named_characters_come_out_alike() {
     }
 }
 
-/// The files in `assets/avatars` are what this program writes; GAITWAY_UPDATE_ASSETS=1 writes them anew.
+/// The files in `assets/avatars` are what this program writes; `GAITWAY_UPDATE_ASSETS=1` writes them anew.
 #[test]
 fn shipped_avatars_are_the_generated_ones() {
     for sex in Sex::ALL {
