@@ -2,7 +2,7 @@
 //!
 //! A stride runs from one strike of the left foot to the next. It is turned so that the walker goes towards +z, its
 //! travel is taken out, what is left between its end and its start is spread over the cycle, and the lowest
-//! point of the foot joints is put at y = 0. v_des is the horizontal travel over the duration; walkers on the
+//! point of the foot joints is put at y = 0. `v_des` is the horizontal travel over the duration; walkers on the
 //! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
 //! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
 
@@ -122,9 +122,10 @@ pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
         }
     }
     if found.is_empty() && recording.cyclic {
-        found.extend(take.whole_cycle(recording, &strikes).map_err(|reason| {
-            unusable(recording, format!("the cycle cannot be used: {reason}"))
-        })?);
+        found.extend(
+            take.whole_cycle(recording, &strikes)
+                .map_err(|reason| unusable(recording, format!("the cycle cannot be used: {reason}")))?,
+        );
     }
     if found.is_empty() {
         return Err(unusable(recording, none_found(&strikes, &refused)));
@@ -184,7 +185,8 @@ fn prepare(recording: &Recording) -> Take {
         let last = poses.len() - 1;
         let mut end = poses[0];
         for (joint, point) in end.iter_mut().enumerate() {
-            let step = (poses[1][joint] - poses[0][joint] + poses[last][joint] - poses[last - 1][joint]) / 2.0;
+            let step =
+                (poses[1][joint] - poses[0][joint] + poses[last][joint] - poses[last - 1][joint]) / 2.0;
             *point = poses[last][joint] + step;
         }
         let gap = closing_gap(&poses[0], &end);
@@ -225,7 +227,8 @@ impl Take {
         let last = self.poses.len() - 1;
         let i = frames(frame).min(last);
         let t = (frame - i as f32).clamp(0.0, 1.0);
-        let [a, b, c, d] = [i.saturating_sub(1), i, (i + 1).min(last), (i + 2).min(last)].map(|i| &self.poses[i]);
+        let [a, b, c, d] =
+            [i.saturating_sub(1), i, (i + 1).min(last), (i + 2).min(last)].map(|i| &self.poses[i]);
         std::array::from_fn(|j| {
             let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
             b + (c - a + (a * 2.0 - b * 5.0 + c * 4.0 - d + (b * 3.0 - c * 3.0 + d - a) * t) * t) * (t * 0.5)
@@ -272,7 +275,8 @@ impl Take {
         let count = frames((duration * self.rate.min(MAX_RATE)).round()).max(8);
         let on_the_spot = |pose: Pose, phase: f32| {
             let heading = chord_heading + turn * (phase - 0.5);
-            let centre = start[Joint::Root as usize].with_y(0.0) + along_arc(chord_heading, turn, travel, phase);
+            let centre =
+                start[Joint::Root as usize].with_y(0.0) + along_arc(chord_heading, turn, travel, phase);
             pose.map(|point| Quat::from_rotation_y(-heading) * (point - centre))
         };
         let mut poses: Vec<Pose> = (0..count)

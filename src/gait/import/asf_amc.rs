@@ -122,7 +122,11 @@ fn euler(path: &str, line: usize, order: &str, angles: Vec3) -> Result<Quat, Err
     for letter in order.chars() {
         let axis = "XYZ".find(letter.to_ascii_uppercase()).filter(|&axis| !seen[axis]);
         let Some(axis) = axis else {
-            return Err(syntax(path, line, format!("axis order {} is not one of XYZ, ZYX, ...", shown(order))));
+            return Err(syntax(
+                path,
+                line,
+                format!("axis order {} is not one of XYZ, ZYX, ...", shown(order)),
+            ));
         };
         seen[axis] = true;
         rotation = Quat::from_axis_angle(Vec3::AXES[axis], angles[axis]) * rotation;
@@ -145,7 +149,11 @@ fn freedom(path: &str, line: usize, word: &str) -> Result<Freedom, Error> {
     })
 }
 
-fn freedoms<'a>(path: &str, line: usize, words: impl Iterator<Item = &'a str>) -> Result<Vec<Freedom>, Error> {
+fn freedoms<'a>(
+    path: &str,
+    line: usize,
+    words: impl Iterator<Item = &'a str>,
+) -> Result<Vec<Freedom>, Error> {
     let mut freedoms = Vec::new();
     for word in words {
         let freedom = freedom(path, line, word)?;
@@ -211,7 +219,11 @@ pub fn parse_asf(text: &str, path: &str) -> Result<Skeleton, Error> {
             "root" => draft.root_row(line, row)?,
             "bonedata" if row == "begin" => draft.bone(line, &mut rows)?,
             "bonedata" => {
-                return Err(syntax(path, line, format!("found {} between bones; expected begin", shown(row))));
+                return Err(syntax(
+                    path,
+                    line,
+                    format!("found {} between bones; expected begin", shown(row)),
+                ));
             }
             "hierarchy" => draft.link(line, row),
             // version, name, documentation, skin: nothing we need.
@@ -220,7 +232,11 @@ pub fn parse_asf(text: &str, path: &str) -> Result<Skeleton, Error> {
     }
     for needed in ["root", "bonedata", "hierarchy"] {
         if !draft.sections.contains(&needed) {
-            return Err(syntax(path, 0, format!("section :{needed} is missing; is it an ASF skeleton, or cut off?")));
+            return Err(syntax(
+                path,
+                0,
+                format!("section :{needed} is missing; is it an ASF skeleton, or cut off?"),
+            ));
         }
     }
     draft.finish()
@@ -245,7 +261,11 @@ impl<'a> Draft<'a> {
             (Some("angle"), Some("rad")) => self.degrees = false,
             (Some("angle"), other) => {
                 let found = shown(other.unwrap_or_default());
-                return Err(syntax(self.path, line, format!("unit of angle is {found}; known are deg and rad")));
+                return Err(syntax(
+                    self.path,
+                    line,
+                    format!("unit of angle is {found}; known are deg and rad"),
+                ));
             }
             _ => {}
         }
@@ -283,7 +303,9 @@ impl<'a> Draft<'a> {
                 "end" => break,
                 "name" => words.next().unwrap_or_default().clone_into(&mut bone.name),
                 "direction" => direction = Some(vec3(path, line, &mut words, "direction")?),
-                "length" => length = Some(number(path, line, words.next().unwrap_or_default(), "bone length")?),
+                "length" => {
+                    length = Some(number(path, line, words.next().unwrap_or_default(), "bone length")?);
+                }
                 "axis" => {
                     let angles = vec3(path, line, &mut words, "axis")?;
                     bone.axis = euler(path, line, words.next().unwrap_or("XYZ"), self.radians(angles))?;
@@ -291,13 +313,18 @@ impl<'a> Draft<'a> {
                 }
                 "dof" => bone.freedoms = freedoms(path, line, words)?,
                 keyword if keyword.starts_with(':') || keyword == "begin" => {
-                    return Err(syntax(path, line, format!("{} inside the bone of line {begin}", shown(keyword))));
+                    return Err(syntax(
+                        path,
+                        line,
+                        format!("{} inside the bone of line {begin}", shown(keyword)),
+                    ));
                 }
                 // id, limits, bodymass, cofmass: nothing we need.
                 _ => {}
             }
         }
-        let (Some(direction), Some(length), true) = (direction, length, has_axis && !bone.name.is_empty()) else {
+        let (Some(direction), Some(length), true) = (direction, length, has_axis && !bone.name.is_empty())
+        else {
             return Err(syntax(path, begin, "a bone needs a name, a direction, a length and an axis"));
         };
         if self.bones.iter().any(|other| other.name == bone.name) || bone.name == "root" {
@@ -329,7 +356,8 @@ impl<'a> Draft<'a> {
                 return Err(syntax(path, line, format!("no bone is named {}", shown(child))));
             };
             if let Some(first) = parent_of[child_index].replace(parent) {
-                let message = format!("bone {} hangs on {} and on {}", shown(child), shown(first), shown(parent));
+                let message =
+                    format!("bone {} hangs on {} and on {}", shown(child), shown(first), shown(parent));
                 return Err(syntax(path, line, message));
             }
         }
@@ -425,11 +453,16 @@ fn frames(
             return Err(syntax(path, line, format!("found {} before the first frame number", shown(name))));
         }
         let Some(&bone) = index.get(name) else {
-            let message = format!("the skeleton has no bone {}; it has: {}", shown(name), list(&skeleton.names()));
+            let message =
+                format!("the skeleton has no bone {}; it has: {}", shown(name), list(&skeleton.names()));
             return Err(syntax(path, line, message));
         };
         if std::mem::replace(&mut seen[bone], true) {
-            return Err(syntax(path, line, format!("bone {} twice in the frame of line {frame_line}", shown(name))));
+            return Err(syntax(
+                path,
+                line,
+                format!("bone {} twice in the frame of line {frame_line}", shown(name)),
+            ));
         }
         motion[bone] = bone_motion(path, line, &bones[bone], words, scale, skeleton.position)?;
     }
@@ -464,7 +497,8 @@ fn bone_motion<'a>(
         found += 1;
     }
     if found != bone.freedoms.len() {
-        let message = format!("bone {} has {found} values; its dof ask for {}", bone.name, bone.freedoms.len());
+        let message =
+            format!("bone {} has {found} values; its dof ask for {}", bone.name, bone.freedoms.len());
         return Err(syntax(path, line, message));
     }
     Ok((bone.axis * rotation * bone.axis.inverse(), translation))

@@ -130,7 +130,12 @@ fn hierarchy(words: &mut Words<'_>) -> Result<Vec<Node>, Error> {
                 words.need_word("Site")?;
                 words.need_word("{")?;
                 let name = parent.map_or_else(String::new, |p| format!("{}_end", nodes[p].name));
-                push(words, &mut nodes, &mut open, Node { name, parent, offset: Vec3::ZERO, channels: vec![] })?;
+                push(
+                    words,
+                    &mut nodes,
+                    &mut open,
+                    Node { name, parent, offset: Vec3::ZERO, channels: vec![] },
+                )?;
             }
             "OFFSET" if parent.is_some() => {
                 let offset = Vec3::new(
@@ -263,11 +268,14 @@ fn place(nodes: &[Node], values: &[f32], world: &mut [(Quat, Vec3)]) {
             let value = values.next().unwrap_or(0.0);
             match *channel {
                 Channel::Position(axis) => translation[axis] = value,
-                Channel::Rotation(axis) => rotation *= Quat::from_axis_angle(Vec3::AXES[axis], value.to_radians()),
+                Channel::Rotation(axis) => {
+                    rotation *= Quat::from_axis_angle(Vec3::AXES[axis], value.to_radians());
+                }
             }
         }
         let (parent_rotation, parent_position) =
             node.parent.and_then(|p| world.get(p).copied()).unwrap_or((Quat::IDENTITY, Vec3::ZERO));
-        world[index] = ((parent_rotation * rotation).normalize(), parent_position + parent_rotation * translation);
+        world[index] =
+            ((parent_rotation * rotation).normalize(), parent_position + parent_rotation * translation);
     }
 }

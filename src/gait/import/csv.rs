@@ -81,7 +81,10 @@ pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Record
         let key = columns.key.map(|column| row[column]);
         if takes.is_empty() || key != current_key {
             if key.is_some_and(|key| !keys.insert(key)) {
-                let message = format!("take {} again after another; its rows must stand together", shown(key.unwrap_or_default()));
+                let message = format!(
+                    "take {} again after another; its rows must stand together",
+                    shown(key.unwrap_or_default())
+                );
                 return Err(syntax(path, line, message));
             }
             current_key = key;
@@ -123,11 +126,8 @@ fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Re
         }
         _ => rate_or(options, path, DEFAULT_RATE)?,
     };
-    let report = vec![
-        format!("CSV: {} frames", rows.poses.len()),
-        rate_line,
-        format!("joint map: {}", columns.rig),
-    ];
+    let report =
+        vec![format!("CSV: {} frames", rows.poses.len()), rate_line, format!("joint map: {}", columns.rig)];
     let source = format!("{} (CSV)", file_name(path));
     let take = Recording { source, report, ..Recording::new(rows.name, rate, rows.poses) };
     if columns.egait { egait::repair(take, options) } else { finish(take, Unit::Unstated, options) }
@@ -146,7 +146,8 @@ fn bare_columns(path: &str, line: usize, row: &str) -> Result<Columns, Error> {
     let separator = separator_of(row);
     let count = cells(row, separator).len();
     if count != 3 * JOINT_COUNT {
-        let message = format!("{count} numbers and no header; without one, E-Gait's 48 numbers a row are expected");
+        let message =
+            format!("{count} numbers and no header; without one, E-Gait's 48 numbers a row are expected");
         return Err(syntax(path, line, message));
     }
     // the README of the data names the left side first; by the poses it is the right side.
@@ -214,7 +215,7 @@ fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<C
     })
 }
 
-/// "LeftFoot_x", "LeftFoot.X", "LeftFoot X" and "LeftFootX" to ("LeftFoot", 0).
+/// `LeftFoot_x`, `LeftFoot.X`, `LeftFoot X` and `LeftFootX` to (`LeftFoot`, 0).
 fn joint_and_axis(cell: &str) -> Option<(&str, usize)> {
     let last = cell.chars().next_back()?;
     let axis = "xyz".find(last.to_ascii_lowercase())?;

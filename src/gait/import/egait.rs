@@ -27,19 +27,27 @@ const PITCHED_DEG: f32 = 5.0;
 pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording, Error> {
     let pitch = forward_pitch_deg(&take.poses) - ROOT_LEAN_DEG;
     if pitch < -PITCHED_DEG {
-        let level = Quat::from_rotation_x(-PITCH_DEG.to_radians());
+        let level = Quat::from_rotation_x(PITCH_DEG.to_radians());
         for point in take.poses.iter_mut().flatten() {
             *point = level * *point;
         }
-        take.report.push(format!("E-Gait: pitched forward (measured {:.1} degrees), levelled by {PITCH_DEG}", -pitch));
+        take.report.push(format!(
+            "E-Gait: pitched forward (measured {:.1} degrees), levelled by {PITCH_DEG}",
+            -pitch
+        ));
     }
     take.cyclic = root_is_pinned(&take.poses);
     if take.cyclic {
-        take.report.push("E-Gait: root pinned; one cycle, travel and bounce come from the planted foot".to_owned());
+        take.report
+            .push("E-Gait: root pinned; one cycle, travel and bounce come from the planted foot".to_owned());
     }
     // A body of about one unit is E-Gait's; anything else has a unit of its own.
     let size = body_length(&take.poses);
-    let unit = if (0.8..=1.4).contains(&size) && take.cyclic { Unit::Stated(METRES_PER_UNIT) } else { Unit::Unstated };
+    let unit = if (0.8..=1.4).contains(&size) && take.cyclic {
+        Unit::Stated(METRES_PER_UNIT)
+    } else {
+        Unit::Unstated
+    };
     finish(take, unit, options)
 }
 

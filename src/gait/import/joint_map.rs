@@ -88,7 +88,19 @@ const PRESETS: [Preset; 8] = [
 /// Words for the middle joints in order of preference.
 const MIDDLE_WORDS: [&[&str]; 4] = [
     &["hips", "pelvis", "hip", "root", "lowertorso"],
-    &["spine1", "chest2", "spine02", "spine", "chest", "upperback", "spine01", "torso", "abdomen", "thorax", "back"],
+    &[
+        "spine1",
+        "chest2",
+        "spine02",
+        "spine",
+        "chest",
+        "upperback",
+        "spine01",
+        "torso",
+        "abdomen",
+        "thorax",
+        "back",
+    ],
     &["neck", "lowerneck", "neck1", "neck01", "neckbase"],
     &["head", "skull", "head1"],
 ];
@@ -218,14 +230,14 @@ fn part_of(name: &str) -> (Side, String) {
             side = Side::Right;
             false
         }
-        "mixamorig" | "bip" | "bip01" | "bip001" | "j" | "c" | "joint" | "def" | "org" | "bn" | "b" | "jnt" | "" => {
-            false
-        }
+        "mixamorig" | "bip" | "bip01" | "bip001" | "j" | "c" | "joint" | "def" | "org" | "bn" | "b"
+        | "jnt" | "" => false,
         _ => true,
     });
     let part = words.concat();
     if side == Side::Middle {
-        for (prefix, prefix_side) in [("left", Side::Left), ("right", Side::Right), ("l", Side::Left), ("r", Side::Right)]
+        for (prefix, prefix_side) in
+            [("left", Side::Left), ("right", Side::Right), ("l", Side::Left), ("r", Side::Right)]
         {
             if let Some(rest) = part.strip_prefix(prefix)
                 && SIDE_WORDS.iter().any(|words| words.contains(&rest))
@@ -279,24 +291,63 @@ mod tests {
     #[test]
     fn rigs_are_recognised_by_their_names() {
         let names = sided(
-            &["mixamorig:Hips", "mixamorig:Spine", "mixamorig:Spine1", "mixamorig:Spine2", "mixamorig:Neck", "mixamorig:Head"],
-            &["mixamorig:{}Shoulder", "mixamorig:{}Arm", "mixamorig:{}ForeArm", "mixamorig:{}Hand", "mixamorig:{}UpLeg", "mixamorig:{}Leg", "mixamorig:{}Foot"],
+            &[
+                "mixamorig:Hips",
+                "mixamorig:Spine",
+                "mixamorig:Spine1",
+                "mixamorig:Spine2",
+                "mixamorig:Neck",
+                "mixamorig:Head",
+            ],
+            &[
+                "mixamorig:{}Shoulder",
+                "mixamorig:{}Arm",
+                "mixamorig:{}ForeArm",
+                "mixamorig:{}Hand",
+                "mixamorig:{}UpLeg",
+                "mixamorig:{}Leg",
+                "mixamorig:{}Foot",
+            ],
             ["Left", "Right"],
         );
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        check(&names, "Mixamo", &[(Joint::LeftShoulder, "mixamorig:LeftArm"), (Joint::Spine, "mixamorig:Spine1")]);
+        check(
+            &names,
+            "Mixamo",
+            &[(Joint::LeftShoulder, "mixamorig:LeftArm"), (Joint::Spine, "mixamorig:Spine1")],
+        );
 
         let names = sided(
             &["J_Bip_C_Hips", "J_Bip_C_Spine", "J_Bip_C_Chest", "J_Bip_C_Neck", "J_Bip_C_Head"],
-            &["J_Bip_{}_Shoulder", "J_Bip_{}_UpperArm", "J_Bip_{}_LowerArm", "J_Bip_{}_Hand", "J_Bip_{}_UpperLeg", "J_Bip_{}_LowerLeg", "J_Bip_{}_Foot"],
+            &[
+                "J_Bip_{}_Shoulder",
+                "J_Bip_{}_UpperArm",
+                "J_Bip_{}_LowerArm",
+                "J_Bip_{}_Hand",
+                "J_Bip_{}_UpperLeg",
+                "J_Bip_{}_LowerLeg",
+                "J_Bip_{}_Foot",
+            ],
             ["L", "R"],
         );
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
-        check(&names, "words", &[(Joint::RightShoulder, "J_Bip_R_UpperArm"), (Joint::LeftKnee, "J_Bip_L_LowerLeg")]);
+        check(
+            &names,
+            "words",
+            &[(Joint::RightShoulder, "J_Bip_R_UpperArm"), (Joint::LeftKnee, "J_Bip_L_LowerLeg")],
+        );
 
         let names = sided(
             &["Bip01", "Bip01 Pelvis", "Bip01 Spine", "Bip01 Spine1", "Bip01 Neck", "Bip01 Head"],
-            &["Bip01 {} Clavicle", "Bip01 {} UpperArm", "Bip01 {} Forearm", "Bip01 {} Hand", "Bip01 {} Thigh", "Bip01 {} Calf", "Bip01 {} Foot"],
+            &[
+                "Bip01 {} Clavicle",
+                "Bip01 {} UpperArm",
+                "Bip01 {} Forearm",
+                "Bip01 {} Hand",
+                "Bip01 {} Thigh",
+                "Bip01 {} Calf",
+                "Bip01 {} Foot",
+            ],
             ["L", "R"],
         );
         let names: Vec<&str> = names.iter().map(String::as_str).collect();

@@ -21,7 +21,10 @@ pub(super) fn apply(path: &Path, takes: &mut [Recording]) {
         for name in INDEX_FILES {
             let index = folder.join(name);
             let small = std::fs::metadata(&index).is_ok_and(|m| m.is_file() && m.len() <= MAX_INDEX_BYTES);
-            if small && index != path && let Ok(text) = super::read(&index) {
+            if small
+                && index != path
+                && let Ok(text) = super::read(&index)
+            {
                 apply_index(&text, name, takes);
             }
         }

@@ -73,7 +73,10 @@ fn infer_unit(size: f32) -> (f32, String) {
         }
         _ => {
             let metres = BODY_LENGTH / size;
-            (metres, format!("unit: unknown; scaled by {metres:.4} to an adult's body length of {BODY_LENGTH} m"))
+            (
+                metres,
+                format!("unit: unknown; scaled by {metres:.4} to an adult's body length of {BODY_LENGTH} m"),
+            )
         }
     }
 }
@@ -102,7 +105,8 @@ fn turn_up(take: &mut Recording) {
     let mean_feet = |pose: &Pose| (pose[Joint::LeftFoot as usize] + pose[Joint::RightFoot as usize]) / 2.0;
     let upright: Vec3 = take.poses.iter().map(|pose| pose[Joint::Head as usize] - mean_feet(pose)).sum();
     let axis = upright.normalize_or_zero();
-    let turn: Option<(fn(Vec3) -> Vec3, &str)> = match axis.abs().max_position() {
+    type Turn = fn(Vec3) -> Vec3;
+    let turn: Option<(Turn, &str)> = match axis.abs().max_position() {
         1 if axis.y >= 0.0 => None,
         1 => Some((|p| Vec3::new(p.x, -p.y, -p.z), "-y")),
         2 if axis.z >= 0.0 => Some((|p| Vec3::new(p.x, p.z, -p.y), "+z")),
@@ -157,7 +161,8 @@ pub(super) fn check_sides(take: &mut Recording) {
                 .to_owned(),
         );
     } else if bend < least {
-        take.report.push("sides: the knees are too straight to check left and right; taken as named".to_owned());
+        take.report
+            .push("sides: the knees are too straight to check left and right; taken as named".to_owned());
     } else {
         take.report.push("sides: left is left (checked by the bend of the knees)".to_owned());
     }

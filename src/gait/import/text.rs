@@ -41,17 +41,12 @@ pub(super) fn number(path: &str, line: usize, token: &str, what: &str) -> Result
 }
 
 /// A count no larger than `limit`.
-pub(super) fn count(
-    path: &str,
-    line: usize,
-    token: &str,
-    what: &str,
-    limit: usize,
-) -> Result<usize, Error> {
+pub(super) fn count(path: &str, line: usize, token: &str, what: &str, limit: usize) -> Result<usize, Error> {
     match token.parse::<u64>().ok().and_then(|n| usize::try_from(n).ok()) {
         Some(n) if n <= limit => Ok(n),
         _ => {
-            let message = format!("{what} is {}; a whole number from 0 to {limit} was expected", shown(token));
+            let message =
+                format!("{what} is {}; a whole number from 0 to {limit} was expected", shown(token));
             Err(syntax(path, line, message))
         }
     }

@@ -70,7 +70,8 @@ pub(super) fn peaks(signal: &[f32], separation: f32, prominence: f32) -> Vec<usi
     let mut kept = std::collections::BTreeSet::new();
     for peak in by_height {
         let below = kept.range(..peak).next_back().is_none_or(|&other| (peak - other) as f32 >= separation);
-        let above = kept.range(peak..).next().is_none_or(|&other: &usize| (other - peak) as f32 >= separation);
+        let above =
+            kept.range(peak..).next().is_none_or(|&other: &usize| (other - peak) as f32 >= separation);
         if below && above {
             kept.insert(peak);
         }
@@ -84,7 +85,10 @@ fn prominence_at(signal: &[f32], peak: usize) -> f32 {
     const REACH: usize = 4096;
     let height = signal[peak];
     let fall = |values: &mut dyn Iterator<Item = &f32>| {
-        values.take(REACH).take_while(|&&value| value <= height).fold(0.0_f32, |fall, value| fall.max(height - value))
+        values
+            .take(REACH)
+            .take_while(|&&value| value <= height)
+            .fold(0.0_f32, |fall, value| fall.max(height - value))
     };
     fall(&mut signal[..peak].iter().rev()).min(fall(&mut signal[peak + 1..].iter()))
 }

@@ -31,11 +31,14 @@ const WEIGHT_SHIFT: f32 = 0.01;
 /// Difference in speed over which one foot takes over from the other as the planted one, m/s.
 const SPEED_SHIFT: f32 = 0.1;
 
+/// A body that travels less than this share of what its planted feet slide is on the spot.
+const ON_THE_SPOT_SHARE: f32 = 0.25;
+
 pub(super) const FEET: [Joint; 2] = [Joint::LeftFoot, Joint::RightFoot];
 
 /// Direction in which the body faces at each frame, unit, on the ground: across hips and shoulders, smoothed.
 pub(super) fn facing(poses: &[Pose], rate: f32) -> Vec<Vec3> {
-    let raw: Vec<Vec3> = poses.iter().map(|pose| facing_now(pose)).collect();
+    let raw: Vec<Vec3> = poses.iter().map(facing_now).collect();
     let axis = |axis: usize| {
         let signal: Vec<f32> = raw.iter().map(|f| f[axis]).collect();
         low_pass(&signal, rate, FACING_CUTOFF_HZ)
@@ -87,8 +90,9 @@ fn logistic(x: f32) -> f32 {
     1.0 / (1.0 + (-x).clamp(-30.0, 30.0).exp())
 }
 
-/// Whether the walker stays on the spot: the planted feet slide further than a third of what the body would travel
-/// if they stood still. True of treadmills and of data centred on the root.
+/// Whether the walker stays on the spot: the body travels less than a quarter of the way that its planted feet slide
+/// backwards. True of treadmills and of data centred on the root; not of walking backwards, where the body
+/// travels at least half as far as its feet.
 pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
     let facing = facing(poses, rate);
     let drift = planted_drift(poses, rate, &facing);
@@ -98,14 +102,15 @@ pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
     };
     let slid = -along(&|i| drift[i]);
     let travelled = along(&|i| poses[i][Joint::Root as usize]);
-    slid > 0.05 && travelled < 0.5 * slid
+    slid > 0.05 && travelled.abs() < ON_THE_SPOT_SHARE * slid
 }
 
 /// Gives a walker on the spot its travel: moves all joints so that the foot under weight stands still; where the
 /// root's height is pinned as well, so that it also stays level.
 pub(super) fn restore_travel(poses: &mut [Pose], rate: f32) {
     let root_height: Vec<f32> = poses.iter().map(|pose| pose[Joint::Root as usize].y).collect();
-    let range = root_height.iter().copied().fold(f32::MIN, f32::max) - root_height.iter().copied().fold(f32::MAX, f32::min);
+    let range = root_height.iter().copied().fold(f32::MIN, f32::max)
+        - root_height.iter().copied().fold(f32::MAX, f32::min);
     let mut lift = vec![0.0; poses.len()];
     if range < 1e-3 {
         let sole: Vec<f32> = poses
