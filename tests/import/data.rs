@@ -98,9 +98,12 @@ fn bandai_namco_and_100style_takes_give_straight_strides() {
 fn every_egait_cycle_becomes_one_labelled_gait() {
     let Some(folder) = data_set("egait") else { return };
     let mut classes: HashMap<Option<Emotion>, Vec<Gait>> = HashMap::new();
+    let mut sides: HashMap<(&str, bool), usize> = HashMap::new();
     for set in ["bml", "cmu", "ewalk", "ict", "sig"] {
         for take in import_file(&folder.join(format!("{set}.csv"))).unwrap() {
             assert!(take.cyclic);
+            let swapped = take.report.iter().any(|line| line.contains("joints swapped"));
+            *sides.entry((set, swapped)).or_insert(0) += 1;
             let gaits = stride::extract(&take).unwrap();
             assert_eq!(gaits.len(), 1, "{}", take.name);
             assert!((0.3..2.5).contains(&gaits[0].speed), "{}: {}", take.name, gaits[0].speed);
@@ -108,6 +111,17 @@ fn every_egait_cycle_becomes_one_labelled_gait() {
             classes.entry(take.label).or_default().extend(gaits);
         }
     }
+    // the order of the sides differs between E-Gait's sources, and within two of them.
+    let expected = [
+        (("bml", true), 84),
+        (("cmu", false), 34),
+        (("ewalk", false), 16),
+        (("ewalk", true), 51),
+        (("ict", false), 17),
+        (("sig", false), 16),
+        (("sig", true), 14),
+    ];
+    assert_eq!(sides, expected.into());
     assert!(!classes.contains_key(&None));
     for emotion in Emotion::ALL {
         show(emotion.name(), &classes[&Some(emotion)]);

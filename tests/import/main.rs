@@ -173,6 +173,42 @@ fn one_pinned_cycle_from_anywhere_becomes_one_gait() {
 }
 
 #[test]
+fn egait_files_are_levelled_scaled_and_closed_whichever_way_they_face() {
+    let walker = Walker { cycle: 1.2, ..Walker::default() };
+    let unit = 1.32;
+    for heading in [0.0, std::f32::consts::PI] {
+        let truth = Walker { heading, ..walker }.take(1.19, 30.0);
+        let mut file = truth.clone();
+        for pose in &mut file.poses {
+            let root = pose[0];
+            pose.iter_mut().for_each(|p| *p = Quat::from_rotation_x(-12.1_f32.to_radians()) * (*p - root));
+        }
+        let read =
+            csv::parse_csv(&walker::csv(&[&file], 1.0 / unit), "gaits.csv", &Options::default()).unwrap();
+        assert!(read[0].cyclic && read[0].report.iter().any(|line| line.contains("levelled")));
+        let known = truth.poses.iter().map(|pose| pose.map(|p| p - pose[0]));
+        let off = read[0].poses.iter().flatten().zip(known.flatten()).map(|(p, q)| p.distance(q));
+        assert!(off.fold(0.0, f32::max) < 1e-4, "{:?}", read[0].report);
+        check_gait(&stride::best(&read[0]).unwrap());
+    }
+}
+
+#[test]
+fn what_does_not_repeat_is_spread_over_the_cycle() {
+    let mut take = Walker::default().take(5.0, 60.0);
+    for (i, pose) in take.poses.iter_mut().enumerate() {
+        // Arms that rise by 10 cm a second.
+        pose[Joint::LeftHand as usize].y += 0.1 * i as f32 / 60.0;
+    }
+    for found in stride::strides(&take).unwrap() {
+        let hand = |i: usize| found.gait.poses[i][Joint::LeftHand as usize].y;
+        let seam = (hand(0) - hand(found.gait.poses.len() - 1)).abs();
+        assert!(seam < 0.01, "{seam}");
+        assert!((found.mismatch - 0.11 / 4.0).abs() < 0.005, "{}", found.mismatch);
+    }
+}
+
+#[test]
 fn a_gentle_curve_is_followed_and_named_a_sharp_one_refused() {
     let curved = |degrees: f32| Walker { turn: degrees.to_radians(), ..Walker::default() }.take(5.0, 60.0);
     for degrees in [-15.0, 15.0] {
