@@ -1,12 +1,13 @@
 // Parameters of one picture; the Rust twin is kernels::layout::FrameUniforms. World frame, y up, metres.
 struct FrameUniforms {
-    planes: array<vec4<f32>, 12>, // inside is dot(plane.xyz, p) + plane.w >= 0; eye 0 has 0..6, eye 1 has 6..12
+    planes: array<vec4<f32>, 12>, // unit normals; inside is dot(plane.xyz, p) + plane.w >= 0; eye 0 has 0..6, eye 1 has 6..12
     user_eyes: vec4<f32>,         // xyz: midpoint of the user's eyes, which agents look at
     camera: vec4<f32>,            // xyz: where distances for the level of detail are measured from
     level_distance: vec4<f32>,    // x, y: nearer than this is level 0, 1; z: farther than this is not drawn, m
+    standing_clips: array<vec4<u32>, 4>, // [avatar] clip of the avatar standing still, four to a vector
     agent_count: u32,
     eye_count: u32,               // 1 or 2; an agent is drawn if either eye sees it
-    level_count: u32,             // levels of detail, at most 3
+    level_count: u32,             // levels of detail, 1 to 3
     bucket_count: u32,            // avatars * levels, at most 16
     visible_capacity: u32,        // agents that local_rotations and palettes have room for
     near_capacity: u32,           // agents that the skinned vertices have room for
@@ -15,5 +16,5 @@ struct FrameUniforms {
     frame_time: f32,              // seconds since the picture before
     agent_height: f32,            // bounding height for culling, m
     agent_radius: f32,            // bounding radius for culling, m
-    padding: f32,
+    clip_count: u32,              // clips in clip_frames; with none no agent is drawn
 }

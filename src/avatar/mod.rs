@@ -5,8 +5,13 @@
 //! rigid to its nearest driven ancestor, so its weights move there and the shape in the rest pose is unchanged.
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
 
+mod body;
+mod retarget;
+
 use crate::gait::{JOINT_COUNT, Joint};
+pub use body::{Sex, generated};
 use glam::{Mat4, Quat, Vec3};
+pub use retarget::{retarget, standing};
 
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
 pub const CLIP_FRAMES: usize = 64;

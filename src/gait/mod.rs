@@ -16,7 +16,7 @@ pub use skeleton::{JOINT_COUNT, Joint};
 pub type Pose = [Vec3; JOINT_COUNT];
 
 /// A take as it came from a file: world positions with the walker's travel, on our 16 joints.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Recording {
     /// Name, usually the file stem.
     pub name: String,
@@ -24,8 +24,25 @@ pub struct Recording {
     pub frame_rate: f32,
     /// Poses `[frame][joint]`, metres, y up, world frame of the file turned to y up.
     pub poses: Vec<Pose>,
+    /// Whether the poses are whole walk cycles, so that frame 0 follows the last frame.
+    pub cyclic: bool,
+    /// Where it came from: file name and format.
+    pub source: String,
+    /// Who walked, if an index beside the file says so.
+    pub subject: Option<String>,
+    /// The style the actor was asked for, if an index beside the file says so.
+    pub acted: Option<String>,
+    /// The perceived emotion, if an index beside the file says so.
+    pub label: Option<Emotion>,
     /// What the importer inferred (unit, up axis, rate, joint map) and had to repair, one line each.
     pub report: Vec<String>,
+}
+
+impl Recording {
+    /// A take of `poses` at `frame_rate` (Hz) that is not cyclic and of which nothing else is known.
+    pub fn new(name: impl Into<String>, frame_rate: f32, poses: Vec<Pose>) -> Self {
+        Self { name: name.into(), frame_rate, poses, ..Self::default() }
+    }
 }
 
 /// One walk cycle.

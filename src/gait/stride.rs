@@ -1,1 +1,356 @@
-//! (to be written)
+//! Recordings in, gaits out: foot strikes, one stride, phase, speed (S-10, S-19; paper section 3).
+//!
+//! A stride runs from one strike of the left foot to the next. It is turned so that the walker goes towards +z, its
+//! travel is taken out, what is left between its end and its start is spread over the cycle, and the lowest
+//! point of the foot joints is put at y = 0. v_des is the horizontal travel over the duration (A-11); walkers on the
+//! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
+//! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
+
+mod filter;
+mod walk;
+
+use super::{Error, Gait, JOINT_COUNT, Joint, Pose, Recording};
+use crate::ground::{ground_from_world, heading_from_ground};
+use filter::frames;
+use glam::{Quat, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// A stride that turns further than this is refused, degrees.
+pub const MAX_TURN_DEG: f32 = 20.0;
+/// A stride that turns further than this is called curved in [`Gait::source`], degrees.
+pub const CURVED_DEG: f32 = 10.0;
+/// Body and travel may point this far apart; beyond, it is walking sideways or backwards, degrees.
+const MAX_CRAB_DEG: f32 = 35.0;
+/// Duration of a stride, s.
+const STRIDE_S: std::ops::RangeInclusive<f32> = 0.5..=3.5;
+/// Speed of a stride, m/s.
+const SPEED: std::ops::RangeInclusive<f32> = 0.15..=8.0;
+/// The other foot strikes within this share of the stride.
+const OTHER_FOOT: std::ops::RangeInclusive<f32> = 0.25..=0.75;
+/// Gaits keep the recording's rate up to this, Hz.
+const MAX_RATE: f32 = 60.0;
+/// Times a cyclic recording is repeated to look for strikes; the strides of the second repetition are taken.
+const REPEATS: usize = 4;
+
+/// One stride of a recording, and how good it is.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stride {
+    /// The walk cycle.
+    pub gait: Gait,
+    /// Left foot strike that begins it, s from the recording's start.
+    pub begin: f32,
+    /// Duration, s.
+    pub duration: f32,
+    /// Turn to the walker's left over the stride, radians.
+    pub turn: f32,
+    /// Root mean square distance over the joints between end and start once travel and turn are out, m.
+    pub mismatch: f32,
+}
+
+/// All strides of a recording as gaits, in the order of time; named `NAME` if there is one, else `NAME#1`, ...
+///
+/// # Errors
+/// [`Error::Unusable`] when there is no usable stride, with what was found.
+pub fn extract(recording: &Recording) -> Result<Vec<Gait>, Error> {
+    Ok(strides(recording)?.into_iter().map(|stride| stride.gait).collect())
+}
+
+/// The most periodic straight stride of a recording, as a gait under the recording's own name.
+///
+/// # Errors
+/// [`Error::Unusable`] when there is no usable stride, with what was found.
+pub fn best(recording: &Recording) -> Result<Gait, Error> {
+    let strides = strides(recording)?;
+    let median = |value: fn(&Stride) -> f32| {
+        let mut values: Vec<f32> = strides.iter().map(value).collect();
+        values.sort_by(f32::total_cmp);
+        values[values.len() / 2]
+    };
+    let (duration, speed) = (median(|s| s.duration), median(|s| s.gait.speed));
+    // Each term is 1 where a stride becomes doubtful: 10 cm apart, a curve, a fifth off the take's usual.
+    let fault = |s: &Stride| {
+        s.mismatch / 0.1
+            + s.turn.abs() / CURVED_DEG.to_radians()
+            + (s.duration / duration - 1.0).abs() / 0.2
+            + (s.gait.speed / speed - 1.0).abs() / 0.2
+    };
+    let best = strides.iter().min_by(|a, b| fault(a).total_cmp(&fault(b)));
+    let gait = best.map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
+    gait.ok_or_else(|| unusable(recording, "no strides"))
+}
+
+/// All strides of a recording with their quality, in the order of time.
+///
+/// # Errors
+/// [`Error::Unusable`] when there is no usable stride, with what was found.
+pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
+    let rate = recording.frame_rate;
+    if !(1.0..=2000.0).contains(&rate) {
+        return Err(unusable(recording, format!("frame rate is {rate} Hz; it must be from 1 to 2000 Hz")));
+    }
+    if recording.poses.iter().flatten().any(|point| !point.is_finite()) {
+        return Err(unusable(recording, "positions are not finite"));
+    }
+    let count = recording.poses.len();
+    let least = if recording.cyclic { 8 } else { 12 };
+    if count < least {
+        return Err(unusable(recording, format!("{count} frames; at least {least} are needed")));
+    }
+    let take = prepare(recording);
+    let strikes = walk::strikes(&take.poses, rate);
+    let mut found = Vec::new();
+    let mut refused: Vec<String> = Vec::new();
+    for pair in strikes.of_foot[0].windows(2) {
+        // Of a repeated cycle, the strides that begin in the second repetition.
+        let begin_in = count as f32..2.0 * count as f32;
+        if recording.cyclic && !begin_in.contains(&pair[0]) {
+            continue;
+        }
+        let between = |t: &&f32| OTHER_FOOT.contains(&((**t - pair[0]) / (pair[1] - pair[0])));
+        let seconds = (pair[1] - pair[0]) / rate;
+        let others = strikes.of_foot[1].iter().filter(|t| (pair[0]..pair[1]).contains(*t)).count();
+        let well_placed = strikes.of_foot[1].iter().filter(between).count();
+        if !STRIDE_S.contains(&seconds) {
+            refused.push(format!("{seconds:.2} s long"));
+        } else if others != 1 || well_placed != 1 {
+            refused.push(format!("{others} strikes of the right foot between"));
+        } else {
+            match take.stride(recording, pair[0], pair[1]) {
+                Ok(stride) => found.push(stride),
+                Err(reason) => refused.push(reason),
+            }
+        }
+    }
+    if found.is_empty() && recording.cyclic {
+        found.extend(
+            take.whole_cycle(recording, &strikes)
+                .map_err(|reason| unusable(recording, format!("the cycle cannot be used: {reason}")))?,
+        );
+    }
+    if found.is_empty() {
+        return Err(unusable(recording, none_found(&strikes, &refused)));
+    }
+    name_strides(recording, &mut found, &strikes, take.on_the_spot);
+    Ok(found)
+}
+
+fn none_found(strikes: &walk::Strikes, refused: &[String]) -> String {
+    let [left, right] = strikes.of_foot.each_ref().map(Vec::len);
+    let mut message = format!(
+        "no straight stride: {left} strikes of the left foot, {right} of the right; one stride needs 2 of the left \
+         with 1 of the right between"
+    );
+    if !refused.is_empty() {
+        message += &format!("; {} strides refused, the first: {}", refused.len(), refused[0]);
+    }
+    message
+}
+
+fn name_strides(recording: &Recording, found: &mut [Stride], strikes: &walk::Strikes, on_the_spot: bool) {
+    let many = found.len() > 1;
+    for (index, stride) in found.iter_mut().enumerate() {
+        let source = &mut stride.gait.source;
+        *source = if recording.source.is_empty() { recording.name.clone() } else { recording.source.clone() };
+        *source += &format!(", {:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration);
+        let turn = stride.turn.to_degrees();
+        if turn.abs() > CURVED_DEG {
+            *source += &format!(", curved by {turn:.0} degrees");
+        }
+        if on_the_spot {
+            *source += ", on the spot: speed of the planted foot";
+        }
+        if strikes.by_height.contains(&true) {
+            *source += ", strikes by lowest foot";
+        }
+        if many {
+            stride.gait.name = format!("{}#{}", recording.name, index + 1);
+        }
+    }
+}
+
+/// A recording made ready: repeated if cyclic, with travel.
+struct Take {
+    poses: Vec<Pose>,
+    rate: f32,
+    on_the_spot: bool,
+    /// Frames of one cycle, and the mismatch that closing it took away; only if the recording is cyclic.
+    cycle: Option<(usize, f32)>,
+}
+
+fn prepare(recording: &Recording) -> Take {
+    let mut poses = recording.poses.clone();
+    let mut cycle = None;
+    if recording.cyclic {
+        // The step from the last frame to the first is not known; the mean of its neighbours is the best guess.
+        let last = poses.len() - 1;
+        let mut end = poses[0];
+        for (joint, point) in end.iter_mut().enumerate() {
+            let step =
+                (poses[1][joint] - poses[0][joint] + poses[last][joint] - poses[last - 1][joint]) / 2.0;
+            *point = poses[last][joint] + step;
+        }
+        let gap = closing_gap(&poses[0], &end);
+        spread(&mut poses, &gap);
+        cycle = Some((poses.len(), rms(&gap)));
+        poses = std::iter::repeat_n(&poses, REPEATS).flatten().copied().collect();
+    }
+    let on_the_spot = walk::is_on_the_spot(&poses, recording.frame_rate);
+    if on_the_spot {
+        walk::restore_travel(&mut poses, recording.frame_rate);
+    }
+    Take { poses, rate: recording.frame_rate, on_the_spot, cycle }
+}
+
+/// From the start of a cycle to its end, per joint.
+fn closing_gap(start: &Pose, end: &Pose) -> Pose {
+    std::array::from_fn(|joint| end[joint] - start[joint])
+}
+
+/// Spreads the gap evenly over the cycle, leaving its middle where it is.
+fn spread(poses: &mut [Pose], gap: &Pose) {
+    let count = poses.len() as f32;
+    for (index, pose) in poses.iter_mut().enumerate() {
+        let share = index as f32 / count - 0.5;
+        for (point, gap) in pose.iter_mut().zip(gap) {
+            *point -= *gap * share;
+        }
+    }
+}
+
+fn rms(gap: &Pose) -> f32 {
+    (gap.iter().map(|d| d.length_squared()).sum::<f32>() / JOINT_COUNT as f32).sqrt()
+}
+
+impl Take {
+    /// The pose at a fractional frame, by Catmull-Rom splines through the frames.
+    fn at(&self, frame: f32) -> Pose {
+        let last = self.poses.len() - 1;
+        let i = frames(frame).min(last);
+        let t = (frame - i as f32).clamp(0.0, 1.0);
+        let [a, b, c, d] =
+            [i.saturating_sub(1), i, (i + 1).min(last), (i + 2).min(last)].map(|i| &self.poses[i]);
+        std::array::from_fn(|j| {
+            let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
+            b + (c - a + (a * 2.0 - b * 5.0 + c * 4.0 - d + (b * 3.0 - c * 3.0 + d - a) * t) * t) * (t * 0.5)
+        })
+    }
+
+    /// Mean direction of the body over some frames, as a heading.
+    fn heading(&self, from: f32, to: f32) -> f32 {
+        let (from, to) = (frames(from), frames(to).max(frames(from)) + 1);
+        let end = to.min(self.poses.len());
+        let sum: Vec3 = self.poses[from.min(end)..end].iter().map(walk::facing_now).sum();
+        heading_from_ground(ground_from_world(sum))
+    }
+
+    /// Turn of the body from one frame to a later one of the same phase, radians to the left.
+    fn turn(&self, from: f32, to: f32) -> f32 {
+        // Averaged over a few frames at either end, as far as there are any.
+        let span = (0.05 * self.rate).min(from).min((self.poses.len() - 1) as f32 - to).max(0.0);
+        wrap(self.heading(to - span, to + span) - self.heading(from - span, from + span))
+    }
+
+    /// One stride as a gait; the reason if it cannot be used.
+    fn stride(&self, recording: &Recording, from: f32, to: f32) -> Result<Stride, String> {
+        let duration = (to - from) / self.rate;
+        let (start, end) = (self.at(from), self.at(to));
+        let chord = (end[Joint::Root as usize] - start[Joint::Root as usize]).with_y(0.0);
+        let chord_heading = heading_from_ground(ground_from_world(chord));
+        let turn = if self.cycle.is_some() { 0.0 } else { self.turn(from, to) };
+        if turn.abs() > MAX_TURN_DEG.to_radians() {
+            return Err(format!("turns by {:.0} degrees; up to {MAX_TURN_DEG} are used", turn.to_degrees()));
+        }
+        // The arc over a chord of the same turn; a straight line where there is no turn.
+        let half = turn / 2.0;
+        let travel = chord.length() * if half.abs() > 1e-4 { half / half.sin() } else { 1.0 };
+        let speed = travel / duration;
+        if !SPEED.contains(&speed) {
+            return Err(format!("{speed:.2} m/s; {} to {} are used", SPEED.start(), SPEED.end()));
+        }
+        let crab = wrap(self.heading(from, to) - chord_heading);
+        if crab.abs() > MAX_CRAB_DEG.to_radians() {
+            return Err(format!("walks {:.0} degrees off the way it faces", crab.to_degrees()));
+        }
+
+        let count = frames((duration * self.rate.min(MAX_RATE)).round()).max(8);
+        let on_the_spot = |pose: Pose, phase: f32| {
+            let heading = chord_heading + turn * (phase - 0.5);
+            let centre =
+                start[Joint::Root as usize].with_y(0.0) + along_arc(chord_heading, turn, travel, phase);
+            pose.map(|point| Quat::from_rotation_y(-heading) * (point - centre))
+        };
+        let mut poses: Vec<Pose> = (0..count)
+            .map(|i| {
+                let phase = i as f32 / count as f32;
+                on_the_spot(self.at(from + phase * (to - from)), phase)
+            })
+            .collect();
+        let gap = closing_gap(&on_the_spot(start, 0.0), &on_the_spot(end, 1.0));
+        spread(&mut poses, &gap);
+        stand_at_origin(&mut poses);
+        let begin = match self.cycle {
+            Some((frames, _)) => (from % frames as f32) / self.rate,
+            None => from / self.rate,
+        };
+        let gait = Gait {
+            name: recording.name.clone(),
+            frame_rate: count as f32 / duration,
+            poses,
+            speed,
+            source: String::new(),
+            subject: recording.subject.clone(),
+            acted: recording.acted.clone(),
+            ratings: None,
+            label: recording.label,
+        };
+        let mismatch = self.cycle.map_or_else(|| rms(&gap), |(_, mismatch)| mismatch);
+        Ok(Stride { gait, begin, duration, turn, mismatch })
+    }
+
+    /// The whole cycle of a cyclic recording, from the left foot's strike (or, without any, from where the left
+    /// foot is lowest in front).
+    fn whole_cycle(&self, recording: &Recording, strikes: &walk::Strikes) -> Result<Option<Stride>, String> {
+        let Some((count, _)) = self.cycle else { return Ok(None) };
+        let second = count as f32..2.0 * count as f32;
+        let begin = strikes.of_foot[0].iter().copied().find(|t| second.contains(t)).unwrap_or_else(|| {
+            let heading = walk::facing(&self.poses, self.rate);
+            let reach = |i: usize| {
+                let pose = &self.poses[i];
+                (pose[Joint::LeftFoot as usize] - pose[Joint::Root as usize]).dot(heading[i])
+            };
+            let furthest = (count..2 * count).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
+            furthest.unwrap_or(count) as f32
+        });
+        self.stride(recording, begin, begin + count as f32).map(Some)
+    }
+}
+
+/// Where the walker is at a phase of a stride of `travel` metres whose heading turns evenly by `turn` about the
+/// heading of its chord; from its start, m, on the ground.
+fn along_arc(chord_heading: f32, turn: f32, travel: f32, phase: f32) -> Vec3 {
+    if turn.abs() < 1e-4 {
+        return Vec3::new(chord_heading.sin(), 0.0, chord_heading.cos()) * (travel * phase);
+    }
+    let (from, to) = (chord_heading - turn / 2.0, chord_heading + turn * (phase - 0.5));
+    Vec3::new(from.cos() - to.cos(), 0.0, to.sin() - from.sin()) * (travel / turn)
+}
+
+/// Puts the root's mean above the origin and the lowest point of the foot joints at y = 0.
+fn stand_at_origin(poses: &mut [Pose]) {
+    let root: Vec3 = poses.iter().map(|pose| pose[Joint::Root as usize]).sum::<Vec3>() / poses.len() as f32;
+    let feet = poses.iter().flat_map(|pose| walk::FEET.map(|foot| pose[foot as usize].y));
+    let ground = feet.fold(f32::MAX, f32::min);
+    for point in poses.iter_mut().flatten() {
+        *point -= Vec3::new(root.x, ground, root.z);
+    }
+}
+
+/// An angle in (-pi, pi].
+fn wrap(angle: f32) -> f32 {
+    let turned = angle.rem_euclid(TAU);
+    if turned > PI { turned - TAU } else { turned }
+}
+
+fn unusable(recording: &Recording, message: impl Into<String>) -> Error {
+    Error::Unusable { name: recording.name.clone(), message: message.into() }
+}

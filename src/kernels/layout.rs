@@ -52,6 +52,7 @@ pub struct FrameUniforms {
     pub user_eyes: [f32; 4],
     pub camera: [f32; 4],
     pub level_distance: [f32; 4],
+    pub standing_clips: [[u32; 4]; 4],
     pub agent_count: u32,
     pub eye_count: u32,
     pub level_count: u32,
@@ -63,5 +64,27 @@ pub struct FrameUniforms {
     pub frame_time: f32,
     pub agent_height: f32,
     pub agent_radius: f32,
-    pub padding: f32,
+    pub clip_count: u32,
+}
+
+/// Parameters of one picture for the draw shaders; units and meaning stand in `shaders/shared/view.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct ViewUniforms {
+    pub clip_from_world: [[[f32; 4]; 4]; 2],
+    pub world_from_clip: [[[f32; 4]; 4]; 2],
+    pub eyes: [[f32; 4]; 2],
+    pub shadow_from_world: [[f32; 4]; 4],
+    pub sun_direction: [f32; 4],
+    pub sun_color: [f32; 4],
+    pub sky_zenith: [f32; 4],
+    pub sky_light: [f32; 4],
+    pub sky_horizon: [f32; 4],
+    pub ground_bounce: [f32; 4],
+    pub emotion_colors: [[f32; 4]; 4],
+    pub level_count: u32,
+    pub bucket_count: u32,
+    pub marker_radius: f32,
+    pub marker_width: f32,
 }

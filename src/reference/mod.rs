@@ -13,7 +13,10 @@
     reason = "a twin converts and compares exactly as its shader does"
 )]
 
+pub mod body;
 pub mod exact;
+pub mod orca;
+pub mod quaternion;
 pub mod shared;
 
 use crate::kernels::{KernelId, Store};

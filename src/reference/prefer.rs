@@ -11,7 +11,8 @@ pub fn prefer(b: Slices<'_>) {
     let routes = b.route[..agents].par_iter_mut();
     routes.zip(&mut b.preferred_velocity[..agents]).enumerate().with_min_len(1024).for_each(
         |(agent, (route, preferred))| {
-            *preferred = wanted(b.step, agent as u32, b.position[agent], b.body[agent][2], b.waypoints, route);
+            *preferred =
+                wanted(b.step, agent as u32, b.position[agent], b.body[agent][2], b.waypoints, route);
         },
     );
 }

@@ -1,4 +1,67 @@
-//! placeholder
-#[allow(missing_docs)]
+//! Drawing: cameras, the crowd straight from the simulation's buffers, pictures in memory.
+//!
+//! [`Camera`] → [`View`] (matrices per eye) → [`Renderer::draw`] → [`Image`]. The crowd is drawn from the buffers that
+//! the kernels wrote ([`CrowdBuffers`]); nothing is read back but the picture. One sun with a shadow map, a sky, haze.
+//!
+//! Depth is reversed (1 near, 0 infinitely far), clip space is Vulkan's (y down), matrices are `clip_from_world`.
+
+mod atmosphere;
+pub mod camera;
+mod crowd;
+mod image;
+pub mod pack;
+mod pipelines;
+mod record;
+mod renderer;
+mod scene;
+mod shadow;
+mod target;
+
+pub use atmosphere::Atmosphere;
+pub use camera::{Camera, View};
+pub use crowd::CrowdBuffers;
+pub use image::Image;
+pub use renderer::{Markers, Renderer, Settings};
+pub use scene::Surface;
+
+/// Drawing failed.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {}
+#[non_exhaustive]
+pub enum Error {
+    /// Vulkan failed.
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::Error),
+    /// The picture's size cannot be drawn.
+    #[error("a picture of {width}x{height} pixels; this device draws 1 to {limit} pixels a side")]
+    Size {
+        /// Pixels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// The device's largest image.
+        limit: u32,
+    },
+    /// A mesh cannot be drawn.
+    #[error("environment mesh: {0}")]
+    Mesh(String),
+    /// A crowd buffer is shorter than its meshes ask for.
+    #[error("crowd buffer {name:?} has {bytes} bytes, but {wanted} are needed for {buckets} buckets")]
+    Short {
+        /// Buffer.
+        name: &'static str,
+        /// Its size.
+        bytes: u64,
+        /// What it should have.
+        wanted: u64,
+        /// Avatars times levels of detail.
+        buckets: u32,
+    },
+    /// A shader asks for something that is not there; a fault of this program.
+    #[error("shader {shader:?} needs {binding:?}, which is not there")]
+    NoBuffer {
+        /// Draw shader.
+        shader: &'static str,
+        /// Binding or entry point.
+        binding: &'static str,
+    },
+}

@@ -1,5 +1,39 @@
-//! placeholder
+//! Who walks where, how, and how they feel: scenario files, the paper's four scenes, their geometry and scenery,
+//! and the start of every agent.
+//!
+//! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
+//! says where everything is; [`populate`] fills it with agents as a [`crowd::Crowd`]; and
+//! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
+
+mod clearance;
+mod crossing;
 pub mod crowd;
-#[allow(missing_docs)]
-#[derive(Debug, thiserror::Error)]
-pub enum Error {}
+mod environment;
+mod error;
+mod garden;
+mod lanes;
+mod layout;
+mod load;
+mod mesh;
+mod parking;
+pub mod polygon;
+mod populate;
+mod props;
+pub mod random;
+mod schema;
+mod scifi;
+mod validate;
+
+pub use clearance::Clearance;
+pub use crowd::{AgentStart, Crowd, Waypoint};
+pub use environment::{Environment, Ground, MAX_TRIANGLES, Prop, PropKind};
+pub use error::{BadValue, Error};
+pub use lanes::ROUTE_CLEARANCE;
+pub use layout::Geometry;
+pub use mesh::EnvironmentMesh;
+pub use populate::populate;
+pub use schema::{
+    Condition, EmotionMode, GaitChoice, Gaze, GazeMode, Layout, Model, Navigation, Obstacle, Point,
+    Population, Route, RouteMode, Scenario, Shares, Spawn, User,
+};
+pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_NEIGHBOURS};

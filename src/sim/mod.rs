@@ -1,4 +1,286 @@
-//! placeholder
-#[allow(missing_docs)]
+//! The simulation: one step after another, on the CPU or on Vulkan, and the animation of what a camera sees.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::cast_possible_wrap,
+    reason = "counts and cells are far below 2^24; the grid's limits are checked when it is laid out"
+)]
+
+mod cast;
+pub mod measure;
+pub mod obstacles;
+pub mod order;
+pub mod setup;
+
+pub use cast::{Cast, MAX_AVATARS};
+
+use crate::kernels::{BufferId, KernelId, Pass, Store};
+use crate::reference;
+use crate::scenario::{Crowd, Scenario};
+use glam::Vec2;
+
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Engine, Validation, plan::Op};
+
+/// Steps that go into one submission: long enough to hide its cost, short enough for any watchdog.
+#[cfg(feature = "vulkan")]
+const BATCH: u32 = 16;
+
+/// What carries a crowd from one step to the next; all of it is in the state hash.
+const STATE: [BufferId; 6] = [
+    BufferId::Position,
+    BufferId::Velocity,
+    BufferId::Stance,
+    BufferId::Phase,
+    BufferId::Route,
+    BufferId::Failure,
+];
+
+/// Where to simulate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// The best Vulkan device; without one, the CPU.
+    #[default]
+    Auto,
+    /// A Vulkan device or an error.
+    Vulkan,
+    /// The CPU: the reference kernels, on all cores.
+    Cpu,
+}
+
+/// A crowd in motion.
+#[derive(Debug)]
+pub struct Simulation {
+    store: Store,
+    /// Whether `store` holds the present state (the device may be ahead).
+    is_current: bool,
+    #[cfg(feature = "vulkan")]
+    engine: Option<Engine>,
+    /// Why the CPU is used although Vulkan was tried.
+    fallback: Option<String>,
+}
+
+impl Simulation {
+    /// A simulation of a scenario's crowd.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn new(
+        scenario: &Scenario,
+        crowd: &Crowd,
+        cast: &Cast,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        Self::from_store(setup::store(scenario, &scenario.geometry(), crowd, cast), backend, device)
+    }
+
+    /// A simulation of buffers filled by hand (see [`setup`]); buffers that only pictures need may be empty.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
+    pub fn from_store(store: Store, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        if backend != Backend::Cpu {
+            let kernels: Vec<KernelId> =
+                KernelId::ALL.into_iter().filter(|kernel| *kernel != KernelId::Numerics).collect();
+            let opened = Device::open(device, Validation::from_environment())
+                .and_then(|device| Engine::new(&device, &store, &kernels));
+            return match opened {
+                Ok(engine) => Ok(Self { store, is_current: true, engine: Some(engine), fallback: None }),
+                Err(error) if backend == Backend::Auto => {
+                    Ok(Self { store, is_current: true, engine: None, fallback: Some(error.to_string()) })
+                }
+                Err(error) => Err(error.into()),
+            };
+        }
+        #[cfg(not(feature = "vulkan"))]
+        if backend == Backend::Vulkan {
+            return Err(Error::NoVulkan.into());
+        }
+        Ok(Self {
+            store,
+            is_current: true,
+            #[cfg(feature = "vulkan")]
+            engine: None,
+            fallback: None,
+        })
+    }
+
+    /// What it runs on, in words.
+    pub fn device(&self) -> String {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &self.engine {
+            return engine.device().describe();
+        }
+        let threads = rayon::current_num_threads();
+        format!("CPU reference ({threads} thread{})", if threads == 1 { "" } else { "s" })
+    }
+
+    /// Why the CPU is used although Vulkan was tried, if so.
+    pub fn fallback(&self) -> Option<&str> {
+        self.fallback.as_deref()
+    }
+
+    /// The engine, if it runs on Vulkan: the renderer draws from its buffers.
+    #[cfg(feature = "vulkan")]
+    pub fn engine(&self) -> Option<&Engine> {
+        self.engine.as_ref()
+    }
+
+    /// Steps done since the start.
+    pub fn steps_done(&self) -> u32 {
+        self.store.step.step_index
+    }
+
+    /// Seconds simulated since the start.
+    pub fn time(&self) -> f64 {
+        f64::from(self.steps_done()) * f64::from(self.store.step.time_step)
+    }
+
+    /// Moves the user: ground position (m) and velocity (m/s).
+    pub fn set_user(&mut self, position: Vec2, velocity: Vec2) {
+        self.store.step.user_position = position.to_array();
+        self.store.step.user_velocity = velocity.to_array();
+    }
+
+    /// Does `count` steps.
+    ///
+    /// # Errors
+    /// When the device fails, or a kernel met values that are not finite ([`Error::Failure`] names the first agent).
+    pub fn step(&mut self, count: u32) -> Result<(), crate::Error> {
+        if self.store.step.agent_count == 0 {
+            self.store.step.step_index += count;
+            return Ok(());
+        }
+        let passes = order::step_passes(&self.store.step);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            let mut left = count;
+            while left > 0 {
+                let batch = left.min(BATCH);
+                let one =
+                    std::iter::once(Op::Set(BufferId::Step)).chain(passes.iter().copied().map(Op::Pass));
+                let one: Vec<Op> = one.collect();
+                let ops = one.repeat(batch as usize);
+                let first = self.store.step;
+                let contents = |index: usize, _| {
+                    let mut step = first;
+                    step.step_index += (index / one.len()) as u32;
+                    bytemuck::bytes_of(&step).to_vec()
+                };
+                engine.run(&ops, contents, false)?;
+                self.store.step.step_index += batch;
+                left -= batch;
+            }
+            self.is_current = false;
+            return self.check_on_device();
+        }
+        for _ in 0..count {
+            run_on_cpu(&mut self.store, &passes);
+            self.store.step.step_index += 1;
+        }
+        self.check()
+    }
+
+    #[cfg(feature = "vulkan")]
+    fn check_on_device(&mut self) -> Result<(), crate::Error> {
+        if let Some(engine) = &mut self.engine {
+            engine.download(&mut self.store, &[BufferId::Failure])?;
+        }
+        self.check()
+    }
+
+    /// Reads the sticky failure words.
+    fn check(&self) -> Result<(), crate::Error> {
+        for kernel in KernelId::ALL {
+            let agent = self.store.failure[kernel as usize];
+            if agent != u32::MAX {
+                return Err(Error::Failure { kernel: kernel.kernel().name, agent }.into());
+            }
+        }
+        Ok(())
+    }
+
+    /// The present state; on Vulkan it is read back first if the device is ahead.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn state(&mut self) -> Result<&Store, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = self.engine.as_mut().filter(|_| !self.is_current) {
+            engine.download(&mut self.store, &STATE)?;
+        }
+        self.is_current = true;
+        Ok(&self.store)
+    }
+
+    /// Prepares the bodies of everyone a camera sees for drawing (`cull` to `skin`). The store's `frame` says for whom.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn animate(&mut self, frame: crate::kernels::layout::FrameUniforms) -> Result<(), crate::Error> {
+        self.store.frame = frame;
+        let passes = order::frame_passes(&frame);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            let ops: Vec<Op> = std::iter::once(Op::Set(BufferId::Frame))
+                .chain(passes.iter().copied().map(Op::Pass))
+                .collect();
+            engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), false)?;
+            return self.check_on_device();
+        }
+        run_on_cpu(&mut self.store, &passes);
+        self.check()
+    }
+
+    /// Reads buffers back that a picture made (palettes, skinned vertices, ...).
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn read(&mut self, buffers: &[BufferId]) -> Result<&Store, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            engine.download(&mut self.store, buffers)?;
+        }
+        let _ = buffers;
+        Ok(&self.store)
+    }
+}
+
+/// Runs passes on the reference kernels.
+fn run_on_cpu(store: &mut Store, passes: &[Pass]) {
+    for pass in passes {
+        reference::run(pass.kernel, store, pass.level);
+    }
+}
+
+/// The simulation refused its input or failed.
 #[derive(Debug, thiserror::Error)]
-pub enum Error {}
+#[non_exhaustive]
+pub enum Error {
+    /// The number of avatars is out of range.
+    #[error("{found} avatars; a crowd needs 1 to {most}")]
+    Avatars {
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// There is no gait to walk with.
+    #[error("the gait library is empty; a crowd needs at least one gait")]
+    NoGaits,
+    /// A kernel met a value that is not finite, or ran out of room.
+    #[error("kernel {kernel} failed first for agent {agent}: a value that is not finite, or a full buffer")]
+    Failure {
+        /// The kernel.
+        kernel: &'static str,
+        /// The first agent.
+        agent: u32,
+    },
+    /// The program was built without Vulkan.
+    #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]
+    NoVulkan,
+}

@@ -2,7 +2,7 @@
 
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Error};
-use crate::kernels::{Access, BufferId, KernelId, Pass, Store};
+use crate::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
 use crate::reference;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -42,9 +42,10 @@ fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
     set.into_iter().collect()
 }
 
-/// Runs `passes` on the device and on the CPU, both from `store`, and compares after every pass what it wrote.
+/// Runs `passes` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
 ///
-/// Each pass starts from the CPU's state, so a difference is charged to the kernel that made it.
+/// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive passes
+/// of one kernel are compared after the last (between its levels `grid_scatter` has no defined order).
 ///
 /// # Errors
 /// When the device fails.
@@ -56,19 +57,25 @@ pub fn compare_passes(
     let mut cpu = store.clone();
     let mut engine = Engine::new(device, store, &kernels_of(passes))?;
     let mut found: Vec<Comparison> = Vec::new();
-    for pass in passes {
+    for group in passes.chunk_by(|a, b| a.kernel == b.kernel) {
+        let Some(pass) = group.first() else { continue };
         let kernel = pass.kernel.kernel();
         let all: Vec<_> = kernel.bindings.iter().map(|b| b.buffer).collect();
         let writes: Vec<_> =
             kernel.bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer).collect();
         engine.upload(&cpu, &all)?;
-        if let crate::kernels::Extent::Indirect(buffer, _) = pass.extent {
-            engine.upload(&cpu, &[buffer])?;
+        for pass in group {
+            if let Extent::Indirect(buffer, _) = pass.extent {
+                engine.upload(&cpu, &[buffer])?;
+            }
         }
-        engine.run(&[Op::Pass(*pass)], |_, _| Vec::new(), false)?;
+        let ops: Vec<_> = group.iter().copied().map(Op::Pass).collect();
+        engine.run(&ops, |_, _| Vec::new(), false)?;
         let mut gpu = cpu.clone();
         engine.download(&mut gpu, &writes)?;
-        reference::run(pass.kernel, &mut cpu, pass.level);
+        for pass in group {
+            reference::run(pass.kernel, &mut cpu, pass.level);
+        }
         if !found.iter().any(|c| c.kernel == pass.kernel) {
             found.push(Comparison {
                 kernel: pass.kernel,

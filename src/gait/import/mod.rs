@@ -1,1 +1,105 @@
-//! placeholder
+//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, CSV of joint positions, E-Gait.
+//!
+//! Every importer yields the 16 joints of [`Joint`](super::Joint) in metres, right-handed, y up, and writes into
+//! [`Recording::report`] what it inferred or repaired. `parse_*` functions take text, so they can be tested
+//! without files; [`import_file`] chooses by extension. Design: section 4; paper: S-01, S-02.
+//!
+//! Nothing is allocated beyond a small multiple of the text that is really there, whatever counts it claims.
+
+pub mod asf_amc;
+pub mod bvh;
+pub mod csv;
+pub mod egait;
+pub mod joint_map;
+mod labels;
+mod repair;
+mod text;
+
+use super::{Error, Recording};
+pub use joint_map::JointMap;
+use std::path::{Path, PathBuf};
+
+/// Most joints a file may have.
+pub const MAX_JOINTS: usize = 512;
+/// Most frames a take may have.
+pub const MAX_FRAMES: usize = 1_000_000;
+/// Largest file read, bytes.
+pub const MAX_BYTES: u64 = 512 << 20;
+
+/// What the caller knows better than the file. The default infers everything.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Options {
+    /// ASF skeleton of an AMC file; otherwise it is looked for beside the AMC.
+    pub skeleton: Option<PathBuf>,
+    /// Metres per unit of length of the file.
+    pub metres_per_unit: Option<f32>,
+    /// Frames per second, for formats that do not carry it (AMC, CSV).
+    pub frame_rate: Option<f32>,
+    /// Names of the 16 joints in the file.
+    pub joint_map: Option<JointMap>,
+}
+
+/// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.csv` or `.txt` of joint positions.
+///
+/// # Errors
+/// [`Error::Read`] if the file cannot be read or is larger than [`MAX_BYTES`], [`Error::Syntax`] with file and
+/// line if it is not what its format demands, [`Error::Unusable`] if its motion is not that of a body.
+pub fn import_file(path: &Path) -> Result<Vec<Recording>, Error> {
+    import_file_with(path, &Options::default())
+}
+
+/// [`import_file`] with what the caller knows.
+///
+/// # Errors
+/// As [`import_file`].
+pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>, Error> {
+    let shown = path.display().to_string();
+    let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
+    let mut takes = match extension.as_str() {
+        "bvh" => vec![bvh::parse_bvh(&read(path)?, &shown, options)?],
+        "amc" => {
+            let skeleton = match &options.skeleton {
+                Some(given) => given.clone(),
+                None => asf_amc::skeleton_beside(path)?,
+            };
+            let skeleton = asf_amc::parse_asf(&read(&skeleton)?, &skeleton.display().to_string())?;
+            vec![asf_amc::parse_amc(&read(path)?, &shown, &skeleton, options)?]
+        }
+        "asf" => {
+            let message = "a skeleton without motion; import the .amc, its .asf is found beside it";
+            return Err(text::syntax(&shown, 0, message));
+        }
+        "csv" | "txt" | "tsv" => csv::parse_csv(&read(path)?, &shown, options)?,
+        other => {
+            let message = format!("unknown extension {other:?}; known are .bvh, .amc, .csv, .tsv and .txt");
+            return Err(text::syntax(&shown, 0, message));
+        }
+    };
+    labels::apply(path, &mut takes);
+    Ok(takes)
+}
+
+/// Reads a text file within [`MAX_BYTES`]; bytes that are not UTF-8 (names in old code pages) are replaced.
+pub(crate) fn read(path: &Path) -> Result<String, Error> {
+    let failed = |source| Error::Read { path: path.to_owned(), source };
+    let bytes = std::fs::metadata(path).map_err(failed)?.len();
+    if bytes > MAX_BYTES {
+        let message = format!("{bytes} bytes; motion files up to {MAX_BYTES} bytes are read");
+        return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message)));
+    }
+    let bytes = std::fs::read(path).map_err(failed)?;
+    Ok(match String::from_utf8(bytes) {
+        Ok(text) => text,
+        Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
+    })
+}
+
+/// File name without folder and extension; names recordings.
+fn stem(path: &str) -> String {
+    Path::new(path).file_stem().map_or_else(|| path.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// File name without folder; names sources.
+fn file_name(path: &str) -> String {
+    Path::new(path).file_name().map_or_else(|| path.to_owned(), |s| s.to_string_lossy().into_owned())
+}

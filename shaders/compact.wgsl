@@ -1,0 +1,157 @@
+// uses: frame, body
+// Turns agent_bucket into the list of visible agents, sorted by bucket and then by id, and into the arguments of the
+// launches and draws that follow. Six passes chosen by `level`; no atomics decide an order and no barrier is needed.
+// A run is RUN agents that one invocation walks. Row r of bucket_counts is run r, the row behind the last run holds
+// the totals.
+//   0 (run):    counts level-0 agents (column 0) and all visible agents (column 1),
+//   1 (column): exclusive prefix sums of these two over the runs,
+//   2 (run):    level-0 agents beyond near_capacity, in order of id, go down to level 1; agents beyond
+//               visible_capacity are dropped and reported; then counts the agents of each bucket,
+//   3 (bucket): exclusive prefix sums over the runs, totals,
+//   4 (one):    bucket_start, draw_args, dispatch_args, and NONE behind the end of `visible`,
+//   5 (run):    writes `visible`.
+// dispatch_args: 3 words of groups for kernels of one invocation per visible agent (64 a group), then 3 words per
+// avatar for `skin`: x covers the vertices of its level 0, y its near agents.
+const RUN: u32 = 64u;
+const COLUMNS: u32 = 16u;    // columns of a row of bucket_counts, the most buckets there can be
+const MOST_GROUPS: u32 = 65535u; // along one axis, on every device
+
+@group(0) @binding(0) var<uniform> frame: FrameUniforms;
+@group(0) @binding(1) var<storage, read_write> agent_bucket: array<u32>;    // [agent]
+@group(0) @binding(2) var<storage, read_write> bucket_counts: array<u32>;   // [run + 1][16]
+@group(0) @binding(3) var<storage, read_write> bucket_start: array<u32>;    // [bucket + 1], last is the total
+@group(0) @binding(4) var<storage, read_write> visible: array<u32>;         // [(visible_capacity / 64 + 1) * 64] agents, then NONE
+@group(0) @binding(5) var<storage, read> mesh_table: array<vec4<u32>>;      // [bucket] first_index, index_count, first_vertex, vertex_count
+@group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [bucket][5] VkDrawIndexedIndirectCommand
+@group(0) @binding(7) var<storage, read_write> dispatch_args: array<u32>;   // [1 + avatar][3]
+@group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
+var<immediate> level: u32;
+
+fn run_count() -> u32 {
+    return (frame.agent_count + RUN - 1u) / RUN;
+}
+
+fn is_near(bucket: u32) -> bool {
+    return bucket != NONE && bucket % frame.level_count == 0u;
+}
+
+fn count_visible(run: u32) {
+    var near = 0u;
+    var seen = 0u;
+    for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
+        let bucket = agent_bucket[agent];
+        near += select(0u, 1u, is_near(bucket));
+        seen += select(0u, 1u, bucket != NONE);
+    }
+    bucket_counts[run * COLUMNS] = near;
+    bucket_counts[run * COLUMNS + 1u] = seen;
+}
+
+fn scan_column(column: u32) {
+    var total = 0u;
+    for (var run = 0u; run < run_count(); run++) {
+        let count = bucket_counts[run * COLUMNS + column];
+        bucket_counts[run * COLUMNS + column] = total;
+        total += count;
+    }
+    bucket_counts[run_count() * COLUMNS + column] = total;
+}
+
+fn apply_capacities(run: u32) {
+    var near = bucket_counts[run * COLUMNS];
+    var seen = bucket_counts[run * COLUMNS + 1u];
+    var counts = array<u32, 16>();
+    for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
+        var bucket = agent_bucket[agent];
+        if bucket == NONE {
+            continue;
+        }
+        let is_last = seen >= frame.visible_capacity;
+        var demoted = false;
+        if is_near(bucket) {
+            demoted = near >= min(frame.near_capacity, MOST_GROUPS);
+            near++;
+        }
+        seen++;
+        if is_last || (demoted && frame.level_count == 1u) {
+            agent_bucket[agent] = NONE;
+            atomicMin(&failure[KERNEL_ID], agent);
+            continue;
+        }
+        if demoted {
+            bucket++;
+            agent_bucket[agent] = bucket;
+        }
+        counts[bucket] += 1u;
+    }
+    for (var bucket = 0u; bucket < COLUMNS; bucket++) {
+        bucket_counts[run * COLUMNS + bucket] = counts[bucket];
+    }
+}
+
+fn write_arguments() {
+    var start = 0u;
+    for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
+        let count = bucket_counts[run_count() * COLUMNS + bucket];
+        let mesh = mesh_table[bucket];
+        bucket_start[bucket] = start;
+        start += count;
+        draw_args[bucket * 5u] = mesh.y;      // index_count
+        draw_args[bucket * 5u + 1u] = count;  // instance_count
+        draw_args[bucket * 5u + 2u] = mesh.x; // first_index
+        draw_args[bucket * 5u + 3u] = mesh.z; // vertex_offset: indices count from the mesh's first vertex
+        draw_args[bucket * 5u + 4u] = 0u;     // first_instance: the draw shader adds bucket_start
+        if bucket % frame.level_count == 0u {
+            let at = 3u + bucket / frame.level_count * 3u;
+            dispatch_args[at] = (mesh.w + RUN - 1u) / RUN;
+            dispatch_args[at + 1u] = count;
+            dispatch_args[at + 2u] = 1u;
+        }
+    }
+    bucket_start[frame.bucket_count] = start;
+    dispatch_args[0] = (start + RUN - 1u) / RUN;
+    dispatch_args[1] = 1u;
+    dispatch_args[2] = 1u;
+    for (var slot = start; slot < (start / RUN + 1u) * RUN; slot++) {
+        visible[slot] = NONE;
+    }
+}
+
+fn write_visible(run: u32) {
+    var next = array<u32, 16>();
+    for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
+        next[bucket] = bucket_start[bucket] + bucket_counts[run * COLUMNS + bucket];
+    }
+    for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
+        let bucket = agent_bucket[agent];
+        if bucket != NONE {
+            visible[next[bucket]] = agent;
+            next[bucket] += 1u;
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn compact(@builtin(global_invocation_id) id: vec3<u32>) {
+    if level == 1u && id.x < 2u {
+        scan_column(id.x);
+    }
+    if level == 3u && id.x < COLUMNS {
+        scan_column(id.x);
+    }
+    if level == 4u && id.x == 0u {
+        write_arguments();
+    }
+    if id.x >= run_count() {
+        return;
+    }
+    if level == 0u {
+        count_visible(id.x);
+    }
+    if level == 2u {
+        apply_capacities(id.x);
+    }
+    if level == 5u {
+        write_visible(id.x);
+    }
+}

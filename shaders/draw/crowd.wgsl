@@ -1,0 +1,104 @@
+// uses: view, light
+// The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
+// detail); the instance is the agent's place among the visible agents of the bucket.
+
+@group(0) @binding(3) var<storage, read> visible: array<u32>;         // agent of each slot, sorted by bucket
+@group(0) @binding(4) var<storage, read> bucket_start: array<u32>;    // first slot of each bucket
+@group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits, see kernels `skin`
+@group(0) @binding(6) var<storage, read> mesh_table: array<vec4<u32>>; // per bucket: first index, indices, first vertex, vertices
+@group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>; // [slot][joint], rows of world_from_mesh
+@group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;  // near agents: world position, world normal
+@group(0) @binding(9) var<storage, read> look: array<vec4<u32>>;      // [agent]
+
+// which bucket is drawn
+var<immediate> bucket: u32;
+
+const JOINTS: u32 = 16u;
+const MATERIAL_SKIN: u32 = 1u;
+const MATERIAL_BOTTOM: u32 = 4u;
+
+struct Placed {
+    world: vec3<f32>,
+    normal: vec3<f32>,
+}
+
+// First skinned vertex of the bucket's instance: near agents of earlier avatars come first.
+fn near_vertex(instance: u32) -> u32 {
+    var base = instance * mesh_table[bucket].w;
+    for (var earlier = 0u; earlier < bucket; earlier += view.level_count) {
+        base += (bucket_start[earlier + 1u] - bucket_start[earlier]) * mesh_table[earlier].w;
+    }
+    return base;
+}
+
+fn place(vertex: u32, instance: u32) -> Placed {
+    if bucket % view.level_count == 0u {
+        let at = near_vertex(instance) + vertex - mesh_table[bucket].z; // the vertex index counts from the first mesh
+        return Placed(skinned[at][0].xyz, skinned[at][1].xyz);
+    }
+    let slot = bucket_start[bucket] + instance;
+    let position = vec4<f32>(bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz), 1.0);
+    let normal = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
+    let joints = mesh_vertices[vertex][1].w;
+    let weights = bitcast<vec4<f32>>(mesh_vertices[vertex][2]);
+    var x = vec4<f32>(0.0);
+    var y = vec4<f32>(0.0);
+    var z = vec4<f32>(0.0);
+    for (var i = 0u; i < 4u; i += 1u) {
+        let joint = slot * JOINTS + ((joints >> (8u * i)) & 0xffu);
+        x += palettes[joint][0] * weights[i];
+        y += palettes[joint][1] * weights[i];
+        z += palettes[joint][2] * weights[i];
+    }
+    return Placed(
+        vec3<f32>(dot(x, position), dot(y, position), dot(z, position)),
+        vec3<f32>(dot(x.xyz, normal), dot(y.xyz, normal), dot(z.xyz, normal)),
+    );
+}
+
+// Linear colour of an RGB565 in sRGB.
+fn linear_from_565(packed: u32) -> vec3<f32> {
+    let srgb = vec3<f32>(f32((packed >> 11u) & 31u) / 31.0, f32((packed >> 5u) & 63u) / 63.0, f32(packed & 31u) / 31.0);
+    return select(pow((srgb + 0.055) / 1.055, vec3<f32>(2.4)), srgb / 12.92, srgb <= vec3<f32>(0.04045));
+}
+
+// The vertex colour, tinted with the agent's colour of its material.
+fn agent_color(vertex: u32, instance: u32) -> vec3<f32> {
+    let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
+    let material = mesh_vertices[vertex][0].w;
+    if material < MATERIAL_SKIN || material > MATERIAL_BOTTOM {
+        return color;
+    }
+    let colors = look[visible[bucket_start[bucket] + instance]].zw;
+    let which = material - MATERIAL_SKIN; // skin and hair in z, top and bottom in w
+    let pair = select(colors.x, colors.y, which >= 2u);
+    return color * linear_from_565((pair >> (16u * (which & 1u))) & 0xffffu);
+}
+
+struct CrowdVertex {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) world: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) color: vec3<f32>,
+}
+
+@vertex
+fn crowd_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) eye: u32,
+) -> CrowdVertex {
+    let placed = place(vertex, instance);
+    let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
+    return CrowdVertex(clip, placed.world, placed.normal, agent_color(vertex, instance));
+}
+
+@fragment
+fn crowd_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+}
+
+@vertex
+fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+    return view.shadow_from_world * vec4<f32>(place(vertex, instance).world, 1.0);
+}

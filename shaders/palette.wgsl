@@ -1,0 +1,58 @@
+// uses: frame, exact, quaternion, body, rig
+// Forward kinematics of every visible agent, in the world, and from it the matrices that move a vertex from the rest
+// pose into the world: world_from_joint * joint_from_mesh, three rows each. The agent's scale enters here.
+@group(0) @binding(0) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
+@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;       // [agent] m
+@group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;         // [agent] heading rad, walk weight
+@group(0) @binding(3) var<storage, read> look: array<vec4<u32>>;           // [agent]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][65]
+@group(0) @binding(5) var<storage, read> local_rotations: array<vec4<f32>>; // [visible][17]
+@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][16][3] rows
+
+@compute @workgroup_size(64)
+fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
+    // parents stand before their children; the root's entry is not used
+    var parents = array<u32, 16>(0u, 0u, 1u, 2u, 1u, 4u, 5u, 1u, 7u, 8u, 0u, 10u, 11u, 0u, 13u, 14u);
+    let slot = id.x;
+    let agent = visible[slot];
+    if agent == NONE {
+        return;
+    }
+    let avatar = look[agent].x & 255u;
+    let scale = bitcast<f32>(look[agent].y);
+    let at = position[agent];
+    let heading = stance[agent].x;
+
+    var rotations = array<vec4<f32>, 16>(); // world_from_joint
+    var origins = array<vec3<f32>, 16>();   // of the joints, world, m
+    for (var joint = 0u; joint < JOINTS; joint++) {
+        let local = local_rotations[slot * POSE_STRIDE + joint];
+        if joint == 0u {
+            let root = local_rotations[slot * POSE_STRIDE + JOINTS].xyz;
+            rotations[0] = quat_before_yaw(heading, local);
+            let turned = turn_left(exact_sin_cos(heading), root) * scale;
+            origins[0] = vec3<f32>(at.x + turned.x, turned.y, at.y + turned.z);
+        } else {
+            let parent = parents[joint];
+            let arm = quat_rotate(rotations[parent], joint_translation(avatar, joint));
+            rotations[joint] = quat_mul(rotations[parent], local);
+            origins[joint] = origins[parent] + arm * scale;
+        }
+        let q = rotations[joint];
+        let o = origins[joint];
+        let row_x = vec3<f32>(1.0 - 2.0 * (q.y * q.y + q.z * q.z), 2.0 * (q.x * q.y - q.z * q.w), 2.0 * (q.x * q.z + q.y * q.w)) * scale;
+        let row_y = vec3<f32>(2.0 * (q.x * q.y + q.z * q.w), 1.0 - 2.0 * (q.x * q.x + q.z * q.z), 2.0 * (q.y * q.z - q.x * q.w)) * scale;
+        let row_z = vec3<f32>(2.0 * (q.x * q.z - q.y * q.w), 2.0 * (q.y * q.z + q.x * q.w), 1.0 - 2.0 * (q.x * q.x + q.y * q.y)) * scale;
+        let bind = avatar * RIG_STRIDE + joint * 4u + 1u;
+        let bind_x = rig[bind];
+        let bind_y = rig[bind + 1u];
+        let bind_z = rig[bind + 2u];
+        let out = slot * PALETTE_STRIDE + joint * 3u;
+        let turned_x = bind_x * row_x.x + bind_y * row_x.y + bind_z * row_x.z;
+        palettes[out] = vec4<f32>(turned_x.xyz, turned_x.w + o.x);
+        let turned_y = bind_x * row_y.x + bind_y * row_y.y + bind_z * row_y.z;
+        palettes[out + 1u] = vec4<f32>(turned_y.xyz, turned_y.w + o.y);
+        let turned_z = bind_x * row_z.x + bind_y * row_z.y + bind_z * row_z.z;
+        palettes[out + 2u] = vec4<f32>(turned_z.xyz, turned_z.w + o.z);
+    }
+}

@@ -1,0 +1,26 @@
+// How bodies lie in the flat buffers. Joints by number as in gait::skeleton::Joint.
+const JOINTS: u32 = 16u;
+const SPINE: u32 = 1u;
+const NECK: u32 = 2u;
+const HEAD: u32 = 3u;
+
+// clip_frames: [clip][CLIP_FRAMES][POSE_STRIDE] and local_rotations: [visible][POSE_STRIDE]: 16 local rotations
+// (parent_from_joint), then the root joint's position in model space (before the agent's scale), m
+const POSE_STRIDE: u32 = 17u;
+const CLIP_FRAMES: u32 = 64u;
+
+// rig: [avatar][RIG_STRIDE]: per joint its rest translation in the parent, then three rows of joint_from_mesh;
+// last the midpoint of the eyes in the head joint
+const RIG_STRIDE: u32 = 65u;
+const RIG_EYES: u32 = 64u;
+
+// palettes: [visible][16][3], rows of world_from_mesh
+const PALETTE_STRIDE: u32 = 48u;
+
+// mesh_vertices: [vertex][VERTEX_STRIDE]: position and material; normal and four joints of eight bits;
+// weights; linear colour. skinned: [near vertex][SKINNED_STRIDE]: world position, 1; world normal, 0
+const VERTEX_STRIDE: u32 = 4u;
+const SKINNED_STRIDE: u32 = 2u;
+
+// Ends the list `visible`; in agent_bucket: not drawn.
+const NONE: u32 = 0xffffffffu;

@@ -1,0 +1,69 @@
+// Sun, sky, shadow, haze and tone: what every surface in the picture has in common.
+
+@group(0) @binding(0) var<uniform> view: ViewUniforms;
+@group(0) @binding(1) var shadow_map: texture_depth_2d;
+@group(0) @binding(2) var shadow_sampler: sampler_comparison;
+
+const SUN_DISC: f32 = 0.9995;        // cosine of the radius at which the sun's disc is drawn, larger than the real one
+const SUN_GLOW_POWER: f32 = 24.0;    // how closely the glow gathers about the sun
+const SUN_GLOW: f32 = 0.18;
+const SKY_POWER: f32 = 0.45;         // how fast the horizon's colour gives way to the zenith's
+const SHOULDER: f32 = 0.6;           // brightness from which on highlights are compressed
+const SHADOW_EDGE: f32 = 20.0;       // shadows fade out over the outermost 1/20 of the map
+
+// The sky in a unit direction.
+fn sky_color(direction: vec3<f32>) -> vec3<f32> {
+    let up = max(direction.y, 0.0);
+    var color = mix(view.sky_horizon.rgb, view.sky_zenith.rgb, pow(up, SKY_POWER));
+    let sun = max(dot(direction, view.sun_direction.xyz), 0.0);
+    color += view.sun_color.rgb * (SUN_GLOW * pow(sun, SUN_GLOW_POWER));
+    // below the horizon: what lies beyond the end of the ground
+    let below = clamp(-direction.y * 8.0, 0.0, 1.0);
+    return mix(color, mix(view.sky_horizon.rgb, view.ground_bounce.rgb, 0.5), below * 0.6);
+}
+
+// 1 in the sun, 0 in the shadow.
+fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
+    // moved off the surface, so that it does not shade itself
+    let lifted = world + normal * view.sun_direction.w + view.sun_direction.xyz * (0.5 * view.sun_direction.w);
+    let clip = (view.shadow_from_world * vec4<f32>(lifted, 1.0)).xyz;
+    let uv = clip.xy * 0.5 + 0.5;
+    let texel = view.sun_color.w;
+    var lit = 0.0;
+    // four bilinear samples on a turned square: as soft as nine on the grid
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(0.4, 1.2), clip.z);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-1.2, 0.4), clip.z);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-0.4, -1.2), clip.z);
+    lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(1.2, -0.4), clip.z);
+    let from_edge = (1.0 - max(abs(clip.x), abs(clip.y))) * SHADOW_EDGE;
+    return mix(1.0, lit * 0.25, clamp(from_edge, 0.0, 1.0));
+}
+
+// Light that a matt surface sends to the eye, before haze and tone. What of its colour is above 1 glows.
+fn shade(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>) -> vec3<f32> {
+    let facing = dot(normal, view.sun_direction.xyz);
+    var sun = 0.0;
+    if facing > 0.0 {
+        sun = facing * sunlight(world, normal);
+    }
+    let up = 0.5 + 0.5 * normal.y;
+    let ambient = mix(view.ground_bounce.rgb, view.sky_light.rgb, up);
+    let albedo = min(color, vec3<f32>(1.0));
+    return albedo * (view.sun_color.rgb * sun + ambient) + max(color - 1.0, vec3<f32>(0.0));
+}
+
+// The picture's colour: haze over the distance from the eye, exposure, highlights rolled off. Linear; the sRGB curve is
+// the image format's.
+fn finish(light: vec3<f32>, world: vec3<f32>, eye: u32) -> vec4<f32> {
+    let away = world - view.eyes[eye].xyz;
+    let far = length(away);
+    let clear = exp(-far * view.sky_horizon.w * view.eyes[eye].w);
+    let behind = sky_color(vec3<f32>(away.x, max(away.y, 0.0), away.z) / max(far, 1.0e-3));
+    return vec4<f32>(tone(mix(behind, light, clear) * view.ground_bounce.w), 1.0);
+}
+
+// Straight up to the shoulder, then bent so that 1 is reached at infinity: middle tones keep their colours.
+fn tone(light: vec3<f32>) -> vec3<f32> {
+    let over = max(light - SHOULDER, vec3<f32>(0.0));
+    return min(light, vec3<f32>(SHOULDER)) + (1.0 - SHOULDER) * (1.0 - exp(-over / (1.0 - SHOULDER)));
+}

@@ -1,0 +1,224 @@
+//! Head, face and hair.
+
+use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::weights::step;
+use super::{HAIR, Material, Measures, SKIN, Sex};
+use glam::Vec3;
+use std::f32::consts::{PI, TAU};
+
+type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
+
+/// (height under the crown, half width, front, back, coarsest level) of the skull, man's size, metres.
+const SKULL: [(f32, f32, f32, f32, usize); 9] = [
+    (0.236, 0.026, 0.084, -0.020, 1),
+    (0.222, 0.044, 0.097, 0.012, 0),
+    (0.190, 0.061, 0.099, -0.040, 2),
+    (0.150, 0.071, 0.097, -0.080, 0),
+    (0.110, 0.075, 0.093, -0.092, 1),
+    (0.080, 0.077, 0.098, -0.097, 0),
+    (0.048, 0.072, 0.088, -0.092, 2),
+    (0.018, 0.052, 0.058, -0.066, 1),
+    (0.000, 0.016, 0.015, -0.024, 2),
+];
+const SQUARE: f32 = 2.3;
+const EYE_WHITE: Paint = Paint::fixed(0.8, 0.8, 0.78);
+const PUPIL: Paint = Paint::fixed(0.015, 0.012, 0.01);
+const LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0.62, 0.34, 0.34) };
+const BROW: Paint = Paint::tinted(Material::Hair, 0.75);
+
+/// The skull as a function of height.
+struct Skull {
+    crown: f32,
+    size: f32,
+    /// How fast the hair closes in on the nape, metres per metre of height.
+    nape: f32,
+}
+
+impl Skull {
+    /// (half width, front, back) at `drop` under the crown (man's size), unscaled.
+    fn section(drop: f32) -> (f32, f32, f32) {
+        let drop = drop.clamp(0.0, SKULL[0].0);
+        let above = SKULL.iter().position(|row| row.0 <= drop).unwrap_or(SKULL.len() - 1).max(1);
+        let (low, high) = (SKULL[above - 1], SKULL[above]);
+        let t = (low.0 - drop) / (low.0 - high.0).max(1e-6);
+        let mix = |a: f32, b: f32| a + (b - a) * t;
+        (mix(low.1, high.1), mix(low.2, high.2), mix(low.3, high.3))
+    }
+
+    /// Point on the face `x` to the left and `drop` under the crown (man's size), `out` in front of the skin.
+    fn face(&self, x: f32, drop: f32, out: f32) -> Vec3 {
+        let (half_width, front, back) = Self::section(drop);
+        let middle = 0.5 * (front + back);
+        let depth = (1.0 - (x.abs() / half_width).min(1.0).powf(SQUARE)).powf(1.0 / SQUARE);
+        Vec3::new(
+            x * self.size,
+            self.crown - drop * self.size,
+            (middle + (front - middle) * depth + out) * self.size,
+        )
+    }
+
+    /// Point around the skull at `angle` from the front, `thick` outside the skin.
+    fn around(&self, angle: f32, drop: f32, thick: f32) -> Vec3 {
+        // Hair falls from the widest part: below it the outline does not follow the jaw inward.
+        let (mut half_width, front, mut back) = Self::section(drop.max(0.004));
+        if drop > 0.11 {
+            let (ear, _, nape) = Self::section(0.11);
+            half_width = ear - (drop - 0.11) * 0.05;
+            back = nape + (drop - 0.11) * self.nape;
+        }
+        let middle = 0.5 * (front + back);
+        let rounded = |v: f32| v.signum() * v.abs().powf(2.0 / SQUARE);
+        let x = rounded(angle.sin()) * (half_width + thick);
+        let z = middle + rounded(angle.cos()) * (front - middle + thick);
+        Vec3::new(x * self.size, self.crown + (thick * 0.9 - drop) * self.size, z * self.size)
+    }
+}
+
+impl Measures {
+    pub(super) fn head<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
+        let size = if self.sex == Sex::Male { 1.0 } else { 0.955 };
+        // Hair adds to the stature, so the crown of the skull lies under it.
+        let nape = if self.sex == Sex::Male { 0.45 } else { 0.22 };
+        let skull = Skull { crown: self.height - 0.014 * size, size, nape };
+        let segments = [12, 7, 5][builder.level.min(2)];
+        let mut rings: Vec<Ring> = SKULL
+            .iter()
+            .map(|&(drop, half_width, front, back, keep)| Ring {
+                center: Vec3::new(0.0, skull.crown - drop * size, 0.5 * (front + back) * size),
+                side: Vec3::X * half_width * size,
+                front: Vec3::Z * 0.5 * (front - back) * size,
+                back: 1.0,
+                square: SQUARE,
+                // Without a hair shell, the coarsest head wears its hair as paint.
+                paint: if builder.level >= 2 && drop < 0.06 { HAIR } else { SKIN },
+                back_paint: (builder.level >= 2).then_some(HAIR),
+                keep,
+            })
+            .collect();
+        builder.begin(skin);
+        if builder.level >= 2 {
+            // The neck belongs to the coarsest head.
+            let base = if self.sex == Sex::Male { 1.50 } else { 1.38 };
+            let under =
+                Ring { center: Vec3::new(0.0, base, -0.005), paint: SKIN, back_paint: None, ..rings[1] };
+            rings.insert(0, Ring { side: Vec3::X * 0.05, front: Vec3::Z * 0.05, keep: 2, ..under });
+        }
+        builder.loft(
+            &rings,
+            segments,
+            [if builder.level >= 2 { Cap::Open } else { Cap::Fan(0.004) }, Cap::Fan(0.002)],
+        );
+        builder.end(None);
+        if builder.level < 2 {
+            self.hair(builder, &skull, skin);
+            self.nose(builder, &skull, skin);
+            Self::eyes(builder, &skull, skin);
+        }
+    }
+
+    fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
+        let (columns, rows) = if builder.level == 0 { (14, 4) } else { (7, 2) };
+        let hairline = |angle: f32| -> f32 {
+            let turn = if angle > PI { TAU - angle } else { angle };
+            let fringe = 0.052;
+            match self.sex {
+                Sex::Female => fringe + (0.250 - fringe) * step(0.95, 1.45, turn),
+                // Sideburns in front of the ear, a short nape.
+                Sex::Male => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
+            }
+        };
+        let thick =
+            [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.002 } else { -0.002 };
+        let mut grid: Vec<Vec<Vec3>> = Vec::new();
+        for row in 0..=rows + 1 {
+            // The first row turns in under the hair's edge, so that it has thickness.
+            let t = (row as f32 - 1.0).max(0.0) / rows as f32;
+            let thickness = if row == 0 { -0.004 } else { thick };
+            let ring = (0..columns).map(|k| {
+                let angle = TAU * k as f32 / columns as f32;
+                // Flatter over the forehead, where it would look like a peak.
+                let thickness =
+                    thickness * (1.0 - 0.4 * (1.0 - step(0.2, 1.3, angle.min(TAU - angle))) * (1.0 - t));
+                skull.around(angle, hairline(angle) * (1.0 - t).powf(1.35), thickness)
+            });
+            grid.push(ring.collect());
+        }
+        builder.begin(skin);
+        builder.grid(&grid, true, HAIR);
+        // The crown.
+        if let Some(top) = grid.last() {
+            let rim: Vec<u32> = top.iter().map(|&p| builder.vertex(p, HAIR)).collect();
+            let tip = top.iter().sum::<Vec3>() / columns as f32 + Vec3::Y * 0.001;
+            let tip = builder.vertex(tip, HAIR);
+            for k in 0..rim.len() {
+                builder.triangle(rim[k], rim[(k + 1) % rim.len()], tip);
+            }
+        }
+        builder.end(None);
+        if self.sex == Sex::Male && builder.level == 0 {
+            for side in [-1.0, 1.0] {
+                let ear = |drop: f32, z: f32, out: f32| {
+                    Vec3::new(
+                        side * (0.070 + out) * skull.size,
+                        skull.crown - drop * skull.size,
+                        z * skull.size,
+                    )
+                };
+                let corners =
+                    [ear(0.108, 0.004, 0.006), ear(0.108, -0.022, 0.018), ear(0.160, -0.012, 0.008)];
+                let front = ear(0.130, 0.012, -0.002);
+                let back = ear(0.130, -0.020, -0.002);
+                builder.begin(skin);
+                let ids = corners.map(|p| builder.vertex(p, SKIN));
+                let (front, back) = (builder.vertex(front, SKIN), builder.vertex(back, SKIN));
+                builder.triangle(ids[0], ids[1], ids[2]);
+                builder.triangle(front, ids[0], ids[2]);
+                builder.triangle(ids[1], back, ids[2]);
+                builder.end(Some(Vec3::X * side));
+            }
+        }
+    }
+
+    fn nose<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
+        let reach = if self.sex == Sex::Male { 0.024 } else { 0.019 };
+        let shade = Paint::tinted(Material::Skin, 0.8);
+        let bridge = skull.face(0.0, 0.106, 0.001);
+        let tip = skull.face(0.0, 0.152, reach);
+        let left = skull.face(0.016, 0.160, 0.001);
+        let right = skull.face(-0.016, 0.160, 0.001);
+        builder.begin(skin);
+        let ids = [bridge, tip, left, right].map(|p| builder.vertex(p, SKIN));
+        builder.triangle(ids[0], ids[2], ids[1]);
+        builder.triangle(ids[0], ids[1], ids[3]);
+        let under = [tip, left, right].map(|p| builder.vertex(p, shade));
+        builder.triangle(under[0], under[1], under[2]);
+        builder.end(Some(Vec3::Z));
+    }
+
+    fn eyes<'a>(builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
+        let fine = builder.level == 0;
+        let mut patch = |x: f32, drop: f32, half: [f32; 2], slant: f32, out: f32, paint: Paint| {
+            let [w, h] = half;
+            let corners =
+                [(-w, -slant), (-0.5 * w, h), (0.5 * w, h), (w, slant), (0.5 * w, -h), (-0.5 * w, -h)];
+            // Flat and just in front of the facets, which cut corners off the curved face.
+            let mut corners = corners.map(|(dx, dy)| skull.face(x + dx, drop + dy, out));
+            let depth = corners.iter().map(|p| p.z).sum::<f32>() / 6.0;
+            corners.iter_mut().for_each(|p| p.z = 0.4 * p.z + 0.6 * depth);
+            builder.patch(&corners, Vec3::Z, paint, skin);
+        };
+        for side in [-1.0, 1.0] {
+            let x = side * 0.032;
+            if fine {
+                patch(x, 0.110, [0.017, 0.0085], 0.0, 0.003, EYE_WHITE);
+                patch(x, 0.110, [0.0075, 0.0085], 0.0, 0.0045, PUPIL);
+                patch(x + side * 0.002, 0.090, [0.021, 0.0045], 0.0, 0.004, BROW);
+            } else {
+                patch(x, 0.108, [0.018, 0.011], 0.0, 0.006, PUPIL);
+            }
+        }
+        if fine {
+            patch(0.0, 0.188, [0.024, 0.005], 0.0, 0.004, LIPS);
+        }
+    }
+}

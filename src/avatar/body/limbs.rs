@@ -1,0 +1,232 @@
+//! Arms with hands, legs with shoes.
+
+use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::{BOTTOM, Material, Measures, SHOE, SKIN, SOLE, Sex, TOP};
+use crate::gait::Joint;
+use glam::{Mat3, Vec3};
+
+type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
+
+/// Position along a bone chain: (bone, share of it), then the radius, the coarsest level and the paint.
+type Station = (usize, f32, f32, usize, Paint);
+
+/// Round rings across the chain `points`, at the bisecting plane near its joints.
+fn tube(points: &[Vec3; 3], stations: &[Station]) -> Vec<Ring> {
+    let ring = |&(bone, t, radius, keep, paint): &Station| {
+        let (a, b) = (points[bone], points[bone + 1]);
+        let along = (b - a).normalize_or_zero();
+        let front = (Vec3::Z - along * along.z).normalize_or_zero();
+        Ring {
+            center: a + (b - a) * t,
+            side: front.cross(along) * -radius,
+            front: front * radius,
+            back: 1.0,
+            square: 2.0,
+            paint,
+            back_paint: None,
+            keep,
+        }
+    };
+    stations.iter().map(ring).collect()
+}
+
+impl Measures {
+    fn chain(&self, left: bool, joints: [Joint; 3]) -> [Vec3; 3] {
+        joints.map(|joint| self.bones.of(if left { joint } else { joint.mirrored() }))
+    }
+
+    /// Sleeve, forearm, mitten hand with thumb.
+    pub(super) fn arm<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>) {
+        let points = self.chain(left, [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]);
+        let segments = [8, 5, 3][builder.level.min(2)];
+        let cuff = Paint::tinted(Material::Top, 0.6);
+        let stations: &[Station] = match self.sex {
+            // Short sleeve, then skin.
+            Sex::Female => &[
+                (0, -0.10, 0.022, 1, TOP),
+                (0, -0.03, 0.040, 0, TOP),
+                (0, 0.12, 0.047, 1, TOP),
+                (0, 0.46, 0.047, 0, cuff),
+                (0, 0.47, 0.042, 1, SKIN),
+                (0, 0.88, 0.034, 0, SKIN),
+                (1, 0.06, 0.037, 1, SKIN),
+                (1, 0.25, 0.034, 0, SKIN),
+                (1, 1.00, 0.022, 1, SKIN),
+            ],
+            // Long sleeve to the wrist.
+            Sex::Male => &[
+                (0, -0.10, 0.026, 1, TOP),
+                (0, -0.03, 0.049, 0, TOP),
+                (0, 0.12, 0.060, 1, TOP),
+                (0, 0.40, 0.055, 0, TOP),
+                (0, 0.90, 0.047, 0, TOP),
+                (1, 0.06, 0.048, 1, TOP),
+                (1, 0.92, 0.035, 1, cuff),
+                (1, 0.93, 0.027, 0, SKIN),
+                (1, 0.99, 0.026, 0, SKIN),
+            ],
+        };
+        builder.begin(skin);
+        if builder.level >= 2 {
+            // The coarsest arm is one prism per bone, the hand its tapered end.
+            let sleeve = if self.sex == Sex::Male { TOP } else { SKIN };
+            let radius = if self.sex == Sex::Male { 0.056 } else { 0.046 };
+            let coarse = [
+                (0, -0.06, radius * 0.8, 2, TOP),
+                (1, 0.0, radius * 0.8, 2, sleeve),
+                (1, 1.5, radius * 0.5, 2, sleeve),
+            ];
+            let coarse = tube(&points, &coarse);
+            builder.loft(&coarse, segments, [Cap::Open; 2]);
+        } else {
+            builder.loft(&tube(&points, stations), segments, [Cap::Fan(0.012), Cap::Open]);
+        }
+        builder.end(None);
+        if builder.level < 2 {
+            self.hand(builder, points, left, skin);
+        }
+    }
+
+    fn hand<'a>(&self, builder: &mut Builder<'a>, points: [Vec3; 3], left: bool, skin: Skin<'a>) {
+        let size = if self.sex == Sex::Male { 1.0 } else { 0.88 };
+        let along = (points[2] - points[1]).normalize_or_zero();
+        let front = (Vec3::Z - along * along.z).normalize_or_zero();
+        let inward = along.cross(front) * if left { 1.0 } else { -1.0 };
+        // Fingers curl towards the palm.
+        let at = |t: f32, curl: f32| points[2] + (along * t + inward * curl) * size;
+        let ring = |t, curl, thick: f32, broad: f32, keep| Ring {
+            center: at(t, curl),
+            side: inward * thick * size,
+            front: front * broad * size,
+            back: 1.0,
+            square: 2.6,
+            paint: SKIN,
+            back_paint: None,
+            keep,
+        };
+        let rings = [
+            ring(-0.022, 0.0, 0.021, 0.026, 1),
+            ring(0.030, 0.002, 0.019, 0.040, 0),
+            ring(0.090, 0.007, 0.017, 0.044, 0),
+            ring(0.165, 0.032, 0.011, 0.028, 1),
+        ];
+        let segments = [6, 3][builder.level.min(1)];
+        builder.begin(skin);
+        builder.loft(&rings, segments, [Cap::Open, Cap::Fan(0.010)]);
+        builder.end(None);
+        if builder.level > 0 {
+            return;
+        }
+        let thumb = |t: f32, out: f32, curl: f32, radius: f32| Ring {
+            center: at(t, curl) + front * out * size,
+            side: inward * radius * size,
+            front: (along * 0.6 + front).normalize_or_zero() * radius * size,
+            back: 1.0,
+            square: 2.0,
+            paint: SKIN,
+            back_paint: None,
+            keep: 0,
+        };
+        let rings = [
+            thumb(0.020, 0.022, 0.004, 0.015),
+            thumb(0.055, 0.050, 0.014, 0.013),
+            thumb(0.090, 0.060, 0.022, 0.009),
+        ];
+        builder.begin(skin);
+        builder.loft(&rings, 4, [Cap::Open, Cap::Fan(0.008)]);
+        builder.end(None);
+    }
+
+    /// Trouser leg or bare leg, and a shoe.
+    pub(super) fn leg<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>, foot: Skin<'a>) {
+        let points = self.chain(left, [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]);
+        let segments = [8, 5, 3][builder.level.min(2)];
+        let stations: &[Station] = match self.sex {
+            Sex::Female => &[
+                (0, 0.10, 0.078, 0, SKIN),
+                (0, 0.60, 0.062, 2, SKIN),
+                (0, 0.86, 0.051, 0, SKIN),
+                (1, 0.00, 0.048, 2, SKIN),
+                (1, 0.32, 0.051, 0, SKIN),
+                (1, 0.60, 0.042, 0, SKIN),
+                (1, 1.04, 0.031, 2, SKIN),
+            ],
+            Sex::Male => &[
+                (0, -0.05, 0.080, 2, BOTTOM),
+                (0, 0.15, 0.086, 0, BOTTOM),
+                (0, 0.86, 0.064, 0, BOTTOM),
+                (1, 0.00, 0.062, 2, BOTTOM),
+                (1, 0.35, 0.060, 0, BOTTOM),
+                (1, 0.95, 0.053, 2, Paint::tinted(Material::Bottom, 0.6)),
+                (1, 0.96, 0.036, 0, SHOE),
+                (1, 1.05, 0.033, 0, SHOE),
+            ],
+        };
+        builder.begin(skin);
+        builder.loft(&tube(&points, stations), segments, [Cap::Open; 2]);
+        builder.end(None);
+        self.shoe(builder, points[2], left, foot);
+    }
+
+    fn shoe<'a>(&self, builder: &mut Builder<'a>, ankle: Vec3, left: bool, foot: Skin<'a>) {
+        // (z from the ankle, half width, height of the upper, coarsest level) of a man's shoe.
+        const LAST: [(f32, f32, f32, usize); 5] = [
+            (-0.066, 0.032, 0.088, 2),
+            (0.025, 0.039, 0.096, 1),
+            (0.085, 0.047, 0.060, 0),
+            (0.145, 0.046, 0.044, 2),
+            (0.185, 0.028, 0.030, 0),
+        ];
+        const SOLE_HEIGHT: f32 = 0.018;
+        let size = if self.sex == Sex::Male { 1.0 } else { 0.87 };
+        let toe_out = Mat3::from_rotation_y(if left { 0.11 } else { -0.11 });
+        let ground = Vec3::new(ankle.x, 0.0, ankle.z);
+        let place = |x: f32, y: f32, z: f32| ground + toe_out * (Vec3::new(x, y, z) * size);
+        let section = |&(z, half_width, height, _): &(f32, f32, f32, usize)| -> Vec<Vec3> {
+            let rise = if z > 0.16 { 0.006 } else { 0.0 };
+            let broad = half_width * 1.06;
+            if builder.level > 0 {
+                return [
+                    (-broad, rise),
+                    (-half_width * 0.6, height),
+                    (half_width * 0.6, height),
+                    (broad, rise),
+                ]
+                .map(|(x, y)| place(x, y, z))
+                .to_vec();
+            }
+            vec![
+                place(-broad, rise, z),
+                place(-broad, SOLE_HEIGHT, z),
+                place(-half_width * 0.55, height, z),
+                place(half_width * 0.55, height, z),
+                place(broad, SOLE_HEIGHT, z),
+                place(broad, rise, z),
+            ]
+        };
+        let sections: Vec<Vec<Vec3>> =
+            LAST.iter().filter(|row| row.3 >= builder.level).map(section).collect();
+        builder.begin(foot);
+        let strips: &[(std::ops::Range<usize>, Paint)] =
+            if builder.level == 0 { &[(0..2, SOLE), (1..5, SHOE), (4..6, SOLE)] } else { &[(0..4, SHOE)] };
+        for (columns, paint) in strips {
+            let rows: Vec<Vec<Vec3>> = sections.iter().map(|row| row[columns.clone()].to_vec()).collect();
+            builder.grid(&rows, false, *paint);
+        }
+        let bottom: Vec<Vec<Vec3>> = sections.iter().map(|row| vec![row[row.len() - 1], row[0]]).collect();
+        builder.grid(&bottom, false, SOLE);
+        let ends = [(sections.first(), false), (sections.last(), true)];
+        for (row, front) in ends {
+            let Some(row) = row else { continue };
+            let rim: Vec<u32> = row.iter().map(|&p| builder.vertex(p, SHOE)).collect();
+            for pair in rim.windows(2).skip(1) {
+                if front {
+                    builder.triangle(rim[0], pair[0], pair[1]);
+                } else {
+                    builder.triangle(rim[0], pair[1], pair[0]);
+                }
+            }
+        }
+        builder.end(None);
+    }
+}

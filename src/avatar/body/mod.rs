@@ -1,0 +1,166 @@
+//! The two generated bodies (S-24): low-polygon people made of lofted rings, skinned to the 16 driven joints.
+//!
+//! Everything is in the rest pose of model space: metres, y up, facing +z, arms hanging slightly out. All rest
+//! rotations are the identity, so a joint's rotation reads as a turn of the model's own axes. Proportions are
+//! those of adults (stature 1.64 m and 1.76 m, head about 1/7.5 of it); clothing and hair are tinted per agent.
+
+mod head;
+mod limbs;
+mod shape;
+mod trunk;
+mod weights;
+
+use super::{Avatar, LEVELS, Mesh, RestJoint};
+use crate::gait::{JOINT_COUNT, Joint};
+use glam::{Mat4, Quat, Vec3};
+#[allow(unused_imports, reason = "the loader packs weights too")]
+pub(in crate::avatar) use shape::pack;
+use shape::{Builder, Paint, Shares};
+use weights::Bones;
+
+use super::Material;
+
+/// Which of the two bodies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Sex {
+    /// 1.64 m, bobbed hair, skirt.
+    Female,
+    /// 1.76 m, short hair, trousers.
+    Male,
+}
+
+impl Sex {
+    /// Both, in a fixed order.
+    pub const ALL: [Self; 2] = [Self::Female, Self::Male];
+
+    /// Lower-case name, also the avatar's name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Female => "female",
+            Self::Male => "male",
+        }
+    }
+}
+
+/// Measures of a body, metres. Points are those of the left side.
+struct Measures {
+    sex: Sex,
+    height: f32,
+    eyes: Vec3,
+    bones: Bones,
+}
+
+const SKIN: Paint = Paint::tinted(Material::Skin, 1.0);
+const HAIR: Paint = Paint::tinted(Material::Hair, 1.0);
+const TOP: Paint = Paint::tinted(Material::Top, 1.0);
+const BOTTOM: Paint = Paint::tinted(Material::Bottom, 1.0);
+const SHOE: Paint = Paint::fixed(0.035, 0.03, 0.03);
+const SOLE: Paint = Paint::fixed(0.012, 0.012, 0.012);
+
+/// One of the two bodies: three levels of detail of about 1,300, 430 and 140 triangles.
+pub fn generated(sex: Sex) -> Avatar {
+    let measures = Measures::of(sex);
+    let joints = std::array::from_fn(|joint| {
+        let position = measures.bones.at[joint];
+        let parent = if joint == 0 { Vec3::ZERO } else { measures.bones.at[Joint::PARENT[joint]] };
+        RestJoint {
+            translation: position - parent,
+            rotation: Quat::IDENTITY,
+            joint_from_mesh: Mat4::from_translation(-position),
+        }
+    });
+    Avatar {
+        name: sex.name().to_owned(),
+        joints,
+        levels: (0..LEVELS).map(|level| measures.mesh(level)).collect(),
+        eyes_in_head: measures.eyes - measures.bones.of(Joint::Head),
+        height: measures.height,
+    }
+}
+
+impl Measures {
+    fn of(sex: Sex) -> Self {
+        // Left joints: shoulder, elbow and hand share a line 13 degrees out of the vertical.
+        let (middle, shoulder, arm, legs, eyes, height) = match sex {
+            Sex::Female => (
+                [(0.905, 0.0), (1.02, -0.005), (1.375, -0.012), (1.455, 0.002)],
+                Vec3::new(0.158, 1.322, -0.01),
+                [0.272, 0.238],
+                [
+                    Vec3::new(0.085, 0.865, 0.0),
+                    Vec3::new(0.08, 0.455, 0.012),
+                    Vec3::new(0.075, 0.078, -0.012),
+                ],
+                Vec3::new(0.0, 1.536, 0.085),
+                1.64,
+            ),
+            Sex::Male => (
+                [(0.965, 0.0), (1.09, -0.005), (1.485, -0.012), (1.57, 0.002)],
+                Vec3::new(0.184, 1.425, -0.01),
+                [0.298, 0.258],
+                [
+                    Vec3::new(0.092, 0.925, 0.0),
+                    Vec3::new(0.089, 0.49, 0.012),
+                    Vec3::new(0.086, 0.085, -0.012),
+                ],
+                Vec3::new(0.0, 1.652, 0.09),
+                1.76,
+            ),
+        };
+        let out = 13.0_f32.to_radians();
+        let down = Vec3::new(out.sin(), -out.cos(), 0.0);
+        // Elbows bend a little forward at rest, which tells every later step where forward is.
+        let fore = (down + Vec3::new(-0.03, 0.0, 0.16)).normalize();
+        let elbow = shoulder + down * arm[0];
+        let left = [shoulder, elbow, elbow + fore * arm[1], legs[0], legs[1], legs[2]];
+        let mirrored = left.map(|p| p * Vec3::new(-1.0, 1.0, 1.0));
+        let mut at = [Vec3::ZERO; JOINT_COUNT];
+        for (joint, (y, z)) in middle.into_iter().enumerate() {
+            at[joint] = Vec3::new(0.0, y, z);
+        }
+        at[4..7].copy_from_slice(&left[..3]);
+        at[7..10].copy_from_slice(&mirrored[..3]);
+        at[10..13].copy_from_slice(&left[3..]);
+        at[13..16].copy_from_slice(&mirrored[3..]);
+        Self { sex, height, eyes, bones: Bones { at } }
+    }
+
+    fn mesh(&self, level: usize) -> Mesh {
+        let bones = self.bones;
+        let trunk = |p: Vec3| bones.trunk(p);
+        let skirt = |p: Vec3| bones.skirt(p);
+        let head = |_: Vec3| bones.head();
+        let arm = |p: Vec3| -> Shares {
+            let chain = if p.x > 0.0 {
+                [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]
+            } else {
+                [Joint::RightShoulder, Joint::RightElbow, Joint::RightHand]
+            };
+            bones.limb(p, Joint::Spine, chain, [0.06, 0.045, 0.025])
+        };
+        let leg = |p: Vec3| -> Shares {
+            let chain = if p.x > 0.0 {
+                [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]
+            } else {
+                [Joint::RightHip, Joint::RightKnee, Joint::RightFoot]
+            };
+            bones.limb(p, Joint::Root, chain, [0.075, 0.06, 0.035])
+        };
+        let foot = |p: Vec3| -> Shares {
+            let mut shares = [0.0; JOINT_COUNT];
+            shares[if p.x > 0.0 { Joint::LeftFoot } else { Joint::RightFoot } as usize] = 1.0;
+            shares
+        };
+        let mut builder = Builder::new(level);
+        self.trunk(&mut builder, &trunk, &skirt);
+        self.head(&mut builder, &head);
+        for left in [true, false] {
+            self.arm(&mut builder, left, &arm);
+            self.leg(&mut builder, left, &leg, &foot);
+        }
+        builder.finish()
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,273 @@
+//! Primitives of the generated bodies: lofts of rings, flat patches, smooth normals.
+//!
+//! A *shell* is one connected surface. Its triangles are turned outward by its signed volume, so that no part
+//! has to care about winding, and its normals are averaged over vertices that share a position, so that a
+//! change of paint (which needs its own vertices) leaves no crease.
+
+use super::super::{Material, Mesh, Vertex};
+use crate::gait::JOINT_COUNT;
+use glam::Vec3;
+use std::collections::HashMap;
+use std::f32::consts::TAU;
+
+/// Shares of the 16 joints in a vertex, any positive sum.
+pub(super) type Shares = [f32; JOINT_COUNT];
+
+/// Colour and tint of a surface.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Paint {
+    pub(super) material: Material,
+    pub(super) color: Vec3,
+}
+
+impl Paint {
+    /// A tinted surface; `shade` darkens the agent's colour.
+    pub(super) const fn tinted(material: Material, shade: f32) -> Self {
+        Self { material, color: Vec3::splat(shade) }
+    }
+
+    /// A surface of fixed linear colour.
+    pub(super) const fn fixed(red: f32, green: f32, blue: f32) -> Self {
+        Self { material: Material::Fixed, color: Vec3::new(red, green, blue) }
+    }
+}
+
+/// A closed cross section: a superellipse with its own back radius.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Ring {
+    /// Centre, m.
+    pub(super) center: Vec3,
+    /// Half axis towards the body's left, m.
+    pub(super) side: Vec3,
+    /// Half axis towards the front, m.
+    pub(super) front: Vec3,
+    /// Back radius over front radius.
+    pub(super) back: f32,
+    /// Exponent: 2 is an ellipse, larger is boxier.
+    pub(super) square: f32,
+    /// Paint of the band from this ring to the next one.
+    pub(super) paint: Paint,
+    /// Paint of the back half of that band, where it differs.
+    pub(super) back_paint: Option<Paint>,
+    /// Coarsest level that keeps this ring.
+    pub(super) keep: usize,
+}
+
+impl Ring {
+    /// Point at `angle` (0 is front, a quarter turn is the body's left).
+    fn point(&self, angle: f32, swell: f32) -> Vec3 {
+        let rounded = |value: f32| value.signum() * value.abs().powf(2.0 / self.square);
+        let (sine, cosine) = (rounded(angle.sin()), rounded(angle.cos()));
+        let depth = if cosine < 0.0 { cosine * self.back } else { cosine };
+        self.center + (self.side * sine + self.front * depth) * swell
+    }
+}
+
+/// How the ends of a loft are closed.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Cap {
+    /// Not closed (the end lies inside another shell).
+    Open,
+    /// A fan about the ring's centre moved outward along the loft by this much, m.
+    Fan(f32),
+}
+
+/// Collects shells into a mesh.
+pub(super) struct Builder<'a> {
+    pub(super) level: usize,
+    mesh: Mesh,
+    shell_vertices: usize,
+    shell_indices: usize,
+    shares: &'a dyn Fn(Vec3) -> Shares,
+}
+
+impl<'a> Builder<'a> {
+    pub(super) fn new(level: usize) -> Self {
+        Self {
+            level,
+            mesh: Mesh::default(),
+            shell_vertices: 0,
+            shell_indices: 0,
+            shares: &|_| [0.0; JOINT_COUNT],
+        }
+    }
+
+    pub(super) fn finish(self) -> Mesh {
+        self.mesh
+    }
+
+    /// Starts a shell whose skin follows `shares`.
+    pub(super) fn begin(&mut self, shares: &'a dyn Fn(Vec3) -> Shares) {
+        self.shares = shares;
+        self.shell_vertices = self.mesh.vertices.len();
+        self.shell_indices = self.mesh.indices.len();
+    }
+
+    /// Adds a vertex; its normal comes with [`Self::end`].
+    pub(super) fn vertex(&mut self, position: Vec3, paint: Paint) -> u32 {
+        let (joints, weights) = pack(&(self.shares)(position));
+        let index = u32::try_from(self.mesh.vertices.len()).unwrap_or(u32::MAX);
+        self.mesh.vertices.push(Vertex {
+            position,
+            normal: Vec3::Y,
+            color: paint.color,
+            material: paint.material,
+            joints,
+            weights,
+        });
+        index
+    }
+
+    /// Adds a triangle unless it has no area.
+    pub(super) fn triangle(&mut self, a: u32, b: u32, c: u32) {
+        let at = |index: u32| self.mesh.vertices[index as usize].position;
+        if (at(b) - at(a)).cross(at(c) - at(a)).length_squared() > 1e-16 {
+            self.mesh.indices.extend([a, b, c]);
+        }
+    }
+
+    fn quad(&mut self, a: u32, b: u32, c: u32, d: u32) {
+        self.triangle(a, b, c);
+        self.triangle(a, c, d);
+    }
+
+    /// Turns the shell outward and gives it normals. `facing`: for open patches, the outward direction.
+    pub(super) fn end(&mut self, facing: Option<Vec3>) {
+        let indices = &mut self.mesh.indices[self.shell_indices..];
+        let vertices = &mut self.mesh.vertices[self.shell_vertices..];
+        let first = self.shell_vertices;
+        let count = vertices.len().max(1);
+        let middle = vertices.iter().map(|v| v.position).sum::<Vec3>() / count as f32;
+        let at = |vertices: &[Vertex], index: u32| vertices[index as usize - first].position;
+        let mut outward = 0.0;
+        for t in indices.chunks_exact(3) {
+            let (a, b, c) = (at(vertices, t[0]), at(vertices, t[1]), at(vertices, t[2]));
+            let normal = (b - a).cross(c - a);
+            outward += facing.map_or_else(|| normal.dot(a - middle), |facing| normal.dot(facing));
+        }
+        if outward < 0.0 {
+            indices.chunks_exact_mut(3).for_each(|t| t.swap(1, 2));
+        }
+        let key = |p: Vec3| (p * 1e5).round().as_ivec3();
+        let mut sums: HashMap<glam::IVec3, Vec3> = HashMap::new();
+        for t in indices.chunks_exact(3) {
+            let corners = [at(vertices, t[0]), at(vertices, t[1]), at(vertices, t[2])];
+            let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or_zero();
+            for i in 0..3 {
+                let (to, from) = (corners[(i + 1) % 3] - corners[i], corners[(i + 2) % 3] - corners[i]);
+                // Weighing by the corner's angle makes the normal independent of how quads are split.
+                *sums.entry(key(corners[i])).or_default() += normal * to.angle_between(from);
+            }
+        }
+        for vertex in vertices {
+            let sum = sums.get(&key(vertex.position)).copied().unwrap_or(Vec3::Y);
+            vertex.normal = sum.try_normalize().unwrap_or(Vec3::Y);
+        }
+    }
+
+    /// A loft through `rings` with `segments` sides; rings finer than the level are left out.
+    pub(super) fn loft(&mut self, rings: &[Ring], segments: usize, caps: [Cap; 2]) {
+        let rings: Vec<&Ring> = rings.iter().filter(|ring| ring.keep >= self.level).collect();
+        let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
+        // Polygons lie inside their circle; swelling them keeps the silhouette at coarse levels.
+        let swell = (TAU * 0.5 / segments as f32).cos().recip().sqrt();
+        let circle = |builder: &mut Self, ring: &Ring, paint: Paint| -> Vec<u32> {
+            (0..segments)
+                .map(|k| builder.vertex(ring.point(TAU * k as f32 / segments as f32, swell), paint))
+                .collect()
+        };
+        let mut previous: Option<(Vec<u32>, Paint)> = None;
+        for pair in rings.windows(2) {
+            let paint = pair[0].paint;
+            let behind = |k: usize| (TAU * (k as f32 + 0.5) / segments as f32).cos() < 0.1;
+            if let Some(back_paint) = pair[0].back_paint {
+                let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint));
+                let [low_back, high_back] = [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint));
+                for k in 0..segments {
+                    let next = (k + 1) % segments;
+                    let (low, high) = if behind(k) { (&low_back, &high_back) } else { (&low, &high) };
+                    self.quad(low[k], low[next], high[next], high[k]);
+                }
+                previous = None;
+                continue;
+            }
+            let low = match previous.take() {
+                Some((circle, painted)) if painted == paint => circle,
+                _ => circle(self, pair[0], paint),
+            };
+            let high = circle(self, pair[1], paint);
+            for k in 0..segments {
+                let next = (k + 1) % segments;
+                self.quad(low[k], low[next], high[next], high[k]);
+            }
+            previous = Some((high, paint));
+        }
+        let along = (last.center - first.center).normalize_or_zero();
+        for (ring, paint, cap, out, reversed) in [
+            (first, first.paint, caps[0], -along, true),
+            (last, rings[rings.len().saturating_sub(2)].paint, caps[1], along, false),
+        ] {
+            let Cap::Fan(height) = cap else { continue };
+            let rim = circle(self, ring, paint);
+            let tip = self.vertex(ring.center + out * height, paint);
+            for k in 0..segments {
+                let next = (k + 1) % segments;
+                if reversed {
+                    self.triangle(rim[next], rim[k], tip);
+                } else {
+                    self.triangle(rim[k], rim[next], tip);
+                }
+            }
+        }
+    }
+
+    /// A surface over a grid of points `[row][column]`, closed around when `around` is set.
+    pub(super) fn grid(&mut self, rows: &[Vec<Vec3>], around: bool, paint: Paint) {
+        let mut low: Vec<u32> = Vec::new();
+        for row in rows {
+            let high: Vec<u32> = row.iter().map(|&p| self.vertex(p, paint)).collect();
+            let columns = if around { low.len() } else { low.len().saturating_sub(1) };
+            for k in 0..columns {
+                let next = (k + 1) % low.len();
+                self.quad(low[k], low[next], high[next], high[k]);
+            }
+            low = high;
+        }
+    }
+
+    /// A flat convex patch as its own shell, seen from `facing`.
+    pub(super) fn patch(
+        &mut self,
+        corners: &[Vec3],
+        facing: Vec3,
+        paint: Paint,
+        shares: &'a dyn Fn(Vec3) -> Shares,
+    ) {
+        self.begin(shares);
+        let fan: Vec<u32> = corners.iter().map(|&p| self.vertex(p, paint)).collect();
+        for pair in fan.windows(2).skip(1) {
+            self.triangle(fan[0], pair[0], pair[1]);
+        }
+        self.end(Some(facing));
+    }
+}
+
+/// The four largest shares, normalised to sum 1; ties go to the lower joint.
+pub(in crate::avatar) fn pack(shares: &Shares) -> ([u8; 4], [f32; 4]) {
+    let mut order: [usize; JOINT_COUNT] = std::array::from_fn(|joint| joint);
+    order.sort_by(|&a, &b| shares[b].total_cmp(&shares[a]).then(a.cmp(&b)));
+    let total: f32 = order[..4].iter().map(|&joint| shares[joint].max(0.0)).sum();
+    let mut joints = [0; 4];
+    let mut weights = [0.0; 4];
+    for slot in 0..4 {
+        let share = shares[order[slot]].max(0.0);
+        if total > 0.0 && share > 0.0 {
+            joints[slot] = u8::try_from(order[slot]).unwrap_or(0);
+            weights[slot] = share / total;
+        }
+    }
+    if total <= 0.0 {
+        weights[0] = 1.0;
+    }
+    (joints, weights)
+}

@@ -1,0 +1,93 @@
+use super::*;
+use std::collections::HashMap;
+
+/// Signed volume, and the area of triangles whose normals disagree with their winding.
+fn volume(mesh: &Mesh) -> f32 {
+    mesh.indices
+        .chunks_exact(3)
+        .map(|t| {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.vertices[i as usize].position);
+            a.dot(b.cross(c)) / 6.0
+        })
+        .sum()
+}
+
+#[test]
+fn bodies_have_the_promised_triangle_counts_and_stature() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let counts: Vec<usize> = avatar.levels.iter().map(|mesh| mesh.indices.len() / 3).collect();
+        println!("{}: {counts:?} triangles", avatar.name);
+        for (count, range) in counts.iter().zip([800..=1500, 330..=460, 95..=155]) {
+            assert!(range.contains(count), "{}: {counts:?}", avatar.name);
+        }
+        for mesh in &avatar.levels {
+            let top = mesh.vertices.iter().map(|v| v.position.y).fold(f32::MIN, f32::max);
+            let bottom = mesh.vertices.iter().map(|v| v.position.y).fold(f32::MAX, f32::min);
+            assert!((top - avatar.height).abs() < 0.02, "{} is {top} m high", avatar.name);
+            assert!(bottom.abs() < 1e-4, "{} stands at {bottom} m", avatar.name);
+        }
+    }
+}
+
+#[test]
+fn surfaces_wind_outward_with_unit_normals_on_the_same_side() {
+    for sex in Sex::ALL {
+        for mesh in &generated(sex).levels {
+            assert!((0.02..0.2).contains(&volume(mesh)), "volume {} m3", volume(mesh));
+            let mut odd = 0;
+            for t in mesh.indices.chunks_exact(3) {
+                let corners = [t[0], t[1], t[2]].map(|i| mesh.vertices[i as usize]);
+                let [a, b, c] = corners.map(|v| v.position);
+                let normal = (b - a).cross(c - a).normalize();
+                for v in corners {
+                    assert!((v.normal.length() - 1.0).abs() < 1e-4);
+                    odd += usize::from(v.normal.dot(normal) < -0.2);
+                }
+            }
+            assert!(
+                odd * 100 < mesh.indices.len(),
+                "{odd} of {} corners shade inside out",
+                mesh.indices.len()
+            );
+        }
+    }
+}
+
+#[test]
+fn weights_sum_to_one_and_the_body_is_its_own_mirror_image() {
+    for sex in Sex::ALL {
+        for mesh in &generated(sex).levels {
+            let key = |p: Vec3| (p * 2e3).round().as_ivec3();
+            let mut found: HashMap<glam::IVec3, usize> = HashMap::new();
+            for v in &mesh.vertices {
+                assert!((v.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
+                assert!(v.joints.iter().all(|&j| usize::from(j) < JOINT_COUNT));
+                *found.entry(key(v.position)).or_default() += 1;
+            }
+            let single = mesh.vertices.iter().filter(|v| {
+                let p = v.position * Vec3::new(-1.0, 1.0, 1.0);
+                let near = |d: Vec3| found.contains_key(&key(p + d * 5e-4));
+                !near(Vec3::ZERO) && !near(Vec3::X) && !near(-Vec3::X) && !near(Vec3::Y) && !near(-Vec3::Y)
+            });
+            let share = single.count() as f32 / mesh.vertices.len() as f32;
+            // Odd polygons (5 segments) are symmetric about the front, hence the whole body is.
+            assert!(share < 0.35, "{share} of the vertices have no mirror image");
+        }
+    }
+}
+
+#[test]
+fn eyes_and_joints_lie_inside_the_figure() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let rotations = avatar.joints.map(|joint| joint.rotation);
+        let model = avatar.model_from_joint(&rotations, avatar.joints[0].translation);
+        let eyes = model[Joint::Head as usize].transform_point3(avatar.eyes_in_head);
+        assert!(eyes.z > 0.05 && (0.92..0.95).contains(&(eyes.y / avatar.height)), "{eyes}");
+        for (joint, transform) in Joint::ALL.into_iter().zip(&model) {
+            let skin = *transform * avatar.joints[joint as usize].joint_from_mesh;
+            assert!(skin.abs_diff_eq(Mat4::IDENTITY, 1e-5), "{} is not at rest", joint.name());
+        }
+    }
+}

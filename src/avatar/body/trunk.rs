@@ -1,0 +1,114 @@
+//! Torso with clothes, neck and skirt.
+
+use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::{BOTTOM, Material, Measures, SKIN, Sex, TOP};
+use glam::Vec3;
+
+/// (height, half width, front depth, back depth, coarsest level) of a horizontal ring, metres.
+pub(super) type Row = (f32, f32, f32, f32, usize);
+
+/// Horizontal rings from rows, bottom to top.
+pub(super) fn rings(rows: &[Row], square: f32, paint: Paint) -> Vec<Ring> {
+    let ring = |&(y, half_width, front, back, keep): &Row| Ring {
+        center: Vec3::new(0.0, y, 0.0),
+        side: Vec3::X * half_width,
+        front: Vec3::Z * front,
+        back: back / front,
+        square,
+        paint,
+        back_paint: None,
+        keep,
+    };
+    rows.iter().map(ring).collect()
+}
+
+impl Measures {
+    /// Trousers' seat or skirt, top, collar, neck.
+    pub(super) fn trunk<'a>(
+        &self,
+        builder: &mut Builder<'a>,
+        trunk: &'a dyn Fn(Vec3) -> Shares,
+        skirt: &'a dyn Fn(Vec3) -> Shares,
+    ) {
+        const MALE_SEAT: &[Row] = &[
+            (0.850, 0.100, 0.080, 0.085, 0),
+            (0.880, 0.158, 0.098, 0.112, 0),
+            (0.930, 0.166, 0.106, 0.122, 0),
+            (0.990, 0.160, 0.106, 0.108, 2),
+        ];
+        const MALE_TOP: &[Row] = &[
+            (0.958, 0.172, 0.120, 0.128, 2),
+            (1.100, 0.158, 0.114, 0.098, 0),
+            (1.200, 0.170, 0.120, 0.108, 0),
+            (1.300, 0.188, 0.124, 0.120, 1),
+            (1.380, 0.196, 0.110, 0.122, 0),
+            (1.430, 0.190, 0.084, 0.106, 2),
+            (1.463, 0.140, 0.068, 0.092, 0),
+            (1.485, 0.092, 0.064, 0.080, 0),
+            (1.508, 0.066, 0.064, 0.072, 2),
+        ];
+        const FEMALE_SKIRT: &[Row] = &[
+            (0.520, 0.192, 0.158, 0.172, 2),
+            (0.640, 0.192, 0.146, 0.165, 1),
+            (0.780, 0.188, 0.126, 0.150, 0),
+            (0.880, 0.178, 0.110, 0.132, 0),
+            (0.975, 0.146, 0.098, 0.102, 2),
+        ];
+        const FEMALE_TOP: &[Row] = &[
+            (0.968, 0.153, 0.104, 0.108, 2),
+            (1.050, 0.130, 0.097, 0.086, 1),
+            (1.165, 0.150, 0.122, 0.100, 0),
+            (1.215, 0.156, 0.128, 0.104, 1),
+            (1.275, 0.158, 0.104, 0.106, 0),
+            (1.322, 0.162, 0.076, 0.094, 2),
+            (1.350, 0.120, 0.060, 0.080, 0),
+            (1.370, 0.080, 0.054, 0.070, 0),
+            (1.386, 0.056, 0.052, 0.062, 2),
+        ];
+        let segments = [12, 7, 5][builder.level.min(2)];
+        let (lower, upper): (&[Row], &[Row]) = match self.sex {
+            Sex::Female => (FEMALE_SKIRT, FEMALE_TOP),
+            Sex::Male => (MALE_SEAT, MALE_TOP),
+        };
+        builder.begin(if self.sex == Sex::Female { skirt } else { trunk });
+        // The inside of a skirt is seen from below: its cap is pushed up and dark.
+        let cap = if self.sex == Sex::Female { Cap::Fan(-0.05) } else { Cap::Fan(0.02) };
+        builder.loft(&rings(lower, 2.4, BOTTOM), segments, [cap, Cap::Open]);
+        builder.end(None);
+
+        builder.begin(trunk);
+        let mut top = rings(upper, 2.35, TOP);
+        // A belt line: the hem's underside closes against the trousers in the shade.
+        if let Some(hem) = top.first().copied() {
+            let under = Ring { side: hem.side * 0.93, front: hem.front * 0.9, center: hem.center, ..hem };
+            top.insert(0, Ring { paint: Paint::tinted(Material::Top, 0.45), keep: 0, ..under });
+        }
+        builder.loft(&top, segments, [Cap::Open, Cap::Fan(0.004)]);
+        builder.end(None);
+        self.neck(builder, trunk);
+    }
+
+    fn neck<'a>(&self, builder: &mut Builder<'a>, trunk: &'a dyn Fn(Vec3) -> Shares) {
+        let (base, top, radius) = match self.sex {
+            Sex::Female => (1.362, 1.470, 0.045),
+            Sex::Male => (1.472, 1.585, 0.056),
+        };
+        if builder.level >= 2 {
+            return;
+        }
+        let segments = [8, 5][builder.level.min(1)];
+        let ring = |t: f32, scale: f32, keep: usize| Ring {
+            center: Vec3::new(0.0, base + (top - base) * t, -0.012 + 0.014 * t),
+            side: Vec3::X * radius * scale,
+            front: Vec3::Z * radius * scale,
+            back: 1.1,
+            square: 2.0,
+            paint: SKIN,
+            back_paint: None,
+            keep,
+        };
+        builder.begin(trunk);
+        builder.loft(&[ring(0.0, 1.1, 2), ring(0.4, 1.0, 0), ring(1.0, 1.0, 2)], segments, [Cap::Open; 2]);
+        builder.end(None);
+    }
+}

@@ -1,0 +1,315 @@
+//! Offline retargeting of gaits (positions only) onto avatars (rotations). Spec 1.9, S-22, A-27.
+//!
+//! 1. The gait is resampled to the clip's phases and scaled by leg length.
+//! 2. Pelvis frame from (left hip - right hip) and (spine - root), chest frame from the shoulders and
+//!    (neck - spine), head from (head - neck).
+//! 3. Arms take the directions of the gait's bones; their twist comes from the plane of the elbow, or from
+//!    anatomy where the arm is straight (a previous frame's plane would not close the loop).
+//! 4. The feet follow a plan that keeps the planted foot still ([`feet`]); legs reach it by two-bone inverse
+//!    kinematics; the hips are lowered smoothly where a leg would be too short.
+//! 5. Turns relative to the rest pose become local rotations, whatever the rig's joint axes are.
+
+mod cycle;
+mod feet;
+mod rig;
+
+use super::{Avatar, CLIP_FRAMES, Clip, ClipFrame, Error};
+use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
+use feet::{FootPlan, FootTarget, pitched};
+use glam::{Mat3, Quat, Vec3};
+use rig::{Rig, anatomical_hinge, hinge};
+use std::f32::consts::TAU;
+
+/// Greatest use of a leg's length: a knee never locks.
+const REACH: f32 = 0.997;
+
+/// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
+const HEAD_FOLLOWS_CHEST: f32 = 0.25;
+
+/// The body above the legs, as turns from the rest pose in model space, and the hips' midpoint.
+struct Posture {
+    pelvis: Quat,
+    chest: Quat,
+    head: Quat,
+    /// Directions of (upper arm, forearm): left, right.
+    arms: [[Vec3; 2]; 2],
+    /// Hinge suggested by the gait's knees: left, right.
+    knees: [Vec3; 2],
+    /// Midpoint of the hips, m.
+    hips: Vec3,
+}
+
+impl Posture {
+    /// Where a hip joint is, m.
+    fn hip(&self, rig: &Rig, joint: Joint) -> Vec3 {
+        self.hips + self.pelvis * (rig.at(joint) - rig.hips())
+    }
+}
+
+/// Puts a gait onto an avatar.
+///
+/// Left and right, phase 0 and cycle time stay; metres are scaled by leg length, so [`Clip::speed`] differs from
+/// [`Gait::speed`]. A planted foot moves backwards by exactly [`Clip::stride_travel`] per cycle.
+///
+/// # Errors
+/// [`Error::Unusable`] when the gait has fewer than 4 frames, a length, rate or speed that is not finite or a leg
+/// of no length, or the avatar's rest pose is degenerate.
+pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
+    let rig = Rig::new(avatar)?;
+    let poses = cycle::resample(gait)?;
+    let gait_leg = leg_length(&poses);
+    if gait_leg < 0.05 {
+        let message = format!("its legs are {gait_leg} m long; are the positions in metres?");
+        return Err(Error::Unusable { name: gait.name.clone(), message });
+    }
+    let scale = rig.leg_length() / gait_leg;
+    let travel = gait.stride_travel() * scale;
+    let feet = [Joint::LeftFoot, Joint::RightFoot];
+    let stances = feet.map(|foot| feet::stance(&poses, foot, gait.stride_travel()));
+    let gait_ankle = feet::ankle_height(&poses, [(feet[0], stances[0]), (feet[1], stances[1])]);
+    let gait_hips = [Joint::LeftHip, Joint::RightHip].map(|hip| cycle::mean(&poses, hip));
+    let mut plans = [0, 1].map(|side| {
+        let hip = rig.legs[side].chain[0];
+        FootPlan {
+            poses: &poses,
+            foot: feet[side],
+            stance: stances[side],
+            scale,
+            travel,
+            relative_stride: travel / rig.leg_length(),
+            ankle: [gait_ankle, rig.at(feet[side]).y],
+            shift: rig.at(hip).x - gait_hips[side].x * scale,
+            sole: rig.soles[side],
+            set_back: 0.0,
+            leg: rig.leg_length(),
+            rise: Vec::new(),
+        }
+    });
+    let ankle = 0.5 * (rig.at(feet[0]).y + rig.at(feet[1]).y);
+    let spread = arm_spread(&rig, &poses);
+    let postures: Vec<Posture> = poses
+        .iter()
+        .map(|pose| {
+            posture(&rig, pose, scale, spread, |hips| {
+                Vec3::new(hips.x * scale, (hips.y - gait_ankle) * scale + ankle, hips.z * scale)
+            })
+        })
+        .collect();
+    let hips = [0, 1].map(|side| -> Vec<Vec3> {
+        postures.iter().map(|body| body.hip(&rig, rig.legs[side].chain[0])).collect()
+    });
+    let reach = [0, 1].map(|side| REACH * rig.legs[side].reach());
+    // Both feet alike, or the walk would limp.
+    let set_back = [0, 1].map(|side| plans[side].strikes_beyond(&hips[side], reach[side]));
+    for side in 0..2 {
+        plans[side].set_back = set_back[0].max(set_back[1]);
+        plans[side].rise_to_reach(&hips[side], reach[side]);
+    }
+    let targets: Vec<[FootTarget; 2]> = (0..CLIP_FRAMES)
+        .map(|frame| frame as f32 / CLIP_FRAMES as f32)
+        .map(|phase| [plans[0].at(phase), plans[1].at(phase)])
+        .collect();
+    let frames = solve(&rig, &postures, &targets);
+    Ok(Clip { frames, stride_travel: travel, speed: travel / gait.cycle_time() })
+}
+
+/// A relaxed stand: arms hanging, both feet flat on the ground, a breath and a slight sway per cycle.
+/// `stride_travel` and `speed` are 0. An avatar that cannot be driven stands in its rest pose.
+pub fn standing(avatar: &Avatar) -> Clip {
+    let frames = match Rig::new(avatar) {
+        Ok(rig) => stand(&rig),
+        Err(_) => {
+            let rotations = avatar.joints.map(|joint| joint.rotation);
+            vec![ClipFrame { rotations, root: avatar.joints[0].translation }; CLIP_FRAMES]
+        }
+    };
+    Clip { frames, stride_travel: 0.0, speed: 0.0 }
+}
+
+fn stand(rig: &Rig) -> Vec<ClipFrame> {
+    let size = rig.leg_length();
+    let hips = rig.hips();
+    let feet = [0, 1].map(|side| {
+        let [hip, _, foot] = rig.legs[side].chain.map(|joint| rig.at(joint));
+        // Feet under the hips, whatever the rest pose does with the legs.
+        FootTarget { ankle: Vec3::new(hip.x, foot.y, hips.z), pitch: 0.0, planted: true }
+    });
+    let height = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) + 0.994 * size;
+    let spread = [0, 1].map(|side| {
+        let shoulder = rig.at(rig.arms[side].chain[0]).x.abs();
+        let out = (rig.hand_clearance - shoulder) / rig.arms[side].reach().max(1e-3);
+        out.clamp(0.06, 0.6)
+    });
+    let postures: Vec<Posture> = (0..CLIP_FRAMES)
+        .map(|frame| {
+            let (sway, breath) = (TAU * frame as f32 / CLIP_FRAMES as f32).sin_cos();
+            let arms = [1.0, -1.0].map(|side| {
+                let out = spread[usize::from(side < 0.0)] * side;
+                let upper = Vec3::new(out * 1.1, -1.0, -0.04).normalize();
+                [upper, Vec3::new(out * 0.8, -1.0, 0.16).normalize()]
+            });
+            Posture {
+                pelvis: Quat::from_rotation_z(-0.006 * sway),
+                chest: Quat::from_rotation_z(0.004 * sway) * Quat::from_rotation_x(-0.006 * breath),
+                head: Quat::IDENTITY,
+                arms,
+                knees: [Vec3::X; 2],
+                hips: Vec3::new(0.005 * size * sway, height, hips.z),
+            }
+        })
+        .collect();
+    solve(rig, &postures, &vec![feet; CLIP_FRAMES])
+}
+
+/// Mean length of the gait's legs, m.
+fn leg_length(poses: &[Pose]) -> f32 {
+    let leg = |pose: &Pose, hip: Joint| {
+        let [hip, knee, foot] = [0, 1, 2].map(|k| pose[hip as usize + k]);
+        hip.distance(knee) + knee.distance(foot)
+    };
+    let both = |pose: &Pose| 0.5 * (leg(pose, Joint::LeftHip) + leg(pose, Joint::RightHip));
+    poses.iter().map(both).sum::<f32>() / poses.len() as f32
+}
+
+/// Turn that takes upright axes to the body part whose left and up directions are given.
+fn upright(left: Vec3, up: Vec3) -> Quat {
+    let x = left.normalize_or(Vec3::X);
+    let y = (up - x * up.dot(x)).normalize_or(Vec3::Y);
+    Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y)))
+}
+
+/// Heading of a turn about the vertical, radians, positive to the left.
+fn heading(turn: Quat) -> f32 {
+    let forward = turn * Vec3::Z;
+    forward.x.atan2(forward.z)
+}
+
+/// How far (radians, outward) the arms must be spread so that hands stay clear of a broader body.
+fn arm_spread(rig: &Rig, poses: &[Pose]) -> f32 {
+    let arm = rig.arms[0].reach() + rig.arms[1].reach();
+    let shoulders = rig.at(Joint::LeftShoulder).x - rig.at(Joint::RightShoulder).x;
+    let out = |pose: &Pose| {
+        let at = |joint: Joint| pose[joint as usize];
+        let width = at(Joint::LeftHand).x
+            - at(Joint::RightHand).x
+            - (at(Joint::LeftShoulder).x - at(Joint::RightShoulder).x);
+        let length = at(Joint::LeftShoulder).distance(at(Joint::LeftElbow))
+            + at(Joint::LeftElbow).distance(at(Joint::LeftHand))
+            + at(Joint::RightShoulder).distance(at(Joint::RightElbow))
+            + at(Joint::RightElbow).distance(at(Joint::RightHand));
+        width / length.max(1e-3)
+    };
+    let mean = poses.iter().map(out).sum::<f32>() / poses.len() as f32;
+    let wanted = (2.0 * rig.hand_clearance - shoulders) / arm.max(1e-3);
+    (wanted - mean).clamp(0.0, 0.6)
+}
+
+/// Reads a frame of the gait.
+fn posture(rig: &Rig, pose: &Pose, scale: f32, spread: f32, place: impl Fn(Vec3) -> Vec3) -> Posture {
+    debug_assert!(scale > 0.0, "leg lengths were checked");
+    let at = |joint: Joint| pose[joint as usize];
+    let pelvis = upright(at(Joint::LeftHip) - at(Joint::RightHip), at(Joint::Spine) - at(Joint::Root));
+    let chest =
+        upright(at(Joint::LeftShoulder) - at(Joint::RightShoulder), at(Joint::Neck) - at(Joint::Spine));
+    // The avatar's own head sits where it does at rest when the gait's neck points the same way.
+    let rest = (rig.at(Joint::Head) - rig.at(Joint::Neck)).normalize_or(Vec3::Y);
+    let rest = if rest.y > 0.8 { rest } else { Vec3::Y };
+    let nod = Quat::from_rotation_arc(rest, (at(Joint::Head) - at(Joint::Neck)).normalize_or(rest));
+    let head = nod * Quat::from_rotation_y(HEAD_FOLLOWS_CHEST * heading(chest));
+    let arms = [0, 1].map(|side| {
+        let [shoulder, elbow, hand] = rig.arms[side].chain.map(at);
+        let out = Quat::from_rotation_z(if side == 0 { spread } else { -spread });
+        let upper = (elbow - shoulder).normalize_or(Vec3::NEG_Y);
+        [out * upper, out * (hand - elbow).normalize_or(upper)]
+    });
+    let knees = [0, 1].map(|side| {
+        let [hip, knee, foot] = rig.legs[side].chain.map(at);
+        let fallback = Quat::from_rotation_y(0.5 * heading(pelvis)) * Vec3::X;
+        let (thigh, shin) = ((knee - hip).normalize_or(Vec3::NEG_Y), (foot - knee).normalize_or(Vec3::NEG_Y));
+        // Half of what the gait says: knees point ahead, and captured knees are noisy.
+        fallback.lerp(hinge(thigh, shin, fallback, 0.1, 0.5), 0.5).normalize_or(fallback)
+    });
+    Posture {
+        pelvis,
+        chest,
+        head,
+        arms,
+        knees,
+        hips: place(at(Joint::LeftHip).midpoint(at(Joint::RightHip))),
+    }
+}
+
+/// Places the hips, reaches the feet and writes local rotations.
+fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<ClipFrame> {
+    let offset = rig.hips() - rig.at(Joint::Root);
+    let excess: Vec<f32> =
+        postures.iter().zip(targets).map(|(body, feet)| overreach(rig, body, feet)).collect();
+    let lowering = cycle::smooth_above(&excess);
+    let mut frames: Vec<ClipFrame> = Vec::with_capacity(postures.len());
+    for ((body, feet), lower) in postures.iter().zip(targets).zip(lowering) {
+        let hips = body.hips - Vec3::Y * lower;
+        let root = hips - body.pelvis * offset;
+        let mut turns = [Quat::IDENTITY; JOINT_COUNT];
+        turns[Joint::Root as usize] = body.pelvis;
+        turns[Joint::Spine as usize] = body.chest;
+        turns[Joint::Neck as usize] = body.chest.slerp(body.head, 0.5);
+        turns[Joint::Head as usize] = body.head;
+        for side in 0..2 {
+            let arm = &rig.arms[side];
+            let own = body.chest.inverse() * body.arms[side][0];
+            let fallback = body.chest * anatomical_hinge(own, -1.0);
+            let axis = hinge(body.arms[side][0], body.arms[side][1], fallback, 0.1, 0.4);
+            let [upper, fore] = arm.turns(body.arms[side], axis);
+            for (joint, turn) in arm.chain.into_iter().zip([upper, fore, fore]) {
+                turns[joint as usize] = turn;
+            }
+            let leg = &rig.legs[side];
+            let hip = root + body.pelvis * (rig.at(leg.chain[0]) - rig.at(Joint::Root));
+            let directions = reach(leg, hip, feet[side].ankle, body.knees[side]);
+            let [thigh, shin] = leg.turns(directions, body.knees[side]);
+            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(feet[side].pitch)]) {
+                turns[joint as usize] = turn;
+            }
+        }
+        frames.push(ClipFrame { rotations: local(rig, &turns, frames.last()), root });
+    }
+    frames
+}
+
+/// How far the hips stand too high for a leg to reach its foot, m.
+fn overreach(rig: &Rig, body: &Posture, feet: &[FootTarget; 2]) -> f32 {
+    let excess = |side: usize| {
+        if !feet[side].planted {
+            return 0.0;
+        }
+        let leg = &rig.legs[side];
+        let away = body.hip(rig, leg.chain[0]) - feet[side].ankle;
+        let longest = REACH * leg.reach();
+        let flat = away.x * away.x + away.z * away.z;
+        away.y - (longest * longest - flat).max(0.25 * longest * longest).sqrt()
+    };
+    excess(0).max(excess(1)).max(0.0)
+}
+
+/// Two-bone inverse kinematics: directions of thigh and shin from `hip` to `ankle`, bent about `hinge`.
+fn reach(leg: &rig::Limb, hip: Vec3, ankle: Vec3, hinge: Vec3) -> [Vec3; 2] {
+    let [thigh, shin] = leg.length;
+    let straight = (ankle - hip).normalize_or(Vec3::NEG_Y);
+    let shortest = (thigh - shin).abs() + 0.02 * (thigh + shin);
+    let distance = hip.distance(ankle).clamp(shortest, 0.9995 * (thigh + shin));
+    let along = ((thigh * thigh - shin * shin + distance * distance) / (2.0 * distance)).clamp(-thigh, thigh);
+    let axis = (hinge - straight * hinge.dot(straight)).normalize_or(Vec3::X);
+    let knee = straight * along + straight.cross(axis) * (thigh * thigh - along * along).max(0.0).sqrt();
+    [knee.normalize_or(straight), (straight * distance - knee).normalize_or(straight)]
+}
+
+/// Local rotations from turns of the rest pose, in the hemisphere of the frame before.
+fn local(rig: &Rig, turns: &[Quat; JOINT_COUNT], before: Option<&ClipFrame>) -> [Quat; JOINT_COUNT] {
+    let model: [Quat; JOINT_COUNT] = std::array::from_fn(|joint| turns[joint] * rig.rotation[joint]);
+    std::array::from_fn(|joint| {
+        let parent = if joint == 0 { Quat::IDENTITY } else { model[Joint::PARENT[joint]] };
+        let rotation = (parent.inverse() * model[joint]).normalize();
+        let reference = before.map_or(Quat::IDENTITY, |frame| frame.rotations[joint]);
+        if rotation.dot(reference) < 0.0 { -rotation } else { rotation }
+    })
+}

@@ -1,0 +1,195 @@
+//! What retargeting must know of an avatar: its rest pose in model space, limb lengths, soles.
+
+use super::super::{Avatar, Error};
+use crate::gait::{JOINT_COUNT, Joint};
+use glam::{Mat3, Quat, Vec3};
+
+/// Shoulder, elbow, hand or hip, knee, foot, and which way the middle joint turns.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Limb {
+    /// The three joints from the trunk outward.
+    pub(super) chain: [Joint; 3],
+    /// Rest directions of the two bones, unit, model space.
+    pub(super) rest: [Vec3; 2],
+    /// Lengths of the two bones, m.
+    pub(super) length: [f32; 2],
+    /// Rest axis of the hinge, unit, about perpendicular to both bones: flexion is a positive turn about it.
+    pub(super) hinge: Vec3,
+}
+
+/// Points of the sole relative to the foot joint at rest, m.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sole {
+    pub(super) heel: Vec3,
+    pub(super) toe: Vec3,
+}
+
+/// An avatar's rest pose.
+#[derive(Debug, Clone)]
+pub(super) struct Rig {
+    pub(super) position: [Vec3; JOINT_COUNT],
+    pub(super) rotation: [Quat; JOINT_COUNT],
+    /// Left, right.
+    pub(super) arms: [Limb; 2],
+    /// Left, right.
+    pub(super) legs: [Limb; 2],
+    /// Left, right.
+    pub(super) soles: [Sole; 2],
+    /// Half the width of the trunk or skirt beside the hanging hands, with room for the hand, m.
+    pub(super) hand_clearance: f32,
+}
+
+/// The anatomical axis about which an elbow (`sign` -1) or knee (+1) flexes when the limb's upper bone points
+/// along `direction`, in the frame of the trunk: the axis of the hanging limb carried along the shortest arc.
+pub(super) fn anatomical_hinge(direction: Vec3, sign: f32) -> Vec3 {
+    Quat::from_rotation_arc(Vec3::NEG_Y, direction.normalize_or(Vec3::NEG_Y)) * (Vec3::X * sign)
+}
+
+/// Hinge from the bend of the limb where it is bent (`narrow`, `wide`: sines between which the plane of the limb
+/// takes over) and from `fallback` where it is straight or bent the impossible way.
+pub(super) fn hinge(upper: Vec3, lower: Vec3, fallback: Vec3, narrow: f32, wide: f32) -> Vec3 {
+    let cross = upper.cross(lower);
+    let sine = cross.length();
+    let Some(plane) = cross.try_normalize() else { return fallback };
+    let bent = ((sine - narrow) / (wide - narrow)).clamp(0.0, 1.0);
+    // A plane far from the anatomical one is noise of an almost straight limb or an overstretched joint.
+    let trusted = ((plane.dot(fallback) + 0.1) / 0.5).clamp(0.0, 1.0);
+    let weight = bent * bent * (3.0 - 2.0 * bent) * trusted;
+    fallback.lerp(plane, weight).normalize_or(fallback)
+}
+
+/// Rotation of the frame given by a bone's direction and its hinge.
+pub(super) fn frame(direction: Vec3, hinge: Vec3) -> Quat {
+    let y = direction.normalize_or(Vec3::NEG_Y);
+    let x = (hinge - y * hinge.dot(y)).try_normalize().unwrap_or_else(|| y.any_orthonormal_vector());
+    Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y)))
+}
+
+impl Limb {
+    fn new(position: &[Vec3; JOINT_COUNT], chain: [Joint; 3], sign: f32) -> Self {
+        let [a, b, c] = chain.map(|joint| position[joint as usize]);
+        let rest = [(b - a).normalize_or(Vec3::NEG_Y), (c - b).normalize_or(Vec3::NEG_Y)];
+        let fallback = anatomical_hinge(rest[0], sign);
+        Self {
+            chain,
+            rest,
+            length: [a.distance(b), b.distance(c)],
+            hinge: hinge(rest[0], rest[1], fallback, 0.1, 0.3),
+        }
+    }
+
+    /// Lengths of both bones together, m.
+    pub(super) fn reach(&self) -> f32 {
+        self.length[0] + self.length[1]
+    }
+
+    /// Model-space turns from the rest pose that bring the two bones into the given directions and hinge.
+    pub(super) fn turns(&self, directions: [Vec3; 2], hinge: Vec3) -> [Quat; 2] {
+        [0, 1].map(|bone| frame(directions[bone], hinge) * frame(self.rest[bone], self.hinge).inverse())
+    }
+}
+
+impl Rig {
+    /// # Errors
+    /// [`Error::Unusable`] when a joint is not finite or a leg has no length.
+    pub(super) fn new(avatar: &Avatar) -> Result<Self, Error> {
+        let unusable = |message: String| Error::Unusable { name: avatar.name.clone(), message };
+        let local = avatar.joints.map(|joint| joint.rotation.normalize());
+        let model = avatar.model_from_joint(&local, avatar.joints[0].translation);
+        let position = model.map(|matrix| matrix.w_axis.truncate());
+        let mut rotation = local;
+        for joint in 1..JOINT_COUNT {
+            rotation[joint] = rotation[Joint::PARENT[joint]] * local[joint];
+        }
+        for joint in Joint::ALL {
+            let (p, q) = (position[joint as usize], rotation[joint as usize]);
+            if !p.is_finite() || !q.is_finite() {
+                return Err(unusable(format!("rest pose of joint {} is not finite: {p} {q}", joint.name())));
+            }
+        }
+        use Joint as J;
+        let arms =
+            [[J::LeftShoulder, J::LeftElbow, J::LeftHand], [J::RightShoulder, J::RightElbow, J::RightHand]];
+        let legs = [[J::LeftHip, J::LeftKnee, J::LeftFoot], [J::RightHip, J::RightKnee, J::RightFoot]];
+        let arms = arms.map(|chain| Limb::new(&position, chain, -1.0));
+        let legs = legs.map(|chain| Limb::new(&position, chain, 1.0));
+        for leg in &legs {
+            for (bone, length) in leg.length.into_iter().enumerate() {
+                if length < 1e-3 {
+                    return Err(unusable(format!(
+                        "the bone below {} is {length} m long; a leg needs a thigh and a shin of 1 mm or more",
+                        leg.chain[bone].name()
+                    )));
+                }
+            }
+        }
+        let soles =
+            [0, 1].map(|side| sole(avatar, legs[side].chain[2], position[legs[side].chain[2] as usize]));
+        let hand_clearance = hand_clearance(avatar, &position, &arms);
+        Ok(Self { position, rotation, arms, legs, soles, hand_clearance })
+    }
+
+    /// Rest position of a joint in model space, m.
+    pub(super) fn at(&self, joint: Joint) -> Vec3 {
+        self.position[joint as usize]
+    }
+
+    /// Mean length of the legs from hip to ankle, m.
+    pub(super) fn leg_length(&self) -> f32 {
+        0.5 * (self.legs[0].reach() + self.legs[1].reach())
+    }
+
+    /// Midpoint of the hips at rest, m.
+    pub(super) fn hips(&self) -> Vec3 {
+        self.at(Joint::LeftHip).midpoint(self.at(Joint::RightHip))
+    }
+}
+
+/// Heel and toe of the vertices that hang on `foot`; a shoe of usual proportions where there are none.
+fn sole(avatar: &Avatar, foot: Joint, ankle: Vec3) -> Sole {
+    let own = |vertex: &&super::super::Vertex| {
+        let slots = vertex.joints.iter().zip(vertex.weights);
+        slots.filter(|(joint, _)| usize::from(**joint) == foot as usize).map(|(_, w)| w).sum::<f32>() > 0.5
+    };
+    let vertices = || avatar.levels.iter().take(1).flat_map(|mesh| &mesh.vertices).filter(own);
+    let ground = vertices().map(|v| v.position.y).fold(f32::MAX, f32::min);
+    let height = (ankle.y - ground).max(0.0);
+    let near = vertices().filter(|v| v.position.y < ground + 0.25 * height.max(0.02));
+    let (back, front) =
+        near.fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(v.position.z), high.max(v.position.z)));
+    if ground > 1e6 || front <= back {
+        let length = ankle.y.max(0.02);
+        return Sole {
+            heel: Vec3::new(0.0, -ankle.y, -0.8 * length),
+            toe: Vec3::new(0.0, -ankle.y, 2.0 * length),
+        };
+    }
+    // Shoes curve up at both ends; the ground is touched a little inside of them.
+    let inside = 0.04 * (front - back);
+    Sole {
+        heel: Vec3::new(0.0, -height, back + inside - ankle.z),
+        toe: Vec3::new(0.0, -height, front - inside - ankle.z),
+    }
+}
+
+/// How far from the middle a hanging hand must stay to be clear of the body.
+fn hand_clearance(avatar: &Avatar, position: &[Vec3; JOINT_COUNT], arms: &[Limb; 2]) -> f32 {
+    let shoulder = position[arms[0].chain[0] as usize].y;
+    let [upper, fore] = arms[0].length;
+    let (low, high) = (shoulder - upper - 1.3 * fore, shoulder - upper - 0.5 * fore);
+    let trunk = [Joint::Root, Joint::Spine, Joint::LeftHip, Joint::RightHip].map(|joint| joint as usize);
+    let widest = avatar
+        .levels
+        .iter()
+        .take(1)
+        .flat_map(|mesh| &mesh.vertices)
+        .filter(|v| (low..high).contains(&v.position.y))
+        .filter(|v| {
+            let slots = v.joints.iter().zip(v.weights);
+            slots.filter(|(joint, _)| trunk.contains(&usize::from(**joint))).map(|(_, w)| w).sum::<f32>()
+                > 0.5
+        })
+        .map(|v| v.position.x.abs())
+        .fold(0.0, f32::max);
+    if widest > 0.0 { widest + 0.1 * fore } else { 0.0 }
+}

@@ -1,0 +1,307 @@
+//! Pictures into PNG files, and many pictures onto one sheet.
+
+use super::font;
+use crate::render::Image;
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+/// A picture or a video could not be written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The file could not be written.
+    #[error("cannot write {path:?}: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The name has no ending that says which format is wanted.
+    #[error("{path:?} has the ending {found:?}; pictures can be {allowed}")]
+    Ending {
+        /// The file.
+        path: PathBuf,
+        /// Its ending.
+        found: String,
+        /// What can be written.
+        allowed: &'static str,
+    },
+    /// A picture has a size that does not fit.
+    #[error("picture of {width}x{height} pixels with {bytes} bytes: {problem}")]
+    Size {
+        /// Pixels a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Bytes it holds.
+        bytes: usize,
+        /// What is wrong, what is allowed, what to do.
+        problem: String,
+    },
+    /// The frame rate cannot be used.
+    #[error("a frame rate of {0} per second; give one from 1 to 1000")]
+    FrameRate(f64),
+    /// The ffmpeg program failed.
+    #[error("ffmpeg stopped while writing {path:?}: {said}")]
+    Ffmpeg {
+        /// The file.
+        path: PathBuf,
+        /// What it said last.
+        said: String,
+    },
+}
+
+impl Error {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::Write { .. } => Some("give a path in a folder that exists and may be written to"),
+            Self::Ffmpeg { .. } => Some(
+                "give a name that ends in .y4m to write the video without ffmpeg, or install one with libx264",
+            ),
+            Self::Size { .. } | Self::Ending { .. } | Self::FrameRate(_) => None,
+        }
+    }
+
+    pub(super) fn write(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self::Write { path, source }
+    }
+}
+
+/// A neighbour of `path` to write into until the file is complete; on failure it is removed again.
+#[derive(Debug)]
+pub(super) struct Unfinished {
+    path: PathBuf,
+    temporary: PathBuf,
+    finished: bool,
+}
+
+impl Unfinished {
+    pub(super) fn new(path: &Path) -> Self {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let temporary = path.with_file_name(format!(".{name}.{}.part", std::process::id()));
+        Self { path: path.to_path_buf(), temporary, finished: false }
+    }
+
+    /// The file to write into.
+    pub(super) fn temporary(&self) -> &Path {
+        &self.temporary
+    }
+
+    /// The complete file takes its name.
+    pub(super) fn finish(mut self) -> Result<PathBuf, Error> {
+        std::fs::rename(&self.temporary, &self.path).map_err(Error::write(&self.path))?;
+        self.finished = true;
+        Ok(self.path.clone())
+    }
+}
+
+impl Drop for Unfinished {
+    fn drop(&mut self) {
+        if !self.finished {
+            let _ = std::fs::remove_file(&self.temporary); // there may be none yet
+        }
+    }
+}
+
+/// Says what is wrong with a picture whose size and bytes do not agree.
+pub(super) fn check(image: &Image) -> Result<(), Error> {
+    let wanted = image.width as usize * image.height as usize * 4;
+    let problem = if wanted == 0 {
+        "a picture has at least one pixel".to_owned()
+    } else if image.pixels.len() != wanted {
+        format!("there should be {wanted} bytes")
+    } else {
+        return Ok(());
+    };
+    Err(Error::Size { width: image.width, height: image.height, bytes: image.pixels.len(), problem })
+}
+
+/// Writes a picture as PNG (8 bits a channel, sRGB, fast compression).
+///
+/// # Errors
+/// When the name does not end in `.png`, the picture is empty, or the file cannot be written; nothing is left then.
+pub fn write_png(path: &Path, image: &Image) -> Result<(), Error> {
+    check(image)?;
+    let found = path.extension().unwrap_or_default().to_string_lossy().into_owned();
+    if !found.eq_ignore_ascii_case("png") {
+        return Err(Error::Ending { path: path.to_path_buf(), found, allowed: ".png" });
+    }
+    let unfinished = Unfinished::new(path);
+    let file = std::fs::File::create(unfinished.temporary()).map_err(Error::write(path))?;
+    encode_png(BufWriter::new(file), image).map_err(Error::write(path))?;
+    unfinished.finish()?;
+    Ok(())
+}
+
+fn encode_png(out: impl std::io::Write, image: &Image) -> std::io::Result<()> {
+    // a picture without transparency needs no fourth channel: a quarter less to compress and to store
+    let opaque = image.pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
+    let rgb: Vec<u8>;
+    let (color, data) = if opaque {
+        rgb = image.pixels.chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
+        (png::ColorType::Rgb, &rgb)
+    } else {
+        (png::ColorType::Rgba, &image.pixels)
+    };
+    let mut encoder = png::Encoder::new(out, image.width, image.height);
+    encoder.set_color(color);
+    encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_compression(png::Compression::Fast);
+    encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    writer.write_image_data(data)?;
+    writer.finish()?;
+    Ok(())
+}
+
+/// Writes text into a picture, its top left corner at (`left`, `top`), each dot `dot` pixels wide, with a dark shade
+/// behind it so that it can be read on any ground.
+pub fn write_text(image: &mut Image, left: u32, top: u32, dot: u32, color: [u8; 4], text: &str) {
+    let dot = dot.clamp(1, 64);
+    for (line, text) in (0_u32..).zip(text.lines()) {
+        let top = top.saturating_add(line.saturating_mul(font::LINE * dot));
+        for (shade, x, y) in [(true, dot, dot), (false, 0, 0)] {
+            let color = if shade { [0, 0, 0, 255] } else { color };
+            for (column, row) in font::dots(text) {
+                image.fill(
+                    left.saturating_add(column * dot + x),
+                    top.saturating_add(row * dot + y),
+                    dot,
+                    dot,
+                    color,
+                );
+            }
+        }
+    }
+}
+
+/// Width of a text in pixels.
+pub fn text_width(text: &str, dot: u32) -> u32 {
+    let longest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
+    u32::try_from(longest).unwrap_or(u32::MAX).saturating_mul(font::ADVANCE * dot)
+}
+
+/// One picture of a contact sheet.
+#[derive(Debug, Clone, Copy)]
+pub struct Tile<'a> {
+    /// Text below the picture; may be empty.
+    pub caption: &'a str,
+    /// The picture.
+    pub image: &'a Image,
+}
+
+/// Puts pictures in rows of `columns` (0: about as many as rows) with their captions below.
+///
+/// Every cell has the size of the largest picture. No tiles give one dark pixel.
+pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Image {
+    /// Pixels between tiles.
+    const GAP: u32 = 8;
+    const PAPER: [u8; 4] = [24, 26, 30, 255];
+    const INK: [u8; 4] = [232, 232, 228, 255];
+    let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
+    if count == 0 {
+        return Image::filled(1, 1, PAPER);
+    }
+    let columns =
+        if columns == 0 { count.isqrt() + u32::from(count.isqrt().pow(2) < count) } else { columns }
+            .min(count);
+    let rows = count.div_ceil(columns);
+    let width = tiles.iter().map(|tile| tile.image.width).max().unwrap_or(0);
+    let height = tiles.iter().map(|tile| tile.image.height).max().unwrap_or(0);
+    let dot = (width / 320).clamp(1, 3);
+    let lines = tiles.iter().map(|tile| tile.caption.lines().count()).max().unwrap_or(0);
+    let caption = u32::try_from(lines).unwrap_or(0) * font::LINE * dot;
+    let (across, down) = (width + GAP, height + caption + GAP + if lines > 0 { 4 } else { 0 });
+    let mut sheet = Image::filled(columns * across + GAP, rows * down + GAP, PAPER);
+    for (index, tile) in (0_u32..).zip(tiles) {
+        let (left, top) = (GAP + index % columns * across, GAP + index / columns * down);
+        sheet.blit(tile.image, left, top);
+        // what does not fit below its own picture would run into the next caption
+        let fits = (width / (font::ADVANCE * dot)) as usize;
+        let text: Vec<String> = tile.caption.lines().map(|line| line.chars().take(fits).collect()).collect();
+        write_text(&mut sheet, left, top + height + 4, dot, INK, &text.join("\n"));
+    }
+    sheet
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gradient(width: u32, height: u32, alpha: u8) -> Image {
+        let mut image = Image::filled(width, height, [0, 0, 0, alpha]);
+        for y in 0..height {
+            for x in 0..width {
+                image.set(x, y, [(x * 7 % 256) as u8, (y * 5 % 256) as u8, ((x + y) % 256) as u8, alpha]);
+            }
+        }
+        image
+    }
+
+    fn read(path: &Path) -> (png::ColorType, Vec<u8>) {
+        let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+        let mut reader = decoder.read_info().unwrap();
+        let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut pixels).unwrap();
+        (info.color_type, pixels)
+    }
+
+    #[test]
+    fn a_png_holds_the_picture_and_nothing_else_stays_in_the_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        let image = gradient(37, 19, 255);
+        write_png(&path, &image).unwrap();
+        let (color, pixels) = read(&path);
+        let want: Vec<u8> = image.pixels.chunks(4).flat_map(|p| p[..3].to_vec()).collect();
+        assert_eq!((color, pixels), (png::ColorType::Rgb, want));
+        let clear = gradient(5, 4, 100);
+        write_png(&path, &clear).unwrap();
+        assert_eq!(read(&path), (png::ColorType::Rgba, clear.pixels));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_picture_that_cannot_be_written_is_refused_with_the_reason() {
+        let folder = tempfile::tempdir().unwrap();
+        let image = gradient(4, 4, 255);
+        let error = write_png(&folder.path().join("a.jpg"), &image).unwrap_err();
+        assert!(error.to_string().contains("jpg") && error.to_string().contains(".png"), "{error}");
+        let error = write_png(&folder.path().join("none/a.png"), &image).unwrap_err();
+        assert!(error.to_string().contains("none") && error.hint().is_some(), "{error}");
+        let short = Image { width: 9, height: 9, pixels: vec![0; 8] };
+        let error = write_png(&folder.path().join("a.png"), &short).unwrap_err();
+        assert!(error.to_string().contains("324"), "{error}");
+        std::fs::create_dir(folder.path().join("d.png")).unwrap();
+        assert!(write_png(&folder.path().join("d.png"), &image).is_err());
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no temporary file is left");
+    }
+
+    #[test]
+    fn tiles_stand_in_rows_with_captions_below() {
+        let (red, blue) = (Image::filled(64, 32, [255, 0, 0, 255]), Image::filled(64, 32, [0, 0, 255, 255]));
+        let tile = |caption, image| Tile { caption, image };
+        let sheet = contact_sheet(&[tile("first", &red), tile("second\nline", &blue), tile("", &red)], 0);
+        assert_eq!((sheet.width, sheet.height), (2 * 72 + 8, 2 * (32 + 20 + 8 + 4) + 8));
+        assert_eq!(sheet.pixel(8, 8), Some([255, 0, 0, 255]));
+        assert_eq!(sheet.pixel(80, 8), Some([0, 0, 255, 255]));
+        assert_eq!(sheet.pixel(8, 72), Some([255, 0, 0, 255]));
+        let ink = |top: u32| {
+            (80..144).any(|x| (top..top + 8).any(|y| sheet.pixel(x, y) == Some([232, 232, 228, 255])))
+        };
+        assert!(ink(44) && ink(54) && !ink(108), "both lines of the second caption are there");
+        assert_eq!(contact_sheet(&[], 3).width, 1);
+    }
+
+    #[test]
+    fn captions_stop_where_their_picture_ends() {
+        let tile = Image::filled(30, 8, [9, 9, 9, 255]);
+        let sheet = contact_sheet(&[Tile { caption: "a very long caption", image: &tile }; 2], 2);
+        let gap_is_clear = (8 + 30 + 1..8 + 38)
+            .all(|x| (8..sheet.height).all(|y| sheet.pixel(x, y) == Some([24, 26, 30, 255])));
+        assert!(gap_is_clear);
+    }
+}

@@ -1,0 +1,447 @@
+//! The numbers of a walk: their ranges, the presets of the four emotions, mixtures and individuals.
+
+use crate::emotion::Emotion;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+use std::str::FromStr;
+
+/// Degrees to radians.
+const DEG: f64 = std::f64::consts::PI / 180.0;
+
+/// Which of the two mean bodies a walker has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+#[allow(missing_docs, reason = "the variants say it")]
+pub enum Sex {
+    Female,
+    Male,
+}
+
+impl Sex {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Female, Self::Male];
+
+    /// Lower-case name, as written in files and on the command line.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Female => "female",
+            Self::Male => "male",
+        }
+    }
+}
+
+impl fmt::Display for Sex {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl FromStr for Sex {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        Self::ALL
+            .into_iter()
+            .find(|sex| sex.name().eq_ignore_ascii_case(text))
+            .ok_or_else(|| format!("unknown sex {text:?}; use female or male"))
+    }
+}
+
+/// The walker's body. Segment lengths are shares of the height (Drillis and Contini 1966), widths are given.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Body {
+    /// Standing height of the person with soles and scalp, m. (The foot joint, 0.042 of it up, is y = 0.)
+    pub height: f64,
+    /// Distance between the shoulder joints as a share of the height.
+    pub shoulders: f64,
+    /// Distance between the hip joints as a share of the height.
+    pub hips: f64,
+}
+
+impl Body {
+    /// The mean body of a sex: 1.62 m or 1.76 m tall.
+    pub const fn mean(sex: Sex) -> Self {
+        match sex {
+            Sex::Female => Self { height: 1.62, shoulders: 0.200, hips: 0.106 },
+            Sex::Male => Self { height: 1.76, shoulders: 0.218, hips: 0.098 },
+        }
+    }
+
+    pub(super) fn thigh(&self) -> f64 {
+        0.245 * self.height
+    }
+    pub(super) fn shank(&self) -> f64 {
+        0.246 * self.height
+    }
+    pub(super) fn leg(&self) -> f64 {
+        self.thigh() + self.shank()
+    }
+    pub(super) fn ankle_height(&self) -> f64 {
+        0.042 * self.height
+    }
+    /// Ball of the foot ahead of the ankle.
+    pub(super) fn ball_ahead(&self) -> f64 {
+        0.072 * self.height
+    }
+    pub(super) fn root_above_hips(&self) -> f64 {
+        0.022 * self.height
+    }
+    pub(super) fn spine(&self) -> f64 {
+        0.115 * self.height
+    }
+    pub(super) fn chest(&self) -> f64 {
+        0.175 * self.height
+    }
+    pub(super) fn neck(&self) -> f64 {
+        0.070 * self.height
+    }
+    pub(super) fn shoulders_below_neck(&self) -> f64 {
+        0.022 * self.height
+    }
+    pub(super) fn upper_arm(&self) -> f64 {
+        0.180 * self.height
+    }
+    pub(super) fn forearm(&self) -> f64 {
+        0.150 * self.height
+    }
+    pub(super) fn shoulder_width(&self) -> f64 {
+        self.shoulders * self.height
+    }
+    pub(super) fn hip_width(&self) -> f64 {
+        self.hips * self.height
+    }
+}
+
+/// One way of walking. Metres, seconds, radians; angles of the trunk are positive forwards.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct WalkerStyle {
+    /// The body that walks.
+    pub body: Body,
+    /// Walking speed, m/s.
+    pub speed: f64,
+    /// Duration of one stride (two steps), s.
+    pub cycle_time: f64,
+    /// Share of the stride during which a foot is on the ground; above 0.5 both are for a while.
+    pub duty: f64,
+    /// Distance between the lines on which the feet walk, m.
+    pub step_width: f64,
+    /// Height of the ankle at the top of the swing above its height when planted, m.
+    pub foot_lift: f64,
+    /// How far the foot is held up late in the swing before it comes down, m.
+    pub stomp: f64,
+    /// Pitch of the foot at toe-off.
+    pub heel_rise: f64,
+    /// Knees point outwards: sideways share of the forward direction.
+    pub toe_out: f64,
+    /// Half the height through which the pelvis goes up and down twice a stride, m.
+    pub bounce: f64,
+    /// How much lower than straight legs allow the pelvis is carried, m.
+    pub crouch: f64,
+    /// How far the pelvis moves over the standing leg, m.
+    pub sway: f64,
+    /// How far the pelvis turns about the vertical to either side.
+    pub pelvis_turn: f64,
+    /// How far the pelvis drops on the side of the swinging leg.
+    pub pelvis_drop: f64,
+    /// Forward lean of the trunk as a whole.
+    pub lean: f64,
+    /// Further forward bend of the upper trunk; negative is chest out.
+    pub slump: f64,
+    /// Forward bend of the head against the upper trunk.
+    pub neck_flexion: f64,
+    /// How far trunk and head dip twice a stride.
+    pub nod: f64,
+    /// How far the shoulders turn against the pelvis to either side.
+    pub shoulder_turn: f64,
+    /// Shoulders raised, m.
+    pub shoulder_lift: f64,
+    /// Shoulders pulled forward, m; negative is pulled back.
+    pub shoulder_forward: f64,
+    /// How far the upper arm swings to either side of its middle.
+    pub arm_swing: f64,
+    /// Middle of the upper arm's swing, positive in front of the body.
+    pub arm_forward: f64,
+    /// Upper arms held away from the body.
+    pub arm_abduction: f64,
+    /// Least bend of the elbow.
+    pub elbow_flexion: f64,
+    /// Further bend of the elbow when the arm is in front.
+    pub elbow_swing: f64,
+    /// The left arm swings by this share more, the right by this share less.
+    pub asymmetry: f64,
+}
+
+/// One number of a [`WalkerStyle`]: its name in files, its range and how to reach it.
+#[derive(Debug, Clone, Copy)]
+#[allow(missing_docs, reason = "the struct's own line says it")]
+pub struct StyleField {
+    pub name: &'static str,
+    pub range: [f64; 2],
+    /// How far individuals stray from the preset: share of the value, then absolute, both as the largest deviation.
+    stray: [f64; 2],
+    pub get: fn(&WalkerStyle) -> f64,
+    pub set: fn(&mut WalkerStyle, f64),
+}
+
+macro_rules! fields {
+    ($($name:literal $($path:ident).+ : $range:expr, stray $stray:expr;)+) => {
+        &[$(StyleField {
+            name: $name,
+            range: $range,
+            stray: $stray,
+            get: |style| style.$($path).+,
+            set: |style, value| style.$($path).+ = value,
+        }),+]
+    };
+}
+
+/// Every number of a [`WalkerStyle`] in the order in which they are drawn for individuals (new ones go last).
+pub const STYLE_FIELDS: &[StyleField] = fields! {
+    "body.height" body.height: [0.8, 2.4], stray [0.05, 0.0];
+    "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.04, 0.0];
+    "body.hips" body.hips: [0.05, 0.2], stray [0.05, 0.0];
+    "speed" speed: [0.1, 2.6], stray [0.07, 0.0];
+    "cycle_time" cycle_time: [0.5, 3.0], stray [0.045, 0.0];
+    "duty" duty: [0.52, 0.75], stray [0.0, 0.008];
+    "step_width" step_width: [0.0, 0.5], stray [0.2, 0.0];
+    "foot_lift" foot_lift: [0.06, 0.4], stray [0.08, 0.0];
+    "stomp" stomp: [0.0, 0.15], stray [0.3, 0.0];
+    "heel_rise" heel_rise: [0.0, 1.2], stray [0.08, 0.0];
+    "toe_out" toe_out: [-0.5, 0.8], stray [0.0, 0.08];
+    "bounce" bounce: [0.0, 0.08], stray [0.12, 0.0];
+    "crouch" crouch: [0.0, 0.15], stray [0.3, 0.0];
+    "sway" sway: [0.0, 0.1], stray [0.25, 0.0];
+    "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.25, 0.0];
+    "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.25, 0.0];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.026];
+    "slump" slump: [-0.4, 0.8], stray [0.0, 0.035];
+    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.05];
+    "nod" nod: [0.0, 0.2], stray [0.3, 0.0];
+    "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.25, 0.0];
+    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.005];
+    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.006];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.16, 0.0];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.04];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.035];
+    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.15, 0.0];
+    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.2, 0.0];
+    "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.14];
+};
+
+impl WalkerStyle {
+    /// The style of an emotion as a person of this sex walks it.
+    ///
+    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library.rs`
+    /// has the numbers), a little stronger, so that they read at a distance.
+    pub fn preset(emotion: Emotion, sex: Sex) -> Self {
+        let mut style = match emotion {
+            Emotion::Happy => Self::happy(),
+            Emotion::Angry => Self::angry(),
+            Emotion::Sad => Self::sad(),
+            Emotion::Neutral => Self::neutral(),
+        };
+        style.body = Body::mean(sex);
+        match sex {
+            // Shorter legs take shorter, quicker steps; hips move more, shoulders less (Troje 2002).
+            Sex::Female => {
+                style.speed *= 0.965;
+                style.cycle_time *= 0.965;
+                style.step_width *= 0.82;
+                style.sway *= 0.85;
+                style.pelvis_turn *= 1.25;
+                style.pelvis_drop *= 1.45;
+                style.arm_abduction *= 0.8;
+                style.bounce *= 0.92;
+            }
+            Sex::Male => {
+                style.speed *= 1.02;
+                style.shoulder_turn *= 1.2;
+                style.toe_out += 0.05;
+            }
+        }
+        style
+    }
+
+    fn neutral() -> Self {
+        Self {
+            body: Body::mean(Sex::Male),
+            speed: 1.22,
+            cycle_time: 1.14,
+            duty: 0.60,
+            step_width: 0.13,
+            foot_lift: 0.15,
+            stomp: 0.0,
+            heel_rise: 60.0 * DEG,
+            toe_out: 0.10,
+            bounce: 0.0225,
+            crouch: 0.0,
+            sway: 0.022,
+            pelvis_turn: 5.0 * DEG,
+            pelvis_drop: 3.5 * DEG,
+            lean: 2.0 * DEG,
+            slump: 2.0 * DEG,
+            neck_flexion: 6.0 * DEG,
+            nod: 0.8 * DEG,
+            shoulder_turn: 4.5 * DEG,
+            shoulder_lift: 0.0,
+            shoulder_forward: 0.0,
+            arm_swing: 14.0 * DEG,
+            arm_forward: -2.0 * DEG,
+            arm_abduction: 8.0 * DEG,
+            elbow_flexion: 16.0 * DEG,
+            elbow_swing: 14.0 * DEG,
+            asymmetry: 0.0,
+        }
+    }
+
+    fn happy() -> Self {
+        Self {
+            speed: 1.38,
+            cycle_time: 1.08,
+            foot_lift: 0.17,
+            heel_rise: 64.0 * DEG,
+            bounce: 0.030,
+            crouch: 0.0,
+            sway: 0.026,
+            pelvis_turn: 6.0 * DEG,
+            pelvis_drop: 4.5 * DEG,
+            lean: 0.5 * DEG,
+            slump: -4.0 * DEG,
+            neck_flexion: 1.0 * DEG,
+            nod: 1.6 * DEG,
+            shoulder_turn: 7.5 * DEG,
+            shoulder_lift: 0.004,
+            shoulder_forward: -0.018,
+            arm_swing: 23.0 * DEG,
+            arm_forward: 1.0 * DEG,
+            arm_abduction: 11.0 * DEG,
+            elbow_flexion: 20.0 * DEG,
+            elbow_swing: 26.0 * DEG,
+            ..Self::neutral()
+        }
+    }
+
+    fn angry() -> Self {
+        Self {
+            speed: 1.64,
+            cycle_time: 0.96,
+            duty: 0.585,
+            step_width: 0.15,
+            foot_lift: 0.165,
+            stomp: 0.035,
+            heel_rise: 66.0 * DEG,
+            bounce: 0.029,
+            crouch: 0.001,
+            sway: 0.018,
+            pelvis_turn: 7.0 * DEG,
+            lean: 8.0 * DEG,
+            slump: 2.0 * DEG,
+            neck_flexion: 2.0 * DEG,
+            nod: 1.4 * DEG,
+            shoulder_turn: 8.0 * DEG,
+            shoulder_lift: 0.018,
+            shoulder_forward: 0.012,
+            arm_swing: 19.0 * DEG,
+            arm_forward: 2.0 * DEG,
+            arm_abduction: 17.0 * DEG,
+            elbow_flexion: 42.0 * DEG,
+            elbow_swing: 16.0 * DEG,
+            ..Self::neutral()
+        }
+    }
+
+    fn sad() -> Self {
+        Self {
+            speed: 0.86,
+            cycle_time: 1.38,
+            duty: 0.635,
+            step_width: 0.14,
+            foot_lift: 0.115,
+            heel_rise: 54.0 * DEG,
+            bounce: 0.015,
+            crouch: 0.004,
+            sway: 0.03,
+            pelvis_turn: 3.5 * DEG,
+            pelvis_drop: 2.5 * DEG,
+            lean: 3.0 * DEG,
+            slump: 13.0 * DEG,
+            neck_flexion: 21.0 * DEG,
+            nod: 0.7 * DEG,
+            shoulder_turn: 2.5 * DEG,
+            shoulder_lift: -0.012,
+            shoulder_forward: 0.028,
+            arm_swing: 7.5 * DEG,
+            arm_forward: 3.0 * DEG,
+            arm_abduction: 5.0 * DEG,
+            elbow_flexion: 13.0 * DEG,
+            elbow_swing: 6.0 * DEG,
+            ..Self::neutral()
+        }
+    }
+
+    /// A blend of styles: every number is the weighted mean (weights need not sum to 1 but their sum must be
+    /// positive, else the first style is returned; `None` for an empty list).
+    pub fn mix(weighted: &[(Self, f64)]) -> Option<Self> {
+        let mut mixed = weighted.first()?.0;
+        let total: f64 = weighted.iter().map(|(_, weight)| weight).sum();
+        if total > 0.0 && total.is_finite() {
+            for field in STYLE_FIELDS {
+                let sum: f64 = weighted.iter().map(|(style, weight)| (field.get)(style) * weight).sum();
+                (field.set)(&mut mixed, sum / total);
+            }
+        }
+        Some(mixed)
+    }
+
+    /// An individual who walks in this style: body and every number stray a little, each on its own.
+    /// The same seed and index give the same individual on every machine.
+    #[must_use]
+    pub fn vary(&self, seed: u64, index: u32) -> Self {
+        let mut varied = *self;
+        for (draw, field) in (0_u64..).zip(STYLE_FIELDS) {
+            let value = (field.get)(self);
+            let [share, absolute] = field.stray;
+            let stray = (share * value.abs() + absolute) * bell(seed, index, draw);
+            (field.set)(&mut varied, (value + stray).clamp(field.range[0], field.range[1]));
+        }
+        // Taller people walk faster at the same cadence in proportion to their legs.
+        varied.speed *= varied.body.height / self.body.height;
+        varied
+    }
+
+    /// Checks every number against its range; the message names the first that is outside.
+    ///
+    /// # Errors
+    /// The message: name, value, range.
+    pub fn check(&self) -> Result<(), String> {
+        for field in STYLE_FIELDS {
+            let value = (field.get)(self);
+            let [low, high] = field.range;
+            if !(low..=high).contains(&value) {
+                return Err(format!("{} = {value}; it must be {low} to {high}", field.name));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A bell-shaped number in [-1, 1] (mean of three uniform ones, doubled spread is cut), by integer hashing.
+fn bell(seed: u64, index: u32, draw: u64) -> f64 {
+    let key = mixed_bits(seed).wrapping_add(mixed_bits((u64::from(index) << 32) | draw).rotate_left(17));
+    let sum: f64 = (0..3).map(|i| unit(mixed_bits(key.wrapping_add(i)))).sum();
+    (sum - 1.5) / 1.5
+}
+
+/// The upper 53 bits as a number in [0, 1).
+#[allow(clippy::cast_precision_loss, reason = "53 bits fit an f64 exactly")]
+fn unit(bits: u64) -> f64 {
+    (bits >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Scrambles 64 bits (xor-shifts and odd multipliers; a bijection).
+fn mixed_bits(value: u64) -> u64 {
+    let mut x = value.wrapping_add(0x9e37_79b9_7f4a_7c15);
+    x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    x = (x ^ (x >> 32)).wrapping_mul(0xd6e8_feb8_6659_fd93);
+    x ^ (x >> 32)
+}

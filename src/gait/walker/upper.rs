@@ -1,0 +1,76 @@
+//! Trunk, head and arms over a walking pelvis: a mean pose and one or two harmonics per angle.
+
+use super::style::{Body, WalkerStyle};
+use super::{Pelvis, Turn, cos, turned_x, turned_y, turned_z};
+use crate::gait::{JOINT_COUNT, Joint};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// The arms follow the opposite leg by this share of a cycle.
+const ARM_LAG: f64 = 0.03;
+/// The elbow bends and opens this share of a cycle after the upper arm.
+const ELBOW_LAG: f64 = 0.05;
+
+/// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
+pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {
+    let body = &style.body;
+    // The chest turns against the pelvis and stays more upright than it sideways.
+    let yaw = Turn::new(style.shoulder_turn * cos(TAU * (phase - ARM_LAG)));
+    let side_lean = Turn::new(-0.25 * pelvis.roll_angle);
+    // Twice a stride, with each strike, the trunk tips forward a little and the head makes up for it.
+    let dip = style.nod * cos(2.0 * TAU * (phase - 0.06));
+    let low = style.lean - 0.2 * style.slump + 0.5 * dip;
+    let high = style.lean + style.slump + 0.5 * dip;
+    let head = high + style.neck_flexion + 0.5 * dip + style.nod * cos(2.0 * TAU * (phase - 0.12));
+    let up = |pitch: f64| turned_z(turned_x(DVec3::Y, Turn::new(pitch)), side_lean);
+
+    let spine = joints[Joint::Root as usize] + up(low) * body.spine();
+    let neck = spine + up(high) * body.chest();
+    joints[Joint::Spine as usize] = spine;
+    joints[Joint::Neck as usize] = neck;
+    joints[Joint::Head as usize] = neck + up(head) * body.neck();
+
+    let girdle = Turn::new(pelvis.roll_angle * -0.35);
+    for (side, shoulder) in [(1.0, Joint::LeftShoulder as usize), (-1.0, Joint::RightShoulder as usize)] {
+        let offset = DVec3::new(
+            side * 0.5 * body.shoulder_width(),
+            style.shoulder_lift - body.shoulders_below_neck(),
+            style.shoulder_forward,
+        );
+        joints[shoulder] = neck + turned_y(turned_z(turned_x(offset, Turn::new(0.5 * high)), girdle), yaw);
+        let (upper_arm, forearm) = arm(style, side, phase);
+        // The hanging arm turns with the chest only in part.
+        let half_yaw = Turn::new(0.5 * style.shoulder_turn * yaw_share(phase));
+        joints[shoulder + 1] = joints[shoulder] + turned_y(upper_arm, half_yaw) * body.upper_arm();
+        joints[shoulder + 2] = joints[shoulder + 1] + turned_y(forearm, half_yaw) * body.forearm();
+    }
+}
+
+fn yaw_share(phase: f64) -> f64 {
+    cos(TAU * (phase - ARM_LAG))
+}
+
+/// Unit directions of upper arm and forearm on `side` (+1 left, -1 right) before the chest turns.
+fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
+    // The left arm is back when the left foot strikes.
+    let swing = |lag: f64| -side * cos(TAU * (phase - ARM_LAG - lag));
+    let amplitude = style.arm_swing * (1.0 + side * style.asymmetry);
+    let flexion = style.arm_forward + amplitude * swing(0.0);
+    let elbow = style.elbow_flexion + style.elbow_swing * (0.5 + 0.5 * swing(ELBOW_LAG));
+    let outward = Turn::new(style.arm_abduction);
+    // The forearm turns inwards as it bends.
+    let inward = Turn::new(0.5 * style.arm_abduction - 0.30 * elbow);
+    (limb(side, flexion, outward), limb(side, flexion + elbow, inward))
+}
+
+/// A unit vector that hangs down, swung forward by `flexion` and out to `side`.
+fn limb(side: f64, flexion: f64, outward: Turn) -> DVec3 {
+    let flexion = Turn::new(flexion);
+    DVec3::new(side * outward.sin, -outward.cos * flexion.cos, outward.cos * flexion.sin)
+}
+
+/// Joint distances of the trunk are read by the tests.
+#[cfg(test)]
+pub(super) fn trunk(body: &Body) -> [f64; 3] {
+    [body.spine(), body.chest(), body.neck()]
+}

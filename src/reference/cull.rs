@@ -1,0 +1,76 @@
+//! Which agents may be seen and how finely.
+
+use super::body::NONE;
+use super::exact::is_finite2;
+use crate::kernels::KernelId;
+use crate::kernels::cull::Slices;
+use crate::kernels::layout::FrameUniforms;
+
+const HEADING_LIMIT: f32 = 10000.0;
+const SCALE_LIMIT: f32 = 100.0;
+const WEIGHT_LIMIT: f32 = 1_000_000.0;
+
+fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
+    (0.0..WEIGHT_LIMIT).contains(&weight) && (weight == 0.0 || clip < clip_count)
+}
+
+fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
+    let [heading, walk] = b.stance[agent];
+    let (clips, weights) = (b.gaits[agent], b.gait_weights[agent]);
+    is_finite2(b.position[agent])
+        && heading.abs() < HEADING_LIMIT
+        && walk.abs() < WEIGHT_LIMIT
+        && scale > 0.0
+        && scale < SCALE_LIMIT
+        && b.frame.clip_count > 0
+        && (avatar + 1) * b.frame.level_count <= b.frame.bucket_count
+        && (0..4).all(|i| gait_is_usable(b.frame.clip_count, clips[i], weights[i]))
+}
+
+fn eye_sees(frame: &FrameUniforms, eye: usize, x: f32, low: f32, high: f32, z: f32, radius: f32) -> bool {
+    frame.planes[eye * 6..eye * 6 + 6].iter().all(|plane| {
+        let foot = plane[0] * x + plane[1] * low + plane[2] * z + plane[3];
+        let top = plane[0] * x + plane[1] * high + plane[2] * z + plane[3];
+        foot >= -radius || top >= -radius
+    })
+}
+
+/// Twin of `shaders/cull.wgsl`.
+pub fn cull(b: Slices<'_>) {
+    let frame = b.frame;
+    for agent in 0..frame.agent_count as usize {
+        let info = b.look[agent];
+        let avatar = info[0] & 255;
+        let scale = f32::from_bits(info[1]);
+        b.agent_bucket[agent] = NONE;
+        if !is_usable(&b, agent, avatar, scale) {
+            let first = &mut b.failure[KernelId::Cull as usize];
+            *first = (*first).min(agent as u32);
+            continue;
+        }
+        let [x, z] = b.position[agent];
+        let height = frame.agent_height * scale;
+        let radius = frame.agent_radius * scale;
+        let high = if height - radius > radius { height - radius } else { radius };
+        if !(eye_sees(frame, 0, x, radius, high, z, radius)
+            || (frame.eye_count > 1 && eye_sees(frame, 1, x, radius, high, z, radius)))
+        {
+            continue;
+        }
+        let dx = x - frame.camera[0];
+        let dy = 0.5 * height - frame.camera[1];
+        let dz = z - frame.camera[2];
+        let distance = (dx * dx + dy * dy + dz * dz).sqrt();
+        if !(distance <= frame.level_distance[2]) {
+            continue;
+        }
+        let mut level = 0;
+        if frame.level_count > 1 && distance >= frame.level_distance[0] {
+            level = 1;
+        }
+        if frame.level_count > 2 && distance >= frame.level_distance[1] {
+            level = 2;
+        }
+        b.agent_bucket[agent] = avatar * frame.level_count + level;
+    }
+}

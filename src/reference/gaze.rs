@@ -1,0 +1,291 @@
+//! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
+
+use super::body::{HEAD, JOINTS, NECK, SPINE, 
+    POSE_STRIDE, RIG_EYES, RIG_STRIDE, joint_forward, joint_translation, visible_agents,
+};
+use super::exact::{asin, atan2, exp2, sin_cos, wrap};
+use super::quaternion::{
+    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
+    xyz,
+};
+use crate::kernels::gaze::Slices;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+const NATURAL: u32 = 0;
+const HAPPY: u32 = 0;
+const ANGRY: u32 = 1;
+const SAD: u32 = 2;
+
+/// -5 degrees, extension: paper, 4.5 happy.
+pub const THETA_HAPPY: f32 = -0.087_266_46;
+/// +10 degrees: paper, 4.5 sad; positive is flexion.
+pub const THETA_SAD: f32 = 0.174_532_93;
+/// 70 degrees from the torso.
+pub const ROTATION_LIMIT: f32 = 1.221_730_5;
+/// 45 degrees.
+pub const FLEXION_LIMIT: f32 = FRAC_PI_4;
+/// 45 degrees.
+pub const EXTENSION_LIMIT: f32 = FRAC_PI_4;
+/// Nearer on the ground than this, a direction means nothing, m.
+pub const TOO_CLOSE: f32 = 0.01;
+/// The same for natural mode: the user stands in the agent's head, m.
+pub const INSIDE: f32 = 0.25;
+/// Farther than this nobody is gazed at, m.
+pub const RANGE: f32 = 8.0;
+/// Added to [`RANGE`] while gazing, m.
+pub const RANGE_HYSTERESIS: f32 = 0.5;
+/// Half the field of regard, 90 degrees.
+pub const HALF_FIELD: f32 = FRAC_PI_2;
+/// Added to [`HALF_FIELD`] while gazing, 10 degrees.
+pub const FIELD_HYSTERESIS: f32 = 0.174_532_93;
+/// Fastest turn of the head, 180 degrees/s.
+pub const RATE_LIMIT: f32 = PI;
+/// Of the critically damped spring, 1/s: 2 / 0.25 s.
+pub const SPRING: f32 = 8.0;
+const SPRING_LOG2: f32 = 11.541_561;
+const SETTLED: f32 = 0.017_453_292;
+const NECK_SHARE: f32 = 0.5;
+const AIM_ROUNDS: u32 = 3;
+
+/// In `gaze_frame`: the state has been written.
+pub const VALID: u32 = 0x4000_0000;
+/// In `gaze_frame`: the agent gazed at the user.
+pub const ENGAGED: u32 = 0x8000_0000;
+const FRAME_BITS: u32 = 0x3fff_ffff;
+
+
+/// Twin of `shaders/gaze.wgsl`.
+pub fn gaze(mut b: Slices<'_>) {
+    let visible = b.visible;
+    for (slot, agent) in visible_agents(visible).iter().enumerate() {
+        gaze_of(&mut b, slot, *agent as usize);
+    }
+}
+
+fn user_in_model(b: &Slices<'_>, agent: usize, scale: f32) -> [f32; 3] {
+    let [sine, cosine] = sin_cos(b.stance[agent][0]);
+    let x = b.frame.user_eyes[0] - b.position[agent][0];
+    let z = b.frame.user_eyes[2] - b.position[agent][1];
+    [(cosine * x - sine * z) / scale, b.frame.user_eyes[1] / scale, (sine * x + cosine * z) / scale]
+}
+
+fn within_reach(rotation: f32, torso: f32) -> f32 {
+    torso + limit(wrap(rotation - torso), -ROTATION_LIMIT, ROTATION_LIMIT)
+}
+
+fn within_flexion(flexion: f32) -> f32 {
+    limit(flexion, -EXTENSION_LIMIT, FLEXION_LIMIT)
+}
+
+fn face_turn(yaw: f32, turn: f32, pitch: f32) -> [f32; 4] {
+    quat_after_yaw(quat_yaw_pitch(yaw + turn, pitch), -yaw)
+}
+
+/// Critically damped spring over `time`, exact for a resting target: (value, rate), rate and step limited.
+fn follow(value: f32, rate: f32, goal: f32, time: f32) -> [f32; 2] {
+    let decay = exp2(-(SPRING_LOG2 * time));
+    let away = value - goal;
+    let push = (rate + SPRING * away) * time;
+    let step = limit(goal + (away + push) * decay - value, -(RATE_LIMIT * time), RATE_LIMIT * time);
+    [value + step, limit((rate - SPRING * push) * decay, -RATE_LIMIT, RATE_LIMIT)]
+}
+
+fn remember(b: &mut Slices<'_>, agent: usize, state: [f32; 4], engaged: bool) {
+    b.gaze_state[agent] = state;
+    b.gaze_frame[agent] = (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 };
+}
+
+/// An agent's upper body in its model space, and what it remembers.
+struct Body {
+    avatar: usize,
+    /// First element of the agent's pose.
+    base: usize,
+    spine: [f32; 4],
+    neck: [f32; 4],
+    head: [f32; 4],
+    neck_at: [f32; 3],
+    /// Neck to head joint.
+    head_arm: [f32; 3],
+    /// Head joint to eyes.
+    eyes_arm: [f32; 3],
+    /// Yaw of the torso from the heading, rad.
+    torso: f32,
+    user: [f32; 3],
+    /// Neck to user on the ground.
+    ground: f32,
+    is_fresh: bool,
+    was_engaged: bool,
+    is_too_close: bool,
+    old: [f32; 4],
+}
+
+fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
+    let info = b.look[agent];
+    let emotion = (info[0] >> 8) & 255;
+    if (info[0] >> 16) & 1 == 0 {
+        return;
+    }
+    let avatar = (info[0] & 255) as usize;
+    let scale = f32::from_bits(info[1]);
+    let base = slot * POSE_STRIDE;
+
+    let root = b.local_rotations[base];
+    let spine = quat_mul(root, b.local_rotations[base + SPINE]);
+    let neck = quat_mul(spine, b.local_rotations[base + NECK]);
+    let head = quat_mul(neck, b.local_rotations[base + HEAD]);
+    let root_at = xyz(b.local_rotations[base + JOINTS]);
+    let spine_at = add3(root_at, quat_rotate(root, joint_translation(b.rig, avatar, SPINE)));
+    let neck_at = add3(spine_at, quat_rotate(spine, joint_translation(b.rig, avatar, NECK)));
+    let head_arm = quat_rotate(neck, joint_translation(b.rig, avatar, HEAD));
+    let eyes_arm = quat_rotate(head, xyz(b.rig[avatar * RIG_STRIDE + RIG_EYES]));
+
+    let forward = quat_rotate(spine, joint_forward(b.rig, avatar, SPINE));
+    let torso = atan2(forward[0], forward[2]);
+    let user = user_in_model(b, agent, scale);
+    let to_user = sub3(user, neck_at);
+    let ground = (to_user[0] * to_user[0] + to_user[2] * to_user[2]).sqrt();
+    let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);
+
+    let memory = b.gaze_frame[agent];
+    let age = b.frame.frame_index.wrapping_sub(memory) & FRAME_BITS;
+    let is_fresh = memory & VALID != 0 && age <= 1;
+    let was_engaged = is_fresh && memory & ENGAGED != 0;
+    let old = b.gaze_state[agent];
+    let is_too_close = ground * scale < if b.frame.gaze_mode == NATURAL { INSIDE } else { TOO_CLOSE };
+
+    let body = Body {
+        avatar,
+        base,
+        spine,
+        neck,
+        head,
+        neck_at,
+        head_arm,
+        eyes_arm,
+        torso,
+        user,
+        ground,
+        is_fresh,
+        was_engaged,
+        is_too_close,
+        old,
+    };
+    if b.frame.gaze_mode == NATURAL {
+        natural(b, agent, &body, emotion, scale, yaw);
+    } else {
+        paper(b, agent, &body, emotion, yaw);
+    }
+}
+
+fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) {
+    if emotion > SAD {
+        return; // neutral: the gait's own angles
+    }
+    let torso = body.torso;
+    let mut rotation = 0.0;
+    let mut flexion = THETA_SAD;
+    if emotion != SAD {
+        rotation = match (body.is_too_close, body.is_fresh) {
+            (false, _) => yaw,
+            (true, true) => wrap(body.old[1] - torso),
+            (true, false) => 0.0,
+        };
+        flexion = THETA_HAPPY; // constant, whatever the relative height
+    }
+    if emotion == ANGRY {
+        let rise = body.neck_at[1] + body.head_arm[1] + body.eyes_arm[1] - body.user[1];
+        // arcsin of a ratio that may pass 1, clamped
+        flexion = if body.is_fresh { body.old[0] } else { 0.0 };
+        if !body.is_too_close {
+            flexion = asin(rise / body.ground);
+        }
+    }
+    rotation = limit(rotation, -ROTATION_LIMIT, ROTATION_LIMIT);
+    flexion = within_flexion(flexion);
+    let rest = |joint: usize| {
+        let bind = body.avatar * RIG_STRIDE + joint * 4 + 1;
+        quat_from_rows(xyz(b.rig[bind]), xyz(b.rig[bind + 1]), xyz(b.rig[bind + 2]))
+    };
+    let (spine_rest, neck_rest) = (rest(SPINE), rest(NECK));
+    let turned =
+        quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
+    b.local_rotations[body.base + NECK] = quat_normalize(turned);
+    remember(b, agent, [flexion, torso + rotation, 0.0, 0.0], emotion != SAD);
+}
+
+fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f32, yaw: f32) {
+    let (torso, old) = (body.torso, body.old);
+    let face = quat_rotate(body.head, joint_forward(b.rig, body.avatar, HEAD));
+    let own_yaw = atan2(face[0], face[2]);
+    let own_flexion = atan2(-face[1], (face[0] * face[0] + face[2] * face[2]).sqrt());
+
+    let range = RANGE + if body.was_engaged { RANGE_HYSTERESIS } else { 0.0 };
+    let field = HALF_FIELD + if body.was_engaged { FIELD_HYSTERESIS } else { 0.0 };
+    let in_view = if body.is_too_close {
+        body.was_engaged
+    } else {
+        body.ground * scale < range && yaw.abs() < field
+    };
+    let engaged = emotion <= ANGRY && in_view;
+
+    let mut rotation = own_yaw;
+    let mut flexion = own_flexion;
+    if engaged {
+        [flexion, rotation] = aim(body, own_yaw, own_flexion);
+        if emotion == HAPPY {
+            flexion = within_flexion(flexion + THETA_HAPPY); // at the user, tilted up
+        }
+        if body.is_too_close && body.is_fresh {
+            rotation = old[1];
+            flexion = old[0];
+        }
+    }
+    let sad = emotion == SAD;
+    if sad {
+        rotation = torso;
+        flexion = if own_flexion > THETA_SAD { own_flexion } else { THETA_SAD };
+    }
+
+    let mut state = [flexion, rotation, 0.0, 0.0];
+    if body.is_fresh {
+        let nod = follow(old[0], old[2], flexion, b.frame.frame_time);
+        let turn = follow(old[1], old[3], old[1] + wrap(rotation - old[1]), b.frame.frame_time);
+        state = [within_flexion(nod[0]), within_reach(turn[0], torso), nod[1], turn[1]];
+    }
+    if !engaged
+        && !sad
+        && (state[0] - own_flexion).abs() < SETTLED
+        && wrap(state[1] - own_yaw).abs() < SETTLED
+    {
+        remember(b, agent, [own_flexion, own_yaw, 0.0, 0.0], false);
+        return;
+    }
+    let turn = wrap(state[1] - own_yaw);
+    let nod = state[0] - own_flexion;
+    let new_neck =
+        quat_normalize(quat_mul(face_turn(own_yaw, NECK_SHARE * turn, NECK_SHARE * nod), body.neck));
+    let new_head = quat_mul(face_turn(own_yaw, turn, nod), body.head);
+    b.local_rotations[body.base + NECK] = quat_normalize(quat_mul(quat_conjugate(body.spine), new_neck));
+    b.local_rotations[body.base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
+    remember(b, agent, state, engaged);
+}
+
+/// (flexion, rotation) of the face that sees the user straight ahead, within the limits.
+fn aim(body: &Body, own_yaw: f32, own_flexion: f32) -> [f32; 2] {
+    let eyes = quat_rotate(quat_conjugate(quat_yaw_pitch(own_yaw, own_flexion)), body.eyes_arm);
+    let (mut rotation, mut flexion) = (own_yaw, own_flexion);
+    for _ in 0..AIM_ROUNDS {
+        let neck_turn = NECK_SHARE * wrap(rotation - own_yaw);
+        let neck = face_turn(own_yaw, neck_turn, NECK_SHARE * (flexion - own_flexion));
+        let d = sub3(body.user, add3(body.neck_at, quat_rotate(neck, body.head_arm)));
+        let flat = d[0] * d[0] + d[2] * d[2] - eyes[0] * eyes[0];
+        let deep = flat + d[1] * d[1] - eyes[1] * eyes[1];
+        if flat > 1e-4 && deep > 1e-4 {
+            rotation = atan2(d[0], d[2]) - atan2(eyes[0], flat.sqrt());
+            flexion = atan2(eyes[1], deep.sqrt()) - atan2(d[1], flat.sqrt());
+        }
+        rotation = within_reach(rotation, body.torso);
+        flexion = within_flexion(flexion);
+    }
+    [flexion, rotation]
+}

@@ -1,0 +1,243 @@
+//! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
+
+use super::exact::dot2;
+use super::orca::{
+    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, obstacle_line, segment_distance2, solve,
+};
+use super::shared::grid_cell;
+use crate::kernels::layout::StepUniforms;
+use crate::kernels::velocity_orca::Slices;
+use rayon::prelude::*;
+
+/// Twin of `shaders/velocity_orca.wgsl`.
+pub fn velocity_orca(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let scene = Scene {
+        step: b.step,
+        slot_motion: b.slot_motion,
+        slot_agent: b.slot_agent,
+        cell_start: b.cell_start,
+        obstacles: b.obstacles,
+        obstacle_cells: b.obstacle_cells,
+    };
+    let preferred = b.preferred_velocity;
+    b.new_velocity[..agents].par_iter_mut().with_min_len(256).enumerate().for_each(|(slot, velocity)| {
+        *velocity = scene.new_velocity(slot, preferred[scene.slot_agent[slot] as usize]);
+    });
+}
+
+/// What all agents read.
+struct Scene<'a> {
+    step: &'a StepUniforms,
+    slot_motion: &'a [[f32; 4]],
+    slot_agent: &'a [u32],
+    cell_start: &'a [u32],
+    obstacles: &'a [[f32; 4]],
+    obstacle_cells: &'a [u32],
+}
+
+/// The nearest so far, sorted by (squared distance, id).
+struct Nearest {
+    slots: [u32; NEIGHBOURS],
+    distance2: [f32; NEIGHBOURS],
+    ids: [u32; NEIGHBOURS],
+    count: usize,
+}
+
+impl Nearest {
+    /// Insertion by (squared distance, id): a total order, so the order of the cells does not matter.
+    fn insert(&mut self, cap: usize, slot: u32, distance2: f32, id: u32) {
+        let before =
+            |i: usize| distance2 < self.distance2[i] || (distance2 == self.distance2[i] && id < self.ids[i]);
+        if self.count == cap && !before(cap - 1) {
+            return;
+        }
+        let mut hole = self.count.min(cap - 1);
+        while hole > 0 && before(hole - 1) {
+            hole -= 1;
+        }
+        let last = self.count.min(cap - 1);
+        self.slots.copy_within(hole..last, hole + 1);
+        self.distance2.copy_within(hole..last, hole + 1);
+        self.ids.copy_within(hole..last, hole + 1);
+        (self.slots[hole], self.distance2[hole], self.ids[hole]) = (slot, distance2, id);
+        self.count = (self.count + 1).min(cap);
+    }
+}
+
+impl Scene<'_> {
+    fn new_velocity(&self, slot: usize, preferred: [f32; 2]) -> [f32; 2] {
+        let step = self.step;
+        let [x, y, vx, vy] = self.slot_motion[slot * 2];
+        let [radius, max_speed, ..] = self.slot_motion[slot * 2 + 1];
+        let (position, velocity) = ([x, y], [vx, vy]);
+        let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
+        let hard = self.obstacle_lines(&mut lines, position, velocity, radius, max_speed);
+        let mut count = hard;
+        let avoid = |other: [f32; 4], other_radius: f32, share: f32, side: f32| {
+            agent_line(
+                velocity,
+                [other[0] - x, other[1] - y],
+                [vx - other[2], vy - other[3]],
+                radius + other_radius + step.safety_margin,
+                step.inverse_time_horizon,
+                step.inverse_time_step,
+                share,
+                side,
+            )
+        };
+        if step.user_radius > 0.0 {
+            let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
+            let to = [ux - x, uy - y];
+            if dot2(to, to) < step.neighbour_distance * step.neighbour_distance {
+                // The user takes none of the avoidance, so the agent takes all.
+                lines[count] = avoid([ux, uy, uvx, uvy], step.user_radius, 1.0, 1.0);
+                count += 1;
+            }
+        }
+        let nearest = self.neighbours(slot, position);
+        for k in 0..nearest.count {
+            let other = nearest.slots[k] as usize;
+            let side = if slot < other { 1.0 } else { -1.0 };
+            let (motion, body) = (self.slot_motion[other * 2], self.slot_motion[other * 2 + 1]);
+            lines[count] = avoid(motion, body[0], step.responsibility, side);
+            count += 1;
+        }
+        solve(&lines[..count], hard, max_speed, preferred)
+    }
+
+    /// The nearest agents, ring by ring of cells, stopping when no farther ring can hold a nearer one.
+    fn neighbours(&self, slot: usize, position: [f32; 2]) -> Nearest {
+        let step = self.step;
+        let cap = step.neighbour_cap as usize;
+        let range2 = step.neighbour_distance * step.neighbour_distance;
+        let mut nearest =
+            Nearest { slots: [0; NEIGHBOURS], distance2: [0.0; NEIGHBOURS], ids: [0; NEIGHBOURS], count: 0 };
+        if cap == 0 {
+            return nearest;
+        }
+        let [cx, cy] = grid_cell(position, step);
+        let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
+        let mut ring = 0;
+        loop {
+            for row in (cy - ring).max(0)..=(cy + ring).min(rows - 1) {
+                let whole = row == cy - ring || row == cy + ring;
+                let stride = if whole || ring == 0 { 1 } else { 2 * ring };
+                let mut column = cx - ring;
+                while column <= cx + ring {
+                    if (0..columns).contains(&column) {
+                        self.scan_cell(
+                            (row * columns + column) as usize,
+                            slot,
+                            position,
+                            range2,
+                            cap,
+                            &mut nearest,
+                        );
+                    }
+                    column += stride;
+                }
+            }
+            let safe = self.safe_distance(position, cx, cy, ring);
+            let full = nearest.count == cap && nearest.distance2[cap - 1] < safe * safe;
+            if full || safe >= step.neighbour_distance {
+                return nearest;
+            }
+            ring += 1;
+        }
+    }
+
+    fn scan_cell(
+        &self,
+        cell: usize,
+        own: usize,
+        at: [f32; 2],
+        range2: f32,
+        cap: usize,
+        nearest: &mut Nearest,
+    ) {
+        for slot in self.cell_start[cell]..self.cell_start[cell + 1] {
+            let [x, y, ..] = self.slot_motion[slot as usize * 2];
+            let to = [x - at[0], y - at[1]];
+            let distance2 = dot2(to, to);
+            if slot as usize != own && distance2 < range2 {
+                nearest.insert(cap, slot, distance2, self.slot_agent[slot as usize]);
+            }
+        }
+    }
+
+    /// Everyone outside the square of `2 ring + 1` cells is at least this far away. Cells at the border of the grid
+    /// reach to infinity, since they hold the agents outside.
+    fn safe_distance(&self, at: [f32; 2], cx: i32, cy: i32, ring: i32) -> f32 {
+        let step = self.step;
+        let mut safe = f32::MAX;
+        for (axis, (cell, cells)) in [(cx, step.grid_columns), (cy, step.grid_rows)].into_iter().enumerate() {
+            let from_origin = at[axis] - step.grid_origin[axis];
+            if cell - ring > 0 {
+                safe = safe.min(from_origin - (cell - ring) as f32 * step.cell_size);
+            }
+            if cell + ring < cells as i32 - 1 {
+                safe = safe.min((cell + ring + 1) as f32 * step.cell_size - from_origin);
+            }
+        }
+        safe.max(0.0) * SAFE
+    }
+
+    /// Lines of the nearest obstacle segments, by (squared distance, number).
+    fn obstacle_lines(
+        &self,
+        lines: &mut [Line; LINES],
+        position: [f32; 2],
+        velocity: [f32; 2],
+        radius: f32,
+        max_speed: f32,
+    ) -> usize {
+        let step = self.step;
+        if step.obstacle_count == 0 {
+            return 0;
+        }
+        let range = step.time_horizon_obstacles * max_speed + radius;
+        let [cx, cy] = grid_cell(position, step);
+        let cell = (cy as u32 * step.grid_columns + cx as u32) as usize;
+        let mut numbers = [0_u32; SEGMENTS];
+        let mut distances = [0.0_f32; SEGMENTS];
+        let mut count = 0;
+        for entry in self.obstacle_cells[cell]..self.obstacle_cells[cell + 1] {
+            let number = self.obstacle_cells[entry as usize];
+            let distance2 = segment_distance2(&self.segment(number), position);
+            if !(distance2 < range * range) {
+                continue;
+            }
+            // numbers rise within a cell's list, so equal distances stay in order of number
+            let mut hole = count;
+            while hole > 0 && distance2 < distances[hole - 1] {
+                if hole < SEGMENTS {
+                    (numbers[hole], distances[hole]) = (numbers[hole - 1], distances[hole - 1]);
+                }
+                hole -= 1;
+            }
+            if hole < SEGMENTS {
+                (numbers[hole], distances[hole]) = (number, distance2);
+                count = (count + 1).min(SEGMENTS);
+            }
+        }
+        let mut made = 0;
+        for number in &numbers[..count] {
+            let segment = self.segment(*number);
+            let rate = step.inverse_time_horizon_obstacles;
+            if let Some(line) = obstacle_line(&lines[..made], &segment, position, velocity, radius, rate) {
+                lines[made] = line;
+                made += 1;
+            }
+        }
+        made
+    }
+
+    fn segment(&self, number: u32) -> Segment {
+        let at = number as usize * 3;
+        [self.obstacles[at], self.obstacles[at + 1], self.obstacles[at + 2]]
+    }
+}
+
+/// A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
+const SAFE: f32 = 0.999;

@@ -1,0 +1,81 @@
+//! The crowd's buffers, as the kernels leave them on the device.
+
+use super::Error;
+use crate::gpu::{Buffer, Engine};
+use crate::kernels::BufferId;
+
+/// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
+#[derive(Debug, Clone, Copy)]
+pub struct CrowdBuffers<'a> {
+    /// Agent of each slot, sorted by bucket: `u32` [slot].
+    pub visible: &'a Buffer,
+    /// First slot of each bucket: `u32` [bucket + 1].
+    pub bucket_start: &'a Buffer,
+    /// `VkDrawIndexedIndirectCommand` [bucket]; instances count from 0.
+    pub draw_args: &'a Buffer,
+    /// `vec4<f32>` [vertex][4].
+    pub mesh_vertices: &'a Buffer,
+    /// `vec4<u32>` [bucket].
+    pub mesh_table: &'a Buffer,
+    /// Rows of `world_from_mesh`: `vec4<f32>` [slot][joint][3].
+    pub palettes: &'a Buffer,
+    /// Skinned vertices of the near agents: `vec4<f32>` [near vertex][2].
+    pub skinned: &'a Buffer,
+    /// `vec4<u32>` [agent].
+    pub look: &'a Buffer,
+    /// Ground position: `vec2<f32>` [agent].
+    pub position: &'a Buffer,
+}
+
+impl<'a> CrowdBuffers<'a> {
+    /// The crowd's buffers of an engine that runs the animation kernels.
+    ///
+    /// # Errors
+    /// When the engine lacks one of them.
+    pub fn of(engine: &'a Engine) -> Result<Self, Error> {
+        let find = |name: &'static str| {
+            let id = BufferId::ALL.into_iter().find(|id| id.name() == name);
+            id.and_then(|id| engine.buffer(id)).ok_or(Error::NoBuffer { shader: "crowd", binding: name })
+        };
+        Ok(Self {
+            visible: find("visible")?,
+            bucket_start: find("bucket_start")?,
+            draw_args: find("draw_args")?,
+            mesh_vertices: find("mesh_vertices")?,
+            mesh_table: find("mesh_table")?,
+            palettes: find("palettes")?,
+            skinned: find("skinned")?,
+            look: find("look")?,
+            position: find("position")?,
+        })
+    }
+
+    pub(crate) fn buffer(&self, name: &str) -> Option<&'a Buffer> {
+        Some(match name {
+            "visible" => self.visible,
+            "bucket_start" => self.bucket_start,
+            "mesh_vertices" => self.mesh_vertices,
+            "mesh_table" => self.mesh_table,
+            "palettes" => self.palettes,
+            "skinned" => self.skinned,
+            "look" => self.look,
+            "position" => self.position,
+            _ => return None,
+        })
+    }
+
+    /// Whether the buffers are long enough for that many buckets.
+    pub(crate) fn check(&self, buckets: u32) -> Result<(), Error> {
+        let wanted = [
+            ("bucket_start", self.bucket_start, 4 * (u64::from(buckets) + 1)),
+            ("draw_args", self.draw_args, 20 * u64::from(buckets)),
+            ("mesh_table", self.mesh_table, 16 * u64::from(buckets)),
+        ];
+        for (name, buffer, wanted) in wanted {
+            if buffer.size() < wanted {
+                return Err(Error::Short { name, bytes: buffer.size(), wanted, buckets });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,165 @@
+//! Avatars as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the layouts.
+
+use crate::avatar::{Avatar, LEVELS, Mesh};
+use crate::gait::JOINT_COUNT;
+use glam::{Mat4, Vec3};
+
+/// Elements of `rig` per avatar: four per joint and the eyes.
+pub const RIG_STRIDE: usize = 4 * JOINT_COUNT + 1;
+
+/// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct MeshBuffers {
+    /// `mesh_vertices`: [vertex][4]. Position and material (bits); normal and four joints of eight bits (bits); weights;
+    /// linear colour and 0.
+    pub vertices: Vec<[[f32; 4]; 4]>,
+    /// Indices of all meshes, each counted from its mesh's first vertex.
+    pub indices: Vec<u32>,
+    /// `mesh_table`: [bucket] first index, index count, first vertex, vertex count.
+    pub mesh_table: Vec<[u32; 4]>,
+    /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
+    pub level_count: u32,
+}
+
+impl MeshBuffers {
+    /// Vertices of the largest mesh of level 0: `skinned` holds that many for every near agent.
+    pub fn most_near_vertices(&self) -> u32 {
+        self.mesh_table
+            .iter()
+            .step_by(self.level_count.max(1) as usize)
+            .map(|mesh| mesh[3])
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Number of buckets.
+    pub fn bucket_count(&self) -> u32 {
+        u32::try_from(self.mesh_table.len()).unwrap_or(u32::MAX)
+    }
+
+    /// Triangles of one agent in a bucket.
+    pub fn triangles(&self, bucket: usize) -> u32 {
+        self.mesh_table.get(bucket).map_or(0, |mesh| mesh[1] / 3)
+    }
+}
+
+/// Lays the meshes of all avatars out for the device.
+///
+/// An index that points past its mesh's vertices, and what is left of a triangle, is left out with its triangle, so that
+/// no draw reads another mesh. Joints past the sixteenth are taken as the root.
+pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
+    let levels = avatars.iter().map(|avatar| avatar.levels.len()).max().unwrap_or(0).clamp(1, LEVELS);
+    let mut out = MeshBuffers { level_count: u32::try_from(levels).unwrap_or(1), ..MeshBuffers::default() };
+    for avatar in avatars {
+        let mut coarsest = [0; 4];
+        for level in 0..levels {
+            if let Some(mesh) = avatar.levels.get(level) {
+                coarsest = append(mesh, &mut out);
+            }
+            out.mesh_table.push(coarsest);
+        }
+    }
+    out
+}
+
+fn append(mesh: &Mesh, out: &mut MeshBuffers) -> [u32; 4] {
+    let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+    let (first_index, first_vertex) = (length(out.indices.len()), length(out.vertices.len()));
+    out.vertices.extend(mesh.vertices.iter().map(|v| {
+        let joints = v.joints.map(|joint| if usize::from(joint) < JOINT_COUNT { joint } else { 0 });
+        let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
+        [
+            with(v.position, f32::from_bits(v.material as u32)),
+            with(v.normal, f32::from_bits(u32::from_le_bytes(joints))),
+            v.weights,
+            with(v.color, 0.0),
+        ]
+    }));
+    let count = length(mesh.vertices.len());
+    let whole = mesh.indices.chunks_exact(3).filter(|triangle| triangle.iter().all(|index| *index < count));
+    out.indices.extend(whole.flatten());
+    [first_index, length(out.indices.len()) - first_index, first_vertex, count]
+}
+
+/// `rig`: [avatar][65]. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
+/// midpoint of the eyes in the head joint. Metres.
+pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
+    let mut rig = Vec::with_capacity(avatars.len() * RIG_STRIDE);
+    for avatar in avatars {
+        for joint in &avatar.joints {
+            let rows: Mat4 = joint.joint_from_mesh.transpose();
+            rig.push(joint.translation.extend(0.0).to_array());
+            rig.extend([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.to_array()));
+        }
+        rig.push(avatar.eyes_in_head.extend(0.0).to_array());
+    }
+    rig
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avatar::{Material, RestJoint, Vertex};
+    use glam::Quat;
+
+    fn mesh(vertices: usize, indices: &[u32]) -> Mesh {
+        let vertex = Vertex {
+            position: Vec3::new(1.0, 2.0, 3.0),
+            normal: Vec3::Y,
+            color: Vec3::splat(0.5),
+            material: Material::Top,
+            joints: [1, 2, 3, 99],
+            weights: [0.4, 0.3, 0.2, 0.1],
+        };
+        Mesh { vertices: vec![vertex; vertices], indices: indices.to_vec() }
+    }
+
+    fn avatar(levels: Vec<Mesh>) -> Avatar {
+        let joint = RestJoint {
+            translation: Vec3::new(0.1, 0.2, 0.3),
+            rotation: Quat::IDENTITY,
+            joint_from_mesh: Mat4::from_translation(Vec3::new(7.0, 8.0, 9.0)),
+        };
+        Avatar {
+            name: "test".to_owned(),
+            joints: [joint; JOINT_COUNT],
+            levels,
+            eyes_in_head: Vec3::new(0.0, 0.1, 0.2),
+            height: 1.7,
+        }
+    }
+
+    #[test]
+    fn meshes_stand_one_after_another_and_indices_count_from_their_own_first_vertex() {
+        let a = avatar(vec![mesh(4, &[0, 1, 2, 2, 1, 3]), mesh(3, &[0, 1, 2])]);
+        let b = avatar(vec![mesh(5, &[4, 3, 2])]);
+        let packed = pack_avatars(&[a, b]);
+        assert_eq!(packed.level_count, 2);
+        assert_eq!(packed.mesh_table, [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
+        assert_eq!(packed.indices, [0, 1, 2, 2, 1, 3, 0, 1, 2, 4, 3, 2]);
+        assert_eq!(packed.vertices.len(), 12);
+        assert_eq!((packed.most_near_vertices(), packed.bucket_count(), packed.triangles(0)), (5, 4, 2));
+        let v = packed.vertices[0];
+        assert_eq!(v[0][3].to_bits(), 3, "material");
+        assert_eq!(v[1][3].to_bits(), 0x0003_0201, "joints, an impossible one is the root");
+        assert_eq!((v[0][2], v[2], v[3]), (3.0, [0.4, 0.3, 0.2, 0.1], [0.5, 0.5, 0.5, 0.0]));
+    }
+
+    #[test]
+    fn triangles_that_point_outside_their_mesh_are_left_out() {
+        let packed = pack_avatars(&[avatar(vec![mesh(3, &[0, 1, 3, 0, 1, 2, 1, 2])])]);
+        assert_eq!(packed.indices, [0, 1, 2]);
+        assert_eq!(pack_avatars(&[]).mesh_table.len(), 0);
+    }
+
+    #[test]
+    fn the_rig_holds_translation_and_rows_per_joint_and_the_eyes_last() {
+        let rig = pack_rig(&[avatar(vec![]), avatar(vec![])]);
+        assert_eq!(rig.len(), 2 * RIG_STRIDE);
+        assert_eq!(
+            rig[4..8],
+            [[0.1, 0.2, 0.3, 0.0], [1.0, 0.0, 0.0, 7.0], [0.0, 1.0, 0.0, 8.0], [0.0, 0.0, 1.0, 9.0]]
+        );
+        assert_eq!(rig[RIG_STRIDE + 64], [0.0, 0.1, 0.2, 0.0]);
+    }
+}

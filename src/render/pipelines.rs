@@ -1,0 +1,263 @@
+//! Draw shaders as pipelines: descriptor sets filled by the names of the bindings.
+
+use super::Error;
+use super::target::DEPTH_FORMAT;
+use crate::gpu::{self, Device, call};
+use crate::kernels::{DrawBindingKind, DrawShader};
+use ash::vk;
+use std::ffi::CString;
+use std::sync::Arc;
+
+/// Draw shaders see their bindings in both stages.
+const STAGES: vk::ShaderStageFlags = vk::ShaderStageFlags::from_raw(
+    vk::ShaderStageFlags::VERTEX.as_raw() | vk::ShaderStageFlags::FRAGMENT.as_raw(),
+);
+
+/// What a binding is filled with.
+#[derive(Debug, Clone, Copy)]
+pub(crate) enum Resource {
+    Buffer(vk::Buffer),
+    Texture(vk::ImageView, vk::ImageLayout),
+    Sampler(vk::Sampler),
+}
+
+/// A draw shader with its layout and one descriptor set.
+pub(crate) struct Program {
+    device: Arc<Device>,
+    shader: &'static DrawShader,
+    set_layout: vk::DescriptorSetLayout,
+    pub(crate) layout: vk::PipelineLayout,
+    pool: vk::DescriptorPool,
+    pub(crate) set: vk::DescriptorSet,
+    pipelines: Vec<vk::Pipeline>,
+}
+
+/// How a pipeline draws.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct PipelineSpec {
+    pub(crate) vertex: &'static str,
+    /// None draws depth only.
+    pub(crate) fragment: Option<&'static str>,
+    pub(crate) samples: vk::SampleCountFlags,
+    pub(crate) color_format: vk::Format,
+    pub(crate) view_mask: u32,
+    pub(crate) cull: vk::CullModeFlags,
+    pub(crate) compare: vk::CompareOp,
+    pub(crate) write_depth: bool,
+    pub(crate) blend: bool,
+}
+
+fn descriptor_type(kind: DrawBindingKind) -> vk::DescriptorType {
+    match kind {
+        DrawBindingKind::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+        DrawBindingKind::Storage => vk::DescriptorType::STORAGE_BUFFER,
+        DrawBindingKind::Texture => vk::DescriptorType::SAMPLED_IMAGE,
+        DrawBindingKind::Sampler => vk::DescriptorType::SAMPLER,
+    }
+}
+
+impl Program {
+    pub(crate) fn new(device: &Arc<Device>, shader: &'static DrawShader) -> Result<Self, Error> {
+        let mut program = Self {
+            device: device.clone(),
+            shader,
+            set_layout: vk::DescriptorSetLayout::null(),
+            layout: vk::PipelineLayout::null(),
+            pool: vk::DescriptorPool::null(),
+            set: vk::DescriptorSet::null(),
+            pipelines: Vec::new(),
+        };
+        let bindings: Vec<_> = shader
+            .bindings
+            .iter()
+            .map(|b| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(b.index)
+                    .descriptor_count(1)
+                    .descriptor_type(descriptor_type(b.kind))
+                    .stage_flags(STAGES)
+            })
+            .collect();
+        let sizes: Vec<_> = shader
+            .bindings
+            .iter()
+            .map(|b| vk::DescriptorPoolSize::default().ty(descriptor_type(b.kind)).descriptor_count(1))
+            .collect();
+        let immediates = [vk::PushConstantRange::default()
+            .stage_flags(vk::ShaderStageFlags::VERTEX)
+            .size(shader.immediate_size)];
+        let immediates = if shader.immediate_size > 0 { &immediates[..] } else { &[] };
+        let raw = &device.raw;
+        // SAFETY: the create-infos are complete and live until the calls return; `Drop` destroys what was made.
+        unsafe {
+            let create = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
+            program.set_layout = raw
+                .create_descriptor_set_layout(&create, None)
+                .map_err(call("vkCreateDescriptorSetLayout"))?;
+            let layouts = [program.set_layout];
+            let create = vk::PipelineLayoutCreateInfo::default()
+                .set_layouts(&layouts)
+                .push_constant_ranges(immediates);
+            program.layout =
+                raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
+            let create = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+            program.pool =
+                raw.create_descriptor_pool(&create, None).map_err(call("vkCreateDescriptorPool"))?;
+            let allocate =
+                vk::DescriptorSetAllocateInfo::default().descriptor_pool(program.pool).set_layouts(&layouts);
+            let sets = raw.allocate_descriptor_sets(&allocate).map_err(call("vkAllocateDescriptorSets"))?;
+            program.set = sets.first().copied().unwrap_or_default();
+        }
+        device.name(program.set, shader.name);
+        Ok(program)
+    }
+
+    /// Fills every binding with what `resource` gives for its name.
+    ///
+    /// The set must not be in use: every submission of the renderer is waited for.
+    pub(crate) fn bind(&self, resource: impl Fn(&str) -> Option<Resource>) -> Result<(), Error> {
+        for binding in self.shader.bindings {
+            let Some(resource) = resource(binding.name) else {
+                return Err(Error::NoBuffer { shader: self.shader.name, binding: binding.name });
+            };
+            let write = vk::WriteDescriptorSet::default()
+                .dst_set(self.set)
+                .dst_binding(binding.index)
+                .descriptor_type(descriptor_type(binding.kind));
+            let (buffer, image);
+            let write = match resource {
+                Resource::Buffer(raw) => {
+                    buffer = [vk::DescriptorBufferInfo::default().buffer(raw).range(vk::WHOLE_SIZE)];
+                    write.buffer_info(&buffer)
+                }
+                Resource::Texture(view, layout) => {
+                    image = [vk::DescriptorImageInfo::default().image_view(view).image_layout(layout)];
+                    write.image_info(&image)
+                }
+                Resource::Sampler(sampler) => {
+                    image = [vk::DescriptorImageInfo::default().sampler(sampler)];
+                    write.image_info(&image)
+                }
+            };
+            // SAFETY: the set is not in use, and what is bound outlives the submission.
+            unsafe { self.device.raw.update_descriptor_sets(&[write], &[]) };
+        }
+        Ok(())
+    }
+
+    fn module(&self, entry: &'static str) -> Result<vk::ShaderModule, Error> {
+        let code = self
+            .shader
+            .entry(entry)
+            .ok_or(Error::NoBuffer { shader: self.shader.name, binding: entry })?
+            .spirv;
+        let create = vk::ShaderModuleCreateInfo::default().code(code);
+        // SAFETY: the SPIR-V was validated when the crate was built.
+        Ok(unsafe { self.device.raw.create_shader_module(&create, None) }
+            .map_err(call("vkCreateShaderModule"))?)
+    }
+
+    /// Makes a pipeline, which lives as long as the program.
+    pub(crate) fn pipeline(&mut self, spec: &PipelineSpec) -> Result<vk::Pipeline, Error> {
+        let vertex = self.module(spec.vertex)?;
+        let fragment = spec.fragment.map(|entry| self.module(entry)).transpose();
+        let made = match fragment {
+            Ok(fragment) => {
+                let made = self.create(spec, vertex, fragment.unwrap_or_default());
+                // SAFETY: pipelines do not need their modules once they are made.
+                unsafe { self.device.raw.destroy_shader_module(fragment.unwrap_or_default(), None) };
+                made
+            }
+            Err(error) => Err(error),
+        };
+        // SAFETY: as above.
+        unsafe { self.device.raw.destroy_shader_module(vertex, None) };
+        let pipeline = made?;
+        self.pipelines.push(pipeline);
+        self.device.name(pipeline, spec.vertex);
+        Ok(pipeline)
+    }
+
+    fn create(
+        &self,
+        spec: &PipelineSpec,
+        vertex: vk::ShaderModule,
+        fragment: vk::ShaderModule,
+    ) -> Result<vk::Pipeline, Error> {
+        let names = [spec.vertex, spec.fragment.unwrap_or_default()]
+            .map(|name| CString::new(name).unwrap_or_default());
+        let stage = |flag, module, name| {
+            vk::PipelineShaderStageCreateInfo::default().stage(flag).module(module).name(name)
+        };
+        let stages = [
+            stage(vk::ShaderStageFlags::VERTEX, vertex, &names[0]),
+            stage(vk::ShaderStageFlags::FRAGMENT, fragment, &names[1]),
+        ];
+        let stages = if spec.fragment.is_some() { &stages[..] } else { &stages[..1] };
+        let vertex_input = vk::PipelineVertexInputStateCreateInfo::default(); // shaders pull from storage buffers
+        let assembly = vk::PipelineInputAssemblyStateCreateInfo::default()
+            .topology(vk::PrimitiveTopology::TRIANGLE_LIST);
+        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let raster = vk::PipelineRasterizationStateCreateInfo::default()
+            .polygon_mode(vk::PolygonMode::FILL)
+            .cull_mode(spec.cull)
+            .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
+            .line_width(1.0);
+        let multisample =
+            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(spec.samples);
+        let depth = vk::PipelineDepthStencilStateCreateInfo::default()
+            .depth_test_enable(true)
+            .depth_write_enable(spec.write_depth)
+            .depth_compare_op(spec.compare);
+        let attachment = [vk::PipelineColorBlendAttachmentState::default()
+            .blend_enable(spec.blend)
+            .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
+            .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+            .src_alpha_blend_factor(vk::BlendFactor::ZERO)
+            .dst_alpha_blend_factor(vk::BlendFactor::ONE)
+            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+        let attachment = if spec.fragment.is_some() { &attachment[..] } else { &[] };
+        let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(attachment);
+        let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
+        let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
+        let formats = [spec.color_format];
+        let formats = if spec.fragment.is_some() { &formats[..] } else { &[] };
+        let mut rendering = vk::PipelineRenderingCreateInfo::default()
+            .color_attachment_formats(formats)
+            .depth_attachment_format(DEPTH_FORMAT)
+            .view_mask(spec.view_mask);
+        let create = [vk::GraphicsPipelineCreateInfo::default()
+            .stages(stages)
+            .vertex_input_state(&vertex_input)
+            .input_assembly_state(&assembly)
+            .viewport_state(&viewport)
+            .rasterization_state(&raster)
+            .multisample_state(&multisample)
+            .depth_stencil_state(&depth)
+            .color_blend_state(&blend)
+            .dynamic_state(&dynamic)
+            .layout(self.layout)
+            .push_next(&mut rendering)];
+        // SAFETY: every state that the pipeline needs is given and lives until the call returns.
+        let made =
+            unsafe { self.device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &create, None) };
+        let made =
+            made.map_err(|(_, result)| gpu::Error::Call { call: "vkCreateGraphicsPipelines", result })?;
+        Ok(made.first().copied().unwrap_or_default())
+    }
+}
+
+impl Drop for Program {
+    fn drop(&mut self) {
+        let raw = &self.device.raw;
+        // SAFETY: the renderer waits for its submissions; null handles are ignored.
+        unsafe {
+            for pipeline in self.pipelines.drain(..) {
+                raw.destroy_pipeline(pipeline, None);
+            }
+            raw.destroy_descriptor_pool(self.pool, None);
+            raw.destroy_pipeline_layout(self.layout, None);
+            raw.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}

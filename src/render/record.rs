@@ -1,0 +1,344 @@
+//! The commands of one picture: shadow map, then everything that is seen.
+
+use super::camera::View;
+use super::pipelines::{Program, Resource};
+use super::renderer::Renderer;
+use super::target::Transition;
+use super::{CrowdBuffers, Error};
+use crate::gpu::Buffer;
+use ash::vk;
+use std::ffi::CStr;
+
+type Stage = vk::PipelineStageFlags2;
+type Access = vk::AccessFlags2;
+type Layout = vk::ImageLayout;
+
+/// Bytes of a `VkDrawIndexedIndirectCommand`.
+const DRAW_ARGS_STRIDE: u32 = 20;
+
+const DEPTH_TESTS: Stage =
+    Stage::from_raw(Stage::EARLY_FRAGMENT_TESTS.as_raw() | Stage::LATE_FRAGMENT_TESTS.as_raw());
+const DEPTH_USE: Access = Access::from_raw(
+    Access::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | Access::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
+);
+const COLOR_USE: Access =
+    Access::from_raw(Access::COLOR_ATTACHMENT_READ.as_raw() | Access::COLOR_ATTACHMENT_WRITE.as_raw());
+const SHADERS: Stage = Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
+
+/// The image a picture is drawn into, of one layer per eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Output {
+    pub(crate) image: vk::Image,
+    pub(crate) view: vk::ImageView,
+    /// Stage that used the image last (or waits for it to be there).
+    pub(crate) before: Stage,
+    /// Who uses it next, how, in which layout.
+    pub(crate) after: (Stage, Access, Layout),
+}
+
+impl Renderer {
+    /// Fills the descriptor sets. They must not be in use by the device.
+    pub(crate) fn bind(&self, crowd: Option<&CrowdBuffers<'_>>) -> Result<(), Error> {
+        let buffer = |buffer: &Buffer| Some(Resource::Buffer(buffer.raw));
+        let resource = |name: &str| match name {
+            "view" => buffer(&self.uniforms),
+            "shadow_map" => Some(Resource::Texture(self.shadow_map.view, Layout::SHADER_READ_ONLY_OPTIMAL)),
+            "shadow_sampler" => Some(Resource::Sampler(self.sampler)),
+            "environment" => self.environment.as_ref().and_then(|e| buffer(&e.vertices)),
+            name => crowd.and_then(|crowd| crowd.buffer(name)).and_then(buffer),
+        };
+        self.programs.sky.bind(resource)?;
+        if self.environment.is_some() {
+            self.programs.environment.bind(resource)?;
+        }
+        if let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) {
+            crowd.check(meshes.bucket_count)?;
+            self.programs.crowd.bind(resource)?;
+            if self.settings.markers.is_some() {
+                self.programs.marker.bind(resource)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Records the whole picture into `output`. [`Renderer::bind`] stands before it, with the same crowd.
+    pub(crate) fn record(
+        &self,
+        commands: vk::CommandBuffer,
+        view: &View,
+        crowd: Option<&CrowdBuffers<'_>>,
+        output: &Output,
+    ) {
+        let crowd = crowd.filter(|_| self.meshes.is_some());
+        let uniforms = self.view_uniforms(view);
+        // what kernels and copies wrote is there for the draws; the uniforms are free of the picture before
+        self.barrier(
+            commands,
+            (
+                Stage::COMPUTE_SHADER | Stage::ALL_TRANSFER | SHADERS,
+                Access::SHADER_STORAGE_WRITE | Access::TRANSFER_WRITE,
+            ),
+            (
+                SHADERS | Stage::DRAW_INDIRECT | Stage::INDEX_INPUT | Stage::ALL_TRANSFER,
+                Access::SHADER_STORAGE_READ
+                    | Access::INDIRECT_COMMAND_READ
+                    | Access::INDEX_READ
+                    | Access::TRANSFER_WRITE,
+            ),
+        );
+        // SAFETY: recording has begun; the contents are a few hundred bytes, a multiple of four, and fit the buffer.
+        unsafe {
+            let bytes = bytemuck::bytes_of(&uniforms);
+            self.device.raw.cmd_update_buffer(commands, self.uniforms.raw, 0, bytes);
+        }
+        self.barrier(
+            commands,
+            (Stage::ALL_TRANSFER, Access::TRANSFER_WRITE),
+            (SHADERS, Access::UNIFORM_READ),
+        );
+        self.label(commands, Some(c"gaitway.shadow"));
+        self.record_shadow(commands, crowd);
+        self.label(commands, None);
+        self.label(commands, Some(c"gaitway.picture"));
+        self.record_picture(commands, crowd, output);
+        self.label(commands, None);
+        // kernels of the next step may overwrite what was drawn from
+        self.barrier(
+            commands,
+            (SHADERS | Stage::DRAW_INDIRECT, Access::NONE),
+            (Stage::COMPUTE_SHADER | Stage::ALL_TRANSFER, Access::NONE),
+        );
+    }
+
+    fn record_shadow(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>) {
+        let map = &self.shadow_map;
+        let aspect = vk::ImageAspectFlags::DEPTH;
+        let (image, attachment) = (map.raw, (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL));
+        let sampled = (Stage::FRAGMENT_SHADER, Access::SHADER_SAMPLED_READ, Layout::SHADER_READ_ONLY_OPTIMAL);
+        let unread = (Stage::FRAGMENT_SHADER | DEPTH_TESTS, Access::NONE, Layout::UNDEFINED);
+        self.transition(commands, &[Transition { image, aspect, from: unread, to: attachment }]);
+        let depth = depth_attachment(map.view, vk::AttachmentStoreOp::STORE);
+        let area = area(self.shadow_size, self.shadow_size);
+        let rendering =
+            vk::RenderingInfo::default().render_area(area).layer_count(1).depth_attachment(&depth);
+        // SAFETY: recording has begun and the map is in the layout of the attachment.
+        unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
+        if self.settings.shadow_size > 0 {
+            self.set_area(commands, area);
+            self.draw_environment(commands, self.pipelines.environment_shadow);
+            self.draw_crowd(commands, self.pipelines.crowd_shadow, crowd);
+        }
+        // SAFETY: rendering has begun.
+        unsafe { self.device.raw.cmd_end_rendering(commands) };
+        self.transition(commands, &[Transition { image, aspect, from: attachment, to: sampled }]);
+    }
+
+    fn record_picture(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>, output: &Output) {
+        let attachment = (Stage::COLOR_ATTACHMENT_OUTPUT, COLOR_USE, Layout::COLOR_ATTACHMENT_OPTIMAL);
+        let color = vk::ImageAspectFlags::COLOR;
+        let mut before = vec![
+            Transition {
+                image: self.attachments.depth.raw,
+                aspect: vk::ImageAspectFlags::DEPTH,
+                from: (DEPTH_TESTS, Access::DEPTH_STENCIL_ATTACHMENT_WRITE, Layout::UNDEFINED),
+                to: (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL),
+            },
+            Transition {
+                image: output.image,
+                aspect: color,
+                from: (
+                    output.before | Stage::COLOR_ATTACHMENT_OUTPUT,
+                    Access::COLOR_ATTACHMENT_WRITE,
+                    Layout::UNDEFINED,
+                ),
+                to: attachment,
+            },
+        ];
+        let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } };
+        let mut target = vk::RenderingAttachmentInfo::default()
+            .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .clear_value(clear);
+        match &self.attachments.multisampled {
+            Some(multisampled) => {
+                before.push(Transition {
+                    image: multisampled.raw,
+                    aspect: color,
+                    from: (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::UNDEFINED),
+                    to: attachment,
+                });
+                target = target
+                    .image_view(multisampled.view)
+                    .store_op(vk::AttachmentStoreOp::DONT_CARE)
+                    .resolve_mode(vk::ResolveModeFlags::AVERAGE)
+                    .resolve_image_view(output.view)
+                    .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
+            }
+            None => target = target.image_view(output.view).store_op(vk::AttachmentStoreOp::STORE),
+        }
+        self.transition(commands, &before);
+        let targets = [target];
+        let depth = depth_attachment(self.attachments.depth.view, vk::AttachmentStoreOp::DONT_CARE);
+        let area = area(self.settings.width, self.settings.height);
+        let rendering = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .view_mask(if self.settings.eyes > 1 { 0b11 } else { 0 })
+            .color_attachments(&targets)
+            .depth_attachment(&depth);
+        // SAFETY: recording has begun and the images are in the layouts of the attachments.
+        unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
+        self.set_area(commands, area);
+        // near to far by likelihood: people and buildings hide much of the ground, everything hides the sky
+        self.draw_crowd(commands, self.pipelines.crowd, crowd);
+        self.draw_environment(commands, self.pipelines.environment);
+        self.draw_sky(commands);
+        self.draw_markers(commands, crowd);
+        // SAFETY: rendering has begun.
+        unsafe { self.device.raw.cmd_end_rendering(commands) };
+        let from = (
+            Stage::COLOR_ATTACHMENT_OUTPUT,
+            Access::COLOR_ATTACHMENT_WRITE,
+            Layout::COLOR_ATTACHMENT_OPTIMAL,
+        );
+        let finished = Transition { image: output.image, aspect: color, from, to: output.after };
+        self.transition(commands, &[finished]);
+    }
+
+    /// Binds a pipeline of a program and its set.
+    fn use_program(&self, commands: vk::CommandBuffer, program: &Program, pipeline: vk::Pipeline) {
+        let point = vk::PipelineBindPoint::GRAPHICS;
+        // SAFETY: the pipeline and the set were made with the program's layout; recording has begun.
+        unsafe {
+            self.device.raw.cmd_bind_pipeline(commands, point, pipeline);
+            self.device.raw.cmd_bind_descriptor_sets(commands, point, program.layout, 0, &[program.set], &[]);
+        }
+    }
+
+    fn draw_environment(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline) {
+        let Some(environment) = &self.environment else { return };
+        self.label(commands, Some(c"gaitway.environment"));
+        self.use_program(commands, &self.programs.environment, pipeline);
+        // SAFETY: rendering has begun; every index was checked against the vertices.
+        unsafe {
+            let raw = &self.device.raw;
+            raw.cmd_bind_index_buffer(commands, environment.indices.raw, 0, vk::IndexType::UINT32);
+            raw.cmd_draw_indexed(commands, environment.index_count, 1, 0, 0, 0);
+        }
+        self.label(commands, None);
+    }
+
+    fn draw_crowd(
+        &self,
+        commands: vk::CommandBuffer,
+        pipeline: vk::Pipeline,
+        crowd: Option<&CrowdBuffers<'_>>,
+    ) {
+        let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
+        self.label(commands, Some(c"gaitway.crowd"));
+        let program = &self.programs.crowd;
+        self.use_program(commands, program, pipeline);
+        let raw = &self.device.raw;
+        // SAFETY: rendering has begun; `check` has compared the sizes of the buffers with the number of buckets, and
+        // what the arguments ask for lies within the meshes, whose table the kernel copied them from.
+        unsafe {
+            raw.cmd_bind_index_buffer(commands, meshes.indices.raw, 0, vk::IndexType::UINT32);
+            for bucket in 0..meshes.bucket_count {
+                let bytes = bucket.to_ne_bytes();
+                raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::VERTEX, 0, &bytes);
+                let offset = u64::from(bucket) * u64::from(DRAW_ARGS_STRIDE);
+                raw.cmd_draw_indexed_indirect(commands, crowd.draw_args.raw, offset, 1, DRAW_ARGS_STRIDE);
+            }
+        }
+        self.label(commands, None);
+    }
+
+    fn draw_sky(&self, commands: vk::CommandBuffer) {
+        self.label(commands, Some(c"gaitway.sky"));
+        self.use_program(commands, &self.programs.sky, self.pipelines.sky);
+        // SAFETY: rendering has begun; the shader makes its own three vertices.
+        unsafe { self.device.raw.cmd_draw(commands, 3, 1, 0, 0) };
+        self.label(commands, None);
+    }
+
+    fn draw_markers(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>) {
+        let (Some(crowd), Some(_)) = (crowd, self.settings.markers) else { return };
+        self.label(commands, Some(c"gaitway.marker"));
+        self.use_program(commands, &self.programs.marker, self.pipelines.marker);
+        // as many as there could be; the shader drops those past the end of the list
+        let slots = u32::try_from(crowd.visible.size() / 4).unwrap_or(u32::MAX);
+        // SAFETY: rendering has begun; the shader makes its own six vertices.
+        unsafe { self.device.raw.cmd_draw(commands, 6, slots, 0, 0) };
+        self.label(commands, None);
+    }
+
+    fn set_area(&self, commands: vk::CommandBuffer, area: vk::Rect2D) {
+        #[allow(clippy::cast_precision_loss, reason = "sides of images are far below 2^24")]
+        let viewport = vk::Viewport {
+            width: area.extent.width as f32,
+            height: area.extent.height as f32,
+            max_depth: 1.0,
+            ..Default::default()
+        };
+        // SAFETY: recording has begun.
+        unsafe {
+            self.device.raw.cmd_set_viewport(commands, 0, &[viewport]);
+            self.device.raw.cmd_set_scissor(commands, 0, &[area]);
+        }
+    }
+
+    fn barrier(&self, commands: vk::CommandBuffer, from: (Stage, Access), to: (Stage, Access)) {
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(from.0)
+            .src_access_mask(from.1)
+            .dst_stage_mask(to.0)
+            .dst_access_mask(to.1)];
+        // SAFETY: recording has begun, outside of rendering.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+
+    fn transition(&self, commands: vk::CommandBuffer, transitions: &[Transition]) {
+        let barriers: Vec<_> = transitions.iter().map(|transition| transition.barrier()).collect();
+        // SAFETY: recording has begun, outside of rendering; the images are alive.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+
+    /// Opens (with a name) or closes a label for captures and validation messages.
+    fn label(&self, commands: vk::CommandBuffer, name: Option<&CStr>) {
+        let Some(loader) = self.device.names.as_ref() else { return };
+        // SAFETY: recording has begun; labels are closed in the order they were opened.
+        unsafe {
+            match name {
+                Some(name) => {
+                    let label = vk::DebugUtilsLabelEXT::default().label_name(name);
+                    loader.cmd_begin_debug_utils_label(commands, &label);
+                }
+                None => loader.cmd_end_debug_utils_label(commands),
+            }
+        }
+    }
+}
+
+/// A depth attachment cleared to the farthest depth.
+fn depth_attachment(
+    view: vk::ImageView,
+    store: vk::AttachmentStoreOp,
+) -> vk::RenderingAttachmentInfo<'static> {
+    let far = vk::ClearDepthStencilValue { depth: 0.0, stencil: 0 };
+    vk::RenderingAttachmentInfo::default()
+        .image_view(view)
+        .image_layout(Layout::DEPTH_ATTACHMENT_OPTIMAL)
+        .load_op(vk::AttachmentLoadOp::CLEAR)
+        .store_op(store)
+        .clear_value(vk::ClearValue { depth_stencil: far })
+}
+
+fn area(width: u32, height: u32) -> vk::Rect2D {
+    vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }
+}

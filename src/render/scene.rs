@@ -1,0 +1,74 @@
+//! The environment: coloured triangles that do not move.
+
+use super::Error;
+use glam::Vec3;
+
+/// A coloured triangle mesh in the world, metres, y up; triangles wind counter-clockwise seen from outside.
+#[derive(Debug, Clone, Copy)]
+pub struct Surface<'a> {
+    /// Position of each vertex, m.
+    pub positions: &'a [Vec3],
+    /// Unit normal of each vertex.
+    pub normals: &'a [Vec3],
+    /// Linear colour of each vertex, 0 to 1; what is above 1 glows.
+    pub colors: &'a [Vec3],
+    /// Three indices per triangle.
+    pub indices: &'a [u32],
+}
+
+/// Position, normal and colour of a vertex, as `shaders/draw/environment.wgsl` reads them.
+pub(crate) type PackedVertex = [[f32; 4]; 3];
+
+/// One list of vertices and one of indices for several surfaces.
+///
+/// # Errors
+/// When the lists of a surface differ in length, an index points past them, or a triangle is not whole.
+pub(crate) fn pack(surfaces: &[Surface<'_>]) -> Result<(Vec<PackedVertex>, Vec<u32>), Error> {
+    let (mut vertices, mut indices) = (Vec::new(), Vec::new());
+    for (number, surface) in surfaces.iter().enumerate() {
+        let count = surface.positions.len();
+        if surface.normals.len() != count || surface.colors.len() != count {
+            return Err(Error::Mesh(format!(
+                "surface {number} has {count} positions, {} normals and {} colours; it needs one of each per vertex",
+                surface.normals.len(),
+                surface.colors.len()
+            )));
+        }
+        if !surface.indices.len().is_multiple_of(3) {
+            let found = surface.indices.len();
+            return Err(Error::Mesh(format!("surface {number} has {found} indices; a triangle has three")));
+        }
+        if let Some(index) = surface.indices.iter().find(|index| **index as usize >= count) {
+            return Err(Error::Mesh(format!(
+                "surface {number}: index {index}, but there are {count} vertices"
+            )));
+        }
+        let first = u32::try_from(vertices.len())
+            .map_err(|error| Error::Mesh(format!("{} vertices: {error}", vertices.len())))?;
+        let parts = surface.positions.iter().zip(surface.normals).zip(surface.colors);
+        vertices.extend(parts.map(|((p, n), c)| [*p, *n, *c].map(|v| v.extend(0.0).to_array())));
+        indices.extend(surface.indices.iter().map(|index| first + index));
+    }
+    Ok((vertices, indices))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn surfaces_are_joined_and_wrong_ones_refused_with_the_place() {
+        let (three, four) = ([Vec3::X, Vec3::Y, Vec3::Z], [Vec3::ONE; 4]);
+        let good = Surface { positions: &three, normals: &three, colors: &three, indices: &[0, 1, 2] };
+        let (vertices, indices) = pack(&[good, good]).unwrap();
+        assert_eq!(indices, [0, 1, 2, 3, 4, 5]);
+        assert_eq!(vertices[4], [[0.0, 1.0, 0.0, 0.0]; 3]);
+        let message = |surface| pack(&[good, surface]).unwrap_err().to_string();
+        assert!(
+            message(Surface { colors: &four, ..good }).contains("surface 1 has 3 positions, 3 normals and 4")
+        );
+        assert!(message(Surface { indices: &[0, 1], ..good }).contains("2 indices"));
+        assert!(message(Surface { indices: &[0, 1, 3], ..good }).contains("index 3"));
+        assert!(pack(&[]).unwrap().0.is_empty());
+    }
+}

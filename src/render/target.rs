@@ -1,0 +1,147 @@
+//! Images on the device.
+
+use super::Error;
+use crate::gpu::{self, Device, call};
+use ash::vk;
+use gpu_allocator::MemoryLocation;
+use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use std::sync::{Arc, PoisonError};
+
+/// Colour of pictures. Eight bits with the sRGB curve: shaders write linear light, blending and resolving stay linear,
+/// dark tones do not band, and the bytes are those of a PNG.
+pub(crate) const COLOR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+/// Depth, reversed: 32-bit floats are finest near 0, which is where the distance lies.
+pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
+
+/// What an image is to be.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ImageSpec<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) extent: vk::Extent2D,
+    pub(crate) layers: u32,
+    pub(crate) format: vk::Format,
+    pub(crate) samples: vk::SampleCountFlags,
+    pub(crate) usage: vk::ImageUsageFlags,
+}
+
+/// An image, its memory and a view of all of it.
+pub(crate) struct GpuImage {
+    device: Arc<Device>,
+    pub(crate) raw: vk::Image,
+    pub(crate) view: vk::ImageView,
+    allocation: Option<Allocation>,
+    pub(crate) layers: u32,
+}
+
+/// The aspect of a format among those used here.
+pub(crate) fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
+    if format == DEPTH_FORMAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
+}
+
+/// All layers of an image of one mip level.
+pub(crate) fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
+    vk::ImageSubresourceRange {
+        aspect_mask: aspect,
+        base_mip_level: 0,
+        level_count: 1,
+        base_array_layer: 0,
+        layer_count: vk::REMAINING_ARRAY_LAYERS,
+    }
+}
+
+impl GpuImage {
+    pub(crate) fn new(device: &Arc<Device>, spec: ImageSpec<'_>) -> Result<Self, Error> {
+        let create = vk::ImageCreateInfo::default()
+            .image_type(vk::ImageType::TYPE_2D)
+            .format(spec.format)
+            .extent(vk::Extent3D { width: spec.extent.width, height: spec.extent.height, depth: 1 })
+            .mip_levels(1)
+            .array_layers(spec.layers)
+            .samples(spec.samples)
+            .tiling(vk::ImageTiling::OPTIMAL)
+            .usage(spec.usage);
+        // SAFETY: the create-info is complete; size and samples were checked against the device's limits.
+        let raw = unsafe { device.raw.create_image(&create, None) }.map_err(call("vkCreateImage"))?;
+        let mut image = Self {
+            device: device.clone(),
+            raw,
+            view: vk::ImageView::null(),
+            allocation: None,
+            layers: spec.layers,
+        };
+        device.name(raw, spec.name);
+        // SAFETY: the image was made by this device.
+        let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
+        let allocation = device
+            .allocator
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .allocate(&AllocationCreateDesc {
+                name: spec.name,
+                requirements,
+                location: MemoryLocation::GpuOnly,
+                linear: false,
+                allocation_scheme: AllocationScheme::DedicatedImage(raw),
+            })
+            .map_err(|error| gpu::Error::Memory {
+                name: spec.name.to_owned(),
+                bytes: requirements.size,
+                reason: error.to_string(),
+            })?;
+        // SAFETY: the memory was allocated for this image and is bound once.
+        let bound = unsafe { device.raw.bind_image_memory(raw, allocation.memory(), allocation.offset()) };
+        image.allocation = Some(allocation);
+        bound.map_err(call("vkBindImageMemory"))?;
+        let view_type =
+            if spec.layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let create = vk::ImageViewCreateInfo::default()
+            .image(raw)
+            .format(spec.format)
+            .view_type(view_type)
+            .subresource_range(whole(aspect_of(spec.format)));
+        // SAFETY: the image is alive and bound to memory.
+        image.view =
+            unsafe { device.raw.create_image_view(&create, None) }.map_err(call("vkCreateImageView"))?;
+        device.name(image.view, spec.name);
+        Ok(image)
+    }
+}
+
+impl Drop for GpuImage {
+    fn drop(&mut self) {
+        // SAFETY: the renderer that owns the image waits for its submissions; null handles are ignored.
+        unsafe {
+            self.device.raw.destroy_image_view(self.view, None);
+            self.device.raw.destroy_image(self.raw, None);
+        }
+        if let Some(allocation) = self.allocation.take() {
+            let mut allocator = self.device.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+            let _ = allocator.free(allocation); // fails only for memory that is not the allocator's
+        }
+    }
+}
+
+/// One change of an image's layout and the work on both sides of it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Transition {
+    pub(crate) image: vk::Image,
+    pub(crate) aspect: vk::ImageAspectFlags,
+    /// Stages, accesses and layout before.
+    pub(crate) from: (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout),
+    /// Stages, accesses and layout after.
+    pub(crate) to: (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout),
+}
+
+impl Transition {
+    pub(crate) fn barrier(self) -> vk::ImageMemoryBarrier2<'static> {
+        vk::ImageMemoryBarrier2::default()
+            .image(self.image)
+            .subresource_range(whole(self.aspect))
+            .src_stage_mask(self.from.0)
+            .src_access_mask(self.from.1)
+            .old_layout(self.from.2)
+            .dst_stage_mask(self.to.0)
+            .dst_access_mask(self.to.1)
+            .new_layout(self.to.2)
+    }
+}

@@ -1,0 +1,256 @@
+//! Geometry of a scenario: what its file says, plus what its generated layout adds for that many agents.
+
+use super::environment::{Environment, Ground, Prop};
+use super::polygon;
+use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn};
+use super::{crossing, garden, parking, scifi};
+use glam::{Vec2, Vec3};
+
+/// Clear space between the outermost lane of a route and the walls beside it, m.
+pub(super) const LANE_MARGIN: f32 = 0.9;
+
+/// Everything of a scenario that has a place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Geometry {
+    /// Outer outline of the walkable area, clockwise on (x, z): the walkable side is to the right of each edge.
+    pub bounds: Vec<Vec2>,
+    /// Solid polygons, counter-clockwise on (x, z): the walkable side is to the right of each edge, too.
+    pub obstacles: Vec<Vec<Vec2>>,
+    /// Start regions; none: agents start along their routes.
+    pub spawns: Vec<Spawn>,
+    /// Routes.
+    pub routes: Vec<Route>,
+    /// Scenery.
+    pub environment: Environment,
+    /// Where the user starts, m.
+    pub user: Vec2,
+    /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
+    pub overview: (Vec3, Vec3),
+}
+
+impl Geometry {
+    /// All closed outlines that agents must not cross, bounds first, in the orientation the solver wants.
+    pub fn outlines(&self) -> impl Iterator<Item = &[Vec2]> {
+        std::iter::once(self.bounds.as_slice()).chain(self.obstacles.iter().map(Vec::as_slice))
+    }
+
+    /// Area inside the bounds less that of the obstacles, m² (overlapping obstacles count twice).
+    pub fn walkable_area(&self) -> f64 {
+        let solid: f64 = self.obstacles.iter().map(|p| polygon::signed_area(p)).sum();
+        -polygon::signed_area(&self.bounds) - solid
+    }
+}
+
+/// What a layout makes for a number of agents.
+#[derive(Debug, Default)]
+pub(super) struct Generated {
+    pub(super) bounds: Vec<Vec2>,
+    pub(super) obstacles: Vec<Vec<Vec2>>,
+    pub(super) routes: Vec<Route>,
+    pub(super) ground: Ground,
+    pub(super) props: Vec<Prop>,
+    pub(super) user: Vec2,
+}
+
+impl Scenario {
+    /// The geometry for the present number of agents. Cheap for the built-in sizes; a million agents make some
+    /// ten thousand objects.
+    pub fn geometry(&self) -> Geometry {
+        let agents = self.population.agents;
+        let mut made = match self.layout {
+            Layout::Custom => Generated { bounds: vectors(&self.bounds), ..Generated::default() },
+            Layout::Crossing => crossing::generate(agents),
+            Layout::Garden => garden::generate(agents),
+            Layout::Parking => parking::generate(agents),
+            Layout::Scifi => scifi::generate(agents),
+        };
+        let bounds = polygon::oriented(made.bounds, false);
+        made.routes.extend(self.routes.iter().cloned());
+        made.props.extend(self.environment.props.iter().cloned());
+        made.obstacles.extend(self.obstacles.iter().map(|obstacle| vectors(&obstacle.polygon)));
+        let inside = |prop: &&Prop| polygon::contains(&bounds, Vec2::from(prop.position));
+        made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
+        let user = self.user.position.map_or(made.user, Vec2::from);
+        Geometry {
+            overview: overview(&bounds, user),
+            obstacles: made.obstacles.into_iter().map(|p| polygon::oriented(p, true)).collect(),
+            spawns: self.spawns.clone(),
+            routes: made.routes,
+            environment: Environment {
+                ground: Some(self.environment.ground.unwrap_or(made.ground)),
+                props: made.props,
+            },
+            user,
+            bounds,
+        }
+    }
+
+    /// The same scenario with its generated geometry written out, to be edited by hand: layout `custom`.
+    #[must_use]
+    pub fn expanded(&self) -> Self {
+        let agents = self.population.agents;
+        let made = match self.layout {
+            Layout::Custom => return self.clone(),
+            Layout::Crossing => crossing::generate(agents),
+            Layout::Garden => garden::generate(agents),
+            Layout::Parking => parking::generate(agents),
+            Layout::Scifi => scifi::generate(agents),
+        };
+        let mut own = self.clone();
+        own.layout = Layout::Custom;
+        own.bounds = points(&made.bounds);
+        own.user.position.get_or_insert(made.user.into());
+        own.environment.ground.get_or_insert(made.ground);
+        let solid = |polygon: &Vec<Vec2>| super::schema::Obstacle { polygon: points(polygon) };
+        own.obstacles.splice(0..0, made.obstacles.iter().map(solid));
+        own.routes.splice(0..0, made.routes);
+        own.environment.props.splice(0..0, made.props);
+        own
+    }
+}
+
+fn vectors(points: &[Point]) -> Vec<Vec2> {
+    points.iter().copied().map(Vec2::from).collect()
+}
+
+fn points(vectors: &[Vec2]) -> Vec<Point> {
+    vectors.iter().map(Vec2::to_array).collect()
+}
+
+/// A raised three-quarter view from the south of the user, far enough back to take in at most 150 m.
+fn overview(bounds: &[Vec2], user: Vec2) -> (Vec3, Vec3) {
+    let low = bounds.iter().copied().fold(user, Vec2::min);
+    let high = bounds.iter().copied().fold(user, Vec2::max);
+    let reach = ((high - low).max_element() * 0.5).clamp(8.0, 75.0);
+    let eye = Vec3::new(user.x + 0.45 * reach, 0.62 * reach, user.y + 0.95 * reach);
+    (eye, Vec3::new(user.x, 1.0, user.y))
+}
+
+/// Number `i` of `count` things `pitch` apart, centred on 0.
+#[allow(clippy::cast_precision_loss, reason = "counts are far below 2^24")]
+pub(super) fn spaced(i: u32, count: u32, pitch: f32) -> f32 {
+    (i as f32 - (count.saturating_sub(1)) as f32 * 0.5) * pitch
+}
+
+/// Rectangular streets and the ways along them.
+#[derive(Debug)]
+pub(super) struct Streets {
+    /// x of the middle of each street that runs along z, ascending.
+    pub(super) xs: Vec<f32>,
+    /// z of the middle of each street that runs along x, ascending.
+    pub(super) zs: Vec<f32>,
+    /// Least and greatest corner of the walkable rectangle, m.
+    pub(super) low: Vec2,
+    /// See `low`.
+    pub(super) high: Vec2,
+    /// Width of the streets that run along z (x) and along x (y), m.
+    pub(super) width: Vec2,
+}
+
+/// Most rectangles that are walked round, so that a huge scene keeps few routes.
+const MAX_LOOPS: usize = 300;
+
+impl Streets {
+    /// Width left for lanes, m.
+    fn lanes(width: f32) -> f32 {
+        (width - 2.0 * LANE_MARGIN).max(0.0)
+    }
+
+    /// Up and down every street from end to end.
+    pub(super) fn straight(&self) -> Vec<Route> {
+        let end = 1.5;
+        let along_z = self.xs.iter().enumerate().map(|(i, &x)| {
+            let ends = vec![[x, self.low.y + end], [x, self.high.y - end]];
+            route(format!("avenue-{i}"), ends, Self::lanes(self.width.x), RouteMode::Patrol, 1.0)
+        });
+        let along_x = self.zs.iter().enumerate().map(|(i, &z)| {
+            let ends = vec![[self.low.x + end, z], [self.high.x - end, z]];
+            route(format!("street-{i}"), ends, Self::lanes(self.width.y), RouteMode::Patrol, 1.0)
+        });
+        along_z.chain(along_x).collect()
+    }
+
+    /// Round every block between neighbouring streets (round some of them in a huge scene).
+    pub(super) fn loops(&self, weight: f32) -> Vec<Route> {
+        let width = Self::lanes(self.width.min_element());
+        let blocks: Vec<(usize, usize)> =
+            (1..self.xs.len()).flat_map(|i| (1..self.zs.len()).map(move |j| (i, j))).collect();
+        let step = blocks.len().div_ceil(MAX_LOOPS).max(1);
+        let around = |&(i, j): &(usize, usize)| {
+            let (x0, x1, z0, z1) = (self.xs[i - 1], self.xs[i], self.zs[j - 1], self.zs[j]);
+            let corners = vec![[x0, z0], [x1, z0], [x1, z1], [x0, z1]];
+            route(format!("block-{i}-{j}"), corners, width, RouteMode::Loop, weight)
+        };
+        blocks.iter().step_by(step).map(around).collect()
+    }
+}
+
+/// A route with the usual waypoint radius.
+pub(super) fn route(name: String, waypoints: Vec<Point>, width: f32, mode: RouteMode, weight: f32) -> Route {
+    Route { name, waypoints, width, radius: 2.5, mode, weight }
+}
+
+/// A street grid of square blocks: how many streets each way, how wide, how large the blocks.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Blocks {
+    /// Blocks per side, odd.
+    pub(super) count: u32,
+    /// Side of a block, m.
+    pub(super) block: f32,
+    /// Width of a path, m.
+    pub(super) path: f32,
+}
+
+impl Blocks {
+    /// The smallest grid, ringed by paths, that keeps `agents` at or under `density` (agents/m²); beyond a
+    /// hundred agents blocks and paths grow, too, so that a million agents do not need a hundred thousand blocks.
+    /// `solid` is the share of a block's square that cannot be walked on.
+    #[allow(clippy::cast_precision_loss, reason = "up to a million agents")]
+    pub(super) fn for_agents(agents: u32, density: f32, block: f32, path: f32, solid: f32) -> Self {
+        let scale = (agents as f32 / 60.0).powf(0.25).clamp(1.0, 6.0);
+        let (block, path) = (block * scale, path * scale);
+        let mut count = 3;
+        let walkable = |count: u32| {
+            let n = count as f32;
+            (n * block + (n + 1.0) * path).powi(2) - (n * n - 1.0) * block * block * solid
+        };
+        while walkable(count) * density < agents as f32 && count < 999 {
+            count += 2;
+        }
+        Self { count, block, path }
+    }
+
+    /// Distance from block to block, m.
+    pub(super) fn pitch(&self) -> f32 {
+        self.block + self.path
+    }
+
+    /// Side of the whole square, outer paths included, m.
+    #[allow(clippy::cast_precision_loss, reason = "a few hundred blocks")]
+    pub(super) fn side(&self) -> f32 {
+        self.count as f32 * self.pitch() + self.path
+    }
+
+    /// Middles of all blocks but the central one.
+    pub(super) fn centers(self) -> impl Iterator<Item = Vec2> {
+        let middle = self.count / 2;
+        (0..self.count)
+            .flat_map(move |i| (0..self.count).map(move |j| (i, j)))
+            .filter(move |&cell| cell != (middle, middle))
+            .map(move |(i, j)| {
+                Vec2::new(spaced(i, self.count, self.pitch()), spaced(j, self.count, self.pitch()))
+            })
+    }
+
+    /// The paths between and around the blocks.
+    pub(super) fn streets(&self) -> Streets {
+        let lines: Vec<f32> = (0..=self.count).map(|i| spaced(i, self.count + 1, self.pitch())).collect();
+        let half = Vec2::splat(self.side() * 0.5);
+        Streets { xs: lines.clone(), zs: lines, low: -half, high: half, width: Vec2::splat(self.path) }
+    }
+
+    /// The bounding square.
+    pub(super) fn outline(&self) -> Vec<Vec2> {
+        polygon::oriented(polygon::rectangle(Vec2::ZERO, Vec2::splat(self.side()), 0.0), false)
+    }
+}

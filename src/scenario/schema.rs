@@ -1,0 +1,330 @@
+//! The scenario file: every key, its unit, its default. Allowed ranges are in [`super::validate`](Scenario::validate).
+
+use super::environment::Environment;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+
+/// A point on the ground (x, z), m.
+pub type Point = [f32; 2];
+
+/// Who walks where, how, and how they feel. Serialises to TOML and back without loss.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scenario {
+    /// Name, 1 to 64 letters, digits, `-` or `_`.
+    pub name: String,
+    /// One line for people.
+    #[serde(default)]
+    pub description: String,
+    /// Seed of every random draw.
+    #[serde(default = "default_seed")]
+    pub seed: u64,
+    /// Which of the paper's three algorithms moves the agents (S-26).
+    #[serde(default)]
+    pub condition: Condition,
+    /// Where the geometry comes from: a built-in generator that grows with the number of agents, or this file.
+    #[serde(default)]
+    pub layout: Layout,
+    /// Outer outline of the walkable area (either orientation). With a generated layout: leave it out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bounds: Vec<Point>,
+    /// How agents gaze in condition `eva-g`.
+    #[serde(default)]
+    pub gaze: Gaze,
+    /// The crowd.
+    #[serde(default)]
+    pub population: Population,
+    /// How agents find their way past one another.
+    #[serde(default)]
+    pub navigation: Navigation,
+    /// The person in the headset.
+    #[serde(default)]
+    pub user: User,
+    /// Solid polygons (either orientation), in addition to those of the layout and of solid props.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub obstacles: Vec<Obstacle>,
+    /// Where agents start; none: spread along their routes.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spawns: Vec<Spawn>,
+    /// Where agents walk, in addition to the routes of the layout.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub routes: Vec<Route>,
+    /// What the place looks like. Solid props are obstacles too.
+    #[serde(default)]
+    pub environment: Environment,
+}
+
+const fn default_seed() -> u64 {
+    1
+}
+
+/// The paper's three algorithms (S-26).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Condition {
+    /// One neutral gait for all, no gaze.
+    Baseline,
+    /// Gaits by emotion, no gaze.
+    EvaO,
+    /// Gaits and gaze by emotion.
+    #[default]
+    EvaG,
+}
+
+/// Where bounds, obstacles, routes and scenery come from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Layout {
+    /// From the file.
+    #[default]
+    Custom,
+    /// Generated city intersection.
+    Crossing,
+    /// Generated leisure garden.
+    Garden,
+    /// Generated car park in front of stores.
+    Parking,
+    /// Generated residential pods.
+    Scifi,
+}
+
+/// How gaze angles are found (paper section 4.5; departures ).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GazeMode {
+    /// Signed angles by atan2, anatomical limits, a field of regard, smoothing.
+    #[default]
+    Natural,
+    /// The paper's formulas to the letter.
+    Paper,
+}
+
+/// How agents gaze.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Gaze {
+    /// The formulas.
+    pub mode: GazeMode,
+}
+
+/// How a gait is chosen out of GEA(e) (S-18).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GaitChoice {
+    /// At random, as in the paper.
+    #[default]
+    Random,
+    /// In turn, by agent index: every gait is used equally often.
+    Cycle,
+    /// Always the first one.
+    First,
+}
+
+/// How `emotions` becomes the emotion of one agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EmotionMode {
+    /// Each agent draws one emotion; `emotions` are the shares (the paper).
+    #[default]
+    Draw,
+    /// Each agent is the same mixture; `emotions` are its weights (S-32).
+    Blend,
+}
+
+/// The crowd.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Population {
+    /// How many agents, 0 to 1,000,000.
+    pub agents: u32,
+    /// How a gait is chosen.
+    pub gaits: GaitChoice,
+    /// What `emotions` means.
+    pub emotion_mode: EmotionMode,
+    /// Least and greatest body size relative to the avatar.
+    pub scale: [f32; 2],
+    /// Names of the avatars in use; `AgentStart::avatar` is an index into this list.
+    pub avatars: Vec<String>,
+    /// Share (or weight) of each emotion; any scale, left out means 0.
+    pub emotions: Shares,
+}
+
+impl Default for Population {
+    fn default() -> Self {
+        Self {
+            agents: 8,
+            gaits: GaitChoice::default(),
+            emotion_mode: EmotionMode::default(),
+            scale: [0.93, 1.07],
+            avatars: vec!["female".into(), "male".into()],
+            emotions: Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 },
+        }
+    }
+}
+
+/// One number per emotion.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[allow(missing_docs, reason = "the fields are the emotions and say so")]
+pub struct Shares {
+    pub happy: f32,
+    pub angry: f32,
+    pub sad: f32,
+    pub neutral: f32,
+}
+
+impl Shares {
+    /// In the order of [`crate::Emotion::ALL`], scaled to sum 1 (all zero if they sum to 0).
+    pub fn normalised(self) -> [f32; 4] {
+        let raw = [self.happy, self.angry, self.sad, self.neutral];
+        let sum: f32 = raw.iter().sum();
+        if sum > 0.0 { raw.map(|share| share / sum) } else { [0.0; 4] }
+    }
+}
+
+/// The navigation model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Model {
+    /// Optimal reciprocal collision avoidance, 2011, by linear programming.
+    #[default]
+    Orca,
+    /// Reciprocal velocity obstacles, 2008, by sampling: the one the paper names.
+    Rvo,
+}
+
+/// How agents find their way past one another (spec 1.7).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Navigation {
+    /// The model.
+    pub model: Model,
+    /// Length of one simulation step, s.
+    pub time_step: f32,
+    /// Agents farther apart than this (centre to centre, m) ignore each other.
+    pub neighbour_distance: f32,
+    /// Most neighbours an agent considers, nearest first.
+    pub neighbour_cap: u32,
+    /// How long a new velocity must stay free of collisions with agents, s. Larger: earlier, gentler evasion.
+    pub time_horizon: f32,
+    /// The same for obstacles, s.
+    pub time_horizon_obstacles: f32,
+    /// Disc radius of an agent of scale 1, m.
+    pub radius: f32,
+    /// Maximum speed over preferred speed.
+    pub max_speed_factor: f32,
+    /// Maximum speed of anyone, m/s.
+    pub max_speed: f32,
+    /// Greatest random change of the preferred velocity, as a share of its length; breaks head-on symmetry.
+    pub perturbation: f32,
+}
+
+impl Default for Navigation {
+    fn default() -> Self {
+        Self {
+            model: Model::default(),
+            time_step: 1.0 / 30.0,
+            neighbour_distance: 5.0,
+            neighbour_cap: 10,
+            time_horizon: 2.0,
+            time_horizon_obstacles: 0.7,
+            radius: 0.25,
+            max_speed_factor: 1.5,
+            max_speed: 2.5,
+            perturbation: 0.02,
+        }
+    }
+}
+
+/// The person in the headset.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct User {
+    /// Start on the ground, m; left out: where the layout puts the user (custom layouts: the origin).
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub position: Option<Point>,
+    /// Heading about +y, degrees: 0 looks along +z, 90 along +x.
+    pub heading_deg: f32,
+    /// Height of the eyes above the ground, m.
+    pub eye_height: f32,
+    /// Disc radius, m.
+    pub radius: f32,
+    /// Whether agents walk around the user.
+    pub avoided: bool,
+}
+
+impl Default for User {
+    fn default() -> Self {
+        Self { position: None, heading_deg: 180.0, eye_height: 1.65, radius: 0.3, avoided: true }
+    }
+}
+
+/// A solid, closed polygon.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Obstacle {
+    /// Corners in order, at least 3, not crossing itself.
+    pub polygon: Vec<Point>,
+}
+
+/// A region in which agents start.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Spawn {
+    /// Corners in order, at least 3.
+    pub polygon: Vec<Point>,
+    /// Share of the agents, relative to the other regions; left out: the region's area in m².
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub weight: Option<f32>,
+    /// Names of the routes walked from here; empty: any.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub routes: Vec<String>,
+}
+
+/// What follows the last waypoint.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RouteMode {
+    /// The same way back, over and over.
+    #[default]
+    Patrol,
+    /// On to the first waypoint: a closed loop, walked in both directions.
+    Loop,
+    /// Stay there.
+    Once,
+}
+
+/// A way through the scene, walked on several parallel lanes.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Route {
+    /// Unique name.
+    pub name: String,
+    /// Centre line, at least 2 points (3 for a loop).
+    pub waypoints: Vec<Point>,
+    /// Width over which the lanes are spread, m; 0 is a single lane.
+    #[serde(default)]
+    pub width: f32,
+    /// Greatest distance at which a waypoint counts as reached, m.
+    #[serde(default = "default_waypoint_radius")]
+    pub radius: f32,
+    /// What follows the last waypoint.
+    #[serde(default)]
+    pub mode: RouteMode,
+    /// Share of the agents relative to length times lanes: with 1 everywhere all routes are equally dense.
+    #[serde(default = "default_weight")]
+    pub weight: f32,
+}
+
+const fn default_waypoint_radius() -> f32 {
+    2.5
+}
+
+const fn default_weight() -> f32 {
+    1.0
+}
+
+/// Names in use, for duplicates and references: name to index.
+pub(super) fn route_names(routes: &[Route]) -> BTreeMap<&str, usize> {
+    routes.iter().enumerate().map(|(index, route)| (route.name.as_str(), index)).collect()
+}

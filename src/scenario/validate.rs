@@ -1,0 +1,260 @@
+//! Allowed ranges of every value of a scenario.
+
+use super::environment::Prop;
+use super::error::Error;
+use super::load::nearest;
+use super::polygon;
+use super::schema::{
+    Layout, Navigation, Point, Population, Route, RouteMode, Scenario, Spawn, User, route_names,
+};
+use glam::Vec2;
+
+/// Most agents of one scenario.
+pub const MAX_AGENTS: u32 = 1_000_000;
+/// Most neighbours an agent may consider: the length of the kernels' neighbour list.
+pub const MAX_NEIGHBOURS: u32 = 10;
+/// Farthest coordinate, m: beyond it an f32 no longer resolves a centimetre.
+pub const MAX_COORDINATE: f32 = 50_000.0;
+/// Most corners of one polygon.
+const MAX_CORNERS: usize = 1024;
+/// Closest two corners of a polygon may be, m.
+const MIN_EDGE: f32 = 1e-3;
+
+impl Scenario {
+    /// Checks every value against its range, and every name against what it refers to.
+    ///
+    /// # Errors
+    /// [`Error::Value`] for the first wrong value: key, value, allowed range, way out.
+    pub fn validate(&self) -> Result<(), Error> {
+        let word = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
+        if self.name.is_empty() || self.name.len() > 64 || !self.name.chars().all(word) {
+            let allowed = "1 to 64 letters, digits, '-' or '_'";
+            return Err(Error::value(
+                "name",
+                format!("{:?}", self.name),
+                allowed,
+                "files are named after it",
+            ));
+        }
+        if i64::try_from(self.seed).is_err() {
+            return Err(Error::value("seed", self.seed, "0 to 2^63 - 1", "TOML knows no larger integer"));
+        }
+        population(&self.population)?;
+        navigation(&self.navigation)?;
+        user(&self.user)?;
+        if self.layout == Layout::Custom {
+            outline("bounds", &self.bounds, "the corners of the walkable area, in order")?;
+            if self.routes.is_empty() && self.population.agents > 0 {
+                return Err(Error::value("routes", "[]", "one route or more", "add a [[routes]] table"));
+            }
+        } else if !self.bounds.is_empty() {
+            let hint = "remove it, or set layout = \"custom\"";
+            return Err(Error::value("bounds", "[..]", "left out with a generated layout", hint));
+        }
+        for (index, obstacle) in self.obstacles.iter().enumerate() {
+            outline(
+                &format!("obstacles[{index}].polygon"),
+                &obstacle.polygon,
+                "the corners of something solid",
+            )?;
+        }
+        routes(&self.routes)?;
+        spawns(&self.spawns, &self.routes, self.layout)?;
+        self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
+    }
+}
+
+/// A number within `low..=high`; NaN fails.
+fn within(key: &str, value: f32, low: f32, high: f32, hint: &str) -> Result<(), Error> {
+    if value >= low && value <= high {
+        return Ok(());
+    }
+    Err(Error::value(key, value, format!("{low} to {high}"), hint))
+}
+
+fn point(key: &str, [x, z]: Point) -> Result<(), Error> {
+    if x.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE {
+        return Ok(());
+    }
+    let allowed = format!("within {MAX_COORDINATE} m of the origin in x and z");
+    Err(Error::value(key, format!("[{x}, {z}]"), allowed, "shift the scene towards the origin"))
+}
+
+fn population(population: &Population) -> Result<(), Error> {
+    if population.agents > MAX_AGENTS {
+        let hint = "split the crowd over several runs";
+        return Err(Error::value("population.agents", population.agents, format!("0 to {MAX_AGENTS}"), hint));
+    }
+    let [low, high] = population.scale;
+    if !(low >= 0.5 && low <= high && high <= 2.0) {
+        let found = format!("[{low}, {high}]");
+        return Err(Error::value(
+            "population.scale",
+            found,
+            "[least, greatest] within 0.5 to 2",
+            "try [0.93, 1.07]",
+        ));
+    }
+    if population.avatars.is_empty() || population.avatars.len() > 256 {
+        let found = format!("{} names", population.avatars.len());
+        return Err(Error::value(
+            "population.avatars",
+            found,
+            "1 to 256 names",
+            "try [\"female\", \"male\"]",
+        ));
+    }
+    if let Some(index) = population.avatars.iter().position(|name| name.trim().is_empty()) {
+        let key = format!("population.avatars[{index}]");
+        return Err(Error::value(key, "\"\"", "the name or path of an avatar", "try \"female\" or \"male\""));
+    }
+    let e = population.emotions;
+    for (name, share) in [("happy", e.happy), ("angry", e.angry), ("sad", e.sad), ("neutral", e.neutral)] {
+        within(
+            &format!("population.emotions.{name}"),
+            share,
+            0.0,
+            1e6,
+            "shares are relative: 1 and 1 is half each",
+        )?;
+    }
+    if e.normalised().iter().all(|&share| share <= 0.0) {
+        let hint = "give at least one emotion a share, such as neutral = 1.0";
+        return Err(Error::value("population.emotions", "all 0", "a sum above 0", hint));
+    }
+    Ok(())
+}
+
+fn navigation(n: &Navigation) -> Result<(), Error> {
+    within("navigation.time_step", n.time_step, 0.001, 0.2, "1/30 s = 0.0333 is usual")?;
+    within("navigation.neighbour_distance", n.neighbour_distance, 0.5, 50.0, "metres; 5 is usual")?;
+    if !(1..=MAX_NEIGHBOURS).contains(&n.neighbour_cap) {
+        let allowed = format!("1 to {MAX_NEIGHBOURS}");
+        return Err(Error::value("navigation.neighbour_cap", n.neighbour_cap, allowed, "10 is usual"));
+    }
+    within("navigation.time_horizon", n.time_horizon, 0.1, 20.0, "seconds; 2 is usual")?;
+    within(
+        "navigation.time_horizon_obstacles",
+        n.time_horizon_obstacles,
+        0.1,
+        20.0,
+        "seconds; 0.5 to 1 is usual",
+    )?;
+    within("navigation.radius", n.radius, 0.05, 2.0, "metres; 0.25 is usual")?;
+    within(
+        "navigation.max_speed_factor",
+        n.max_speed_factor,
+        1.0,
+        10.0,
+        "times the preferred speed; 1.5 is usual",
+    )?;
+    within("navigation.max_speed", n.max_speed, 0.1, 10.0, "metres a second; 2.5 is usual")?;
+    within("navigation.perturbation", n.perturbation, 0.0, 0.5, "share of the preferred speed; 0.02 is usual")
+}
+
+fn user(user: &User) -> Result<(), Error> {
+    if let Some(position) = user.position {
+        point("user.position", position)?;
+    }
+    within("user.heading_deg", user.heading_deg, -360.0, 360.0, "degrees; 0 looks along +z")?;
+    within("user.eye_height", user.eye_height, 0.3, 2.5, "metres; 1.65 is usual")?;
+    within("user.radius", user.radius, 0.05, 5.0, "metres; 0.3 is usual")
+}
+
+/// A simple closed polygon.
+fn outline(key: &str, corners: &[Point], hint: &str) -> Result<(), Error> {
+    if !(3..=MAX_CORNERS).contains(&corners.len()) {
+        let found = format!("{} corners", corners.len());
+        return Err(Error::value(key, found, format!("3 to {MAX_CORNERS} corners"), hint));
+    }
+    for (index, &corner) in corners.iter().enumerate() {
+        point(&format!("{key}[{index}]"), corner)?;
+    }
+    let polygon: Vec<Vec2> = corners.iter().copied().map(Vec2::from).collect();
+    for (index, (a, b)) in polygon::edges(&polygon).enumerate() {
+        if a.distance(b) < MIN_EDGE {
+            let allowed = format!("at least {MIN_EDGE} m from the next corner");
+            let hint = "remove the doubled corner; the polygon closes by itself";
+            return Err(Error::value(format!("{key}[{index}]"), a, allowed, hint));
+        }
+    }
+    if let Some((i, j)) = polygon::self_intersection(&polygon) {
+        let found = format!("edges {i} and {j} cross");
+        return Err(Error::value(
+            key,
+            found,
+            "an outline that does not cross itself",
+            "put the corners in order",
+        ));
+    }
+    Ok(())
+}
+
+fn routes(routes: &[Route]) -> Result<(), Error> {
+    let names = route_names(routes);
+    for (index, route) in routes.iter().enumerate() {
+        let key = |field: &str| format!("routes[{index}].{field}");
+        if route.name.is_empty() || names.get(route.name.as_str()) != Some(&index) {
+            let found = format!("{:?}", route.name);
+            return Err(Error::value(key("name"), found, "a name no other route has", "rename this route"));
+        }
+        let least = if route.mode == RouteMode::Loop { 3 } else { 2 };
+        if !(least..=MAX_CORNERS).contains(&route.waypoints.len()) {
+            let found = format!("{} points", route.waypoints.len());
+            let allowed = format!("{least} to {MAX_CORNERS} points");
+            return Err(Error::value(key("waypoints"), found, allowed, "list the corners of the way"));
+        }
+        for (i, &waypoint) in route.waypoints.iter().enumerate() {
+            point(&format!("routes[{index}].waypoints[{i}]"), waypoint)?;
+            let next = route.waypoints.get(i + 1).copied().unwrap_or(route.waypoints[0]);
+            let last = i + 1 == route.waypoints.len() && route.mode != RouteMode::Loop;
+            if !last && Vec2::from(waypoint).distance(Vec2::from(next)) < 0.5 {
+                let key = format!("routes[{index}].waypoints[{i}]");
+                let found = format!("{waypoint:?}");
+                return Err(Error::value(
+                    key,
+                    found,
+                    "at least 0.5 m from the next one",
+                    "remove one of the two",
+                ));
+            }
+        }
+        within(&key("width"), route.width, 0.0, 10_000.0, "metres; 0 is a single lane")?;
+        within(&key("radius"), route.radius, 0.3, 50.0, "metres; 1 to 3 is usual")?;
+        within(&key("weight"), route.weight, 0.0, 1e6, "1 is as busy as the other routes")?;
+    }
+    Ok(())
+}
+
+fn spawns(spawns: &[Spawn], routes: &[Route], layout: Layout) -> Result<(), Error> {
+    let names: Vec<&str> = routes.iter().map(|route| route.name.as_str()).collect();
+    for (index, spawn) in spawns.iter().enumerate() {
+        outline(&format!("spawns[{index}].polygon"), &spawn.polygon, "the corners of the region")?;
+        if let Some(weight) = spawn.weight {
+            within(&format!("spawns[{index}].weight"), weight, 0.0, 1e9, "relative to the other regions")?;
+        }
+        for (i, name) in spawn.routes.iter().enumerate() {
+            // Names of generated routes are checked when the layout is made.
+            if layout == Layout::Custom && !names.contains(&name.as_str()) {
+                let hint = nearest(name, &names).map_or_else(
+                    || format!("the routes are {}", names.join(", ")),
+                    |near| format!("did you mean {near:?}?"),
+                );
+                let key = format!("spawns[{index}].routes[{i}]");
+                return Err(Error::value(key, format!("{name:?}"), "the name of a route", hint));
+            }
+        }
+    }
+    Ok(())
+}
+
+fn prop(index: usize, prop: &Prop) -> Result<(), Error> {
+    point(&format!("environment.props[{index}].position"), prop.position)?;
+    let key = format!("environment.props[{index}].heading_deg");
+    within(&key, prop.heading_deg, -360.0, 360.0, "degrees about +y")?;
+    for (i, &length) in prop.size.iter().enumerate() {
+        let key = format!("environment.props[{index}].size[{i}]");
+        within(&key, length, 0.01, 20_000.0, "metres: [width, height, depth]")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,66 @@
+//! Everyone who can appear: avatars, and every gait retargeted onto each of them.
+
+use super::Error;
+use crate::avatar::{Avatar, Clip, retarget, standing};
+use crate::gait::Gait;
+use rayon::prelude::*;
+
+/// Avatars and clips. Clips stand in the order [avatar][gait], each avatar's standing clip after its gaits.
+#[derive(Debug, Clone)]
+pub struct Cast {
+    avatars: Vec<Avatar>,
+    clips: Vec<Clip>,
+    clips_per_avatar: usize,
+}
+
+impl Cast {
+    /// Retargets `gaits` onto every avatar, in parallel.
+    ///
+    /// # Errors
+    /// When there is no avatar or gait, too many avatars, or a gait cannot drive an avatar.
+    pub fn new(gaits: &[Gait], avatars: Vec<Avatar>) -> Result<Self, crate::Error> {
+        if avatars.is_empty() || avatars.len() > MAX_AVATARS {
+            return Err(Error::Avatars { found: avatars.len(), most: MAX_AVATARS }.into());
+        }
+        if gaits.is_empty() {
+            return Err(Error::NoGaits.into());
+        }
+        let pairs: Vec<_> = avatars.iter().flat_map(|a| (0..=gaits.len()).map(move |g| (a, g))).collect();
+        let clips = pairs.into_par_iter().map(|(avatar, gait)| match gaits.get(gait) {
+            Some(gait) => retarget(gait, avatar),
+            None => Ok(standing(avatar)),
+        });
+        let clips = clips.collect::<Result<Vec<_>, _>>()?;
+        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1 })
+    }
+
+    /// The avatars.
+    pub fn avatars(&self) -> &[Avatar] {
+        &self.avatars
+    }
+
+    /// All clips.
+    pub fn clips(&self) -> &[Clip] {
+        &self.clips
+    }
+
+    /// Index of the clip of a gait on an avatar, both by index; out of range: the standing clip of the last avatar.
+    pub fn clip_index(&self, avatar: u32, gait: u32) -> u32 {
+        let avatar = (avatar as usize).min(self.avatars.len() - 1);
+        let gait = (gait as usize).min(self.clips_per_avatar - 1);
+        (avatar * self.clips_per_avatar + gait) as u32
+    }
+
+    /// Index of the clip in which an avatar stands.
+    pub fn standing_index(&self, avatar: u32) -> u32 {
+        self.clip_index(avatar, self.clips_per_avatar as u32 - 1)
+    }
+
+    /// A clip by index.
+    pub fn clip(&self, index: u32) -> &Clip {
+        &self.clips[(index as usize).min(self.clips.len() - 1)]
+    }
+}
+
+/// Most avatars in one crowd: what `FrameUniforms::standing_clips` has room for with three levels each.
+pub const MAX_AVATARS: usize = 5;

@@ -1,0 +1,108 @@
+//! What a crowd looks like from outside: speeds, clearances, overlaps, who left the walkable area, and a hash.
+
+use crate::kernels::Store;
+use glam::Vec2;
+
+/// Two discs overlap when their centres are nearer than this share of their summed radii.
+pub const OVERLAP: f32 = 0.9;
+
+/// One moment of a crowd.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Moment {
+    /// Mean speed, m/s; 0 for no agents.
+    pub mean_speed: f32,
+    /// Smallest gap between two discs, m (negative when they overlap); infinite when no two are near.
+    pub min_clearance: f32,
+    /// Pairs that overlap by more than a tenth.
+    pub overlapping_pairs: u32,
+    /// Routes walked to their end so far.
+    pub arrived: u64,
+}
+
+/// Measures the agents of a store.
+pub fn moment(store: &Store) -> Moment {
+    let agents = store.step.agent_count as usize;
+    let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
+    let speeds: f64 = store.velocity[..agents].iter().map(|v| f64::from(v[0]).hypot(f64::from(v[1]))).sum();
+    Moment {
+        mean_speed: (speeds / agents.max(1) as f64) as f32,
+        min_clearance,
+        overlapping_pairs,
+        arrived: store.route[..agents].iter().map(|route| u64::from(route[3])).sum(),
+    }
+}
+
+/// Smallest gap and number of overlapping pairs, by sweeping along x.
+fn pairs(position: &[[f32; 2]], radius: impl Fn(usize) -> f32) -> (f32, u32) {
+    let reach = 2.0 * (0..position.len()).map(&radius).fold(0.0, f32::max);
+    let mut order: Vec<u32> = (0..position.len() as u32).collect();
+    order.sort_unstable_by(|a, b| position[*a as usize][0].total_cmp(&position[*b as usize][0]));
+    let (mut clearance, mut overlapping) = (f32::INFINITY, 0);
+    for (at, &i) in order.iter().enumerate() {
+        let (i, a) = (i as usize, position[i as usize]);
+        for &j in &order[at + 1..] {
+            let (j, b) = (j as usize, position[j as usize]);
+            if b[0] - a[0] > reach.max(clearance + reach) || b[0] - a[0] > 4.0 * reach {
+                break;
+            }
+            let apart = (b[1] - a[1]).abs();
+            if apart > 4.0 * reach {
+                continue;
+            }
+            let distance = (b[0] - a[0]).hypot(apart);
+            let sum = radius(i) + radius(j);
+            clearance = clearance.min(distance - sum);
+            overlapping += u32::from(distance < OVERLAP * sum);
+        }
+    }
+    (clearance, overlapping)
+}
+
+/// Agents that stand outside the walkable area: outside the bounds or inside an obstacle.
+pub fn outside(store: &Store, walkable: impl Fn(Vec2) -> bool) -> u32 {
+    let agents = store.step.agent_count as usize;
+    store.position[..agents].iter().map(|p| u32::from(!walkable(Vec2::from_array(*p)))).sum()
+}
+
+/// A hash of everything a step carries on: equal on all machines where the crowds are equal, bit for bit.
+pub fn state_hash(store: &Store) -> u64 {
+    let agents = store.step.agent_count as usize;
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64; // FNV-1a over words
+    let mut add = |bytes: &[u8]| {
+        for word in bytes.chunks_exact(4) {
+            let word = u32::from_le_bytes([word[0], word[1], word[2], word[3]]);
+            hash = (hash ^ u64::from(word)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    };
+    add(bytemuck::cast_slice(&store.position[..agents]));
+    add(bytemuck::cast_slice(&store.velocity[..agents]));
+    add(bytemuck::cast_slice(&store.stance[..agents]));
+    add(bytemuck::cast_slice(&store.phase[..agents]));
+    add(bytemuck::cast_slice(&store.route[..agents]));
+    hash
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_equal_a_brute_force_count() {
+        let unit = |i: u32| crate::reference::exact::unit_f32(crate::reference::exact::hash_u32(i));
+        let position: Vec<[f32; 2]> = (0..400).map(|i| [unit(2 * i) * 9.0, unit(2 * i + 1) * 9.0]).collect();
+        let (mut clearance, mut overlapping) = (f32::INFINITY, 0);
+        for i in 0..position.len() {
+            for j in 0..i {
+                let (a, b) = (position[i], position[j]);
+                let distance = (a[0] - b[0]).hypot(a[1] - b[1]);
+                clearance = clearance.min(distance - 0.5);
+                overlapping += u32::from(distance < 0.45);
+            }
+        }
+        assert!(overlapping > 10);
+        let found = pairs(&position, |_| 0.25);
+        assert_eq!(found.1, overlapping);
+        assert!((found.0 - clearance).abs() < 1e-6);
+        assert_eq!(pairs(&[], |_| 0.25), (f32::INFINITY, 0));
+    }
+}

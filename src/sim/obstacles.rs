@@ -1,0 +1,146 @@
+//! Obstacle polygons as the segments that `velocity_orca` reads, and which segments matter in which cell.
+
+use crate::kernels::layout::StepUniforms;
+use crate::reference::exact::{det2, dot2};
+use crate::reference::orca::{Segment, unit_or};
+
+/// The segments of closed polygons.
+///
+/// A polygon whose corners run counter-clockwise in the (x, z) plane is solid inside; clockwise, solid outside (the
+/// outline of a walkable area). Two corners make a wall that is solid from both sides. Repeated corners are dropped.
+pub fn segments(polygons: &[Vec<[f32; 2]>]) -> Vec<Segment> {
+    let mut all = Vec::new();
+    for polygon in polygons {
+        let mut corners: Vec<[f32; 2]> = Vec::with_capacity(polygon.len());
+        for &corner in polygon {
+            if corners.last() != Some(&corner) {
+                corners.push(corner);
+            }
+        }
+        while corners.len() > 1 && corners.first() == corners.last() {
+            corners.pop();
+        }
+        let count = corners.len();
+        if count < 2 {
+            continue;
+        }
+        let corner = |i: usize| corners[i % count];
+        let along = |i: usize| {
+            let (a, b) = (corner(i), corner(i + 1));
+            unit_or([b[0] - a[0], b[1] - a[1]], [1.0, 0.0])
+        };
+        // the next corner lies left of, or on, the line through the last two
+        let convex = |i: usize| {
+            let (a, b, c) = (corner(i + count - 1), corner(i), corner(i + 1));
+            count == 2 || det2([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]) >= 0.0
+        };
+        for i in 0..count {
+            let (a, b) = (corner(i), corner(i + 1));
+            let (own, before, after) = (along(i), along(i + count - 1), along(i + 1));
+            let flag = |is: bool| f32::from(u8::from(is));
+            all.push([
+                [a[0], a[1], b[0], b[1]],
+                [own[0], own[1], before[0], before[1]],
+                [after[0], after[1], flag(convex(i)), flag(convex(i + 1))],
+            ]);
+        }
+    }
+    all
+}
+
+/// For each cell the segments that an agent in it may have to avoid: those within `reach` metres of the cell.
+///
+/// Shape: `cell_count + 1` starts (indices into this same array), then the lists, each rising.
+pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<u32> {
+    let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
+    let mut lists = vec![Vec::new(); (columns * rows) as usize];
+    let half = step.cell_size * 0.5;
+    for (number, segment) in segments.iter().enumerate() {
+        let [ax, az, bx, bz] = segment[0];
+        // border cells also hold agents from outside, so they take whatever lies beyond them
+        let column = |x: f32| {
+            (((x - step.grid_origin[0]) * step.inverse_cell_size).floor() as i32).clamp(0, columns - 1)
+        };
+        let row =
+            |z: f32| (((z - step.grid_origin[1]) * step.inverse_cell_size).floor() as i32).clamp(0, rows - 1);
+        for r in row(az.min(bz) - reach)..=row(az.max(bz) + reach) {
+            for c in column(ax.min(bx) - reach)..=column(ax.max(bx) + reach) {
+                let centre = [
+                    step.grid_origin[0] + c as f32 * step.cell_size + half,
+                    step.grid_origin[1] + r as f32 * step.cell_size + half,
+                ];
+                let border = r == 0 || c == 0 || r == rows - 1 || c == columns - 1;
+                let (ab, ap) = ([bx - ax, bz - az], [centre[0] - ax, centre[1] - az]);
+                let t = (dot2(ap, ab) / dot2(ab, ab)).clamp(0.0, 1.0);
+                let off = [ap[0] - ab[0] * t, ap[1] - ab[1] * t];
+                let near = reach + half * std::f32::consts::SQRT_2;
+                if border || dot2(off, off) <= near * near {
+                    lists[(r * columns + c) as usize].push(number as u32);
+                }
+            }
+        }
+    }
+    let mut start = step.cell_count + 1;
+    let mut out = Vec::with_capacity(lists.iter().map(Vec::len).sum::<usize>() + lists.len() + 1);
+    for list in &lists {
+        out.push(start);
+        start += list.len() as u32;
+    }
+    out.push(start);
+    out.extend(lists.into_iter().flatten());
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_counter_clockwise_box_is_open_on_the_outside_with_convex_corners() {
+        let found = segments(&[vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [0.0, 0.0]]]);
+        assert_eq!(found.len(), 4);
+        for segment in &found {
+            assert_eq!(segment[2][2..], [1.0, 1.0]);
+            assert!(crate::reference::orca::segment_distance2(segment, [1.0, 0.5]) > 1e30, "inside");
+        }
+        let from_below = crate::reference::orca::segment_distance2(&found[0], [1.0, -3.0]);
+        assert!((from_below - 9.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn the_inner_corner_of_an_l_is_concave() {
+        let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
+        let found = segments(&[l.to_vec()]);
+        let convex: Vec<f32> = found.iter().map(|s| s[2][2]).collect();
+        assert_eq!(convex, [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]);
+    }
+
+    #[test]
+    fn every_cell_lists_every_segment_in_reach() {
+        let step = StepUniforms {
+            cell_count: 100,
+            grid_columns: 10,
+            grid_rows: 10,
+            cell_size: 2.0,
+            inverse_cell_size: 0.5,
+            ..StepUniforms::default()
+        };
+        let found = segments(&[vec![[5.0, 5.0], [9.0, 6.0], [6.0, 9.0]]]);
+        let lists = cell_lists(&found, &step, 3.0);
+        for cell in 0..100_usize {
+            let list = &lists[lists[cell] as usize..lists[cell + 1] as usize];
+            assert!(list.is_sorted());
+            for i in 0..25_usize {
+                let at = [
+                    (cell % 10) as f32 * 2.0 + (i % 5) as f32 * 0.5,
+                    (cell / 10) as f32 * 2.0 + (i / 5) as f32 * 0.5,
+                ];
+                for (number, segment) in found.iter().enumerate() {
+                    if crate::reference::orca::segment_distance2(segment, at) < 9.0 {
+                        assert!(list.contains(&(number as u32)), "cell {cell} lacks segment {number}");
+                    }
+                }
+            }
+        }
+    }
+}

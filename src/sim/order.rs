@@ -1,0 +1,55 @@
+//! The order of the kernels in one step and in one picture, once, for both backends.
+
+use crate::kernels::layout::{FrameUniforms, StepUniforms};
+use crate::kernels::{BufferId, Extent, KernelId, Pass};
+use crate::reference::body::COLUMNS;
+
+/// Cells of one row that a workgroup of `velocity_orca` takes (`TILE` in the shader).
+const TILE: u32 = 4;
+/// Cells that one invocation of `grid_scan` adds up (`RUN` in the shader).
+const RUN: u32 = 64;
+
+/// The launches of one step.
+pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
+    let agents = Extent::Invocations(step.agent_count);
+    let cells = Extent::Invocations(step.cell_count);
+    let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
+    let tiles = Extent::Groups(step.grid_columns.div_ceil(TILE), step.grid_rows);
+    let pass = |kernel, level, extent| Pass { kernel, level, extent };
+    vec![
+        pass(KernelId::GridCount, 0, agents),
+        pass(KernelId::GridScan, 0, runs),
+        pass(KernelId::GridScan, 1, Extent::Invocations(1)),
+        pass(KernelId::GridScan, 2, runs),
+        pass(KernelId::GridScatter, 0, agents),
+        pass(KernelId::GridScatter, 1, cells),
+        pass(KernelId::Prefer, 0, agents),
+        pass(KernelId::VelocityOrca, 0, tiles),
+        pass(KernelId::Integrate, 0, agents),
+    ]
+}
+
+/// The launches that prepare the bodies for one picture.
+pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
+    let agents = frame.agent_count;
+    let runs = Extent::Invocations(agents.div_ceil(RUN));
+    let avatars = frame.bucket_count / frame.level_count.max(1);
+    let pass = |kernel, level, extent| Pass { kernel, level, extent };
+    let per_visible = Extent::Indirect(BufferId::DispatchArgs, 0);
+    let mut passes = vec![
+        pass(KernelId::Cull, 0, Extent::Invocations(agents)),
+        pass(KernelId::Compact, 0, runs),
+        pass(KernelId::Compact, 1, Extent::Invocations(2)),
+        pass(KernelId::Compact, 2, runs),
+        pass(KernelId::Compact, 3, Extent::Invocations(COLUMNS as u32)),
+        pass(KernelId::Compact, 4, Extent::Invocations(1)),
+        pass(KernelId::Compact, 5, runs),
+        pass(KernelId::Pose, 0, per_visible),
+        pass(KernelId::Gaze, 0, per_visible),
+        pass(KernelId::Palette, 0, per_visible),
+    ];
+    for avatar in 0..avatars {
+        passes.push(pass(KernelId::Skin, avatar, Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar)));
+    }
+    passes
+}

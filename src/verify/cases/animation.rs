@@ -1,0 +1,423 @@
+//! Inputs for `cull`, `compact`, `pose`, `gaze`, `palette` and `skin`: a crowd of two avatars about the user.
+//!
+//! Hard by design: agents behind the camera, at it and on top of the user, the user straight above, weights of zero,
+//! walking and standing, clip ids that lead nowhere behind a weight of zero, quaternions of either sign, inputs that
+//! are not numbers, and NaN in everything that must not be read.
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "small made-up numbers, written in the buffers' types"
+)]
+
+use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
+use crate::emotion::Emotion;
+use crate::gait::{JOINT_COUNT, Joint};
+use crate::kernels::layout::FrameUniforms;
+use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
+use crate::reference::body::{
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE,
+    visible_slots,
+};
+use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::gaze::{ENGAGED, VALID};
+use glam::{Mat4, Quat, Vec3};
+
+/// Avatars of the made-up crowd.
+pub const AVATARS: usize = 2;
+/// Clips per avatar; the last one is the standing clip.
+pub const CLIPS: usize = 4;
+/// Elements behind the last agent that hold NaN.
+const SPARE: usize = 5;
+/// Index of the picture that the made-up memories of the gaze refer to.
+const FRAME_INDEX: u32 = 1000;
+
+/// Random numbers of a seed, counted.
+#[derive(Debug)]
+struct Dice {
+    seed: u32,
+    count: u32,
+}
+
+impl Dice {
+    fn bits(&mut self) -> u32 {
+        self.count = self.count.wrapping_add(1);
+        hash_u32(self.seed ^ hash_u32(self.count))
+    }
+
+    fn below(&mut self, end: u32) -> u32 {
+        self.bits() % end.max(1)
+    }
+
+    fn between(&mut self, low: f32, high: f32) -> f32 {
+        low + (high - low) * unit_f32(self.bits())
+    }
+
+    fn vector(&mut self, size: f32) -> Vec3 {
+        Vec3::new(self.between(-size, size), self.between(-size, size), self.between(-size, size))
+    }
+
+    fn rotation(&mut self) -> Quat {
+        let [x, y, z, w] = [0; 4].map(|_| self.between(-1.0, 1.0));
+        Quat::from_xyzw(x, y, z, w + 0.01).normalize()
+    }
+}
+
+/// Joints of a standing adult, model space, m: arms spread, left is +x.
+const REST: [[f32; 3]; JOINT_COUNT] = [
+    [0.0, 0.95, 0.0],
+    [0.0, 1.15, 0.0],
+    [0.0, 1.45, -0.01],
+    [0.0, 1.55, 0.01],
+    [0.18, 1.40, 0.0],
+    [0.45, 1.40, 0.0],
+    [0.70, 1.40, 0.0],
+    [-0.18, 1.40, 0.0],
+    [-0.45, 1.40, 0.0],
+    [-0.70, 1.40, 0.0],
+    [0.10, 0.92, 0.0],
+    [0.10, 0.50, 0.02],
+    [0.10, 0.08, 0.0],
+    [-0.10, 0.92, 0.0],
+    [-0.10, 0.50, 0.02],
+    [-0.10, 0.08, 0.0],
+];
+
+/// A made-up character: number 0 has the model's axes in every joint, any other has axes of its own in each.
+pub fn avatar(number: usize, seed: u32) -> Avatar {
+    let mut dice = Dice { seed: hash_u32(seed ^ 0xa7a7), count: number as u32 * 4096 };
+    let size = 1.0 - 0.07 * number as f32;
+    let mut axes = [Quat::IDENTITY; JOINT_COUNT]; // model from joint
+    if number > 0 {
+        axes = axes.map(|_| dice.rotation());
+    }
+    let joints = std::array::from_fn(|joint| {
+        let at = Vec3::from(REST[joint]) * size;
+        let (parent_at, parent_axes) = match joint {
+            0 => (Vec3::ZERO, Quat::IDENTITY),
+            _ => (Vec3::from(REST[Joint::PARENT[joint]]) * size, axes[Joint::PARENT[joint]]),
+        };
+        RestJoint {
+            translation: parent_axes.inverse() * (at - parent_at),
+            rotation: (parent_axes.inverse() * axes[joint]).normalize(),
+            joint_from_mesh: Mat4::from_rotation_translation(axes[joint], at).inverse(),
+        }
+    });
+    let levels = (0..LEVELS).map(|level| mesh(&mut dice, (90 + 40 * number) >> (2 * level), size)).collect();
+    Avatar {
+        name: format!("made up {number}"),
+        joints,
+        levels,
+        eyes_in_head: axes[Joint::Head as usize].inverse() * Vec3::new(0.0, 0.08, 0.09) * size,
+        height: 1.75 * size,
+    }
+}
+
+fn mesh(dice: &mut Dice, vertex_count: usize, size: f32) -> Mesh {
+    let vertices = (0..vertex_count)
+        .map(|_| {
+            let joints = [0; 4].map(|_| dice.below(JOINT_COUNT as u32) as u8);
+            let mut weights = [0; 4].map(|_| dice.between(0.0, 1.0));
+            if dice.below(3) == 0 {
+                weights = [1.0, 0.0, 0.0, 0.0];
+            }
+            let sum: f32 = weights.iter().sum();
+            Vertex {
+                position: Vec3::from(REST[usize::from(joints[0])]) * size + dice.vector(0.1),
+                normal: dice.vector(1.0).try_normalize().unwrap_or(Vec3::Y),
+                color: dice.vector(0.5) + 0.5,
+                material: [Material::Fixed, Material::Skin, Material::Hair, Material::Top, Material::Bottom]
+                    [dice.below(5) as usize],
+                joints,
+                weights: weights.map(|weight| weight / sum),
+            }
+        })
+        .collect();
+    let indices = (0..vertex_count * 3).map(|_| dice.below(vertex_count as u32)).collect();
+    Mesh { vertices, indices }
+}
+
+/// A made-up gait of an avatar: every joint swings about an axis of its own; `swing` 0 stands still.
+fn clip(avatar: &Avatar, dice: &mut Dice, swing: f32) -> Vec<ClipFrame> {
+    let motion: [_; JOINT_COUNT] = std::array::from_fn(|_| {
+        let axis = dice.vector(1.0).try_normalize().unwrap_or(Vec3::X);
+        (axis, dice.between(0.0, std::f32::consts::TAU))
+    });
+    (0..CLIP_FRAMES)
+        .map(|frame| {
+            let phase = frame as f32 / CLIP_FRAMES as f32 * std::f32::consts::TAU;
+            ClipFrame {
+                rotations: std::array::from_fn(|joint| {
+                    let (axis, start) = motion[joint];
+                    // the middle of the body moves less than the limbs do
+                    let most = if joint < 4 { 0.12 } else { 0.7 };
+                    let angle = most * swing * (phase + start).sin();
+                    let q = (avatar.joints[joint].rotation * Quat::from_axis_angle(axis, angle)).normalize();
+                    if dice.below(8) == 0 { -q } else { q }
+                }),
+                root: avatar.joints[0].translation
+                    + Vec3::new(0.02 * phase.sin(), 0.03 * (2.0 * phase).cos(), 0.0) * swing,
+            }
+        })
+        .collect()
+}
+
+/// Frustum planes of an eye at `eye` that looks towards +z, 50 degrees to each side, without a far end.
+fn planes(eye: Vec3) -> [[f32; 4]; 6] {
+    let (sine, cosine) = 50.0_f32.to_radians().sin_cos();
+    let plane = |normal: Vec3| normal.extend(-normal.dot(eye)).to_array();
+    [
+        plane(Vec3::new(cosine, 0.0, sine)),
+        plane(Vec3::new(-cosine, 0.0, sine)),
+        plane(Vec3::new(0.0, cosine, sine)),
+        plane(Vec3::new(0.0, -cosine, sine)),
+        Vec3::Z.extend(-(eye.z + 0.05)).to_array(),
+        [0.0, 0.0, 0.0, 1.0],
+    ]
+}
+
+/// An avatar as it lies in `rig`.
+pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
+    let mut rig = [[0.0; 4]; RIG_STRIDE];
+    for (joint, rest) in avatar.joints.iter().enumerate() {
+        rig[joint * 4] = rest.translation.extend(0.0).to_array();
+        for axis in 0..3 {
+            rig[joint * 4 + 1 + axis] = rest.joint_from_mesh.row(axis).to_array();
+        }
+    }
+    rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
+    rig
+}
+
+/// A frame of a clip as it lies in `clip_frames`.
+pub fn clip_elements(frame: &ClipFrame) -> [[f32; 4]; POSE_STRIDE] {
+    std::array::from_fn(|element| match frame.rotations.get(element) {
+        Some(rotation) => rotation.to_array(),
+        None => frame.root.extend(0.0).to_array(),
+    })
+}
+
+/// A vertex as it lies in `mesh_vertices`.
+pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
+        vertex.weights,
+        vertex.color.extend(0.0).to_array(),
+    ]
+}
+
+/// Every buffer that the animation kernels touch, for `agents` agents.
+///
+/// Seeds differ in kind, not only in numbers: odd ones have less room than there are visible agents, those with bit 1
+/// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail.
+pub fn animation(agents: usize, seed: u32) -> Store {
+    let mut dice = Dice { seed: hash_u32(seed ^ 0x5eed), count: 0 };
+    let levels = if seed & 4 == 0 { LEVELS } else { 1 };
+    let is_tight = seed & 1 == 1;
+    let user_eyes = Vec3::new(0.3, 1.66, 0.2);
+    let visible_capacity = if is_tight { agents / 3 + 1 } else { agents + 3 };
+    let near_capacity = if is_tight { agents / 12 + 1 } else { agents + 1 };
+    let mut all_planes = [[0.0; 4]; 12];
+    all_planes[..6].copy_from_slice(&planes(user_eyes - Vec3::X * 0.032));
+    all_planes[6..].copy_from_slice(&planes(user_eyes + Vec3::X * 0.032));
+    let mut store = Store {
+        frame: FrameUniforms {
+            planes: all_planes,
+            user_eyes: user_eyes.extend(0.0).to_array(),
+            camera: user_eyes.extend(0.0).to_array(),
+            level_distance: [4.0, 9.0, 25.0, 0.0],
+            standing_clips: [[3, 7, 0, 0], [0; 4], [0; 4], [0; 4]],
+            agent_count: agents as u32,
+            eye_count: if seed & 4 == 0 { 2 } else { 1 },
+            level_count: levels as u32,
+            bucket_count: (AVATARS * levels) as u32,
+            visible_capacity: visible_capacity as u32,
+            near_capacity: near_capacity as u32,
+            frame_index: FRAME_INDEX,
+            gaze_mode: seed >> 1 & 1,
+            frame_time: 1.0 / 72.0,
+            agent_height: 1.95,
+            agent_radius: 0.6,
+            clip_count: (AVATARS * CLIPS) as u32,
+        },
+        ..Store::default()
+    };
+    let avatars: Vec<Avatar> = (0..AVATARS).map(|number| avatar(number, seed)).collect();
+    let mut first_index = 0;
+    for avatar in &avatars {
+        store.rig.extend(rig_elements(avatar));
+        for number in 0..CLIPS {
+            let swing = if number == CLIPS - 1 { 0.0 } else { dice.between(0.5, 1.0) };
+            store.clip_frames.extend(clip(avatar, &mut dice, swing).iter().flat_map(clip_elements));
+        }
+        for mesh in &avatar.levels[..levels] {
+            let first_vertex = store.mesh_vertices.len() / 4;
+            let (indices, vertices) = (mesh.indices.len() as u32, mesh.vertices.len() as u32);
+            store.mesh_table.push([first_index, indices, first_vertex as u32, vertices]);
+            first_index += indices;
+            store.mesh_vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
+        }
+    }
+    for agent in 0..agents {
+        push_agent(&mut store, &mut dice, agent, user_eyes);
+    }
+    for (agent, hard) in HARD.iter().enumerate().take(agents) {
+        make_hard(&mut store, agent + (agents - HARD.len().min(agents)), *hard, user_eyes);
+    }
+    add_spare_and_outputs(&mut store, agents, visible_capacity, near_capacity);
+    store
+}
+
+fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3) {
+    let avatar = dice.below(AVATARS as u32);
+    // the farther half of the crowd is sparse, so that every level of detail has its share
+    let (angle, away) = (dice.between(-3.1, 3.1), dice.between(0.3, 5.3));
+    let away = away * away;
+    store.position.push([user_eyes.x + away * angle.sin(), user_eyes.z + away * angle.cos()]);
+    let walk = [0.0, 1.0, dice.between(0.0, 1.0)][dice.below(3) as usize];
+    store.stance.push([dice.between(-3.1, 3.1), walk]);
+    store.phase.push(dice.bits());
+    let (emotion, gazes) = (dice.below(4), u32::from(dice.below(8) > 0));
+    store.look.push([
+        avatar | emotion << 8 | gazes << 16,
+        dice.between(0.9, 1.1).to_bits(),
+        dice.bits(),
+        dice.bits(),
+    ]);
+    let mut weights = [0; 4].map(|_| dice.between(0.0, 1.0));
+    for weight in &mut weights[(agent % 4 + 1).min(4)..] {
+        *weight = 0.0;
+    }
+    store.gait_weights.push(weights);
+    store.gaits.push(weights.map(|weight| {
+        let clip = avatar * CLIPS as u32 + dice.below(CLIPS as u32 - 1);
+        if weight > 0.0 { clip } else { dice.bits() } // a weight of zero hides any id
+    }));
+    let (flexion, rotation) = (dice.between(-0.7, 0.7), dice.between(-1.2, 1.2));
+    store.gaze_state.push([flexion, rotation, dice.between(-3.0, 3.0), dice.between(-3.0, 3.0)]);
+    store.gaze_frame.push(match dice.below(5) {
+        0 => 0,
+        1 => (FRAME_INDEX - 2) | VALID | ENGAGED,
+        2 => FRAME_INDEX | VALID | ENGAGED,
+        3 => (FRAME_INDEX - 1) | VALID,
+        _ => (FRAME_INDEX - 1) | VALID | ENGAGED,
+    });
+}
+
+/// What the last agents are changed into.
+#[derive(Debug, Clone, Copy)]
+enum Hard {
+    NotANumber,
+    Infinite,
+    NegativeWeight,
+    NoSuchAvatar,
+    NoSuchClip,
+    NoSize,
+    AtTheCamera,
+    OnTheUser,
+    UserAbove,
+    ZeroWeights,
+    PhaseAtTheEnd,
+    StraightBehind,
+}
+
+const HARD: [Hard; 12] = [
+    Hard::UserAbove,
+    Hard::AtTheCamera,
+    Hard::OnTheUser,
+    Hard::ZeroWeights,
+    Hard::PhaseAtTheEnd,
+    Hard::StraightBehind,
+    Hard::NotANumber,
+    Hard::Infinite,
+    Hard::NegativeWeight,
+    Hard::NoSuchAvatar,
+    Hard::NoSuchClip,
+    Hard::NoSize,
+];
+
+fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
+    let angry_gazer = (Emotion::Angry as u32) << 8 | 1 << 16;
+    match hard {
+        Hard::NotANumber => store.position[agent][1] = f32::NAN,
+        Hard::Infinite => store.stance[agent][0] = f32::INFINITY,
+        Hard::NegativeWeight => store.gait_weights[agent][2] = -0.5,
+        Hard::NoSuchAvatar => store.look[agent][0] |= 0xff,
+        Hard::NoSuchClip => {
+            store.gait_weights[agent][0] = 1.0;
+            store.gaits[agent][0] = (AVATARS * CLIPS) as u32;
+        }
+        Hard::NoSize => store.look[agent][1] = 0,
+        Hard::AtTheCamera => store.position[agent] = [user_eyes.x, user_eyes.z + 0.001],
+        Hard::OnTheUser | Hard::UserAbove => {
+            // the neck of avatar 0 stands 1 cm behind the origin
+            store.position[agent] = [user_eyes.x, user_eyes.z + 0.01];
+            store.look[agent][0] = angry_gazer;
+            let shrink: f32 = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
+            store.look[agent][1] = shrink.to_bits();
+            store.stance[agent] = [0.0, 0.0];
+        }
+        Hard::ZeroWeights => store.gait_weights[agent] = [0.0; 4],
+        Hard::PhaseAtTheEnd => store.phase[agent] = u32::MAX,
+        Hard::StraightBehind => {
+            // faces away from the user, in front of the camera
+            store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
+            store.stance[agent] = [0.0, 1.0];
+            store.look[agent][0] = angry_gazer;
+        }
+    }
+}
+
+/// NaN behind the last agent and in every output.
+fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usize, near_capacity: usize) {
+    const NAN: f32 = f32::NAN;
+    const POISON: u32 = 0xdead_beef;
+    for _ in 0..SPARE {
+        store.position.push([NAN; 2]);
+        store.stance.push([NAN; 2]);
+        store.phase.push(POISON);
+        store.look.push([POISON; 4]);
+        store.gaits.push([POISON; 4]);
+        store.gait_weights.push([NAN; 4]);
+        store.gaze_state.push([NAN; 4]);
+        store.gaze_frame.push(POISON);
+    }
+    let buckets = store.frame.bucket_count as usize;
+    let most_vertices = store.mesh_table.iter().map(|mesh| mesh[3] as usize).max().unwrap_or(0);
+    store.agent_bucket = vec![POISON; agents + SPARE];
+    store.bucket_counts = vec![POISON; (agents.div_ceil(RUN) + 1) * COLUMNS];
+    store.bucket_start = vec![POISON; buckets + 1];
+    store.visible = vec![POISON; visible_slots(visible_capacity)];
+    store.draw_args = vec![POISON; buckets * 5];
+    store.dispatch_args = vec![POISON; 3 + AVATARS * 3];
+    store.failure = vec![u32::MAX; KernelId::ALL.len()];
+    store.local_rotations = vec![[NAN; 4]; (visible_capacity + 1) * POSE_STRIDE];
+    store.palettes = vec![[NAN; 4]; (visible_capacity + 1) * PALETTE_STRIDE];
+    store.skinned = vec![[NAN; 4]; (near_capacity * most_vertices + 1) * SKINNED_STRIDE];
+}
+
+/// The launches of the animation kernels for one picture, in order.
+pub fn passes(store: &Store) -> Vec<Pass> {
+    let agents = store.frame.agent_count;
+    let runs = Extent::Invocations(agents.div_ceil(RUN as u32));
+    let avatars = store.frame.bucket_count / store.frame.level_count.max(1);
+    let pass = |kernel, level, extent| Pass { kernel, level, extent };
+    let per_visible = Extent::Indirect(BufferId::DispatchArgs, 0);
+    let mut passes = vec![
+        pass(KernelId::Cull, 0, Extent::Invocations(agents)),
+        pass(KernelId::Compact, 0, runs),
+        pass(KernelId::Compact, 1, Extent::Invocations(2)),
+        pass(KernelId::Compact, 2, runs),
+        pass(KernelId::Compact, 3, Extent::Invocations(COLUMNS as u32)),
+        pass(KernelId::Compact, 4, Extent::Invocations(1)),
+        pass(KernelId::Compact, 5, runs),
+        pass(KernelId::Pose, 0, per_visible),
+        pass(KernelId::Gaze, 0, per_visible),
+        pass(KernelId::Palette, 0, per_visible),
+    ];
+    for avatar in 0..avatars {
+        let extent = Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar);
+        passes.push(pass(KernelId::Skin, avatar, extent));
+    }
+    passes
+}

@@ -1,0 +1,108 @@
+//! The crossing workload: two streams mixed over one square, density kept constant by joining opposite sides.
+
+use crate::kernels::layout::StepUniforms;
+use crate::kernels::{KernelId, Store};
+use crate::reference::exact::{hash_u32, unit_f32};
+
+/// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
+const FAR: f32 = 1e7;
+
+/// `agents` at one per `spacing`² square metres, stored in arbitrary order; half want to go along x, half along z, at
+/// 1.3 m/s. Radius 0.25 m, maximum speed 2 m/s, neighbour distance 5 m, 10 neighbours, horizon 2 s, 30 steps a second.
+pub fn crossing(agents: usize, spacing: f32) -> Store {
+    let columns = (agents as f32).sqrt().ceil() as usize;
+    let side = spacing * columns as f32;
+    let cell_size = std::env::var("CELL").map_or(2.0, |c| c.parse().unwrap()) * spacing;
+    let cells = (side / cell_size).ceil() as u32;
+    let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
+    let jitter = (spacing - 0.5).min(0.4);
+    let mut order: Vec<u32> = (0..agents as u32).collect();
+    for i in (1..agents).rev() {
+        order.swap(i, (u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1) >> 32) as usize);
+    }
+    let mut store = Store {
+        step: StepUniforms {
+            agent_count: agents as u32,
+            cell_count: cells * cells,
+            grid_columns: cells,
+            grid_rows: cells,
+            cell_size,
+            inverse_cell_size: 1.0 / cell_size,
+            time_step: 1.0 / 30.0,
+            inverse_time_step: 30.0,
+            neighbour_distance: 5.0,
+            neighbour_cap: 10,
+            inverse_time_horizon: 0.5,
+            inverse_time_horizon_obstacles: 1.0,
+            time_horizon_obstacles: 1.0,
+            turn_rate: 4.0,
+            walk_speed: 0.1,
+            blend_rate: 3.0,
+            responsibility: 0.5,
+            wrap: side,
+            ..StepUniforms::default()
+        },
+        waypoints: vec![[FAR, side * 0.5, 1.0, 0.0], [side * 0.5, FAR, 1.0, 0.0]],
+        ..Store::default()
+    };
+    for cell in order {
+        let column = (cell as usize % columns) as f32 + 0.5;
+        let row = (cell as usize / columns) as f32 + 0.5;
+        let stream = hash_u32(3 * cell + 3) & 1;
+        store
+            .position
+            .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
+        store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
+        store.body.push([0.25, 2.0, 1.3, 1.4]);
+        store.stance.push([0.0, 1.0]);
+        store.phase.push(hash_u32(cell));
+        store.route.push([stream, 1 | 1 << 31, 0, 0]);
+    }
+    super::step::scratch(&mut store, agents);
+    store
+}
+
+/// What a crowd of [`crossing`] looks like: the measures by which simulators are compared.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct CrossingQuality {
+    /// Pairs closer than 0.99 of the summed radii, per agent.
+    pub overlapping: f64,
+    /// Pairs closer than 0.9 of the summed radii, per agent.
+    pub deep: f64,
+    /// Smallest distance between two agents, m.
+    pub min_distance: f64,
+    /// Mean velocity along the wanted direction, m/s.
+    pub progress: f64,
+}
+
+/// Measures agents at least 5 m from the edges.
+pub fn crossing_quality(store: &Store) -> CrossingQuality {
+    let side = store.step.wrap;
+    let inner = |p: &[f32; 2]| p.iter().all(|c| (5.0..=side - 5.0).contains(c));
+    let chosen: Vec<usize> =
+        (0..store.step.agent_count as usize).filter(|&i| inner(&store.position[i])).collect();
+    let mut cells: std::collections::BTreeMap<(i32, i32), Vec<usize>> = std::collections::BTreeMap::new();
+    let cell = |p: [f32; 2]| (p[0].floor() as i32, p[1].floor() as i32);
+    for &i in &chosen {
+        cells.entry(cell(store.position[i])).or_default().push(i);
+    }
+    let mut quality = CrossingQuality { min_distance: f64::INFINITY, ..CrossingQuality::default() };
+    for &i in &chosen {
+        let (cx, cz) = cell(store.position[i]);
+        for neighbour in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| (cx + dx, cz + dz))) {
+            for &j in cells.get(&neighbour).into_iter().flatten().filter(|&&j| j > i) {
+                let (a, b) = (store.position[i], store.position[j]);
+                let distance = f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1]));
+                quality.overlapping += f64::from(u8::from(distance < 0.99 * 0.5));
+                quality.deep += f64::from(u8::from(distance < 0.9 * 0.5));
+                quality.min_distance = quality.min_distance.min(distance);
+            }
+        }
+        quality.progress += f64::from(store.velocity[i][store.route[i][0] as usize]);
+    }
+    let count = chosen.len().max(1) as f64;
+    quality.overlapping /= count;
+    quality.deep /= count;
+    quality.progress /= count;
+    quality
+}

@@ -1,0 +1,122 @@
+//! Crowds for the kernels of a simulation step.
+
+use crate::kernels::layout::StepUniforms;
+use crate::kernels::{KernelId, Store};
+use crate::reference::exact::{hash_u32, unit_f32};
+use crate::sim::obstacles::{cell_lists, segments};
+
+/// Random numbers of a case: number `lane` of item `index`, in [0, 1).
+fn unit(seed: u32, index: usize, lane: u32) -> f32 {
+    unit_f32(hash_u32(hash_u32(seed ^ (index as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane)))
+}
+
+/// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
+/// head-on, on a lattice (equal distances), outside the bounds, at rest, a dense knot, obstacles with convex and
+/// concave corners, the user, and NaN in all spare capacity.
+pub fn crowd(agents: usize, seed: u32) -> Store {
+    let side = (agents as f32).sqrt().max(4.0);
+    let cell_size = 2.0;
+    let cells = (side / cell_size).ceil() as u32 + 1;
+    let mut store = Store {
+        step: StepUniforms {
+            agent_count: agents as u32,
+            step_index: seed,
+            seed,
+            cell_count: cells * cells,
+            grid_columns: cells,
+            grid_rows: cells,
+            cell_size,
+            inverse_cell_size: 1.0 / cell_size,
+            time_step: 1.0 / 30.0,
+            inverse_time_step: 30.0,
+            neighbour_distance: 5.0,
+            neighbour_cap: 10,
+            inverse_time_horizon: 0.5,
+            inverse_time_horizon_obstacles: 1.0,
+            time_horizon_obstacles: 1.0,
+            user_position: [side * 0.5, side * 0.5],
+            user_velocity: [0.5, 0.0],
+            user_radius: 0.3,
+            turn_rate: 4.0,
+            perturbation: 1e-4,
+            walk_speed: 0.1,
+            blend_rate: 3.0,
+            responsibility: 0.5,
+            ..StepUniforms::default()
+        },
+        ..Store::default()
+    };
+    agent_arrays(&mut store, agents, side, seed);
+    obstacles(&mut store, side);
+    scratch(&mut store, agents);
+    store
+}
+
+fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
+    for i in 0..agents {
+        let u = |lane| unit(seed, i, lane);
+        let mut position = [u(0) * side, u(1) * side];
+        let mut velocity = [u(2) * 3.0 - 1.5, u(3) * 3.0 - 1.5];
+        match i % 16 {
+            0 => position = [position[0].round(), position[1].round()], // on a lattice: ties of distance
+            1 if i > 16 => (position, velocity) = (store.position[i - 16], store.velocity[i - 16]), // at one point
+            2 => position = [position[0] * 3.0 - side, -u(4) * side], // outside the bounds
+            3 => velocity = [0.0, 0.0],
+            4 if i % 64 == 4 => position = [side * 0.25 + u(4), side * 0.25 + u(5)], // a dense knot
+            5 if i > 16 => {
+                // head-on with another, exactly
+                let other = store.position[i - 3];
+                position = [other[0] + 3.0, other[1]];
+                velocity = [-1.3, 0.0];
+            }
+            _ => {}
+        }
+        store.position.push(position);
+        store.velocity.push(velocity);
+        let preferred_speed = 0.6 + u(6);
+        store.body.push([0.2 + 0.1 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
+        store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
+        store.phase.push(hash_u32(seed ^ i as u32));
+        let loops = u32::from(u(11) < 0.5) << 31;
+        store.route.push([(i as u32 % 5) * 3, 3 | loops, i as u32 % 4, 0]);
+    }
+    for w in 0..15 {
+        store.waypoints.push([unit(seed, w, 12) * side, unit(seed, w, 13) * side, 1.0, 0.0]);
+    }
+    for _ in 0..3 {
+        store.position.push([f32::NAN; 2]);
+        store.velocity.push([f32::NAN; 2]);
+        store.body.push([f32::NAN; 4]);
+        store.stance.push([f32::NAN; 2]);
+        store.phase.push(0);
+        store.route.push([0, 3, 0, 0]);
+    }
+}
+
+/// Two solids: a box, and an L with a concave corner.
+fn obstacles(store: &mut Store, side: f32) {
+    let at = |x: f32, z: f32| [side * 0.6 + x, side * 0.3 + z];
+    let solids = [
+        vec![at(0.0, 0.0), at(1.5, 0.0), at(1.5, 1.0), at(0.0, 1.0)],
+        vec![at(-3.0, 1.0), at(-1.0, 1.0), at(-1.0, 2.0), at(-2.0, 2.0), at(-2.0, 3.0), at(-3.0, 3.0)],
+    ];
+    let segments = segments(&solids);
+    store.step.obstacle_count = segments.len() as u32;
+    store.obstacle_cells = cell_lists(&segments, &store.step, 3.0);
+    store.obstacles = segments.into_iter().flatten().collect();
+}
+
+/// Everything a step writes before it reads, with NaN where nothing may read.
+pub(super) fn scratch(store: &mut Store, agents: usize) {
+    let cell_total = store.step.cell_count as usize;
+    let spare = agents + 3;
+    store.cell_counts = vec![0; cell_total];
+    store.cell_start = vec![0; cell_total + 1];
+    store.run_sums = vec![0; cell_total.div_ceil(64)];
+    store.slot_agent = vec![0; spare];
+    store.agent_slot = vec![0; spare];
+    store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
+    store.new_velocity = vec![[f32::NAN; 2]; spare];
+    store.preferred_velocity = vec![[f32::NAN; 2]; spare];
+    store.failure = vec![u32::MAX; KernelId::ALL.len()];
+}
