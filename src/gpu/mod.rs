@@ -1,2 +1,4 @@
 //! placeholder
-#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}
+#[allow(missing_docs)]
+#[derive(Debug, thiserror::Error)]
+pub enum Error {}

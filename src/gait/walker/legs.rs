@@ -8,18 +8,22 @@ use glam::DVec3;
 const LONGEST: f64 = 0.9975;
 
 /// Share of the stride after which the heel leaves the ground.
-pub(super) const HEEL_OFF: f64 = 0.32;
+pub(super) const HEEL_OFF: f64 = 0.36;
 
 /// Share of the swing after which the ankle is highest (the knee folds early, the foot then reaches forward).
 const LIFT_PEAK: f64 = 0.30;
 
 /// Ankle ahead of the pelvis at foot strike, as a share of the travel per stride. Below a quarter, because the
 /// rear foot rolls over its ball and so ends further back than the front one starts.
-const STRIKE_AHEAD: f64 = 0.21;
+const STRIKE_AHEAD: f64 = 0.222;
 
 /// Braking of the foot just before it strikes, in travels per stride per phase^2: it reaches
 /// `1 / (2 BRAKING)` of the travel beyond its strike and comes back with the ground.
-const BRAKING: f64 = 44.0;
+const BRAKING: f64 = 45.0;
+
+/// Acceleration of the foot over the ground just after toe-off, in travels per stride per phase^2, beyond that of
+/// rolling: the hip flexors pull it forward, so that it passes the other foot before the middle of the swing.
+const PULL: f64 = 30.0;
 
 /// Braking of the foot's fall, in lifts per phase^2.
 const FALL_BRAKING: f64 = 40.0;
@@ -84,8 +88,18 @@ impl FootPath {
         }
         let (z0, y0) = self.rolled(self.duty);
         // Interpolated on the passing ground, where the foot ends at rest, then moved back to the walker.
-        let from = Key { at: z0.at + self.travel * self.duty, velocity: z0.velocity + self.travel, ..z0 };
-        let strike = Key { phase: 1.0, at: self.strike + self.travel, velocity: 0.0, acceleration: -BRAKING * self.travel };
+        let from = Key {
+            at: z0.at + self.travel * self.duty,
+            velocity: z0.velocity + self.travel,
+            acceleration: z0.acceleration + PULL * self.travel,
+            ..z0
+        };
+        let strike = Key {
+            phase: 1.0,
+            at: self.strike + self.travel,
+            velocity: 0.0,
+            acceleration: -BRAKING * self.travel,
+        };
         let z = quintic(from, strike, phase) - self.travel * phase;
         (z, self.swing_height(y0, phase))
     }

@@ -127,7 +127,8 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
 pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait, Error> {
     let style = WalkerStyle::preset(emotion, sex).vary(seed, index);
     let mut gait = walk(&style, &format!("{emotion}-{sex}-{index}"))?;
-    gait.source = format!("gaitway walker {VERSION}: preset {emotion} {sex}, seed {seed}, individual {index}");
+    gait.source =
+        format!("gaitway walker {VERSION}: preset {emotion} {sex}, seed {seed}, individual {index}");
     gait.subject = Some(format!("{sex} {index}"));
     gait.acted = Some(emotion.name().to_owned());
     gait.label = Some(emotion);

@@ -1,0 +1,3 @@
+//! The procedural walker and the gait library, seen from outside.
+
+mod picture;
