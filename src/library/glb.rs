@@ -66,7 +66,6 @@ impl Kind {
     /// Rotations as 16-bit integers, 32767 for 1.
     pub(super) const ROTATION: Self = Self { component: 5122, shape: "VEC4", normalized: true };
     pub(super) const JOINTS: Self = Self { component: 5121, shape: "VEC4", normalized: false };
-
 }
 
 /// Collects a binary chunk with its buffer views and accessors.

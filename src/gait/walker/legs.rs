@@ -4,29 +4,32 @@ use super::style::WalkerStyle;
 use super::{Pelvis, Turn};
 use glam::DVec3;
 
-/// Longest hip-to-ankle distance, as a share of the straight leg: the knee keeps about 8 degrees of flexion.
-const LONGEST: f64 = 0.9975;
+/// Longest hip-to-ankle distance, as a share of the straight leg: the knee keeps about 11 degrees of flexion.
+const LONGEST: f64 = 0.995;
 
 /// Share of the stride after which the heel leaves the ground.
 pub(super) const HEEL_OFF: f64 = 0.36;
+
+/// How much the foot's roll over its ball speeds up towards toe-off.
+const PUSH_OFF: f64 = 1.0;
 
 /// Share of the swing after which the ankle is highest (the knee folds early, the foot then reaches forward).
 const LIFT_PEAK: f64 = 0.30;
 
 /// Ankle ahead of the pelvis at foot strike, as a share of the travel per stride. Below a quarter, because the
 /// rear foot rolls over its ball and so ends further back than the front one starts.
-const STRIKE_AHEAD: f64 = 0.222;
+const STRIKE_AHEAD: f64 = 0.215;
 
 /// Braking of the foot just before it strikes, in travels per stride per phase^2: it reaches
 /// `1 / (2 BRAKING)` of the travel beyond its strike and comes back with the ground.
-const BRAKING: f64 = 45.0;
+const BRAKING: f64 = 30.0;
 
 /// Acceleration of the foot over the ground just after toe-off, in travels per stride per phase^2, beyond that of
 /// rolling: the hip flexors pull it forward, so that it passes the other foot before the middle of the swing.
-const PULL: f64 = 30.0;
+const PULL: f64 = 20.0;
 
 /// Braking of the foot's fall, in lifts per phase^2.
-const FALL_BRAKING: f64 = 40.0;
+const FALL_BRAKING: f64 = 30.0;
 
 /// Phases at which the pelvis height is bounded; finer than the frames, so that no frame lies between two bounds.
 const BOUND_STEPS: u32 = 256;
@@ -108,10 +111,11 @@ impl FootPath {
     fn rolled(&self, phase: f64) -> (Key, Key) {
         let span = self.duty - HEEL_OFF;
         let u = (phase - HEEL_OFF) / span;
-        // theta = rise * u^2: the heel leaves the ground without a jerk and is fastest at toe-off.
-        let turn = Turn::new(self.heel_rise * u * u);
-        let rate = 2.0 * self.heel_rise * u / span;
-        let rate_of_rate = 2.0 * self.heel_rise / (span * span);
+        // theta = rise (u^2 + c u^3) / (1 + c): the heel leaves the ground without a jerk and is fastest at toe-off.
+        let rise = self.heel_rise / (1.0 + PUSH_OFF);
+        let turn = Turn::new(rise * u * u * (1.0 + PUSH_OFF * u));
+        let rate = rise * u * (2.0 + 3.0 * PUSH_OFF * u) / span;
+        let rate_of_rate = rise * (2.0 + 6.0 * PUSH_OFF * u) / (span * span);
         let ahead = self.above * turn.sin - self.behind * turn.cos;
         let up = self.above * turn.cos + self.behind * turn.sin;
         let z = Key {

@@ -237,7 +237,7 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
 impl WalkerStyle {
     /// The style of an emotion as a person of this sex walks it.
     ///
-    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library.rs`
+    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library/`
     /// has the numbers), a little stronger, so that they read at a distance.
     pub fn preset(emotion: Emotion, sex: Sex) -> Self {
         let mut style = match emotion {
@@ -253,6 +253,7 @@ impl WalkerStyle {
                 style.speed *= 0.965;
                 style.cycle_time *= 0.965;
                 style.step_width *= 0.82;
+                style.foot_lift *= 0.92;
                 style.sway *= 0.85;
                 style.pelvis_turn *= 1.25;
                 style.pelvis_drop *= 1.45;
@@ -304,7 +305,7 @@ impl WalkerStyle {
         Self {
             speed: 1.38,
             cycle_time: 1.08,
-            foot_lift: 0.17,
+            foot_lift: 0.16,
             heel_rise: 64.0 * DEG,
             bounce: 0.030,
             crouch: 0.0,
@@ -334,7 +335,7 @@ impl WalkerStyle {
             duty: 0.585,
             step_width: 0.15,
             foot_lift: 0.165,
-            stomp: 0.035,
+            stomp: 0.02,
             heel_rise: 66.0 * DEG,
             bounce: 0.029,
             crouch: 0.001,

@@ -23,3 +23,15 @@ fn looks() {
         }
     }
 }
+#[test]
+fn kinks() {
+    for e in Emotion::ALL { for s in Sex::ALL {
+        let g = walk(&WalkerStyle::preset(e, s), "x").unwrap();
+        for j in [6, 11, 12] {
+            let at = |f: usize| g.poses[f % FRAMES][j];
+            let steep = (0..FRAMES).map(|f| (at(f+1)-at(f)).length()).fold(0.0, f32::max);
+            let (b, f) = (0..FRAMES).map(|f| ((at(f+2)-at(f+1)*2.0+at(f)).length(), f+1)).fold((0.0,0), |a, b| if b.0>a.0 {b} else {a});
+            println!("kink {e} {s} {j} {:.3} at {f}", b/steep);
+        }
+    }}
+}

@@ -1,3 +1,6 @@
 //! The procedural walker and the gait library, seen from outside.
 
+mod differences;
+mod file;
 mod picture;
+mod walking;
