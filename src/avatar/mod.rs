@@ -109,8 +109,7 @@ impl Avatar {
     pub fn model_from_joint(&self, rotations: &[Quat; JOINT_COUNT], root: Vec3) -> [Mat4; JOINT_COUNT] {
         let mut model = [Mat4::IDENTITY; JOINT_COUNT];
         for joint in 0..JOINT_COUNT {
-            let translation =
-                if joint == Joint::Root as usize { root } else { self.joints[joint].translation };
+            let translation = if joint == Joint::Root as usize { root } else { self.joints[joint].translation };
             let local = Mat4::from_rotation_translation(rotations[joint], translation);
             model[joint] = if joint == 0 { local } else { model[Joint::PARENT[joint]] * local };
         }

@@ -95,10 +95,7 @@ mod tests {
             assert_eq!(joint as usize, index);
             assert!(Joint::PARENT[index] < index.max(1));
             assert_eq!(joint.mirrored().mirrored(), joint);
-            assert_eq!(
-                joint.name().replace("left", "right"),
-                joint.mirrored().name().replace("left", "right")
-            );
+            assert_eq!(joint.name().replace("left", "right"), joint.mirrored().name().replace("left", "right"));
         }
     }
 }

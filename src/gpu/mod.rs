@@ -1,4 +1,2 @@
 //! placeholder
-#[allow(missing_docs)]
-#[derive(Debug, thiserror::Error)]
-pub enum Error {}
+#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}

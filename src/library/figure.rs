@@ -15,6 +15,7 @@ pub(super) struct Skeleton {
 
 impl Skeleton {
     /// Mean distances over all frames of all gaits.
+    #[allow(clippy::cast_possible_truncation, reason = "means of lengths in f32")]
     pub(super) fn mean(gaits: &[Gait]) -> Self {
         let mut lengths = [0.0_f64; JOINT_COUNT];
         let (mut shoulders, mut hips, mut frames) = (0.0_f64, 0.0_f64, 0.0_f64);

@@ -78,9 +78,9 @@ fn scene(writer: &mut Writer, skeleton: &Skeleton) -> Value {
     let count = mesh.positions.len();
     let low = mesh.positions.iter().copied().fold(Vec3::ZERO, Vec3::min);
     let high = mesh.positions.iter().copied().fold(Vec3::ZERO, Vec3::max);
-    let positions = writer.push_floats(Kind::VEC3, count, mesh.positions.iter().flat_map(|p| p.to_array()));
+    let positions = writer.push_floats(Kind::VEC3, count, mesh.positions.iter().flat_map(Vec3::to_array));
     writer.bounds(positions, &low.to_array(), &high.to_array());
-    let normals = writer.push_floats(Kind::VEC3, count, mesh.normals.iter().flat_map(|n| n.to_array()));
+    let normals = writer.push_floats(Kind::VEC3, count, mesh.normals.iter().flat_map(Vec3::to_array));
     let joints = writer.push(Kind::JOINTS, count, mesh.joints.iter().flat_map(|&joint| [joint, 0, 0, 0]));
     let weights =
         writer.push_floats(Kind::VEC4, count, mesh.joints.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
@@ -130,7 +130,7 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
     let positions = writer.push_floats(
         Kind::VEC3,
         frames * JOINT_COUNT,
-        gait.poses.iter().flatten().flat_map(|p| p.to_array()),
+        gait.poses.iter().flatten().flat_map(Vec3::to_array),
     );
     // The clip ends with its first pose, so that viewers that do not blend over the end loop smoothly.
     let looped = || gait.poses.iter().chain(gait.poses.first());
@@ -152,11 +152,14 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
     channel(start, scale, 0, "scale");
 
     let mut rotations: Vec<[Quat; JOINT_COUNT]> = looped().map(|pose| skeleton.rotations(pose)).collect();
-    for frame in 1..rotations.len() {
-        for joint in 0..JOINT_COUNT {
-            if rotations[frame][joint].dot(rotations[frame - 1][joint]) < 0.0 {
-                rotations[frame][joint] = -rotations[frame][joint];
+    // Neighbouring frames in one hemisphere, so that viewers interpolate the short way.
+    let mut before = [Quat::IDENTITY; JOINT_COUNT];
+    for frame in &mut rotations {
+        for (rotation, before) in frame.iter_mut().zip(&mut before) {
+            if rotation.dot(*before) < 0.0 {
+                *rotation = -*rotation;
             }
+            *before = *rotation;
         }
     }
     for joint in Joint::ALL {
@@ -196,7 +199,8 @@ pub(super) fn gaits(bytes: &[u8]) -> Result<Vec<Gait>, String> {
     if text.first() != Some(&b'{') {
         return Err("its JSON chunk does not begin with {".to_owned());
     }
-    let parsed = gltf::Gltf::from_slice_without_validation(text).map_err(|error| format!("not valid glTF: {error}"))?;
+    let parsed = gltf::Gltf::from_slice_without_validation(text)
+        .map_err(|error| format!("not valid glTF: {error}"))?;
     let root = parsed.document.as_json();
     header(root)?;
     let mut spent = 0_usize;

@@ -30,7 +30,7 @@ const FARTHEST: f32 = 10.0;
 
 static BUILT_IN: &[u8] = include_bytes!("../../assets/gaits/default.glb");
 
-/// Gaits and the association of emotions to them, GEA(e) = {G_i | e_i = e} (paper, section 4.1; S-08).
+/// Gaits and the association of emotions to them, `GEA(e) = {G_i | e_i = e}` (paper, section 4.1; S-08).
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaitLibrary {
     gaits: Vec<Gait>,

@@ -1,5 +1,3 @@
 //! placeholder
 pub mod crowd;
-#[allow(missing_docs)]
-#[derive(Debug, thiserror::Error)]
-pub enum Error {}
+#[allow(missing_docs)] #[derive(Debug, thiserror::Error)] pub enum Error {}

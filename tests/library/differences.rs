@@ -7,11 +7,14 @@ use glam::Vec3;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
+/// Name, measure, whether classes are compared by their ratio, and the values of happy, angry and sad.
+type Measure = (&'static str, fn(&Gait) -> f32, bool, [f32; 3]);
+
 /// What is measured, and its means for happy, angry and sad against neutral on E-Gait's perceived labels
 /// (labels.h5; 74 happy, 20 angry, 52 sad, 86 neutral gaits of BML, CMU, ICT, SIG and `EWalk`): a ratio, or a
 /// difference for angles, to the neutral mean *of the same source*, averaged over gaits. All are free of the file's
 /// rotations and of its unit.
-const MEASURED: [(&str, fn(&Gait) -> f32, bool, [f32; 3]); 6] = [
+const MEASURED: [Measure; 6] = [
     ("hand speed", hand_speed, true, [1.522, 1.555, 0.648]),
     ("foot speed", foot_speed, true, [1.091, 1.330, 0.832]),
     ("cycle time", Gait::cycle_time, true, [0.957, 0.836, 1.200]),

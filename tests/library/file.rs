@@ -23,7 +23,7 @@ fn small() -> GaitLibrary {
 /// All numbers of a library as bits: 0 and -0 differ.
 fn bits(library: &GaitLibrary) -> Vec<u32> {
     let numbers = library.gaits().iter().flat_map(|gait| {
-        let positions = gait.poses.iter().flatten().flat_map(|position| position.to_array());
+        let positions = gait.poses.iter().flatten().flat_map(Vec3::to_array);
         positions.chain([gait.frame_rate, gait.speed]).chain(gait.ratings.into_iter().flatten())
     });
     numbers.map(f32::to_bits).collect()

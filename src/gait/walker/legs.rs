@@ -7,6 +7,13 @@ use glam::DVec3;
 /// Longest hip-to-ankle distance, as a share of the straight leg: the knee keeps about 11 degrees of flexion.
 const LONGEST: f64 = 0.995;
 
+/// The same around toe-off, when knees are folding already: about 22 degrees. (A leg that is nearly straight there
+/// would have to fold within a frame.)
+const LONGEST_PUSHING: f64 = 0.982;
+
+/// Phases, from the foot's strike, between which [`LONGEST_PUSHING`] holds.
+const PUSHING: (f64, f64) = (0.54, 0.75);
+
 /// Share of the stride after which the heel leaves the ground.
 pub(super) const HEEL_OFF: f64 = 0.36;
 
@@ -169,12 +176,14 @@ fn quintic(from: Key, to: Key, phase: f64) -> f64 {
 /// The largest mean height of the root joint for which neither leg is ever stretched beyond [`LONGEST`], less the
 /// crouch; `None` if some step is out of reach.
 pub(super) fn pelvis_height(style: &WalkerStyle, feet: &FootPath) -> Option<f64> {
-    let longest = LONGEST * style.body.leg();
     let mut height = f64::INFINITY;
     for step in 0..BOUND_STEPS {
         let phase = f64::from(step) / f64::from(BOUND_STEPS);
         let pelvis = Pelvis::at(style, phase, 0.0);
         for side in [1.0, -1.0] {
+            let own = if side > 0.0 { phase } else { (phase + 0.5).rem_euclid(1.0) };
+            let share = if (PUSHING.0..PUSHING.1).contains(&own) { LONGEST_PUSHING } else { LONGEST };
+            let longest = share * style.body.leg();
             let ankle = feet.ankle(style, side, phase);
             let hip = pelvis.hip(&style.body, side);
             let (x, z) = (hip.x - ankle.x, hip.z - ankle.z);

@@ -238,7 +238,8 @@ impl WalkerStyle {
     /// The style of an emotion as a person of this sex walks it.
     ///
     /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library/`
-    /// has the numbers), a little stronger, so that they read at a distance.
+    /// has the numbers), as strong or somewhat stronger; the sad head hangs several times lower, so that it reads
+    /// at a distance.
     pub fn preset(emotion: Emotion, sex: Sex) -> Self {
         let mut style = match emotion {
             Emotion::Happy => Self::happy(),
@@ -306,7 +307,7 @@ impl WalkerStyle {
             speed: 1.38,
             cycle_time: 1.08,
             foot_lift: 0.16,
-            heel_rise: 64.0 * DEG,
+            heel_rise: 68.0 * DEG,
             bounce: 0.030,
             crouch: 0.0,
             sway: 0.026,
@@ -372,7 +373,7 @@ impl WalkerStyle {
             pelvis_drop: 2.5 * DEG,
             lean: 3.0 * DEG,
             slump: 17.0 * DEG,
-            neck_flexion: 26.0 * DEG,
+            neck_flexion: 22.0 * DEG,
             nod: 0.7 * DEG,
             shoulder_turn: 2.5 * DEG,
             shoulder_lift: -0.012,
