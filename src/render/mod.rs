@@ -9,20 +9,22 @@ mod atmosphere;
 pub mod camera;
 mod crowd;
 mod image;
-pub mod pack;
 mod pipelines;
 mod record;
 mod renderer;
 mod scene;
 mod shadow;
+pub mod show;
 mod target;
 
+pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
 pub use image::Image;
 pub use renderer::{Markers, Renderer, Settings};
 pub use scene::Surface;
+pub use show::Show;
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]
