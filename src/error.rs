@@ -50,6 +50,7 @@ impl Error {
         match self {
             #[cfg(feature = "vulkan")]
             Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
+            Self::Export(crate::export::Error::Picture(error)) => error.hint(),
             Self::Usage { hint, .. } => Some(hint),
             _ => None,
         }

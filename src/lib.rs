@@ -25,6 +25,7 @@ pub mod gpu;
 pub mod ground;
 pub mod kernels;
 pub mod library;
+pub mod picture;
 pub mod reference;
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "records draw calls through Vulkan, one SAFETY comment per block")]

@@ -8,7 +8,10 @@ const SUN_DISC: f32 = 0.9995;        // cosine of the radius at which the sun's 
 const SUN_GLOW_POWER: f32 = 24.0;    // how closely the glow gathers about the sun
 const SUN_GLOW: f32 = 0.18;
 const SKY_POWER: f32 = 0.45;         // how fast the horizon's colour gives way to the zenith's
-const SHOULDER: f32 = 0.6;           // brightness from which on highlights are compressed
+const SHOULDER: f32 = 0.5;           // brightness from which on highlights are compressed
+const SCATTER: f32 = 0.14;           // share of the sun's light that the air sends from the sun's side of the sky
+const LIFT: f32 = 0.4;               // how far receivers are moved towards the sun, texels of the shadow map
+const LIFT_SLANTED: f32 = 2.3;       // and along their normal where light grazes them: the reach of the samples below
 const SHADOW_EDGE: f32 = 20.0;       // shadows fade out over the outermost 1/20 of the map
 
 // The sky in a unit direction.
@@ -25,7 +28,9 @@ fn sky_color(direction: vec3<f32>) -> vec3<f32> {
 // 1 in the sun, 0 in the shadow.
 fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
     // moved off the surface, so that it does not shade itself
-    let lifted = world + normal * view.sun_direction.w + view.sun_direction.xyz * (0.5 * view.sun_direction.w);
+    let facing = dot(normal, view.sun_direction.xyz);
+    let slant = sqrt(max(1.0 - facing * facing, 0.0));
+    let lifted = world + (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
     let clip = (view.shadow_from_world * vec4<f32>(lifted, 1.0)).xyz;
     let uv = clip.xy * 0.5 + 0.5;
     let texel = view.sun_color.w;
@@ -47,7 +52,8 @@ fn shade(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>) -> vec3<f32> {
         sun = facing * sunlight(world, normal);
     }
     let up = 0.5 + 0.5 * normal.y;
-    let ambient = mix(view.ground_bounce.rgb, view.sky_light.rgb, up);
+    let scattered = view.sun_color.rgb * (SCATTER * (0.5 + 0.5 * facing));
+    let ambient = scattered + mix(view.ground_bounce.rgb, view.sky_light.rgb, up);
     let albedo = min(color, vec3<f32>(1.0));
     return albedo * (view.sun_color.rgb * sun + ambient) + max(color - 1.0, vec3<f32>(0.0));
 }

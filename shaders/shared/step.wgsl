@@ -26,5 +26,7 @@ struct StepUniforms {
     time_horizon_obstacles: f32, // s
     responsibility: f32,         // share of the avoidance an agent takes towards another: 0.5
     safety_margin: f32,          // m added to the summed radii while avoiding
+    inverse_time_horizon_dense: f32, // 1/s: the horizon when not all lines can be kept; 0: the same as else
+    spare: f32,
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
 }

@@ -5,7 +5,7 @@ struct ViewUniforms {
     world_from_clip: array<mat4x4<f32>, 2>,
     eyes: array<vec4<f32>, 2>,              // xyz: position of each eye; w: 1 with haze, 0 in a parallel projection
     shadow_from_world: mat4x4<f32>,         // clip space of the shadow map; depth 1 towards the sun
-    sun_direction: vec4<f32>,               // xyz: unit, towards the sun; w: how far receivers are moved, m
+    sun_direction: vec4<f32>,               // xyz: unit, towards the sun; w: side of a shadow texel, m
     sun_color: vec4<f32>,                   // rgb: light on a surface that faces the sun; w: size of a shadow texel, 0 to 1
     sky_zenith: vec4<f32>,                  // rgb
     sky_light: vec4<f32>,                   // rgb: light of the sky on a surface that faces up

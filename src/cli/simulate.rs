@@ -5,12 +5,13 @@ use super::progress::Progress;
 use super::scene::{Scene, SceneArguments, check_seconds, start};
 use super::usage;
 use crate::Error;
+use crate::export::{TrajectoryFormat, TrajectoryWriter, Walkable};
 use crate::scenario::Clearance;
 use crate::sim::{self, Simulation, measure};
 use clap::Args;
 use glam::Vec2;
 use serde::Serialize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Up to this many agents every step is measured.
@@ -94,33 +95,52 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(outcome.failure.is_none())
 }
 
+/// Steps between two frames of a file of `rate` frames a second, which must divide the step rate.
+pub(super) fn steps_per_frame(rate: f64, scene: &Scene) -> Result<u32, Error> {
+    let steps = 1.0 / f64::from(scene.scenario.navigation.time_step);
+    let every = (steps / rate).round();
+    if !((1.0..=1e6).contains(&every) && (every * rate - steps).abs() < 0.01 * steps) {
+        let message = format!("--fps {rate}: there are {steps:.0} simulation steps a second");
+        return Err(usage(
+            message,
+            format!("use {steps:.0} or {steps:.0} over a whole number, such as {:.0}", steps / 3.0),
+        ));
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most a million")]
+    let every = every as u32;
+    Ok(every)
+}
+
 /// Trajectories being written.
+#[derive(Debug)]
 pub(super) struct Recording {
     path: PathBuf,
     /// Steps between two frames.
     every: u32,
+    writer: TrajectoryWriter,
 }
 
 impl Recording {
-    /// Begins a file; the frame rate must divide the step rate.
-    pub(super) fn create(path: &std::path::Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
-        let steps = 1.0 / f64::from(scene.scenario.navigation.time_step);
-        let every = (steps / rate).round();
-        if !(every >= 1.0 && (every * rate - steps).abs() < 0.01 * steps) {
-            return Err(usage(
-                format!("--fps {rate}: there are {steps:.0} steps a second"),
-                format!("use {steps:.0} or {steps:.0} divided by a whole number, such as {:.0}", steps / 3.0),
-            ));
-        }
-        Err(usage(format!("cannot write {path:?}: trajectories are not there yet"), "leave --out out"))
+    /// Begins a file.
+    pub(super) fn create(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
+        let every = steps_per_frame(rate, scene)?;
+        let format = TrajectoryFormat::from_path(path)?;
+        let writer = TrajectoryWriter::create(path, format, rate, &Walkable::from(&scene.geometry))?;
+        Ok(Self { path: path.to_owned(), every, writer })
     }
 
-    fn frame(&mut self, _: &mut Simulation) -> Result<(), Error> {
-        Ok(())
+    fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+        let store = simulation.state()?;
+        let agents = store.step.agent_count as usize;
+        let positions: Vec<Vec2> = store.position[..agents].iter().copied().map(Vec2::from_array).collect();
+        let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance[0]).collect();
+        Ok(self.writer.frame(&positions, &headings)?)
     }
 
     fn finish(self) -> Result<(PathBuf, u32), Error> {
-        Ok((self.path, 0))
+        let frames = self.writer.frames();
+        self.writer.finish()?;
+        Ok((self.path, frames))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Pictures into PNG files, and many pictures onto one sheet.
 
 use super::font;
-use crate::render::Image;
+use crate::picture::Image;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -228,6 +228,7 @@ pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Image {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, reason = "remainders of 256")]
 mod tests {
     use super::*;
 

@@ -4,7 +4,7 @@
 //! Both get the same frames: 4:2:0, BT.709, limited range, chroma sited left (the default of both formats).
 
 use super::image::{Error, Unfinished, check};
-use crate::render::Image;
+use crate::picture::Image;
 use rayon::prelude::*;
 use std::fs::File;
 use std::io::{BufWriter, Read, Write};
@@ -360,6 +360,13 @@ mod tests {
         assert!(video.push(&Image::filled(4, 6, [0; 4])).unwrap_err().to_string().contains("4x4"));
     }
 
+    /// One test at a time makes and starts programs: a file that another thread's child still holds open for writing
+    /// cannot be run.
+    fn alone() -> std::sync::MutexGuard<'static, ()> {
+        static ALONE: std::sync::Mutex<()> = std::sync::Mutex::new(());
+        ALONE.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+
     #[cfg(unix)]
     fn program(folder: &Path, script: &str) -> PathBuf {
         use std::os::unix::fs::PermissionsExt;
@@ -372,6 +379,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn ffmpeg_gets_raw_frames_and_writes_the_neighbour() {
+        let _alone = alone();
         let folder = tempfile::tempdir().unwrap();
         // the last argument is the file
         let ffmpeg = program(folder.path(), "for out; do :; done; echo \"$*\" > \"$0.args\"; cat > \"$out\"");
@@ -391,6 +399,7 @@ mod tests {
     #[test]
     #[cfg(unix)]
     fn what_ffmpeg_says_when_it_stops_is_in_the_error() {
+        let _alone = alone();
         let folder = tempfile::tempdir().unwrap();
         let ffmpeg = program(folder.path(), "echo 'Unknown encoder libx264' >&2; exit 1");
         let path = folder.path().join("v.mp4");
@@ -402,5 +411,41 @@ mod tests {
         assert!(error.to_string().contains("Unknown encoder libx264"), "{error}");
         assert!(error.hint().unwrap().contains(".y4m"));
         assert!(!path.exists());
+    }
+
+    #[test]
+    fn ffmpeg_reads_both_formats_back_in_the_same_colours() {
+        let _alone = alone();
+        let Some(ffmpeg) = find_ffmpeg() else {
+            println!("skipped: no ffmpeg in PATH");
+            return;
+        };
+        let folder = tempfile::tempdir().unwrap();
+        let mut frame = Image::filled(64, 32, [200, 60, 40, 255]);
+        frame.fill(32, 0, 32, 32, [30, 90, 200, 255]);
+        for name in ["v.mp4", "v.y4m", "v.mkv"] {
+            let path = folder.path().join(name);
+            let mut video = Video::create(&path, 64, 32, 24.0).unwrap();
+            for _ in 0..5 {
+                video.push(&frame).unwrap();
+            }
+            assert_eq!(video.finish().unwrap(), path);
+            let read = Command::new(&ffmpeg)
+                .args(["-loglevel", "error", "-i"])
+                .arg(&path)
+                .args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-vf", "scale=in_color_matrix=bt709", "-"])
+                .output()
+                .unwrap();
+            assert!(read.stderr.is_empty(), "{name}: {}", String::from_utf8_lossy(&read.stderr));
+            assert_eq!(read.stdout.len(), 5 * 64 * 32 * 3, "{name}: five frames");
+            for (x, want) in [(8, [200, 60, 40]), (56, [30, 90, 200])] {
+                let at = (16 * 64 + x) * 3;
+                let found = &read.stdout[at..at + 3];
+                assert!(
+                    found.iter().zip(want).all(|(a, b)| a.abs_diff(b) <= 4),
+                    "{name}: {found:?} {want:?}"
+                );
+            }
+        }
     }
 }

@@ -40,6 +40,8 @@ pub struct StepUniforms {
     pub time_horizon_obstacles: f32,
     pub responsibility: f32,
     pub safety_margin: f32,
+    pub inverse_time_horizon_dense: f32,
+    pub spare: f32,
     pub wrap: f32,
 }
 

@@ -135,7 +135,7 @@ fn on_line(lines: &[Line], number: usize, radius: f32, wanted: [f32; 2], far: bo
 
 /// The permitted velocity nearest to `wanted` (or farthest along it), and how many lines were satisfied: all of
 /// them, or the number of the first that could not be.
-fn within(lines: &[Line], radius: f32, wanted: [f32; 2], far: bool) -> (usize, [f32; 2]) {
+pub fn within(lines: &[Line], radius: f32, wanted: [f32; 2], far: bool) -> (usize, [f32; 2]) {
     let length2 = dot2(wanted, wanted);
     let mut result = wanted;
     if far {
@@ -156,7 +156,7 @@ fn within(lines: &[Line], radius: f32, wanted: [f32; 2], far: bool) -> (usize, [
 }
 
 /// When not all lines can be satisfied: the velocity that violates them least, never one of the `hard` first.
-fn least_bad(lines: &[Line], hard: usize, begin: usize, radius: f32, start: [f32; 2]) -> [f32; 2] {
+pub fn least_bad(lines: &[Line], hard: usize, begin: usize, radius: f32, start: [f32; 2]) -> [f32; 2] {
     let mut result = start;
     let mut violation = 0.0;
     for (number, &line) in lines.iter().enumerate().skip(begin) {

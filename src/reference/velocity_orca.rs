@@ -1,7 +1,7 @@
 //! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
 
 use super::exact::dot2;
-use super::orca::{
+use super::orca::{least_bad, within, 
     LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, obstacle_line, segment_distance2, solve,
 };
 use super::shared::grid_cell;
@@ -74,36 +74,55 @@ impl Scene<'_> {
         let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
         let hard = self.obstacle_lines(&mut lines, position, velocity, radius, max_speed);
         let mut count = hard;
-        let avoid = |other: [f32; 4], other_radius: f32, share: f32, side: f32| {
+        let avoid = |rate: f32, other: [f32; 4], other_radius: f32, share: f32, side: f32| {
             agent_line(
                 velocity,
                 [other[0] - x, other[1] - y],
                 [vx - other[2], vy - other[3]],
                 radius + other_radius + step.safety_margin,
-                step.inverse_time_horizon,
+                rate,
                 step.inverse_time_step,
                 share,
                 side,
             )
         };
-        if step.user_radius > 0.0 {
-            let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
-            let to = [ux - x, uy - y];
-            if dot2(to, to) < step.neighbour_distance * step.neighbour_distance {
-                // The user takes none of the avoidance, so the agent takes all.
-                lines[count] = avoid([ux, uy, uvx, uvy], step.user_radius, 1.0, 1.0);
+        let nearest = self.neighbours(slot, position);
+        let mut others = |rate: f32| {
+            count = hard;
+            if step.user_radius > 0.0 {
+                let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
+                let to = [ux - x, uy - y];
+                if dot2(to, to) < step.neighbour_distance * step.neighbour_distance {
+                    // The user takes none of the avoidance, so the agent takes all.
+                    lines[count] = avoid(rate, [ux, uy, uvx, uvy], step.user_radius, 1.0, 1.0);
+                    count += 1;
+                }
+            }
+            for k in 0..nearest.count {
+                let other = nearest.slots[k] as usize;
+                let side = if slot < other { 1.0 } else { -1.0 };
+                let (motion, body) = (self.slot_motion[other * 2], self.slot_motion[other * 2 + 1]);
+                lines[count] = avoid(rate, motion, body[0], step.responsibility, side);
                 count += 1;
             }
+            (lines, count)
+        };
+        let (lines, count) = others(step.inverse_time_horizon);
+        let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
+        if satisfied == count { return result; }
+        if step.inverse_time_horizon_dense > 0.0 {
+            let (lines, count) = others(step.inverse_time_horizon_dense);
+            let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
+            if satisfied == count { return result; }
+            if step.spare > 0.0 && dot2(velocity, velocity) < slow() {
+                let (lines, count) = others(step.spare);
+                let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
+                if satisfied == count { return result; }
+                return least_bad(&lines[..count], hard, satisfied, max_speed, result);
+            }
+            return least_bad(&lines[..count], hard, satisfied, max_speed, result);
         }
-        let nearest = self.neighbours(slot, position);
-        for k in 0..nearest.count {
-            let other = nearest.slots[k] as usize;
-            let side = if slot < other { 1.0 } else { -1.0 };
-            let (motion, body) = (self.slot_motion[other * 2], self.slot_motion[other * 2 + 1]);
-            lines[count] = avoid(motion, body[0], step.responsibility, side);
-            count += 1;
-        }
-        solve(&lines[..count], hard, max_speed, preferred)
+        least_bad(&lines[..count], hard, satisfied, max_speed, result)
     }
 
     /// The nearest agents, ring by ring of cells, stopping when no farther ring can hold a nearer one.
@@ -241,3 +260,5 @@ impl Scene<'_> {
 
 /// A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
 const SAFE: f32 = 0.999;
+
+fn slow() -> f32 { static S: std::sync::OnceLock<f32> = std::sync::OnceLock::new(); *S.get_or_init(|| { let v: f32 = std::env::var("SLOW").map_or(99.0, |x| x.parse().unwrap()); v * v }) }

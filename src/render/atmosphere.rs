@@ -27,12 +27,12 @@ impl Atmosphere {
     /// A clear late morning.
     pub const DAY: Self = Self {
         sun_direction: Vec3::new(0.55, 0.8, 0.4),
-        sun: Vec3::new(1.0, 0.93, 0.8),
+        sun: Vec3::new(1.15, 1.05, 0.88),
         zenith: Vec3::new(0.13, 0.3, 0.62),
         horizon: Vec3::new(0.58, 0.7, 0.82),
         ground_bounce: Vec3::new(0.16, 0.15, 0.135),
-        sky_light: Vec3::new(0.26, 0.31, 0.38),
-        haze: 0.0035,
+        sky_light: Vec3::new(0.23, 0.28, 0.35),
+        haze: 0.002,
         exposure: 0.95,
     };
 

@@ -306,6 +306,7 @@ impl OrbitControl {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "a constant is copied")]
 mod tests {
     use super::*;
 

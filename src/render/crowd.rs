@@ -7,23 +7,23 @@ use crate::kernels::BufferId;
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdBuffers<'a> {
-    /// Agent of each slot, sorted by bucket: `u32` [slot].
+    /// Agent of each slot, sorted by bucket: `u32 [slot]`.
     pub visible: &'a Buffer,
-    /// First slot of each bucket: `u32` [bucket + 1].
+    /// First slot of each bucket: `u32 [bucket + 1]`.
     pub bucket_start: &'a Buffer,
-    /// `VkDrawIndexedIndirectCommand` [bucket]; instances count from 0.
+    /// `VkDrawIndexedIndirectCommand [bucket]`; instances count from 0.
     pub draw_args: &'a Buffer,
-    /// `vec4<f32>` [vertex][4].
+    /// `vec4<f32> [vertex][4]`.
     pub mesh_vertices: &'a Buffer,
-    /// `vec4<u32>` [bucket].
+    /// `vec4<u32> [bucket]`.
     pub mesh_table: &'a Buffer,
-    /// Rows of `world_from_mesh`: `vec4<f32>` [slot][joint][3].
+    /// Rows of `world_from_mesh`: `vec4<f32> [slot][joint][3]`.
     pub palettes: &'a Buffer,
-    /// Skinned vertices of the near agents: `vec4<f32>` [near vertex][2].
+    /// Skinned vertices of the near agents: `vec4<f32> [near vertex][2]`.
     pub skinned: &'a Buffer,
-    /// `vec4<u32>` [agent].
+    /// `vec4<u32> [agent]`.
     pub look: &'a Buffer,
-    /// Ground position: `vec2<f32>` [agent].
+    /// Ground position: `vec2<f32> [agent]`.
     pub position: &'a Buffer,
 }
 

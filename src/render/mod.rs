@@ -8,11 +8,11 @@
 mod atmosphere;
 pub mod camera;
 mod crowd;
-mod image;
 mod pipelines;
 mod record;
 mod renderer;
 mod scene;
+mod settings;
 mod shadow;
 pub mod show;
 mod target;
@@ -21,9 +21,10 @@ pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
-pub use image::Image;
-pub use renderer::{Markers, Renderer, Settings};
+pub use crate::picture::Image;
+pub use renderer::Renderer;
 pub use scene::Surface;
+pub use settings::{Markers, Settings};
 pub use show::Show;
 
 /// Drawing failed.

@@ -6,6 +6,7 @@ use super::pack::MeshBuffers;
 use super::pipelines::{PipelineSpec, Program};
 use super::record::Output;
 use super::scene::{self, Surface};
+use super::settings::{Markers, Settings};
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec};
 use super::{CrowdBuffers, Error, Image, shadow};
 use crate::gpu::{Buffer, Device, Memory, call};
@@ -14,72 +15,6 @@ use crate::kernels::layout::ViewUniforms;
 use ash::vk;
 use glam::{Mat4, Vec3, Vec4};
 use std::sync::Arc;
-
-/// Rings on the ground under the agents in the colour of their emotion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Markers {
-    /// Radius of the ring, m.
-    pub radius: f32,
-    /// Width of its line, m.
-    pub width: f32,
-    /// Linear colour per emotion, in the order of [`crate::Emotion::ALL`].
-    pub colors: [Vec3; 4],
-    /// 0 invisible to 1 solid.
-    pub opacity: f32,
-}
-
-impl Default for Markers {
-    /// Happy yellow, angry vermilion, sad blue, neutral white: told apart with every common colour vision.
-    fn default() -> Self {
-        let colors = [
-            Vec3::new(0.87, 0.61, 0.02),
-            Vec3::new(0.66, 0.11, 0.01),
-            Vec3::new(0.02, 0.17, 0.45),
-            Vec3::new(0.7, 0.7, 0.7),
-        ];
-        Self { radius: 0.38, width: 0.09, colors, opacity: 0.9 }
-    }
-}
-
-/// How pictures are made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Settings {
-    /// Pixels a row, per eye.
-    pub width: u32,
-    /// Rows.
-    pub height: u32,
-    /// Samples a pixel, 1 or 4 (or what the device has, if fewer).
-    pub samples: u32,
-    /// 1, or 2 for both eyes in one go.
-    pub eyes: u32,
-    /// Texels a side of the shadow map; 0 draws no shadows.
-    pub shadow_size: u32,
-    /// Sun, sky and haze.
-    pub atmosphere: Atmosphere,
-    /// Rings under the agents, if wanted.
-    pub markers: Option<Markers>,
-}
-
-impl Default for Settings {
-    fn default() -> Self {
-        Self {
-            width: 1280,
-            height: 720,
-            samples: 4,
-            eyes: 1,
-            shadow_size: 2048,
-            atmosphere: Atmosphere::DAY,
-            markers: None,
-        }
-    }
-}
-
-impl Settings {
-    /// The defaults in another size.
-    pub fn sized(width: u32, height: u32) -> Self {
-        Self { width, height, ..Self::default() }
-    }
-}
 
 /// Vertices and indices on the device.
 #[derive(Debug)]
@@ -172,11 +107,16 @@ impl Renderer {
         settings: Settings,
         color_format: vk::Format,
     ) -> Result<Self, Error> {
-        let settings = Settings { eyes: settings.eyes.clamp(1, 2), ..settings };
         let samples = samples(device, settings.samples);
-        let attachments = attachments(device, &settings, samples, color_format)?;
         let largest = device.limits.max_image_dimension2_d.min(16_384);
-        let shadow_size = settings.shadow_size.clamp(1, largest);
+        let settings = Settings {
+            eyes: settings.eyes.clamp(1, 2),
+            samples: samples.as_raw(),
+            shadow_size: settings.shadow_size.min(largest),
+            ..settings
+        };
+        let attachments = attachments(device, &settings, samples, color_format)?;
+        let shadow_size = settings.shadow_size.max(1); // without shadows, one texel that is always lit
         let shadow_map = GpuImage::new(
             device,
             ImageSpec {
@@ -255,11 +195,6 @@ impl Renderer {
     /// The settings, with what the device could not do changed to what it can.
     pub fn settings(&self) -> &Settings {
         &self.settings
-    }
-
-    /// Samples a pixel that pictures really have.
-    pub fn samples(&self) -> u32 {
-        self.samples.as_raw()
     }
 
     /// Changes sun, sky and haze.
@@ -456,7 +391,7 @@ impl Renderer {
             world_from_clip: matrices(&Mat4::inverse),
             eyes: view.eyes.map(|eye| with(eye, haze)),
             shadow_from_world: fit.shadow_from_world.to_cols_array_2d(),
-            sun_direction: with(sun, 1.5 * fit.texel),
+            sun_direction: with(sun, fit.texel),
             sun_color: with(air.sun, 1.0 / texels),
             sky_zenith: with(air.zenith, 0.0),
             sky_light: with(air.sky_light, 0.0),

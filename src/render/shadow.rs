@@ -5,7 +5,7 @@ use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 
 /// Shadows reach this far from an eye near the ground, m.
-const REACH: f32 = 60.0;
+const REACH: f32 = 35.0;
 /// Bounds of the radius of the shadow map on the ground, m.
 const RADIUS: (f32, f32) = (6.0, 250.0);
 /// Half the depth of the shadow map along the sun's rays, m: what stands farther towards the sun casts no shadow.
@@ -60,6 +60,7 @@ pub(crate) fn sun_view(view: &View, sun: Vec3, size: u32) -> SunView {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "sizes come in steps and must be the same")]
 mod tests {
     use super::super::camera::Camera;
     use super::*;

@@ -180,12 +180,12 @@ mod tests {
             .map(|i| polygon::rectangle(Vec2::new(draw(i, 0), draw(i, 1)), Vec2::new(30.0, 3.0), draw(i, 2)))
             .collect();
         let index = Clearance::new(&bounds, &solids);
-        for i in 0..2000 {
+        for i in 0..6000 {
             let a = Vec2::new(draw(i, 3), draw(i, 4));
             let b = if i % 3 == 0 { a } else { Vec2::new(draw(i, 5), draw(i, 6)) };
             let all = solids.iter().chain([&bounds]).flat_map(|p| polygon::edges(p));
-            let slow = all.map(|(c, d)| polygon::segment_distance(a, b, c, d)).fold(2.5, f32::min);
-            assert!((index.distance(a, b, 2.5) - slow).abs() < 1e-5, "query {i}");
+            let slow = all.map(|(c, d)| polygon::segment_distance(a, b, c, d)).fold(7.0, f32::min);
+            assert!((index.distance(a, b, 7.0) - slow).abs() < 1e-5, "query {i}");
             assert_eq!(index.walkable(a), !solids.iter().any(|p| polygon::contains(p, a)), "point {i}");
         }
         assert!(!index.walkable(Vec2::splat(250.0)), "outside the bounds");

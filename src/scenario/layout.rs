@@ -50,6 +50,8 @@ pub(super) struct Generated {
     pub(super) ground: Ground,
     pub(super) props: Vec<Prop>,
     pub(super) user: Vec2,
+    /// Eye and target of the overview; `None`: a raised three-quarter view.
+    pub(super) overview: Option<(Vec3, Vec3)>,
 }
 
 impl Scenario {
@@ -72,7 +74,7 @@ impl Scenario {
         made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
         let user = self.user.position.map_or(made.user, Vec2::from);
         Geometry {
-            overview: overview(&bounds, user),
+            overview: made.overview.unwrap_or_else(|| overview(&bounds, user)),
             obstacles: made.obstacles.into_iter().map(|p| polygon::oriented(p, true)).collect(),
             spawns: self.spawns.clone(),
             routes: made.routes,

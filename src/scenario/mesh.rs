@@ -257,7 +257,7 @@ mod tests {
         let closed: [(&str, f32, EnvironmentMesh); 4] = [
             ("block", 6.0, build(|b| b.block(up, Vec3::new(1.0, 2.0, 3.0), up))),
             ("ball", 4.18, build(|b| b.ball(up * 2.0, Vec3::ONE, 32, up))),
-            ("wheel", 3.14, build(|b| b.wheel(up, 1.0, 1.0, 64, up))),
+            ("wheel", std::f32::consts::PI, build(|b| b.wheel(up, 1.0, 1.0, 64, up))),
             ("cone", 1.04, build(|b| b.turned(up, &[(0.0, 0.0), (1.0, 0.0), (0.0, 1.0)], 64, up))),
         ];
         for (name, expected, mesh) in closed {

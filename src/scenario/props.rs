@@ -226,7 +226,7 @@ fn tree(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     b.turned(Vec3::ZERO, &[(r, 0.0), (r * 0.7, h * 0.5)], 6, srgb(0x5d4632));
     let sides = if detail == Detail::Full { 10 } else { 6 };
     let crown = v(size.x * 0.5, h * 0.32, size.z * 0.5);
-    if id % 3 == 0 {
+    if id.is_multiple_of(3) {
         for (y, scale) in [(0.25, 1.0), (0.48, 0.76), (0.7, 0.5)] {
             let profile = [(0.0, 0.0), (crown.x * scale, 0.0), (0.0, h * 0.4 * (0.6 + 0.4 * scale))];
             b.turned(v(0.0, h * y, 0.0), &profile, sides, leaf);

@@ -2,14 +2,12 @@
 //! layouts. [`fill`] gives a simulation everything that its pictures need.
 
 use super::cast::Cast;
-use crate::avatar::{Avatar, Clip, LEVELS, Mesh};
-use crate::gait::JOINT_COUNT;
+use crate::avatar::{Avatar, Clip, LEVELS, Mesh, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::layout::FrameUniforms;
 use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_STRIDE, RUN, SKINNED_STRIDE, visible_slots,
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, visible_slots,
 };
-use glam::{Mat4, Vec3};
 
 /// Most agents that one picture shows.
 const MOST_VISIBLE: u64 = 100_000;
@@ -27,12 +25,12 @@ const HEADROOM: f32 = 0.15;
 /// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshBuffers {
-    /// `mesh_vertices`: [vertex][4]. Position and material (bits); normal and four joints of eight bits (bits); weights;
+    /// `mesh_vertices`: `[vertex][4]`. Position and material (bits); normal and four joints of eight bits (bits); weights;
     /// linear colour and 0.
-    pub vertices: Vec<[[f32; 4]; 4]>,
+    pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
-    /// `mesh_table`: [bucket] first index, index count, first vertex, vertex count.
+    /// `mesh_table`: `[bucket]` first index, index count, first vertex, vertex count.
     pub mesh_table: Vec<[u32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
@@ -63,7 +61,7 @@ impl MeshBuffers {
 /// Lays the meshes of all avatars out for the device.
 ///
 /// An index that points past its mesh's vertices, and what is left of a triangle, is left out with its triangle, so that
-/// no draw reads another mesh. Joints past the sixteenth are taken as the root.
+/// no draw reads another mesh.
 pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
     let levels = avatars.iter().map(|avatar| avatar.levels.len()).max().unwrap_or(0).clamp(1, LEVELS);
     let mut out = MeshBuffers { level_count: u32::try_from(levels).unwrap_or(1), ..MeshBuffers::default() };
@@ -81,36 +79,36 @@ pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
 
 fn append(mesh: &Mesh, out: &mut MeshBuffers) -> [u32; 4] {
     let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
-    let (first_index, first_vertex) = (length(out.indices.len()), length(out.vertices.len()));
-    out.vertices.extend(mesh.vertices.iter().map(|v| {
-        let joints = v.joints.map(|joint| if usize::from(joint) < JOINT_COUNT { joint } else { 0 });
-        let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
-        [
-            with(v.position, f32::from_bits(v.material as u32)),
-            with(v.normal, f32::from_bits(u32::from_le_bytes(joints))),
-            v.weights,
-            with(v.color, 0.0),
-        ]
-    }));
+    let (first_index, first_vertex) = (length(out.indices.len()), length(out.vertices.len() / VERTEX_STRIDE));
+    out.vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
     let count = length(mesh.vertices.len());
     let whole = mesh.indices.chunks_exact(3).filter(|triangle| triangle.iter().all(|index| *index < count));
     out.indices.extend(whole.flatten());
     [first_index, length(out.indices.len()) - first_index, first_vertex, count]
 }
 
-/// `rig`: [avatar][65]. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
+/// `rig`: `[avatar][65]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
 /// midpoint of the eyes in the head joint. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
-    let mut rig = Vec::with_capacity(avatars.len() * RIG_STRIDE);
-    for avatar in avatars {
-        for joint in &avatar.joints {
-            let rows: Mat4 = joint.joint_from_mesh.transpose();
-            rig.push(joint.translation.extend(0.0).to_array());
-            rig.extend([rows.x_axis, rows.y_axis, rows.z_axis].map(|row| row.to_array()));
-        }
-        rig.push(avatar.eyes_in_head.extend(0.0).to_array());
-    }
-    rig
+    let joint = |joint: &RestJoint| {
+        let row = |axis| joint.joint_from_mesh.row(axis).to_array();
+        [joint.translation.extend(0.0).to_array(), row(0), row(1), row(2)]
+    };
+    let elements = |avatar: &Avatar| {
+        let eyes = avatar.eyes_in_head.extend(0.0).to_array();
+        avatar.joints.iter().flat_map(joint).chain([eyes]).collect::<Vec<_>>()
+    };
+    avatars.iter().flat_map(elements).collect()
+}
+
+/// A vertex as it lies in `mesh_vertices`.
+fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
+        vertex.weights,
+        vertex.color.extend(0.0).to_array(),
+    ]
 }
 
 /// `clip_frames`: [clip][frame][17]. 16 local rotations, then the root's position in metres.
@@ -135,7 +133,7 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     let near = fits((near_vertices * SKINNED_STRIDE * 16) as u64, MOST_SKINNED).min(visible as u64) as usize;
     store.rig = pack_rig(cast.avatars());
     store.clip_frames = pack_clips(cast.clips());
-    store.mesh_vertices = meshes.vertices.iter().flatten().copied().collect();
+    store.mesh_vertices.clone_from(&meshes.vertices);
     store.mesh_table = meshes.mesh_table.clone();
     store.agent_bucket = vec![0; agents];
     store.bucket_counts = vec![0; (agents.div_ceil(RUN) + 1) * COLUMNS];
@@ -169,10 +167,13 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
-    use crate::avatar::{Material, RestJoint, Vertex};
-    use glam::Quat;
+    use crate::avatar::Material;
+    use crate::gait::JOINT_COUNT;
+    use crate::reference::body::RIG_STRIDE;
+    use glam::{Mat4, Quat, Vec3};
 
     fn mesh(vertices: usize, indices: &[u32]) -> Mesh {
         let vertex = Vertex {
@@ -180,7 +181,7 @@ mod tests {
             normal: Vec3::Y,
             color: Vec3::splat(0.5),
             material: Material::Top,
-            joints: [1, 2, 3, 99],
+            joints: [1, 2, 3, 4],
             weights: [0.4, 0.3, 0.2, 0.1],
         };
         Mesh { vertices: vec![vertex; vertices], indices: indices.to_vec() }
@@ -209,11 +210,11 @@ mod tests {
         assert_eq!(packed.level_count, 2);
         assert_eq!(packed.mesh_table, [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
         assert_eq!(packed.indices, [0, 1, 2, 2, 1, 3, 0, 1, 2, 4, 3, 2]);
-        assert_eq!(packed.vertices.len(), 12);
+        assert_eq!(packed.vertices.len(), 48);
         assert_eq!((packed.most_near_vertices(), packed.bucket_count(), packed.triangles(0)), (5, 4, 2));
-        let v = packed.vertices[0];
+        let v = &packed.vertices;
         assert_eq!(v[0][3].to_bits(), 3, "material");
-        assert_eq!(v[1][3].to_bits(), 0x0003_0201, "joints, an impossible one is the root");
+        assert_eq!(v[1][3].to_bits(), 0x0403_0201, "joints");
         assert_eq!((v[0][2], v[2], v[3]), (3.0, [0.4, 0.3, 0.2, 0.1], [0.5, 0.5, 0.5, 0.0]));
     }
 

@@ -1,0 +1,70 @@
+//! How pictures are made.
+
+use super::Atmosphere;
+use glam::Vec3;
+
+/// Rings on the ground under the agents in the colour of their emotion.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Markers {
+    /// Radius of the ring, m.
+    pub radius: f32,
+    /// Width of its line, m.
+    pub width: f32,
+    /// Linear colour per emotion, in the order of [`crate::Emotion::ALL`].
+    pub colors: [Vec3; 4],
+    /// 0 invisible to 1 solid.
+    pub opacity: f32,
+}
+
+impl Default for Markers {
+    /// Happy yellow, angry vermilion, sad blue, neutral white: told apart with every common colour vision.
+    fn default() -> Self {
+        let colors = [
+            Vec3::new(0.87, 0.61, 0.02),
+            Vec3::new(0.66, 0.11, 0.01),
+            Vec3::new(0.02, 0.17, 0.45),
+            Vec3::new(0.7, 0.7, 0.7),
+        ];
+        Self { radius: 0.38, width: 0.09, colors, opacity: 0.9 }
+    }
+}
+
+/// How pictures are made.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Settings {
+    /// Pixels a row, per eye.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+    /// Samples a pixel, 1 or 4 (or what the device has, if fewer).
+    pub samples: u32,
+    /// 1, or 2 for both eyes in one go.
+    pub eyes: u32,
+    /// Texels a side of the shadow map; 0 draws no shadows.
+    pub shadow_size: u32,
+    /// Sun, sky and haze.
+    pub atmosphere: Atmosphere,
+    /// Rings under the agents, if wanted.
+    pub markers: Option<Markers>,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            width: 1280,
+            height: 720,
+            samples: 4,
+            eyes: 1,
+            shadow_size: 2048,
+            atmosphere: Atmosphere::DAY,
+            markers: None,
+        }
+    }
+}
+
+impl Settings {
+    /// The defaults in another size.
+    pub fn sized(width: u32, height: u32) -> Self {
+        Self { width, height, ..Self::default() }
+    }
+}
