@@ -7,12 +7,15 @@ mod bench;
 #[cfg(feature = "vulkan")]
 mod demo;
 mod devices;
+mod figures;
 mod gait;
 mod output;
 mod progress;
 #[cfg(feature = "vulkan")]
 mod render;
 mod scene;
+#[cfg(feature = "vulkan")]
+mod sheet;
 mod simulate;
 #[cfg(feature = "vulkan")]
 mod stage;

@@ -97,8 +97,7 @@ impl Scene {
         }
         let library = Library::standard()?;
         let crowd = populate(&scenario, |emotion| library.gaits_for(emotion))?;
-        let avatars = scenario.population.avatars.iter().map(|name| character(name));
-        let cast = Cast::new(&library.gaits, avatars.collect::<Result<Vec<_>, _>>()?)?;
+        let cast = Cast::new(library.gaits(), avatars_of(&scenario)?)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast })
     }
 
@@ -149,7 +148,7 @@ fn read(name: &str) -> Result<Scenario, Error> {
 /// The gaits that crowds walk with, and which of them look like what.
 #[derive(Debug)]
 pub(super) struct Library {
-    pub(super) gaits: Vec<Gait>,
+    gaits: Vec<Gait>,
     by_emotion: [Vec<u32>; 4],
 }
 
@@ -172,10 +171,20 @@ impl Library {
         Ok(Self { gaits, by_emotion })
     }
 
+    /// All gaits.
+    pub(super) fn gaits(&self) -> &[Gait] {
+        &self.gaits
+    }
+
     /// GEA(e): indices of the gaits that look like an emotion.
     pub(super) fn gaits_for(&self, emotion: Emotion) -> &[u32] {
         &self.by_emotion[emotion.index()]
     }
+}
+
+/// The avatars of a scenario.
+pub(super) fn avatars_of(scenario: &Scenario) -> Result<Vec<Avatar>, Error> {
+    scenario.population.avatars.iter().map(|name| character(name)).collect()
 }
 
 /// An avatar by name.
@@ -183,4 +192,14 @@ fn character(name: &str) -> Result<Avatar, Error> {
     Sex::ALL.into_iter().find(|sex| sex.name() == name).map(avatar::generated).ok_or_else(|| {
         usage(format!("population.avatars: there is no avatar {name:?}"), "use \"female\" or \"male\"")
     })
+}
+
+/// Reads a gait library.
+pub(super) fn load_library(path: &Path) -> Result<Library, Error> {
+    Err(usage(format!("cannot read {path:?}: libraries are not there yet"), "wait"))
+}
+
+/// Writes gaits as a library.
+pub(super) fn save_library(_: Vec<Gait>, path: &Path) -> Result<(), Error> {
+    Err(usage(format!("cannot write {path:?}: libraries are not there yet"), "wait"))
 }
