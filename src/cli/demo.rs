@@ -18,6 +18,8 @@ use std::time::Instant;
 
 /// Pixels of the pictures.
 const SIZE: (u32, u32) = (1280, 720);
+/// Pixels of the video: without ffmpeg it is stored as it is.
+const VIDEO_SIZE: (u32, u32) = (640, 360);
 /// Frames per second of the trajectories and of the video.
 const RATES: (f64, f64) = (10.0, 15.0);
 /// Length of the video, s, and the longest it may take to draw, s.
@@ -147,6 +149,7 @@ fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
     }
     stage.show().renderer().set_markers(None);
     let (seconds, budget) = VIDEO;
+    stage.resize(VIDEO_SIZE)?;
     let (started, camera) = (Instant::now(), stage.camera(CameraName::Orbit, 0.0)?);
     stage.picture(&camera)?;
     if started.elapsed().as_secs_f64() * seconds * RATES.1 > budget {

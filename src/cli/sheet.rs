@@ -24,13 +24,15 @@ const ROWS: u32 = 2;
 
 /// The place: nothing but ground.
 const PLACE: &str = "name = \"sheet\"\nbounds = [[-20.0, -20.0], [1400.0, -20.0], [1400.0, 20.0], [-20.0, 20.0]]\n\
-                     [user]\navoided = false\nposition = [-10.0, 0.0]\n[population]\nagents = 64\n";
+                     [user]\navoided = false\nposition = [-10.0, 0.0]\n[population]\nagents = 64\n\
+                     [[routes]]\nname = \"line\"\nwaypoints = [[0.0, 0.0], [1300.0, 0.0]]\n";
 
 /// Draws the sheet; the device that drew it, too.
 pub(super) fn sheet(place: &PlaceArguments, progress: &mut dyn FnMut(f64)) -> Result<(Image, String), Error> {
     let settings = Settings {
         shadow_size: 1024,
-        atmosphere: Atmosphere { haze: 0.0, ..Atmosphere::DAY },
+        // the sun stands where both cameras see the lit side
+        atmosphere: Atmosphere { haze: 0.0, sun_direction: Vec3::new(-0.5, 0.8, 0.6), ..Atmosphere::DAY },
         ..Settings::sized(TILE.0, TILE.1)
     };
     let mut stage = Stage::with(scene()?, place, settings)?;

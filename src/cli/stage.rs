@@ -112,6 +112,13 @@ impl Stage {
         self.size
     }
 
+    /// Draws in another size from now on.
+    pub(super) fn resize(&mut self, size: (u32, u32)) -> Result<(), Error> {
+        self.show.renderer().resize(size.0, size.1)?;
+        self.size = size;
+        Ok(())
+    }
+
     /// What draws.
     pub(super) fn show(&mut self) -> &mut Show {
         &mut self.show
