@@ -132,7 +132,7 @@ fn an_empty_crowd_is_a_crowd() {
 fn wrong_values_are_refused_with_a_way_out() {
     refused(&["simulate", "crosing"], "crosing", "crossing, garden, parking, scifi");
     refused(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
-    refused(&["simulate", "crossing", "--seconds", "-1"], "--seconds = -1", "hint: ");
+    refused(&["simulate", "crossing", "--seconds", "1e9"], "--seconds = 1000000000", "hint: ");
     refused(&["simulate", "crossing", "--seconds", "NaN"], "--seconds = NaN", "hint: ");
     refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "hint: ");
     refused(&["simulate", "crossing", "--backend", "cpu", "--device", "x"], "--device", "hint: leave");
