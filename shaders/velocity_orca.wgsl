@@ -22,6 +22,8 @@ const PLACES = 255u;          // candidates that the low bits can number
 const NO_KEY = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
 const SAFE = 0.999;
+// An agent slower than this share of its maximum speed is in a jam.
+const JAM_SPEED = 0.45;
 
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
 var<private> found_distance2: array<f32, 10>;
@@ -232,31 +234,51 @@ fn insert(count: u32, cap: u32, slot: u32, distance2: f32) -> u32 {
 
 fn avoid(slot: u32, motion: vec4<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
-    let id = slot_agent[slot];
     let hard = obstacle_lines(motion.xy, motion.zw, traits.x, traits.y);
-    // First the user, who takes none of the avoidance, so the agent takes all; then the neighbours, nearest first.
     let to_user = step.user_position - motion.xy;
     let is_near = dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance;
     let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
     let made = hard + users + count;
-    for (var k = 0u; k < users + count; k++) {
+    let preferred = preferred_velocity[slot_agent[slot]];
+    let is_slow = dot2(motion.zw, motion.zw) < JAM_SPEED * JAM_SPEED * traits.y * traits.y;
+    var rate = step.inverse_time_horizon;
+    var solved = Solved(motion.zw, 0u);
+    var again = true;
+    for (var attempt = 0u; attempt < 3u && again; attempt++) {
+        other_lines(hard, users, users + count, slot, motion, traits.x, rate);
+        solved = within(0u, made, traits.y, preferred, false);
+        // Too crowded to plan that far: plan less far. What is near then counts for more than what is far.
+        var next = 0.0;
+        if attempt == 0u {
+            next = step.inverse_time_horizon_dense;
+        } else if attempt == 1u && is_slow {
+            next = step.inverse_time_horizon_jam;
+        }
+        again = solved.satisfied < made && next > 0.0;
+        rate = next;
+    }
+    return least_bad(made, hard, solved.satisfied, traits.y, solved.velocity);
+}
+
+// Lines of the user (if `users` is 1), who takes none of the avoidance, so the agent takes all, and of the neighbours,
+// nearest first, from line `first` on.
+fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>, own_radius: f32, rate: f32) {
+    for (var k = 0u; k < count; k++) {
         let is_user = k < users;
         let other = found[max(k, users) - users];
-        var theirs = slot_motion[other * 2u];
-        theirs = select(theirs, vec4<f32>(step.user_position, step.user_velocity), is_user);
+        let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
-        lines[hard + k] = agent_line(
+        lines[first + k] = agent_line(
             motion.zw,
             theirs.xy - motion.xy,
             motion.zw - theirs.zw,
-            traits.x + their_radius + step.safety_margin,
-            step.inverse_time_horizon,
+            own_radius + their_radius + step.safety_margin,
+            rate,
             step.inverse_time_step,
             select(step.responsibility, 1.0, is_user),
             select(-1.0, 1.0, slot < other || is_user),
         );
     }
-    return solve(made, hard, traits.y, preferred_velocity[id]);
 }
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.

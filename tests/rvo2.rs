@@ -20,12 +20,14 @@ struct Layout {
     speed: Vec<f32>,
     /// Slow down over one metre before the goal, as RVO2's Circle example does, instead of over one step.
     gentle: bool,
+    /// RVO2's algorithm to the letter; else with the shorter horizons and the margin that scenarios use by default.
+    strict: bool,
 }
 
 fn pair(name: &'static str, start: [[f32; 2]; 2], goal: [[f32; 2]; 2], speed: [f32; 2]) -> Layout {
     let (start, goal, speed) = (start.to_vec(), goal.to_vec(), speed.to_vec());
-    let gentle = false;
-    Layout { name, time_step: 0.1, distance: 10.0, horizon: 3.0, radius: 0.3, max_speed: 2.0, start, goal, speed, gentle }
+    let (gentle, strict) = (false, true);
+    Layout { strict, name, time_step: 0.1, distance: 10.0, horizon: 3.0, radius: 0.3, max_speed: 2.0, start, goal, speed, gentle }
 }
 
 fn circle(count: usize, radius: f64) -> (Vec<[f32; 2]>, Vec<[f32; 2]>) {
@@ -57,6 +59,7 @@ fn circle250() -> Layout {
         goal,
         speed: vec![1.0; 250],
         gentle: true,
+        strict: false,
     }
 }
 
@@ -70,6 +73,9 @@ fn store(layout: &Layout) -> Store {
             neighbour_distance: layout.distance,
             neighbour_cap: 10,
             inverse_time_horizon: 1.0 / layout.horizon,
+            inverse_time_horizon_dense: if layout.strict { 0.0 } else { 2.0 / layout.horizon },
+            inverse_time_horizon_jam: if layout.strict { 0.0 } else { 40.0 / (3.0 * layout.horizon) },
+            safety_margin: if layout.strict { 0.0 } else { 0.04 * layout.radius },
             inverse_time_horizon_obstacles: 1.0 / layout.horizon,
             responsibility: 0.5,
             turn_rate: 4.0,

@@ -139,12 +139,6 @@ fn least_bad(count: u32, hard: u32, begin: u32, radius: f32, start: vec2<f32>) -
     return result;
 }
 
-// New velocity from lines[0..count], the first `hard` of which (obstacles) are never given up.
-fn solve(count: u32, hard: u32, max_speed: f32, preferred: vec2<f32>) -> vec2<f32> {
-    let first = within(0u, count, max_speed, preferred, false);
-    return least_bad(count, hard, first.satisfied, max_speed, first.velocity);
-}
-
 // An obstacle segment, solid on its left.
 struct Segment {
     a: vec2<f32>,

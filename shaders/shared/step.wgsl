@@ -26,7 +26,7 @@ struct StepUniforms {
     time_horizon_obstacles: f32, // s
     responsibility: f32,         // share of the avoidance an agent takes towards another: 0.5
     safety_margin: f32,          // m added to the summed radii while avoiding
-    inverse_time_horizon_dense: f32, // 1/s: the horizon when not all lines can be kept; 0: the same as else
-    spare: f32,
+    inverse_time_horizon_dense: f32, // 1/s: the horizon tried when not all lines can be kept; 0: none
+    inverse_time_horizon_jam: f32,   // 1/s: the horizon tried after that by an agent that hardly moves; 0: none
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
 }

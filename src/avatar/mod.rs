@@ -6,12 +6,18 @@
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
 
 mod body;
+mod glb;
+mod load;
 mod retarget;
+mod rig_map;
 
 use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
 use glam::{Mat4, Quat, Vec3};
+pub use glb::{glb, write_glb};
+pub use load::{Loaded, load, load_bytes, load_with_map};
 pub use retarget::{retarget, standing};
+pub use rig_map::RigMap;
 
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
 pub const CLIP_FRAMES: usize = 64;
@@ -130,6 +136,14 @@ pub enum Error {
     /// The file could not be read.
     #[error("cannot read {path:?}: {source}")]
     Read {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// The file could not be written.
+    #[error("cannot write {path:?}: {source}")]
+    Write {
         /// The file.
         path: std::path::PathBuf,
         /// Why.

@@ -58,7 +58,7 @@ pub struct Gait {
     pub poses: Vec<Pose>,
     /// Frames per second of `poses`, Hz; `poses.len() / frame_rate` is the cycle time.
     pub frame_rate: f32,
-    /// Preferred speed v_des in m/s: travel over one stride divided by its duration.
+    /// Preferred speed `v_des` in m/s: travel over one stride divided by its duration.
     pub speed: f32,
     /// Where it came from: file, data set or generator and its parameters.
     pub source: String,

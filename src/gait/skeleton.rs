@@ -1,6 +1,6 @@
 //! The paper's 16 joints: order, parents and names (S-02).
 //!
-//! Order as in the E-Gait README, left side first; E-Gait's files are right side first, which its
+//! Order as in the E-Gait README, left side first; part of the files of E-Gait are right side first, which its
 //! importer repairs.
 
 /// Number of joints.

@@ -2,7 +2,7 @@
 //!
 //! A stride runs from one strike of the left foot to the next. It is turned so that the walker goes towards +z, its
 //! travel is taken out, what is left between its end and its start is spread over the cycle, and the lowest
-//! point of the foot joints is put at y = 0. v_des is the horizontal travel over the duration; walkers on the
+//! point of the foot joints is put at y = 0. `v_des` is the horizontal travel over the duration; walkers on the
 //! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
 //! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
 

@@ -41,7 +41,7 @@ pub struct StepUniforms {
     pub responsibility: f32,
     pub safety_margin: f32,
     pub inverse_time_horizon_dense: f32,
-    pub spare: f32,
+    pub inverse_time_horizon_jam: f32,
     pub wrap: f32,
 }
 

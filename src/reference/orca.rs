@@ -193,12 +193,6 @@ pub fn least_bad(lines: &[Line], hard: usize, begin: usize, radius: f32, start: 
     result
 }
 
-/// New velocity from the lines, the first `hard` of which (obstacles) are never given up.
-pub fn solve(lines: &[Line], hard: usize, max_speed: f32, preferred: [f32; 2]) -> [f32; 2] {
-    let (satisfied, result) = within(lines, max_speed, preferred, false);
-    if satisfied < lines.len() { least_bad(lines, hard, satisfied, max_speed, result) } else { result }
-}
-
 /// An obstacle segment, solid on its left: `[0]` its two ends; `[1]` unit directions of itself and of the segment
 /// before; `[2]` unit direction of the segment after, and 1 or 0 for a convex first and second corner.
 pub type Segment = [[f32; 4]; 3];

@@ -1,8 +1,8 @@
 //! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
 
 use super::exact::dot2;
-use super::orca::{least_bad, within, 
-    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, obstacle_line, segment_distance2, solve,
+use super::orca::{
+    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2, within,
 };
 use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
@@ -25,6 +25,9 @@ pub fn velocity_orca(b: Slices<'_>) {
         *velocity = scene.new_velocity(slot, preferred[scene.slot_agent[slot] as usize]);
     });
 }
+
+/// An agent slower than this share of its maximum speed is in a jam.
+const JAM_SPEED: f32 = 0.45;
 
 /// What all agents read.
 struct Scene<'a> {
@@ -73,56 +76,67 @@ impl Scene<'_> {
         let (position, velocity) = ([x, y], [vx, vy]);
         let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
         let hard = self.obstacle_lines(&mut lines, position, velocity, radius, max_speed);
-        let mut count = hard;
-        let avoid = |rate: f32, other: [f32; 4], other_radius: f32, share: f32, side: f32| {
-            agent_line(
-                velocity,
+        let nearest = self.neighbours(slot, position);
+        let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
+        let mut rate = step.inverse_time_horizon;
+        for attempt in 0.. {
+            let count = self.other_lines(&mut lines, hard, slot, &nearest, rate);
+            let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
+            if satisfied == count {
+                return result;
+            }
+            // Too crowded to plan that far: plan less far. What is near then counts for more than what is far.
+            let next = match attempt {
+                0 => step.inverse_time_horizon_dense,
+                1 if is_slow => step.inverse_time_horizon_jam,
+                _ => 0.0,
+            };
+            if next <= 0.0 {
+                return least_bad(&lines[..count], hard, satisfied, max_speed, result);
+            }
+            rate = next;
+        }
+        velocity
+    }
+
+    /// Lines of the user, who takes none of the avoidance, so the agent takes all, and of the neighbours, nearest first,
+    /// behind the first `count`; returns how many lines there are then.
+    fn other_lines(
+        &self,
+        lines: &mut [Line; LINES],
+        mut count: usize,
+        slot: usize,
+        nearest: &Nearest,
+        rate: f32,
+    ) -> usize {
+        let step = self.step;
+        let [x, y, vx, vy] = self.slot_motion[slot * 2];
+        let own_radius = self.slot_motion[slot * 2 + 1][0];
+        let mut avoid = |other: [f32; 4], other_radius: f32, share: f32, side: f32| {
+            lines[count] = agent_line(
+                [vx, vy],
                 [other[0] - x, other[1] - y],
                 [vx - other[2], vy - other[3]],
-                radius + other_radius + step.safety_margin,
+                own_radius + other_radius + step.safety_margin,
                 rate,
                 step.inverse_time_step,
                 share,
                 side,
-            )
+            );
+            count += 1;
         };
-        let nearest = self.neighbours(slot, position);
-        let mut others = |rate: f32| {
-            count = hard;
-            if step.user_radius > 0.0 {
-                let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
-                let to = [ux - x, uy - y];
-                if dot2(to, to) < step.neighbour_distance * step.neighbour_distance {
-                    // The user takes none of the avoidance, so the agent takes all.
-                    lines[count] = avoid(rate, [ux, uy, uvx, uvy], step.user_radius, 1.0, 1.0);
-                    count += 1;
-                }
-            }
-            for k in 0..nearest.count {
-                let other = nearest.slots[k] as usize;
-                let side = if slot < other { 1.0 } else { -1.0 };
-                let (motion, body) = (self.slot_motion[other * 2], self.slot_motion[other * 2 + 1]);
-                lines[count] = avoid(rate, motion, body[0], step.responsibility, side);
-                count += 1;
-            }
-            (lines, count)
-        };
-        let (lines, count) = others(step.inverse_time_horizon);
-        let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
-        if satisfied == count { return result; }
-        if step.inverse_time_horizon_dense > 0.0 {
-            let (lines, count) = others(step.inverse_time_horizon_dense);
-            let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
-            if satisfied == count { return result; }
-            if step.spare > 0.0 && dot2(velocity, velocity) < slow() {
-                let (lines, count) = others(step.spare);
-                let (satisfied, result) = within(&lines[..count], max_speed, preferred, false);
-                if satisfied == count { return result; }
-                return least_bad(&lines[..count], hard, satisfied, max_speed, result);
-            }
-            return least_bad(&lines[..count], hard, satisfied, max_speed, result);
+        let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
+        let to_user = [ux - x, uy - y];
+        let is_near = dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance;
+        if step.user_radius > 0.0 && is_near {
+            avoid([ux, uy, uvx, uvy], step.user_radius, 1.0, 1.0);
         }
-        least_bad(&lines[..count], hard, satisfied, max_speed, result)
+        for other in &nearest.slots[..nearest.count] {
+            let other = *other as usize;
+            let side = if slot < other { 1.0 } else { -1.0 };
+            avoid(self.slot_motion[other * 2], self.slot_motion[other * 2 + 1][0], step.responsibility, side);
+        }
+        count
     }
 
     /// The nearest agents, ring by ring of cells, stopping when no farther ring can hold a nearer one.
@@ -260,5 +274,3 @@ impl Scene<'_> {
 
 /// A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
 const SAFE: f32 = 0.999;
-
-fn slow() -> f32 { static S: std::sync::OnceLock<f32> = std::sync::OnceLock::new(); *S.get_or_init(|| { let v: f32 = std::env::var("SLOW").map_or(99.0, |x| x.parse().unwrap()); v * v }) }

@@ -209,13 +209,19 @@ pub struct Navigation {
     pub time_horizon: f32,
     /// The same for obstacles, s.
     pub time_horizon_obstacles: f32,
+    /// The horizon tried when not all neighbours can be avoided for `time_horizon`, s; 0: none, as RVO2 does it.
+    pub time_horizon_dense: f32,
+    /// The horizon tried after that by an agent that hardly moves, s; 0: none, as RVO2 does it.
+    pub time_horizon_jam: f32,
+    /// Gap that agents keep from one another while they can, m.
+    pub safety_margin: f32,
     /// Disc radius of an agent of scale 1, m.
     pub radius: f32,
     /// Maximum speed over preferred speed.
     pub max_speed_factor: f32,
     /// Maximum speed of anyone, m/s.
     pub max_speed: f32,
-    /// Greatest random change of the preferred velocity, as a share of its length; breaks head-on symmetry.
+    /// Greatest random change of the preferred velocity, m/s; breaks head-on symmetry.
     pub perturbation: f32,
 }
 
@@ -228,6 +234,9 @@ impl Default for Navigation {
             neighbour_cap: 10,
             time_horizon: 2.0,
             time_horizon_obstacles: 0.7,
+            time_horizon_dense: 1.0,
+            time_horizon_jam: 0.15,
+            safety_margin: 0.01,
             radius: 0.25,
             max_speed_factor: 1.5,
             max_speed: 2.5,

@@ -55,6 +55,9 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         inverse_time_horizon: 1.0 / navigation.time_horizon,
         inverse_time_horizon_obstacles: 1.0 / navigation.time_horizon_obstacles,
         time_horizon_obstacles: navigation.time_horizon_obstacles,
+        inverse_time_horizon_dense: inverse_or_none(navigation.time_horizon_dense),
+        inverse_time_horizon_jam: inverse_or_none(navigation.time_horizon_jam),
+        safety_margin: navigation.safety_margin,
         user_position: geometry.user.to_array(),
         user_radius: if user.avoided { user.radius } else { 0.0 },
         turn_rate: TURN_RATE,
@@ -66,6 +69,11 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
     };
     set_grid(&mut step, low, high, geometry.walkable_area() as f32);
     step
+}
+
+/// 1 / `seconds`, or 0 for none.
+fn inverse_or_none(seconds: f32) -> f32 {
+    if seconds > 0.0 { 1.0 / seconds } else { 0.0 }
 }
 
 /// Lays the grid over a rectangle, with cells that hold about [`AGENTS_PER_CELL`] agents on the walkable `area`, m².

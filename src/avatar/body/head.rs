@@ -128,7 +128,7 @@ impl Measures {
             }
         };
         let thick =
-            [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.002 } else { -0.002 };
+            [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.005 } else { -0.002 };
         let mut grid: Vec<Vec<Vec3>> = Vec::new();
         for row in 0..=rows + 1 {
             // The first row turns in under the hair's edge, so that it has thickness.

@@ -157,9 +157,9 @@ impl Measures {
                 (0, 0.86, 0.064, 0, BOTTOM),
                 (1, 0.00, 0.062, 2, BOTTOM),
                 (1, 0.35, 0.060, 0, BOTTOM),
-                (1, 0.95, 0.053, 2, Paint::tinted(Material::Bottom, 0.6)),
+                (1, 0.95, 0.053, 0, Paint::tinted(Material::Bottom, 0.6)),
                 (1, 0.96, 0.036, 0, SHOE),
-                (1, 1.05, 0.033, 0, SHOE),
+                (1, 1.05, 0.038, 2, SHOE),
             ],
         };
         builder.begin(skin);

@@ -13,7 +13,6 @@ mod weights;
 use super::{Avatar, LEVELS, Mesh, RestJoint};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
-#[allow(unused_imports, reason = "the loader packs weights too")]
 pub(in crate::avatar) use shape::pack;
 use shape::{Builder, Paint, Shares};
 use weights::Bones;
@@ -69,12 +68,15 @@ pub fn generated(sex: Sex) -> Avatar {
             joint_from_mesh: Mat4::from_translation(-position),
         }
     });
+    let levels: Vec<Mesh> = (0..LEVELS).map(|level| measures.mesh(level)).collect();
+    // The top of the hair, which differs from the stature asked for by a few millimetres.
+    let height = levels[0].vertices.iter().map(|v| v.position.y).fold(0.0, f32::max);
     Avatar {
         name: sex.name().to_owned(),
         joints,
-        levels: (0..LEVELS).map(|level| measures.mesh(level)).collect(),
+        levels,
         eyes_in_head: measures.eyes - measures.bones.of(Joint::Head),
-        height: measures.height,
+        height,
     }
 }
 

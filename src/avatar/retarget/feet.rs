@@ -14,7 +14,7 @@ use std::f32::consts::PI;
 const FLAT: [f32; 2] = [0.16, 0.64];
 
 /// Toe lift at the strike and heel rise at toe-off of a usual stride (ours), radians.
-const STRIKE_PITCH: f32 = 0.28;
+const STRIKE_PITCH: f32 = 0.25;
 const LEAVE_PITCH: f32 = -0.62;
 
 /// Most heel rise for the sake of reach, radians.
@@ -182,7 +182,7 @@ impl FootPlan<'_> {
             let at = (self.stance.strike + u).rem_euclid(1.0) * count as f32;
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 <= at <= count")]
             let hip = hips[at as usize % count];
-            let ankle = self.planted(u) + self.sole.toe - pitched(-0.8 * MOST_RISE) * self.sole.toe;
+            let ankle = self.rolled(self.planted(u), self.sole.toe, -0.8 * MOST_RISE);
             ankle.z < hip.z && ankle.distance(hip) > reach
         };
         let share = self.stance.share;
@@ -194,8 +194,7 @@ impl FootPlan<'_> {
             let u = (frame as f32 / count as f32 - self.stance.strike).rem_euclid(1.0);
             let flat = self.planted(u);
             let behind = u > 0.4 * self.stance.share && u < self.stance.share + 0.08;
-            let short =
-                |pitch: f32| (flat + self.sole.toe - pitched(pitch) * self.sole.toe).distance(*hip) > reach;
+            let short = |pitch: f32| self.rolled(flat, self.sole.toe, pitch).distance(*hip) > reach;
             if !behind || flat.z > hip.z || !short(0.0) {
                 continue;
             }
@@ -212,7 +211,13 @@ impl FootPlan<'_> {
     fn standing(&self, u: f32) -> FootTarget {
         let pitch = self.stance_pitch(u);
         let pivot = if pitch > 0.0 { self.sole.heel } else { self.sole.toe };
-        FootTarget { ankle: self.planted(u) + pivot - pitched(pitch) * pivot, pitch, planted: true }
+        FootTarget { ankle: self.rolled(self.planted(u), pivot, pitch), pitch, planted: true }
+    }
+
+    /// The ankle after rolling over `pivot` by `pitch`, from where the foot stood flat.
+    fn rolled(&self, flat: Vec3, pivot: Vec3, pitch: f32) -> Vec3 {
+        // The height follows from the sole's outline, so that curved shoes neither sink nor float.
+        (flat + pivot - pitched(pitch) * pivot).with_y(-self.sole.lowest(pitch))
     }
 
     fn swinging(&self, u: f32) -> FootTarget {
@@ -240,8 +245,7 @@ impl FootPlan<'_> {
         let pitch = hermite(leave.pitch, 0.5 * pitch_slope * length, land.pitch, 0.0, t);
         let mut ankle = self.follow(strike + u) + correction;
         // Neither toe nor heel may touch the ground on the way.
-        let turn = pitched(pitch);
-        let lowest = (turn * self.sole.heel).y.min((turn * self.sole.toe).y);
+        let lowest = self.sole.lowest(pitch);
         // A foot leaves and meets the ground steeply: what is low must not move along it.
         let arch = (PI * t).sin().max(0.0);
         let clearance = 0.034 * self.leg * arch.powf(0.6);

@@ -21,7 +21,7 @@ use rig::{Rig, anatomical_hinge, hinge};
 use std::f32::consts::TAU;
 
 /// Greatest use of a leg's length: a knee never locks.
-const REACH: f32 = 0.997;
+const REACH: f32 = 0.996;
 
 /// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;
@@ -79,7 +79,7 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
             relative_stride: travel / rig.leg_length(),
             ankle: [gait_ankle, rig.at(feet[side]).y],
             shift: rig.at(hip).x - gait_hips[side].x * scale,
-            sole: rig.soles[side],
+            sole: rig.soles[side].clone(),
             set_back: 0.0,
             leg: rig.leg_length(),
             rise: Vec::new(),
@@ -130,9 +130,13 @@ fn stand(rig: &Rig) -> Vec<ClipFrame> {
     let size = rig.leg_length();
     let hips = rig.hips();
     let feet = [0, 1].map(|side| {
-        let [hip, _, foot] = rig.legs[side].chain.map(|joint| rig.at(joint));
+        let hip = rig.at(rig.legs[side].chain[0]);
         // Feet under the hips, whatever the rest pose does with the legs.
-        FootTarget { ankle: Vec3::new(hip.x, foot.y, hips.z), pitch: 0.0, planted: true }
+        FootTarget {
+            ankle: Vec3::new(hip.x, -rig.soles[side].lowest(0.0), hips.z),
+            pitch: 0.0,
+            planted: true,
+        }
     });
     let height = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) + 0.994 * size;
     let spread = [0, 1].map(|side| {
@@ -254,7 +258,7 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
         turns[Joint::Spine as usize] = body.chest;
         turns[Joint::Neck as usize] = body.chest.slerp(body.head, 0.5);
         turns[Joint::Head as usize] = body.head;
-        for side in 0..2 {
+        for (side, foot) in feet.iter().enumerate() {
             let arm = &rig.arms[side];
             let own = body.chest.inverse() * body.arms[side][0];
             let fallback = body.chest * anatomical_hinge(own, -1.0);
@@ -265,9 +269,9 @@ fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<Cl
             }
             let leg = &rig.legs[side];
             let hip = root + body.pelvis * (rig.at(leg.chain[0]) - rig.at(Joint::Root));
-            let directions = reach(leg, hip, feet[side].ankle, body.knees[side]);
+            let directions = reach(leg, hip, foot.ankle, body.knees[side]);
             let [thigh, shin] = leg.turns(directions, body.knees[side]);
-            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(feet[side].pitch)]) {
+            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(foot.pitch)]) {
                 turns[joint as usize] = turn;
             }
         }

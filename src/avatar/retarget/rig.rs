@@ -17,11 +17,23 @@ pub(super) struct Limb {
     pub(super) hinge: Vec3,
 }
 
-/// Points of the sole relative to the foot joint at rest, m.
-#[derive(Debug, Clone, Copy)]
+/// The underside of a foot relative to its joint at rest, m.
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Sole {
+    /// The point on which a foot rolls at the strike.
     pub(super) heel: Vec3,
+    /// The point over which it leaves.
     pub(super) toe: Vec3,
+    /// Points of which one is the lowest at any pitch.
+    pub(super) edge: Vec<Vec3>,
+}
+
+impl Sole {
+    /// Height of the lowest point relative to the foot joint at a pitch (toe up is positive), m.
+    pub(super) fn lowest(&self, pitch: f32) -> f32 {
+        let (sine, cosine) = pitch.sin_cos();
+        self.edge.iter().map(|p| p.y * cosine + p.z * sine).fold(f32::MAX, f32::min)
+    }
 }
 
 /// An avatar's rest pose.
@@ -145,31 +157,35 @@ impl Rig {
     }
 }
 
-/// Heel and toe of the vertices that hang on `foot`; a shoe of usual proportions where there are none.
+/// Underside of the vertices that hang on `foot`; a shoe of usual proportions where there are none.
 fn sole(avatar: &Avatar, foot: Joint, ankle: Vec3) -> Sole {
+    const STEPS: i16 = 24;
     let own = |vertex: &&super::super::Vertex| {
         let slots = vertex.joints.iter().zip(vertex.weights);
         slots.filter(|(joint, _)| usize::from(**joint) == foot as usize).map(|(_, w)| w).sum::<f32>() > 0.5
     };
-    let vertices = || avatar.levels.iter().take(1).flat_map(|mesh| &mesh.vertices).filter(own);
-    let ground = vertices().map(|v| v.position.y).fold(f32::MAX, f32::min);
-    let height = (ankle.y - ground).max(0.0);
-    let near = vertices().filter(|v| v.position.y < ground + 0.25 * height.max(0.02));
-    let (back, front) =
-        near.fold((f32::MAX, f32::MIN), |(low, high), v| (low.min(v.position.z), high.max(v.position.z)));
-    if ground > 1e6 || front <= back {
-        let length = ankle.y.max(0.02);
-        return Sole {
-            heel: Vec3::new(0.0, -ankle.y, -0.8 * length),
-            toe: Vec3::new(0.0, -ankle.y, 2.0 * length),
-        };
+    let mut points: Vec<Vec3> = avatar
+        .levels
+        .iter()
+        .take(1)
+        .flat_map(|mesh| &mesh.vertices)
+        .filter(own)
+        .map(|v| (v.position - ankle).with_x(0.0))
+        .collect();
+    if points.is_empty() {
+        let (height, length) = (ankle.y.max(0.0), ankle.y.max(0.02));
+        points = [-0.8, 2.0].map(|z| Vec3::new(0.0, -height, z * length)).to_vec();
     }
-    // Shoes curve up at both ends; the ground is touched a little inside of them.
-    let inside = 0.04 * (front - back);
-    Sole {
-        heel: Vec3::new(0.0, -height, back + inside - ankle.z),
-        toe: Vec3::new(0.0, -height, front - inside - ankle.z),
-    }
+    let support = |pitch: f32| {
+        let (sine, cosine) = pitch.sin_cos();
+        let height = |p: &Vec3| p.y * cosine + p.z * sine;
+        points.iter().copied().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(Vec3::ZERO)
+    };
+    // From 1.2 rad toe down to 0.6 rad toe up, which is more than any walk asks for.
+    let mut edge: Vec<Vec3> =
+        (0..=STEPS).map(|k| support(-1.2 + 1.8 * f32::from(k) / f32::from(STEPS))).collect();
+    edge.dedup();
+    Sole { heel: support(0.25), toe: support(-0.45), edge }
 }
 
 /// How far from the middle a hanging hand must stay to be clear of the body.

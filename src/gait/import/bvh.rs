@@ -269,7 +269,7 @@ fn place(nodes: &[Node], values: &[f32], world: &mut [(Quat, Vec3)]) {
             match *channel {
                 Channel::Position(axis) => translation[axis] = value,
                 Channel::Rotation(axis) => {
-                    rotation *= Quat::from_axis_angle(Vec3::AXES[axis], value.to_radians())
+                    rotation *= Quat::from_axis_angle(Vec3::AXES[axis], value.to_radians());
                 }
             }
         }

@@ -150,7 +150,8 @@ fn bare_columns(path: &str, line: usize, row: &str) -> Result<Columns, Error> {
             format!("{count} numbers and no header; without one, E-Gait's 48 numbers a row are expected");
         return Err(syntax(path, line, message));
     }
-    // the README of the data names the left side first; by the poses it is the right side.
+    // the data's README names the left side first, the authors' code the right; the data have both. Whichever
+    // is taken here, the bend of the knees decides.
     let joints = Joint::ALL.map(|joint| {
         let first = 3 * joint.mirrored() as usize;
         [first, first + 1, first + 2]
@@ -215,7 +216,7 @@ fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<C
     })
 }
 
-/// "LeftFoot_x", "LeftFoot.X", "LeftFoot X" and "LeftFootX" to ("LeftFoot", 0).
+/// `LeftFoot_x`, `LeftFoot.X`, `LeftFoot X` and `LeftFootX` to (`LeftFoot`, 0).
 fn joint_and_axis(cell: &str) -> Option<(&str, usize)> {
     let last = cell.chars().next_back()?;
     let axis = "xyz".find(last.to_ascii_lowercase())?;

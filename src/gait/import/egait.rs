@@ -1,22 +1,26 @@
 //! The traps of the E-Gait data, repaired.
 //!
-//! Every E-Gait gait was scaled and turned so that its first pose fits the first pose of gait 0, which leans:
-//! all of them are pitched forward by about 12 degrees, one unit is about 1.4 m, and the root is pinned, so
-//! neither travel nor bounce is in the data (`stride` restores both from the planted foot). Measured against
-//! the nine CMU trials of the same names: pitch 12.1 degrees, standard deviation 1.3; unit 1.41 m, 3 %.
+//! Every E-Gait gait was scaled and turned so that its first pose fits the first pose of gait 0, joint by joint.
+//! Gait 0 leans: true up is about (0, 0.98, -0.21) in all of them, a pitch of 12 degrees. One unit is about 1.3 m.
+//! The root is pinned, so that neither travel nor bounce is in the data (`stride` restores both from the planted
+//! foot). And the order of the sides is not the same throughout: in the CMU and ICT gaits the right arm
+//! and leg come first and the walker faces +z, in all BML and most `EWalk` gaits the left ones do and the walker
+//! faces -z. The bend of the knees tells which, gait by gait.
+//!
+//! Measured against the CMU trials that nine of the gaits are cut from (`tests/import/data.rs`): pitch 12.1 degrees,
+//! standard deviation 1.3; the legs match to the last digit at 1.27 m a unit (1.19 to 1.31).
 
 use super::Options;
 use super::repair::{Unit, body_length, finish};
 use crate::gait::{Error, Joint, Pose, Recording};
 use glam::{Quat, Vec3};
 
-/// Metres per unit, mean of the CMU trials (ours; range 1.36 to 1.46).
-const METRES_PER_UNIT: f32 = 1.41;
-/// Forward pitch of all gaits, degrees, mean of the CMU trials (ours).
+/// Metres per unit (ours): between the 1.27 of the CMU gaits, whose trunk lacks a link of 11 cm and which are too large
+/// in units for it, and the 1.35 that gives the other sources' heads an adult's height.
+const METRES_PER_UNIT: f32 = 1.32;
+/// Pitch of all gaits about x, degrees, mean of the CMU trials (ours).
 const PITCH_DEG: f32 = 12.1;
-/// The root stands this far in front of the ankles' mean on level ground, degrees (ours, mean of the CMU trials).
-const ROOT_LEAN_DEG: f32 = 2.2;
-/// A forward pitch beyond this says that the gait still carries E-Gait's.
+/// A pitch beyond this says that the gait still carries E-Gait's.
 const PITCHED_DEG: f32 = 5.0;
 
 /// Levels, scales and marks as cyclic a take in E-Gait's layout. What is pitched or sized otherwise (a file of the
@@ -25,9 +29,9 @@ const PITCHED_DEG: f32 = 5.0;
 /// # Errors
 /// [`Error::Unusable`] if the body has no size or positions are not finite.
 pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording, Error> {
-    let pitch = forward_pitch_deg(&take.poses) - ROOT_LEAN_DEG;
+    let pitch = pitch_deg(&take.poses);
     if pitch < -PITCHED_DEG {
-        let level = Quat::from_rotation_x(-PITCH_DEG.to_radians());
+        let level = Quat::from_rotation_x(PITCH_DEG.to_radians());
         for point in take.poses.iter_mut().flatten() {
             *point = level * *point;
         }
@@ -52,7 +56,7 @@ pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording
 }
 
 /// Angle of the line from the ankles' mean to the root against +y, degrees, positive when it leans towards +z.
-fn forward_pitch_deg(poses: &[Pose]) -> f32 {
+fn pitch_deg(poses: &[Pose]) -> f32 {
     let rise = |pose: &Pose| {
         let ankles = (pose[Joint::LeftFoot as usize] + pose[Joint::RightFoot as usize]) / 2.0;
         pose[Joint::Root as usize] - ankles

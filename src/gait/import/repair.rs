@@ -17,6 +17,9 @@ const UNITS: [(f32, &str); 6] = [
     (0.0254 / 0.45, "CMU units of 1/0.45 inch"),
 ];
 
+/// Standard deviation of the distance from hip to ankle beyond which the legs are moving, m.
+const MOVING_LEGS: f32 = 0.01;
+
 /// What the format says about the unit of length.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Unit {
@@ -105,7 +108,8 @@ fn turn_up(take: &mut Recording) {
     let mean_feet = |pose: &Pose| (pose[Joint::LeftFoot as usize] + pose[Joint::RightFoot as usize]) / 2.0;
     let upright: Vec3 = take.poses.iter().map(|pose| pose[Joint::Head as usize] - mean_feet(pose)).sum();
     let axis = upright.normalize_or_zero();
-    let turn: Option<(fn(Vec3) -> Vec3, &str)> = match axis.abs().max_position() {
+    type Turn = fn(Vec3) -> Vec3;
+    let turn: Option<(Turn, &str)> = match axis.abs().max_position() {
         1 if axis.y >= 0.0 => None,
         1 => Some((|p| Vec3::new(p.x, -p.y, -p.z), "-y")),
         2 if axis.z >= 0.0 => Some((|p| Vec3::new(p.x, p.z, -p.y), "+z")),
@@ -127,48 +131,65 @@ fn turn_up(take: &mut Recording) {
     }
 }
 
-/// How far the knees bend towards the front that the hips' names give (left x up), m, summed over both legs and
-/// all frames.
-pub(super) fn knee_bend(poses: &[Pose]) -> f32 {
-    let of_pose = |pose: &Pose| {
-        let across = pose[Joint::LeftHip as usize] - pose[Joint::RightHip as usize];
-        let front = across.with_y(0.0).normalize_or_zero().cross(Vec3::Y);
-        let of_leg = |[hip, knee, foot]: [Joint; 3]| {
-            let (hip, knee, foot) = (pose[hip as usize], pose[knee as usize], pose[foot as usize]);
-            let leg = foot - hip;
-            let along = leg * ((knee - hip).dot(leg) / leg.length_squared().max(1e-12));
-            (knee - hip - along).dot(front)
-        };
-        of_leg([Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot])
-            + of_leg([Joint::RightHip, Joint::RightKnee, Joint::RightFoot])
-    };
-    poses.iter().map(of_pose).sum()
+/// Which way the knees bend, seen from the front that the hips' names give.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Knees {
+    Forwards,
+    Backwards,
+    Straight,
 }
 
-/// Swaps left and right when the knees bend backwards otherwise: a person facing +z has the left hand at +x.
-pub(super) fn check_sides(take: &mut Recording) {
-    let bend = knee_bend(&take.poses);
-    // Knees that hardly bend say nothing: 5 mm a frame and both legs together is the least we believe.
-    let least = 0.005 * take.poses.len() as f32;
-    if bend < -least {
-        for pose in &mut take.poses {
-            swap_sides(pose);
-        }
-        take.report.push(
-            "sides: the knees bend backwards; left and right are exchanged in the file (or its axes are \
-             left-handed), joints swapped"
-                .to_owned(),
-        );
-    } else if bend < least {
-        take.report
-            .push("sides: the knees are too straight to check left and right; taken as named".to_owned());
-    } else {
-        take.report.push("sides: left is left (checked by the bend of the knees)".to_owned());
+/// Compares how far each knee stands in front of the line from hip to ankle when the leg is short with when it is
+/// long: a constant offset (markers on the skin, hips placed too far in front) does not count. Legs that never
+/// change length are judged by the offset itself.
+fn knees(poses: &[Pose]) -> Knees {
+    let (mut offset_sum, mut covariance, mut variance) = (0.0, 0.0, 0.0);
+    for [hip, knee, foot] in [
+        [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot],
+        [Joint::RightHip, Joint::RightKnee, Joint::RightFoot],
+    ] {
+        let offset_and_length = |pose: &Pose| {
+            let across = pose[Joint::LeftHip as usize] - pose[Joint::RightHip as usize];
+            let front = across.with_y(0.0).normalize_or_zero().cross(Vec3::Y);
+            let (leg, thigh) =
+                (pose[foot as usize] - pose[hip as usize], pose[knee as usize] - pose[hip as usize]);
+            let on_line = leg * (thigh.dot(leg) / leg.length_squared().max(1e-12));
+            ((thigh - on_line).dot(front), leg.length())
+        };
+        let pairs: Vec<(f32, f32)> = poses.iter().map(offset_and_length).collect();
+        let count = pairs.len() as f32;
+        let offset_mean = pairs.iter().map(|p| p.0).sum::<f32>() / count;
+        let length_mean = pairs.iter().map(|p| p.1).sum::<f32>() / count;
+        offset_sum += offset_mean;
+        covariance += pairs.iter().map(|p| (p.0 - offset_mean) * (length_mean - p.1)).sum::<f32>() / count;
+        variance += pairs.iter().map(|p| (p.1 - length_mean).powi(2)).sum::<f32>() / count;
+    }
+    // Metres of offset per metre of shortening (walking: about 1), or metres of offset.
+    let (bend, least) =
+        if variance > MOVING_LEGS.powi(2) { (covariance / variance, 0.2) } else { (offset_sum, 0.01) };
+    match bend {
+        bend if bend > least => Knees::Forwards,
+        bend if bend < -least => Knees::Backwards,
+        _ => Knees::Straight,
     }
 }
 
+/// Swaps left and right when the knees bend backwards otherwise: a person facing +z has the left hand at +x.
+fn check_sides(take: &mut Recording) {
+    let line = match knees(&take.poses) {
+        Knees::Forwards => "sides: left is left (checked by the bend of the knees)",
+        Knees::Straight => "sides: the knees are too straight to check left and right; taken as named",
+        Knees::Backwards => {
+            take.poses.iter_mut().for_each(swap_sides);
+            "sides: the knees bend backwards; left and right are exchanged in the file (or its axes are \
+             left-handed), joints swapped"
+        }
+    };
+    take.report.push(line.to_owned());
+}
+
 /// Exchanges the joints of the two sides.
-pub(super) fn swap_sides(pose: &mut Pose) {
+fn swap_sides(pose: &mut Pose) {
     let original = *pose;
     for joint in Joint::ALL {
         pose[joint as usize] = original[joint.mirrored() as usize];

@@ -31,11 +31,18 @@ const WEIGHT_SHIFT: f32 = 0.01;
 /// Difference in speed over which one foot takes over from the other as the planted one, m/s.
 const SPEED_SHIFT: f32 = 0.1;
 
+/// A body that travels less than this share of what its planted feet slide is on the spot.
+const ON_THE_SPOT_SHARE: f32 = 0.25;
+
+/// The usual speed of a planted foot is the one that this share of the frames stays below (ours: CMU's and
+/// Bandai-Namco's takes, put on the spot, then keep 96 and 98 % of their speed).
+const USUAL_SHARE: f32 = 0.6;
+
 pub(super) const FEET: [Joint; 2] = [Joint::LeftFoot, Joint::RightFoot];
 
 /// Direction in which the body faces at each frame, unit, on the ground: across hips and shoulders, smoothed.
 pub(super) fn facing(poses: &[Pose], rate: f32) -> Vec<Vec3> {
-    let raw: Vec<Vec3> = poses.iter().map(|pose| facing_now(pose)).collect();
+    let raw: Vec<Vec3> = poses.iter().map(facing_now).collect();
     let axis = |axis: usize| {
         let signal: Vec<f32> = raw.iter().map(|f| f[axis]).collect();
         low_pass(&signal, rate, FACING_CUTOFF_HZ)
@@ -87,8 +94,9 @@ fn logistic(x: f32) -> f32 {
     1.0 / (1.0 + (-x).clamp(-30.0, 30.0).exp())
 }
 
-/// Whether the walker stays on the spot: the planted feet slide further than a third of what the body would travel
-/// if they stood still. True of treadmills and of data centred on the root.
+/// Whether the walker stays on the spot: the body travels less than a quarter of the way that its planted feet slide
+/// backwards. True of treadmills and of data centred on the root; not of walking backwards, where the body
+/// travels at least half as far as its feet.
 pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
     let facing = facing(poses, rate);
     let drift = planted_drift(poses, rate, &facing);
@@ -98,7 +106,7 @@ pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
     };
     let slid = -along(&|i| drift[i]);
     let travelled = along(&|i| poses[i][Joint::Root as usize]);
-    slid > 0.05 && travelled < 0.5 * slid
+    slid > 0.05 && travelled.abs() < ON_THE_SPOT_SHARE * slid
 }
 
 /// Gives a walker on the spot its travel: moves all joints so that the foot under weight stands still; where the
@@ -128,14 +136,14 @@ pub(super) fn restore_travel(poses: &mut [Pose], rate: f32) {
     }
 }
 
-/// Fills the dips of the planted foot's speed up to its median over the take. While the heel leaves the ground the
-/// ankle rolls forward over the toes, so that for a part of each stance both ankles are slower than the ground;
-/// without this the speed of CMU's and Bandai-Namco's takes, put on the spot, comes out 9 % low.
+/// Fills the dips of the planted foot's speed up to its usual value. While the heel leaves the ground the ankle
+/// rolls forward over the toes, so that for a part of each stance both ankles are slower than the ground; without
+/// this the speed of CMU's takes, put on the spot, comes out 9 % low.
 fn never_slower_than_usual(drift: &mut [Vec3], facing: &[Vec3]) {
     let steps: Vec<f32> = drift.windows(2).zip(facing).map(|(pair, f)| (pair[0] - pair[1]).dot(*f)).collect();
     let mut sorted = steps.clone();
     sorted.sort_by(f32::total_cmp);
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(0.0);
+    let usual = sorted.get(frames(USUAL_SHARE * sorted.len() as f32)).copied().unwrap_or(0.0);
     let mut filled = Vec3::ZERO;
     for ((drift, step), f) in drift.iter_mut().skip(1).zip(steps).zip(facing) {
         filled -= *f * (usual - step).max(0.0);

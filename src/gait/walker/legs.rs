@@ -4,25 +4,39 @@ use super::style::WalkerStyle;
 use super::{Pelvis, Turn};
 use glam::DVec3;
 
-/// Longest hip-to-ankle distance, as a share of the straight leg: the knee keeps about 8 degrees of flexion.
-const LONGEST: f64 = 0.9975;
+/// Longest hip-to-ankle distance, as a share of the straight leg: the knee keeps about 11 degrees of flexion.
+const LONGEST: f64 = 0.995;
+
+/// The same around toe-off, when knees are folding already: about 22 degrees. (A leg that is nearly straight there
+/// would have to fold within a frame.)
+const LONGEST_PUSHING: f64 = 0.982;
+
+/// Phases, from the foot's strike, between which [`LONGEST_PUSHING`] holds.
+const PUSHING: (f64, f64) = (0.54, 0.75);
 
 /// Share of the stride after which the heel leaves the ground.
-pub(super) const HEEL_OFF: f64 = 0.32;
+pub(super) const HEEL_OFF: f64 = 0.36;
+
+/// How much the foot's roll over its ball speeds up towards toe-off.
+const PUSH_OFF: f64 = 1.0;
 
 /// Share of the swing after which the ankle is highest (the knee folds early, the foot then reaches forward).
 const LIFT_PEAK: f64 = 0.30;
 
 /// Ankle ahead of the pelvis at foot strike, as a share of the travel per stride. Below a quarter, because the
 /// rear foot rolls over its ball and so ends further back than the front one starts.
-const STRIKE_AHEAD: f64 = 0.21;
+const STRIKE_AHEAD: f64 = 0.215;
 
 /// Braking of the foot just before it strikes, in travels per stride per phase^2: it reaches
 /// `1 / (2 BRAKING)` of the travel beyond its strike and comes back with the ground.
-const BRAKING: f64 = 44.0;
+const BRAKING: f64 = 30.0;
+
+/// Acceleration of the foot over the ground just after toe-off, in travels per stride per phase^2, beyond that of
+/// rolling: the hip flexors pull it forward, so that it passes the other foot before the middle of the swing.
+const PULL: f64 = 20.0;
 
 /// Braking of the foot's fall, in lifts per phase^2.
-const FALL_BRAKING: f64 = 40.0;
+const FALL_BRAKING: f64 = 30.0;
 
 /// Phases at which the pelvis height is bounded; finer than the frames, so that no frame lies between two bounds.
 const BOUND_STEPS: u32 = 256;
@@ -84,7 +98,12 @@ impl FootPath {
         }
         let (z0, y0) = self.rolled(self.duty);
         // Interpolated on the passing ground, where the foot ends at rest, then moved back to the walker.
-        let from = Key { at: z0.at + self.travel * self.duty, velocity: z0.velocity + self.travel, ..z0 };
+        let from = Key {
+            at: z0.at + self.travel * self.duty,
+            velocity: z0.velocity + self.travel,
+            acceleration: z0.acceleration + PULL * self.travel,
+            ..z0
+        };
         let strike = Key {
             phase: 1.0,
             at: self.strike + self.travel,
@@ -99,10 +118,11 @@ impl FootPath {
     fn rolled(&self, phase: f64) -> (Key, Key) {
         let span = self.duty - HEEL_OFF;
         let u = (phase - HEEL_OFF) / span;
-        // theta = rise * u^2: the heel leaves the ground without a jerk and is fastest at toe-off.
-        let turn = Turn::new(self.heel_rise * u * u);
-        let rate = 2.0 * self.heel_rise * u / span;
-        let rate_of_rate = 2.0 * self.heel_rise / (span * span);
+        // theta = rise (u^2 + c u^3) / (1 + c): the heel leaves the ground without a jerk and is fastest at toe-off.
+        let rise = self.heel_rise / (1.0 + PUSH_OFF);
+        let turn = Turn::new(rise * u * u * (1.0 + PUSH_OFF * u));
+        let rate = rise * u * (2.0 + 3.0 * PUSH_OFF * u) / span;
+        let rate_of_rate = rise * (2.0 + 6.0 * PUSH_OFF * u) / (span * span);
         let ahead = self.above * turn.sin - self.behind * turn.cos;
         let up = self.above * turn.cos + self.behind * turn.sin;
         let z = Key {
@@ -156,12 +176,14 @@ fn quintic(from: Key, to: Key, phase: f64) -> f64 {
 /// The largest mean height of the root joint for which neither leg is ever stretched beyond [`LONGEST`], less the
 /// crouch; `None` if some step is out of reach.
 pub(super) fn pelvis_height(style: &WalkerStyle, feet: &FootPath) -> Option<f64> {
-    let longest = LONGEST * style.body.leg();
     let mut height = f64::INFINITY;
     for step in 0..BOUND_STEPS {
         let phase = f64::from(step) / f64::from(BOUND_STEPS);
         let pelvis = Pelvis::at(style, phase, 0.0);
         for side in [1.0, -1.0] {
+            let own = if side > 0.0 { phase } else { (phase + 0.5).rem_euclid(1.0) };
+            let share = if (PUSHING.0..PUSHING.1).contains(&own) { LONGEST_PUSHING } else { LONGEST };
+            let longest = share * style.body.leg();
             let ankle = feet.ankle(style, side, phase);
             let hip = pelvis.hip(&style.body, side);
             let (x, z) = (hip.x - ankle.x, hip.z - ankle.z);

@@ -25,6 +25,9 @@ use trig::{Turn, cos, sin};
 /// Frames of a generated cycle: that of the clips on the device, so that retargeting samples frames as they are.
 pub const FRAMES: usize = 64;
 
+/// [`FRAMES`] as a number to divide by.
+const FRAMES_F64: f64 = 64.0;
+
 /// Version of the generator, written into [`Gait::source`]; raised whenever the same style gives another gait.
 pub const VERSION: u32 = 1;
 
@@ -104,11 +107,14 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
             style.body.leg()
         ),
     })?;
-    let poses = (0..FRAMES).map(|frame| pose(style, &feet, height, frame)).collect();
+    let poses = (0_u32..)
+        .take(FRAMES)
+        .map(|frame| pose(style, &feet, height, f64::from(frame) / FRAMES_F64))
+        .collect();
     Ok(Gait {
         name: name.to_owned(),
         poses,
-        frame_rate: single(f64::from(FRAMES as u32) / style.cycle_time),
+        frame_rate: single(FRAMES_F64 / style.cycle_time),
         speed: single(style.speed),
         source: format!("gaitway walker {VERSION}"),
         subject: None,
@@ -135,9 +141,8 @@ pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait,
     Ok(gait)
 }
 
-/// The 16 joints at `frame` of [`FRAMES`].
-fn pose(style: &WalkerStyle, feet: &legs::FootPath, height: f64, frame: usize) -> Pose {
-    let phase = frame as f64 / FRAMES as f64;
+/// The 16 joints at `phase` in [0, 1).
+fn pose(style: &WalkerStyle, feet: &legs::FootPath, height: f64, phase: f64) -> Pose {
     let pelvis = Pelvis::at(style, phase, height);
     let mut joints = [DVec3::ZERO; JOINT_COUNT];
     joints[Joint::Root as usize] = pelvis.root;
@@ -155,6 +160,3 @@ fn pose(style: &WalkerStyle, feet: &legs::FootPath, height: f64, frame: usize) -
 fn single(value: f64) -> f32 {
     value as f32
 }
-
-#[cfg(test)]
-mod tests;

@@ -1,6 +1,7 @@
 //! The numbers of a walk: their ranges, the presets of the four emotions, mixtures and individuals.
 
 use crate::emotion::Emotion;
+use crate::gait::Gait;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -20,6 +21,11 @@ pub enum Sex {
 impl Sex {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Female, Self::Male];
+
+    /// Who walked a gait, if its subject says so: `person` writes "female 3", importers may do the same.
+    pub fn of(gait: &Gait) -> Option<Self> {
+        gait.subject.as_deref()?.split_whitespace().next()?.parse().ok()
+    }
 
     /// Lower-case name, as written in files and on the command line.
     pub const fn name(self) -> &'static str {
@@ -231,8 +237,9 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
 impl WalkerStyle {
     /// The style of an emotion as a person of this sex walks it.
     ///
-    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library.rs`
-    /// has the numbers), a little stronger, so that they read at a distance.
+    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library/`
+    /// has the numbers), as strong or somewhat stronger; the sad head hangs several times lower, so that it reads
+    /// at a distance.
     pub fn preset(emotion: Emotion, sex: Sex) -> Self {
         let mut style = match emotion {
             Emotion::Happy => Self::happy(),
@@ -247,6 +254,7 @@ impl WalkerStyle {
                 style.speed *= 0.965;
                 style.cycle_time *= 0.965;
                 style.step_width *= 0.82;
+                style.foot_lift *= 0.92;
                 style.sway *= 0.85;
                 style.pelvis_turn *= 1.25;
                 style.pelvis_drop *= 1.45;
@@ -298,8 +306,8 @@ impl WalkerStyle {
         Self {
             speed: 1.38,
             cycle_time: 1.08,
-            foot_lift: 0.17,
-            heel_rise: 64.0 * DEG,
+            foot_lift: 0.16,
+            heel_rise: 68.0 * DEG,
             bounce: 0.030,
             crouch: 0.0,
             sway: 0.026,
@@ -328,7 +336,7 @@ impl WalkerStyle {
             duty: 0.585,
             step_width: 0.15,
             foot_lift: 0.165,
-            stomp: 0.035,
+            stomp: 0.02,
             heel_rise: 66.0 * DEG,
             bounce: 0.029,
             crouch: 0.001,
@@ -364,8 +372,8 @@ impl WalkerStyle {
             pelvis_turn: 3.5 * DEG,
             pelvis_drop: 2.5 * DEG,
             lean: 3.0 * DEG,
-            slump: 13.0 * DEG,
-            neck_flexion: 21.0 * DEG,
+            slump: 17.0 * DEG,
+            neck_flexion: 22.0 * DEG,
             nod: 0.7 * DEG,
             shoulder_turn: 2.5 * DEG,
             shoulder_lift: -0.012,

@@ -1,6 +1,6 @@
 //! Trunk, head and arms over a walking pelvis: a mean pose and one or two harmonics per angle.
 
-use super::style::{Body, WalkerStyle};
+use super::style::WalkerStyle;
 use super::{Pelvis, Turn, cos, turned_x, turned_y, turned_z};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::DVec3;
@@ -15,7 +15,8 @@ const ELBOW_LAG: f64 = 0.05;
 pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {
     let body = &style.body;
     // The chest turns against the pelvis and stays more upright than it sideways.
-    let yaw = Turn::new(style.shoulder_turn * cos(TAU * (phase - ARM_LAG)));
+    let chest_yaw = style.shoulder_turn * cos(TAU * (phase - ARM_LAG));
+    let yaw = Turn::new(chest_yaw);
     let side_lean = Turn::new(-0.25 * pelvis.roll_angle);
     // Twice a stride, with each strike, the trunk tips forward a little and the head makes up for it.
     let dip = style.nod * cos(2.0 * TAU * (phase - 0.06));
@@ -40,14 +41,10 @@ pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &m
         joints[shoulder] = neck + turned_y(turned_z(turned_x(offset, Turn::new(0.5 * high)), girdle), yaw);
         let (upper_arm, forearm) = arm(style, side, phase);
         // The hanging arm turns with the chest only in part.
-        let half_yaw = Turn::new(0.5 * style.shoulder_turn * yaw_share(phase));
+        let half_yaw = Turn::new(0.5 * chest_yaw);
         joints[shoulder + 1] = joints[shoulder] + turned_y(upper_arm, half_yaw) * body.upper_arm();
         joints[shoulder + 2] = joints[shoulder + 1] + turned_y(forearm, half_yaw) * body.forearm();
     }
-}
-
-fn yaw_share(phase: f64) -> f64 {
-    cos(TAU * (phase - ARM_LAG))
 }
 
 /// Unit directions of upper arm and forearm on `side` (+1 left, -1 right) before the chest turns.
@@ -67,10 +64,4 @@ fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
 fn limb(side: f64, flexion: f64, outward: Turn) -> DVec3 {
     let flexion = Turn::new(flexion);
     DVec3::new(side * outward.sin, -outward.cos * flexion.cos, outward.cos * flexion.sin)
-}
-
-/// Joint distances of the trunk are read by the tests.
-#[cfg(test)]
-pub(super) fn trunk(body: &Body) -> [f64; 3] {
-    [body.spine(), body.chest(), body.neck()]
 }

@@ -12,7 +12,7 @@ const FAR: f32 = 1e7;
 pub fn crossing(agents: usize, spacing: f32) -> Store {
     let columns = (agents as f32).sqrt().ceil() as usize;
     let side = spacing * columns as f32;
-    let cell_size = std::env::var("CELL").map_or(2.0, |c| c.parse().unwrap()) * spacing;
+    let cell_size = 2.2 * spacing;
     let cells = (side / cell_size).ceil() as u32;
     let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
     let jitter = (spacing - 0.5).min(0.4);
@@ -35,6 +35,9 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             inverse_time_horizon: 0.5,
             inverse_time_horizon_obstacles: 1.0,
             time_horizon_obstacles: 1.0,
+            inverse_time_horizon_dense: 1.0,
+            inverse_time_horizon_jam: 1.0 / 0.15,
+            safety_margin: 0.01,
             turn_rate: 4.0,
             walk_speed: 0.1,
             blend_rate: 3.0,

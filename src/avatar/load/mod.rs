@@ -1,0 +1,66 @@
+//! Loads rigged glTF 2.0, GLB and VRM (0.x, 1.0) humanoids and reduces them to the 16 driven joints.
+//!
+//! The file is read into plain checked data ([`source`]), its joints are recognised ([`rig`]), and everything is
+//! brought to our rest pose ([`reduce`]): metres, y up, facing +z, feet at y = 0, all joint axes along the model's.
+//! What was inferred on the way is reported line by line (U-04).
+
+mod accessor;
+mod reduce;
+mod rig;
+mod simplify;
+mod source;
+
+use super::rig_map::RigMap;
+use super::{Avatar, Error};
+use std::path::Path;
+
+/// Largest file read, bytes.
+const MOST_BYTES: u64 = 512 << 20;
+
+/// A loaded character and what was inferred about it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loaded {
+    /// The character.
+    pub avatar: Avatar,
+    /// One line per inference or repair: joint map, unit, facing, rest pose, what was left out.
+    pub report: Vec<String>,
+}
+
+/// Loads a character from a `.glb`, `.gltf` or `.vrm` file.
+///
+/// # Errors
+/// [`Error::Read`] when the file cannot be read; [`Error::Unusable`] when it is malformed or no humanoid, with
+/// the reason and the way out.
+pub fn load(path: &Path) -> Result<Avatar, Error> {
+    load_with_map(path, &RigMap::default()).map(|loaded| loaded.avatar)
+}
+
+/// Loads a character with joint names given by `map` (those it leaves out are found as usual), and reports.
+///
+/// # Errors
+/// As [`load`]; also when the map names a node that the file does not have.
+pub fn load_with_map(path: &Path, map: &RigMap) -> Result<Loaded, Error> {
+    let read_error = |source| Error::Read { path: path.to_owned(), source };
+    let name =
+        path.file_stem().map_or_else(|| path.display().to_string(), |s| s.to_string_lossy().into_owned());
+    let length = std::fs::metadata(path).map_err(read_error)?.len();
+    if length > MOST_BYTES {
+        return Err(Error::Unusable {
+            name,
+            message: format!("the file has {length} bytes; characters of up to {MOST_BYTES} bytes are read"),
+        });
+    }
+    let bytes = std::fs::read(path).map_err(read_error)?;
+    load_bytes(&name, &bytes, path.parent(), map)
+}
+
+/// Loads a character from the bytes of a file; `base` is where files that it names lie.
+///
+/// # Errors
+/// [`Error::Unusable`], as [`load`].
+pub fn load_bytes(name: &str, bytes: &[u8], base: Option<&Path>, map: &RigMap) -> Result<Loaded, Error> {
+    let unusable = |message: String| Error::Unusable { name: name.to_owned(), message };
+    let mut source = source::Source::read(bytes, base).map_err(unusable)?;
+    let avatar = reduce::reduce(name, &mut source, map).map_err(unusable)?;
+    Ok(Loaded { avatar, report: source.report })
+}

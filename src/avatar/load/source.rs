@@ -1,0 +1,481 @@
+//! A glTF or VRM file as plain data: nodes, skins and triangles in file space, everything checked.
+
+use super::super::Material;
+use super::super::glb::MATERIALS;
+use super::accessor;
+use glam::{Mat4, Vec2, Vec3};
+use gltf::buffer::Data as Buffer;
+use gltf::mesh::Mode;
+use std::path::Path;
+
+/// Most joints of a skin and most vertices of a character.
+const MOST_JOINTS: usize = 512;
+const MOST_VERTICES: usize = 2_000_000;
+/// Most nodes of a file: far above any character.
+const MOST_NODES: usize = 65_536;
+
+/// A node of the file.
+#[derive(Debug, Clone)]
+pub(super) struct Node {
+    pub(super) name: String,
+    pub(super) parent: Option<usize>,
+    pub(super) local: Mat4,
+    pub(super) world: Mat4,
+}
+
+/// A skin of the file.
+#[derive(Debug, Clone)]
+pub(super) struct Skin {
+    /// Nodes.
+    pub(super) joints: Vec<usize>,
+    /// Mesh space to joint space at bind time, one per joint; `None` where the file gives none.
+    pub(super) inverse_bind: Option<Vec<Mat4>>,
+}
+
+/// Triangles with one material.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Part {
+    pub(super) node: usize,
+    pub(super) skin: Option<usize>,
+    pub(super) positions: Vec<Vec3>,
+    pub(super) normals: Option<Vec<Vec3>>,
+    /// Linear colour per vertex.
+    pub(super) colors: Vec<Vec3>,
+    /// (index into the skin's joints, weight) per vertex.
+    pub(super) influences: Vec<Vec<(usize, f32)>>,
+    pub(super) indices: Vec<u32>,
+    /// What tints it.
+    pub(super) material: Material,
+}
+
+/// The file.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Source {
+    pub(super) nodes: Vec<Node>,
+    pub(super) skins: Vec<Skin>,
+    pub(super) parts: Vec<Part>,
+    /// VRM humanoid: (bone, node).
+    pub(super) humanoid: Vec<(String, usize)>,
+    /// VRM: eyes relative to the head bone, file space, m.
+    pub(super) eyes: Option<Vec3>,
+    pub(super) report: Vec<String>,
+}
+
+/// Texture turned to linear RGB lookups.
+struct Texture {
+    width: u32,
+    height: u32,
+    channels: usize,
+    pixels: Vec<u8>,
+}
+
+impl Texture {
+    fn linear(&self, uv: Vec2) -> Vec3 {
+        let wrap = |v: f32, size: u32| {
+            #[allow(
+                clippy::cast_possible_truncation,
+                clippy::cast_sign_loss,
+                reason = "0 <= v < size, then clamped"
+            )]
+            let texel = (v.rem_euclid(1.0) * size as f32) as usize;
+            texel.min(size as usize - 1)
+        };
+        let at = (wrap(uv.y, self.height) * self.width as usize + wrap(uv.x, self.width)) * self.channels;
+        let channel = |c: usize| {
+            let slot = if self.channels < 3 { 0 } else { c };
+            let value = f32::from(self.pixels.get(at + slot).copied().unwrap_or(255)) / 255.0;
+            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+        };
+        Vec3::new(channel(0), channel(1), channel(2))
+    }
+}
+
+impl Source {
+    /// Reads `bytes`; files named by the document are looked for beside `base`.
+    ///
+    /// # Errors
+    /// A message that says what is wrong and where in the file.
+    pub(super) fn read(bytes: &[u8], base: Option<&Path>) -> Result<Self, String> {
+        let json = json_of(bytes)?;
+        check_json(&json)?;
+        let gltf =
+            gltf::Gltf::from_slice(bytes).map_err(|error| format!("not a usable glTF 2.0 file: {error}"))?;
+        let buffers = read_buffers(&gltf, base)?;
+        let mut source = Self::default();
+        source.read_nodes(&gltf)?;
+        source.read_skins(&gltf, &buffers)?;
+        source.read_humanoid(&json);
+        let textures: Vec<Option<Texture>> = gltf
+            .images()
+            .map(|image| {
+                // The crate trusts that these are there.
+                let entry = &json["images"][image.index()];
+                let described = entry["uri"].is_string()
+                    || (entry["bufferView"].is_u64() && entry["mimeType"].is_string());
+                described.then(|| source.read_image(&image, base, &buffers)).flatten()
+            })
+            .collect();
+        source.read_parts(&gltf, &buffers, &textures)?;
+        Ok(source)
+    }
+
+    fn read_nodes(&mut self, gltf: &gltf::Gltf) -> Result<(), String> {
+        let count = gltf.nodes().len();
+        if count > MOST_NODES {
+            return Err(format!("has {count} nodes; at most {MOST_NODES} are read"));
+        }
+        for node in gltf.nodes() {
+            let local = Mat4::from_cols_array_2d(&node.transform().matrix());
+            let name = node.name().unwrap_or("").to_owned();
+            if !local.is_finite() {
+                return Err(format!("node {} ({name:?}) has a transform that is not finite", node.index()));
+            }
+            self.nodes.push(Node { name, parent: None, local, world: local });
+        }
+        for node in gltf.nodes() {
+            for child in node.children() {
+                let parent = &mut self.nodes[child.index()].parent;
+                if parent.replace(node.index()).is_some() {
+                    return Err(format!("node {} has two parents", child.index()));
+                }
+            }
+        }
+        for index in 0..count {
+            let mut world = self.nodes[index].local;
+            let mut above = self.nodes[index].parent;
+            let mut depth = 0;
+            while let Some(parent) = above {
+                depth += 1;
+                if depth > MOST_JOINTS.max(64) {
+                    return Err(format!("node {index} lies in a loop or more than {depth} levels deep"));
+                }
+                world = self.nodes[parent].local * world;
+                above = self.nodes[parent].parent;
+            }
+            self.nodes[index].world = world;
+        }
+        Ok(())
+    }
+
+    fn read_skins(&mut self, gltf: &gltf::Gltf, buffers: &[Buffer]) -> Result<(), String> {
+        for skin in gltf.skins() {
+            let joints: Vec<usize> = skin.joints().map(|node| node.index()).collect();
+            let count = joints.len();
+            if count == 0 || count > MOST_JOINTS {
+                return Err(format!("skin {} has {count} joints; 1 to {MOST_JOINTS} are read", skin.index()));
+            }
+            let inverse_bind = match skin.inverse_bind_matrices() {
+                Some(matrices) => Some(accessor::mat4(&matrices, buffers)?),
+                None => None,
+            };
+            if let Some(found) = inverse_bind.as_ref().map(Vec::len).filter(|&found| found < count) {
+                return Err(format!(
+                    "skin {} has {count} joints but {found} inverse bind matrices",
+                    skin.index()
+                ));
+            }
+            self.skins.push(Skin { joints, inverse_bind });
+        }
+        Ok(())
+    }
+
+    /// VRM 0.x: `extensions.VRM.humanoid.humanBones` is a list; VRM 1.0: `VRMC_vrm` has an object.
+    fn read_humanoid(&mut self, json: &serde_json::Value) {
+        let mut add = |bone: &str, node: Option<u64>| {
+            let node =
+                node.and_then(|node| usize::try_from(node).ok()).filter(|&node| node < self.nodes.len());
+            self.humanoid.extend(node.map(|node| (bone.to_owned(), node)));
+        };
+        let old = &json["extensions"]["VRM"];
+        for entry in old["humanoid"]["humanBones"].as_array().into_iter().flatten() {
+            add(entry["bone"].as_str().unwrap_or(""), entry["node"].as_u64());
+        }
+        let new = &json["extensions"]["VRMC_vrm"];
+        for (bone, entry) in new["humanoid"]["humanBones"].as_object().into_iter().flatten() {
+            add(bone, entry["node"].as_u64());
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "a head fits into f32")]
+        let number = |value: &serde_json::Value| value.as_f64().map(|v| v as f32).filter(|v| v.is_finite());
+        let offset = &new["lookAt"]["offsetFromHeadBone"];
+        let axes = [number(&offset[0]), number(&offset[1]), number(&offset[2])];
+        let offset = &old["firstPerson"]["firstPersonBoneOffset"];
+        let old_axes = [number(&offset["x"]), number(&offset["y"]), number(&offset["z"])];
+        for found in [axes, old_axes] {
+            if let [Some(x), Some(y), Some(z)] = found {
+                // All zero is what exporters write when nobody set it.
+                self.eyes = self.eyes.or(Some(Vec3::new(x, y, z)).filter(|offset| offset.length() > 1e-4));
+            }
+        }
+    }
+
+    /// Decodes an image; one that cannot be read is reported and taken as white.
+    fn read_image(
+        &mut self,
+        image: &gltf::Image<'_>,
+        base: Option<&Path>,
+        buffers: &[Buffer],
+    ) -> Option<Texture> {
+        use gltf::image::{Data, Format, Source as Place};
+        let index = image.index();
+        let data = match image.source() {
+            Place::View { view, mime_type } => {
+                let bytes = buffers.get(view.buffer().index());
+                let end = view.offset().saturating_add(view.length());
+                // The crate's own loader slices without asking, so the range is checked first.
+                if bytes.is_none_or(|bytes| end > bytes.0.len()) {
+                    self.report.push(format!("image {index} lies outside its buffer; taken as white"));
+                    return None;
+                }
+                Data::from_source(Place::View { view, mime_type }, base, buffers)
+            }
+            Place::Uri { uri, mime_type } => {
+                if let Err(message) = safe_uri(uri) {
+                    self.report.push(format!("image {index}: {message}; taken as white"));
+                    return None;
+                }
+                Data::from_source(Place::Uri { uri, mime_type }, base, &[])
+            }
+        };
+        let data = match data {
+            Ok(data) => data,
+            Err(error) => {
+                self.report.push(format!("image {index} cannot be decoded ({error}); taken as white"));
+                return None;
+            }
+        };
+        let channels = match data.format {
+            Format::R8 => 1,
+            Format::R8G8 => 2,
+            Format::R8G8B8 => 3,
+            Format::R8G8B8A8 => 4,
+            other => {
+                self.report.push(format!(
+                    "image {index} has {other:?} texels, only 8 bits are read; taken as white"
+                ));
+                return None;
+            }
+        };
+        let texture = Texture { width: data.width, height: data.height, channels, pixels: data.pixels };
+        (texture.width > 0 && texture.height > 0).then_some(texture)
+    }
+
+    fn read_parts(
+        &mut self,
+        gltf: &gltf::Gltf,
+        buffers: &[Buffer],
+        textures: &[Option<Texture>],
+    ) -> Result<(), String> {
+        let mut total: usize = 0;
+        for node in gltf.nodes() {
+            let Some(mesh) = node.mesh() else { continue };
+            for primitive in mesh.primitives() {
+                let place = format!(
+                    "node {:?}, mesh {}, primitive {}",
+                    node.name().unwrap_or(""),
+                    mesh.index(),
+                    primitive.index()
+                );
+                if primitive.mode() != Mode::Triangles {
+                    self.report.push(format!(
+                        "{place}: {:?} are left out, only triangles are read",
+                        primitive.mode()
+                    ));
+                    continue;
+                }
+                let skin = node.skin().map(|skin| skin.index());
+                let part = self
+                    .read_part(&primitive, node.index(), skin, buffers, textures)
+                    .map_err(|message| format!("{place}: {message}"))?;
+                total += part.positions.len();
+                if total > MOST_VERTICES {
+                    return Err(format!("has more than {MOST_VERTICES} vertices"));
+                }
+                self.parts.push(part);
+            }
+        }
+        Ok(())
+    }
+
+    fn read_part(
+        &mut self,
+        primitive: &gltf::Primitive<'_>,
+        node: usize,
+        skin: Option<usize>,
+        buffers: &[Buffer],
+        textures: &[Option<Texture>],
+    ) -> Result<Part, String> {
+        use gltf::Semantic;
+        let positions = primitive.get(&Semantic::Positions).ok_or("has no POSITION")?;
+        let positions = accessor::vec3(&positions, buffers)?;
+        let count = positions.len();
+        let checked = |what: &str, found: usize| {
+            if found == count { Ok(()) } else { Err(format!("has {count} positions but {found} {what}")) }
+        };
+        let normals = match primitive.get(&Semantic::Normals) {
+            Some(normals) => Some(accessor::vec3(&normals, buffers)?),
+            None => None,
+        };
+        checked("normals", normals.as_ref().map_or(count, Vec::len))?;
+        let indices = match primitive.indices() {
+            Some(indices) => accessor::integers(&indices, buffers, 1)?,
+            None => (0..u32::try_from(count).unwrap_or(0)).collect(),
+        };
+        if indices.len() % 3 != 0 {
+            return Err(format!("has {} indices, which is no number of triangles", indices.len()));
+        }
+        if let Some(bad) = indices.iter().find(|&&index| index as usize >= count) {
+            return Err(format!("index {bad} points past its {count} vertices"));
+        }
+        let colors = vertex_colors(primitive, count, buffers, textures)?;
+        checked("colours or texture coordinates", colors.len())?;
+        let mut influences = vec![Vec::new(); count];
+        if let Some(skin) = skin {
+            let joints = self.skins.get(skin).map_or(0, |skin| skin.joints.len());
+            for set in 0..4 {
+                let attributes =
+                    (primitive.get(&Semantic::Joints(set)), primitive.get(&Semantic::Weights(set)));
+                let (Some(indices), Some(weights)) = attributes else { break };
+                let indices = accessor::integers(&indices, buffers, 4)?;
+                let weights = accessor::vec4(&weights, buffers)?;
+                checked("joint indices", indices.len() / 4)?;
+                checked("weights", weights.len())?;
+                for (vertex, (four, shares)) in indices.chunks_exact(4).zip(&weights).enumerate() {
+                    for (&joint, &weight) in four.iter().zip(shares) {
+                        if weight <= 0.0 {
+                            continue;
+                        }
+                        if joint as usize >= joints {
+                            return Err(format!(
+                                "vertex {vertex} is bound to joint {joint} of a skin of {joints}"
+                            ));
+                        }
+                        influences[vertex].push((joint as usize, weight));
+                    }
+                }
+            }
+        }
+        let material = tint(primitive);
+        Ok(Part { node, skin, positions, normals, colors, influences, indices, material })
+    }
+}
+
+/// Vertex colour x base colour factor x base colour texture at the vertex, linear.
+fn vertex_colors(
+    primitive: &gltf::Primitive<'_>,
+    count: usize,
+    buffers: &[Buffer],
+    textures: &[Option<Texture>],
+) -> Result<Vec<Vec3>, String> {
+    use gltf::Semantic;
+    let surface = primitive.material().pbr_metallic_roughness();
+    // The base colour of a tinted material is only an example of an agent's colour.
+    let factor = if tint(primitive) == Material::Fixed { surface.base_color_factor() } else { [1.0; 4] };
+    let mut colors = vec![Vec3::new(factor[0], factor[1], factor[2]).clamp(Vec3::ZERO, Vec3::ONE); count];
+    if let Some(found) = primitive.get(&Semantic::Colors(0)) {
+        let found = accessor::vec3(&found, buffers)?;
+        if found.len() != count {
+            return Err(format!("has {count} positions but {} colours", found.len()));
+        }
+        colors.iter_mut().zip(found).for_each(|(color, own)| *color *= own.clamp(Vec3::ZERO, Vec3::ONE));
+    }
+    let Some(info) = surface.base_color_texture() else { return Ok(colors) };
+    let image = info.texture().source().index();
+    let Some(Some(texture)) = textures.get(image) else { return Ok(colors) };
+    if let Some(uv) = primitive.get(&Semantic::TexCoords(info.tex_coord())) {
+        let uv = accessor::vec2(&uv, buffers)?;
+        if uv.len() != count {
+            return Err(format!("has {count} positions but {} texture coordinates", uv.len()));
+        }
+        colors.iter_mut().zip(uv).for_each(|(color, uv)| *color *= texture.linear(uv));
+    }
+    Ok(colors)
+}
+
+/// Materials named by [`mod@super::super::glb`] take the agent's colours.
+fn tint(primitive: &gltf::Primitive<'_>) -> Material {
+    let material = primitive.material();
+    let known = MATERIALS.iter().find(|(_, name, _)| material.name() == Some(name));
+    known.map_or(Material::Fixed, |(material, ..)| *material)
+}
+
+/// The JSON of a `.glb` or `.gltf`, for extensions that the glTF crate does not know.
+fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
+    let word = |at: usize| -> Option<usize> {
+        let four = bytes.get(at..at.checked_add(4)?)?;
+        usize::try_from(u32::from_le_bytes(four.try_into().ok()?)).ok()
+    };
+    let text = if bytes.starts_with(b"glTF") {
+        if word(4) != Some(2) {
+            return Err(format!("is glTF version {}, expected 2", word(4).unwrap_or(0)));
+        }
+        let end = word(12).and_then(|length| length.checked_add(20));
+        end.and_then(|end| bytes.get(20..end)).ok_or("is cut off: its JSON part is longer than the file")?
+    } else {
+        bytes
+    };
+    serde_json::from_slice(text)
+        .map_err(|error| format!("is neither GLB nor glTF: its JSON is wrong ({error})"))
+}
+
+/// Refuses what the glTF crate does not: other versions, extensions that pack the geometry, and positions that
+/// point past the accessors (the crate would index with them).
+fn check_json(json: &serde_json::Value) -> Result<(), String> {
+    let version = json["asset"]["version"].as_str().unwrap_or("none");
+    if !version.starts_with("2.") {
+        return Err(format!("is glTF version {version}, expected 2.0"));
+    }
+    let accessors = json["accessors"].as_array().map_or(0, Vec::len);
+    for (index, mesh) in json["meshes"].as_array().into_iter().flatten().enumerate() {
+        for primitive in mesh["primitives"].as_array().into_iter().flatten() {
+            for (name, accessor) in primitive["attributes"].as_object().into_iter().flatten() {
+                let found = accessor.as_u64().and_then(|found| usize::try_from(found).ok());
+                if found.is_none_or(|found| found >= accessors) {
+                    return Err(format!("mesh {index}: {name} is accessor {accessor} of {accessors}"));
+                }
+            }
+        }
+    }
+    for name in
+        json["extensionsRequired"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str)
+    {
+        if name.contains("draco") || name.contains("meshopt") || name.contains("quantization") {
+            return Err(format!(
+                "needs the extension {name}, which is not supported; export it uncompressed"
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Refuses URIs that leave the file's folder or go to the network.
+fn safe_uri(uri: &str) -> Result<(), String> {
+    let lower = uri.to_ascii_lowercase();
+    if lower.starts_with("data:") {
+        return Ok(());
+    }
+    let leaves =
+        lower.contains("..") || lower.contains("%2e") || lower.contains("%2f") || lower.contains("%5c");
+    if leaves || lower.contains(':') || lower.contains('\\') || lower.starts_with('/') {
+        return Err(format!(
+            "the URI {uri:?} leaves the folder of the file; put the data beside it or into it"
+        ));
+    }
+    Ok(())
+}
+
+fn read_buffers(gltf: &gltf::Gltf, base: Option<&Path>) -> Result<Vec<Buffer>, String> {
+    let mut blob = gltf.blob.clone();
+    let mut buffers = Vec::new();
+    for buffer in gltf.buffers() {
+        if let gltf::buffer::Source::Uri(uri) = buffer.source() {
+            safe_uri(uri)?;
+            if base.is_none() && !uri.starts_with("data:") {
+                return Err(format!("needs the file {uri:?}, which was not given"));
+            }
+        }
+        let data = Buffer::from_source_and_blob(buffer.source(), base, &mut blob)
+            .map_err(|error| format!("buffer {} cannot be read: {error}", buffer.index()))?;
+        buffers.push(data);
+    }
+    Ok(buffers)
+}
