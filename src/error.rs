@@ -43,3 +43,16 @@ pub enum Error {
         hint: String,
     },
 }
+
+impl Error {
+    /// What the user can do about it, where the message does not say so itself.
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            #[cfg(feature = "vulkan")]
+            Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
+            Self::Export(crate::export::Error::Picture(error)) => error.hint(),
+            Self::Usage { hint, .. } => Some(hint),
+            _ => None,
+        }
+    }
+}

@@ -13,6 +13,8 @@
 #![deny(missing_docs)]
 
 pub mod avatar;
+pub mod bench;
+pub mod cli;
 pub mod emotion;
 pub mod error;
 pub mod export;

@@ -8,15 +8,16 @@
 mod atmosphere;
 pub mod camera;
 mod crowd;
-pub mod pack;
 mod pipelines;
 mod record;
 mod renderer;
 mod scene;
 mod settings;
 mod shadow;
+pub mod show;
 mod target;
 
+pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
@@ -24,6 +25,7 @@ pub use crate::picture::Image;
 pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings};
+pub use show::Show;
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]

@@ -7,6 +7,7 @@
     reason = "counts and cells are far below 2^24; the grid's limits are checked when it is laid out"
 )]
 
+pub mod bodies;
 mod cast;
 pub mod measure;
 pub mod obstacles;
@@ -202,6 +203,11 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    /// The buffers as they were last read; sizes and parameters are always right, the state may be old.
+    pub fn store(&self) -> &Store {
+        &self.store
     }
 
     /// The present state; on Vulkan it is read back first if the device is ahead.

@@ -5,8 +5,12 @@ pub mod cases;
 mod equivalence;
 #[cfg(feature = "vulkan")]
 mod numerics;
+#[cfg(feature = "vulkan")]
+pub mod report;
 
 #[cfg(feature = "vulkan")]
 pub use equivalence::{Comparison, compare_passes};
 #[cfg(feature = "vulkan")]
-pub use numerics::{Numerics, numerics};
+pub use numerics::{CASES, Numerics, numerics};
+#[cfg(feature = "vulkan")]
+pub use report::{Options, Report, verify};

@@ -1,12 +1,26 @@
-//! Avatars as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the layouts.
+//! Avatars and clips as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the
+//! layouts. [`fill`] gives a simulation everything that its pictures need.
 
-use crate::avatar::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
-use crate::gait::JOINT_COUNT;
+use super::cast::Cast;
+use crate::avatar::{Avatar, Clip, LEVELS, Mesh, RestJoint, Vertex};
+use crate::kernels::Store;
+use crate::kernels::layout::FrameUniforms;
+use crate::reference::body::{
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, visible_slots,
+};
 
-/// Elements of `mesh_vertices` per vertex.
-pub const VERTEX_STRIDE: usize = 4;
-/// Elements of `rig` per avatar: four per joint and the eyes.
-pub const RIG_STRIDE: usize = 4 * JOINT_COUNT + 1;
+/// Most agents that one picture shows.
+const MOST_VISIBLE: u64 = 100_000;
+/// Most bytes of skinned vertices; agents beyond are drawn in the second level of detail.
+const MOST_SKINNED: u64 = 96 << 20;
+/// Storage buffers of this size can be bound by every Vulkan device.
+pub const SMALLEST_STORAGE_RANGE: u64 = 128 << 20;
+/// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m.
+pub const LEVEL_DISTANCES: [f32; 3] = [12.0, 35.0, 400.0];
+/// Radius about an agent's axis that limbs in motion stay within, m.
+const REACH: f32 = 0.8;
+/// Room above the standing height for the bounce of a walk, m.
+const HEADROOM: f32 = 0.15;
 
 /// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -97,11 +111,68 @@ fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
     ]
 }
 
+/// `clip_frames`: [clip][frame][17]. 16 local rotations, then the root's position in metres.
+pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
+    let mut frames = Vec::with_capacity(clips.iter().map(|clip| clip.frames.len()).sum::<usize>() * POSE_STRIDE);
+    for frame in clips.iter().flat_map(|clip| &clip.frames) {
+        frames.extend(frame.rotations.map(|rotation| rotation.to_array()));
+        frames.push(frame.root.extend(0.0).to_array());
+    }
+    frames
+}
+
+/// Fills every buffer that pictures of a crowd need, in capacities that fit buffers of `storage_range` bytes.
+///
+/// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
+pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
+    let meshes = pack_avatars(cast.avatars());
+    let agents = store.step.agent_count as usize;
+    let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
+    let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
+    let near_vertices = meshes.most_near_vertices() as usize;
+    let near = fits((near_vertices * SKINNED_STRIDE * 16) as u64, MOST_SKINNED).min(visible as u64) as usize;
+    store.rig = pack_rig(cast.avatars());
+    store.clip_frames = pack_clips(cast.clips());
+    store.mesh_vertices.clone_from(&meshes.vertices);
+    store.mesh_table = meshes.mesh_table.clone();
+    store.agent_bucket = vec![0; agents];
+    store.bucket_counts = vec![0; (agents.div_ceil(RUN) + 1) * COLUMNS];
+    store.bucket_start = vec![0; meshes.mesh_table.len() + 1];
+    store.visible = vec![u32::MAX; visible_slots(visible)];
+    store.draw_args = vec![0; meshes.mesh_table.len() * 5];
+    store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];
+    store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];
+    store.palettes = vec![[0.0; 4]; visible * PALETTE_STRIDE];
+    store.skinned = vec![[0.0; 4]; near * near_vertices * SKINNED_STRIDE];
+    let [first, second, farthest] = LEVEL_DISTANCES;
+    let mut standing_clips = [[0; 4]; 4];
+    for (place, avatar) in standing_clips.as_flattened_mut().iter_mut().zip(0..cast.avatars().len() as u32) {
+        *place = cast.standing_index(avatar);
+    }
+    store.frame = FrameUniforms {
+        level_distance: [first, second, farthest, 0.0],
+        standing_clips,
+        agent_count: store.step.agent_count,
+        eye_count: 1,
+        level_count: meshes.level_count,
+        bucket_count: meshes.bucket_count(),
+        visible_capacity: visible as u32,
+        near_capacity: near as u32,
+        agent_height: cast.avatars().iter().map(|a| a.height).fold(0.0, f32::max) + HEADROOM,
+        agent_radius: REACH,
+        clip_count: cast.clips().len() as u32,
+        ..FrameUniforms::default()
+    };
+    meshes
+}
+
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
     use crate::avatar::Material;
+    use crate::gait::JOINT_COUNT;
+    use crate::reference::body::RIG_STRIDE;
     use glam::{Mat4, Quat, Vec3};
 
     fn mesh(vertices: usize, indices: &[u32]) -> Mesh {

@@ -1,0 +1,66 @@
+//! Every kernel by name, on the CPU and (where there is a device) on Vulkan.
+//!
+//! `cargo bench --bench kernels` runs all, `cargo bench --bench kernels -- vulkan/velocity_orca` one. Times on Vulkan are
+//! those of the device's timestamps. GAITWAY_BENCH_AGENTS sets the size, 10,000 by default.
+#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark stops at the first fault")]
+
+use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
+use gaitway::bench::Sequence;
+use gaitway::kernels::KernelId;
+use gaitway::sim::Backend;
+use std::time::Duration;
+
+/// The names of all kernels, so that a search finds where each is timed; checked against the kernels there are.
+const NAMES: [&str; KernelId::ALL.len()] = [
+    "compact",
+    "cull",
+    "gaze",
+    "grid_count",
+    "grid_scan",
+    "grid_scatter",
+    "integrate",
+    "numerics",
+    "palette",
+    "pose",
+    "prefer",
+    "skin",
+    "velocity_orca",
+];
+
+fn agents() -> usize {
+    std::env::var("GAITWAY_BENCH_AGENTS").map_or(10_000, |text| text.parse().unwrap())
+}
+
+fn kernels(criterion: &mut Criterion) {
+    let agents = agents();
+    for (backend, label) in [(Backend::Cpu, "cpu"), (Backend::Vulkan, "vulkan")] {
+        let mut group = criterion.benchmark_group(label);
+        group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+        group.throughput(Throughput::Elements(agents as u64));
+        for (kernel, name) in KernelId::ALL.into_iter().zip(NAMES) {
+            assert_eq!(kernel.kernel().name, name, "NAMES must be the kernels in order");
+            let mut sequence = match Sequence::with(kernel, agents, backend, None) {
+                Ok(sequence) => sequence,
+                Err(error) => {
+                    println!("skipped: {label}/{name}: {error}");
+                    continue;
+                }
+            };
+            group.bench_function(BenchmarkId::new(name, agents), |bencher| {
+                bencher.iter_custom(|runs| {
+                    let mut total = 0.0;
+                    for _ in 0..runs {
+                        let times = sequence.run().unwrap();
+                        total += times.iter().find(|(id, _)| *id == kernel).map_or(0.0, |(_, ms)| *ms);
+                    }
+                    // a device whose clock does not tick between two stamps gives 0, which criterion refuses
+                    Duration::from_secs_f64((total * 1e-3).max(1e-9))
+                });
+            });
+        }
+        group.finish();
+    }
+}
+
+criterion_group!(benches, kernels);
+criterion_main!(benches);

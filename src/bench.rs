@@ -1,0 +1,415 @@
+//! How fast it is: every kernel by name, and the whole step, on either backend, from seeded crowds.
+//!
+//! Kernels are timed within their sequence (some of them use up what the one before made): on Vulkan by the device's
+//! own timestamps, on the CPU by the clock. A whole step is timed by the clock, in batches.
+
+use crate::avatar::{self, Sex};
+use crate::emotion::Emotion;
+use crate::gait::walker;
+use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
+use crate::reference;
+use crate::reference::exact::hash_u32;
+use crate::sim::{Backend, Cast, Simulation, bodies, order};
+use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
+use serde::Serialize;
+use std::time::{Duration, Instant};
+
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Engine, Validation, plan::Op};
+
+/// Metres between agents of the crossing: one to a square metre.
+const SPACING: f32 = 1.0;
+/// Height of the user's eyes, m.
+const EYE_HEIGHT: f32 = 1.65;
+/// Runs before the first that counts.
+const WARM_UP: usize = 3;
+/// Fewest and most runs that count, and how long they may take together.
+const RUNS: (usize, usize, Duration) = (5, 60, Duration::from_secs(2));
+
+/// What is timed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Workload {
+    /// The kernels of a simulation step and the step as a whole.
+    #[default]
+    Crossing,
+    /// These, the animation of everyone in that crowd, and the arithmetic probe: every kernel.
+    All,
+}
+
+/// One measurement.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Row {
+    /// Kernel, `step` for a whole step, or `picture` for all of its animation.
+    pub name: &'static str,
+    /// Agents (cases of the probe).
+    pub agents: usize,
+    /// Median, ms.
+    pub ms_median: f64,
+    /// Fastest, ms.
+    pub ms_min: f64,
+    /// Slowest, ms.
+    pub ms_max: f64,
+    /// Agents over the median.
+    pub agent_steps_per_second: f64,
+    /// How many runs the median is of.
+    pub runs: usize,
+}
+
+impl Row {
+    /// Of the times of all runs, ms.
+    fn new(name: &'static str, agents: usize, mut times: Vec<f64>) -> Self {
+        times.sort_by(f64::total_cmp);
+        let runs = times.len();
+        let at = |place: usize| times.get(place).copied().unwrap_or(0.0);
+        let ms_median = at(runs / 2);
+        #[allow(clippy::cast_precision_loss, reason = "up to millions")]
+        let agent_steps_per_second = if ms_median > 0.0 { agents as f64 / ms_median * 1e3 } else { 0.0 };
+        let (ms_min, ms_max) = (at(0), at(runs.saturating_sub(1)));
+        Self { name, agents, ms_median, ms_min, ms_max, agent_steps_per_second, runs }
+    }
+}
+
+/// What the crowd of the timed steps looked like at their end: speed means nothing without it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Quality {
+    /// Agents.
+    pub agents: usize,
+    /// Steps since the start.
+    pub steps: u32,
+    /// Pairs closer than 0.99 of the summed radii, per agent.
+    pub overlapping: f64,
+    /// Pairs closer than 0.9 of the summed radii, per agent.
+    pub deep: f64,
+    /// Smallest distance between two agents, m.
+    pub min_distance: f64,
+    /// Mean velocity along the wanted direction, m/s (wanted: 1.3).
+    pub progress: f64,
+    /// Bytes of all buffers of a step, over the agents.
+    pub bytes_per_agent: f64,
+}
+
+/// The outcome.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Device.
+    pub device: String,
+    /// Why the CPU was used although Vulkan was tried.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fallback: Option<String>,
+    /// Whether the program was compiled with optimisation; numbers of a debug build mean little on the CPU.
+    pub optimised: bool,
+    /// The crossing is the same every time; its seed is part of its definition.
+    pub seed: u32,
+    /// Measurements.
+    pub rows: Vec<Row>,
+    /// The crowds of the `step` rows.
+    pub quality: Vec<Quality>,
+    /// Seconds it took.
+    pub wall_seconds: f64,
+}
+
+/// Times `workload` at every size. `progress` is told what is being timed and which share of all is done.
+///
+/// # Errors
+/// When a Vulkan device is demanded but cannot be used, fails, or a size does not fit it.
+pub fn bench(
+    workload: Workload,
+    sizes: &[usize],
+    backend: Backend,
+    device: Option<&str>,
+    progress: &mut dyn FnMut(&str, f64),
+) -> Result<Report, crate::Error> {
+    let begin = Instant::now();
+    let (mut rows, mut quality) = (Vec::new(), Vec::new());
+    let (mut name, mut fallback) = (String::new(), None);
+    for (number, &agents) in sizes.iter().enumerate() {
+        #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
+        let share = |part: f64| (number as f64 + part) / sizes.len() as f64;
+        progress(&format!("step, {agents} agents"), share(0.0));
+        let (row, seen, simulation) = whole_step(agents, backend, device)?;
+        name = simulation.device();
+        fallback = simulation.fallback().map(str::to_owned);
+        drop(simulation);
+        rows.push(row);
+        quality.push(seen);
+        progress(&format!("kernels of a step, {agents} agents"), share(0.4));
+        rows.extend(kernels(&mut Sequence::step(agents, backend, device)?)?);
+        if workload == Workload::All {
+            progress(&format!("kernels of a picture, {agents} agents"), share(0.7));
+            rows.extend(kernels(&mut Sequence::picture(agents, backend, device)?)?);
+            rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
+        }
+    }
+    let wall_seconds = begin.elapsed().as_secs_f64();
+    let optimised = !cfg!(debug_assertions);
+    Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, wall_seconds })
+}
+
+/// Times whole steps of the crossing.
+fn whole_step(
+    agents: usize,
+    backend: Backend,
+    device: Option<&str>,
+) -> Result<(Row, Quality, Simulation), crate::Error> {
+    let mut simulation = Simulation::from_store(crossing(agents, SPACING), backend, device)?;
+    simulation.step(1)?;
+    let begin = Instant::now();
+    simulation.step(1)?;
+    // a batch of about 50 ms
+    let batch = (0.05 / begin.elapsed().as_secs_f64().max(1e-6)).clamp(1.0, 64.0);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 64")]
+    let batch = batch as u32;
+    simulation.step(batch)?;
+    let times = repeat(|| {
+        let begin = Instant::now();
+        simulation.step(batch)?;
+        Ok(begin.elapsed().as_secs_f64() * 1e3 / f64::from(batch))
+    })?;
+    let bytes = step_bytes(&simulation);
+    let steps = simulation.steps_done();
+    let CrossingQuality { overlapping, deep, min_distance, progress } = crossing_quality(simulation.state()?);
+    #[allow(clippy::cast_precision_loss, reason = "up to gigabytes")]
+    let bytes_per_agent = bytes as f64 / agents.max(1) as f64;
+    let quality = Quality { agents, steps, overlapping, deep, min_distance, progress, bytes_per_agent };
+    Ok((Row::new("step", agents, times), quality, simulation))
+}
+
+/// Bytes of the buffers that a step touches.
+fn step_bytes(simulation: &Simulation) -> usize {
+    let store = simulation.store();
+    let mut buffers: Vec<BufferId> = order::step_passes(&store.step)
+        .iter()
+        .flat_map(|pass| pass.kernel.kernel().bindings.iter().map(|binding| binding.buffer))
+        .collect();
+    buffers.sort_unstable();
+    buffers.dedup();
+    buffers.into_iter().map(|buffer| store.bytes(buffer).len()).sum()
+}
+
+/// Runs something as often as [`RUNS`] says; every run returns its time in ms.
+fn repeat(mut run: impl FnMut() -> Result<f64, crate::Error>) -> Result<Vec<f64>, crate::Error> {
+    let (fewest, most, budget) = RUNS;
+    let begin = Instant::now();
+    let mut times = Vec::new();
+    while times.len() < fewest || (times.len() < most && begin.elapsed() < budget) {
+        times.push(run()?);
+    }
+    Ok(times)
+}
+
+/// Times every kernel of a sequence, and the sequence as a whole where it has a name.
+fn kernels(sequence: &mut Sequence) -> Result<Vec<Row>, crate::Error> {
+    for _ in 0..WARM_UP {
+        sequence.run()?;
+    }
+    let mut all: Vec<(KernelId, Vec<f64>)> = Vec::new();
+    let totals = repeat(|| {
+        let times = sequence.run()?;
+        for (kernel, time) in &times {
+            match all.iter_mut().find(|(known, _)| known == kernel) {
+                Some((_, list)) => list.push(*time),
+                None => all.push((*kernel, vec![*time])),
+            }
+        }
+        Ok(times.iter().map(|(_, time)| time).sum())
+    })?;
+    let agents = sequence.agents;
+    let mut rows: Vec<Row> =
+        all.into_iter().map(|(kernel, times)| Row::new(kernel.kernel().name, agents, times)).collect();
+    if let Some(name) = sequence.name {
+        rows.push(Row::new(name, agents, totals));
+    }
+    Ok(rows)
+}
+
+/// Passes that are run again and again, each kernel timed.
+#[derive(Debug)]
+pub struct Sequence {
+    name: Option<&'static str>,
+    agents: usize,
+    store: Store,
+    passes: Vec<Pass>,
+    #[cfg(feature = "vulkan")]
+    engine: Option<Engine>,
+}
+
+impl Sequence {
+    /// The kernels of a simulation step of the crossing.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn step(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = crossing(agents, SPACING);
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
+    /// The kernels that prepare a picture of everyone in the crossing, from the middle of it.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn picture(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let cast = cast()?;
+        let mut store = crossing(agents, SPACING);
+        dress(&mut store, &cast);
+        let _ = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+        let middle = store.step.wrap * 0.5;
+        store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12]; // everyone is in view
+        store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];
+        store.frame.camera = store.frame.user_eyes;
+        store.frame.frame_time = 1.0 / 72.0;
+        let passes = order::frame_passes(&store.frame);
+        Self::new(Some("picture"), agents, store, passes, (backend, device))
+    }
+
+    /// The arithmetic probe.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn probe(cases: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let count = u32::try_from(cases).unwrap_or(u32::MAX);
+        let store = Store {
+            numerics_in: reference::probe_cases(count),
+            numerics_out: vec![[0.0; 4]; cases * 4],
+            ..Store::default()
+        };
+        let pass = Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(count) };
+        Self::new(None, cases, store, vec![pass], (backend, device))
+    }
+
+    /// The sequence that a kernel is part of.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn with(
+        kernel: KernelId,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        if kernel == KernelId::Numerics {
+            return Self::probe(agents, backend, device);
+        }
+        let step = order::step_passes(&crate::kernels::layout::StepUniforms::default());
+        if step.iter().any(|pass| pass.kernel == kernel) {
+            Self::step(agents, backend, device)
+        } else {
+            Self::picture(agents, backend, device)
+        }
+    }
+
+    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
+    fn new(
+        name: Option<&'static str>,
+        agents: usize,
+        store: Store,
+        passes: Vec<Pass>,
+        (backend, device): (Backend, Option<&str>),
+    ) -> Result<Self, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        let engine = match backend {
+            Backend::Cpu => None,
+            Backend::Auto | Backend::Vulkan => {
+                let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+                kernels.dedup();
+                let engine = Device::open(device, Validation::from_environment())
+                    .and_then(|device| Engine::new(&device, &store, &kernels));
+                match engine {
+                    Ok(engine) => Some(engine),
+                    Err(_) if backend == Backend::Auto => None,
+                    Err(error) => return Err(error.into()),
+                }
+            }
+        };
+        Ok(Self {
+            name,
+            agents,
+            store,
+            passes,
+            #[cfg(feature = "vulkan")]
+            engine,
+        })
+    }
+
+    /// Runs all passes once; the time of each kernel, ms.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn run(&mut self) -> Result<Vec<(KernelId, f64)>, crate::Error> {
+        self.store.step.step_index = self.store.step.step_index.wrapping_add(1);
+        self.store.frame.frame_index = self.store.frame.frame_index.wrapping_add(1);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            let mut ops: Vec<Op> =
+                [BufferId::Step, BufferId::Frame].into_iter().filter(|id| engine.buffer(*id).is_some()).map(Op::Set).collect();
+            ops.extend(self.passes.iter().copied().map(Op::Pass));
+            let store = &self.store;
+            let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
+            return Ok(summed(times.into_iter().map(|time| (time.pass.kernel, time.milliseconds))));
+        }
+        let mut times = Vec::with_capacity(self.passes.len());
+        for pass in &self.passes {
+            let begin = Instant::now();
+            reference::run(pass.kernel, &mut self.store, pass.level);
+            times.push((pass.kernel, begin.elapsed().as_secs_f64() * 1e3));
+        }
+        Ok(summed(times))
+    }
+}
+
+/// One time per kernel: the sum over its passes.
+fn summed(times: impl IntoIterator<Item = (KernelId, f64)>) -> Vec<(KernelId, f64)> {
+    let mut sums: Vec<(KernelId, f64)> = Vec::new();
+    for (kernel, time) in times {
+        match sums.iter_mut().find(|(known, _)| *known == kernel) {
+            Some((_, sum)) => *sum += time,
+            None => sums.push((kernel, time)),
+        }
+    }
+    sums
+}
+
+/// One gait of each emotion on the two generated bodies.
+fn cast() -> Result<Cast, crate::Error> {
+    let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0));
+    let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
+    Ok(Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?)
+}
+
+/// Gives the agents of a bare crowd a body, a gait and an emotion each.
+fn dress(store: &mut Store, cast: &Cast) {
+    for agent in 0..store.step.agent_count {
+        let dice = hash_u32(agent);
+        let (avatar, emotion) = (dice & 1, dice >> 1 & 3);
+        store.look.push([avatar | emotion << 8 | 1 << 16, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+        store.gaits.push([cast.clip_index(avatar, emotion); 4]);
+        store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
+        store.gaze_state.push([0.0; 4]);
+        store.gaze_frame.push(u32::MAX);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kernel_is_timed_on_the_cpu() {
+        let report = bench(Workload::All, &[200], Backend::Cpu, None, &mut |_, _| ()).unwrap();
+        for kernel in KernelId::ALL {
+            let name = kernel.kernel().name;
+            let row = report.rows.iter().find(|row| row.name == name);
+            let row = row.unwrap_or_else(|| panic!("{name} is not timed"));
+            assert!(row.ms_min <= row.ms_median && row.ms_median <= row.ms_max && row.runs >= RUNS.0);
+        }
+        assert!(report.rows.iter().any(|row| row.name == "step" && row.agent_steps_per_second > 0.0));
+        assert!(report.quality[0].progress > 0.5, "{:?}", report.quality);
+    }
+
+    #[test]
+    fn the_median_of_no_runs_is_zero_and_of_three_the_middle() {
+        assert_eq!(Row::new("x", 10, vec![]).ms_median, 0.0);
+        let row = Row::new("x", 10, vec![3.0, 1.0, 2.0]);
+        assert_eq!((row.ms_min, row.ms_median, row.ms_max, row.agent_steps_per_second), (1.0, 2.0, 3.0, 5000.0));
+    }
+}

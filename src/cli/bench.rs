@@ -1,0 +1,105 @@
+//! `gaitway bench`: how fast every kernel and the whole step are here.
+
+use super::output::{note, rate, say, say_json, table, thousands};
+use super::progress::Progress;
+use super::scene::PlaceArguments;
+use super::usage;
+use crate::Error;
+use crate::bench::{Report, Workload, bench};
+use crate::scenario::MAX_AGENTS;
+use clap::{Args, ValueEnum};
+
+/// Arguments of `gaitway bench`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway bench --agents 10000\n  gaitway bench --workload all --agents \
+                        1000,10000 --json\n  gaitway bench --backend cpu\n\nThe crossing: one agent per square metre, \
+                        two streams at right angles over a square whose opposite sides are joined.")]
+pub(super) struct Arguments {
+    /// crossing: the kernels of a step; all: those of the animation and the probe, too
+    #[arg(long, value_enum, default_value_t)]
+    workload: WorkloadName,
+    /// Sizes, comma-separated
+    #[arg(long, value_delimiter = ',', value_name = "LIST", default_value = "1000,10000,100000")]
+    agents: Vec<usize>,
+    #[command(flatten)]
+    place: PlaceArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum WorkloadName {
+    #[default]
+    Crossing,
+    All,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    if let Some(size) = arguments.agents.iter().find(|size| **size < 1 || **size > MAX_AGENTS as usize) {
+        return Err(usage(format!("--agents {size}: a size is 1 to {MAX_AGENTS}"), "such as --agents 1000,10000"));
+    }
+    let workload = match arguments.workload {
+        WorkloadName::Crossing => Workload::Crossing,
+        WorkloadName::All => Workload::All,
+    };
+    let (backend, device) = arguments.place.get()?;
+    let mut progress = Progress::new("timing");
+    let report = bench(workload, &arguments.agents, backend, device, &mut |what, share| progress.at(what, share))?;
+    drop(progress);
+    if let Some(reason) = &report.fallback {
+        note(&format!("note: timing the CPU, since {reason}"));
+    }
+    if arguments.json {
+        say_json(&report)?;
+    } else {
+        print(&report);
+    }
+    Ok(true)
+}
+
+fn print(report: &Report) {
+    say(&format!("device     {}", report.device));
+    say(&format!("seed       {}", report.seed));
+    if !report.optimised {
+        say("build      debug: numbers of the CPU side mean little; use cargo build --release");
+    }
+    say("");
+    let rows: Vec<Vec<String>> = report
+        .rows
+        .iter()
+        .map(|row| {
+            vec![
+                row.name.to_owned(),
+                thousands(row.agents as u64),
+                format!("{:.4}", row.ms_median),
+                format!("{:.4}", row.ms_min),
+                format!("{:.4}", row.ms_max),
+                rate(row.agent_steps_per_second),
+                row.runs.to_string(),
+            ]
+        })
+        .collect();
+    table(&["name", "agents", "median ms", "min ms", "max ms", "agents/s", "runs"], &rows);
+    say("\nThe crowds of the rows `step` at their end:");
+    let rows: Vec<Vec<String>> = report
+        .quality
+        .iter()
+        .map(|row| {
+            vec![
+                thousands(row.agents as u64),
+                row.steps.to_string(),
+                format!("{:.4}", row.overlapping),
+                format!("{:.4}", row.deep),
+                format!("{:.3}", row.min_distance),
+                format!("{:.3}", row.progress),
+                format!("{:.0}", row.bytes_per_agent),
+            ]
+        })
+        .collect();
+    let head =
+        ["agents", "steps", "overlaps/agent", "deep/agent", "nearest m", "progress m/s", "bytes/agent"];
+    table(&head, &rows);
+    say(&format!("wall time  {:.1} s", report.wall_seconds));
+}

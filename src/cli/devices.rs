@@ -1,0 +1,112 @@
+//! `gaitway devices`: what this machine has for Vulkan, and what is missing.
+
+use super::output::{say, say_json, table};
+use crate::Error;
+use clap::Args;
+use serde::Serialize;
+
+/// Arguments of `gaitway devices`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway devices\n  gaitway devices --json\n  gaitway simulate crossing \
+                        --device 1\n  GAITWAY_DEVICE=llvmpipe gaitway verify")]
+pub(super) struct Arguments {
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Row {
+    index: usize,
+    name: String,
+    kind: &'static str,
+    api: String,
+    driver: String,
+    usable: bool,
+    reason: Option<String>,
+}
+
+#[derive(Debug, Serialize)]
+struct List {
+    devices: Vec<Row>,
+    /// The one that is taken when none is named.
+    best: Option<usize>,
+    /// Why there is none at all.
+    missing: Option<String>,
+    hint: Option<String>,
+}
+
+/// Runs the subcommand. No device is no error: the CPU backend needs none.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let list = list();
+    if arguments.json {
+        say_json(&list)?;
+        return Ok(true);
+    }
+    if !list.devices.is_empty() {
+        let rows: Vec<Vec<String>> = list.devices.iter().map(|row| row.words(list.best)).collect();
+        table(&["", "name", "kind", "Vulkan", "driver", "usable"], &rows);
+    }
+    match (list.best, &list.missing) {
+        (Some(best), _) => say(&format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another.")),
+        (None, Some(missing)) => say(&format!("No Vulkan device: {missing}.")),
+        (None, None) => say("\nNo device can be used."),
+    }
+    if let Some(hint) = &list.hint {
+        say(&format!("hint: {hint}"));
+    }
+    if list.best.is_none() {
+        say("The CPU backend works without: --backend cpu. Pictures need a device, if only a software one.");
+    }
+    Ok(true)
+}
+
+impl Row {
+    fn words(&self, best: Option<usize>) -> Vec<String> {
+        let mark = if best == Some(self.index) { "*" } else { "" };
+        vec![
+            format!("{}{mark}", self.index),
+            self.name.clone(),
+            self.kind.to_owned(),
+            self.api.clone(),
+            self.driver.clone(),
+            self.reason.as_ref().map_or("yes".to_owned(), |reason| format!("no: {reason}")),
+        ]
+    }
+}
+
+#[cfg(feature = "vulkan")]
+fn list() -> List {
+    let devices = match crate::gpu::list() {
+        Ok(devices) => devices,
+        Err(error) => {
+            let hint = error.hint().map(str::to_owned);
+            return List { devices: Vec::new(), best: None, missing: Some(error.to_string()), hint };
+        }
+    };
+    let usable = devices.iter().filter(|info| info.unusable.is_none());
+    let best = usable.min_by_key(|info| (info.kind, info.index)).map(|info| info.index);
+    let hint = best.is_none().then(|| {
+        "update the driver, or install a software one: Debian/Ubuntu: apt install mesa-vulkan-drivers; Fedora: dnf \
+         install mesa-vulkan-drivers; Arch: pacman -S vulkan-swrast; or run scripts/setup and prefix the command \
+         with scripts/gpu-env"
+            .to_owned()
+    });
+    let rows = devices.into_iter().map(|info| Row {
+        index: info.index,
+        name: info.name,
+        kind: info.kind.name(),
+        api: info.api,
+        driver: info.driver,
+        usable: info.unusable.is_none(),
+        reason: info.unusable,
+    });
+    List { devices: rows.collect(), best, missing: None, hint }
+}
+
+#[cfg(not(feature = "vulkan"))]
+fn list() -> List {
+    let missing = Some("this build has no Vulkan backend".to_owned());
+    let hint = Some("build with the feature `vulkan` (it is on by default)".to_owned());
+    List { devices: Vec::new(), best: None, missing, hint }
+}

@@ -1,0 +1,330 @@
+//! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
+
+use super::output::{note, say, say_json, table};
+use super::scene::{Library, load_library, save_library};
+use super::{figures, usage};
+use crate::Error;
+use crate::emotion::Emotion;
+use crate::export::{AtomicFile, image::write_png};
+use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
+use crate::gait::{Gait, Joint, import, stride};
+use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Strides of a gait written as CSV: enough to find strides in it again.
+const CSV_STRIDES: u32 = 3;
+/// Most gaits of a sheet.
+const SHEET_ROWS: usize = 32;
+
+/// Arguments of `gaitway gait`.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Find the strides in motion files (.bvh, .amc with its .asf, .csv, .txt)
+    Import(ImportArguments),
+    /// List the gaits of a file or library
+    Show(ShowArguments),
+    /// Generate a gait
+    Walk(WalkArguments),
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
+                        07_01.amc --rate 120")]
+struct ImportArguments {
+    /// Motion files
+    #[arg(required = true)]
+    files: Vec<PathBuf>,
+    /// Gait library to write
+    #[arg(long, value_name = "LIB.glb")]
+    out: Option<PathBuf>,
+    /// Frames per second, for files that do not say
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f32>,
+    /// Metres per unit of length, for files where it cannot be inferred
+    #[arg(long, value_name = "METRES")]
+    unit: Option<f32>,
+    /// Every stride, not only the most regular one of each take
+    #[arg(long)]
+    all: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
+                        gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library.")]
+struct ShowArguments {
+    /// A gait library (.glb) or motion file
+    #[arg(value_name = "FILE|LIB")]
+    file: Option<PathBuf>,
+    /// Sheet of stick figures
+    #[arg(long, value_name = "SHEET.png")]
+    out: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway gait walk --emotion sad --sex female --out sad.csv\n  gaitway gait walk \
+                        --emotion happy --speed 1.5 --set bounce=0.04 --out happy.glb\n\n--set takes any style field; a \
+                        wrong name lists them.")]
+struct WalkArguments {
+    /// happy, angry, sad or neutral
+    #[arg(long)]
+    emotion: Emotion,
+    /// Whose body
+    #[arg(long, value_enum, default_value_t)]
+    sex: SexName,
+    /// Walking speed, m/s
+    #[arg(long)]
+    speed: Option<f64>,
+    /// A style field
+    #[arg(long, value_name = "FIELD=VALUE")]
+    set: Vec<String>,
+    /// Vary the style into an individual
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Which individual
+    #[arg(long, default_value_t = 0, requires = "seed")]
+    index: u32,
+    /// .csv (joint positions of three strides over the ground) or .glb (library of one gait)
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum SexName {
+    #[default]
+    Female,
+    Male,
+}
+
+/// A gait as it is listed.
+#[derive(Debug, Serialize)]
+struct Row {
+    name: String,
+    frames: usize,
+    rate_hz: f32,
+    cycle_time_s: f32,
+    v_des: f32,
+    stride_m: f32,
+    label: Option<&'static str>,
+    source: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Listing {
+    gaits: Vec<Row>,
+    files: Vec<PathBuf>,
+    wall_seconds: f64,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    match &arguments.command {
+        Command::Import(arguments) => import_files(arguments),
+        Command::Show(arguments) => show(arguments),
+        Command::Walk(arguments) => generate(arguments),
+    }
+}
+
+fn import_files(arguments: &ImportArguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let options = import::Options {
+        frame_rate: arguments.rate,
+        metres_per_unit: arguments.unit,
+        ..import::Options::default()
+    };
+    let (mut gaits, mut is_good) = (Vec::new(), true);
+    for path in &arguments.files {
+        match strides(path, &options, arguments.all) {
+            Ok(found) => gaits.extend(found),
+            Err(error) => {
+                super::output::complain(&error);
+                is_good = false;
+            }
+        }
+    }
+    let mut files = Vec::new();
+    if let Some(out) = &arguments.out {
+        if gaits.is_empty() {
+            return Err(usage("there is no gait to write", "see the errors above"));
+        }
+        save_library(gaits.clone(), out)?;
+        files.push(out.clone());
+    }
+    list(&gaits, files, begin, arguments.json)?;
+    Ok(is_good)
+}
+
+/// The gaits of a motion file; what the importer inferred goes to standard error.
+fn strides(path: &Path, options: &import::Options, all: bool) -> Result<Vec<Gait>, Error> {
+    let mut gaits = Vec::new();
+    for recording in import::import_file_with(path, options)? {
+        for line in &recording.report {
+            note(&format!("{}: {line}", recording.name));
+        }
+        if all {
+            gaits.extend(stride::extract(&recording)?);
+        } else {
+            gaits.push(stride::best(&recording)?);
+        }
+    }
+    Ok(gaits)
+}
+
+fn show(arguments: &ShowArguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let gaits = match &arguments.file {
+        None => Library::standard()?.gaits().to_vec(),
+        Some(path) if is_glb(path) => load_library(path)?.gaits().to_vec(),
+        Some(path) => strides(path, &import::Options::default(), true)?,
+    };
+    let mut files = Vec::new();
+    if let Some(out) = &arguments.out {
+        if gaits.len() > SHEET_ROWS {
+            note(&format!("note: the sheet shows the first {SHEET_ROWS} of {} gaits", gaits.len()));
+        }
+        let shown = &gaits[..gaits.len().min(SHEET_ROWS)];
+        write_png(out, &figures::sheet(shown)).map_err(crate::export::Error::from)?;
+        files.push(out.clone());
+    }
+    list(&gaits, files, begin, arguments.json)?;
+    Ok(true)
+}
+
+fn is_glb(path: &Path) -> bool {
+    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
+}
+
+fn list(gaits: &[Gait], files: Vec<PathBuf>, begin: Instant, is_json: bool) -> Result<(), Error> {
+    let rows = gaits.iter().map(|gait| Row {
+        name: gait.name.clone(),
+        frames: gait.poses.len(),
+        rate_hz: gait.frame_rate,
+        cycle_time_s: gait.cycle_time(),
+        v_des: gait.speed,
+        stride_m: gait.stride_travel(),
+        label: gait.label.map(Emotion::name),
+        source: gait.source.clone(),
+    });
+    let listing = Listing { gaits: rows.collect(), files, wall_seconds: begin.elapsed().as_secs_f64() };
+    if is_json {
+        return say_json(&listing);
+    }
+    let words: Vec<Vec<String>> = listing
+        .gaits
+        .iter()
+        .map(|row| {
+            vec![
+                row.name.clone(),
+                row.frames.to_string(),
+                format!("{:.1}", row.rate_hz),
+                format!("{:.2}", row.cycle_time_s),
+                format!("{:.2}", row.v_des),
+                format!("{:.2}", row.stride_m),
+                row.label.unwrap_or("-").to_owned(),
+                row.source.chars().take(60).collect(),
+            ]
+        })
+        .collect();
+    table(&["name", "frames", "Hz", "cycle s", "m/s", "stride m", "label", "source"], &words);
+    for file in &listing.files {
+        say(&format!("written    {}", file.display()));
+    }
+    say(&format!("wall time  {:.2} s", listing.wall_seconds));
+    Ok(())
+}
+
+fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let sex = match arguments.sex {
+        SexName::Female => Sex::Female,
+        SexName::Male => Sex::Male,
+    };
+    let mut style = WalkerStyle::preset(arguments.emotion, sex);
+    if let Some(seed) = arguments.seed {
+        style = style.vary(seed, arguments.index);
+    }
+    if let Some(speed) = arguments.speed {
+        // a stride changes with the root of the speed, as people do it (Grieve 1968): so does the cycle
+        style.cycle_time *= (style.speed / speed.max(1e-3)).sqrt();
+        style.speed = speed;
+    }
+    for assignment in &arguments.set {
+        assign(&mut style, assignment)?;
+    }
+    let name = arguments.out.file_stem().map_or("gait".into(), |stem| stem.to_string_lossy());
+    let mut gait = walk(&style, &name)?;
+    gait.label = Some(arguments.emotion);
+    gait.subject = Some(sex.name().to_owned());
+    match arguments.out.extension().and_then(|ending| ending.to_str()) {
+        Some("csv") => write_csv(&gait, &arguments.out)?,
+        Some("glb") => save_library(vec![gait.clone()], &arguments.out)?,
+        _ => {
+            let out = arguments.out.display();
+            return Err(usage(format!("--out {out}: neither .csv nor .glb"), "such as --out sad.csv"));
+        }
+    }
+    list(&[gait], vec![arguments.out.clone()], begin, false)?;
+    Ok(true)
+}
+
+/// Sets a style field from `name=value`.
+fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
+    let names = || STYLE_FIELDS.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
+    let Some((name, value)) = text.split_once('=') else {
+        return Err(usage(format!("--set {text}: no value"), "such as --set bounce=0.04"));
+    };
+    let Some(field) = STYLE_FIELDS.iter().find(|field| field.name == name) else {
+        return Err(usage(format!("--set {text}: no style field {name:?}"), format!("the fields are {}", names())));
+    };
+    match value.parse::<f64>() {
+        Ok(value) if (field.range[0]..=field.range[1]).contains(&value) => {
+            (field.set)(style, value);
+            Ok(())
+        }
+        _ => {
+            let [low, high] = field.range;
+            Err(usage(format!("--set {text}: must be {low} to {high}"), "see the ranges in the documentation of WalkerStyle"))
+        }
+    }
+}
+
+/// Joint positions of a few strides over the ground, as `gaitway gait import` reads them.
+fn write_csv(gait: &Gait, path: &Path) -> Result<(), Error> {
+    let wrong = |source| crate::export::Error::Write { path: path.to_owned(), source };
+    let mut file = AtomicFile::create(path)?;
+    let mut write = || -> std::io::Result<()> {
+        writeln!(file, "# {}: {}; metres, y up, walks towards +z", gait.name, gait.source)?;
+        write!(file, "time")?;
+        for joint in Joint::ALL {
+            let name = joint.name();
+            write!(file, ",{name}_x,{name}_y,{name}_z")?;
+        }
+        writeln!(file)?;
+        let frames = (0..CSV_STRIDES).flat_map(|_| &gait.poses);
+        for (number, pose) in (0_u16..).zip(frames) {
+            let time = f32::from(number) / gait.frame_rate;
+            write!(file, "{time:.6}")?;
+            for joint in pose {
+                write!(file, ",{:.6},{:.6},{:.6}", joint.x, joint.y, joint.z + gait.speed * time)?;
+            }
+            writeln!(file)?;
+        }
+        Ok(())
+    };
+    write().map_err(wrong)?;
+    Ok(file.finish()?)
+}

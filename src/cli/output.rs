@@ -1,0 +1,104 @@
+//! What the program says: results on standard output, remarks and errors on standard error, tables.
+//!
+//! A reader that has gone away (`gaitway ... | head -1`) is no error.
+
+use crate::Error;
+use serde::Serialize;
+use std::io::Write as _;
+
+/// Prints a line of the result.
+pub(super) fn say(line: &str) {
+    let _ = writeln!(std::io::stdout().lock(), "{line}");
+}
+
+/// Prints a remark.
+pub(super) fn note(line: &str) {
+    let _ = writeln!(std::io::stderr().lock(), "{line}");
+}
+
+/// Prints an error and the way out.
+pub(super) fn complain(error: &Error) {
+    let (message, hint) = match error {
+        Error::Scenario(crate::scenario::Error::Value(bad)) => {
+            let place = if bad.place.is_empty() { String::new() } else { format!("{}: ", bad.place) };
+            let message = format!("{place}{} = {}: must be {}", bad.key, bad.value, bad.allowed);
+            (message, Some(bad.hint.clone()))
+        }
+        Error::Scenario(crate::scenario::Error::Populate { name, message, hint }) => {
+            (format!("scenario {name:?}: {message}"), Some(hint.clone()))
+        }
+        other => (other.to_string(), other.hint().map(str::to_owned)),
+    };
+    note(&format!("error: {message}"));
+    if let Some(hint) = hint {
+        note(&format!("hint: {hint}"));
+    }
+}
+
+/// Prints the one JSON object of `--json`.
+pub(super) fn say_json(value: &impl Serialize) -> Result<(), Error> {
+    let text = serde_json::to_string_pretty(value)
+        .map_err(|error| super::usage(format!("the result has no JSON form: {error}"), "leave --json out"))?;
+    say(&text);
+    Ok(())
+}
+
+/// Rows of words in columns as wide as their widest word; columns of numbers stand to the right.
+pub(super) fn table(head: &[&str], rows: &[Vec<String>]) {
+    let width = |column: usize| {
+        let words = rows.iter().filter_map(|row| row.get(column)).map(|word| word.chars().count());
+        words.chain(head.get(column).map(|word| word.chars().count())).max().unwrap_or(0)
+    };
+    let widths: Vec<usize> = (0..head.len()).map(width).collect();
+    let numeric = |word: &String| word.starts_with(|c: char| c.is_ascii_digit() || "-+".contains(c));
+    let right: Vec<bool> = (0..head.len())
+        .map(|column| column > 0 && rows.iter().filter_map(|row| row.get(column)).all(numeric))
+        .collect();
+    let line = |words: Vec<&str>| {
+        let mut text = String::new();
+        for (column, word) in words.into_iter().enumerate() {
+            let space = widths.get(column).copied().unwrap_or(0).saturating_sub(word.chars().count());
+            let pad = " ".repeat(space);
+            let gap = if column == 0 { "" } else { "  " };
+            text += gap;
+            text += &if right.get(column) == Some(&true) { pad + word } else { word.to_owned() + &pad };
+        }
+        say(text.trim_end());
+    };
+    line(head.to_vec());
+    for row in rows {
+        line(row.iter().map(String::as_str).collect());
+    }
+}
+
+/// A number with separators between thousands.
+pub(super) fn thousands(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::with_capacity(digits.len() * 4 / 3);
+    for (place, digit) in digits.chars().enumerate() {
+        if place > 0 && (digits.len() - place).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
+}
+
+/// A rate in words: 12.3 million, 4,567.
+pub(super) fn rate(value: f64) -> String {
+    if value >= 1e6 { format!("{:.1} million", value / 1e6) } else { format!("{value:.0}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_read_well() {
+        assert_eq!(thousands(0), "0");
+        assert_eq!(thousands(1234), "1,234");
+        assert_eq!(thousands(123_456_789), "123,456,789");
+        assert_eq!(rate(12_345_678.0), "12.3 million");
+        assert_eq!(rate(4567.2), "4567");
+    }
+}

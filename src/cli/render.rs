@@ -1,0 +1,207 @@
+//! `gaitway render`: pictures and videos of a crowd.
+
+use super::output::{say, say_json, thousands};
+use super::progress::Progress;
+use super::scene::{Scene, SceneArguments, check_seconds};
+use super::simulate::steps_per_frame;
+use super::stage::{CameraName, Stage, size};
+use super::usage;
+use crate::Error;
+use crate::export::image::write_png;
+use crate::export::video::Video;
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Steps done at once on the way to the first picture, so that progress shows.
+const LEAP: u32 = 30;
+
+/// Arguments of `gaitway render`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway render crossing --agents 500 --camera eyes --out eyes.png\n  gaitway \
+                        render garden --camera orbit --seconds 5 --out garden.mp4\n  gaitway render parking --camera \
+                        follow:3 --seconds 2 --out frames/\n\nA video needs ffmpeg for .mp4; without it .y4m is \
+                        written, which every player takes.")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// eyes (the user's), orbit, top (a map), follow[:AGENT]
+    #[arg(long, default_value = "orbit", value_name = "CAMERA")]
+    camera: CameraName,
+    /// Pixels
+    #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WIDTHxHEIGHT")]
+    size: (u32, u32),
+    /// FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ for a PNG per frame
+    #[arg(long, value_name = "FILE")]
+    out: PathBuf,
+    /// Simulated time before the (first) picture [default: 3, videos: 0]
+    #[arg(long, value_name = "SECONDS")]
+    at: Option<f64>,
+    /// Length of a video, s
+    #[arg(long, default_value_t = 10.0)]
+    seconds: f64,
+    /// Frames per second of a video; a divisor of the step rate (30)
+    #[arg(long, default_value_t = 30.0)]
+    fps: f64,
+    /// Rings on the ground in the colours of the emotions
+    #[arg(long)]
+    markers: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was written.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    device: String,
+    scene: String,
+    agents: u32,
+    seed: u64,
+    file: PathBuf,
+    frames: u64,
+    width: u32,
+    height: u32,
+    simulated_seconds: f64,
+    wall_seconds: f64,
+}
+
+/// Where pictures go.
+enum Target {
+    Still(PathBuf),
+    Folder(PathBuf),
+    Video(PathBuf),
+}
+
+impl Target {
+    fn of(path: &Path) -> Result<Self, Error> {
+        let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+        let text = path.to_string_lossy();
+        let own = path.to_owned();
+        match ending.as_deref() {
+            _ if text.ends_with(std::path::MAIN_SEPARATOR) || path.is_dir() => Ok(Self::Folder(own)),
+            Some("png") => Ok(Self::Still(own)),
+            Some("mp4" | "mov" | "mkv" | "y4m") => Ok(Self::Video(own)),
+            _ => Err(usage(
+                format!("--out {text}: neither a picture, a video nor a folder"),
+                "use FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ with the slash",
+            )),
+        }
+    }
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let target = Target::of(&arguments.out)?;
+    let is_still = matches!(target, Target::Still(_));
+    let at = check_seconds("--at", arguments.at.unwrap_or(if is_still { 3.0 } else { 0.0 }))?;
+    let seconds = check_seconds("--seconds", arguments.seconds)?;
+    let scene = Scene::load(&arguments.scene)?;
+    let every = steps_per_frame(arguments.fps, &scene)?;
+    let (lead, steps) = (scene.steps(at), scene.steps(seconds));
+    let mut stage = Stage::new(scene, &arguments.scene.place, arguments.size, arguments.markers)?;
+    advance(&mut stage, lead)?;
+    let (file, frames) = match target {
+        Target::Still(path) => {
+            let camera = stage.camera(arguments.camera, 0.0)?;
+            let image = stage.picture(&camera)?;
+            write_png(&path, &image).map_err(crate::export::Error::from)?;
+            (path, 1)
+        }
+        Target::Folder(path) => {
+            make_folder(&path)?;
+            let frames = film(&mut stage, arguments.camera, (steps, every), &mut |number, image| {
+                let name = path.join(format!("frame_{number:05}.png"));
+                Ok(write_png(&name, image).map_err(crate::export::Error::from)?)
+            })?;
+            (path, frames)
+        }
+        Target::Video(path) => video(&mut stage, arguments.camera, (steps, every), &path, arguments.fps)?,
+    };
+    let outcome = Outcome {
+        device: stage.devices(),
+        scene: stage.scene.scenario.name.clone(),
+        agents: stage.scene.scenario.population.agents,
+        seed: stage.scene.scenario.seed,
+        file,
+        frames,
+        width: arguments.size.0,
+        height: arguments.size.1,
+        simulated_seconds: stage.simulation.time(),
+        wall_seconds: begin.elapsed().as_secs_f64(),
+    };
+    if arguments.json {
+        say_json(&outcome)?;
+    } else {
+        print(&outcome);
+    }
+    Ok(true)
+}
+
+fn print(outcome: &Outcome) {
+    let Outcome { scene, agents, seed, device, file, frames, width, height, .. } = outcome;
+    say(&format!("scene      {scene}, {} agents, {:.2} s", thousands(u64::from(*agents)), outcome.simulated_seconds));
+    say(&format!("seed       {seed}"));
+    say(&format!("device     {device}"));
+    say(&format!("written    {} ({frames} frame{}, {width}x{height})", file.display(), if *frames == 1 { "" } else { "s" }));
+    say(&format!("wall time  {:.2} s", outcome.wall_seconds));
+}
+
+/// Simulates without drawing.
+fn advance(stage: &mut Stage, steps: u32) -> Result<(), Error> {
+    let mut progress = Progress::new("simulating");
+    let mut done = 0;
+    while done < steps {
+        let count = LEAP.min(steps - done);
+        stage.simulation.step(count)?;
+        done += count;
+        progress.at("", f64::from(done) / f64::from(steps));
+    }
+    Ok(())
+}
+
+/// Draws a picture every `every` of `steps` steps and hands it on with its number; how many there were.
+pub(super) fn film(
+    stage: &mut Stage,
+    camera: CameraName,
+    (steps, every): (u32, u32),
+    take: &mut dyn FnMut(u64, &crate::picture::Image) -> Result<(), Error>,
+) -> Result<u64, Error> {
+    let mut progress = Progress::new("drawing");
+    let frames = u64::from(steps / every).max(1);
+    let begin = stage.simulation.time();
+    for number in 0..frames {
+        if number > 0 {
+            stage.simulation.step(every)?;
+        }
+        let camera = stage.camera(camera, stage.simulation.time() - begin)?;
+        take(number, &stage.picture(&camera)?)?;
+        #[allow(clippy::cast_precision_loss, reason = "a count of frames")]
+        progress.at(&format!("frame {} of {frames}", number + 1), (number + 1) as f64 / frames as f64);
+    }
+    Ok(frames)
+}
+
+/// Films into a video file; its name (without ffmpeg another than asked for) and number of frames.
+pub(super) fn video(
+    stage: &mut Stage,
+    camera: CameraName,
+    steps: (u32, u32),
+    path: &Path,
+    rate: f64,
+) -> Result<(PathBuf, u64), Error> {
+    let (width, height) = stage.size();
+    let mut video = Video::create(path, width, height, rate).map_err(crate::export::Error::from)?;
+    let frames = film(stage, camera, steps, &mut |_, image| {
+        Ok(video.push(image).map_err(crate::export::Error::from)?)
+    })?;
+    Ok((video.finish().map_err(crate::export::Error::from)?, frames))
+}
+
+/// Makes a folder for results.
+pub(super) fn make_folder(path: &Path) -> Result<(), Error> {
+    std::fs::create_dir_all(path)
+        .map_err(|source| crate::export::Error::Write { path: path.to_owned(), source }.into())
+}

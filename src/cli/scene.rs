@@ -1,0 +1,205 @@
+//! What `simulate`, `render` and `demo` have in common: which crowd, where, on which backend.
+
+use super::{output::note, usage};
+use crate::Error;
+use crate::avatar::{self, Avatar, Sex};
+use crate::emotion::Emotion;
+use crate::gait::{Gait, walker};
+use crate::kernels::Store;
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate};
+use crate::sim::{Backend, Cast, Simulation, setup};
+use clap::{Args, ValueEnum};
+use std::path::Path;
+
+/// Which crowd.
+#[derive(Debug, Clone, Args)]
+pub(super) struct SceneArguments {
+    /// A built-in scene (crossing, garden, parking, scifi) or a scenario file
+    #[arg(value_name = "SCENE|FILE.toml")]
+    pub(super) scene: String,
+    /// How many agents; built-in places grow with them [default: as in the scenario]
+    #[arg(long, value_name = "N")]
+    pub(super) agents: Option<u32>,
+    /// Seed of every random draw [default: as in the scenario]
+    #[arg(long, value_name = "N")]
+    pub(super) seed: Option<u64>,
+    /// baseline: one neutral gait, no gaze; eva-o: gaits by emotion; eva-g: gaits and gaze [default: as in the scenario]
+    #[arg(long, value_enum)]
+    pub(super) condition: Option<ConditionName>,
+    #[command(flatten)]
+    pub(super) place: PlaceArguments,
+}
+
+/// Where to compute.
+#[derive(Debug, Clone, Args)]
+pub(super) struct PlaceArguments {
+    /// Where to simulate; auto takes the best Vulkan device, or the CPU where there is none
+    #[arg(long, value_enum, default_value_t)]
+    pub(super) backend: BackendName,
+    /// Vulkan device: a part of its name, or its number in `gaitway devices`
+    #[arg(long, value_name = "NAME")]
+    pub(super) device: Option<String>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+#[allow(clippy::doc_markdown, reason = "names on the command line")]
+pub(super) enum ConditionName {
+    Baseline,
+    EvaO,
+    EvaG,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+pub(super) enum BackendName {
+    #[default]
+    Auto,
+    Vulkan,
+    Cpu,
+}
+
+impl PlaceArguments {
+    /// The backend and device asked for.
+    pub(super) fn get(&self) -> Result<(Backend, Option<&str>), Error> {
+        let backend = match self.backend {
+            BackendName::Auto => Backend::Auto,
+            BackendName::Vulkan => Backend::Vulkan,
+            BackendName::Cpu => Backend::Cpu,
+        };
+        Ok((backend, self.device.as_deref()))
+    }
+}
+
+/// A crowd ready to be simulated.
+#[derive(Debug)]
+pub(super) struct Scene {
+    pub(super) scenario: Scenario,
+    pub(super) geometry: Geometry,
+    pub(super) crowd: Crowd,
+    pub(super) cast: Cast,
+}
+
+impl Scene {
+    /// Reads, checks and populates.
+    pub(super) fn load(arguments: &SceneArguments) -> Result<Self, Error> {
+        let mut scenario = read(&arguments.scene)?;
+        if let Some(agents) = arguments.agents {
+            scenario.population.agents = agents;
+        }
+        if let Some(seed) = arguments.seed {
+            scenario.seed = seed;
+        }
+        if let Some(condition) = arguments.condition {
+            scenario.condition = match condition {
+                ConditionName::Baseline => Condition::Baseline,
+                ConditionName::EvaO => Condition::EvaO,
+                ConditionName::EvaG => Condition::EvaG,
+            };
+        }
+        let library = Library::standard()?;
+        let crowd = populate(&scenario, |emotion| library.gaits_for(emotion))?;
+        let cast = Cast::new(library.gaits(), avatars_of(&scenario)?)?;
+        Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast })
+    }
+
+    /// The buffers of the start.
+    pub(super) fn store(&self) -> Store {
+        setup::store(&self.scenario, &self.geometry, &self.crowd, &self.cast)
+    }
+
+    /// Steps of `seconds`.
+    pub(super) fn steps(&self, seconds: f64) -> u32 {
+        let steps = seconds / f64::from(self.scenario.navigation.time_step);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; NaN gives 0")]
+        let steps = steps.round().clamp(0.0, 1e9) as u32;
+        steps
+    }
+}
+
+/// A simulation where the arguments say; tells when it had to fall back to the CPU.
+pub(super) fn start(store: Store, place: &PlaceArguments) -> Result<Simulation, Error> {
+    let (backend, device) = place.get()?;
+    if backend == Backend::Cpu && device.is_some() {
+        return Err(usage("--device names a Vulkan device, but --backend is cpu", "leave one of them out"));
+    }
+    let simulation = Simulation::from_store(store, backend, device)?;
+    if let Some(reason) = simulation.fallback() {
+        note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"));
+    }
+    Ok(simulation)
+}
+
+/// Seconds of simulation, checked.
+pub(super) fn check_seconds(name: &str, seconds: f64) -> Result<f64, Error> {
+    if (0.0..=86_400.0).contains(&seconds) {
+        return Ok(seconds);
+    }
+    Err(usage(format!("{name} = {seconds}: must be 0 to 86400 seconds"), "a day is the most"))
+}
+
+fn read(name: &str) -> Result<Scenario, Error> {
+    let path = Path::new(name);
+    let is_file = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
+    if is_file || name.contains(std::path::MAIN_SEPARATOR) {
+        return Ok(Scenario::load(path)?);
+    }
+    Ok(Scenario::builtin(name)?)
+}
+
+/// The gaits that crowds walk with, and which of them look like what.
+#[derive(Debug)]
+pub(super) struct Library {
+    gaits: Vec<Gait>,
+    by_emotion: [Vec<u32>; 4],
+}
+
+impl Library {
+    /// Generated persons per emotion and sex.
+    const PERSONS: u32 = 3;
+
+    /// The library that crowds walk with when nothing else is asked for.
+    pub(super) fn standard() -> Result<Self, Error> {
+        let mut gaits = Vec::new();
+        let mut by_emotion: [Vec<u32>; 4] = Default::default();
+        for emotion in Emotion::ALL {
+            for sex in [walker::Sex::Female, walker::Sex::Male] {
+                for index in 0..Self::PERSONS {
+                    by_emotion[emotion.index()].push(u32::try_from(gaits.len()).unwrap_or(0));
+                    gaits.push(walker::person(emotion, sex, 1, index)?);
+                }
+            }
+        }
+        Ok(Self { gaits, by_emotion })
+    }
+
+    /// All gaits.
+    pub(super) fn gaits(&self) -> &[Gait] {
+        &self.gaits
+    }
+
+    /// GEA(e): indices of the gaits that look like an emotion.
+    pub(super) fn gaits_for(&self, emotion: Emotion) -> &[u32] {
+        &self.by_emotion[emotion.index()]
+    }
+}
+
+/// The avatars of a scenario.
+pub(super) fn avatars_of(scenario: &Scenario) -> Result<Vec<Avatar>, Error> {
+    scenario.population.avatars.iter().map(|name| character(name)).collect()
+}
+
+/// An avatar by name.
+fn character(name: &str) -> Result<Avatar, Error> {
+    Sex::ALL.into_iter().find(|sex| sex.name() == name).map(avatar::generated).ok_or_else(|| {
+        usage(format!("population.avatars: there is no avatar {name:?}"), "use \"female\" or \"male\"")
+    })
+}
+
+/// Reads a gait library.
+pub(super) fn load_library(path: &Path) -> Result<Library, Error> {
+    Err(usage(format!("cannot read {path:?}: libraries are not there yet"), "wait"))
+}
+
+/// Writes gaits as a library.
+pub(super) fn save_library(_: Vec<Gait>, path: &Path) -> Result<(), Error> {
+    Err(usage(format!("cannot write {path:?}: libraries are not there yet"), "wait"))
+}

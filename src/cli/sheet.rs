@@ -1,0 +1,109 @@
+//! A contact sheet of the two bodies walking as each emotion, drawn by the renderer.
+
+use super::scene::{Library, PlaceArguments, Scene, avatars_of};
+use super::stage::Stage;
+use crate::Error;
+use crate::emotion::Emotion;
+use crate::export::image::{Tile, contact_sheet};
+use crate::picture::Image;
+use crate::render::{Atmosphere, Camera, Settings};
+use crate::scenario::{AgentStart, Crowd, Scenario, Waypoint};
+use crate::sim::Cast;
+use glam::{Vec2, Vec3};
+
+/// Pixels of a tile.
+const TILE: (u32, u32) = (150, 250);
+/// Phases of a stride, one a column.
+const PHASES: u32 = 8;
+/// Metres between two people: they stand in one line and only one is drawn at a time.
+const APART: f32 = 20.0;
+/// Distance of the camera, m, and its field of view, radians.
+const CAMERA: (f32, f32) = (5.0, 0.42);
+/// Rows per emotion: a woman from the side, a man from the front.
+const ROWS: u32 = 2;
+
+/// The place: nothing but ground.
+const PLACE: &str = "name = \"sheet\"\nbounds = [[-20.0, -20.0], [1400.0, -20.0], [1400.0, 20.0], [-20.0, 20.0]]\n\
+                     [user]\navoided = false\nposition = [-10.0, 0.0]\n[population]\nagents = 64\n\
+                     [[routes]]\nname = \"line\"\nwaypoints = [[0.0, 0.0], [1300.0, 0.0]]\n";
+
+/// Draws the sheet; the device that drew it, too.
+pub(super) fn sheet(place: &PlaceArguments, progress: &mut dyn FnMut(f64)) -> Result<(Image, String), Error> {
+    let settings = Settings {
+        shadow_size: 1024,
+        // the sun stands where both cameras see the lit side
+        atmosphere: Atmosphere { haze: 0.0, sun_direction: Vec3::new(-0.5, 0.8, 0.6), ..Atmosphere::DAY },
+        ..Settings::sized(TILE.0, TILE.1)
+    };
+    let mut stage = Stage::with(scene()?, place, settings)?;
+    let (distance, fov) = CAMERA;
+    stage.show().set_level_distances([distance * 2.0, distance * 3.0, distance * 1.5]);
+    let total = stage.scene.crowd.agents.len();
+    let mut pictures = Vec::with_capacity(total);
+    for number in 0..total {
+        let agent = &stage.scene.crowd.agents[number];
+        let at = Vec3::new(agent.position.x, 0.94, agent.position.y);
+        let is_side = agent.avatar == 0;
+        let (caption, direction) = (caption(number), if is_side { Vec3::NEG_X } else { Vec3::Z });
+        // a woman walks towards +z and is seen from her right, a man walks towards the camera
+        let camera = Camera::look_at(at + direction * distance + Vec3::Y * 0.15, at, Vec3::Y).with_fov(fov);
+        pictures.push((caption, stage.picture(&camera)?));
+        #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
+        progress((number + 1) as f64 / total as f64);
+    }
+    let tiles: Vec<Tile<'_>> = pictures.iter().map(|(caption, image)| Tile { caption, image }).collect();
+    Ok((contact_sheet(&tiles, PHASES), stage.device()))
+}
+
+fn caption(number: usize) -> String {
+    let phases = PHASES as usize;
+    let emotion = Emotion::ALL[(number / (phases * ROWS as usize)).min(3)];
+    match number % phases {
+        0 => emotion.name().to_uppercase(),
+        phase => format!("{phase}/{phases}"),
+    }
+}
+
+/// One agent per tile.
+fn scene() -> Result<Scene, Error> {
+    let scenario = Scenario::parse(PLACE, "contact sheet")?;
+    let library = Library::standard()?;
+    let cast = Cast::new(library.gaits(), avatars_of(&scenario)?)?;
+    let mut crowd =
+        Crowd { agents: Vec::new(), waypoints: vec![Waypoint { position: Vec2::ZERO, radius: 1.0 }] };
+    for emotion in Emotion::ALL {
+        for row in 0..ROWS {
+            // women stand in the first half of an emotion's gaits
+            let gaits = library.gaits_for(emotion);
+            let gait = gaits.get(row as usize * gaits.len() / ROWS as usize).copied().unwrap_or(0);
+            for phase in 0..PHASES {
+                crowd.agents.push(walker(crowd.agents.len(), emotion, (row, gait), phase));
+            }
+        }
+    }
+    Ok(Scene { geometry: scenario.geometry(), scenario, crowd, cast })
+}
+
+fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32) -> AgentStart {
+    const TOPS: [u32; 4] = [0x00d8_a03c, 0x009a_3b3b, 0x0046_6a96, 0x0086_8a86];
+    #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
+    let x = place as f32 * APART;
+    AgentStart {
+        position: Vec2::new(x, 0.0),
+        velocity: Vec2::ZERO,
+        heading: 0.0,
+        radius: 0.25,
+        emotion: emotion.weights(),
+        gaits: [gait; 4],
+        gait_weights: [1.0, 0.0, 0.0, 0.0],
+        gazes: false,
+        avatar,
+        scale: 1.0,
+        colors: [0x00d2_9f7b, 0x0033_241b, TOPS[emotion.index()], 0x002a_3b55],
+        phase: phase * (u32::MAX / PHASES),
+        route_start: 0,
+        route_length: 1,
+        waypoint: 0,
+        loops: false,
+    }
+}

@@ -1,0 +1,270 @@
+//! `gaitway simulate`: steps a crowd, measures it, hashes its state, writes trajectories.
+
+use super::output::{rate, say, say_json, thousands};
+use super::progress::Progress;
+use super::scene::{Scene, SceneArguments, check_seconds, start};
+use super::usage;
+use crate::Error;
+use crate::export::{TrajectoryFormat, TrajectoryWriter, Walkable};
+use crate::scenario::Clearance;
+use crate::sim::{self, Simulation, measure};
+use clap::Args;
+use glam::Vec2;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Up to this many agents every step is measured.
+const MEASURED_EVERY_STEP: u32 = 10_000;
+/// Steps between two measurements of a larger crowd.
+const SAMPLING: u32 = 15;
+
+/// Arguments of `gaitway simulate`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway simulate \
+                        garden --agents 200 --seed 7 --out garden.sqlite\n  gaitway simulate my-place.toml \
+                        --backend cpu --json\n\nThe state hash is the same on every machine whose arithmetic is \
+                        exact, on both backends: same scenario, same seed, same bits.")]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// Simulated time
+    #[arg(long, default_value_t = 10.0)]
+    seconds: f64,
+    /// Trajectories: .sqlite (JuPedSim, PedPy), .txt (Pedestrian Dynamics Data Archive) or .csv
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Frames per second of the trajectories; a divisor of the step rate (30)
+    #[arg(long, default_value_t = 10.0)]
+    fps: f64,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What came out.
+#[derive(Debug, Serialize)]
+pub(super) struct Outcome {
+    pub(super) device: String,
+    pub(super) scene: String,
+    pub(super) agents: u32,
+    pub(super) steps: u32,
+    pub(super) seed: u64,
+    /// Mean over agents and measured steps, m/s.
+    pub(super) mean_speed: f32,
+    /// Routes walked to their end.
+    pub(super) arrived: u64,
+    /// Smallest gap between two discs in any measured step, m; null when no two came near.
+    pub(super) min_clearance: f32,
+    /// Most pairs that overlapped by more than a tenth of their radii in any measured step.
+    pub(super) overlapping_pairs_max: u32,
+    /// Most agents outside the walkable area in any measured step.
+    pub(super) agents_outside: u32,
+    /// Steps that were measured.
+    pub(super) measured_steps: u32,
+    pub(super) state_hash: String,
+    /// Agents times steps over the time spent stepping.
+    pub(super) agent_steps_per_second: f64,
+    pub(super) step_seconds: f64,
+    pub(super) wall_seconds: f64,
+    /// Trajectory file and its frames.
+    pub(super) trajectories: Option<(PathBuf, u32)>,
+    /// Which kernel met a value that is not finite, and the first agent.
+    pub(super) failure: Option<String>,
+}
+
+/// Runs the subcommand; false when a kernel failed.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let seconds = check_seconds("--seconds", arguments.seconds)?;
+    let begin = Instant::now();
+    let scene = Scene::load(&arguments.scene)?;
+    let mut simulation = start(scene.store(), &arguments.scene.place)?;
+    let steps = scene.steps(seconds);
+    let recording = arguments.out.as_ref().map(|path| Recording::create(path, arguments.fps, &scene));
+    let mut outcome = simulate(&scene, &mut simulation, steps, recording.transpose()?)?;
+    outcome.wall_seconds = begin.elapsed().as_secs_f64();
+    if arguments.json {
+        say_json(&outcome)?;
+    } else {
+        print(&outcome);
+    }
+    if let Some(failure) = &outcome.failure {
+        super::output::note(&format!("error: {failure}"));
+        super::output::note("hint: please report this with the scenario, the seed and `gaitway verify`");
+    }
+    Ok(outcome.failure.is_none())
+}
+
+/// Steps between two frames of a file of `rate` frames a second, which must divide the step rate.
+pub(super) fn steps_per_frame(rate: f64, scene: &Scene) -> Result<u32, Error> {
+    let steps = 1.0 / f64::from(scene.scenario.navigation.time_step);
+    let every = (steps / rate).round();
+    if !((1.0..=1e6).contains(&every) && (every * rate - steps).abs() < 0.01 * steps) {
+        let message = format!("--fps {rate}: there are {steps:.0} simulation steps a second");
+        return Err(usage(
+            message,
+            format!("use {steps:.0} or {steps:.0} over a whole number, such as {:.0}", steps / 3.0),
+        ));
+    }
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most a million")]
+    let every = every as u32;
+    Ok(every)
+}
+
+/// Trajectories being written.
+#[derive(Debug)]
+pub(super) struct Recording {
+    path: PathBuf,
+    /// Steps between two frames.
+    every: u32,
+    writer: TrajectoryWriter,
+}
+
+impl Recording {
+    /// Begins a file.
+    pub(super) fn create(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
+        let every = steps_per_frame(rate, scene)?;
+        let format = TrajectoryFormat::from_path(path)?;
+        let writer = TrajectoryWriter::create(path, format, rate, &Walkable::from(&scene.geometry))?;
+        Ok(Self { path: path.to_owned(), every, writer })
+    }
+
+    fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+        let store = simulation.state()?;
+        let agents = store.step.agent_count as usize;
+        let positions: Vec<Vec2> = store.position[..agents].iter().copied().map(Vec2::from_array).collect();
+        let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance[0]).collect();
+        Ok(self.writer.frame(&positions, &headings)?)
+    }
+
+    fn finish(self) -> Result<(PathBuf, u32), Error> {
+        let frames = self.writer.frames();
+        self.writer.finish()?;
+        Ok((self.path, frames))
+    }
+}
+
+/// Measures, kept over the steps.
+#[derive(Debug)]
+struct Measures {
+    steps: u32,
+    speed: f64,
+    last: Option<measure::Moment>,
+    min_clearance: f32,
+    overlapping: u32,
+    outside: u32,
+}
+
+impl Measures {
+    fn take(&mut self, simulation: &mut Simulation, free: &Clearance) -> Result<(), Error> {
+        let store = simulation.state()?;
+        let moment = measure::moment(store);
+        self.steps += 1;
+        self.speed += f64::from(moment.mean_speed);
+        self.min_clearance = self.min_clearance.min(moment.min_clearance);
+        self.overlapping = self.overlapping.max(moment.overlapping_pairs);
+        self.outside = self.outside.max(measure::outside(store, |p: Vec2| free.walkable(p)));
+        self.last = Some(moment);
+        Ok(())
+    }
+}
+
+/// Does all steps, measuring and recording between them.
+pub(super) fn simulate(
+    scene: &Scene,
+    simulation: &mut Simulation,
+    steps: u32,
+    mut recording: Option<Recording>,
+) -> Result<Outcome, Error> {
+    let begin = Instant::now();
+    let agents = scene.scenario.population.agents;
+    let free = Clearance::new(&scene.geometry.bounds, &scene.geometry.obstacles);
+    let sampling = if agents <= MEASURED_EVERY_STEP { 1 } else { SAMPLING };
+    let mut measures = Measures {
+        steps: 0,
+        speed: 0.0,
+        last: None,
+        min_clearance: f32::INFINITY,
+        overlapping: 0,
+        outside: 0,
+    };
+    let mut progress = Progress::new(format!("simulating {} agents", thousands(u64::from(agents))));
+    let (mut stepping, mut failure, mut done) = (Duration::ZERO, None, 0);
+    if let Some(recording) = &mut recording {
+        recording.frame(simulation)?;
+    }
+    while done < steps && failure.is_none() {
+        let to_next = |every: u32| every - done % every;
+        let frame = recording.as_ref().map_or(u32::MAX, |recording| to_next(recording.every));
+        let count = to_next(sampling).min(frame).min(steps - done);
+        let step_begin = Instant::now();
+        match simulation.step(count) {
+            Err(Error::Sim(error @ sim::Error::Failure { .. })) => failure = Some(error.to_string()),
+            other => other?,
+        }
+        stepping += step_begin.elapsed();
+        done += count;
+        if done % sampling == 0 || done == steps {
+            measures.take(simulation, &free)?;
+        }
+        if let Some(recording) = recording.as_mut().filter(|r| done % r.every == 0) {
+            recording.frame(simulation)?;
+        }
+        progress.at(&format!("step {done} of {steps}"), f64::from(done) / f64::from(steps));
+    }
+    if measures.steps == 0 {
+        measures.take(simulation, &free)?;
+        measures.steps = 1;
+    }
+    let trajectories = recording.map(Recording::finish).transpose()?;
+    let step_seconds = stepping.as_secs_f64();
+    let work = f64::from(agents) * f64::from(done);
+    #[allow(clippy::cast_possible_truncation, reason = "a speed")]
+    let mean_speed = (measures.speed / f64::from(measures.steps)) as f32;
+    Ok(Outcome {
+        device: simulation.device(),
+        scene: scene.scenario.name.clone(),
+        agents,
+        steps: done,
+        seed: scene.scenario.seed,
+        mean_speed,
+        arrived: measures.last.map_or(0, |moment| moment.arrived),
+        min_clearance: measures.min_clearance,
+        overlapping_pairs_max: measures.overlapping,
+        agents_outside: measures.outside,
+        measured_steps: measures.steps,
+        state_hash: format!("{:016x}", measure::state_hash(simulation.state()?)),
+        agent_steps_per_second: if step_seconds > 0.0 { work / step_seconds } else { 0.0 },
+        step_seconds,
+        wall_seconds: begin.elapsed().as_secs_f64(),
+        trajectories,
+        failure,
+    })
+}
+
+fn print(outcome: &Outcome) {
+    let Outcome { scene, agents, steps, seed, device, .. } = outcome;
+    let clearance = if outcome.min_clearance.is_finite() {
+        format!("{:.3} m", outcome.min_clearance)
+    } else {
+        "no two came near".to_owned()
+    };
+    say(&format!("scene              {scene}, {} agents, {steps} steps", thousands(u64::from(*agents))));
+    say(&format!("seed               {seed}"));
+    say(&format!("device             {device}"));
+    say(&format!("mean speed         {:.3} m/s", outcome.mean_speed));
+    say(&format!("routes completed   {}", outcome.arrived));
+    say(&format!("smallest clearance {clearance}"));
+    say(&format!("overlapping pairs  {} at most", outcome.overlapping_pairs_max));
+    say(&format!("agents outside     {} at most", outcome.agents_outside));
+    if outcome.measured_steps < *steps {
+        say(&format!("measured           {} of {steps} steps (above {MEASURED_EVERY_STEP} agents a sample)", outcome.measured_steps));
+    }
+    say(&format!("state hash         {}", outcome.state_hash));
+    let speed = rate(outcome.agent_steps_per_second);
+    say(&format!("speed              {speed} agent steps a second ({:.2} s of stepping)", outcome.step_seconds));
+    if let Some((path, frames)) = &outcome.trajectories {
+        say(&format!("trajectories       {} ({frames} frames)", path.display()));
+    }
+    say(&format!("wall time          {:.2} s", outcome.wall_seconds));
+}

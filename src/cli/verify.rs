@@ -1,0 +1,96 @@
+//! `gaitway verify`: every kernel against its twin on this machine's own device.
+
+use super::output::{say, say_json, table, thousands};
+use super::progress::Progress;
+use super::usage;
+use crate::Error;
+use crate::gpu::{Device, Validation};
+use crate::verify::{Options, Report, verify};
+use clap::Args;
+
+/// Most agents of a size: inputs and outputs of the animation fit every device's buffers.
+const MOST: usize = 100_000;
+
+/// Arguments of `gaitway verify`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway verify\n  gaitway verify --quick --device llvmpipe\n  gaitway verify \
+                        --agents 0,1,5000 --json\n\nExit code 1 when a kernel differs by more than this device is \
+                        allowed: nothing on a device with exact arithmetic.")]
+pub(super) struct Arguments {
+    /// Sizes for the kernels, comma-separated [default: 0,1,63,64,65,1000,20000]
+    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    agents: Vec<usize>,
+    /// Without the largest size, and a third of the crowd's steps
+    #[arg(long)]
+    quick: bool,
+    /// Seed of all inputs
+    #[arg(long, default_value_t = 1)]
+    seed: u32,
+    /// Vulkan device: a part of its name, or its number in `gaitway devices`
+    #[arg(long, value_name = "NAME")]
+    device: Option<String>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the subcommand; false when something differs that must not.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let mut options = if arguments.quick { Options::quick() } else { Options::full() };
+    options.seed = arguments.seed;
+    if !arguments.agents.is_empty() {
+        options.sizes.clone_from(&arguments.agents);
+    }
+    if let Some(size) = options.sizes.iter().find(|size| **size > MOST) {
+        return Err(usage(format!("--agents {size}: a size is 0 to {MOST}"), "kernels differ, if at all, at small sizes"));
+    }
+    let device = Device::open(arguments.device.as_deref(), Validation::from_environment())?;
+    let mut progress = Progress::new("verifying");
+    let report = verify(&device, &options, &mut |what, share| progress.at(what, share))?;
+    drop(progress);
+    if arguments.json {
+        say_json(&report)?;
+    } else {
+        print(&report);
+    }
+    Ok(report.pass)
+}
+
+fn print(report: &Report) {
+    say(&format!("device      {}", report.device));
+    say(&format!("arithmetic  {}", report.numerics));
+    say(&format!("seed        {}\n", report.seed));
+    let rows: Vec<Vec<String>> = report
+        .kernels
+        .iter()
+        .map(|kernel| {
+            let is_exact = kernel.exact == kernel.compared;
+            vec![
+                kernel.name.to_owned(),
+                thousands(kernel.compared as u64),
+                thousands((kernel.compared - kernel.exact) as u64),
+                if is_exact { "exact".to_owned() } else { format!("{:.3e} {}", kernel.max_error, kernel.unit) },
+                if kernel.tolerance > 0.0 { format!("{:.0e} {}", kernel.tolerance, kernel.unit) } else { "none".to_owned() },
+                if kernel.pass { "pass" } else { "FAIL" }.to_owned(),
+            ]
+        })
+        .collect();
+    table(&["kernel", "words compared", "different", "largest error", "tolerance", ""], &rows);
+    let crowd = &report.crowd;
+    let outcome = match (crowd.exact, crowd.differs_by_step) {
+        (true, _) => "equal bit for bit".to_owned(),
+        (false, Some(step)) => format!("DIFFERENT by step {step}"),
+        (false, None) => format!("compared by {}", crowd.method),
+    };
+    say(&format!(
+        "\ncrowd       {} agents, {} steps on both sides: {outcome} (hash {})",
+        thousands(crowd.agents as u64),
+        crowd.steps,
+        crowd.state_hash
+    ));
+    for kernel in report.kernels.iter().filter(|kernel| !kernel.pass) {
+        say(&format!("{}: {}", kernel.name, kernel.first.as_deref().unwrap_or("no difference recorded")));
+    }
+    say(&format!("result      {}", if report.pass { "pass" } else { "FAIL" }));
+    say(&format!("wall time   {:.1} s", report.wall_seconds));
+}

@@ -1,0 +1,179 @@
+//! A simulation and a renderer joined: pictures of a crowd in motion.
+//!
+//! [`Show::picture`] animates the bodies that a view sees (`cull` to `skin`) and draws them from the buffers that the
+//! kernels wrote. A crowd that is simulated on the CPU is animated on the renderer's device, from its state.
+
+use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
+use crate::gpu::plan::Op;
+use crate::gpu::{Device, Engine, Validation};
+use crate::kernels::layout::FrameUniforms;
+use crate::kernels::{BufferId, KernelId, Store};
+use crate::scenario::EnvironmentMesh;
+use crate::sim::bodies::MeshBuffers;
+use crate::sim::{self, Simulation, order};
+use glam::{Vec2, Vec3};
+
+/// Seconds between pictures that the gaze is told for the first one.
+const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
+
+/// What the animation reads of a crowd's state.
+const READ: [BufferId; 3] = [BufferId::Position, BufferId::Stance, BufferId::Phase];
+
+/// Draws a simulation.
+#[derive(Debug)]
+pub struct Show {
+    renderer: Renderer,
+    /// Animates a crowd that is simulated on the CPU.
+    animator: Option<Engine>,
+    /// What does not depend on the camera.
+    frame: FrameUniforms,
+    time: Option<f64>,
+}
+
+impl Show {
+    /// A show of a simulation whose store [`crate::sim::bodies::fill`] has filled, which also gave `meshes`.
+    ///
+    /// `device` is a name or index as for [`Device::open`]; a simulation on Vulkan is shown on its own device.
+    ///
+    /// # Errors
+    /// When there is no usable device, memory is short, or a size is beyond the device.
+    pub fn new(
+        simulation: &mut Simulation,
+        meshes: &MeshBuffers,
+        scenery: &EnvironmentMesh,
+        settings: Settings,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let (device, animator) = match simulation.engine() {
+            Some(engine) => (engine.device().clone(), None),
+            None => {
+                let device = Device::open(device, Validation::from_environment())?;
+                let passes = order::frame_passes(&simulation.state()?.frame);
+                let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+                kernels.dedup();
+                let engine = Engine::new(&device, simulation.state()?, &kernels)?;
+                (device, Some(engine))
+            }
+        };
+        let mut renderer = Renderer::new(&device, settings)?;
+        renderer.set_meshes(meshes)?;
+        renderer.set_environment(&[Surface {
+            positions: &scenery.positions,
+            normals: &scenery.normals,
+            colors: &scenery.colors,
+            indices: &scenery.indices,
+        }])?;
+        Ok(Self { renderer, animator, frame: simulation.state()?.frame, time: None })
+    }
+
+    /// The device that draws, in words.
+    pub fn device(&self) -> String {
+        self.renderer.device.describe()
+    }
+
+    /// The renderer, to change its settings.
+    pub fn renderer(&mut self) -> &mut Renderer {
+        &mut self.renderer
+    }
+
+    /// Where levels of detail end and how far agents are drawn, m.
+    pub fn set_level_distances(&mut self, [first, second, farthest]: [f32; 3]) {
+        self.frame.level_distance = [first, second, farthest, 0.0];
+    }
+
+    /// Which formulas move the gaze.
+    pub fn set_gaze_mode(&mut self, mode: crate::scenario::GazeMode) {
+        self.frame.gaze_mode = u32::from(mode == crate::scenario::GazeMode::Paper);
+    }
+
+    /// A picture of the present moment; agents that gaze look at `user_eyes` (world frame, m).
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn picture(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+    ) -> Result<Image, crate::Error> {
+        let frame = self.next_frame(simulation, view, user_eyes)?;
+        if let Some(animator) = &mut self.animator {
+            let store = simulation.state()?;
+            animator.upload(store, &READ)?;
+            let passes = order::frame_passes(&frame);
+            let ops: Vec<Op> =
+                std::iter::once(Op::Set(BufferId::Frame)).chain(passes.into_iter().map(Op::Pass)).collect();
+            animator.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), false)?;
+            check(animator)?;
+        } else {
+            simulation.animate(frame)?;
+        }
+        let engine = self.animator.as_ref().or(simulation.engine());
+        let crowd = engine.map(CrowdBuffers::of).transpose()?;
+        Ok(self.renderer.draw(view, crowd.as_ref())?)
+    }
+
+    /// Parameters of the next picture.
+    fn next_frame(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+    ) -> Result<FrameUniforms, crate::Error> {
+        let time = simulation.time();
+        #[allow(clippy::cast_possible_truncation, reason = "a short time")]
+        let since = self.time.map_or(FIRST_FRAME_TIME, |before| (time - before) as f32);
+        self.time = Some(time);
+        self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
+        let mut frame = FrameUniforms {
+            planes: view.planes(),
+            user_eyes: user_eyes.extend(0.0).to_array(),
+            camera: view.center().extend(0.0).to_array(),
+            eye_count: view.eye_count,
+            frame_time: since,
+            ..self.frame
+        };
+        if view.parallel {
+            // a map shows everyone equally large, however high its camera stands
+            let away = view.center().y;
+            frame.level_distance[1] += away;
+            frame.level_distance[2] += away;
+        }
+        if frame.visible_capacity < frame.agent_count {
+            let store = simulation.state()?;
+            let nearest = nearest(store, view.center(), frame.visible_capacity as usize, frame.agent_height);
+            frame.level_distance[2] = frame.level_distance[2].min(nearest);
+        }
+        Ok(frame)
+    }
+}
+
+/// A distance within which no more than `count` agents stand, measured as `cull` does, m.
+fn nearest(store: &Store, eye: Vec3, count: usize, height: f32) -> f32 {
+    let eye_ground = crate::ground::ground_from_world(eye);
+    let agents = store.step.agent_count as usize;
+    let lowest = (eye.y - 0.6 * height).abs().min((eye.y - 0.4 * height).abs());
+    let mut distances: Vec<f32> = store.position[..agents]
+        .iter()
+        .map(|p| Vec2::from_array(*p).distance(eye_ground).hypot(lowest))
+        .collect();
+    if count >= distances.len() {
+        return f32::INFINITY;
+    }
+    // a centimetre short of the first one that has no room
+    let (_, first_out, _) = distances.select_nth_unstable_by(count, f32::total_cmp);
+    (*first_out - 0.01).max(0.0)
+}
+
+/// Reads the sticky failure words of a picture.
+fn check(engine: &mut Engine) -> Result<(), crate::Error> {
+    let mut words = Store { failure: vec![u32::MAX; KernelId::ALL.len()], ..Store::default() };
+    engine.download(&mut words, &[BufferId::Failure])?;
+    for kernel in KernelId::ALL {
+        let agent = words.failure.get(kernel as usize).copied().unwrap_or(u32::MAX);
+        if agent != u32::MAX {
+            return Err(sim::Error::Failure { kernel: kernel.kernel().name, agent }.into());
+        }
+    }
+    Ok(())
+}

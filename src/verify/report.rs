@@ -1,0 +1,362 @@
+//! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
+
+use super::cases::{animation, step};
+use super::{Comparison, Numerics, compare_passes, CASES, numerics};
+use crate::gpu::Device;
+use crate::kernels::{BufferId, KernelId, Pass, Store};
+use crate::sim::{Backend, Simulation, measure::state_hash, order};
+use serde::Serialize;
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Sizes that every kernel is tried at: none, one, about a workgroup, many.
+pub const SIZES: [usize; 7] = [0, 1, 63, 64, 65, 1_000, 20_000];
+/// The same for `--quick`.
+pub const QUICK_SIZES: [usize; 6] = [0, 1, 63, 64, 65, 1_000];
+/// Agents of the crowd.
+pub const CROWD_AGENTS: usize = 10_000;
+/// Steps between two comparisons of the crowd.
+const STRIDE: u32 = 20;
+
+/// What to try.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Options {
+    /// Sizes for the kernels, agents.
+    pub sizes: Vec<usize>,
+    /// Agents of the crowd.
+    pub crowd_agents: usize,
+    /// Steps of the crowd.
+    pub crowd_steps: u32,
+    /// Seed of all inputs.
+    pub seed: u32,
+}
+
+impl Options {
+    /// Everything, in a minute or so.
+    pub fn full() -> Self {
+        Self { sizes: SIZES.to_vec(), crowd_agents: CROWD_AGENTS, crowd_steps: 300, seed: 1 }
+    }
+
+    /// Smaller sizes and a third of the steps.
+    pub fn quick() -> Self {
+        Self { sizes: QUICK_SIZES.to_vec(), crowd_steps: 100, ..Self::full() }
+    }
+}
+
+/// How far a kernel may be from its twin on a device whose arithmetic is not exact, and why.
+///
+/// On an exact device it is 0. Integers must be equal everywhere; the unit is that of the kernel's floats.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tolerance {
+    /// Largest difference.
+    pub value: f32,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Where it comes from.
+    pub reason: &'static str,
+}
+
+/// The tolerance of each kernel on a device that is not exact.
+pub const fn tolerance(kernel: KernelId) -> Tolerance {
+    let (value, unit, reason) = match kernel {
+        KernelId::GridCount
+        | KernelId::GridScan
+        | KernelId::Compact
+        | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
+        KernelId::GridScatter => (0.0, "", "copies"),
+        KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
+        KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
+        KernelId::VelocityOrca => (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel"),
+        KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
+        KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),
+        KernelId::Gaze => (1e-4, "", "three rounds of arc tangents, roots and quotients"),
+        KernelId::Palette => (1e-4, "m", "sixteen transforms in a row, world coordinates of up to 100 m"),
+        KernelId::Skin => (1e-4, "m", "sums of four transforms, world coordinates of up to 100 m"),
+    };
+    Tolerance { value, unit, reason }
+}
+
+/// One kernel against its twin.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct KernelRow {
+    /// Kernel.
+    pub name: &'static str,
+    /// Words compared.
+    pub compared: usize,
+    /// Words with equal bits.
+    pub exact: usize,
+    /// Largest difference; `null` in JSON where one side is not finite or an integer differs.
+    pub max_error: f32,
+    /// Largest difference allowed.
+    pub tolerance: f32,
+    /// Unit of both.
+    pub unit: &'static str,
+    /// Whether it is within the tolerance.
+    pub pass: bool,
+    /// The first difference: case, buffer, element, both values.
+    pub first: Option<String>,
+}
+
+/// A crowd on both sides.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CrowdRow {
+    /// Agents.
+    pub agents: usize,
+    /// Steps.
+    pub steps: u32,
+    /// Whether the whole state is equal bit for bit after all of them.
+    pub exact: bool,
+    /// How it was compared: `trajectory` on an exact device, `single steps` elsewhere.
+    pub method: &'static str,
+    /// The first step after which the two were found to differ.
+    pub differs_by_step: Option<u32>,
+    /// Hash of the CPU's state at the end.
+    pub state_hash: String,
+    /// Whether it is as it must be on this device.
+    pub pass: bool,
+}
+
+/// The outcome.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Report {
+    /// Device.
+    pub device: String,
+    /// What its arithmetic does, in words.
+    pub numerics: String,
+    /// Seed of all inputs.
+    pub seed: u32,
+    /// Every kernel.
+    pub kernels: Vec<KernelRow>,
+    /// The crowd.
+    pub crowd: CrowdRow,
+    /// Whether everything is as it must be.
+    pub pass: bool,
+    /// Seconds it took.
+    pub wall_seconds: f64,
+}
+
+/// Compares everything. `progress` is told what is being done and which share of all is done.
+///
+/// # Errors
+/// When the device fails, or a kernel has no case ([`crate::Error::Usage`]): nothing may go unverified.
+pub fn verify(
+    device: &Arc<Device>,
+    options: &Options,
+    progress: &mut dyn FnMut(&str, f64),
+) -> Result<Report, crate::Error> {
+    let begin = Instant::now();
+    progress("arithmetic", 0.0);
+    let arithmetic = numerics(device)?;
+    let mut found = vec![numerics_row(&arithmetic)];
+    for (number, &size) in options.sizes.iter().enumerate() {
+        for case in cases(size, options.seed) {
+            #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
+            progress(&format!("kernels, {size} agents"), 0.5 * number as f64 / options.sizes.len() as f64);
+            let compared = compare_passes(device, &case.store, &case.passes)?;
+            merge(&mut found, compared, &case.name);
+        }
+    }
+    let crowd = if arithmetic.exact {
+        trajectory(device, options, progress)?
+    } else {
+        single_steps(device, options, &mut found, progress)?
+    };
+    if let Some(missing) = KernelId::ALL.into_iter().find(|id| !found.iter().any(|c| c.kernel == *id)) {
+        return Err(crate::Error::Usage {
+            message: format!("kernel {} has no case: it was not verified", missing.kernel().name),
+            hint: "add it to verify::cases; every kernel must be compared with its twin".to_owned(),
+        });
+    }
+    found.sort_by_key(|comparison| comparison.kernel);
+    let kernels: Vec<KernelRow> =
+        found.into_iter().map(|comparison| row(comparison, arithmetic.exact)).collect();
+    let pass = kernels.iter().all(|kernel| kernel.pass) && crowd.pass;
+    Ok(Report {
+        device: device.describe(),
+        numerics: arithmetic.to_string(),
+        seed: options.seed,
+        kernels,
+        crowd,
+        pass,
+        wall_seconds: begin.elapsed().as_secs_f64(),
+    })
+}
+
+struct Case {
+    name: String,
+    store: Store,
+    passes: Vec<Pass>,
+}
+
+/// Inputs of one size: a step, and pictures of every kind (seeds differ in kind, see [`animation::animation`]).
+fn cases(size: usize, seed: u32) -> Vec<Case> {
+    let few = size > 1_000;
+    let mut cases = Vec::new();
+    for number in 0..if few { 1 } else { 3 } {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        let store = step::crowd(size, seed);
+        let passes = order::step_passes(&store.step);
+        cases.push(Case { name: format!("step, {size} agents, seed {seed}"), store, passes });
+    }
+    for number in 0..if few { 1 } else { 8 } {
+        // the large case is of the tight kind, whose buffers are small
+        let seed = seed.wrapping_mul(8).wrapping_add(if few { 1 } else { number });
+        let store = animation::animation(size, seed);
+        let passes = animation::passes(&store);
+        cases.push(Case { name: format!("picture, {size} agents, seed {seed}"), store, passes });
+    }
+    cases
+}
+
+fn numerics_row(numerics: &Numerics) -> Comparison {
+    let compared = CASES as usize * 16;
+    #[allow(clippy::cast_precision_loss, reason = "units in the last place, for people")]
+    let max_error = numerics.division_ulp.max(numerics.square_root_ulp) as f32;
+    Comparison {
+        kernel: KernelId::Numerics,
+        compared,
+        exact: compared.saturating_sub(numerics.different as usize),
+        max_error,
+        first: (!numerics.exact).then(|| numerics.to_string()),
+    }
+}
+
+/// Adds the outcome of a case.
+fn merge(found: &mut Vec<Comparison>, case: Vec<Comparison>, name: &str) {
+    for mut new in case {
+        new.first = new.first.map(|first| format!("{name}: {first}"));
+        match found.iter_mut().find(|old| old.kernel == new.kernel) {
+            Some(old) => {
+                old.compared += new.compared;
+                old.exact += new.exact;
+                old.max_error = old.max_error.max(new.max_error);
+                old.first = old.first.take().or(new.first);
+            }
+            None => found.push(new),
+        }
+    }
+}
+
+fn row(comparison: Comparison, is_exact: bool) -> KernelRow {
+    let tolerance = tolerance(comparison.kernel);
+    let value = if is_exact { 0.0 } else { tolerance.value };
+    let pass = comparison.exact == comparison.compared || (!is_exact && comparison.max_error <= value);
+    KernelRow {
+        name: comparison.kernel.kernel().name,
+        compared: comparison.compared,
+        exact: comparison.exact,
+        max_error: comparison.max_error,
+        tolerance: value,
+        unit: tolerance.unit,
+        pass,
+        first: comparison.first,
+    }
+}
+
+/// Steps the same crowd on both sides and compares whole states.
+fn trajectory(
+    device: &Arc<Device>,
+    options: &Options,
+    progress: &mut dyn FnMut(&str, f64),
+) -> Result<CrowdRow, crate::Error> {
+    let store = step::crowd(options.crowd_agents, options.seed);
+    let index = device.info().index.to_string();
+    let mut gpu = Simulation::from_store(store.clone(), Backend::Vulkan, Some(&index))?;
+    let mut cpu = Simulation::from_store(store, Backend::Cpu, None)?;
+    let mut differs_by_step = None;
+    while cpu.steps_done() < options.crowd_steps && differs_by_step.is_none() {
+        let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
+        progress(&format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()), 0.5 + 0.5 * done);
+        let count = STRIDE.min(options.crowd_steps - cpu.steps_done());
+        gpu.step(count)?;
+        cpu.step(count)?;
+        if !same_state(cpu.state()?, gpu.state()?) {
+            differs_by_step = Some(cpu.steps_done());
+        }
+    }
+    Ok(CrowdRow {
+        agents: options.crowd_agents,
+        steps: cpu.steps_done(),
+        exact: differs_by_step.is_none(),
+        method: "trajectory",
+        differs_by_step,
+        state_hash: format!("{:016x}", state_hash(cpu.state()?)),
+        pass: differs_by_step.is_none(),
+    })
+}
+
+/// Whether everything that a step carries on has equal bits.
+fn same_state(cpu: &Store, gpu: &Store) -> bool {
+    let state =
+        [BufferId::Position, BufferId::Velocity, BufferId::Stance, BufferId::Phase, BufferId::Route, BufferId::Failure];
+    state.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
+}
+
+/// Compares single steps from states along the CPU's trajectory: rounding differs, so trajectories part.
+fn single_steps(
+    device: &Arc<Device>,
+    options: &Options,
+    found: &mut Vec<Comparison>,
+    progress: &mut dyn FnMut(&str, f64),
+) -> Result<CrowdRow, crate::Error> {
+    let mut cpu =
+        Simulation::from_store(step::crowd(options.crowd_agents, options.seed), Backend::Cpu, None)?;
+    let mut crowd: Vec<Comparison> = Vec::new();
+    while cpu.steps_done() < options.crowd_steps {
+        let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
+        progress(&format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()), 0.5 + 0.5 * done);
+        let state = cpu.state()?;
+        let compared = compare_passes(device, state, &order::step_passes(&state.step))?;
+        merge(&mut crowd, compared, &format!("crowd, step {}", cpu.steps_done()));
+        cpu.step(STRIDE.min(options.crowd_steps - cpu.steps_done()))?;
+    }
+    let pass = crowd.iter().all(|comparison| row(comparison.clone(), false).pass);
+    merge(found, crowd, "single steps");
+    Ok(CrowdRow {
+        agents: options.crowd_agents,
+        steps: cpu.steps_done(),
+        exact: false,
+        method: "single steps",
+        differs_by_step: None,
+        state_hash: format!("{:016x}", state_hash(cpu.state()?)),
+        pass,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn comparison(exact: usize, max_error: f32) -> Comparison {
+        Comparison { kernel: KernelId::Integrate, compared: 100, exact, max_error, first: None }
+    }
+
+    #[test]
+    fn an_exact_device_is_allowed_no_difference_and_another_no_more_than_the_tolerance() {
+        let allowed = tolerance(KernelId::Integrate).value;
+        assert!(row(comparison(100, 0.0), true).pass);
+        assert!(!row(comparison(99, 1e-9), true).pass);
+        assert!(row(comparison(99, allowed), false).pass);
+        assert!(!row(comparison(99, allowed * 2.0), false).pass);
+        assert!(!row(comparison(99, f32::INFINITY), false).pass, "an integer that differs");
+    }
+
+    #[test]
+    fn cases_add_up_and_the_first_difference_is_kept_with_its_case() {
+        let mut found = vec![comparison(100, 0.0)];
+        let with = |first: &str| Comparison { first: Some(first.to_owned()), ..comparison(98, 0.5) };
+        merge(&mut found, vec![with("a")], "one");
+        merge(&mut found, vec![with("b")], "two");
+        assert_eq!((found[0].compared, found[0].exact, found[0].max_error), (300, 296, 0.5));
+        assert_eq!(found[0].first.as_deref(), Some("one: a"));
+    }
+
+    #[test]
+    fn the_cases_of_a_size_reach_every_kernel_but_the_probe() {
+        let reached: Vec<KernelId> =
+            cases(65, 1).iter().flat_map(|case| case.passes.iter().map(|pass| pass.kernel)).collect();
+        for kernel in KernelId::ALL.into_iter().filter(|id| *id != KernelId::Numerics) {
+            assert!(reached.contains(&kernel), "{}", kernel.kernel().name);
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The program as people use it: help, results, JSON, errors with a way out, the same bits on both backends.
+//!
+//! GAITWAY_TEST_RUNNER (or GAITWAY_RUNNER) names a program that starts ours, where it cannot start by itself.
+
+use serde_json::Value;
+use std::path::Path;
+use std::process::{Command, Output};
+
+/// Runs the program.
+fn gaitway(arguments: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_gaitway");
+    let runner = ["GAITWAY_TEST_RUNNER", "GAITWAY_RUNNER"].into_iter().find_map(std::env::var_os);
+    let mut command = match runner {
+        Some(runner) => {
+            let mut command = Command::new(runner);
+            command.arg(program);
+            command
+        }
+        None => Command::new(program),
+    };
+    command.args(arguments).output().unwrap()
+}
+
+/// Standard output of a run that must succeed.
+fn good(arguments: &[&str]) -> String {
+    let output = gaitway(arguments);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{arguments:?}: {:?}\n{error}", output.status);
+    String::from_utf8(output.stdout).unwrap()
+}
+
+/// The one JSON object of a run that must succeed.
+fn json(arguments: &[&str]) -> Value {
+    let text = good(arguments);
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{arguments:?}: {error}\n{text}"))
+}
+
+/// Exit code and standard error of a run that must fail with nothing on standard output.
+fn bad(arguments: &[&str]) -> (i32, String) {
+    let output = gaitway(arguments);
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(!output.status.success(), "{arguments:?} succeeded");
+    assert!(output.stdout.is_empty(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stdout));
+    assert!(!error.contains("panicked"), "{arguments:?}: {error}");
+    (output.status.code().unwrap(), error)
+}
+
+/// An error in our words: `error: ...` with `want` in it, and a way out; exit 1.
+fn refused(arguments: &[&str], want: &str, hint: &str) {
+    let (code, error) = bad(arguments);
+    assert_eq!(code, 1, "{arguments:?}: {error}");
+    assert!(error.contains("error: ") && error.contains(want), "{arguments:?}: {error}");
+    assert!(error.contains(hint), "{arguments:?}: {error}");
+}
+
+/// Whether there is a Vulkan device; prints why not. With GAITWAY_REQUIRE_GPU=1 there must be one.
+fn has_vulkan() -> bool {
+    if !cfg!(feature = "vulkan") {
+        println!("skipped: built without Vulkan");
+        return false;
+    }
+    let devices = json(&["devices", "--json"]);
+    let has_one = devices["best"].is_u64();
+    if !has_one {
+        assert!(std::env::var_os("GAITWAY_REQUIRE_GPU").is_none_or(|text| text != "1"), "{devices}");
+        println!("skipped: no Vulkan device ({})", devices["missing"]);
+    }
+    has_one
+}
+
+#[test]
+fn help_names_every_subcommand_and_shows_examples() {
+    let help = good(&["--help"]);
+    let mut commands = vec!["simulate", "gait", "bench", "devices"];
+    if cfg!(feature = "vulkan") {
+        commands.extend(["render", "verify", "demo"]);
+    }
+    for command in commands {
+        assert!(help.contains(&format!("\n  {command}")), "{help}");
+        let own = good(&[command, "--help"]);
+        assert!(own.contains("Usage: "), "{own}");
+        assert!(command == "gait" || own.contains(&format!("gaitway {command} ")), "{own}");
+    }
+    assert!(good(&["--version"]).starts_with("gaitway "));
+}
+
+#[test]
+fn simulating_twice_gives_the_same_hash_and_another_seed_another() {
+    let run = |seed: &str| {
+        let arguments =
+            ["simulate", "garden", "--agents", "40", "--seconds", "2", "--seed", seed, "--backend", "cpu", "--json"];
+        json(&arguments)
+    };
+    let (a, b, c) = (run("5"), run("5"), run("6"));
+    assert_eq!(a["state_hash"], b["state_hash"]);
+    assert_ne!(a["state_hash"], c["state_hash"]);
+    assert_eq!(a["state_hash"].as_str().map(str::len), Some(16));
+    for key in
+        ["device", "scene", "mean_speed", "arrived", "min_clearance", "agent_steps_per_second", "wall_seconds", "failure"]
+    {
+        assert!(a.get(key).is_some(), "{key} is missing in {a}");
+    }
+    assert_eq!((&a["agents"], &a["steps"], &a["seed"]), (&40.into(), &60.into(), &5.into()));
+    assert_eq!((&a["agents_outside"], &a["overlapping_pairs_max"]), (&0.into(), &0.into()));
+    let speed = a["mean_speed"].as_f64().unwrap();
+    assert!((0.8..1.8).contains(&speed), "{speed}");
+}
+
+#[test]
+fn the_cpu_and_vulkan_give_the_same_hash() {
+    if !has_vulkan() {
+        return;
+    }
+    for scene in ["crossing", "scifi"] {
+        let run = |backend: &str| {
+            json(&["simulate", scene, "--agents", "150", "--seconds", "3", "--backend", backend, "--json"])
+        };
+        let (cpu, gpu) = (run("cpu"), run("vulkan"));
+        assert_eq!(cpu["state_hash"], gpu["state_hash"], "{scene}: {cpu} {gpu}");
+        assert_ne!(cpu["device"], gpu["device"]);
+    }
+}
+
+#[test]
+fn an_empty_crowd_is_a_crowd() {
+    let result = json(&["simulate", "crossing", "--agents", "0", "--seconds", "1", "--backend", "cpu", "--json"]);
+    assert_eq!((&result["agents"], &result["steps"]), (&0.into(), &30.into()));
+    assert!(result["min_clearance"].is_null());
+}
+
+#[test]
+fn wrong_values_are_refused_with_a_way_out() {
+    refused(&["simulate", "crosing"], "crosing", "crossing, garden, parking, scifi");
+    refused(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
+    refused(&["simulate", "crossing", "--seconds", "1e9"], "--seconds = 1000000000", "hint: ");
+    refused(&["simulate", "crossing", "--seconds", "NaN"], "--seconds = NaN", "hint: ");
+    refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "hint: ");
+    refused(&["simulate", "crossing", "--backend", "cpu", "--device", "x"], "--device", "hint: leave");
+    refused(&["simulate", "garden", "--out", "x.sqlite", "--fps", "7"], "--fps 7", "hint: use 30");
+    refused(&["bench", "--agents", "0"], "--agents 0", "hint: ");
+    refused(&["gait", "walk", "--emotion", "sad", "--set", "bouncy=1", "--out", "x.csv"], "bouncy", "bounce");
+    refused(&["gait", "walk", "--emotion", "sad", "--speed", "9", "--out", "x.csv"], "speed = 9", "0.1 to 2.6");
+    for usage in [&["simulate"][..], &["simulate", "crossing", "--condition", "eva"], &["fly"], &[]] {
+        assert_eq!(bad(usage).0, 2, "{usage:?}");
+    }
+}
+
+#[test]
+fn without_a_device_vulkan_is_refused_and_auto_falls_back_with_one_line() {
+    if cfg!(feature = "vulkan") && json(&["devices", "--json"])["best"].is_u64() {
+        println!("skipped: there is a Vulkan device");
+        return;
+    }
+    refused(&["simulate", "crossing", "--backend", "vulkan"], "Vulkan", "cpu");
+    let output = gaitway(&["simulate", "crossing", "--seconds", "1"]);
+    assert!(output.status.success());
+    let error = String::from_utf8(output.stderr).unwrap();
+    let expected = usize::from(cfg!(feature = "vulkan"));
+    assert_eq!(error.lines().filter(|line| line.starts_with("note: ")).count(), expected, "{error}");
+}
+
+#[test]
+fn a_gait_written_as_csv_comes_back_with_its_speed() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("angry.csv");
+    let file = path.to_str().unwrap();
+    good(&["gait", "walk", "--emotion", "angry", "--sex", "male", "--speed", "1.5", "--out", file]);
+    let sheet = folder.path().join("sheet.png");
+    let listing = json(&["gait", "show", file, "--out", sheet.to_str().unwrap(), "--json"]);
+    let speed = listing["gaits"][0]["v_des"].as_f64().unwrap();
+    assert!((speed - 1.5).abs() < 0.02, "{listing}");
+    assert!(colors(&sheet) > 4);
+}
+
+#[test]
+fn trajectories_appear_complete_or_not_at_all() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("walk.csv");
+    let file = path.to_str().unwrap();
+    let arguments = ["simulate", "crossing", "--seconds", "1", "--backend", "cpu", "--fps", "15", "--out", file];
+    good(&arguments);
+    let text = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(text.lines().count(), 1 + 8 * 16, "a head, and 8 agents in 16 frames (both ends)");
+    let wrong = folder.path().join("walk.doc");
+    refused(&["simulate", "crossing", "--out", wrong.to_str().unwrap()], "doc", ".sqlite");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no half files");
+}
+
+/// Number of different colours in a PNG.
+fn colors(path: &Path) -> usize {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let frame = reader.next_frame(&mut pixels).unwrap();
+    let pixels = &pixels[..frame.buffer_size()];
+    let set: std::collections::BTreeSet<&[u8]> = pixels.chunks_exact(frame.line_size / frame.width as usize).collect();
+    set.len()
+}
+
+#[test]
+fn pictures_show_something_from_every_camera_whoever_simulates() {
+    if !has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("picture.png");
+    let file = out.to_str().unwrap();
+    for (camera, backend) in [("eyes", "auto"), ("orbit", "cpu"), ("top", "auto"), ("follow:3", "cpu")] {
+        let result = json(&[
+            "render", "crossing", "--at", "0.5", "--size", "192x108", "--camera", camera, "--backend", backend, "--out",
+            file, "--json",
+        ]);
+        assert_eq!(result["frames"], 1, "{result}");
+        assert!(colors(&out) > 100, "{camera}: {} colours", colors(&out));
+    }
+    let frames = format!("{}/frames/", folder.path().display());
+    good(&["render", "garden", "--size", "64x36", "--seconds", "0.2", "--out", &frames]);
+    assert_eq!(std::fs::read_dir(&frames).unwrap().count(), 6);
+    refused(&["render", "crossing", "--camera", "follow:8", "--out", file], "there are 8 agents", "follow:7");
+    refused(&["render", "crossing", "--out", "x.gif"], "x.gif", "hint: use FILE.png");
+}
+
+#[test]
+fn the_same_moment_looks_the_same_whoever_simulates() {
+    if !has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |backend: &str| {
+        let out = folder.path().join(format!("{backend}.png"));
+        let file = out.to_str().unwrap();
+        good(&["render", "garden", "--at", "1", "--size", "192x108", "--backend", backend, "--out", file]);
+        std::fs::read(out).unwrap()
+    };
+    assert!(picture("cpu") == picture("vulkan"));
+}
+
+#[test]
+fn verify_passes_and_names_every_kernel() {
+    if !has_vulkan() {
+        return;
+    }
+    let report = json(&["verify", "--agents", "0,1,65", "--quick", "--json"]);
+    assert_eq!(report["pass"], true, "{report}");
+    let kernels = report["kernels"].as_array().unwrap();
+    assert_eq!(kernels.len(), gaitway::kernels::KernelId::ALL.len());
+    for kernel in kernels {
+        assert!(kernel["compared"].as_u64().unwrap() > 0, "{kernel}");
+    }
+    assert_eq!(report["crowd"]["agents"], 10_000);
+}
+
+#[test]
+fn bench_times_the_step_and_says_what_the_crowd_looked_like() {
+    let report = json(&["bench", "--agents", "300", "--backend", "cpu", "--json"]);
+    let rows = report["rows"].as_array().unwrap();
+    for name in ["step", "grid_count", "velocity_orca", "integrate"] {
+        let row = rows.iter().find(|row| row["name"] == name).unwrap_or_else(|| panic!("{name}: {report}"));
+        assert!(row["ms_median"].as_f64().unwrap() > 0.0);
+    }
+    assert!(report["quality"][0]["progress"].as_f64().unwrap() > 0.5, "{report}");
+}
