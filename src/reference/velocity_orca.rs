@@ -2,7 +2,8 @@
 
 use super::exact::dot2;
 use super::orca::{
-    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2, within,
+    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2,
+    within,
 };
 use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
