@@ -38,8 +38,10 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
-                        07_01.amc --rate 120")]
+#[command(
+    after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
+                        07_01.amc --rate 120"
+)]
 struct ImportArguments {
     /// Motion files
     #[arg(required = true)]
@@ -62,8 +64,10 @@ struct ImportArguments {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
-                        gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library.")]
+#[command(
+    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
+                        gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library."
+)]
 struct ShowArguments {
     /// A gait library (.glb) or motion file
     #[arg(value_name = "FILE|LIB")]
@@ -77,9 +81,11 @@ struct ShowArguments {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait walk --emotion sad --sex female --out sad.csv\n  gaitway gait walk \
+#[command(
+    after_help = "Examples:\n  gaitway gait walk --emotion sad --sex female --out sad.csv\n  gaitway gait walk \
                         --emotion happy --speed 1.5 --set bounce=0.04 --out happy.glb\n\n--set takes any style field; a \
-                        wrong name lists them.")]
+                        wrong name lists them."
+)]
 struct WalkArguments {
     /// happy, angry, sad or neutral
     #[arg(long)]
@@ -289,7 +295,10 @@ fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
         return Err(usage(format!("--set {text}: no value"), "such as --set bounce=0.04"));
     };
     let Some(field) = STYLE_FIELDS.iter().find(|field| field.name == name) else {
-        return Err(usage(format!("--set {text}: no style field {name:?}"), format!("the fields are {}", names())));
+        return Err(usage(
+            format!("--set {text}: no style field {name:?}"),
+            format!("the fields are {}", names()),
+        ));
     };
     match value.parse::<f64>() {
         Ok(value) if (field.range[0]..=field.range[1]).contains(&value) => {
@@ -298,7 +307,10 @@ fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
         }
         _ => {
             let [low, high] = field.range;
-            Err(usage(format!("--set {text}: must be {low} to {high}"), "see the ranges in the documentation of WalkerStyle"))
+            Err(usage(
+                format!("--set {text}: must be {low} to {high}"),
+                "see the ranges in the documentation of WalkerStyle",
+            ))
         }
     }
 }

@@ -126,7 +126,9 @@ pub(super) fn start(store: Store, place: &PlaceArguments) -> Result<Simulation, 
     }
     let simulation = Simulation::from_store(store, backend, device)?;
     if let Some(reason) = simulation.fallback() {
-        note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"));
+        note(&format!(
+            "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"
+        ));
     }
     Ok(simulation)
 }

@@ -76,7 +76,11 @@ impl Stage {
         has_markers: bool,
     ) -> Result<Self, Error> {
         let settings = Settings {
-            atmosphere: if scene.scenario.layout == Layout::Scifi { Atmosphere::EVENING } else { Atmosphere::DAY },
+            atmosphere: if scene.scenario.layout == Layout::Scifi {
+                Atmosphere::EVENING
+            } else {
+                Atmosphere::DAY
+            },
             markers: has_markers.then(Markers::default),
             ..Settings::sized(size.0, size.1)
         };
