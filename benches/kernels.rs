@@ -1,7 +1,7 @@
 //! Every kernel by name, on the CPU and (where there is a device) on Vulkan.
 //!
 //! `cargo bench --bench kernels` runs all, `cargo bench --bench kernels -- vulkan/velocity_orca` one. Times on Vulkan are
-//! those of the device's timestamps. GAITWAY_BENCH_AGENTS sets the size, 10,000 by default.
+//! those of the device's timestamps. `GAITWAY_BENCH_AGENTS` sets the size, 10,000 by default.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,

@@ -376,7 +376,8 @@ fn summed(times: impl IntoIterator<Item = (KernelId, f64)>) -> Vec<(KernelId, f6
 fn cast() -> Result<Cast, crate::Error> {
     let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0));
     let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())
+    let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
+    Ok(cast)
 }
 
 /// Gives the agents of a bare crowd a body, a gait and an emotion each.
@@ -393,6 +394,7 @@ fn dress(store: &mut Store, cast: &Cast) {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
 
@@ -411,7 +413,7 @@ mod tests {
 
     #[test]
     fn the_median_of_no_runs_is_zero_and_of_three_the_middle() {
-        assert!(Row::new("x", 10, vec![]).ms_median.abs() < 1e-12);
+        assert_eq!(Row::new("x", 10, Vec::new()).ms_median, 0.0);
         let row = Row::new("x", 10, vec![3.0, 1.0, 2.0]);
         assert_eq!(
             (row.ms_min, row.ms_median, row.ms_max, row.agent_steps_per_second),

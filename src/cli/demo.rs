@@ -112,6 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         agents: Some(arguments.agents),
         seed: Some(arguments.seed),
         condition: None,
+        library: None,
         place: arguments.place.clone(),
     })?;
     let steps = scene.steps(seconds);

@@ -49,13 +49,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let rows: Vec<Vec<String>> = list.devices.iter().map(|row| row.words(list.best)).collect();
         table(&["", "name", "kind", "Vulkan", "driver", "usable"], &rows);
     }
-    match (list.best, &list.missing) {
+    say(&match (list.best, &list.missing) {
         (Some(best), _) => {
-            say(&format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another."))
+            format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another.")
         }
-        (None, Some(missing)) => say(&format!("No Vulkan device: {missing}.")),
-        (None, None) => say("\nNo device can be used."),
-    }
+        (None, Some(missing)) => format!("No Vulkan device: {missing}."),
+        (None, None) => "\nNo device can be used.".to_owned(),
+    });
     if let Some(hint) = &list.hint {
         say(&format!("hint: {hint}"));
     }

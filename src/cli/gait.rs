@@ -1,13 +1,14 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
 use super::output::{note, say, say_json, table};
-use super::scene::{Library, load_library, save_library};
+use super::scene::library;
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::{AtomicFile, image::write_png};
 use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
 use crate::gait::{Gait, Joint, import, stride};
+use crate::library::GaitLibrary;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 use std::io::Write as _;
@@ -167,7 +168,7 @@ fn import_files(arguments: &ImportArguments) -> Result<bool, Error> {
         if gaits.is_empty() {
             return Err(usage("there is no gait to write", "see the errors above"));
         }
-        save_library(gaits.clone(), out)?;
+        GaitLibrary::from_gaits(gaits.clone())?.save_glb(out)?;
         files.push(out.clone());
     }
     list(&gaits, files, begin, arguments.json)?;
@@ -193,8 +194,8 @@ fn strides(path: &Path, options: &import::Options, all: bool) -> Result<Vec<Gait
 fn show(arguments: &ShowArguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let gaits = match &arguments.file {
-        None => Library::standard()?.gaits().to_vec(),
-        Some(path) if is_glb(path) => load_library(path)?.gaits().to_vec(),
+        None => library(None)?.gaits().to_vec(),
+        Some(path) if is_glb(path) => library(Some(path))?.gaits().to_vec(),
         Some(path) => strides(path, &import::Options::default(), true)?,
     };
     let mut files = Vec::new();
@@ -277,7 +278,7 @@ fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
     gait.subject = Some(sex.name().to_owned());
     match arguments.out.extension().and_then(|ending| ending.to_str()) {
         Some("csv") => write_csv(&gait, &arguments.out)?,
-        Some("glb") => save_library(vec![gait.clone()], &arguments.out)?,
+        Some("glb") => GaitLibrary::from_gaits(vec![gait.clone()])?.save_glb(&arguments.out)?,
         _ => {
             let out = arguments.out.display();
             return Err(usage(format!("--out {out}: neither .csv nor .glb"), "such as --out sad.csv"));
