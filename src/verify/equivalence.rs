@@ -65,6 +65,28 @@ pub fn compare_passes(
     store: &Store,
     passes: &[Pass],
 ) -> Result<Vec<Comparison>, Error> {
+    compare_with(device, store, passes, |_, _| ())
+}
+
+/// The same, but one bit of what the device gave back is changed for every kernel: the test of the comparison itself.
+///
+/// # Errors
+/// When the device fails.
+#[doc(hidden)]
+pub fn compare_tampered(device: &Arc<Device>, store: &Store, passes: &[Pass]) -> Result<Vec<Comparison>, Error> {
+    compare_with(device, store, passes, |gpu, writes| {
+        if let Some(byte) = writes.first().and_then(|buffer| gpu.bytes_mut(*buffer).first_mut()) {
+            *byte ^= 1;
+        }
+    })
+}
+
+fn compare_with(
+    device: &Arc<Device>,
+    store: &Store,
+    passes: &[Pass],
+    tamper: impl Fn(&mut Store, &[BufferId]),
+) -> Result<Vec<Comparison>, Error> {
     let mut cpu = store.clone();
     let mut engine = Engine::new(device, store, &kernels_of(passes))?;
     let mut found: Vec<Comparison> = Vec::new();
