@@ -73,7 +73,11 @@ pub fn compare_passes(
 /// # Errors
 /// When the device fails.
 #[doc(hidden)]
-pub fn compare_tampered(device: &Arc<Device>, store: &Store, passes: &[Pass]) -> Result<Vec<Comparison>, Error> {
+pub fn compare_tampered(
+    device: &Arc<Device>,
+    store: &Store,
+    passes: &[Pass],
+) -> Result<Vec<Comparison>, Error> {
     compare_with(device, store, passes, |gpu, writes| {
         if let Some(byte) = writes.first().and_then(|buffer| gpu.bytes_mut(*buffer).first_mut()) {
             *byte ^= 1;
