@@ -1,6 +1,13 @@
 //! The program as people use it: help, results, JSON, errors with a way out, the same bits on both backends.
 //!
 //! GAITWAY_TEST_RUNNER (or GAITWAY_RUNNER) names a program that starts ours, where it cannot start by itself.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::doc_markdown,
+    reason = "a test: a failure is a panic that prints"
+)]
 
 use serde_json::Value;
 use std::path::Path;

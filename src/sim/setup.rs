@@ -76,7 +76,7 @@ fn inverse_or_none(seconds: f32) -> f32 {
     if seconds > 0.0 { 1.0 / seconds } else { 0.0 }
 }
 
-/// Lays the grid over a rectangle, with cells that hold about [`AGENTS_PER_CELL`] agents on the walkable `area`, m².
+/// Lays the grid over a rectangle, with cells that hold about five agents on the walkable `area`, m².
 ///
 /// Cells never exceed the neighbour distance: with cells that large, one ring of them is always enough.
 pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32) {
