@@ -27,6 +27,8 @@ barrier
 grid_scatter 0
 barrier
 grid_scatter 1
+barrier
+grid_scatter 2
 prefer
 barrier
 velocity_orca

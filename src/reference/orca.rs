@@ -109,10 +109,11 @@ fn on_line(lines: &[Line], number: usize, radius: f32, wanted: [f32; 2], far: bo
             continue;
         }
         let t = numerator / denominator;
+        // not min and max, which have NaN to think of
         if denominator >= 0.0 {
-            right = right.min(t);
+            right = if t < right { t } else { right };
         } else {
-            left = left.max(t);
+            left = if t > left { t } else { left };
         }
         if left > right {
             return None;
