@@ -24,8 +24,8 @@ const ORDER: &[&[&str]] = &[
     &["bench"],
     &["cli"],
 ];
-/// Words of the subject that every module of [`ORDER`] may use. They use one another and no more.
-const COMMON: &[&str] = &["emotion", "ground"];
+/// Small types that every module of [`ORDER`] may use. They use one another and no more.
+const COMMON: &[&str] = &["emotion", "ground", "picture"];
 /// Declarations that both backends share: for the backends, and from `sim` on.
 const FLOOR: &str = "kernels";
 /// They stand on the floor alone and know nothing of gaits or emotions.
