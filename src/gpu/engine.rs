@@ -166,6 +166,7 @@ impl Engine {
         let levels = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
         let levels = if kernel.has_level { &levels[..] } else { &[] };
         let entry = CString::new(kernel.name).unwrap_or_default();
+        let spirv = code(kernel)?;
         let raw = &self.device.raw;
         // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
         // written into the descriptor set live as long as the engine.
@@ -186,7 +187,7 @@ impl Engine {
                 )
                 .map_err(call("vkCreatePipelineLayout"))?;
             let module = raw
-                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(kernel.spirv), None)
+                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&spirv), None)
                 .map_err(call("vkCreateShaderModule"))?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
@@ -520,5 +521,34 @@ impl Drop for Engine {
             raw.destroy_command_pool(self.pool, None);
             raw.destroy_descriptor_pool(self.descriptors, None);
         }
+    }
+}
+
+/// The code of a kernel, as it was when the program was built.
+#[cfg(not(feature = "hot-reload"))]
+#[allow(clippy::unnecessary_wraps, reason = "reloading can fail")]
+fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
+    Ok(kernel.spirv.into())
+}
+
+/// The code of a kernel: compiled anew from the folder that `GAITWAY_SHADERS` names, if it names one.
+#[cfg(feature = "hot-reload")]
+fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
+    use crate::kernels::compile::{Source, compile};
+    let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
+        return Ok(kernel.spirv.into());
+    };
+    let file = folder.join(kernel.name).with_extension("wgsl");
+    let source = Source::read(&file, &folder.join("shared"), kernel.id as usize).map_err(Error::Shader)?;
+    let shader = compile(&source).map_err(Error::Shader)?;
+    let wanted = kernel.bindings.iter().map(|b| (b.buffer.name(), b.index));
+    match shader.entries.into_iter().next() {
+        Some(entry) if entry.bindings.iter().map(|b| (b.name.as_str(), b.binding)).eq(wanted) => {
+            Ok(entry.spirv.into())
+        }
+        _ => Err(Error::Shader(format!(
+            "{}: other bindings than when the program was built: build it anew",
+            file.display()
+        ))),
     }
 }

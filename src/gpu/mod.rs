@@ -73,6 +73,10 @@ pub enum Error {
         /// The device's `maxStorageBufferRange` or `maxUniformBufferRange`.
         limit: u64,
     },
+    /// A shader that was to be reloaded does not compile or has other bindings than the program was built with.
+    #[cfg(feature = "hot-reload")]
+    #[error("{0}")]
+    Shader(String),
     /// A pass needs a kernel that the engine was not built with.
     #[error("kernel {0} is not part of this engine")]
     NoKernel(&'static str),

@@ -17,6 +17,7 @@ use std::path::{Path, PathBuf};
 ///
 /// A line `// uses: exact, orca` names files of `shaders/shared/`. They follow the shader's own text (WGSL
 /// allows use before declaration), so the shader's line numbers stay true.
+#[derive(Debug)]
 pub struct Source {
     /// File stem, the kernel's name.
     pub name: String,
@@ -28,6 +29,9 @@ pub struct Source {
 impl Source {
     /// Reads `file` and the shared texts it uses, each once; `number` becomes the constant `KERNEL_ID`, under which
     /// a kernel reports failures.
+    ///
+    /// # Errors
+    /// When a file cannot be read.
     pub fn read(file: &Path, shared: &Path, number: usize) -> Result<Self, String> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut source = Self { name, text: String::new(), parts: Vec::new() };
@@ -144,7 +148,10 @@ pub struct Shader {
     pub layouts: Vec<Layout>,
 }
 
-/// Compiles one file. The error is `file:line:column: message`, one line per fault.
+/// Compiles one file.
+///
+/// # Errors
+/// `file:line:column: message`, one line per fault.
 pub fn compile(source: &Source) -> Result<Shader, String> {
     let module = naga::front::wgsl::parse_str(&source.text).map_err(|error| {
         let labels: Vec<_> = error

@@ -189,8 +189,6 @@ pub enum Model {
     /// Optimal reciprocal collision avoidance, 2011, by linear programming.
     #[default]
     Orca,
-    /// Reciprocal velocity obstacles, 2008, by sampling: the one the paper names.
-    Rvo,
 }
 
 /// How agents find their way past one another (spec 1.7).

@@ -1,0 +1,175 @@
+//! Laws of the simulation, on the CPU backend: what holds there holds bit for bit on an exact device.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    reason = "a test: a failure is a panic, and an agent that stays stays exactly"
+)]
+
+use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget};
+use gaitway::gait::walker;
+use gaitway::gait::{JOINT_COUNT, Joint};
+use gaitway::kernels::{KernelId, Store};
+use gaitway::library::GaitLibrary;
+use gaitway::scenario::{Clearance, Scenario, populate};
+use gaitway::sim::{Backend, Cast, Simulation, measure};
+use gaitway::verify::cases::crossing::{crossing, crossing_quality};
+use gaitway::{Emotion, reference, sim};
+use glam::{Quat, Vec3};
+
+#[test]
+fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
+    let library = GaitLibrary::built_in().unwrap();
+    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let scenario = Scenario::builtin("crossing").unwrap().with_agents(1500);
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let geometry = scenario.geometry();
+    let walkable = Clearance::new(&geometry.bounds, &geometry.obstacles);
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+    let mut still = vec![0_u32; 1500];
+    for second in 0..20 {
+        simulation.step(30).unwrap();
+        let store = simulation.state().unwrap();
+        let moment = measure::moment(store);
+        assert!(moment.overlapping_pairs <= 1, "second {second}: {moment:?}");
+        assert_eq!(measure::outside(store, |p| walkable.walkable(p)), 0, "second {second}");
+        for (count, v) in still.iter_mut().zip(&store.velocity) {
+            *count = if v[0].hypot(v[1]) < 0.05 { *count + 1 } else { 0 };
+            assert!(*count < 10, "second {second}: somebody has stood for ten seconds");
+        }
+        for (v, body) in store.velocity.iter().zip(&store.body) {
+            assert!(v[0].hypot(v[1]) <= body[1] * 1.0001, "faster than the maximum");
+        }
+    }
+    assert!(measure::moment(simulation.state().unwrap()).mean_speed > 0.9);
+}
+
+fn steps(store: &mut Store, count: u32) {
+    let passes = sim::order::step_passes(&store.step);
+    for _ in 0..count {
+        for pass in &passes {
+            reference::run(pass.kernel, store, pass.level);
+        }
+        store.step.step_index += 1;
+    }
+}
+
+#[test]
+fn the_dense_crossing_is_no_worse_than_rvo2_at_any_density() {
+    // overlap, smallest distance and progress of RVO2 after 300 or 100 steps, 10,000 agents (see README, Speed)
+    for (spacing, time_step, count, overlapping, distance, progress) in [
+        (1.0, 1.0 / 30.0, 150, 2e-5, 0.494, 1.20),
+        (0.7, 1.0 / 30.0, 150, 0.0044, 0.485, 1.10),
+        (0.7, 0.1, 60, 0.209, 0.425, 0.975),
+    ] {
+        let mut store = crossing(3600, spacing);
+        (store.step.time_step, store.step.inverse_time_step) = (time_step, 1.0 / time_step);
+        steps(&mut store, count);
+        let found = crossing_quality(&store);
+        assert!(
+            found.overlapping <= overlapping && found.min_distance >= distance,
+            "{spacing} m, {time_step} s: {found:?}"
+        );
+        assert!(found.progress >= progress, "{spacing} m, {time_step} s: {found:?}");
+    }
+}
+
+/// Two agents, alone on a wide plane, each walking to where the other starts.
+fn duel(second: [f32; 2], perturbation: f32) -> Store {
+    let mut store = crossing(4, 10.0);
+    store.step.agent_count = 2;
+    store.step.wrap = 0.0;
+    store.step.perturbation = perturbation;
+    for array in [&mut store.position, &mut store.velocity] {
+        array.truncate(2);
+    }
+    store.position = vec![[5.0, 10.0], second];
+    store.velocity = vec![[0.0; 2]; 2];
+    store.waypoints = vec![[second[0], second[1], 0.2, 0.0], [5.0, 10.0, 0.2, 0.0]];
+    store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
+    store
+}
+
+#[test]
+fn two_people_exactly_head_on_pass_each_other() {
+    let mut store = duel([15.0, 10.0], 0.02);
+    steps(&mut store, 30 * 30);
+    assert!(store.route.iter().all(|route| route[3] == 1), "{:?}", store.position);
+}
+
+#[test]
+fn people_at_one_point_come_apart_with_finite_velocities() {
+    let mut store = duel([5.0, 10.0], 0.0);
+    steps(&mut store, 30);
+    let (a, b) = (store.position[0], store.position[1]);
+    assert!((a[0] - b[0]).hypot(a[1] - b[1]) >= 0.49, "{a:?} {b:?}");
+    assert!(store.failure.iter().all(|word| *word == u32::MAX));
+}
+
+#[test]
+fn a_velocity_that_is_not_finite_is_reported_with_kernel_and_agent_and_not_taken() {
+    let mut store = crossing(9, 1.0);
+    steps(&mut store, 1);
+    let (before, slot) = (store.position[4], store.agent_slot[4] as usize);
+    store.new_velocity[slot] = [f32::NAN, 0.0];
+    reference::run(KernelId::Integrate, &mut store, 0);
+    assert_eq!(store.position[4], before);
+    assert_eq!(store.failure[KernelId::Integrate as usize], 4);
+}
+
+/// Sole points of a foot in model space, at a phase in frames.
+fn soles(avatar: &Avatar, clip: &Clip, foot: Joint, frame: f32) -> Vec<Vec3> {
+    let (first, t) = (frame.floor() as usize % CLIP_FRAMES, frame.fract());
+    let (a, b) = (&clip.frames[first], &clip.frames[(first + 1) % CLIP_FRAMES]);
+    let rotations: [Quat; JOINT_COUNT] = std::array::from_fn(|j| a.rotations[j].lerp(b.rotations[j], t));
+    let model = avatar.model_from_joint(&rotations, a.root.lerp(b.root, t));
+    let foot = foot as usize;
+    let is_sole = |v: &&gaitway::avatar::Vertex| {
+        v.joints[0] as usize == foot && v.weights[0] > 0.99 && v.position.y < 0.02
+    };
+    let vertices = avatar.levels[0].vertices.iter().filter(is_sole);
+    vertices
+        .map(|v| (model[foot] * avatar.joints[foot].joint_from_mesh).transform_point3(v.position))
+        .collect()
+}
+
+#[test]
+fn planted_feet_stay_within_two_centimetres_at_the_gaits_speed_and_at_half_of_it() {
+    for (emotion, sex) in
+        Emotion::ALL.into_iter().flat_map(|e| [(e, walker::Sex::Female), (e, walker::Sex::Male)])
+    {
+        let body = generated(if sex == walker::Sex::Female { Sex::Female } else { Sex::Male });
+        let clip = retarget(&walker::person(emotion, sex, 1, 0).unwrap(), &body).unwrap();
+        for share in [1.0, 0.5] {
+            let mut store = crossing(1, 1.0);
+            store.step.wrap = 0.0;
+            store.body = vec![[0.25, 3.0, clip.speed, clip.stride_travel]];
+            store.position = vec![[0.0, 0.0]];
+            store.phase = vec![0];
+            let mut planted: Vec<Option<Vec3>> = Vec::new();
+            let mut worst = 0.0_f32;
+            for _ in 0..180 {
+                store.agent_slot[0] = 0;
+                store.new_velocity[0] = [0.0, clip.speed * share];
+                reference::run(KernelId::Integrate, &mut store, 0);
+                let frame = store.phase[0] as f32 / 4_294_967_296.0 * CLIP_FRAMES as f32;
+                let travelled = Vec3::new(0.0, 0.0, store.position[0][1]);
+                let feet =
+                    [Joint::LeftFoot, Joint::RightFoot].map(|foot| soles(&body, &clip, foot, frame)).concat();
+                assert!(feet.len() > 8);
+                planted.resize(feet.len(), None);
+                for (mark, point) in planted.iter_mut().zip(feet) {
+                    let world = point + travelled;
+                    *mark = (point.y < 0.004).then(|| mark.unwrap_or(world));
+                    worst = worst.max(mark.map_or(0.0, |start| (world - start).with_y(0.0).length()));
+                }
+            }
+            assert!(
+                worst < 0.02,
+                "{emotion} {sex:?} at {share} of its speed: a planted foot moved {worst} m"
+            );
+        }
+    }
+}
