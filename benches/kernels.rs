@@ -1,8 +1,13 @@
 //! Every kernel by name, on the CPU and (where there is a device) on Vulkan.
 //!
 //! `cargo bench --bench kernels` runs all, `cargo bench --bench kernels -- vulkan/velocity_orca` one. Times on Vulkan are
-//! those of the device's timestamps. GAITWAY_BENCH_AGENTS sets the size, 10,000 by default.
-#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark stops at the first fault")]
+//! those of the device's timestamps. `GAITWAY_BENCH_AGENTS` sets the size, 10,000 by default.
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    missing_docs,
+    reason = "a benchmark stops at the first fault"
+)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use gaitway::bench::Sequence;
@@ -35,7 +40,10 @@ fn kernels(criterion: &mut Criterion) {
     let agents = agents();
     for (backend, label) in [(Backend::Cpu, "cpu"), (Backend::Vulkan, "vulkan")] {
         let mut group = criterion.benchmark_group(label);
-        group.sample_size(10).warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+        group
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(300))
+            .measurement_time(Duration::from_secs(1));
         group.throughput(Throughput::Elements(agents as u64));
         for (kernel, name) in KernelId::ALL.into_iter().zip(NAMES) {
             assert_eq!(kernel.kernel().name, name, "NAMES must be the kernels in order");

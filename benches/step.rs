@@ -1,7 +1,12 @@
 //! The whole simulation step of the crossing, on the CPU and (where there is a device) on Vulkan, by number of agents.
 //!
 //! `cargo bench --bench step -- cpu/10000` runs one size. Clock time of batches of steps.
-#![allow(clippy::unwrap_used, clippy::print_stdout, missing_docs, reason = "a benchmark stops at the first fault")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::print_stdout,
+    missing_docs,
+    reason = "a benchmark stops at the first fault"
+)]
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use gaitway::sim::{Backend, Simulation};
@@ -14,7 +19,10 @@ const SIZES: [usize; 3] = [1_000, 10_000, 100_000];
 fn step(criterion: &mut Criterion) {
     for (backend, label) in [(Backend::Cpu, "cpu"), (Backend::Vulkan, "vulkan")] {
         let mut group = criterion.benchmark_group(label);
-        group.sample_size(10).warm_up_time(Duration::from_millis(500)).measurement_time(Duration::from_secs(2));
+        group
+            .sample_size(10)
+            .warm_up_time(Duration::from_millis(500))
+            .measurement_time(Duration::from_secs(2));
         for agents in SIZES {
             let mut simulation = match Simulation::from_store(crossing(agents, 1.0), backend, None) {
                 Ok(simulation) => simulation,

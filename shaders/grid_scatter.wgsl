@@ -1,8 +1,9 @@
 // uses: step, grid
 // Packs the agents in cell order, within a cell by id, so that what neighbours read lies together and the order
-// does not depend on which thread came first. Two passes chosen by `level`:
+// does not depend on which thread came first. Three passes chosen by `level`:
 //   0: each agent takes the next free place of its cell (any order),
-//   1: each cell sorts its agents by id, copies what neighbours read into its slots and clears its count.
+//   1: each cell sorts its agents by id and clears its count,
+//   2: each slot copies what neighbours read of its agent.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> cell_start: array<u32>;                // [cell + 1]
 @group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell], zero before and after
@@ -24,6 +25,15 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         return;
     }
+    if level == 2u {
+        if id.x < step.agent_count {
+            let agent = slot_agent[id.x];
+            slot_motion[id.x * 2u] = vec4<f32>(position[agent], velocity[agent]);
+            slot_motion[id.x * 2u + 1u] = body[agent];
+            agent_slot[agent] = id.x;
+        }
+        return;
+    }
     if id.x >= step.cell_count {
         return;
     }
@@ -41,12 +51,6 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
             hole--;
         }
         slot_agent[hole] = agent;
-    }
-    for (var slot = first; slot < end; slot++) {
-        let agent = slot_agent[slot];
-        slot_motion[slot * 2u] = vec4<f32>(position[agent], velocity[agent]);
-        slot_motion[slot * 2u + 1u] = body[agent];
-        agent_slot[agent] = slot;
     }
     atomicStore(&cell_counts[id.x], 0u);
 }

@@ -340,8 +340,11 @@ impl Sequence {
         self.store.frame.frame_index = self.store.frame.frame_index.wrapping_add(1);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
-            let mut ops: Vec<Op> =
-                [BufferId::Step, BufferId::Frame].into_iter().filter(|id| engine.buffer(*id).is_some()).map(Op::Set).collect();
+            let mut ops: Vec<Op> = [BufferId::Step, BufferId::Frame]
+                .into_iter()
+                .filter(|id| engine.buffer(*id).is_some())
+                .map(Op::Set)
+                .collect();
             ops.extend(self.passes.iter().copied().map(Op::Pass));
             let store = &self.store;
             let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
@@ -373,7 +376,8 @@ fn summed(times: impl IntoIterator<Item = (KernelId, f64)>) -> Vec<(KernelId, f6
 fn cast() -> Result<Cast, crate::Error> {
     let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0));
     let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
-    Ok(Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?)
+    let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
+    Ok(cast)
 }
 
 /// Gives the agents of a bare crowd a body, a gait and an emotion each.
@@ -390,6 +394,7 @@ fn dress(store: &mut Store, cast: &Cast) {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
     use super::*;
 
@@ -408,8 +413,11 @@ mod tests {
 
     #[test]
     fn the_median_of_no_runs_is_zero_and_of_three_the_middle() {
-        assert_eq!(Row::new("x", 10, vec![]).ms_median, 0.0);
+        assert_eq!(Row::new("x", 10, Vec::new()).ms_median, 0.0);
         let row = Row::new("x", 10, vec![3.0, 1.0, 2.0]);
-        assert_eq!((row.ms_min, row.ms_median, row.ms_max, row.agent_steps_per_second), (1.0, 2.0, 3.0, 5000.0));
+        assert_eq!(
+            (row.ms_min, row.ms_median, row.ms_max, row.agent_steps_per_second),
+            (1.0, 2.0, 3.0, 5000.0)
+        );
     }
 }

@@ -6,7 +6,7 @@
 //!   CSV)          speed    clips     retarget  where, how  step   draw
 //! ```
 //! A module uses what stands to its left, never what stands to its right (`tests/layers.rs`).
-//! [`kernels`] is the floor under [`reference`] (CPU) and `gpu` (Vulkan).
+//! [`kernels`] is the floor under [`mod@reference`] (CPU) and `gpu` (Vulkan).
 //!
 //! Frames: right-handed, y up, metres, seconds, radians. A model faces +z. The ground plane is stored as
 //! `(x, z)`; only [`ground`] crosses between the two.

@@ -1,6 +1,13 @@
 //! The program as people use it: help, results, JSON, errors with a way out, the same bits on both backends.
 //!
 //! GAITWAY_TEST_RUNNER (or GAITWAY_RUNNER) names a program that starts ours, where it cannot start by itself.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::doc_markdown,
+    reason = "a test: a failure is a panic that prints"
+)]
 
 use serde_json::Value;
 use std::path::Path;
@@ -87,17 +94,35 @@ fn help_names_every_subcommand_and_shows_examples() {
 #[test]
 fn simulating_twice_gives_the_same_hash_and_another_seed_another() {
     let run = |seed: &str| {
-        let arguments =
-            ["simulate", "garden", "--agents", "40", "--seconds", "2", "--seed", seed, "--backend", "cpu", "--json"];
+        let arguments = [
+            "simulate",
+            "garden",
+            "--agents",
+            "40",
+            "--seconds",
+            "2",
+            "--seed",
+            seed,
+            "--backend",
+            "cpu",
+            "--json",
+        ];
         json(&arguments)
     };
     let (a, b, c) = (run("5"), run("5"), run("6"));
     assert_eq!(a["state_hash"], b["state_hash"]);
     assert_ne!(a["state_hash"], c["state_hash"]);
     assert_eq!(a["state_hash"].as_str().map(str::len), Some(16));
-    for key in
-        ["device", "scene", "mean_speed", "arrived", "min_clearance", "agent_steps_per_second", "wall_seconds", "failure"]
-    {
+    for key in [
+        "device",
+        "scene",
+        "mean_speed",
+        "arrived",
+        "min_clearance",
+        "agent_steps_per_second",
+        "wall_seconds",
+        "failure",
+    ] {
         assert!(a.get(key).is_some(), "{key} is missing in {a}");
     }
     assert_eq!((&a["agents"], &a["steps"], &a["seed"]), (&40.into(), &60.into(), &5.into()));
@@ -123,7 +148,8 @@ fn the_cpu_and_vulkan_give_the_same_hash() {
 
 #[test]
 fn an_empty_crowd_is_a_crowd() {
-    let result = json(&["simulate", "crossing", "--agents", "0", "--seconds", "1", "--backend", "cpu", "--json"]);
+    let result =
+        json(&["simulate", "crossing", "--agents", "0", "--seconds", "1", "--backend", "cpu", "--json"]);
     assert_eq!((&result["agents"], &result["steps"]), (&0.into(), &30.into()));
     assert!(result["min_clearance"].is_null());
 }
@@ -139,7 +165,11 @@ fn wrong_values_are_refused_with_a_way_out() {
     refused(&["simulate", "garden", "--out", "x.sqlite", "--fps", "7"], "--fps 7", "hint: use 30");
     refused(&["bench", "--agents", "0"], "--agents 0", "hint: ");
     refused(&["gait", "walk", "--emotion", "sad", "--set", "bouncy=1", "--out", "x.csv"], "bouncy", "bounce");
-    refused(&["gait", "walk", "--emotion", "sad", "--speed", "9", "--out", "x.csv"], "speed = 9", "0.1 to 2.6");
+    refused(
+        &["gait", "walk", "--emotion", "sad", "--speed", "9", "--out", "x.csv"],
+        "speed = 9",
+        "0.1 to 2.6",
+    );
     for usage in [&["simulate"][..], &["simulate", "crossing", "--condition", "eva"], &["fly"], &[]] {
         assert_eq!(bad(usage).0, 2, "{usage:?}");
     }
@@ -177,7 +207,8 @@ fn trajectories_appear_complete_or_not_at_all() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("walk.csv");
     let file = path.to_str().unwrap();
-    let arguments = ["simulate", "crossing", "--seconds", "1", "--backend", "cpu", "--fps", "15", "--out", file];
+    let arguments =
+        ["simulate", "crossing", "--seconds", "1", "--backend", "cpu", "--fps", "15", "--out", file];
     good(&arguments);
     let text = std::fs::read_to_string(&path).unwrap();
     assert_eq!(text.lines().count(), 1 + 8 * 16, "a head, and 8 agents in 16 frames (both ends)");
@@ -193,7 +224,8 @@ fn colors(path: &Path) -> usize {
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let frame = reader.next_frame(&mut pixels).unwrap();
     let pixels = &pixels[..frame.buffer_size()];
-    let set: std::collections::BTreeSet<&[u8]> = pixels.chunks_exact(frame.line_size / frame.width as usize).collect();
+    let set: std::collections::BTreeSet<&[u8]> =
+        pixels.chunks_exact(frame.line_size / frame.width as usize).collect();
     set.len()
 }
 
@@ -207,8 +239,19 @@ fn pictures_show_something_from_every_camera_whoever_simulates() {
     let file = out.to_str().unwrap();
     for (camera, backend) in [("eyes", "auto"), ("orbit", "cpu"), ("top", "auto"), ("follow:3", "cpu")] {
         let result = json(&[
-            "render", "crossing", "--at", "0.5", "--size", "192x108", "--camera", camera, "--backend", backend, "--out",
-            file, "--json",
+            "render",
+            "crossing",
+            "--at",
+            "0.5",
+            "--size",
+            "192x108",
+            "--camera",
+            camera,
+            "--backend",
+            backend,
+            "--out",
+            file,
+            "--json",
         ]);
         assert_eq!(result["frames"], 1, "{result}");
         assert!(colors(&out) > 100, "{camera}: {} colours", colors(&out));

@@ -24,7 +24,7 @@ const ORDER: &[&[&str]] = &[
     &["bench"],
     &["cli"],
 ];
-/// Small types that every module of [`ORDER`] may use. They use one another and no more.
+/// Words of the subject that every module of [`ORDER`] may use. They use one another and no more.
 const COMMON: &[&str] = &["emotion", "ground", "picture"];
 /// Declarations that both backends share: for the backends, and from `sim` on.
 const FLOOR: &str = "kernels";

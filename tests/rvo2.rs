@@ -1,6 +1,15 @@
 //! ORCA against RVO2's own trajectories, where they are present (`GAITWAY_DATA` or `../shared/data`); the layouts
 //! themselves are also run without them.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test: small counts, and a failure is a panic that prints"
+)]
+
 use gaitway::kernels::layout::StepUniforms;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::{reference, sim};
@@ -27,7 +36,19 @@ struct Layout {
 fn pair(name: &'static str, start: [[f32; 2]; 2], goal: [[f32; 2]; 2], speed: [f32; 2]) -> Layout {
     let (start, goal, speed) = (start.to_vec(), goal.to_vec(), speed.to_vec());
     let (gentle, strict) = (false, true);
-    Layout { strict, name, time_step: 0.1, distance: 10.0, horizon: 3.0, radius: 0.3, max_speed: 2.0, start, goal, speed, gentle }
+    Layout {
+        strict,
+        name,
+        time_step: 0.1,
+        distance: 10.0,
+        horizon: 3.0,
+        radius: 0.3,
+        max_speed: 2.0,
+        start,
+        goal,
+        speed,
+        gentle,
+    }
 }
 
 fn circle(count: usize, radius: f64) -> (Vec<[f32; 2]>, Vec<[f32; 2]>) {

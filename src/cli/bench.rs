@@ -38,7 +38,10 @@ enum WorkloadName {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if let Some(size) = arguments.agents.iter().find(|size| **size < 1 || **size > MAX_AGENTS as usize) {
-        return Err(usage(format!("--agents {size}: a size is 1 to {MAX_AGENTS}"), "such as --agents 1000,10000"));
+        return Err(usage(
+            format!("--agents {size}: a size is 1 to {MAX_AGENTS}"),
+            "such as --agents 1000,10000",
+        ));
     }
     let workload = match arguments.workload {
         WorkloadName::Crossing => Workload::Crossing,
@@ -46,7 +49,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     let (backend, device) = arguments.place.get()?;
     let mut progress = Progress::new("timing");
-    let report = bench(workload, &arguments.agents, backend, device, &mut |what, share| progress.at(what, share))?;
+    let report =
+        bench(workload, &arguments.agents, backend, device, &mut |what, share| progress.at(what, share))?;
     drop(progress);
     if let Some(reason) = &report.fallback {
         note(&format!("note: timing the CPU, since {reason}"));

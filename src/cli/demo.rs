@@ -27,7 +27,9 @@ const VIDEO: (f64, f64) = (4.0, 60.0);
 
 /// Arguments of `gaitway demo`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway demo --out demo\n  gaitway demo --out demo --agents 500 --seconds 5")]
+#[command(
+    after_help = "Examples:\n  gaitway demo --out demo\n  gaitway demo --out demo --agents 500 --seconds 5"
+)]
 pub(super) struct Arguments {
     /// Folder for the files
     #[arg(long, value_name = "DIR")]
@@ -74,10 +76,21 @@ struct Files<'a> {
 impl Files<'_> {
     fn add(&mut self, file: &Path, what: &'static str, begin: Instant) {
         let bytes = std::fs::metadata(file).map_or(0, |data| data.len());
-        self.written.push(Written { file: file.to_owned(), what, bytes, seconds: begin.elapsed().as_secs_f64() });
+        self.written.push(Written {
+            file: file.to_owned(),
+            what,
+            bytes,
+            seconds: begin.elapsed().as_secs_f64(),
+        });
     }
 
-    fn picture(&mut self, name: &str, what: &'static str, begin: Instant, image: &Image) -> Result<(), Error> {
+    fn picture(
+        &mut self,
+        name: &str,
+        what: &'static str,
+        begin: Instant,
+        image: &Image,
+    ) -> Result<(), Error> {
         let path = self.folder.join(name);
         write_png(&path, image).map_err(crate::export::Error::from)?;
         self.add(&path, what, begin);
@@ -99,6 +112,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         agents: Some(arguments.agents),
         seed: Some(arguments.seed),
         condition: None,
+        library: None,
         place: arguments.place.clone(),
     })?;
     let steps = scene.steps(seconds);
@@ -164,7 +178,11 @@ fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
 
 fn print(outcome: &Outcome) {
     let crowd = &outcome.crowd;
-    say(&format!("scene      crossing, {} agents, {} steps", thousands(u64::from(crowd.agents)), crowd.steps));
+    say(&format!(
+        "scene      crossing, {} agents, {} steps",
+        thousands(u64::from(crowd.agents)),
+        crowd.steps
+    ));
     say(&format!("seed       {}", outcome.seed));
     say(&format!("device     {}", outcome.device));
     say(&format!(

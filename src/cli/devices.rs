@@ -7,8 +7,10 @@ use serde::Serialize;
 
 /// Arguments of `gaitway devices`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway devices\n  gaitway devices --json\n  gaitway simulate crossing \
-                        --device 1\n  GAITWAY_DEVICE=llvmpipe gaitway verify")]
+#[command(
+    after_help = "Examples:\n  gaitway devices\n  gaitway devices --json\n  gaitway simulate crossing \
+                        --device 1\n  GAITWAY_DEVICE=llvmpipe gaitway verify"
+)]
 pub(super) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
@@ -47,11 +49,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let rows: Vec<Vec<String>> = list.devices.iter().map(|row| row.words(list.best)).collect();
         table(&["", "name", "kind", "Vulkan", "driver", "usable"], &rows);
     }
-    match (list.best, &list.missing) {
-        (Some(best), _) => say(&format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another.")),
-        (None, Some(missing)) => say(&format!("No Vulkan device: {missing}.")),
-        (None, None) => say("\nNo device can be used."),
-    }
+    say(&match (list.best, &list.missing) {
+        (Some(best), _) => {
+            format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another.")
+        }
+        (None, Some(missing)) => format!("No Vulkan device: {missing}."),
+        (None, None) => "\nNo device can be used.".to_owned(),
+    });
     if let Some(hint) = &list.hint {
         say(&format!("hint: {hint}"));
     }

@@ -1,13 +1,14 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
 use super::output::{note, say, say_json, table};
-use super::scene::{Library, load_library, save_library};
+use super::scene::library;
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::{AtomicFile, image::write_png};
 use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
 use crate::gait::{Gait, Joint, import, stride};
+use crate::library::GaitLibrary;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 use std::io::Write as _;
@@ -37,8 +38,10 @@ enum Command {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
-                        07_01.amc --rate 120")]
+#[command(
+    after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
+                        07_01.amc --rate 120"
+)]
 struct ImportArguments {
     /// Motion files
     #[arg(required = true)]
@@ -61,8 +64,10 @@ struct ImportArguments {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
-                        gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library.")]
+#[command(
+    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
+                        gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library."
+)]
 struct ShowArguments {
     /// A gait library (.glb) or motion file
     #[arg(value_name = "FILE|LIB")]
@@ -76,9 +81,11 @@ struct ShowArguments {
 }
 
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway gait walk --emotion sad --sex female --out sad.csv\n  gaitway gait walk \
+#[command(
+    after_help = "Examples:\n  gaitway gait walk --emotion sad --sex female --out sad.csv\n  gaitway gait walk \
                         --emotion happy --speed 1.5 --set bounce=0.04 --out happy.glb\n\n--set takes any style field; a \
-                        wrong name lists them.")]
+                        wrong name lists them."
+)]
 struct WalkArguments {
     /// happy, angry, sad or neutral
     #[arg(long)]
@@ -161,7 +168,7 @@ fn import_files(arguments: &ImportArguments) -> Result<bool, Error> {
         if gaits.is_empty() {
             return Err(usage("there is no gait to write", "see the errors above"));
         }
-        save_library(gaits.clone(), out)?;
+        GaitLibrary::from_gaits(gaits.clone())?.save_glb(out)?;
         files.push(out.clone());
     }
     list(&gaits, files, begin, arguments.json)?;
@@ -187,8 +194,8 @@ fn strides(path: &Path, options: &import::Options, all: bool) -> Result<Vec<Gait
 fn show(arguments: &ShowArguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let gaits = match &arguments.file {
-        None => Library::standard()?.gaits().to_vec(),
-        Some(path) if is_glb(path) => load_library(path)?.gaits().to_vec(),
+        None => library(None)?.gaits().to_vec(),
+        Some(path) if is_glb(path) => library(Some(path))?.gaits().to_vec(),
         Some(path) => strides(path, &import::Options::default(), true)?,
     };
     let mut files = Vec::new();
@@ -271,7 +278,7 @@ fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
     gait.subject = Some(sex.name().to_owned());
     match arguments.out.extension().and_then(|ending| ending.to_str()) {
         Some("csv") => write_csv(&gait, &arguments.out)?,
-        Some("glb") => save_library(vec![gait.clone()], &arguments.out)?,
+        Some("glb") => GaitLibrary::from_gaits(vec![gait.clone()])?.save_glb(&arguments.out)?,
         _ => {
             let out = arguments.out.display();
             return Err(usage(format!("--out {out}: neither .csv nor .glb"), "such as --out sad.csv"));
@@ -288,7 +295,10 @@ fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
         return Err(usage(format!("--set {text}: no value"), "such as --set bounce=0.04"));
     };
     let Some(field) = STYLE_FIELDS.iter().find(|field| field.name == name) else {
-        return Err(usage(format!("--set {text}: no style field {name:?}"), format!("the fields are {}", names())));
+        return Err(usage(
+            format!("--set {text}: no style field {name:?}"),
+            format!("the fields are {}", names()),
+        ));
     };
     match value.parse::<f64>() {
         Ok(value) if (field.range[0]..=field.range[1]).contains(&value) => {
@@ -297,7 +307,10 @@ fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
         }
         _ => {
             let [low, high] = field.range;
-            Err(usage(format!("--set {text}: must be {low} to {high}"), "see the ranges in the documentation of WalkerStyle"))
+            Err(usage(
+                format!("--set {text}: must be {low} to {high}"),
+                "see the ranges in the documentation of WalkerStyle",
+            ))
         }
     }
 }

@@ -19,14 +19,16 @@ const LEAP: u32 = 30;
 
 /// Arguments of `gaitway render`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway render crossing --agents 500 --camera eyes --out eyes.png\n  gaitway \
+#[command(
+    after_help = "Examples:\n  gaitway render crossing --agents 500 --camera eyes --out eyes.png\n  gaitway \
                         render garden --camera orbit --seconds 5 --out garden.mp4\n  gaitway render parking --camera \
                         follow:3 --seconds 2 --out frames/\n\nA video needs ffmpeg for .mp4; without it .y4m is \
-                        written, which every player takes.")]
+                        written, which every player takes."
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// eyes (the user's), orbit, top (a map), follow[:AGENT]
+    /// eyes (the user's), orbit, top (a map), `follow` or `follow:AGENT`
     #[arg(long, default_value = "orbit", value_name = "CAMERA")]
     camera: CameraName,
     /// Pixels
@@ -142,10 +144,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 
 fn print(outcome: &Outcome) {
     let Outcome { scene, agents, seed, device, file, frames, width, height, .. } = outcome;
-    say(&format!("scene      {scene}, {} agents, {:.2} s", thousands(u64::from(*agents)), outcome.simulated_seconds));
+    say(&format!(
+        "scene      {scene}, {} agents, {:.2} s",
+        thousands(u64::from(*agents)),
+        outcome.simulated_seconds
+    ));
     say(&format!("seed       {seed}"));
     say(&format!("device     {device}"));
-    say(&format!("written    {} ({frames} frame{}, {width}x{height})", file.display(), if *frames == 1 { "" } else { "s" }));
+    say(&format!(
+        "written    {} ({frames} frame{}, {width}x{height})",
+        file.display(),
+        if *frames == 1 { "" } else { "s" }
+    ));
     say(&format!("wall time  {:.2} s", outcome.wall_seconds));
 }
 

@@ -3,13 +3,12 @@
 use super::{output::note, usage};
 use crate::Error;
 use crate::avatar::{self, Avatar, Sex};
-use crate::emotion::Emotion;
-use crate::gait::{Gait, walker};
 use crate::kernels::Store;
+use crate::library::GaitLibrary;
 use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate};
 use crate::sim::{Backend, Cast, Simulation, setup};
 use clap::{Args, ValueEnum};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Which crowd.
 #[derive(Debug, Clone, Args)]
@@ -26,6 +25,9 @@ pub(super) struct SceneArguments {
     /// baseline: one neutral gait, no gaze; eva-o: gaits by emotion; eva-g: gaits and gaze [default: as in the scenario]
     #[arg(long, value_enum)]
     pub(super) condition: Option<ConditionName>,
+    /// Gaits to walk with [default: the built-in library]
+    #[arg(long, value_name = "LIB.glb")]
+    pub(super) library: Option<PathBuf>,
     #[command(flatten)]
     pub(super) place: PlaceArguments,
 }
@@ -95,9 +97,10 @@ impl Scene {
                 ConditionName::EvaG => Condition::EvaG,
             };
         }
-        let library = Library::standard()?;
+        let library = library(arguments.library.as_deref())?;
+        let base = Path::new(&arguments.scene).parent();
         let crowd = populate(&scenario, |emotion| library.gaits_for(emotion))?;
-        let cast = Cast::new(library.gaits(), avatars_of(&scenario)?)?;
+        let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast })
     }
 
@@ -123,7 +126,9 @@ pub(super) fn start(store: Store, place: &PlaceArguments) -> Result<Simulation, 
     }
     let simulation = Simulation::from_store(store, backend, device)?;
     if let Some(reason) = simulation.fallback() {
-        note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"));
+        note(&format!(
+            "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"
+        ));
     }
     Ok(simulation)
 }
@@ -145,61 +150,31 @@ fn read(name: &str) -> Result<Scenario, Error> {
     Ok(Scenario::builtin(name)?)
 }
 
-/// The gaits that crowds walk with, and which of them look like what.
-#[derive(Debug)]
-pub(super) struct Library {
-    gaits: Vec<Gait>,
-    by_emotion: [Vec<u32>; 4],
-}
-
-impl Library {
-    /// Generated persons per emotion and sex.
-    const PERSONS: u32 = 3;
-
-    /// The library that crowds walk with when nothing else is asked for.
-    pub(super) fn standard() -> Result<Self, Error> {
-        let mut gaits = Vec::new();
-        let mut by_emotion: [Vec<u32>; 4] = Default::default();
-        for emotion in Emotion::ALL {
-            for sex in [walker::Sex::Female, walker::Sex::Male] {
-                for index in 0..Self::PERSONS {
-                    by_emotion[emotion.index()].push(u32::try_from(gaits.len()).unwrap_or(0));
-                    gaits.push(walker::person(emotion, sex, 1, index)?);
-                }
-            }
-        }
-        Ok(Self { gaits, by_emotion })
-    }
-
-    /// All gaits.
-    pub(super) fn gaits(&self) -> &[Gait] {
-        &self.gaits
-    }
-
-    /// GEA(e): indices of the gaits that look like an emotion.
-    pub(super) fn gaits_for(&self, emotion: Emotion) -> &[u32] {
-        &self.by_emotion[emotion.index()]
-    }
-}
-
-/// The avatars of a scenario.
-pub(super) fn avatars_of(scenario: &Scenario) -> Result<Vec<Avatar>, Error> {
-    scenario.population.avatars.iter().map(|name| character(name)).collect()
-}
-
-/// An avatar by name.
-fn character(name: &str) -> Result<Avatar, Error> {
-    Sex::ALL.into_iter().find(|sex| sex.name() == name).map(avatar::generated).ok_or_else(|| {
-        usage(format!("population.avatars: there is no avatar {name:?}"), "use \"female\" or \"male\"")
+/// The gaits that crowds walk with: those of a file, or the built-in ones.
+pub(super) fn library(path: Option<&Path>) -> Result<GaitLibrary, Error> {
+    Ok(match path {
+        Some(path) => GaitLibrary::load_glb(path)?,
+        None => GaitLibrary::built_in()?,
     })
 }
 
-/// Reads a gait library.
-pub(super) fn load_library(path: &Path) -> Result<Library, Error> {
-    Err(usage(format!("cannot read {path:?}: libraries are not there yet"), "wait"))
+/// The avatars of a scenario; files are looked for beside the scenario's own, `base`.
+pub(super) fn avatars_of(scenario: &Scenario, base: Option<&Path>) -> Result<Vec<Avatar>, Error> {
+    scenario.population.avatars.iter().map(|name| character(name, base)).collect()
 }
 
-/// Writes gaits as a library.
-pub(super) fn save_library(_: Vec<Gait>, path: &Path) -> Result<(), Error> {
-    Err(usage(format!("cannot write {path:?}: libraries are not there yet"), "wait"))
+/// An avatar by name: a generated body, or a glTF or VRM file.
+fn character(name: &str, base: Option<&Path>) -> Result<Avatar, Error> {
+    if let Some(sex) = Sex::ALL.into_iter().find(|sex| sex.name() == name) {
+        return Ok(avatar::generated(sex));
+    }
+    let path = Path::new(name);
+    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
+    if !matches!(ending.as_deref(), Some("glb" | "gltf" | "vrm")) {
+        return Err(usage(
+            format!("population.avatars: there is no avatar {name:?}"),
+            "use \"female\", \"male\", or the path of a .glb, .gltf or .vrm file",
+        ));
+    }
+    Ok(avatar::load(&base.map_or_else(|| path.to_owned(), |base| base.join(path)))?)
 }

@@ -1,10 +1,11 @@
 //! A contact sheet of the two bodies walking as each emotion, drawn by the renderer.
 
-use super::scene::{Library, PlaceArguments, Scene, avatars_of};
+use super::scene::{PlaceArguments, Scene, avatars_of, library};
 use super::stage::Stage;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::image::{Tile, contact_sheet};
+use crate::gait::walker::Sex;
 use crate::picture::Image;
 use crate::render::{Atmosphere, Camera, Settings};
 use crate::scenario::{AgentStart, Crowd, Scenario, Waypoint};
@@ -67,15 +68,13 @@ fn caption(number: usize) -> String {
 /// One agent per tile.
 fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
-    let library = Library::standard()?;
-    let cast = Cast::new(library.gaits(), avatars_of(&scenario)?)?;
+    let library = library(None)?;
+    let cast = Cast::new(library.gaits(), avatars_of(&scenario, None)?)?;
     let mut crowd =
         Crowd { agents: Vec::new(), waypoints: vec![Waypoint { position: Vec2::ZERO, radius: 1.0 }] };
     for emotion in Emotion::ALL {
-        for row in 0..ROWS {
-            // women stand in the first half of an emotion's gaits
-            let gaits = library.gaits_for(emotion);
-            let gait = gaits.get(row as usize * gaits.len() / ROWS as usize).copied().unwrap_or(0);
+        for (row, sex) in (0..ROWS).zip(Sex::ALL) {
+            let gait = library.choose(emotion, Some(sex), 0)?;
             for phase in 0..PHASES {
                 crowd.agents.push(walker(crowd.agents.len(), emotion, (row, gait), phase));
             }

@@ -21,10 +21,12 @@ const SAMPLING: u32 = 15;
 
 /// Arguments of `gaitway simulate`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway simulate \
+#[command(
+    after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway simulate \
                         garden --agents 200 --seed 7 --out garden.sqlite\n  gaitway simulate my-place.toml \
                         --backend cpu --json\n\nThe state hash is the same on every machine whose arithmetic is \
-                        exact, on both backends: same scenario, same seed, same bits.")]
+                        exact, on both backends: same scenario, same seed, same bits."
+)]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
@@ -258,11 +260,17 @@ fn print(outcome: &Outcome) {
     say(&format!("overlapping pairs  {} at most", outcome.overlapping_pairs_max));
     say(&format!("agents outside     {} at most", outcome.agents_outside));
     if outcome.measured_steps < *steps {
-        say(&format!("measured           {} of {steps} steps (above {MEASURED_EVERY_STEP} agents a sample)", outcome.measured_steps));
+        say(&format!(
+            "measured           {} of {steps} steps (above {MEASURED_EVERY_STEP} agents a sample)",
+            outcome.measured_steps
+        ));
     }
     say(&format!("state hash         {}", outcome.state_hash));
     let speed = rate(outcome.agent_steps_per_second);
-    say(&format!("speed              {speed} agent steps a second ({:.2} s of stepping)", outcome.step_seconds));
+    say(&format!(
+        "speed              {speed} agent steps a second ({:.2} s of stepping)",
+        outcome.step_seconds
+    ));
     if let Some((path, frames)) = &outcome.trajectories {
         say(&format!("trajectories       {} ({frames} frames)", path.display()));
     }

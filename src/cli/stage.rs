@@ -76,7 +76,7 @@ impl Stage {
         has_markers: bool,
     ) -> Result<Self, Error> {
         let settings = Settings {
-            atmosphere: if scene.scenario.layout == Layout::Scifi { Atmosphere::EVENING } else { Atmosphere::DAY },
+            atmosphere: atmosphere(scene.scenario.layout),
             markers: has_markers.then(Markers::default),
             ..Settings::sized(size.0, size.1)
         };
@@ -173,6 +173,14 @@ impl Stage {
         let view = View::mono(camera, self.size.0, self.size.1);
         let eyes = self.user_eyes();
         self.show.picture(&mut self.simulation, &view, eyes)
+    }
+}
+
+/// The light of a place.
+const fn atmosphere(layout: Layout) -> Atmosphere {
+    match layout {
+        Layout::Scifi => Atmosphere { exposure: 1.6, ..Atmosphere::EVENING },
+        _ => Atmosphere::DAY,
     }
 }
 

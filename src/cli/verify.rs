@@ -13,9 +13,11 @@ const MOST: usize = 100_000;
 
 /// Arguments of `gaitway verify`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  gaitway verify\n  gaitway verify --quick --device llvmpipe\n  gaitway verify \
+#[command(
+    after_help = "Examples:\n  gaitway verify\n  gaitway verify --quick --device llvmpipe\n  gaitway verify \
                         --agents 0,1,5000 --json\n\nExit code 1 when a kernel differs by more than this device is \
-                        allowed: nothing on a device with exact arithmetic.")]
+                        allowed: nothing on a device with exact arithmetic."
+)]
 pub(super) struct Arguments {
     /// Sizes for the kernels, comma-separated [default: 0,1,63,64,65,1000,20000]
     #[arg(long, value_delimiter = ',', value_name = "LIST")]
@@ -42,7 +44,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         options.sizes.clone_from(&arguments.agents);
     }
     if let Some(size) = options.sizes.iter().find(|size| **size > MOST) {
-        return Err(usage(format!("--agents {size}: a size is 0 to {MOST}"), "kernels differ, if at all, at small sizes"));
+        return Err(usage(
+            format!("--agents {size}: a size is 0 to {MOST}"),
+            "kernels differ, if at all, at small sizes",
+        ));
     }
     let device = Device::open(arguments.device.as_deref(), Validation::from_environment())?;
     let mut progress = Progress::new("verifying");
@@ -69,8 +74,16 @@ fn print(report: &Report) {
                 kernel.name.to_owned(),
                 thousands(kernel.compared as u64),
                 thousands((kernel.compared - kernel.exact) as u64),
-                if is_exact { "exact".to_owned() } else { format!("{:.3e} {}", kernel.max_error, kernel.unit) },
-                if kernel.tolerance > 0.0 { format!("{:.0e} {}", kernel.tolerance, kernel.unit) } else { "none".to_owned() },
+                if is_exact {
+                    "exact".to_owned()
+                } else {
+                    format!("{:.3e} {}", kernel.max_error, kernel.unit)
+                },
+                if kernel.tolerance > 0.0 {
+                    format!("{:.0e} {}", kernel.tolerance, kernel.unit)
+                } else {
+                    "none".to_owned()
+                },
                 if kernel.pass { "pass" } else { "FAIL" }.to_owned(),
             ]
         })

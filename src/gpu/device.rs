@@ -215,15 +215,14 @@ impl Instance {
             }
             plain
         };
-        let text =
-            |name: Result<&CStr, _>| name.map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let text = |name: Option<&CStr>| name.map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
         let api = properties.api_version;
         let version = |v| {
             format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v))
         };
         DeviceInfo {
             index,
-            name: text(properties.device_name_as_c_str().map_err(|_| ())),
+            name: text(properties.device_name_as_c_str().ok()),
             kind: match properties.device_type {
                 vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
                 vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
@@ -234,8 +233,8 @@ impl Instance {
             api: version(api),
             driver: format!(
                 "{} {}",
-                text(driver.driver_name_as_c_str().map_err(|_| ())),
-                text(driver.driver_info_as_c_str().map_err(|_| ()))
+                text(driver.driver_name_as_c_str().ok()),
+                text(driver.driver_info_as_c_str().ok())
             )
             .trim()
             .to_owned(),

@@ -1,12 +1,13 @@
 //! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
 
-use super::body::{HEAD, JOINTS, NECK, SPINE, 
-    POSE_STRIDE, RIG_EYES, RIG_STRIDE, joint_forward, joint_translation, visible_agents,
+use super::body::{
+    HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE, joint_forward, joint_translation,
+    visible_agents,
 };
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
-    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate, quat_yaw_pitch, sub3,
-    xyz,
+    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
+    quat_yaw_pitch, sub3, xyz,
 };
 use crate::kernels::gaze::Slices;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -52,7 +53,6 @@ pub const VALID: u32 = 0x4000_0000;
 /// In `gaze_frame`: the agent gazed at the user.
 pub const ENGAGED: u32 = 0x8000_0000;
 const FRAME_BITS: u32 = 0x3fff_ffff;
-
 
 /// Twin of `shaders/gaze.wgsl`.
 pub fn gaze(mut b: Slices<'_>) {
@@ -207,8 +207,7 @@ fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) 
         quat_from_rows(xyz(b.rig[bind]), xyz(b.rig[bind + 1]), xyz(b.rig[bind + 2]))
     };
     let (spine_rest, neck_rest) = (rest(SPINE), rest(NECK));
-    let turned =
-        quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
+    let turned = quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
     b.local_rotations[body.base + NECK] = quat_normalize(turned);
     remember(b, agent, [flexion, torso + rotation, 0.0, 0.0], emotion != SAD);
 }
@@ -221,11 +220,8 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
 
     let range = RANGE + if body.was_engaged { RANGE_HYSTERESIS } else { 0.0 };
     let field = HALF_FIELD + if body.was_engaged { FIELD_HYSTERESIS } else { 0.0 };
-    let in_view = if body.is_too_close {
-        body.was_engaged
-    } else {
-        body.ground * scale < range && yaw.abs() < field
-    };
+    let in_view =
+        if body.is_too_close { body.was_engaged } else { body.ground * scale < range && yaw.abs() < field };
     let engaged = emotion <= ANGRY && in_view;
 
     let mut rotation = own_yaw;

@@ -16,8 +16,13 @@ pub fn grid_scatter(b: Slices<'_>) {
         }
         return;
     }
+    if b.level == 1 {
+        b.cell_counts[..b.step.cell_count as usize].fill(0);
+        return;
+    }
     let slot_agent = &b.slot_agent[..agents];
-    b.slot_motion.par_chunks_exact_mut(2).zip(slot_agent).for_each(|(slot, &agent)| {
+    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(slot_agent).with_min_len(1024);
+    slots.for_each(|(slot, &agent)| {
         let ([x, y], [vx, vy]) = (b.position[agent as usize], b.velocity[agent as usize]);
         slot[0] = [x, y, vx, vy];
         slot[1] = b.body[agent as usize];
@@ -25,5 +30,4 @@ pub fn grid_scatter(b: Slices<'_>) {
     for (slot, &agent) in slot_agent.iter().enumerate() {
         b.agent_slot[agent as usize] = slot as u32;
     }
-    b.cell_counts[..b.step.cell_count as usize].fill(0);
 }

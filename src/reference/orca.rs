@@ -109,10 +109,11 @@ fn on_line(lines: &[Line], number: usize, radius: f32, wanted: [f32; 2], far: bo
             continue;
         }
         let t = numerator / denominator;
+        // not min and max, which have NaN to think of
         if denominator >= 0.0 {
-            right = right.min(t);
+            right = if t < right { t } else { right };
         } else {
-            left = left.max(t);
+            left = if t > left { t } else { left };
         }
         if left > right {
             return None;
@@ -320,7 +321,7 @@ pub fn obstacle_line(
         let d = [from[0] - dir[0] * t, from[1] - dir[1] * t];
         dot2(d, d)
     };
-    let to_cut = if t < 0.0 || t > 1.0 || is_corner { f32::MAX } else { off_line(from_a, cut, t) };
+    let to_cut = if !(0.0..=1.0).contains(&t) || is_corner { f32::MAX } else { off_line(from_a, cut, t) };
     let to_left = if t_left < 0.0 { f32::MAX } else { off_line(from_a, left, t_left) };
     let to_right = if t_right < 0.0 { f32::MAX } else { off_line(from_b, right, t_right) };
     let beside = |centre: [f32; 2], dir: [f32; 2]| {

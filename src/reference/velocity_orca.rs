@@ -2,7 +2,8 @@
 
 use super::exact::dot2;
 use super::orca::{
-    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2, within,
+    LINES, Line, NEIGHBOURS, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2,
+    within,
 };
 use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
@@ -43,29 +44,9 @@ struct Scene<'a> {
 struct Nearest {
     slots: [u32; NEIGHBOURS],
     distance2: [f32; NEIGHBOURS],
-    ids: [u32; NEIGHBOURS],
     count: usize,
-}
-
-impl Nearest {
-    /// Insertion by (squared distance, id): a total order, so the order of the cells does not matter.
-    fn insert(&mut self, cap: usize, slot: u32, distance2: f32, id: u32) {
-        let before =
-            |i: usize| distance2 < self.distance2[i] || (distance2 == self.distance2[i] && id < self.ids[i]);
-        if self.count == cap && !before(cap - 1) {
-            return;
-        }
-        let mut hole = self.count.min(cap - 1);
-        while hole > 0 && before(hole - 1) {
-            hole -= 1;
-        }
-        let last = self.count.min(cap - 1);
-        self.slots.copy_within(hole..last, hole + 1);
-        self.distance2.copy_within(hole..last, hole + 1);
-        self.ids.copy_within(hole..last, hole + 1);
-        (self.slots[hole], self.distance2[hole], self.ids[hole]) = (slot, distance2, id);
-        self.count = (self.count + 1).min(cap);
-    }
+    /// Nobody farther than this can come in.
+    limit: f32,
 }
 
 impl Scene<'_> {
@@ -139,40 +120,37 @@ impl Scene<'_> {
         count
     }
 
-    /// The nearest agents, ring by ring of cells, stopping when no farther ring can hold a nearer one.
+    /// The nearest agents: the square of three by three cells first, then ring by ring, stopping when no farther ring
+    /// can hold a nearer one.
     fn neighbours(&self, slot: usize, position: [f32; 2]) -> Nearest {
         let step = self.step;
         let cap = step.neighbour_cap as usize;
         let range2 = step.neighbour_distance * step.neighbour_distance;
         let mut nearest =
-            Nearest { slots: [0; NEIGHBOURS], distance2: [0.0; NEIGHBOURS], ids: [0; NEIGHBOURS], count: 0 };
+            Nearest { slots: [0; NEIGHBOURS], distance2: [0.0; NEIGHBOURS], count: 0, limit: range2 };
         if cap == 0 {
             return nearest;
         }
         let [cx, cy] = grid_cell(position, step);
         let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
-        let mut ring = 0;
+        let mut ring = 1;
         loop {
+            let (left, right) = ((cx - ring).max(0), (cx + ring).min(columns - 1));
             for row in (cy - ring).max(0)..=(cy + ring).min(rows - 1) {
-                let whole = row == cy - ring || row == cy + ring;
-                let stride = if whole || ring == 0 { 1 } else { 2 * ring };
-                let mut column = cx - ring;
-                while column <= cx + ring {
-                    if (0..columns).contains(&column) {
-                        self.scan_cell(
-                            (row * columns + column) as usize,
-                            slot,
-                            position,
-                            range2,
-                            cap,
-                            &mut nearest,
-                        );
-                    }
-                    column += stride;
+                let cell = |column: i32| (row * columns + column) as usize;
+                if ring == 1 || row == cy - ring || row == cy + ring {
+                    self.scan(cell(left), cell(right), slot, position, cap, &mut nearest);
+                    continue;
+                }
+                if cx - ring >= 0 {
+                    self.scan(cell(left), cell(left), slot, position, cap, &mut nearest);
+                }
+                if cx + ring < columns {
+                    self.scan(cell(right), cell(right), slot, position, cap, &mut nearest);
                 }
             }
             let safe = self.safe_distance(position, cx, cy, ring);
-            let full = nearest.count == cap && nearest.distance2[cap - 1] < safe * safe;
+            let full = nearest.count == cap && nearest.limit < safe * safe;
             if full || safe >= step.neighbour_distance {
                 return nearest;
             }
@@ -180,22 +158,42 @@ impl Scene<'_> {
         }
     }
 
-    fn scan_cell(
-        &self,
-        cell: usize,
-        own: usize,
-        at: [f32; 2],
-        range2: f32,
-        cap: usize,
-        nearest: &mut Nearest,
-    ) {
-        for slot in self.cell_start[cell]..self.cell_start[cell + 1] {
-            let [x, y, ..] = self.slot_motion[slot as usize * 2];
-            let to = [x - at[0], y - at[1]];
+    /// Offers everyone in a run of cells of one row.
+    fn scan(&self, first: usize, last: usize, own: usize, at: [f32; 2], cap: usize, nearest: &mut Nearest) {
+        let slots = self.cell_start[first] as usize..self.cell_start[last + 1] as usize;
+        for (slot, motion) in
+            slots.clone().zip(self.slot_motion[slots.start * 2..slots.end * 2].chunks_exact(2))
+        {
+            let to = [motion[0][0] - at[0], motion[0][1] - at[1]];
             let distance2 = dot2(to, to);
-            if slot as usize != own && distance2 < range2 {
-                nearest.insert(cap, slot, distance2, self.slot_agent[slot as usize]);
+            if distance2 <= nearest.limit && slot != own {
+                self.insert(nearest, cap, slot as u32, distance2);
             }
+        }
+    }
+
+    /// Insertion by (squared distance, id): a total order, so the order of the cells does not matter.
+    fn insert(&self, nearest: &mut Nearest, cap: usize, slot: u32, distance2: f32) {
+        let id = self.slot_agent[slot as usize];
+        let before = |i: usize, nearest: &Nearest| {
+            let other = nearest.distance2[i];
+            distance2 < other || (distance2 == other && id < self.slot_agent[nearest.slots[i] as usize])
+        };
+        let full = nearest.count == cap;
+        // the neighbour distance itself is out of range
+        if if full { !before(cap - 1, nearest) } else { distance2 >= nearest.limit } {
+            return;
+        }
+        let mut hole = nearest.count.min(cap - 1);
+        while hole > 0 && before(hole - 1, nearest) {
+            nearest.slots[hole] = nearest.slots[hole - 1];
+            nearest.distance2[hole] = nearest.distance2[hole - 1];
+            hole -= 1;
+        }
+        (nearest.slots[hole], nearest.distance2[hole]) = (slot, distance2);
+        nearest.count = (nearest.count + 1).min(cap);
+        if nearest.count == cap {
+            nearest.limit = nearest.distance2[cap - 1];
         }
     }
 

@@ -17,11 +17,11 @@ mod shadow;
 pub mod show;
 mod target;
 
+pub use crate::picture::Image;
 pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
-pub use crate::picture::Image;
 pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings};

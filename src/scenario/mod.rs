@@ -2,7 +2,7 @@
 //! and the start of every agent.
 //!
 //! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
-//! says where everything is; [`populate`] fills it with agents as a [`crowd::Crowd`]; and
+//! says where everything is; [`populate()`] fills it with agents as a [`crowd::Crowd`]; and
 //! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
 
 mod clearance;

@@ -150,8 +150,20 @@ fn navigation(n: &Navigation) -> Result<(), Error> {
     )?;
     within("navigation.max_speed", n.max_speed, 0.1, 10.0, "metres a second; 2.5 is usual")?;
     within("navigation.perturbation", n.perturbation, 0.0, 0.5, "m/s; 0.02 is usual")?;
-    within("navigation.time_horizon_dense", n.time_horizon_dense, 0.0, 60.0, "seconds; 1 is usual, 0 is none")?;
-    within("navigation.time_horizon_jam", n.time_horizon_jam, 0.0, 60.0, "seconds; 0.15 is usual, 0 is none")?;
+    within(
+        "navigation.time_horizon_dense",
+        n.time_horizon_dense,
+        0.0,
+        60.0,
+        "seconds; 1 is usual, 0 is none",
+    )?;
+    within(
+        "navigation.time_horizon_jam",
+        n.time_horizon_jam,
+        0.0,
+        60.0,
+        "seconds; 0.15 is usual, 0 is none",
+    )?;
     within("navigation.safety_margin", n.safety_margin, 0.0, 1.0, "metres; 0.01 is usual")
 }
 

@@ -5,7 +5,7 @@ use crate::avatar::{Avatar, Clip, retarget, standing};
 use crate::gait::Gait;
 use rayon::prelude::*;
 
-/// Avatars and clips. Clips stand in the order [avatar][gait], each avatar's standing clip after its gaits.
+/// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clip after its gaits.
 #[derive(Debug, Clone)]
 pub struct Cast {
     avatars: Vec<Avatar>,

@@ -29,6 +29,7 @@ use crate::gpu::{Device, Engine, Validation, plan::Op};
 const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
+#[cfg(feature = "vulkan")]
 const STATE: [BufferId; 6] = [
     BufferId::Position,
     BufferId::Velocity,

@@ -23,6 +23,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScan, 2, runs),
         pass(KernelId::GridScatter, 0, agents),
         pass(KernelId::GridScatter, 1, cells),
+        pass(KernelId::GridScatter, 2, agents),
         pass(KernelId::Prefer, 0, agents),
         pass(KernelId::VelocityOrca, 0, tiles),
         pass(KernelId::Integrate, 0, agents),

@@ -14,7 +14,7 @@ const WALK_SPEED: f32 = 0.12;
 /// How fast it blends, 1/s.
 const BLEND_RATE: f32 = 2.5;
 /// Agents that a cell should hold where the crowd is evenly spread: measured best on CPU and lavapipe.
-const AGENTS_PER_CELL: f32 = 4.8;
+const AGENTS_PER_CELL: f32 = 4.0;
 /// Most cells of a grid.
 const MAX_CELLS: f32 = 4_000_000.0;
 /// Cells that one invocation of `grid_scan` adds up.
@@ -76,7 +76,7 @@ fn inverse_or_none(seconds: f32) -> f32 {
     if seconds > 0.0 { 1.0 / seconds } else { 0.0 }
 }
 
-/// Lays the grid over a rectangle, with cells that hold about [`AGENTS_PER_CELL`] agents on the walkable `area`, m².
+/// Lays the grid over a rectangle, with cells that hold about four agents on the walkable `area`, m².
 ///
 /// Cells never exceed the neighbour distance: with cells that large, one ring of them is always enough.
 pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32) {

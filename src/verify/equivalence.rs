@@ -23,18 +23,29 @@ pub struct Comparison {
 }
 
 /// Buffers that hold integers (in every word): any difference there is an error.
+const INTEGERS: [&str; 18] = [
+    "agent_bucket",
+    "agent_slot",
+    "bucket_counts",
+    "bucket_start",
+    "cell_counts",
+    "cell_start",
+    "dispatch_args",
+    "draw_args",
+    "failure",
+    "gaits",
+    "gaze_frame",
+    "look",
+    "mesh_table",
+    "phase",
+    "route",
+    "run_sums",
+    "slot_agent",
+    "visible",
+];
+
 fn is_integer(buffer: BufferId) -> bool {
-    matches!(
-        buffer.name(),
-        "agent_cell"
-            | "agent_slot"
-            | "slot_agent"
-            | "visible"
-            | "bucket_start"
-            | "draw_args"
-            | "dispatch_args"
-    ) || buffer.name().starts_with("cell_")
-        || ["phase", "route", "failure", "run_sums", "look", "gaits", "gaze_frame"].contains(&buffer.name())
+    INTEGERS.contains(&buffer.name())
 }
 
 fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
@@ -53,6 +64,32 @@ pub fn compare_passes(
     device: &Arc<Device>,
     store: &Store,
     passes: &[Pass],
+) -> Result<Vec<Comparison>, Error> {
+    compare_with(device, store, passes, |_, _| ())
+}
+
+/// The same, but one bit of what the device gave back is changed for every kernel: the test of the comparison itself.
+///
+/// # Errors
+/// When the device fails.
+#[doc(hidden)]
+pub fn compare_tampered(
+    device: &Arc<Device>,
+    store: &Store,
+    passes: &[Pass],
+) -> Result<Vec<Comparison>, Error> {
+    compare_with(device, store, passes, |gpu, writes| {
+        if let Some(byte) = writes.first().and_then(|buffer| gpu.bytes_mut(*buffer).first_mut()) {
+            *byte ^= 1;
+        }
+    })
+}
+
+fn compare_with(
+    device: &Arc<Device>,
+    store: &Store,
+    passes: &[Pass],
+    tamper: impl Fn(&mut Store, &[BufferId]),
 ) -> Result<Vec<Comparison>, Error> {
     let mut cpu = store.clone();
     let mut engine = Engine::new(device, store, &kernels_of(passes))?;
@@ -73,6 +110,7 @@ pub fn compare_passes(
         engine.run(&ops, |_, _| Vec::new(), false)?;
         let mut gpu = cpu.clone();
         engine.download(&mut gpu, &writes)?;
+        tamper(&mut gpu, &writes);
         for pass in group {
             reference::run(pass.kernel, &mut cpu, pass.level);
         }

@@ -1,7 +1,7 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
 use super::cases::{animation, step};
-use super::{Comparison, Numerics, compare_passes, CASES, numerics};
+use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{BufferId, KernelId, Pass, Store};
 use crate::sim::{Backend, Simulation, measure::state_hash, order};
@@ -59,14 +59,15 @@ pub struct Tolerance {
 /// The tolerance of each kernel on a device that is not exact.
 pub const fn tolerance(kernel: KernelId) -> Tolerance {
     let (value, unit, reason) = match kernel {
-        KernelId::GridCount
-        | KernelId::GridScan
-        | KernelId::Compact
-        | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
+        KernelId::GridCount | KernelId::GridScan | KernelId::Compact | KernelId::Cull => {
+            (0.0, "", "integers: counts, places, lists")
+        }
         KernelId::GridScatter => (0.0, "", "copies"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
-        KernelId::VelocityOrca => (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel"),
+        KernelId::VelocityOrca => {
+            (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel")
+        }
         KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
         KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),
         KernelId::Gaze => (1e-4, "", "three rounds of arc tangents, roots and quotients"),
@@ -266,7 +267,10 @@ fn trajectory(
     let mut differs_by_step = None;
     while cpu.steps_done() < options.crowd_steps && differs_by_step.is_none() {
         let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
-        progress(&format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()), 0.5 + 0.5 * done);
+        progress(
+            &format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()),
+            0.5 + 0.5 * done,
+        );
         let count = STRIDE.min(options.crowd_steps - cpu.steps_done());
         gpu.step(count)?;
         cpu.step(count)?;
@@ -287,8 +291,14 @@ fn trajectory(
 
 /// Whether everything that a step carries on has equal bits.
 fn same_state(cpu: &Store, gpu: &Store) -> bool {
-    let state =
-        [BufferId::Position, BufferId::Velocity, BufferId::Stance, BufferId::Phase, BufferId::Route, BufferId::Failure];
+    let state = [
+        BufferId::Position,
+        BufferId::Velocity,
+        BufferId::Stance,
+        BufferId::Phase,
+        BufferId::Route,
+        BufferId::Failure,
+    ];
     state.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
 }
 
@@ -304,7 +314,10 @@ fn single_steps(
     let mut crowd: Vec<Comparison> = Vec::new();
     while cpu.steps_done() < options.crowd_steps {
         let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
-        progress(&format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()), 0.5 + 0.5 * done);
+        progress(
+            &format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()),
+            0.5 + 0.5 * done,
+        );
         let state = cpu.state()?;
         let compared = compare_passes(device, state, &order::step_passes(&state.step))?;
         merge(&mut crowd, compared, &format!("crowd, step {}", cpu.steps_done()));

@@ -1,7 +1,7 @@
 //! The crossing workload: two streams mixed over one square, density kept constant by joining opposite sides.
 
+use crate::kernels::Store;
 use crate::kernels::layout::StepUniforms;
-use crate::kernels::{KernelId, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 
 /// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
@@ -12,13 +12,13 @@ const FAR: f32 = 1e7;
 pub fn crossing(agents: usize, spacing: f32) -> Store {
     let columns = (agents as f32).sqrt().ceil() as usize;
     let side = spacing * columns as f32;
-    let cell_size = 2.2 * spacing;
+    let cell_size = 2.0 * spacing;
     let cells = (side / cell_size).ceil() as u32;
     let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
     let jitter = (spacing - 0.5).min(0.4);
     let mut order: Vec<u32> = (0..agents as u32).collect();
     for i in (1..agents).rev() {
-        order.swap(i, (u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1) >> 32) as usize);
+        order.swap(i, ((u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1)) >> 32) as usize);
     }
     let mut store = Store {
         step: StepUniforms {

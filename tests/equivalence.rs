@@ -1,0 +1,155 @@
+//! Every kernel against its CPU twin on the Vulkan device, bit for bit, and whole crowds over many steps.
+//!
+//! Without a device the tests say so and pass, unless `GAITWAY_REQUIRE_GPU=1`.
+#![cfg(feature = "vulkan")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test: a failure is a panic that prints"
+)]
+
+use gaitway::gpu::{Device, Validation, validation_messages};
+use gaitway::kernels::{Access, KernelId};
+use gaitway::scenario::{Scenario, populate};
+use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::verify::cases::{animation, crossing, step};
+use gaitway::verify::{Comparison, compare_passes, numerics};
+use gaitway::{avatar, library};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// One test at a time: the messages of the validation layer are common to the process.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// Runs a test on the device and asserts that the validation layer has said nothing, leaks included.
+fn on_device(test: impl FnOnce(&Arc<Device>)) {
+    let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let device = match Device::open(None, Validation::from_environment()) {
+        Ok(device) => device,
+        Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
+        Err(error) => return println!("skipped: no Vulkan ({error})"),
+    };
+    test(&device);
+    drop(device);
+    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+}
+
+fn assert_exact(what: &str, comparisons: &[Comparison]) {
+    for c in comparisons {
+        let name = c.kernel.kernel().name;
+        assert!(
+            c.exact == c.compared,
+            "{what}: {name}: {} of {} differ, first {:?}",
+            c.compared - c.exact,
+            c.compared,
+            c.first
+        );
+    }
+}
+
+#[test]
+fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
+    on_device(|device| {
+        let exact = numerics(device).unwrap();
+        println!("{}: {exact}", device.describe());
+        assert!(
+            exact.exact,
+            "the device's arithmetic is not exact: run `gaitway verify`, which knows tolerances"
+        );
+        let mut seen = BTreeSet::from([KernelId::Numerics]);
+        for agents in [0, 1, 63, 64, 65, 1000] {
+            for seed in [1, 7] {
+                let mut store = step::crowd(agents, seed);
+                for round in 0..2 {
+                    let passes = order::step_passes(&store.step);
+                    let found = compare_passes(device, &store, &passes).unwrap();
+                    assert_exact(&format!("{agents} agents, seed {seed}, step {round}"), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                    for pass in passes {
+                        gaitway::reference::run(pass.kernel, &mut store, pass.level);
+                    }
+                    store.step.step_index += 1;
+                }
+                let store = animation::animation(agents, seed);
+                let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
+                assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
+                seen.extend(found.iter().map(|c| c.kernel));
+            }
+        }
+        assert_eq!(seen, KernelId::ALL.into_iter().collect(), "a kernel without a case");
+    });
+}
+
+#[test]
+fn the_comparison_notices_one_bit() {
+    on_device(|device| {
+        let mut store = step::crowd(65, 3);
+        let passes = order::step_passes(&store.step);
+        for pass in &passes {
+            gaitway::reference::run(pass.kernel, &mut store, pass.level);
+        }
+        for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel == *k)) {
+            let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel == kernel).collect();
+            let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
+            let caught = found.iter().any(|c| c.exact < c.compared);
+            assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
+        }
+    });
+}
+
+fn cast() -> (library::GaitLibrary, Cast) {
+    let library = library::GaitLibrary::built_in().unwrap();
+    let avatars = avatar::Sex::ALL.map(avatar::generated).to_vec();
+    let cast = Cast::new(library.gaits(), avatars).unwrap();
+    (library, cast)
+}
+
+fn crowd_hash(agents: u32, steps: u32, backend: Backend) -> u64 {
+    let (library, cast) = cast();
+    let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast, backend, None).unwrap();
+    simulation.step(steps).unwrap();
+    measure::state_hash(simulation.state().unwrap())
+}
+
+#[test]
+fn a_crowd_of_the_crossing_is_the_same_on_both_backends_and_from_run_to_run() {
+    on_device(|_| {
+        let on_vulkan = crowd_hash(2000, 100, Backend::Vulkan);
+        assert_eq!(on_vulkan, crowd_hash(2000, 100, Backend::Vulkan), "run to run");
+        assert_eq!(on_vulkan, crowd_hash(2000, 100, Backend::Cpu), "Vulkan and CPU");
+    });
+}
+
+#[test]
+fn one_thread_gives_the_crowd_of_many() {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| crowd_hash(500, 60, Backend::Cpu))
+    };
+    assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn a_dense_crowd_of_ten_thousand_is_the_same_on_both_backends() {
+    on_device(|_| {
+        let hash = |backend| {
+            let mut simulation =
+                Simulation::from_store(crossing::crossing(10_000, 0.8), backend, None).unwrap();
+            simulation.step(60).unwrap();
+            measure::state_hash(simulation.state().unwrap())
+        };
+        assert_eq!(hash(Backend::Vulkan), hash(Backend::Cpu));
+    });
+}
+
+#[test]
+fn every_buffer_a_kernel_writes_is_compared() {
+    // what compare_passes looks at is derived from the reflected access: a kernel that writes nothing would be blind
+    for kernel in KernelId::ALL {
+        let writes = kernel.kernel().bindings.iter().filter(|b| b.access == Access::Write).count();
+        assert!(writes > 0, "{} writes nothing", kernel.kernel().name);
+    }
+}

@@ -1,0 +1,77 @@
+//! The order of the kernels and the barriers between them, as text, without a GPU.
+#![cfg(feature = "vulkan")]
+
+use gaitway::gpu::plan::{Op, plan, text};
+use gaitway::kernels::BufferId;
+use gaitway::sim::order;
+use gaitway::verify::cases::{animation, step};
+
+#[test]
+fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
+    let store = step::crowd(100, 1);
+    let one = std::iter::once(Op::Set(BufferId::Step))
+        .chain(order::step_passes(&store.step).into_iter().map(Op::Pass));
+    let ops: Vec<_> = one.collect();
+    let two: Vec<_> = ops.iter().chain(&ops[..2]).copied().collect();
+    let want = "\
+set step
+barrier
+grid_count
+barrier
+grid_scan 0
+barrier
+grid_scan 1
+barrier
+grid_scan 2
+barrier
+grid_scatter 0
+barrier
+grid_scatter 1
+barrier
+grid_scatter 2
+prefer
+barrier
+velocity_orca
+barrier
+integrate
+barrier
+set step
+barrier
+grid_count
+";
+    assert_eq!(text(&plan(&two)), want);
+}
+
+#[test]
+fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
+    let store = animation::animation(100, 0);
+    let ops: Vec<_> = std::iter::once(Op::Set(BufferId::Frame))
+        .chain(order::frame_passes(&store.frame).into_iter().map(Op::Pass))
+        .collect();
+    let found = text(&plan(&ops));
+    let lines: Vec<_> = found.lines().collect();
+    let names: Vec<_> = lines.iter().filter(|line| **line != "barrier").copied().collect();
+    let want = [
+        "set frame",
+        "cull",
+        "compact 0",
+        "compact 1",
+        "compact 2",
+        "compact 3",
+        "compact 4",
+        "compact 5",
+        "pose",
+        "gaze",
+        "palette",
+        "skin 0",
+        "skin 1",
+    ];
+    assert_eq!(names, want);
+    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "skin 0")] {
+        let at = |name| lines.iter().position(|line| *line == name);
+        assert!(
+            lines[at(pair.0).unwrap_or(0)..at(pair.1).unwrap_or(0)].contains(&"barrier"),
+            "{pair:?}\n{found}"
+        );
+    }
+}
