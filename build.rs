@@ -34,6 +34,10 @@ fn main() -> ExitCode {
 fn generate() -> Result<(), String> {
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
     let spirv = out.join("spirv");
+    if spirv.exists() {
+        // the code of a kernel that is no longer there must not be checked as if it were
+        std::fs::remove_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
+    }
     std::fs::create_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
     let kernels = compile_folder(Path::new("shaders"), &spirv)?;
     let draws = compile_folder(Path::new("shaders/draw"), &spirv)?;
