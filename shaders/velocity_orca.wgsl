@@ -15,7 +15,7 @@
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
-const GROUP = 8u;
+const GROUP = 32u;
 const TILE = 4u;
 const KEY_MASK = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES = 255u;          // candidates that the low bits can number
@@ -31,7 +31,7 @@ var<private> segment_numbers: array<u32, 12>;
 var<private> segment_distances: array<f32, 12>;
 
 
-@compute @workgroup_size(8)
+@compute @workgroup_size(32)
 fn velocity_orca(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_index) lane: u32) {
     let row = i32(group.y);
     let column = i32(group.x * TILE);
@@ -61,7 +61,7 @@ fn velocity_orca(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocat
         let motion = slot_motion[slot * 2u];
         let at = motion.xy;
         keys_clear();
-        if fits {
+        if fits && is_mine {
             for (var place = 0u; place < count0; place++) {
                 offer(base0 + place, place, slot, at, range2);
             }
