@@ -1,8 +1,9 @@
 //! One Vulkan buffer per [`BufferId`], one pipeline per kernel, and lists of passes run in one submission.
 
+use super::pipeline::Pipeline;
 use super::plan::{Command, Op, plan};
 use super::{Buffer, Device, Error, Memory, call};
-use crate::kernels::{Access, BufferId, Extent, Kernel, KernelId, Pass, Store};
+use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use ash::{ext, vk};
 use std::ffi::CString;
 use std::sync::Arc;
@@ -20,14 +21,6 @@ pub struct PassTime {
     pub pass: Pass,
     /// Milliseconds between the device's timestamps.
     pub milliseconds: f64,
-}
-
-struct Pipeline {
-    raw: vk::Pipeline,
-    layout: vk::PipelineLayout,
-    set_layout: vk::DescriptorSetLayout,
-    set: vk::DescriptorSet,
-    label: CString,
 }
 
 /// Buffers, pipelines and a command buffer on one device.
@@ -71,7 +64,7 @@ impl Engine {
             for binding in kernel.kernel().bindings {
                 engine.make_buffer(binding.buffer, store.bytes(binding.buffer).len() as u64)?;
             }
-            let pipeline = engine.make_pipeline(kernel.kernel())?;
+            let pipeline = Pipeline::new(device, kernel.kernel(), engine.descriptors, &engine.buffers)?;
             engine.pipelines[kernel as usize] = Some(pipeline);
         }
         let made: Vec<_> =
@@ -145,97 +138,6 @@ impl Engine {
         }
         self.buffers[id as usize] = Some(Buffer::new(&self.device, id.name(), bytes, Memory::Device)?);
         Ok(())
-    }
-
-    fn make_pipeline(&self, kernel: &'static Kernel) -> Result<Pipeline, Error> {
-        let kind = |access| match access {
-            Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-            Access::Read | Access::Write => vk::DescriptorType::STORAGE_BUFFER,
-        };
-        let bindings: Vec<_> = kernel
-            .bindings
-            .iter()
-            .map(|b| {
-                vk::DescriptorSetLayoutBinding::default()
-                    .binding(b.index)
-                    .descriptor_count(1)
-                    .descriptor_type(kind(b.access))
-                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
-            })
-            .collect();
-        let levels = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
-        let levels = if kernel.has_level { &levels[..] } else { &[] };
-        let entry = CString::new(kernel.name).unwrap_or_default();
-        let spirv = code(kernel)?;
-        let raw = &self.device.raw;
-        // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
-        // written into the descriptor set live as long as the engine.
-        unsafe {
-            let set_layout = raw
-                .create_descriptor_set_layout(
-                    &vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings),
-                    None,
-                )
-                .map_err(call("vkCreateDescriptorSetLayout"))?;
-            let set_layouts = [set_layout];
-            let layout = raw
-                .create_pipeline_layout(
-                    &vk::PipelineLayoutCreateInfo::default()
-                        .set_layouts(&set_layouts)
-                        .push_constant_ranges(levels),
-                    None,
-                )
-                .map_err(call("vkCreatePipelineLayout"))?;
-            let module = raw
-                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&spirv), None)
-                .map_err(call("vkCreateShaderModule"))?;
-            let stage = vk::PipelineShaderStageCreateInfo::default()
-                .stage(vk::ShaderStageFlags::COMPUTE)
-                .module(module)
-                .name(&entry);
-            let create = [vk::ComputePipelineCreateInfo::default().layout(layout).stage(stage)];
-            let made = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
-            raw.destroy_shader_module(module, None);
-            let pipeline = made
-                .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
-                .first()
-                .copied()
-                .unwrap_or_default();
-            self.device.name(pipeline, kernel.name);
-            let allocate = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(self.descriptors)
-                .set_layouts(&set_layouts);
-            let set = raw
-                .allocate_descriptor_sets(&allocate)
-                .map_err(call("vkAllocateDescriptorSets"))?
-                .first()
-                .copied()
-                .unwrap_or_default();
-            let infos: Vec<_> = kernel
-                .bindings
-                .iter()
-                .map(|b| {
-                    let buffer =
-                        self.buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
-                    [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
-                })
-                .collect();
-            let writes: Vec<_> = kernel
-                .bindings
-                .iter()
-                .zip(&infos)
-                .map(|(b, info)| {
-                    vk::WriteDescriptorSet::default()
-                        .dst_set(set)
-                        .dst_binding(b.index)
-                        .descriptor_type(kind(b.access))
-                        .buffer_info(info)
-                })
-                .collect();
-            raw.update_descriptor_sets(&writes, &[]);
-            let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
-            Ok(Pipeline { raw: pipeline, layout, set_layout, set, label })
-        }
     }
 
     /// Copies buffers from the host to the device.
@@ -521,34 +423,5 @@ impl Drop for Engine {
             raw.destroy_command_pool(self.pool, None);
             raw.destroy_descriptor_pool(self.descriptors, None);
         }
-    }
-}
-
-/// The code of a kernel, as it was when the program was built.
-#[cfg(not(feature = "hot-reload"))]
-#[allow(clippy::unnecessary_wraps, reason = "reloading can fail")]
-fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
-    Ok(kernel.spirv.into())
-}
-
-/// The code of a kernel: compiled anew from the folder that `GAITWAY_SHADERS` names, if it names one.
-#[cfg(feature = "hot-reload")]
-fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
-    use crate::kernels::compile::{Source, compile};
-    let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
-        return Ok(kernel.spirv.into());
-    };
-    let file = folder.join(kernel.name).with_extension("wgsl");
-    let source = Source::read(&file, &folder.join("shared"), kernel.id as usize).map_err(Error::Shader)?;
-    let shader = compile(&source).map_err(Error::Shader)?;
-    let wanted = kernel.bindings.iter().map(|b| (b.buffer.name(), b.index));
-    match shader.entries.into_iter().next() {
-        Some(entry) if entry.bindings.iter().map(|b| (b.name.as_str(), b.binding)).eq(wanted) => {
-            Ok(entry.spirv.into())
-        }
-        _ => Err(Error::Shader(format!(
-            "{}: other bindings than when the program was built: build it anew",
-            file.display()
-        ))),
     }
 }

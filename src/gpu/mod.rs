@@ -7,6 +7,7 @@
 mod buffer;
 mod device;
 mod engine;
+mod pipeline;
 pub mod plan;
 
 pub use buffer::{Buffer, Memory};

@@ -13,7 +13,7 @@ use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, Rest
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::layout::FrameUniforms;
-use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
+use crate::kernels::{KernelId, Pass, Store};
 use crate::reference::body::{
     COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE,
     visible_slots,
@@ -398,26 +398,5 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
 
 /// The launches of the animation kernels for one picture, in order.
 pub fn passes(store: &Store) -> Vec<Pass> {
-    let agents = store.frame.agent_count;
-    let runs = Extent::Invocations(agents.div_ceil(RUN as u32));
-    let avatars = store.frame.bucket_count / store.frame.level_count.max(1);
-    let pass = |kernel, level, extent| Pass { kernel, level, extent };
-    let per_visible = Extent::Indirect(BufferId::DispatchArgs, 0);
-    let mut passes = vec![
-        pass(KernelId::Cull, 0, Extent::Invocations(agents)),
-        pass(KernelId::Compact, 0, runs),
-        pass(KernelId::Compact, 1, Extent::Invocations(2)),
-        pass(KernelId::Compact, 2, runs),
-        pass(KernelId::Compact, 3, Extent::Invocations(COLUMNS as u32)),
-        pass(KernelId::Compact, 4, Extent::Invocations(1)),
-        pass(KernelId::Compact, 5, runs),
-        pass(KernelId::Pose, 0, per_visible),
-        pass(KernelId::Gaze, 0, per_visible),
-        pass(KernelId::Palette, 0, per_visible),
-    ];
-    for avatar in 0..avatars {
-        let extent = Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar);
-        passes.push(pass(KernelId::Skin, avatar, extent));
-    }
-    passes
+    crate::sim::order::frame_passes(&store.frame)
 }

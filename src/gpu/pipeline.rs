@@ -1,0 +1,142 @@
+//! A kernel as a Vulkan pipeline with its descriptor set.
+
+use super::{Buffer, Device, Error, call};
+use crate::kernels::{Access, Kernel};
+use ash::vk;
+use std::ffi::CString;
+
+/// One kernel, ready to be launched. Its owner destroys it.
+pub(super) struct Pipeline {
+    pub(super) raw: vk::Pipeline,
+    pub(super) layout: vk::PipelineLayout,
+    pub(super) set_layout: vk::DescriptorSetLayout,
+    pub(super) set: vk::DescriptorSet,
+    pub(super) label: CString,
+}
+
+impl Pipeline {
+    /// Makes the pipeline and the descriptor set, with the buffers that the kernel binds by name.
+    pub(super) fn new(
+        device: &Device,
+        kernel: &'static Kernel,
+        descriptors: vk::DescriptorPool,
+        buffers: &[Option<Buffer>],
+    ) -> Result<Self, Error> {
+        let kind = |access| match access {
+            Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+            Access::Read | Access::Write => vk::DescriptorType::STORAGE_BUFFER,
+        };
+        let bindings: Vec<_> = kernel
+            .bindings
+            .iter()
+            .map(|b| {
+                vk::DescriptorSetLayoutBinding::default()
+                    .binding(b.index)
+                    .descriptor_count(1)
+                    .descriptor_type(kind(b.access))
+                    .stage_flags(vk::ShaderStageFlags::COMPUTE)
+            })
+            .collect();
+        let levels = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
+        let levels = if kernel.has_level { &levels[..] } else { &[] };
+        let entry = CString::new(kernel.name).unwrap_or_default();
+        let spirv = code(kernel)?;
+        let raw = &device.raw;
+        // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
+        // written into the descriptor set live as long as the engine.
+        unsafe {
+            let set_layout = raw
+                .create_descriptor_set_layout(
+                    &vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings),
+                    None,
+                )
+                .map_err(call("vkCreateDescriptorSetLayout"))?;
+            let set_layouts = [set_layout];
+            let layout = raw
+                .create_pipeline_layout(
+                    &vk::PipelineLayoutCreateInfo::default()
+                        .set_layouts(&set_layouts)
+                        .push_constant_ranges(levels),
+                    None,
+                )
+                .map_err(call("vkCreatePipelineLayout"))?;
+            let module = raw
+                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&spirv), None)
+                .map_err(call("vkCreateShaderModule"))?;
+            let stage = vk::PipelineShaderStageCreateInfo::default()
+                .stage(vk::ShaderStageFlags::COMPUTE)
+                .module(module)
+                .name(&entry);
+            let create = [vk::ComputePipelineCreateInfo::default().layout(layout).stage(stage)];
+            let made = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
+            raw.destroy_shader_module(module, None);
+            let pipeline = made
+                .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            device.name(pipeline, kernel.name);
+            let allocate = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(descriptors)
+                .set_layouts(&set_layouts);
+            let set = raw
+                .allocate_descriptor_sets(&allocate)
+                .map_err(call("vkAllocateDescriptorSets"))?
+                .first()
+                .copied()
+                .unwrap_or_default();
+            let infos: Vec<_> = kernel
+                .bindings
+                .iter()
+                .map(|b| {
+                    let buffer = buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
+                    [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
+                })
+                .collect();
+            let writes: Vec<_> = kernel
+                .bindings
+                .iter()
+                .zip(&infos)
+                .map(|(b, info)| {
+                    vk::WriteDescriptorSet::default()
+                        .dst_set(set)
+                        .dst_binding(b.index)
+                        .descriptor_type(kind(b.access))
+                        .buffer_info(info)
+                })
+                .collect();
+            raw.update_descriptor_sets(&writes, &[]);
+            let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
+            Ok(Self { raw: pipeline, layout, set_layout, set, label })
+        }
+    }
+}
+
+/// The code of a kernel, as it was when the program was built.
+#[cfg(not(feature = "hot-reload"))]
+#[allow(clippy::unnecessary_wraps, reason = "reloading can fail")]
+fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
+    Ok(kernel.spirv.into())
+}
+
+/// The code of a kernel: compiled anew from the folder that `GAITWAY_SHADERS` names, if it names one.
+#[cfg(feature = "hot-reload")]
+fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
+    use crate::kernels::compile::{Source, compile};
+    let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
+        return Ok(kernel.spirv.into());
+    };
+    let file = folder.join(kernel.name).with_extension("wgsl");
+    let source = Source::read(&file, &folder.join("shared"), kernel.id as usize).map_err(Error::Shader)?;
+    let shader = compile(&source).map_err(Error::Shader)?;
+    let wanted = kernel.bindings.iter().map(|b| (b.buffer.name(), b.index));
+    match shader.entries.into_iter().next() {
+        Some(entry) if entry.bindings.iter().map(|b| (b.name.as_str(), b.binding)).eq(wanted) => {
+            Ok(entry.spirv.into())
+        }
+        _ => Err(Error::Shader(format!(
+            "{}: other bindings than when the program was built: build it anew",
+            file.display()
+        ))),
+    }
+}
