@@ -11,6 +11,9 @@ pub enum Error {
     /// A motion file or gait could not be used.
     #[error(transparent)]
     Gait(#[from] crate::gait::Error),
+    /// Ratings, features or a model of perception could not be used.
+    #[error(transparent)]
+    Perception(#[from] crate::perception::Error),
     /// A gait library could not be read or does not hold what was asked of it.
     #[error(transparent)]
     Library(#[from] crate::library::Error),

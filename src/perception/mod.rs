@@ -1,0 +1,63 @@
+//! What people see in a gait: ratings and labels, features, classifiers, and how well they agree with people.
+//!
+//! A [`Method`] learns from labelled gaits and yields a [`Perceiver`], which tells the emotion of any gait. The
+//! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
+//! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
+
+use crate::emotion::Emotion;
+use crate::gait::Gait;
+
+/// A way of learning to tell the emotion that people see in a gait.
+pub trait Method: Sync {
+    /// Name in tables and on the command line, such as `affective-svm`.
+    fn name(&self) -> &'static str;
+
+    /// Learns from gaits with the emotions that people see in them; both slices have one length. The result depends
+    /// on nothing but the arguments.
+    ///
+    /// # Errors
+    /// [`Error::Training`] if there is nothing to learn from: fewer than two classes, or unusable gaits.
+    fn train(&self, gaits: &[&Gait], emotions: &[Emotion], seed: u64) -> Result<Box<dyn Perceiver>, Error>;
+}
+
+/// A trained [`Method`].
+pub trait Perceiver: Send + Sync {
+    /// Probability of each emotion, in the order of [`Emotion::ALL`]; they add up to 1.
+    fn probabilities(&self, gait: &Gait) -> [f64; 4];
+
+    /// The most probable emotion; of equal ones the first.
+    fn emotion(&self, gait: &Gait) -> Emotion {
+        most_probable(self.probabilities(gait))
+    }
+}
+
+/// The emotion of the largest probability; of equal ones the first.
+pub fn most_probable(probabilities: [f64; 4]) -> Emotion {
+    Emotion::ALL.into_iter().fold(Emotion::Happy, |best, emotion| {
+        if probabilities[emotion.index()] > probabilities[best.index()] { emotion } else { best }
+    })
+}
+
+/// Ratings, features or a model could not be used.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// Nothing can be learned from these gaits.
+    #[error("cannot train {method}: {message}")]
+    Training {
+        /// The method.
+        method: &'static str,
+        /// Why, with values and the way out.
+        message: String,
+    },
+    /// A file is not what its format demands.
+    #[error("{path}:{line}: {message}")]
+    Syntax {
+        /// The file.
+        path: String,
+        /// Line number from 1; 0 when the fault is the file as a whole.
+        line: usize,
+        /// What is wrong, with the value found and what was expected.
+        message: String,
+    },
+}
