@@ -5,8 +5,9 @@
 // packed keys: squared distance with its low bits replaced by the candidate's place in the five runs. Where that could
 // differ from the order by (squared distance, id) (two keys agree in the bits left, fewer than wanted were found, a
 // nearer one may stand farther out, the runs are too long) it searches again, ring by ring and exactly. So the
-// neighbours are always the exact ones. Keys and lines stay in registers: arrays with computed indices are slow
-// memory on every device.
+// neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
+// every device. (The lines would be faster there, too, but unrolling the linear program makes a kernel so long that
+// one driver, SwiftShader, needs more than 20 GiB to compile it.)
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed
 @group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]
@@ -49,13 +50,16 @@ fn neighbours(slot: u32, at: vec2<f32>) -> u32 {
     let run3 = run(centre, 1, run2.end);
     let run4 = run(centre, 2, run3.end);
     let fits = run4.end <= PLACES && step.neighbour_cap == NEIGHBOURS;
+    let ends = vec4<u32>(run0.end, run1.end, run2.end, run3.end);
+    let shift = vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift);
     keys_clear();
-    if fits {
-        offer_run(run0, slot, at, range2);
-        offer_run(run1, slot, at, range2);
-        offer_run(run2, slot, at, range2);
-        offer_run(run3, slot, at, range2);
-        offer_run(run4, slot, at, range2);
+    let last = select(0u, run4.end, fits);
+    for (var place = 0u; place < last; place += 4u) {
+        c0 = key(place, last, slot_of(place, ends, shift, run4.shift), slot, at, range2);
+        c1 = key(place + 1u, last, slot_of(place + 1u, ends, shift, run4.shift), slot, at, range2);
+        c2 = key(place + 2u, last, slot_of(place + 2u, ends, shift, run4.shift), slot, at, range2);
+        c3 = key(place + 3u, last, slot_of(place + 3u, ends, shift, run4.shift), slot, at, range2);
+        offer();
     }
     let safe = safe_distance(at, centre, 2);
     let complete = safe >= step.neighbour_distance || (k9 & KEY_MASK) < (bitcast<u32>(safe * safe) & KEY_MASK);
@@ -64,8 +68,6 @@ fn neighbours(slot: u32, at: vec2<f32>) -> u32 {
     if !fits || !complete || ambiguous {
         return search(slot, at, centre, range2);
     }
-    let ends = vec4<u32>(run0.end, run1.end, run2.end, run3.end);
-    let shift = vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift);
     found[0] = slot_of(k0, ends, shift, run4.shift);
     found[1] = slot_of(k1, ends, shift, run4.shift);
     found[2] = slot_of(k2, ends, shift, run4.shift);
@@ -80,9 +82,8 @@ fn neighbours(slot: u32, at: vec2<f32>) -> u32 {
         + u32(k5 != NO_KEY) + u32(k6 != NO_KEY) + u32(k7 != NO_KEY) + u32(k8 != NO_KEY) + u32(k9 != NO_KEY);
 }
 
-// A run of candidates: places begin..end, whose slots are shift higher.
+// A run of candidates: places up to `end`, whose slots are `shift` higher.
 struct Run {
-    begin: u32,
     end: u32,
     shift: u32,
 }
@@ -94,7 +95,7 @@ fn run(centre: vec2<i32>, dy: i32, begin: u32) -> Run {
     let row = clamp(y, 0, i32(step.grid_rows) - 1) * columns;
     let first = cell_start[row + max(centre.x - 2, 0)];
     let end = cell_start[row + min(centre.x + 2, columns - 1) + 1];
-    return Run(begin, begin + select(0u, end - first, y >= 0 && y < i32(step.grid_rows)), first - begin);
+    return Run(begin + select(0u, end - first, y >= 0 && y < i32(step.grid_rows)), first - begin);
 }
 
 // The keys found so far, nearest first.
@@ -124,11 +125,11 @@ fn keys_clear() {
     k10 = NO_KEY;
 }
 
-fn key(place: u32, run: Run, slot: u32, at: vec2<f32>, range2: f32) -> u32 {
-    let candidate = run.shift + place;
+// The key of a candidate; places from `last` on are none.
+fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32) -> u32 {
     let to = slot_motion[candidate * 2u].xy - at;
     let distance2 = dot2(to, to);
-    let wanted = place < run.end && distance2 < range2 && candidate != slot;
+    let wanted = place < last && candidate != slot && distance2 < range2;
     return select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
 }
 
@@ -141,21 +142,15 @@ fn order(low: ptr<private, u32>, high: ptr<private, u32>) {
 
 // Four candidates at a time: sorted among themselves (a network of five comparisons), the better ends of the two
 // lists kept, which makes a bitonic list, and that list sorted (17 comparisons).
-fn offer_run(run: Run, slot: u32, at: vec2<f32>, range2: f32) {
-    for (var place = run.begin; place < run.end; place += 4u) {
-        c0 = key(place, run, slot, at, range2);
-        c1 = key(place + 1u, run, slot, at, range2);
-        c2 = key(place + 2u, run, slot, at, range2);
-        c3 = key(place + 3u, run, slot, at, range2);
-        order(&c0, &c1); order(&c2, &c3);
-        order(&c0, &c2); order(&c1, &c3);
-        order(&c1, &c2);
-        k7 = min(k7, c3); k8 = min(k8, c2); k9 = min(k9, c1); k10 = min(k10, c0);
-        order(&k0, &k8); order(&k1, &k9); order(&k2, &k10);
-        order(&k3, &k7); order(&k4, &k8); order(&k5, &k9); order(&k6, &k10);
-        order(&k0, &k2); order(&k3, &k5); order(&k4, &k6); order(&k7, &k9); order(&k8, &k10);
-        order(&k1, &k2); order(&k3, &k4); order(&k5, &k6); order(&k7, &k8); order(&k9, &k10);
-    }
+fn offer() {
+    order(&c0, &c1); order(&c2, &c3);
+    order(&c0, &c2); order(&c1, &c3);
+    order(&c1, &c2);
+    k7 = min(k7, c3); k8 = min(k8, c2); k9 = min(k9, c1); k10 = min(k10, c0);
+    order(&k0, &k8); order(&k1, &k9); order(&k2, &k10);
+    order(&k3, &k7); order(&k4, &k8); order(&k5, &k9); order(&k6, &k10);
+    order(&k0, &k2); order(&k3, &k5); order(&k4, &k6); order(&k7, &k9); order(&k8, &k10);
+    order(&k1, &k2); order(&k3, &k4); order(&k5, &k6); order(&k7, &k8); order(&k9, &k10);
 }
 
 var<private> c0: u32;
@@ -246,39 +241,17 @@ fn avoid(slot: u32, motion: vec4<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
     let hard = obstacle_lines(motion.xy, motion.zw, traits.x, traits.y);
     let to_user = step.user_position - motion.xy;
-    let has_user = step.user_radius > 0.0 && dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance;
-    let first = hard + u32(has_user);
+    let is_near = dot2(to_user, to_user) < step.neighbour_distance * step.neighbour_distance;
+    let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
+    let made = hard + users + count;
     let preferred = preferred_velocity[slot_agent[slot]];
     let is_slow = dot2(motion.zw, motion.zw) < JAM_SPEED * JAM_SPEED * traits.y * traits.y;
-    let m0 = neighbour(0u, count, slot, traits.x);
-    let m1 = neighbour(1u, count, slot, traits.x);
-    let m2 = neighbour(2u, count, slot, traits.x);
-    let m3 = neighbour(3u, count, slot, traits.x);
-    let m4 = neighbour(4u, count, slot, traits.x);
-    let m5 = neighbour(5u, count, slot, traits.x);
-    let m6 = neighbour(6u, count, slot, traits.x);
-    let m7 = neighbour(7u, count, slot, traits.x);
-    let m8 = neighbour(8u, count, slot, traits.x);
-    let m9 = neighbour(9u, count, slot, traits.x);
-    let user = Neighbour(vec4<f32>(step.user_position, step.user_velocity), traits.x + step.user_radius + step.safety_margin, 1.0);
     var rate = step.inverse_time_horizon;
-    var solved = Solved(motion.zw, ALL);
+    var solved = Solved(motion.zw, 0u);
     var again = true;
     for (var attempt = 0u; attempt < 3u && again; attempt++) {
-        if has_user {
-            lines[hard] = line_of(user, 1.0, motion, rate);
-        }
-        n0 = line_of(m0, step.responsibility, motion, rate);
-        n1 = line_of(m1, step.responsibility, motion, rate);
-        n2 = line_of(m2, step.responsibility, motion, rate);
-        n3 = line_of(m3, step.responsibility, motion, rate);
-        n4 = line_of(m4, step.responsibility, motion, rate);
-        n5 = line_of(m5, step.responsibility, motion, rate);
-        n6 = line_of(m6, step.responsibility, motion, rate);
-        n7 = line_of(m7, step.responsibility, motion, rate);
-        n8 = line_of(m8, step.responsibility, motion, rate);
-        n9 = line_of(m9, step.responsibility, motion, rate);
-        solved = within_all(first, traits.y, preferred);
+        other_lines(hard, users, users + count, slot, motion, traits.x, rate);
+        solved = within(0u, made, traits.y, preferred, false);
         // Too crowded to plan that far: plan less far. What is near then counts for more than what is far.
         var next = 0.0;
         if attempt == 0u {
@@ -286,48 +259,31 @@ fn avoid(slot: u32, motion: vec4<f32>, count: u32) -> vec2<f32> {
         } else if attempt == 1u && is_slow {
             next = step.inverse_time_horizon_jam;
         }
-        again = solved.satisfied != ALL && next > 0.0;
+        again = solved.satisfied < made && next > 0.0;
         rate = next;
     }
-    lines[OTHERS + 0u] = n0;
-    lines[OTHERS + 1u] = n1;
-    lines[OTHERS + 2u] = n2;
-    lines[OTHERS + 3u] = n3;
-    lines[OTHERS + 4u] = n4;
-    lines[OTHERS + 5u] = n5;
-    lines[OTHERS + 6u] = n6;
-    lines[OTHERS + 7u] = n7;
-    lines[OTHERS + 8u] = n8;
-    lines[OTHERS + 9u] = n9;
-    let made = select(first + count, 0u, solved.satisfied == ALL);
-    return least_bad(made, first, hard, solved.satisfied, traits.y, solved.velocity);
+    return least_bad(made, hard, solved.satisfied, traits.y, solved.velocity);
 }
 
-// Where a neighbour is, m, how it moves, m/s, and the sum of the radii, m; less than 0: there is none.
-struct Neighbour {
-    motion: vec4<f32>,
-    radius: f32,
-    side: f32,
-}
-
-fn neighbour(k: u32, count: u32, slot: u32, own_radius: f32) -> Neighbour {
-    let other = select(slot, found[k], k < count);
-    let radius = own_radius + slot_motion[other * 2u + 1u].x + step.safety_margin;
-    return Neighbour(slot_motion[other * 2u], select(-1.0, radius, k < count), select(-1.0, 1.0, slot < other));
-}
-
-fn line_of(other: Neighbour, share: f32, motion: vec4<f32>, rate: f32) -> vec4<f32> {
-    let line = agent_line(
-        motion.zw,
-        other.motion.xy - motion.xy,
-        motion.zw - other.motion.zw,
-        other.radius,
-        rate,
-        step.inverse_time_step,
-        share,
-        other.side,
-    );
-    return select(line, FREE, other.radius < 0.0);
+// Lines of the user (if `users` is 1), who takes none of the avoidance, so the agent takes all, and of the neighbours,
+// nearest first, from line `first` on.
+fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>, own_radius: f32, rate: f32) {
+    for (var k = 0u; k < count; k++) {
+        let is_user = k < users;
+        let other = found[max(k, users) - users];
+        let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
+        let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
+        lines[first + k] = agent_line(
+            motion.zw,
+            theirs.xy - motion.xy,
+            motion.zw - theirs.zw,
+            own_radius + their_radius + step.safety_margin,
+            rate,
+            step.inverse_time_step,
+            select(step.responsibility, 1.0, is_user),
+            select(-1.0, 1.0, slot < other || is_user),
+        );
+    }
 }
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.
