@@ -1,11 +1,13 @@
-//! Points that the cameras lost: short gaps are bridged, and of the rest the longest whole stretch is taken.
+//! Points that the cameras lost: short gaps are bridged by cubics, and of the rest the longest whole stretch is taken.
 
 use super::{Frames, Way};
 use crate::gait::Pose;
 use glam::Vec3;
 
-/// Longest gap that is bridged by a straight line, s.
+/// Longest gap that is bridged, s.
 const BRIDGED_S: f32 = 0.2;
+/// The speed at either end of a bridge is taken over this many frames; over one, noise would swing the bridge.
+const SLOPE_FRAMES: usize = 3;
 
 /// The poses of one subject in file units, from its longest stretch with all points; and a line for the report.
 pub(super) fn poses(frames: &Frames<'_>, way: &Way, rate: f32) -> Result<(Vec<Pose>, String), String> {
@@ -55,8 +57,41 @@ struct Track {
     gaps: Vec<std::ops::Range<usize>>,
     /// Frames bridged.
     bridged: usize,
-    /// The bridge in use: its first and last frame are sightings.
-    bridge: Option<(usize, Vec3, usize, Vec3)>,
+    bridge: Option<Bridge>,
+}
+
+/// A cubic over a gap, from the last sighting before it to the first after it.
+#[derive(Clone, Copy)]
+struct Bridge {
+    begin: usize,
+    end: usize,
+    from: Vec3,
+    to: Vec3,
+    /// Movement over the length of the gap at the speed of either end.
+    leaving: Vec3,
+    arriving: Vec3,
+}
+
+impl Bridge {
+    fn over(frames: &Frames<'_>, point: usize, frame: usize) -> Option<Self> {
+        let sighting = |f: usize| frames.point(f, point).map(|seen| (f, seen));
+        let (begin, from) = (0..frame).rev().find_map(sighting)?;
+        let (end, to) = (frame..frames.count).find_map(sighting)?;
+        let length = (end - begin) as f32;
+        let straight = to - from;
+        let before = begin.checked_sub(SLOPE_FRAMES).and_then(sighting);
+        let after = sighting(end + SLOPE_FRAMES).filter(|(f, _)| *f < frames.count);
+        let leaving = before.map_or(straight, |(f, seen)| (from - seen) * (length / (begin - f) as f32));
+        let arriving = after.map_or(straight, |(f, seen)| (seen - to) * (length / (f - end) as f32));
+        Some(Self { begin, end, from, to, leaving, arriving })
+    }
+
+    fn at(&self, frame: usize) -> Vec3 {
+        let t = (frame - self.begin) as f32 / (self.end - self.begin) as f32;
+        let rest = 1.0 - t;
+        let along = self.from * (1.0 + 2.0 * t) * rest * rest + self.to * t * t * (3.0 - 2.0 * t);
+        along + self.leaving * (t * rest * rest) - self.arriving * (t * t * rest)
+    }
 }
 
 impl Track {
@@ -88,12 +123,10 @@ impl Track {
         if let Some(seen) = frames.point(frame, point) {
             return seen;
         }
-        if self.bridge.is_none_or(|(_, _, end, _)| end < frame) {
-            let before = (0..frame).rev().find_map(|f| frames.point(f, point).map(|seen| (f, seen)));
-            let after = (frame..frames.count).find_map(|f| frames.point(f, point).map(|seen| (f, seen)));
-            self.bridge = before.zip(after).map(|((a, from), (b, to))| (a, from, b, to));
+        if self.bridge.is_none_or(|bridge| bridge.end < frame) {
+            self.bridge = Bridge::over(frames, point, frame);
         }
-        self.bridge.map_or(Vec3::ZERO, |(a, from, b, to)| from.lerp(to, (frame - a) as f32 / (b - a) as f32))
+        self.bridge.map_or(Vec3::ZERO, |bridge| bridge.at(frame))
     }
 }
 

@@ -108,7 +108,7 @@ mod tests {
             ("rig = \"x\"\nhaed = \"Head\"\n", 2, "unknown key \"haed\""),
             ("like = \"mixamo\"\n\nhead = 3\n", 3, "head must be text"),
             ("like = \"Mixmo\"\n", 1, "CMU BVH"),
-            ("rig = \"x\nhead", 1, ""),
+            ("rig = \"x\"\nhead", 2, ""),
             ("like = \"mixamo\"\nhead = \"0.6*a + 0.6*b\"", 2, "add up to 1.2"),
             ("like = \"mixamo\"\nhead = \"x*a + 0.6*b\"", 2, "weight \"x\""),
             ("like = \"mixamo\"\nhead = \"a + \"", 2, "empty name"),
