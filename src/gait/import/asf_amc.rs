@@ -20,6 +20,9 @@ use std::path::{Path, PathBuf};
 /// Frame rate of the CMU recordings; AMC files do not carry one.
 const CMU_RATE: f32 = 120.0;
 
+/// Fewest degrees of freedom of a skeleton. (Also what keeps the frames in proportion to the text.)
+const LEAST_FREEDOMS: usize = 12;
+
 /// The ASF that belongs to an AMC: `35_01.amc` takes `35_01.asf`, else `35.asf`, else the only one in its folder.
 ///
 /// # Errors
@@ -89,6 +92,13 @@ pub fn parse_amc(text: &str, path: &str, skeleton: &Skeleton, options: &Options)
 
 fn frames(text: &str, path: &str, skeleton: &Skeleton, joints: &Sources) -> Result<Vec<Pose>, Error> {
     let bones = &skeleton.bones;
+    let freedoms: usize = bones.iter().map(|bone| bone.freedoms.len()).sum();
+    if freedoms < LEAST_FREEDOMS {
+        let message = format!(
+            "the skeleton has {freedoms} degrees of freedom; a body that walks has at least {LEAST_FREEDOMS}"
+        );
+        return Err(syntax(path, 0, message));
+    }
     let index: HashMap<&str, usize> = bones.iter().enumerate().map(|(i, b)| (b.name.as_str(), i)).collect();
     let mut scale = if skeleton.degrees { 1.0_f32.to_radians() } else { 1.0 };
     let mut motion = vec![(Quat::IDENTITY, Vec3::ZERO); bones.len()];

@@ -11,6 +11,9 @@ use super::{MAX_FRAMES, MAX_JOINTS, Options, file_name, stem};
 use crate::gait::{Error, Pose, Recording};
 use glam::{Quat, Vec3};
 
+/// Fewest channels of a skeleton. (Also what keeps the frames in proportion to the text.)
+const LEAST_CHANNELS: usize = 12;
+
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channel {
     Position(usize),
@@ -216,6 +219,11 @@ fn motion(words: &mut Words<'_>, nodes: &[Node], joints: &Sources) -> Result<(f3
     let seconds = words.need_number("Frame Time")?;
     let rate = frame_rate(words.path, words.line, 1.0 / seconds)?;
     let channel_count: usize = nodes.iter().map(|node| node.channels.len()).sum();
+    if channel_count < LEAST_CHANNELS {
+        let message =
+            format!("{channel_count} channels in all; a body that walks has at least {LEAST_CHANNELS}");
+        return Err(words.error(message));
+    }
 
     let mut values = vec![0.0_f32; channel_count];
     let mut world = vec![(Quat::IDENTITY, Vec3::ZERO); nodes.len()];

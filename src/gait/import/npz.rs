@@ -42,9 +42,12 @@ use std::io::{Cursor, Read as _};
 const DEFAULT_RATE: f32 = 30.0;
 /// Most arrays in a file.
 const MAX_ARRAYS: usize = 20_000;
-/// Unpacked, a file may have this many bytes and 16 times its own.
-const FREE_BYTES: usize = 4 << 20;
-const MAX_RATIO: usize = 16;
+/// Unpacked, a file may have this many bytes and 8 times its own (joint positions pack to about a third).
+const FREE_BYTES: usize = 1 << 20;
+const MAX_RATIO: usize = 8;
+/// Our poses may have this many bytes and 6 times the file's.
+const FREE_POSE_BYTES: usize = 1 << 20;
+const MAX_POSE_RATIO: usize = 6;
 /// Names of arrays that hold the rate.
 const RATE_KEYS: [&str; 6] =
     ["fps", "frame_rate", "framerate", "rate", "mocap_framerate", "mocap_frame_rate"];
@@ -101,6 +104,8 @@ pub(super) const SMPL: [&str; 22] = [
 /// Arrays by name.
 struct Arrays<'a> {
     path: &'a str,
+    /// Frames that the size of the file allows.
+    most_frames: usize,
     named: Vec<(String, Array<'a>)>,
 }
 
@@ -122,6 +127,18 @@ impl<'a> Arrays<'a> {
         }
     }
 
+    /// Whether the file is large enough to have so many frames.
+    fn check_frames(&self, frames: usize) -> Result<(), Error> {
+        if frames > self.most_frames {
+            let most = self.most_frames;
+            return Err(self.error(format!(
+                "{frames} frames; from a file of this size up to {most} are read (save it without compression, or in \
+                 parts)"
+            )));
+        }
+        Ok(())
+    }
+
     fn error(&self, message: impl Into<String>) -> Error {
         syntax(self.path, 0, message)
     }
@@ -133,7 +150,7 @@ impl<'a> Arrays<'a> {
 /// [`Error::Syntax`] if it is no array of joint positions; [`Error::Unusable`] if a motion is not that of a body.
 pub fn parse_npy(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Recording>, Error> {
     let array = Array::new(bytes).map_err(|message| syntax(path, 0, message))?;
-    takes(&Arrays { path, named: vec![(stem(path), array)] }, options)
+    takes(&Arrays { path, most_frames: most_frames(bytes), named: vec![(stem(path), array)] }, options)
 }
 
 /// Parses an archive of NumPy arrays. `path` names it in messages.
@@ -150,7 +167,13 @@ pub fn parse_npz(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Reco
             named.push((name.clone(), array));
         }
     }
-    takes(&Arrays { path, named }, options)
+    takes(&Arrays { path, most_frames: most_frames(bytes), named }, options)
+}
+
+/// How many frames a file of so many bytes may have: what packs better than any motion is no motion.
+fn most_frames(bytes: &[u8]) -> usize {
+    let allowed = bytes.len().saturating_mul(MAX_POSE_RATIO).saturating_add(FREE_POSE_BYTES);
+    (allowed / size_of::<Pose>()).min(MAX_FRAMES)
 }
 
 /// The arrays of an archive, unpacked within bounds.
@@ -195,13 +218,21 @@ fn takes(arrays: &Arrays<'_>, options: &Options) -> Result<Vec<Recording>, Error
         return Ok(vec![finish(take, Unit::Stated(1.0), options)?]);
     }
     let names = arrays.get(&NAME_KEYS).and_then(Array::texts);
-    let mut layouts = Vec::new();
+    let (mut layouts, mut frames, mut doubt) = (Vec::new(), 0_usize, None);
     for (name, array) in arrays.named.iter().filter(|(_, array)| array.is_numeric()) {
-        if let Some(layout) =
-            Layout::of(array, names.as_deref(), options).map_err(|message| arrays.error(message))?
-        {
-            layouts.push((name, array, layout));
+        match Layout::of(array, names.as_deref(), options) {
+            Ok(Some(layout)) => {
+                frames = frames.saturating_add(layout.takes.saturating_mul(layout.frames));
+                layouts.push((name, array, layout));
+            }
+            Ok(None) => {}
+            // Other arrays may hold the motion.
+            Err(message) => doubt = doubt.or_else(|| Some(format!("array {name}: {message}"))),
         }
+    }
+    arrays.check_frames(frames)?;
+    if let (true, Some(message)) = (layouts.is_empty(), doubt) {
+        return Err(arrays.error(message));
     }
     let is_only = layouts.len() == 1;
     let mut found = Vec::new();
@@ -264,9 +295,6 @@ impl Layout {
         };
         if takes == 0 || frames == 0 || joints > MAX_JOINTS {
             return Ok(None);
-        }
-        if takes.saturating_mul(frames) > MAX_FRAMES {
-            return Err(format!("more than {MAX_FRAMES} frames"));
         }
         let numbers = || (0..joints).map(|joint| joint.to_string());
         let (rig, sources, egait) = if let (Some(names), true) = (names, named == joints) {

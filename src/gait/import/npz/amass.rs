@@ -5,7 +5,7 @@
 //! are therefore those of that body, not of the walker's own; angles, timing and travel are the walker's.
 
 use super::super::text::MAX_MAGNITUDE;
-use super::super::{MAX_FRAMES, file_name, stem};
+use super::super::{file_name, stem};
 use super::npy::Array;
 use super::{SMPL, single};
 use crate::gait::Recording;
@@ -54,9 +54,9 @@ pub(super) fn recording(
             poses.shape, travel.shape
         ));
     };
-    if width < 3 * SMPL.len() || rows != frames || frames > MAX_FRAMES {
+    if width < 3 * SMPL.len() || rows != frames {
         return Err(format!(
-            "poses {:?} and trans {:?}; AMASS has [frames][66 or more] and [frames][3], up to {MAX_FRAMES} frames",
+            "poses {:?} and trans {:?}; AMASS has [frames][66 or more] and [frames][3]",
             poses.shape, travel.shape
         ));
     }
