@@ -87,7 +87,9 @@ pub(crate) fn c3d_points(
             if is_float {
                 bytes.extend(n.float(value));
             } else {
-                bytes.extend(n.word(((value / scale).round() as i16).cast_unsigned()));
+                #[allow(clippy::cast_possible_truncation, reason = "millimetres of a walk of metres")]
+                let whole = (value / scale).round() as i16;
+                bytes.extend(n.word(whole.cast_unsigned()));
             }
         }
         if is_float { bytes.extend(n.float(0.0)) } else { bytes.extend(n.word(0)) }
@@ -96,7 +98,7 @@ pub(crate) fn c3d_points(
     bytes
 }
 
-/// A NumPy array in C order.
+/// A `NumPy` array in C order.
 pub(crate) fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
     let length = u16::try_from(header.len()).unwrap().to_le_bytes();

@@ -1,4 +1,4 @@
-//! C3D and NumPy: files written by others (`files/`, by ezc3d 1.7.2 and NumPy 2.4.6), and by ourselves in every variant.
+//! C3D and `NumPy`: files written by others (`files/`, by ezc3d 1.7.2 and `NumPy` 2.4.6), and by ourselves in every variant.
 
 use super::walker::Walker;
 use super::{containers, largest_difference};
@@ -174,7 +174,7 @@ fn amass_rotations_pose_a_walker_that_strides() {
             // The arm hangs; both lie along x in the rest pose.
             rotations[shoulder] = Vec3::Z * (-sign * 1.4);
         }
-        poses.extend(rotations.iter().flat_map(|r| r.to_array()));
+        poses.extend(rotations.iter().flat_map(Vec3::to_array));
         trans.extend([0.0, -1.1 * t, 0.93]);
     }
     let bytes = |values: &[f32]| values.iter().flat_map(|v| f64::from(*v).to_le_bytes()).collect::<Vec<u8>>();
@@ -300,4 +300,52 @@ fn headings_are_reported_and_a_crab_is_warned_of() {
         pose.iter_mut().for_each(|p| *p = root + Quat::from_rotation_y(1.2) * (*p - root));
     }
     says(&read(&crab), "warning: walks towards +x but faces");
+}
+
+#[test]
+fn every_subject_of_a_c3d_is_a_take_of_its_own() {
+    let (anna, ben) =
+        (Walker::default().take(3.0, 60.0), Walker { speed: 0.9, ..Walker::default() }.take(3.0, 60.0));
+    let names: Vec<String> = ["Anna", "Ben", "Stick"]
+        .iter()
+        .flat_map(|who| Joint::ALL.map(|j| format!("{who}:{}", j.name())))
+        .collect();
+    let frames: Vec<Vec<Vec3>> = anna
+        .poses
+        .iter()
+        .zip(&ben.poses)
+        .map(|(a, b)| a.iter().chain(b).copied().chain([Vec3::ZERO; 16]).collect())
+        .collect();
+    let cut = &names[..40];
+    let frames: Vec<Vec<Vec3>> = frames.iter().map(|frame| frame[..40].to_vec()).collect();
+    let bytes = containers::c3d_points(cut, &frames, 60.0, 84, true, "mm");
+    let takes = c3d::parse_c3d(&bytes, "pair.c3d", &Options::default()).unwrap();
+    let who: Vec<_> = takes.iter().map(|take| (take.name.as_str(), take.subject.as_deref())).collect();
+    assert_eq!(who, [("pair-Anna", Some("Anna")), ("pair-Ben", Some("Ben"))]);
+    assert!(largest_difference(&ben, &takes[1]) < 1e-5);
+}
+
+#[test]
+fn a_long_gap_cuts_the_take_and_a_short_one_is_bridged() {
+    let walk = Walker::default().take(3.0, 60.0);
+    let names = Joint::ALL.map(|joint| joint.name().to_owned());
+    let mut frames: Vec<Vec<Vec3>> = walk.poses.iter().map(|pose| pose.to_vec()).collect();
+    for frame in frames.iter_mut().take(40).skip(20) {
+        frame[Joint::LeftHand as usize] = Vec3::ZERO;
+    }
+    for frame in frames.iter_mut().take(106).skip(100) {
+        frame[Joint::Head as usize] = Vec3::ZERO;
+    }
+    let bytes = containers::c3d_points(&names, &frames, 60.0, 84, true, "mm");
+    let take = c3d::parse_c3d(&bytes, "gaps.c3d", &Options::default()).unwrap().remove(0);
+    says(&take, "6 positions bridged");
+    says(&take, "frames 41 to 180 of 180");
+    let off = take
+        .poses
+        .iter()
+        .zip(&walk.poses[40..])
+        .flat_map(|(a, b)| a.iter().zip(b))
+        .map(|(a, b)| a.distance(*b));
+    let worst = off.fold(0.0, f32::max);
+    assert!(worst < 2e-3, "bridged within {worst} m");
 }

@@ -5,6 +5,7 @@
     reason = "helpers of tests: a failed unwrap is a failed test, and what was measured is printed"
 )]
 
+mod cli;
 mod containers;
 mod data;
 mod formats;

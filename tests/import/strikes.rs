@@ -1,6 +1,9 @@
 //! Strikes, speed and flags on generated gaits, where every strike is known: the left foot at whole cycles, the right
 //! at halves; with noise, on a treadmill, on a circle, at any rate.
 
+#![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "frames of takes of seconds")]
+
+use super::walker::Walker;
 use gaitway::Emotion;
 use gaitway::gait::walker::{Sex, WalkerStyle, walk};
 use gaitway::gait::{Gait, Pose, Recording, stride};
@@ -252,5 +255,25 @@ fn resampling_keeps_strikes_and_speed() {
         let survey = stride::survey(&resampled).unwrap();
         let worst = worst_strike(&gait, way, &survey, &format!("resampled to {hertz} Hz"));
         assert!(worst < 0.05, "{hertz} Hz: off by {worst}");
+    }
+}
+
+#[test]
+fn where_the_reach_says_nothing_the_lowest_foot_does() {
+    // Steps so short that the feet hardly move forwards: the authors' rule, at the moment the foot comes down.
+    let walker = Walker { speed: 0.2, cycle: 0.62, ..Walker::default() };
+    for rate in [30.0, 120.0] {
+        let survey = stride::survey(&walker.take(6.0, rate)).unwrap();
+        assert_eq!(survey.by_height, [true, true]);
+        for (side, offset) in [(0, 0.0), (1, 0.5)] {
+            assert!(survey.strikes[side].len() >= 8, "{:?}", survey.strikes);
+            for strike in &survey.strikes[side] {
+                let cycles = (strike - walker.first_strike) / walker.cycle - offset;
+                let off = (cycles - cycles.round()) * walker.cycle;
+                assert!(off.abs() < 0.05, "{rate} Hz: foot {side} at {strike} s is off by {off} s");
+            }
+        }
+        assert!(survey.strides.iter().all(|s| (s.gait.speed / 0.2 - 1.0).abs() < 0.1));
+        assert!(survey.strides.len() >= 7 && survey.strides[0].gait.source.contains("by lowest foot"));
     }
 }

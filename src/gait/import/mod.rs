@@ -1,4 +1,4 @@
-//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, C3D, NumPy arrays, CSV of joint positions, E-Gait.
+//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, C3D, `NumPy` arrays, CSV of joint positions, E-Gait.
 //!
 //! Every importer yields the 16 joints of [`Joint`](super::Joint) in metres, right-handed, y up, and writes into
 //! [`Recording::report`] what it inferred or repaired. `parse_*` functions take text, so they can be tested

@@ -1,4 +1,4 @@
-//! NumPy arrays of joint positions (`.npy`, `.npz`): E-Gait's layout, Human3.6M, SMPL joints, AMASS pose parameters.
+//! `NumPy` arrays of joint positions (`.npy`, `.npz`): E-Gait's layout, Human3.6M, SMPL joints, AMASS pose parameters.
 //!
 //! | array | is |
 //! | --- | --- |
@@ -144,7 +144,7 @@ impl<'a> Arrays<'a> {
     }
 }
 
-/// Parses one NumPy array. `path` names it in messages.
+/// Parses one `NumPy` array. `path` names it in messages.
 ///
 /// # Errors
 /// [`Error::Syntax`] if it is no array of joint positions; [`Error::Unusable`] if a motion is not that of a body.
@@ -153,7 +153,7 @@ pub fn parse_npy(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Reco
     takes(&Arrays { path, most_frames: most_frames(bytes), named: vec![(stem(path), array)] }, options)
 }
 
-/// Parses an archive of NumPy arrays. `path` names it in messages.
+/// Parses an archive of `NumPy` arrays. `path` names it in messages.
 ///
 /// # Errors
 /// [`Error::Syntax`] if it is no archive or has no array of joint positions; [`Error::Unusable`] if a motion is not that
@@ -343,7 +343,7 @@ impl Layout {
         let rank = array.shape.len().min(4);
         for frame in 0..self.frames {
             for joint in self.sources.used() {
-                for axis in 0..3 {
+                for (axis, coordinate) in points[joint].as_mut().iter_mut().enumerate() {
                     let tail = if self.split { [joint, axis] } else { [3 * joint + axis, 0] };
                     let all = [take, frame, tail[0], tail[1]];
                     index[..rank].copy_from_slice(&all[usize::from(!self.many)..][..rank]);
@@ -354,7 +354,7 @@ impl Layout {
                              to {MAX_MAGNITUDE}"
                         ));
                     }
-                    points[joint][axis] = single(value);
+                    *coordinate = single(value);
                 }
             }
             poses.push(self.sources.pose(|joint| points[joint]));

@@ -144,7 +144,8 @@ fn csv_seeds() -> Vec<Vec<u8>> {
     let (one, two) = (walk(), Recording { name: "b".into(), ..walk() });
     let mut bare = String::new();
     for pose in &one.poses {
-        let row: Vec<String> = pose.iter().flat_map(|p| p.to_array()).map(|v| format!("{v:.3}")).collect();
+        let row: Vec<String> =
+            pose.iter().flat_map(glam::Vec3::to_array).map(|v| format!("{v:.3}")).collect();
         bare += &(row.join(" ") + "\n");
     }
     vec![walker::csv(&[&one, &two], 1.0).into_bytes(), bare.into_bytes()]
@@ -156,7 +157,7 @@ fn c3d_seeds() -> Vec<Vec<u8>> {
 }
 
 fn floats(take: &Recording) -> Vec<u8> {
-    take.poses.iter().flatten().flat_map(|p| p.to_array()).flat_map(f32::to_le_bytes).collect()
+    take.poses.iter().flatten().flat_map(glam::Vec3::to_array).flat_map(f32::to_le_bytes).collect()
 }
 
 fn npy_seeds() -> Vec<Vec<u8>> {
