@@ -10,7 +10,8 @@
 //! ```text
 //! GAITWAY_FUZZ_SECONDS=600 GAITWAY_FUZZ_IMPORTER=bvh cargo test --test fuzz_import -- --nocapture
 //! ```
-//! `GAITWAY_FUZZ_SEED` starts another sequence.
+//! `GAITWAY_FUZZ_SEED` starts another sequence, `GAITWAY_FUZZ_KEEP=N` stores N small inputs an importer whose answers
+//! are new, though nothing is wrong with them.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
@@ -44,6 +45,8 @@ const MEMORY_FREE: usize = 16 << 20;
 const SLOW: Duration = Duration::from_secs(5);
 /// Largest input that is kept for further mutation.
 const LARGEST: usize = 1 << 16;
+/// Largest input that `GAITWAY_FUZZ_KEEP` stores.
+const KEPT_BYTES: usize = 3000;
 /// Most inputs in the pool.
 const POOL: usize = 3000;
 
@@ -106,6 +109,7 @@ fn shake(target: &Target, seconds: f64, seed: u64, last: Option<&Path>) -> (Vec<
     }
     let (mut answers, mut failures, mut failed) = (HashSet::new(), Vec::new(), HashSet::new());
     let (begin, mut count) = (Instant::now(), 0);
+    let (keep, mut kept) = (variable("GAITWAY_FUZZ_KEEP").unwrap_or(0), 0);
     while begin.elapsed().as_secs_f64() < seconds {
         let input = mutate::mutate(&pool, target.form, &mut random);
         if let Some(last) = last {
@@ -116,6 +120,10 @@ fn shake(target: &Target, seconds: f64, seed: u64, last: Option<&Path>) -> (Vec<
         match ask(target, &input) {
             Ok(answer) => {
                 if answers.insert(answer) && pool.len() < POOL && input.len() <= LARGEST {
+                    if kept < keep && input.len() <= KEPT_BYTES {
+                        store(target, &input);
+                        kept += 1;
+                    }
                     pool.push(input);
                 }
             }

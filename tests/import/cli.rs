@@ -84,7 +84,7 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
     std::fs::write(folder.path().join("a.bvh"), "HIERARCHY").unwrap();
     std::fs::write(folder.path().join("walk.bvh"), walker::bvh(&Walker::default().take(4.0, 60.0), 1.0))
         .unwrap();
-    std::fs::write(folder.path().join("map.toml"), "like = \"gaitway\"\nhaed = \"head\"\n").unwrap();
+    std::fs::write(folder.path().join("map.toml"), "like = \"gaitway\"\nheads = \"head\"\n").unwrap();
     for (arguments, expected) in [
         (&["a.bvh", "walk.bvh"][..], "left out: a.bvh:1"),
         (&["nowhere.bvh"], "nowhere.bvh"),

@@ -110,7 +110,7 @@ fn broken_c3d_and_npz_are_refused_with_the_reason() {
         (with(0, &[200]), "block 200"),
         (with(515, &[3]), "processor type 3"),
         (good[..good.len() - 600].to_vec(), "of 30 frames; is it cut off?"),
-        (with(label, b"haed"), "head"),
+        (with(label, b"heads"), "head"),
     ] {
         let message = c3d::parse_c3d(&bytes, "bad.c3d", &Options::default()).unwrap_err().to_string();
         assert!(
@@ -159,15 +159,16 @@ fn an_archive_that_unpacks_to_a_thousand_times_its_size_is_refused() {
 
 #[test]
 fn amass_rotations_pose_a_walker_that_strides() {
-    // Legs and arms that swing about the sideways axis, knees that fold; z up and walking towards -y, as in AMASS.
+    // Legs and arms that swing about the sideways axis, knees that fold; z up as in AMASS, walking towards +x.
     let (rate, count, cycle) = (60.0_f32, 300, 1.1_f32);
     let (mut poses, mut trans) = (Vec::new(), Vec::new());
     for frame in 0..count {
         let t = frame as f32 / rate;
         let phase = std::f32::consts::TAU * t / cycle;
         let mut rotations = [Vec3::ZERO; 52];
-        // Upright body in a z-up world: a quarter turn about x.
-        rotations[0] = Vec3::X * std::f32::consts::FRAC_PI_2;
+        // Upright in a z-up world (a quarter turn about x, facing -y), then a quarter turn to the left.
+        let quarter = std::f32::consts::FRAC_PI_2;
+        rotations[0] = (Quat::from_rotation_z(quarter) * Quat::from_rotation_x(quarter)).to_scaled_axis();
         for (hip, knee, shoulder, sign) in [(1, 4, 16, 1.0_f32), (2, 5, 17, -1.0)] {
             rotations[hip] = Vec3::X * (-0.45 * sign * phase.cos());
             rotations[knee] = Vec3::X * (0.15 + 0.5 * (-sign * phase.sin()).max(0.0));
@@ -175,7 +176,7 @@ fn amass_rotations_pose_a_walker_that_strides() {
             rotations[shoulder] = Vec3::Z * (-sign * 1.4);
         }
         poses.extend(rotations.iter().flat_map(Vec3::to_array));
-        trans.extend([0.0, -1.1 * t, 0.93]);
+        trans.extend([1.1 * t, 0.0, 0.93]);
     }
     let bytes = |values: &[f32]| values.iter().flat_map(|v| f64::from(*v).to_le_bytes()).collect::<Vec<u8>>();
     let archive = containers::npz(
@@ -192,7 +193,15 @@ fn amass_rotations_pose_a_walker_that_strides() {
     says(&take, "AMASS");
     says(&take, "+z, turned to +y");
     says(&take, "left is left");
+    says(&take, "straight towards +x");
     assert!((take.frame_rate - rate).abs() < 1e-4);
+    for (frame, pose) in take.poses.iter().enumerate() {
+        let angle = -0.45 * (std::f32::consts::TAU * frame as f32 / rate / cycle).cos();
+        let thigh = pose[Joint::LeftKnee as usize] - pose[Joint::LeftHip as usize];
+        // A turn about the sideways axis brings a hanging thigh forwards when it is negative.
+        let expected = Vec3::new(-angle.sin(), -angle.cos(), 0.0) * thigh.length();
+        assert!(thigh.distance(expected) < 1e-4, "frame {frame}: {thigh} is not {expected}");
+    }
     let gait = stride::best(&take).unwrap();
     assert!((gait.cycle_time() - cycle).abs() < 0.05, "{}", gait.cycle_time());
     assert!((gait.speed - 1.1).abs() < 0.05, "{}", gait.speed);

@@ -282,16 +282,17 @@ fn print(listing: &Listing, arguments: &Arguments) {
         }
     }
     say_reasons(listing);
-    let rows: Vec<Vec<String>> = listing.takes.iter().map(words).collect();
-    table(
-        &["take", "frames", "Hz", "strikes", "strides", "refused", "taken", "m/s", "remarks", "file"],
-        &with_speeds(rows, listing),
-    );
-    if listing.gaits.len() <= FEW_GAITS {
+    if !listing.takes.is_empty() {
+        let rows: Vec<Vec<String>> = listing.takes.iter().map(words).collect();
+        let head =
+            ["take", "frames", "Hz", "strikes", "strides", "refused", "taken", "m/s", "remarks", "file"];
+        table(&head, &with_speeds(rows, listing));
         say("");
-        table_of_gaits(&listing.gaits);
     }
-    say("");
+    if (1..=FEW_GAITS).contains(&listing.gaits.len()) {
+        table_of_gaits(&listing.gaits);
+        say("");
+    }
     let empty = listing.takes.iter().filter(|take| take.reason.is_some()).count();
     let failed = listing.left_out.len() - empty;
     say(&format!(

@@ -105,7 +105,7 @@ mod tests {
     #[test]
     fn faults_of_a_map_are_named_with_their_line() {
         for (text, line, expected) in [
-            ("rig = \"x\"\nhaed = \"Head\"\n", 2, "unknown key \"haed\""),
+            ("rig = \"x\"\nheads = \"Head\"\n", 2, "unknown key \"heads\""),
             ("like = \"mixamo\"\n\nhead = 3\n", 3, "head must be text"),
             ("like = \"Mixmo\"\n", 1, "CMU BVH"),
             ("rig = \"x\"\nhead", 2, ""),
