@@ -39,18 +39,26 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let first = cell_start[id.x];
     let end = cell_start[id.x + 1u];
-    for (var i = first + 1u; i < end; i++) { // insertion sort: a cell holds a handful
-        let agent = slot_agent[i];
-        var hole = i;
-        while hole > first {
-            let before = slot_agent[hole - 1u];
-            if before <= agent {
-                break;
+    // Shell's sort: a cell holds a handful, but one at the border may hold hundreds, and a driver may allow an
+    // invocation no more than 65,535 turns of its loops.
+    var gap = 1u;
+    while gap < (end - first) / 3u {
+        gap = gap * 3u + 1u;
+    }
+    for (; gap > 0u; gap /= 3u) {
+        for (var i = first + gap; i < end; i++) {
+            let agent = slot_agent[i];
+            var hole = i;
+            while hole >= first + gap {
+                let before = slot_agent[hole - gap];
+                if before <= agent {
+                    break;
+                }
+                slot_agent[hole] = before;
+                hole -= gap;
             }
-            slot_agent[hole] = before;
-            hole--;
+            slot_agent[hole] = agent;
         }
-        slot_agent[hole] = agent;
     }
     atomicStore(&cell_counts[id.x], 0u);
 }

@@ -4,9 +4,12 @@
 // obstacle segments is RVO2's. A line is (point, direction): m/s, unit; velocities to its left are permitted.
 const NEIGHBOURS = 10u;
 const SEGMENTS = 12u;
+const OTHERS = 13u; // where the lines of neighbours begin, for least_bad
 const LINES = 23u;
+const ALL = 0xffffffffu; // of Solved: all lines are satisfied
 const EPSILON = 0.00001;
 const FAR_AWAY = 3.4028235e38;
+const FREE = vec4<f32>(0.0, -1e30, 1.0, 0.0); // a line that forbids nothing
 
 // Lines in 0..LINES, their bisectors in LINES..2 LINES: one array, because the programs run over either.
 var<private> lines: array<vec4<f32>, 46>;
@@ -49,32 +52,43 @@ fn agent_line(velocity: vec2<f32>, relative_position: vec2<f32>, relative_veloci
     return vec4<f32>(velocity + u * share, select(tangent, vec2<f32>(unit.y, -unit.x), circle));
 }
 
-// On line `number` of the `base` array, the velocity nearest to `wanted` (or farthest along it) in the disc of
-// permitted speeds and left of the lines before: (velocity, 1, 0), or (0, 0, 0, 0) if there is none.
-fn on_line(base: u32, number: u32, radius: f32, wanted: vec2<f32>, far: bool) -> vec4<f32> {
-    let line = lines[base + number];
+// The part of a line that is still permitted: line.xy + line.zw t with t in left..right.
+struct Span {
+    left: f32,
+    right: f32,
+    possible: bool,
+}
+
+// The part within the disc of permitted speeds.
+fn span_in_disc(line: vec4<f32>, radius: f32) -> Span {
     let d = dot2(line.xy, line.zw);
     let discriminant = d * d + radius * radius - dot2(line.xy, line.xy);
-    var possible = discriminant >= 0.0;
     let root = sqrt(max(discriminant, 0.0));
-    var left = -d - root;
-    var right = -d + root;
-    for (var i = 0u; i < number && possible; i++) {
-        let other = lines[base + i];
-        let denominator = det2(line.zw, other.zw);
-        let numerator = det2(other.zw, line.xy - other.xy);
-        if abs(denominator) <= EPSILON {
-            possible = numerator >= 0.0;
-        } else {
-            let t = numerator / denominator;
-            right = select(right, min(right, t), denominator >= 0.0);
-            left = select(max(left, t), left, denominator >= 0.0);
-            possible = left <= right;
-        }
-    }
-    let direct = clamp(dot2(line.zw, wanted - line.xy), left, max(left, right));
-    let t = select(direct, select(left, right, dot2(wanted, line.zw) > 0.0), far);
-    return select(vec4<f32>(0.0), vec4<f32>(line.xy + line.zw * t, 1.0, 0.0), possible);
+    return Span(-d - root, -d + root, discriminant >= 0.0);
+}
+
+// What another line leaves of it.
+fn cut(span: Span, line: vec4<f32>, other: vec4<f32>) -> Span {
+    let denominator = det2(line.zw, other.zw);
+    let numerator = det2(other.zw, line.xy - other.xy);
+    let parallel = abs(denominator) <= EPSILON;
+    let t = numerator / denominator;
+    let right = select(span.right, min(span.right, t), denominator >= 0.0 && !parallel);
+    let left = select(max(span.left, t), span.left, denominator >= 0.0 || parallel);
+    let possible = select(left <= right, numerator >= 0.0, parallel);
+    return Span(left, right, span.possible && possible);
+}
+
+// The velocity in the span that is nearest to `wanted` (or farthest along it).
+fn best_in(span: Span, line: vec4<f32>, wanted: vec2<f32>, far: bool) -> vec2<f32> {
+    let direct = clamp(dot2(line.zw, wanted - line.xy), span.left, max(span.left, span.right));
+    let t = select(direct, select(span.left, span.right, dot2(wanted, line.zw) > 0.0), far);
+    return line.xy + line.zw * t;
+}
+
+// Whether a line forbids a velocity.
+fn forbids(line: vec4<f32>, velocity: vec2<f32>) -> bool {
+    return det2(line.zw, line.xy - velocity) > 0.0;
 }
 
 struct Solved {
@@ -82,39 +96,113 @@ struct Solved {
     satisfied: u32, // all lines, or the number of the first that could not be satisfied
 }
 
-// The permitted velocity nearest to `wanted` (or farthest along it).
-fn within(base: u32, count: u32, radius: f32, wanted: vec2<f32>, far: bool) -> Solved {
+// The velocity that is wanted if there are no lines, within the disc.
+fn unconstrained(radius: f32, wanted: vec2<f32>, far: bool) -> vec2<f32> {
     let length2 = dot2(wanted, wanted);
-    var result = wanted;
-    if far {
-        result = wanted * radius;
-    } else if length2 > radius * radius {
-        result = wanted / sqrt(length2) * radius;
-    }
+    let limited = select(wanted, wanted / sqrt(length2) * radius, length2 > radius * radius);
+    return select(limited, wanted * radius, far);
+}
+
+// The permitted velocity nearest to `wanted` (or farthest along it), of lines[base..base + count].
+fn within(base: u32, count: u32, radius: f32, wanted: vec2<f32>, far: bool) -> Solved {
+    var result = unconstrained(radius, wanted, far);
     var number = 0u;
     for (; number < count; number++) {
         let line = lines[base + number];
-        if det2(line.zw, line.xy - result) > 0.0 {
-            let better = on_line(base, number, radius, wanted, far);
-            if better.z == 0.0 {
+        if forbids(line, result) {
+            var span = span_in_disc(line, radius);
+            for (var i = 0u; i < number && span.possible; i++) {
+                span = cut(span, line, lines[base + i]);
+            }
+            if !span.possible {
                 break;
             }
-            result = better.xy;
+            result = best_in(span, line, wanted, far);
         }
     }
     return Solved(result, number);
 }
 
+// The lines of the neighbours, nearest first. They stay in registers: an array with a computed index is slow memory on
+// every device. A missing neighbour has a line that forbids nothing.
+var<private> n0: vec4<f32>;
+var<private> n1: vec4<f32>;
+var<private> n2: vec4<f32>;
+var<private> n3: vec4<f32>;
+var<private> n4: vec4<f32>;
+var<private> n5: vec4<f32>;
+var<private> n6: vec4<f32>;
+var<private> n7: vec4<f32>;
+var<private> n8: vec4<f32>;
+var<private> n9: vec4<f32>;
+
+fn cut1(span: Span, line: vec4<f32>) -> Span { return cut(span, line, n0); }
+fn cut2(span: Span, line: vec4<f32>) -> Span { return cut(cut1(span, line), line, n1); }
+fn cut3(span: Span, line: vec4<f32>) -> Span { return cut(cut2(span, line), line, n2); }
+fn cut4(span: Span, line: vec4<f32>) -> Span { return cut(cut3(span, line), line, n3); }
+fn cut5(span: Span, line: vec4<f32>) -> Span { return cut(cut4(span, line), line, n4); }
+fn cut6(span: Span, line: vec4<f32>) -> Span { return cut(cut5(span, line), line, n5); }
+fn cut7(span: Span, line: vec4<f32>) -> Span { return cut(cut6(span, line), line, n6); }
+fn cut8(span: Span, line: vec4<f32>) -> Span { return cut(cut7(span, line), line, n7); }
+fn cut9(span: Span, line: vec4<f32>) -> Span { return cut(cut8(span, line), line, n8); }
+
+// Moves the result to a line that forbids it, given what the lines before leave of that line.
+fn settle(s: Solved, line: vec4<f32>, span: Span, number: u32, wanted: vec2<f32>) -> Solved {
+    let wrong = s.satisfied == ALL && forbids(line, s.velocity);
+    let moved = select(s.velocity, best_in(span, line, wanted, false), wrong && span.possible);
+    return Solved(moved, select(s.satisfied, number, wrong && !span.possible));
+}
+
+// `within` over lines[0..first] and then the lines of the neighbours; `satisfied` is ALL if all are.
+fn within_all(first: u32, radius: f32, wanted: vec2<f32>) -> Solved {
+    var s = within(0u, first, radius, wanted, false);
+    s.satisfied = select(s.satisfied, ALL, s.satisfied == first);
+    var span0 = span_in_disc(n0, radius);
+    var span1 = span_in_disc(n1, radius);
+    var span2 = span_in_disc(n2, radius);
+    var span3 = span_in_disc(n3, radius);
+    var span4 = span_in_disc(n4, radius);
+    var span5 = span_in_disc(n5, radius);
+    var span6 = span_in_disc(n6, radius);
+    var span7 = span_in_disc(n7, radius);
+    var span8 = span_in_disc(n8, radius);
+    var span9 = span_in_disc(n9, radius);
+    for (var i = 0u; i < first; i++) {
+        let line = lines[i];
+        span0 = cut(span0, n0, line);
+        span1 = cut(span1, n1, line);
+        span2 = cut(span2, n2, line);
+        span3 = cut(span3, n3, line);
+        span4 = cut(span4, n4, line);
+        span5 = cut(span5, n5, line);
+        span6 = cut(span6, n6, line);
+        span7 = cut(span7, n7, line);
+        span8 = cut(span8, n8, line);
+        span9 = cut(span9, n9, line);
+    }
+    s = settle(s, n0, span0, first, wanted);
+    s = settle(s, n1, cut1(span1, n1), first + 1u, wanted);
+    s = settle(s, n2, cut2(span2, n2), first + 2u, wanted);
+    s = settle(s, n3, cut3(span3, n3), first + 3u, wanted);
+    s = settle(s, n4, cut4(span4, n4), first + 4u, wanted);
+    s = settle(s, n5, cut5(span5, n5), first + 5u, wanted);
+    s = settle(s, n6, cut6(span6, n6), first + 6u, wanted);
+    s = settle(s, n7, cut7(span7, n7), first + 7u, wanted);
+    s = settle(s, n8, cut8(span8, n8), first + 8u, wanted);
+    s = settle(s, n9, cut9(span9, n9), first + 9u, wanted);
+    return s;
+}
+
 // When not all lines can be satisfied: the velocity that violates them least, never one of the `hard` first.
-fn least_bad(count: u32, hard: u32, begin: u32, radius: f32, start: vec2<f32>) -> vec2<f32> {
+fn least_bad(count: u32, first: u32, hard: u32, begin: u32, radius: f32, start: vec2<f32>) -> vec2<f32> {
     var result = start;
     var violation = 0.0;
     for (var number = begin; number < count; number++) {
-        let line = lines[number];
+        let line = lines[select(number, number - first + OTHERS, number >= first)];
         if det2(line.zw, line.xy - result) > violation {
             var made = 0u;
             for (var i = 0u; i < number; i++) {
-                let other = lines[i];
+                let other = lines[select(i, i - first + OTHERS, i >= first)];
                 let determinant = det2(line.zw, other.zw);
                 let parallel = abs(determinant) <= EPSILON;
                 var at = line.xy + line.zw * (det2(other.zw, line.xy - other.xy) / determinant);

@@ -335,11 +335,6 @@ impl Engine {
                         );
                     }
                 }
-                Extent::Groups(x, y) => {
-                    if x > 0 && y > 0 {
-                        raw.cmd_dispatch(commands, x, y, 1);
-                    }
-                }
                 Extent::Indirect(buffer, element) => {
                     if let Some(buffer) = self.buffer(buffer) {
                         raw.cmd_dispatch_indirect(commands, buffer.raw, u64::from(element) * 4);

@@ -263,7 +263,7 @@ fn emit(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, St
             .collect(),
         bounds_check_policies: BoundsCheckPolicies {
             index: restrict,
-            buffer: restrict,
+            buffer: BoundsCheckPolicy::Unchecked,
             image_load: restrict,
             binding_array: restrict,
         },

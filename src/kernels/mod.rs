@@ -58,8 +58,6 @@ pub struct Kernel {
 pub enum Extent {
     /// At least this many invocations, along x.
     Invocations(u32),
-    /// This many workgroups along x and y.
-    Groups(u32, u32),
     /// Three `u32` (workgroups along x, y, z) that an earlier pass wrote, from this element of a buffer of `u32`.
     Indirect(BufferId, u32),
 }

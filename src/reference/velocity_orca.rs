@@ -120,7 +120,7 @@ impl Scene<'_> {
         count
     }
 
-    /// The nearest agents: the square of three by three cells first, then ring by ring, stopping when no farther ring
+    /// The nearest agents: the square of five by five cells first, then ring by ring, stopping when no farther ring
     /// can hold a nearer one.
     fn neighbours(&self, slot: usize, position: [f32; 2]) -> Nearest {
         let step = self.step;
@@ -133,12 +133,12 @@ impl Scene<'_> {
         }
         let [cx, cy] = grid_cell(position, step);
         let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
-        let mut ring = 1;
+        let mut ring = 2;
         loop {
             let (left, right) = ((cx - ring).max(0), (cx + ring).min(columns - 1));
             for row in (cy - ring).max(0)..=(cy + ring).min(rows - 1) {
                 let cell = |column: i32| (row * columns + column) as usize;
-                if ring == 1 || row == cy - ring || row == cy + ring {
+                if ring == 2 || row == cy - ring || row == cy + ring {
                     self.scan(cell(left), cell(right), slot, position, cap, &mut nearest);
                     continue;
                 }

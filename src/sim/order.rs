@@ -4,8 +4,6 @@ use crate::kernels::layout::{FrameUniforms, StepUniforms};
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use crate::reference::body::COLUMNS;
 
-/// Cells of one row that a workgroup of `velocity_orca` takes (`TILE` in the shader).
-const TILE: u32 = 4;
 /// Cells that one invocation of `grid_scan` adds up (`RUN` in the shader).
 const RUN: u32 = 64;
 
@@ -14,7 +12,6 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let agents = Extent::Invocations(step.agent_count);
     let cells = Extent::Invocations(step.cell_count);
     let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
-    let tiles = Extent::Groups(step.grid_columns.div_ceil(TILE), step.grid_rows);
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     vec![
         pass(KernelId::GridCount, 0, agents),
@@ -25,7 +22,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 1, cells),
         pass(KernelId::GridScatter, 2, agents),
         pass(KernelId::Prefer, 0, agents),
-        pass(KernelId::VelocityOrca, 0, tiles),
+        pass(KernelId::VelocityOrca, 0, agents),
         pass(KernelId::Integrate, 0, agents),
     ]
 }

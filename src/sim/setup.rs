@@ -14,7 +14,7 @@ const WALK_SPEED: f32 = 0.12;
 /// How fast it blends, 1/s.
 const BLEND_RATE: f32 = 2.5;
 /// Agents that a cell should hold where the crowd is evenly spread: measured best on CPU and lavapipe.
-const AGENTS_PER_CELL: f32 = 4.0;
+const AGENTS_PER_CELL: f32 = 1.2;
 /// Most cells of a grid.
 const MAX_CELLS: f32 = 4_000_000.0;
 /// Cells that one invocation of `grid_scan` adds up.
@@ -76,14 +76,14 @@ fn inverse_or_none(seconds: f32) -> f32 {
     if seconds > 0.0 { 1.0 / seconds } else { 0.0 }
 }
 
-/// Lays the grid over a rectangle, with cells that hold about four agents on the walkable `area`, m².
+/// Lays the grid over a rectangle, with cells that hold about one agent on the walkable `area`, m².
 ///
-/// Cells never exceed the neighbour distance: with cells that large, one ring of them is always enough.
+/// Cells never exceed half the neighbour distance: with cells that large, two rings of them are always enough.
 pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32) {
     let extent = (high - low).max(Vec2::splat(1.0));
     let by_density = (AGENTS_PER_CELL * area.max(1.0) / step.agent_count.max(1) as f32).sqrt();
     let smallest = (extent.x * extent.y / MAX_CELLS).sqrt().max(0.5);
-    step.cell_size = by_density.clamp(smallest, step.neighbour_distance.max(smallest));
+    step.cell_size = by_density.clamp(smallest, (0.5 * step.neighbour_distance).max(smallest));
     step.inverse_cell_size = 1.0 / step.cell_size;
     step.grid_origin = low.to_array();
     step.grid_columns = (extent.x / step.cell_size).ceil() as u32;
@@ -166,12 +166,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_grid_covers_the_bounds_with_cells_no_larger_than_the_neighbour_distance() {
+    fn the_grid_covers_the_bounds_with_cells_no_larger_than_half_the_neighbour_distance() {
         for agents in [0, 1, 100, 1_000_000] {
             let mut step =
                 StepUniforms { agent_count: agents, neighbour_distance: 5.0, ..StepUniforms::default() };
             set_grid(&mut step, Vec2::new(-30.0, 5.0), Vec2::new(70.0, 55.0), 4000.0);
-            assert!(step.cell_size <= 5.0 && step.cell_count <= 4_200_000, "{agents}: {step:?}");
+            assert!(step.cell_size <= 2.5 && step.cell_count <= 4_200_000, "{agents}: {step:?}");
             assert!(
                 step.grid_columns as f32 * step.cell_size >= 100.0
                     && step.grid_rows as f32 * step.cell_size >= 50.0

@@ -12,7 +12,7 @@ const FAR: f32 = 1e7;
 pub fn crossing(agents: usize, spacing: f32) -> Store {
     let columns = (agents as f32).sqrt().ceil() as usize;
     let side = spacing * columns as f32;
-    let cell_size = 2.0 * spacing;
+    let cell_size = 1.1 * spacing;
     let cells = (side / cell_size).ceil() as u32;
     let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
     let jitter = (spacing - 0.5).min(0.4);

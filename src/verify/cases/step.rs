@@ -15,7 +15,7 @@ fn unit(seed: u32, index: usize, lane: u32) -> f32 {
 /// concave corners, the user, and NaN in all spare capacity.
 pub fn crowd(agents: usize, seed: u32) -> Store {
     let side = (agents as f32).sqrt().max(4.0);
-    let cell_size = 2.0;
+    let cell_size = 1.1;
     let cells = (side / cell_size).ceil() as u32 + 1;
     let mut store = Store {
         step: StepUniforms {
