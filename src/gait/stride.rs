@@ -6,12 +6,14 @@
 //! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
 //! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
 
+mod course;
 mod filter;
 mod walk;
 
 use super::{Error, Gait, JOINT_COUNT, Joint, Pose, Recording};
 use crate::ground::{ground_from_world, heading_from_ground};
-use filter::frames;
+pub use course::Course;
+pub(super) use filter::{frames, low_pass, pose_at};
 use glam::{Quat, Vec3};
 use std::f32::consts::{PI, TAU};
 
@@ -30,7 +32,7 @@ const OTHER_FOOT: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 /// Gaits keep the recording's rate up to this, Hz.
 const MAX_RATE: f32 = 60.0;
 /// Times a cyclic recording is repeated to look for strikes; the strides of the second repetition are taken.
-const REPEATS: usize = 4;
+pub const REPEATS: usize = 4;
 
 /// One stride of a recording, and how good it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,6 +47,15 @@ pub struct Stride {
     pub turn: f32,
     /// Root mean square distance over the joints between end and start once travel and turn are out, m.
     pub mismatch: f32,
+    /// Whether the walker stayed on the spot, so that speed and travel are those of the planted foot (A-11).
+    pub on_the_spot: bool,
+}
+
+impl Stride {
+    /// Whether it turns further than [`CURVED_DEG`].
+    pub fn is_curved(&self) -> bool {
+        self.turn.abs() > CURVED_DEG.to_radians()
+    }
 }
 
 /// All strides of a recording as gaits, in the order of time; named `NAME` if there is one, else `NAME#1`, ...
@@ -60,23 +71,9 @@ pub fn extract(recording: &Recording) -> Result<Vec<Gait>, Error> {
 /// # Errors
 /// [`Error::Unusable`] when there is no usable stride, with what was found.
 pub fn best(recording: &Recording) -> Result<Gait, Error> {
-    let strides = strides(recording)?;
-    let median = |value: fn(&Stride) -> f32| {
-        let mut values: Vec<f32> = strides.iter().map(value).collect();
-        values.sort_by(f32::total_cmp);
-        values[values.len() / 2]
-    };
-    let (duration, speed) = (median(|s| s.duration), median(|s| s.gait.speed));
-    // Each term is 1 where a stride becomes doubtful: 10 cm apart, a curve, a fifth off the take's usual.
-    let fault = |s: &Stride| {
-        s.mismatch / 0.1
-            + s.turn.abs() / CURVED_DEG.to_radians()
-            + (s.duration / duration - 1.0).abs() / 0.2
-            + (s.gait.speed / speed - 1.0).abs() / 0.2
-    };
-    let best = strides.iter().min_by(|a, b| fault(a).total_cmp(&fault(b)));
-    let gait = best.map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
-    gait.ok_or_else(|| unusable(recording, "no strides"))
+    let survey = survey(recording)?;
+    let gait = survey.best().map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
+    gait.ok_or_else(|| survey.none_found(recording))
 }
 
 /// All strides of a recording with their quality, in the order of time.
@@ -84,6 +81,40 @@ pub fn best(recording: &Recording) -> Result<Gait, Error> {
 /// # Errors
 /// [`Error::Unusable`] when there is no usable stride, with what was found.
 pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
+    let survey = survey(recording)?;
+    if survey.strides.is_empty() { Err(survey.none_found(recording)) } else { Ok(survey.strides) }
+}
+
+/// What there is in a recording: strikes, strides, what was refused and why.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Survey {
+    /// Strikes of the left and of the right foot, s from the recording's start. Of a cyclic recording, those of
+    /// [`REPEATS`] repetitions.
+    pub strikes: [Vec<f32>; 2],
+    /// Whether a foot's strikes had to be found by the authors' rule (local minima of its height).
+    pub by_height: [bool; 2],
+    /// Whether the walker stays on the spot: a treadmill, or travel that was taken out.
+    pub on_the_spot: bool,
+    /// The usable strides, in the order of time.
+    pub strides: Vec<Stride>,
+    /// The others: from one left strike to the next.
+    pub refused: Vec<Refused>,
+}
+
+/// A stride that cannot be used.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Refused {
+    /// Left foot strike that begins it, s from the recording's start.
+    pub begin: f32,
+    /// Why, with values and allowed range.
+    pub reason: String,
+}
+
+/// Finds strikes and strides; that there are none is no error here.
+///
+/// # Errors
+/// [`Error::Unusable`] when the recording is too short, its rate is out of range or positions are not finite.
+pub fn survey(recording: &Recording) -> Result<Survey, Error> {
     let rate = recording.frame_rate;
     if !(1.0..=2000.0).contains(&rate) {
         return Err(unusable(recording, format!("frame rate is {rate} Hz; it must be from 1 to 2000 Hz")));
@@ -98,68 +129,104 @@ pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
     }
     let take = prepare(recording);
     let strikes = walk::strikes(&take.poses, rate);
-    let mut found = Vec::new();
-    let mut refused: Vec<String> = Vec::new();
+    let mut found = Survey {
+        strikes: strikes.of_foot.each_ref().map(|times| times.iter().map(|frame| frame / rate).collect()),
+        by_height: strikes.by_height,
+        on_the_spot: take.on_the_spot,
+        ..Survey::default()
+    };
     for pair in strikes.of_foot[0].windows(2) {
         // Of a repeated cycle, the strides that begin in the second repetition.
         let begin_in = count as f32..2.0 * count as f32;
         if recording.cyclic && !begin_in.contains(&pair[0]) {
             continue;
         }
-        let between = |t: &&f32| OTHER_FOOT.contains(&((**t - pair[0]) / (pair[1] - pair[0])));
-        let seconds = (pair[1] - pair[0]) / rate;
-        let others = strikes.of_foot[1].iter().filter(|t| (pair[0]..pair[1]).contains(*t)).count();
-        let well_placed = strikes.of_foot[1].iter().filter(between).count();
-        if !STRIDE_S.contains(&seconds) {
-            refused.push(format!("{seconds:.2} s long"));
-        } else if others != 1 || well_placed != 1 {
-            refused.push(format!("{others} strikes of the right foot between"));
-        } else {
-            match take.stride(recording, pair[0], pair[1]) {
-                Ok(stride) => found.push(stride),
-                Err(reason) => refused.push(reason),
-            }
+        let stride = check_placing(&strikes, [pair[0], pair[1]], rate)
+            .and_then(|()| take.stride(recording, pair[0], pair[1]));
+        match stride {
+            Ok(stride) => found.strides.push(stride),
+            Err(reason) => found.refused.push(Refused { begin: pair[0] / rate, reason }),
         }
     }
-    if found.is_empty() && recording.cyclic {
-        found.extend(
-            take.whole_cycle(recording, &strikes)
-                .map_err(|reason| unusable(recording, format!("the cycle cannot be used: {reason}")))?,
+    if found.strides.is_empty() && recording.cyclic {
+        let whole = take.whole_cycle(recording, &strikes);
+        found.strides.extend(
+            whole.map_err(|reason| unusable(recording, format!("the cycle cannot be used: {reason}")))?,
         );
     }
-    if found.is_empty() {
-        return Err(unusable(recording, none_found(&strikes, &refused)));
-    }
-    name_strides(recording, &mut found, &strikes, take.on_the_spot);
+    name_strides(recording, &mut found);
     Ok(found)
 }
 
-fn none_found(strikes: &walk::Strikes, refused: &[String]) -> String {
-    let [left, right] = strikes.of_foot.each_ref().map(Vec::len);
-    let mut message = format!(
-        "no straight stride: {left} strikes of the left foot, {right} of the right; one stride needs 2 of the left \
-         with 1 of the right between"
-    );
-    if !refused.is_empty() {
-        message += &format!("; {} strides refused, the first: {}", refused.len(), refused[0]);
+/// Whether two strikes of the left foot (frames) make a stride, with one of the right foot between; else why not.
+fn check_placing(strikes: &walk::Strikes, [from, to]: [f32; 2], rate: f32) -> Result<(), String> {
+    let seconds = (to - from) / rate;
+    if !STRIDE_S.contains(&seconds) {
+        return Err(format!("{seconds:.2} s long; {} to {} are used", STRIDE_S.start(), STRIDE_S.end()));
     }
-    message
+    let others: Vec<f32> = strikes.of_foot[1]
+        .iter()
+        .filter(|t| (from..to).contains(*t))
+        .map(|t| (t - from) / (to - from))
+        .collect();
+    match others.as_slice() {
+        [share] if OTHER_FOOT.contains(share) => Ok(()),
+        [share] => Err(format!(
+            "the right foot strikes after {share:.2} of it; {} to {} are used",
+            OTHER_FOOT.start(),
+            OTHER_FOOT.end()
+        )),
+        _ => Err(format!("{} strikes of the right foot between", others.len())),
+    }
 }
 
-fn name_strides(recording: &Recording, found: &mut [Stride], strikes: &walk::Strikes, on_the_spot: bool) {
-    let many = found.len() > 1;
-    for (index, stride) in found.iter_mut().enumerate() {
+impl Survey {
+    /// The most periodic straight stride.
+    pub fn best(&self) -> Option<&Stride> {
+        let median = |value: fn(&Stride) -> f32| {
+            let mut values: Vec<f32> = self.strides.iter().map(value).collect();
+            values.sort_by(f32::total_cmp);
+            values.get(values.len() / 2).copied().unwrap_or(1.0)
+        };
+        let (duration, speed) = (median(|s| s.duration), median(|s| s.gait.speed));
+        // Each term is 1 where a stride becomes doubtful: 10 cm apart, a curve, a fifth off the take's usual.
+        let fault = |s: &Stride| {
+            s.mismatch / 0.1
+                + s.turn.abs() / CURVED_DEG.to_radians()
+                + (s.duration / duration - 1.0).abs() / 0.2
+                + (s.gait.speed / speed - 1.0).abs() / 0.2
+        };
+        self.strides.iter().min_by(|a, b| fault(a).total_cmp(&fault(b)))
+    }
+
+    /// The error of a recording without usable strides: what was found, and why it was refused.
+    pub fn none_found(&self, recording: &Recording) -> Error {
+        let [left, right] = self.strikes.each_ref().map(Vec::len);
+        let mut message = format!(
+            "no straight stride: {left} strikes of the left foot, {right} of the right; one stride needs 2 of the left \
+             with 1 of the right between"
+        );
+        if let Some(first) = self.refused.first() {
+            message += &format!("; {} strides refused, the first: {}", self.refused.len(), first.reason);
+        }
+        unusable(recording, message)
+    }
+}
+
+fn name_strides(recording: &Recording, survey: &mut Survey) {
+    let many = survey.strides.len() > 1;
+    for (index, stride) in survey.strides.iter_mut().enumerate() {
+        let is_curved = stride.is_curved();
         let source = &mut stride.gait.source;
         *source = if recording.source.is_empty() { recording.name.clone() } else { recording.source.clone() };
         *source += &format!(", {:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration);
-        let turn = stride.turn.to_degrees();
-        if turn.abs() > CURVED_DEG {
-            *source += &format!(", curved by {turn:.0} degrees");
+        if is_curved {
+            *source += &format!(", curved by {:.0} degrees", stride.turn.to_degrees());
         }
-        if on_the_spot {
+        if survey.on_the_spot {
             *source += ", on the spot: speed of the planted foot";
         }
-        if strikes.by_height.contains(&true) {
+        if survey.by_height.contains(&true) {
             *source += ", strikes by lowest foot";
         }
         if many {
@@ -222,17 +289,9 @@ fn rms(gap: &Pose) -> f32 {
 }
 
 impl Take {
-    /// The pose at a fractional frame, by Catmull-Rom splines through the frames.
+    /// The pose at a fractional frame.
     fn at(&self, frame: f32) -> Pose {
-        let last = self.poses.len() - 1;
-        let i = frames(frame).min(last);
-        let t = (frame - i as f32).clamp(0.0, 1.0);
-        let [a, b, c, d] =
-            [i.saturating_sub(1), i, (i + 1).min(last), (i + 2).min(last)].map(|i| &self.poses[i]);
-        std::array::from_fn(|j| {
-            let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
-            b + (c - a + (a * 2.0 - b * 5.0 + c * 4.0 - d + (b * 3.0 - c * 3.0 + d - a) * t) * t) * (t * 0.5)
-        })
+        pose_at(&self.poses, frame)
     }
 
     /// Mean direction of the body over some frames, as a heading.
@@ -304,7 +363,7 @@ impl Take {
             label: recording.label,
         };
         let mismatch = self.cycle.map_or_else(|| rms(&gap), |(_, mismatch)| mismatch);
-        Ok(Stride { gait, begin, duration, turn, mismatch })
+        Ok(Stride { gait, begin, duration, turn, mismatch, on_the_spot: self.on_the_spot })
     }
 
     /// The whole cycle of a cyclic recording, from the left foot's strike (or, without any, from where the left

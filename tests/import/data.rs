@@ -129,6 +129,53 @@ fn every_egait_cycle_becomes_one_labelled_gait() {
     assert_eq!(classes.values().map(Vec::len).sum::<usize>(), 232);
 }
 
+/// Real takes as a treadmill would have them: their mean travel taken out.
+#[test]
+fn real_walks_put_on_a_treadmill_keep_their_speed() {
+    let mut ratios = Vec::new();
+    for (set, ending) in [("cmu-asfamc", "amc"), ("bandai-namco", "bvh")] {
+        let Some(folder) = data_set(set) else { continue };
+        for path in files(&folder, ending) {
+            let take = import_file(&path).unwrap().remove(0);
+            let survey = stride::survey(&take).unwrap();
+            assert!(!survey.on_the_spot, "{}", take.name);
+            // The longest run of strides at an even pace, so that the belt's speed is one number.
+            let [first, last] = [survey.strides.first(), survey.strides.last()].map(Option::unwrap);
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "frames of a take")]
+            let [from, to] = [first.begin, last.begin + last.duration]
+                .map(|t| ((t * take.frame_rate).round() as usize).min(take.poses.len() - 1));
+            let travel = (take.poses[to][0] - take.poses[from][0]).with_y(0.0);
+            let truth = travel.length() / ((to - from) as f32 / take.frame_rate);
+            let mut belt = take.clone();
+            belt.poses = take.poses[from..=to].to_vec();
+            for (i, pose) in belt.poses.iter_mut().enumerate() {
+                let moved = travel * (i as f32 / (to - from) as f32);
+                pose.iter_mut().for_each(|point| *point -= moved);
+            }
+            let found = stride::survey(&belt).unwrap();
+            assert!(found.on_the_spot, "{}: not seen to be on a treadmill", take.name);
+            if found.strides.is_empty() {
+                continue;
+            }
+            let speed = found.strides.iter().map(|s| s.gait.speed).sum::<f32>() / found.strides.len() as f32;
+            ratios.push(speed / truth);
+        }
+    }
+    if ratios.is_empty() {
+        return;
+    }
+    ratios.sort_by(f32::total_cmp);
+    let at = |share: usize| ratios[ratios.len() * share / 100];
+    println!(
+        "treadmill: {} real takes, speed {:.2} (5 %) {:.2} (median) {:.2} (95 %) of the truth",
+        ratios.len(),
+        at(5),
+        at(50),
+        at(95)
+    );
+    assert!((at(50) - 1.0).abs() < 0.05 && at(5) > 0.8 && at(95) < 1.25);
+}
+
 /// E-Gait's CMU gaits are every 4th frame of CMU trials, turned and scaled: found there again, they tell whether our
 /// forward kinematics, sides, levelling, scale and restored speed are right.
 #[test]

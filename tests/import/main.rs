@@ -5,8 +5,11 @@
     reason = "helpers of tests: a failed unwrap is a failed test, and what was measured is printed"
 )]
 
+mod cli;
+mod containers;
 mod data;
-mod fuzz;
+mod formats;
+mod strikes;
 mod walker;
 
 use gaitway::gait::import::{self, JointMap, Options, asf_amc, bvh, csv};
@@ -326,7 +329,7 @@ fn files_are_dispatched_by_extension_and_options_hold() {
     let gait = stride::best(&read).unwrap();
     assert_eq!((gait.subject.as_deref(), gait.acted.as_deref()), (Some("s7"), Some("proud")));
     assert_eq!(gait.label, Some(gaitway::Emotion::Happy));
-    let map = JointMap { rig: "mine".into(), names: std::array::from_fn(|_| "root".into()) };
+    let map = JointMap { rig: "mine".into(), names: std::array::from_fn(|_| vec![("root".into(), 1.0)]) };
     let options = Options { joint_map: Some(map), ..Options::default() };
     assert!(import::import_file_with(&path, &options).unwrap_err().to_string().contains("fall together"));
 

@@ -1,13 +1,16 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
+mod import;
+
 use super::output::{note, say, say_json, table};
 use super::scene::library;
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::{AtomicFile, image::write_png};
+use crate::gait::import::{Options, import_file_with};
 use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
-use crate::gait::{Gait, Joint, import, stride};
+use crate::gait::{Gait, Joint, stride};
 use crate::library::GaitLibrary;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -29,38 +32,12 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Find the strides in motion files (.bvh, .amc with its .asf, .csv, .txt)
-    Import(ImportArguments),
+    /// Find the strides in motion files and folders of them (.bvh, .amc, .c3d, .npz, .csv, ...)
+    Import(import::Arguments),
     /// List the gaits of a file or library
     Show(ShowArguments),
     /// Generate a gait
     Walk(WalkArguments),
-}
-
-#[derive(Debug, Args)]
-#[command(
-    after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.bvh --out mine.glb\n  gaitway gait import \
-                        07_01.amc --rate 120"
-)]
-struct ImportArguments {
-    /// Motion files
-    #[arg(required = true)]
-    files: Vec<PathBuf>,
-    /// Gait library to write
-    #[arg(long, value_name = "LIB.glb")]
-    out: Option<PathBuf>,
-    /// Frames per second, for files that do not say
-    #[arg(long, value_name = "HZ")]
-    rate: Option<f32>,
-    /// Metres per unit of length, for files where it cannot be inferred
-    #[arg(long, value_name = "METRES")]
-    unit: Option<f32>,
-    /// Every stride, not only the most regular one of each take
-    #[arg(long)]
-    all: bool,
-    /// Print one JSON object
-    #[arg(long)]
-    json: bool,
 }
 
 #[derive(Debug, Args)]
@@ -140,53 +117,20 @@ struct Listing {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
-        Command::Import(arguments) => import_files(arguments),
+        Command::Import(arguments) => import::run(arguments),
         Command::Show(arguments) => show(arguments),
         Command::Walk(arguments) => generate(arguments),
     }
 }
 
-fn import_files(arguments: &ImportArguments) -> Result<bool, Error> {
-    let begin = Instant::now();
-    let options = import::Options {
-        frame_rate: arguments.rate,
-        metres_per_unit: arguments.unit,
-        ..import::Options::default()
-    };
-    let (mut gaits, mut is_good) = (Vec::new(), true);
-    for path in &arguments.files {
-        match strides(path, &options, arguments.all) {
-            Ok(found) => gaits.extend(found),
-            Err(error) => {
-                super::output::complain(&error);
-                is_good = false;
-            }
-        }
-    }
-    let mut files = Vec::new();
-    if let Some(out) = &arguments.out {
-        if gaits.is_empty() {
-            return Err(usage("there is no gait to write", "see the errors above"));
-        }
-        GaitLibrary::from_gaits(gaits.clone())?.save_glb(out)?;
-        files.push(out.clone());
-    }
-    list(&gaits, files, begin, arguments.json)?;
-    Ok(is_good)
-}
-
-/// The gaits of a motion file; what the importer inferred goes to standard error.
-fn strides(path: &Path, options: &import::Options, all: bool) -> Result<Vec<Gait>, Error> {
+/// All gaits of a motion file; what the importer inferred goes to standard error.
+fn strides(path: &Path) -> Result<Vec<Gait>, Error> {
     let mut gaits = Vec::new();
-    for recording in import::import_file_with(path, options)? {
+    for recording in import_file_with(path, &Options::default())? {
         for line in &recording.report {
             note(&format!("{}: {line}", recording.name));
         }
-        if all {
-            gaits.extend(stride::extract(&recording)?);
-        } else {
-            gaits.push(stride::best(&recording)?);
-        }
+        gaits.extend(stride::extract(&recording)?);
     }
     Ok(gaits)
 }
@@ -196,7 +140,7 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
     let gaits = match &arguments.file {
         None => library(None)?.gaits().to_vec(),
         Some(path) if is_glb(path) => library(Some(path))?.gaits().to_vec(),
-        Some(path) => strides(path, &import::Options::default(), true)?,
+        Some(path) => strides(path)?,
     };
     let mut files = Vec::new();
     if let Some(out) = &arguments.out {
@@ -215,38 +159,47 @@ fn is_glb(path: &Path) -> bool {
     path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
 }
 
+impl Row {
+    fn of(gait: &Gait) -> Self {
+        Self {
+            name: gait.name.clone(),
+            frames: gait.poses.len(),
+            rate_hz: gait.frame_rate,
+            cycle_time_s: gait.cycle_time(),
+            v_des: gait.speed,
+            stride_m: gait.stride_travel(),
+            label: gait.label.map(Emotion::name),
+            source: gait.source.clone(),
+        }
+    }
+
+    fn words(&self) -> Vec<String> {
+        vec![
+            self.name.clone(),
+            self.frames.to_string(),
+            format!("{:.1}", self.rate_hz),
+            format!("{:.2}", self.cycle_time_s),
+            format!("{:.2}", self.v_des),
+            format!("{:.2}", self.stride_m),
+            self.label.unwrap_or("-").to_owned(),
+            self.source.chars().take(60).collect(),
+        ]
+    }
+}
+
+/// Prints gaits as a table.
+fn table_of_gaits(rows: &[Row]) {
+    let words: Vec<Vec<String>> = rows.iter().map(Row::words).collect();
+    table(&["name", "frames", "Hz", "cycle s", "m/s", "stride m", "label", "source"], &words);
+}
+
 fn list(gaits: &[Gait], files: Vec<PathBuf>, begin: Instant, is_json: bool) -> Result<(), Error> {
-    let rows = gaits.iter().map(|gait| Row {
-        name: gait.name.clone(),
-        frames: gait.poses.len(),
-        rate_hz: gait.frame_rate,
-        cycle_time_s: gait.cycle_time(),
-        v_des: gait.speed,
-        stride_m: gait.stride_travel(),
-        label: gait.label.map(Emotion::name),
-        source: gait.source.clone(),
-    });
-    let listing = Listing { gaits: rows.collect(), files, wall_seconds: begin.elapsed().as_secs_f64() };
+    let rows = gaits.iter().map(Row::of).collect();
+    let listing = Listing { gaits: rows, files, wall_seconds: begin.elapsed().as_secs_f64() };
     if is_json {
         return say_json(&listing);
     }
-    let words: Vec<Vec<String>> = listing
-        .gaits
-        .iter()
-        .map(|row| {
-            vec![
-                row.name.clone(),
-                row.frames.to_string(),
-                format!("{:.1}", row.rate_hz),
-                format!("{:.2}", row.cycle_time_s),
-                format!("{:.2}", row.v_des),
-                format!("{:.2}", row.stride_m),
-                row.label.unwrap_or("-").to_owned(),
-                row.source.chars().take(60).collect(),
-            ]
-        })
-        .collect();
-    table(&["name", "frames", "Hz", "cycle s", "m/s", "stride m", "label", "source"], &words);
+    table_of_gaits(&listing.gaits);
     for file in &listing.files {
         say(&format!("written    {}", file.display()));
     }

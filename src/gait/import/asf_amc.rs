@@ -6,11 +6,11 @@
 
 mod asf;
 
-use super::joint_map;
+use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or};
 use super::text::{list, number, shown, syntax};
 use super::{MAX_FRAMES, Options, file_name, stem};
-use crate::gait::{Error, JOINT_COUNT, Pose, Recording};
+use crate::gait::{Error, Pose, Recording};
 use asf::{Bone, Freedom};
 pub use asf::{Skeleton, parse_asf};
 use glam::{Quat, Vec3};
@@ -19,6 +19,9 @@ use std::path::{Path, PathBuf};
 
 /// Frame rate of the CMU recordings; AMC files do not carry one.
 const CMU_RATE: f32 = 120.0;
+
+/// Fewest degrees of freedom of a skeleton. (Also what keeps the frames in proportion to the text.)
+const LEAST_FREEDOMS: usize = 12;
 
 /// The ASF that belongs to an AMC: `35_01.amc` takes `35_01.asf`, else `35.asf`, else the only one in its folder.
 ///
@@ -73,11 +76,8 @@ fn lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
 /// [`Error::Syntax`] with the line of the first fault; [`Error::Unusable`] if the motion is not that of a body.
 pub fn parse_amc(text: &str, path: &str, skeleton: &Skeleton, options: &Options) -> Result<Recording, Error> {
     let names = skeleton.names();
-    let (rig, joints) = match &options.joint_map {
-        Some(map) => map.resolve(&names).map(|joints| (map.rig.clone(), joints)),
-        None => joint_map::find(&names),
-    }
-    .map_err(|message| syntax(path, 0, message))?;
+    let (rig, joints) =
+        joint_map::choose(options.joint_map.as_ref(), &names).map_err(|message| syntax(path, 0, message))?;
     let (rate, rate_line) = rate_or(options, path, CMU_RATE)?;
     let poses = frames(text, path, skeleton, &joints)?;
     let report = vec![
@@ -90,13 +90,15 @@ pub fn parse_amc(text: &str, path: &str, skeleton: &Skeleton, options: &Options)
     finish(take, Unit::Stated(skeleton.metres_per_unit), options)
 }
 
-fn frames(
-    text: &str,
-    path: &str,
-    skeleton: &Skeleton,
-    joints: &[usize; JOINT_COUNT],
-) -> Result<Vec<Pose>, Error> {
+fn frames(text: &str, path: &str, skeleton: &Skeleton, joints: &Sources) -> Result<Vec<Pose>, Error> {
     let bones = &skeleton.bones;
+    let freedoms: usize = bones.iter().map(|bone| bone.freedoms.len()).sum();
+    if freedoms < LEAST_FREEDOMS {
+        let message = format!(
+            "the skeleton has {freedoms} degrees of freedom; a body that walks has at least {LEAST_FREEDOMS}"
+        );
+        return Err(syntax(path, 0, message));
+    }
     let index: HashMap<&str, usize> = bones.iter().enumerate().map(|(i, b)| (b.name.as_str(), i)).collect();
     let mut scale = if skeleton.degrees { 1.0_f32.to_radians() } else { 1.0 };
     let mut motion = vec![(Quat::IDENTITY, Vec3::ZERO); bones.len()];
@@ -118,7 +120,7 @@ fn frames(
         if name.bytes().all(|b| b.is_ascii_digit()) {
             if frame_line > 0 {
                 close_frame(path, frame_line, bones, &mut seen, &motion, &mut world)?;
-                poses.push(joints.map(|bone| world[bone].1));
+                poses.push(joints.pose(|bone| world[bone].1));
             }
             if poses.len() == MAX_FRAMES {
                 return Err(syntax(path, line, format!("more than {MAX_FRAMES} frames")));
@@ -145,7 +147,7 @@ fn frames(
     }
     if frame_line > 0 {
         close_frame(path, frame_line, bones, &mut seen, &motion, &mut world)?;
-        poses.push(joints.map(|bone| world[bone].1));
+        poses.push(joints.pose(|bone| world[bone].1));
     }
     Ok(poses)
 }

@@ -4,12 +4,15 @@
 //! OFFSET, component by component), End Sites and several roots. Units and up axis are not in the format and
 //! are inferred. Rotations are in degrees and apply in the order listed: `Z X Y` means `Rz Rx Ry`.
 
-use super::joint_map;
+use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish};
 use super::text::{count, frame_rate, number, shown, syntax};
 use super::{MAX_FRAMES, MAX_JOINTS, Options, file_name, stem};
-use crate::gait::{Error, JOINT_COUNT, Pose, Recording};
+use crate::gait::{Error, Pose, Recording};
 use glam::{Quat, Vec3};
+
+/// Fewest channels of a skeleton. (Also what keeps the frames in proportion to the text.)
+const LEAST_CHANNELS: usize = 12;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channel {
@@ -97,14 +100,8 @@ pub fn parse_bvh(text: &str, path: &str, options: &Options) -> Result<Recording,
     let mut words = Words { path, lines: text.lines().enumerate(), words: "".split_whitespace(), line: 0 };
     let nodes = hierarchy(&mut words)?;
     let names: Vec<&str> = nodes.iter().map(|node| node.name.as_str()).collect();
-    let (rig, joints) = match &options.joint_map {
-        Some(map) => (map.rig.clone(), map.resolve(&names)),
-        None => match joint_map::find(&names) {
-            Ok((rig, joints)) => (rig, Ok(joints)),
-            Err(message) => (String::new(), Err(message)),
-        },
-    };
-    let joints = joints.map_err(|message| syntax(path, 0, message))?;
+    let (rig, joints) =
+        joint_map::choose(options.joint_map.as_ref(), &names).map_err(|message| syntax(path, 0, message))?;
     let (rate, poses) = motion(&mut words, &nodes, &joints)?;
     let report = vec![
         format!("BVH: {} joints, {} frames at {rate:.2} Hz", nodes.len(), poses.len()),
@@ -213,11 +210,7 @@ fn channels(words: &mut Words<'_>) -> Result<Vec<Channel>, Error> {
 }
 
 /// Reads the MOTION section: frame rate in Hz and the poses in file units.
-fn motion(
-    words: &mut Words<'_>,
-    nodes: &[Node],
-    joints: &[usize; JOINT_COUNT],
-) -> Result<(f32, Vec<Pose>), Error> {
+fn motion(words: &mut Words<'_>, nodes: &[Node], joints: &Sources) -> Result<(f32, Vec<Pose>), Error> {
     words.need_word("Frames:")?;
     let word = words.need("the number of frames")?;
     let frames = count(words.path, words.line, word, "Frames", MAX_FRAMES)?;
@@ -226,6 +219,11 @@ fn motion(
     let seconds = words.need_number("Frame Time")?;
     let rate = frame_rate(words.path, words.line, 1.0 / seconds)?;
     let channel_count: usize = nodes.iter().map(|node| node.channels.len()).sum();
+    if channel_count < LEAST_CHANNELS {
+        let message =
+            format!("{channel_count} channels in all; a body that walks has at least {LEAST_CHANNELS}");
+        return Err(words.error(message));
+    }
 
     let mut values = vec![0.0_f32; channel_count];
     let mut world = vec![(Quat::IDENTITY, Vec3::ZERO); nodes.len()];
@@ -249,7 +247,7 @@ fn motion(
             return Err(syntax(words.path, line, message));
         }
         place(nodes, &values, &mut world);
-        poses.push(joints.map(|node| world[node].1));
+        poses.push(joints.pose(|node| world[node].1));
     }
     if poses.len() < frames {
         let message = format!("the file ends after {} of {frames} frames; is it cut off?", poses.len());

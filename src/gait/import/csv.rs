@@ -5,9 +5,10 @@
 //! are comma, semicolon, tab or blanks. Files in E-Gait's layout, and files of 48 bare numbers a row (E-Gait's
 //! own), are repaired by [`egait`].
 
+use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or};
 use super::text::{frame_rate, list, number, shown, syntax};
-use super::{MAX_FRAMES, Options, egait, file_name, joint_map, stem};
+use super::{MAX_FRAMES, Options, egait, file_name, stem};
 use crate::gait::{Error, JOINT_COUNT, Joint, Pose, Recording};
 use glam::Vec3;
 use std::collections::HashSet;
@@ -23,8 +24,12 @@ struct Columns {
     count: usize,
     key: Option<usize>,
     time: Option<usize>,
-    /// Columns of x, y, z of each of the 16 joints.
-    joints: [[usize; 3]; JOINT_COUNT],
+    /// Columns of x, y, z of each joint of the file.
+    triples: Vec<[usize; 3]>,
+    /// The 16 joints among them.
+    joints: Sources,
+    /// Name of each joint of the file, for messages.
+    names: Vec<String>,
     rig: String,
     egait: bool,
 }
@@ -67,6 +72,7 @@ pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Record
     let mut takes: Vec<Rows> = Vec::new();
     let mut keys: HashSet<&str> = HashSet::new();
     let mut current_key = None;
+    let mut points = vec![Vec3::ZERO; columns.triples.len()];
     let mut frames = 0;
     for (line, row) in rows {
         let row = cells(row, columns.separator);
@@ -92,7 +98,7 @@ pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Record
             takes.push(Rows { name, line, poses: Vec::new(), times: Vec::new() });
         }
         if let Some(take) = takes.last_mut() {
-            take.poses.push(pose(path, line, &row, &columns)?);
+            take.poses.push(pose(path, line, &row, &columns, &mut points)?);
             if let Some(column) = columns.time {
                 take.times.push(number(path, line, row[column], "time")?);
             }
@@ -104,14 +110,20 @@ pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Record
     takes.into_iter().map(|take| recording(take, path, &columns, options)).collect()
 }
 
-fn pose(path: &str, line: usize, row: &[&str], columns: &Columns) -> Result<Pose, Error> {
-    let mut pose = [Vec3::ZERO; JOINT_COUNT];
-    for (point, joint) in pose.iter_mut().zip(Joint::ALL) {
-        for (axis, &column) in columns.joints[joint as usize].iter().enumerate() {
-            point[axis] = number(path, line, row[column], joint.name())?;
+/// The 16 joints of one row; `points` is room for the joints of the file.
+fn pose(
+    path: &str,
+    line: usize,
+    row: &[&str],
+    columns: &Columns,
+    points: &mut [Vec3],
+) -> Result<Pose, Error> {
+    for joint in columns.joints.used() {
+        for (axis, &column) in columns.triples[joint].iter().enumerate() {
+            points[joint][axis] = number(path, line, row[column], &columns.names[joint])?;
         }
     }
-    Ok(pose)
+    Ok(columns.joints.pose(|joint| points[joint]))
 }
 
 fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Result<Recording, Error> {
@@ -152,12 +164,11 @@ fn bare_columns(path: &str, line: usize, row: &str) -> Result<Columns, Error> {
     }
     // the data's README names the left side first, the authors' code the right; the data have both. Whichever
     // is taken here, the bend of the knees decides.
-    let joints = Joint::ALL.map(|joint| {
-        let first = 3 * joint.mirrored() as usize;
-        [first, first + 1, first + 2]
-    });
+    let joints = Sources::single(Joint::ALL.map(|joint| joint.mirrored() as usize));
+    let triples = (0..JOINT_COUNT).map(|joint| [3 * joint, 3 * joint + 1, 3 * joint + 2]).collect();
+    let names = Joint::ALL.map(|joint| joint.mirrored().name().to_owned()).to_vec();
     let rig = "E-Gait's order, right side first".to_owned();
-    Ok(Columns { separator, count, key: None, time: None, joints, rig, egait: true })
+    Ok(Columns { separator, count, key: None, time: None, triples, joints, names, rig, egait: true })
 }
 
 fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<Columns, Error> {
@@ -199,18 +210,17 @@ fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<C
         );
         return Err(syntax(path, line, message));
     }
-    let (rig, joints) = match &options.joint_map {
-        Some(map) => map.resolve(&names).map(|joints| (map.rig.clone(), joints)),
-        None => joint_map::find(&names),
-    }
-    .map_err(|message| syntax(path, line, message))?;
+    let (rig, joints) = joint_map::choose(options.joint_map.as_ref(), &names)
+        .map_err(|message| syntax(path, line, message))?;
     let key = single(&["key", "take", "gait"]);
     Ok(Columns {
         separator,
         count: header.len(),
         key,
         time: single(&["time", "t", "seconds", "timestamp"]),
-        joints: joints.map(|joint| whole[joint].1),
+        triples: whole.iter().map(|(_, triple)| *triple).collect(),
+        names: names.into_iter().map(str::to_owned).collect(),
+        joints,
         egait: key.is_some() && rig == "E-Gait",
         rig,
     })

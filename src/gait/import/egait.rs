@@ -20,8 +20,8 @@ use glam::{Quat, Vec3};
 const METRES_PER_UNIT: f32 = 1.32;
 /// Pitch of all gaits about x, degrees, mean of the CMU trials (ours).
 const PITCH_DEG: f32 = 12.1;
-/// A pitch beyond this says that the gait still carries E-Gait's.
-const PITCHED_DEG: f32 = 5.0;
+/// A pitch within these says that the gait still carries E-Gait's; beyond, up is not y.
+const PITCHED_DEG: std::ops::Range<f32> = 5.0..30.0;
 
 /// Levels, scales and marks as cyclic a take in E-Gait's layout. What is pitched or sized otherwise (a file of the
 /// same layout that was repaired before) is only measured, not turned.
@@ -30,7 +30,7 @@ const PITCHED_DEG: f32 = 5.0;
 /// [`Error::Unusable`] if the body has no size or positions are not finite.
 pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording, Error> {
     let pitch = pitch_deg(&take.poses);
-    if pitch < -PITCHED_DEG {
+    if PITCHED_DEG.contains(&-pitch) {
         let level = Quat::from_rotation_x(PITCH_DEG.to_radians());
         for point in take.poses.iter_mut().flatten() {
             *point = level * *point;

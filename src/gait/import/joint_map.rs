@@ -1,172 +1,153 @@
-//! Names of other rigs for our 16 joints: presets, and a heuristic over common words.
+//! Names of other rigs for our 16 joints: presets, maps from TOML files, and a heuristic over common words.
 //!
 //! "Shoulder" and "hip" are the centres of the ball joints (where the upper arm and the thigh begin), "hand" is
 //! the wrist and "foot" the ankle; of a spine of several joints we take the one about 40 % of the way from the
-//! pelvis to the base of the neck, as in E-Gait.
+//! pelvis to the base of the neck, as in E-Gait. A joint that a rig lacks can be put between some that it has.
+//!
+//! A map as a file names each of the 16 joints as the motion file does, or says which rig it is like:
+//!
+//! ```toml
+//! rig = "my markers"                       # for the report
+//! like = "Mixamo"                          # take the rest from there; optional
+//! head = "Skull"
+//! left_hand = "LWRA + LWRB"                # the middle of the two
+//! spine = "0.6*Pelvis + 0.4*Sternum"       # weights, which must add up to 1
+//! ```
+
+mod file;
+mod presets;
+mod words;
 
 use super::text::list;
-use crate::gait::{JOINT_COUNT, Joint};
+use crate::gait::{JOINT_COUNT, Joint, Pose};
+use glam::Vec3;
+use presets::{PRESETS, Preset};
+
+/// Most joints that one place may be between.
+const MAX_BETWEEN: usize = 8;
 
 /// The names that a file uses for the 16 joints.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct JointMap {
     /// Name of the rig, for reports.
     pub rig: String,
-    /// Name in the file, indexed by [`Joint`]; compared without case, punctuation and `namespace:` prefix.
-    pub names: [String; JOINT_COUNT],
+    /// Indexed by [`Joint`]: names in the file with weights that add up to 1, nearly always one name. Names are
+    /// compared without case, punctuation and `namespace:` prefix.
+    pub names: [Vec<(String, f32)>; JOINT_COUNT],
 }
 
-/// Middle of the body, then left arm and leg; `{L}` stands for the side as that rig writes it.
-struct Preset {
-    rig: &'static str,
-    /// A name that only this rig has, where the others' names are the same.
-    mark: Option<&'static str>,
-    middle: [&'static str; 4],
-    side: [&'static str; 6],
-    left_right: [&'static str; 2],
+/// Where each of the 16 joints stands among the joints of a file: indices with weights that add up to 1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sources([Vec<(usize, f32)>; JOINT_COUNT]);
+
+impl Sources {
+    /// One joint of the file for each of ours.
+    pub(super) fn single(joints: [usize; JOINT_COUNT]) -> Self {
+        Self(joints.map(|joint| vec![(joint, 1.0)]))
+    }
+
+    /// The 16 joints, from the position of each joint of the file.
+    pub fn pose(&self, at: impl Fn(usize) -> Vec3) -> Pose {
+        self.0.each_ref().map(|parts| match parts.as_slice() {
+            [(one, _)] => at(*one),
+            parts => parts.iter().map(|&(joint, weight)| at(joint) * weight).sum(),
+        })
+    }
+
+    /// The same joints where only some `points` of the file had been named.
+    pub(super) fn of_points(mut self, points: &[usize]) -> Self {
+        for (joint, _) in self.0.iter_mut().flatten() {
+            *joint = points.get(*joint).copied().unwrap_or(*joint);
+        }
+        self
+    }
+
+    /// Indices and weights of one joint.
+    pub fn of(&self, joint: Joint) -> &[(usize, f32)] {
+        &self.0[joint as usize]
+    }
+
+    /// Every joint of the file that is used.
+    pub fn used(&self) -> impl Iterator<Item = usize> + '_ {
+        self.0.iter().flatten().map(|&(joint, _)| joint)
+    }
 }
-
-const PRESETS: [Preset; 8] = [
-    Preset {
-        rig: "gaitway",
-        mark: None,
-        middle: ["root", "spine", "neck", "head"],
-        side: ["{}shoulder", "{}elbow", "{}hand", "{}hip", "{}knee", "{}foot"],
-        left_right: ["left", "right"],
-    },
-    Preset {
-        rig: "E-Gait",
-        mark: None,
-        middle: ["root", "spine", "neck", "head"],
-        side: ["{}shoulder", "{}elbow", "{}hand", "{}hip", "{}knee", "{}foot"],
-        left_right: ["l", "r"],
-    },
-    Preset {
-        rig: "CMU ASF",
-        mark: None,
-        middle: ["root", "upperback", "lowerneck", "head"],
-        side: ["{}humerus", "{}radius", "{}hand", "{}femur", "{}tibia", "{}foot"],
-        left_right: ["l", "r"],
-    },
-    Preset {
-        rig: "CMU BVH",
-        mark: Some("lowerback"),
-        middle: ["hips", "spine", "neck", "head"],
-        side: ["{}arm", "{}forearm", "{}hand", "{}upleg", "{}leg", "{}foot"],
-        left_right: ["left", "right"],
-    },
-    Preset {
-        rig: "Bandai-Namco",
-        mark: None,
-        middle: ["hips", "spine", "neck", "head"],
-        side: ["upperarm{}", "lowerarm{}", "hand{}", "upperleg{}", "lowerleg{}", "foot{}"],
-        left_right: ["l", "r"],
-    },
-    Preset {
-        rig: "100STYLE",
-        mark: None,
-        middle: ["hips", "chest2", "neck", "head"],
-        side: ["{}shoulder", "{}elbow", "{}wrist", "{}hip", "{}knee", "{}ankle"],
-        left_right: ["left", "right"],
-    },
-    Preset {
-        rig: "Mixamo",
-        mark: None,
-        middle: ["hips", "spine1", "neck", "head"],
-        side: ["{}arm", "{}forearm", "{}hand", "{}upleg", "{}leg", "{}foot"],
-        left_right: ["left", "right"],
-    },
-    Preset {
-        rig: "VRM",
-        mark: None,
-        middle: ["hips", "chest", "neck", "head"],
-        side: ["{}upperarm", "{}lowerarm", "{}hand", "{}upperleg", "{}lowerleg", "{}foot"],
-        left_right: ["left", "right"],
-    },
-];
-
-/// Words for the middle joints in order of preference.
-const MIDDLE_WORDS: [&[&str]; 4] = [
-    &["hips", "pelvis", "hip", "root", "lowertorso"],
-    &[
-        "spine1",
-        "chest2",
-        "spine02",
-        "spine",
-        "chest",
-        "upperback",
-        "spine01",
-        "torso",
-        "abdomen",
-        "thorax",
-        "back",
-    ],
-    &["neck", "lowerneck", "neck1", "neck01", "neckbase"],
-    &["head", "skull", "head1"],
-];
-
-/// Words for the joints of one side in order of preference: shoulder, elbow, hand, hip, knee, foot.
-const SIDE_WORDS: [&[&str]; 6] = [
-    &["upperarm", "uparm", "humerus", "arm", "shoulder", "shldr"],
-    &["elbow", "forearm", "lowerarm", "lowarm", "radius", "farm"],
-    &["hand", "wrist"],
-    &["upleg", "upperleg", "thigh", "femur", "hip", "leg"],
-    &["knee", "lowerleg", "lowleg", "calf", "shin", "tibia", "leg"],
-    &["ankle", "foot"],
-];
 
 /// Lower-case letters and digits of a name, without a `namespace:` before it.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     let name = name.rsplit(':').next().unwrap_or(name);
     name.chars().filter(char::is_ascii_alphanumeric).map(|c| c.to_ascii_lowercase()).collect()
 }
 
+/// `a`, `a + b` (their mean) or `0.6*a + 0.4*b` as names with weights.
+pub(super) fn places(text: &str) -> Result<Vec<(String, f32)>, String> {
+    let parts: Vec<&str> = text.split('+').map(str::trim).collect();
+    if parts.len() > MAX_BETWEEN {
+        return Err(format!("{} names; up to {MAX_BETWEEN} are taken", parts.len()));
+    }
+    let even = 1.0 / parts.len() as f32;
+    let mut found = Vec::with_capacity(parts.len());
+    for part in &parts {
+        let (weight, name) = match part.split_once('*') {
+            None => (even, *part),
+            Some((weight, name)) => {
+                let weight = weight.trim();
+                let value = weight.parse::<f32>().ok().filter(|value| value.abs() <= 10.0);
+                let value = value.ok_or_else(|| {
+                    format!("weight {weight:?} of {name:?}; a number from -10 to 10 was expected")
+                })?;
+                (value, name.trim())
+            }
+        };
+        if plain(name).is_empty() {
+            return Err(format!("an empty name in {text:?}; write a name, \"a + b\" or \"0.6*a + 0.4*b\""));
+        }
+        found.push((name.to_owned(), weight));
+    }
+    let sum: f32 = found.iter().map(|(_, weight)| weight).sum();
+    if (sum - 1.0).abs() > 1e-3 {
+        return Err(format!("the weights in {text:?} add up to {sum}; they must add up to 1"));
+    }
+    Ok(found)
+}
+
 impl JointMap {
-    /// The map of a rig known by name ("CMU ASF", "CMU BVH", "Bandai-Namco", "100STYLE", "Mixamo", "VRM",
-    /// "E-Gait", "gaitway"), without case.
+    /// The map of a rig known by name, without case; [`JointMap::known`] lists them.
     pub fn named(rig: &str) -> Option<Self> {
-        PRESETS.iter().find(|preset| preset.rig.eq_ignore_ascii_case(rig)).map(Preset::map)
+        PRESETS.iter().find(|preset| preset.is_called(rig)).map(Preset::map)
     }
 
-    /// Index into `names` for each of the 16 joints.
+    /// Names of the rigs known by name.
+    pub fn known() -> Vec<&'static str> {
+        PRESETS.iter().map(|preset| preset.rig).collect()
+    }
+
+    /// Where each of the 16 joints stands in `names`.
     ///
     /// # Errors
     /// A message that lists the joints not found and the names the file has.
-    pub fn resolve<S: AsRef<str>>(&self, names: &[S]) -> Result<[usize; JOINT_COUNT], String> {
+    pub fn resolve<S: AsRef<str>>(&self, names: &[S]) -> Result<Sources, String> {
         let plain_names: Vec<String> = names.iter().map(|name| plain(name.as_ref())).collect();
-        let found = self.names.each_ref().map(|wanted| {
+        let index = |wanted: &str| {
             let wanted = plain(wanted);
             plain_names.iter().position(|name| *name == wanted)
+        };
+        let found = self.names.each_ref().map(|parts| {
+            let parts: Option<Vec<_>> =
+                parts.iter().map(|(name, weight)| index(name).map(|at| (at, *weight))).collect();
+            parts.filter(|parts| !parts.is_empty())
         });
-        complete(&found, &format!("rig {:?}", self.rig), names)
-    }
-}
-
-impl Preset {
-    fn map(&self) -> JointMap {
-        let names = Joint::ALL.map(|joint| match joint as usize {
-            index @ 0..=3 => self.middle[index].to_owned(),
-            index => {
-                let (limb, right) = match index {
-                    4..=6 => (index - 4, 0),
-                    7..=9 => (index - 7, 1),
-                    10..=12 => (index - 7, 0),
-                    _ => (index - 10, 1),
-                };
-                self.side[limb].replace("{}", self.left_right[right])
-            }
-        });
-        JointMap { rig: self.rig.to_owned(), names }
+        complete(found, &format!("rig {:?}", self.rig), names)
     }
 }
 
 /// Finds the 16 joints among the names of a file: the known rigs first, then by common words.
 ///
-/// Returns the rig's name (or "words") and the index into `names` of each joint.
+/// Returns the rig's name (or "words") and where each joint stands in `names`.
 ///
 /// # Errors
 /// A message that lists the joints not found and the names the file has.
-pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, [usize; JOINT_COUNT]), String> {
+pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, Sources), String> {
     let has = |mark: &str| names.iter().any(|name| plain(name.as_ref()) == mark);
     for preset in &PRESETS {
         if preset.mark.is_none_or(has)
@@ -175,89 +156,30 @@ pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, [usize; JOINT_COUNT])
             return Ok((preset.rig.to_owned(), joints));
         }
     }
-    let parts: Vec<(Side, String)> = names.iter().map(|name| part_of(name.as_ref())).collect();
-    let pick = |side: Side, words: &[&str], taken: Option<usize>| {
-        words.iter().find_map(|word| {
-            parts.iter().enumerate().position(|(i, (s, part))| *s == side && part == word && Some(i) != taken)
-        })
-    };
-    let mut found = [None; JOINT_COUNT];
-    for (joint, words) in MIDDLE_WORDS.iter().enumerate() {
-        found[joint] = pick(Side::Middle, words, None);
-    }
-    for (side, arm, leg) in [(Side::Left, 4, 10), (Side::Right, 7, 13)] {
-        for (part, words) in SIDE_WORDS.iter().enumerate() {
-            let joint = if part < 3 { arm + part } else { leg + part - 3 };
-            // "leg" is the knee of one rig and the hip of another: never both.
-            let taken = if part == 4 { found[leg] } else { None };
-            found[joint] = pick(side, words, taken);
-        }
-    }
-    Ok(("words".to_owned(), complete(&found, "any known rig", names)?))
+    let found = words::by_words(names).map(|joint| joint.map(|joint| vec![(joint, 1.0)]));
+    Ok(("words".to_owned(), complete(found, "any known rig", names)?))
 }
 
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Side {
-    Left,
-    Right,
-    Middle,
-}
-
-/// Side of the body and the rest of a name, such as (left, "upperarm") of `J_Bip_L_UpperArm`.
-fn part_of(name: &str) -> (Side, String) {
-    let name = name.rsplit(':').next().unwrap_or(name);
-    let mut words: Vec<String> = vec![String::new()];
-    let mut previous = ' ';
-    for c in name.chars() {
-        let starts = c.is_ascii_uppercase() && !previous.is_ascii_uppercase();
-        if (starts || !c.is_ascii_alphanumeric()) && words.last().is_some_and(|word| !word.is_empty()) {
-            words.push(String::new());
-        }
-        if c.is_ascii_alphanumeric()
-            && let Some(word) = words.last_mut()
-        {
-            word.push(c.to_ascii_lowercase());
-        }
-        previous = c;
+/// The given map, or the one that fits; with the rig's name for the report.
+pub(super) fn choose<S: AsRef<str>>(
+    given: Option<&JointMap>,
+    names: &[S],
+) -> Result<(String, Sources), String> {
+    match given {
+        Some(map) => map.resolve(names).map(|joints| (map.rig.clone(), joints)),
+        None => find(names),
     }
-    let mut side = Side::Middle;
-    words.retain(|word| match word.as_str() {
-        "l" | "left" => {
-            side = Side::Left;
-            false
-        }
-        "r" | "right" => {
-            side = Side::Right;
-            false
-        }
-        "mixamorig" | "bip" | "bip01" | "bip001" | "j" | "c" | "joint" | "def" | "org" | "bn" | "b"
-        | "jnt" | "" => false,
-        _ => true,
-    });
-    let part = words.concat();
-    if side == Side::Middle {
-        for (prefix, prefix_side) in
-            [("left", Side::Left), ("right", Side::Right), ("l", Side::Left), ("r", Side::Right)]
-        {
-            if let Some(rest) = part.strip_prefix(prefix)
-                && SIDE_WORDS.iter().any(|words| words.contains(&rest))
-            {
-                return (prefix_side, rest.to_owned());
-            }
-        }
-    }
-    (side, part)
 }
 
 fn complete<S: AsRef<str>>(
-    found: &[Option<usize>; JOINT_COUNT],
+    found: [Option<Vec<(usize, f32)>>; JOINT_COUNT],
     rig: &str,
     names: &[S],
-) -> Result<[usize; JOINT_COUNT], String> {
+) -> Result<Sources, String> {
     let missing: Vec<&str> =
         Joint::ALL.into_iter().filter(|&j| found[j as usize].is_none()).map(Joint::name).collect();
     if missing.is_empty() {
-        return Ok(found.map(Option::unwrap_or_default));
+        return Ok(Sources(found.map(Option::unwrap_or_default)));
     }
     Err(format!(
         "{} of the 16 joints not found under the names of {rig}: {}; the file has: {}; give a joint map",
@@ -276,7 +198,11 @@ mod tests {
         let (found_rig, joints) = find(names).unwrap();
         assert_eq!(found_rig, rig);
         for (joint, name) in expected {
-            assert_eq!(names[joints[*joint as usize]], *name, "{rig} {joint:?}");
+            assert_eq!(
+                joints.of(*joint).iter().map(|&(i, _)| names[i]).collect::<Vec<_>>(),
+                [*name],
+                "{rig} {joint:?}"
+            );
         }
     }
 
@@ -364,7 +290,8 @@ mod tests {
 
     #[test]
     fn a_missing_joint_is_named_with_what_the_file_has() {
-        let mut map = JointMap::named("mixamo").unwrap().names.to_vec();
+        let map = JointMap::named("mixamo").unwrap().names;
+        let mut map: Vec<String> = map.iter().flatten().map(|(name, _)| name.clone()).collect();
         map.retain(|name| name != "leftleg");
         let message = find(&map).unwrap_err();
         assert!(message.contains("left_knee") && message.contains("rightupleg"), "{message}");

@@ -10,7 +10,7 @@ use crate::gait::Recording;
 use std::collections::HashMap;
 use std::path::Path;
 
-const INDEX_FILES: [&str; 3] = ["gaits.csv", "labels.csv", "trials.csv"];
+pub(super) const INDEX_FILES: [&str; 3] = ["gaits.csv", "labels.csv", "trials.csv"];
 /// Index files beyond this size are not index files.
 const MAX_INDEX_BYTES: u64 = 16 << 20;
 

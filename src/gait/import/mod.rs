@@ -1,4 +1,4 @@
-//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, CSV of joint positions, E-Gait.
+//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, C3D, `NumPy` arrays, CSV of joint positions, E-Gait.
 //!
 //! Every importer yields the 16 joints of [`Joint`](super::Joint) in metres, right-handed, y up, and writes into
 //! [`Recording::report`] what it inferred or repaired. `parse_*` functions take text, so they can be tested
@@ -8,16 +8,22 @@
 
 pub mod asf_amc;
 pub mod bvh;
+pub mod c3d;
 pub mod csv;
 pub mod egait;
+pub mod folder;
+mod heading;
 pub mod joint_map;
 mod labels;
+pub mod npz;
 mod repair;
+mod resample;
 mod text;
 
 use super::{Error, Recording};
 pub use joint_map::JointMap;
 use std::path::{Path, PathBuf};
+use text::list;
 
 /// Most joints a file may have.
 pub const MAX_JOINTS: usize = 512;
@@ -25,6 +31,9 @@ pub const MAX_JOINTS: usize = 512;
 pub const MAX_FRAMES: usize = 1_000_000;
 /// Largest file read, bytes.
 pub const MAX_BYTES: u64 = 512 << 20;
+
+/// Extensions of the files that are read, in lower case.
+pub const EXTENSIONS: [&str; 8] = ["bvh", "amc", "c3d", "npz", "npy", "csv", "tsv", "txt"];
 
 /// What the caller knows better than the file. The default infers everything.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -37,9 +46,12 @@ pub struct Options {
     pub frame_rate: Option<f32>,
     /// Names of the 16 joints in the file.
     pub joint_map: Option<JointMap>,
+    /// Frames per second that every take is brought to.
+    pub resample: Option<f32>,
 }
 
-/// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.csv` or `.txt` of joint positions.
+/// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.c3d`, `.npz`, `.npy`, `.csv`, `.tsv` or `.txt`
+/// of joint positions.
 ///
 /// # Errors
 /// [`Error::Read`] if the file cannot be read or is larger than [`MAX_BYTES`], [`Error::Syntax`] with file and
@@ -70,28 +82,44 @@ pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>
             return Err(text::syntax(&shown, 0, message));
         }
         "csv" | "txt" | "tsv" => csv::parse_csv(&read(path)?, &shown, options)?,
+        "c3d" => c3d::parse_c3d(&read_bytes(path)?, &shown, options)?,
+        "npz" => npz::parse_npz(&read_bytes(path)?, &shown, options)?,
+        "npy" => npz::parse_npy(&read_bytes(path)?, &shown, options)?,
+        "h5" | "hdf5" => {
+            let message = "HDF5 is not read; turn it into .npz with three lines of Python: import h5py, numpy; \
+                           f = h5py.File(\"features.h5\"); \
+                           numpy.savez_compressed(\"features.npz\", **{k: f[k][:] for k in f})";
+            return Err(text::syntax(&shown, 0, message));
+        }
         other => {
-            let message = format!("unknown extension {other:?}; known are .bvh, .amc, .csv, .tsv and .txt");
+            let message = format!("unknown extension {other:?}; known are {}", list(&EXTENSIONS));
             return Err(text::syntax(&shown, 0, message));
         }
     };
     labels::apply(path, &mut takes);
+    if let Some(hertz) = options.resample {
+        takes = takes.into_iter().map(|take| take.resampled(hertz)).collect::<Result<_, _>>()?;
+    }
     Ok(takes)
 }
 
 /// Reads a text file within [`MAX_BYTES`]; bytes that are not UTF-8 (names in old code pages) are replaced.
 pub(crate) fn read(path: &Path) -> Result<String, Error> {
+    Ok(match String::from_utf8(read_bytes(path)?) {
+        Ok(text) => text,
+        Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
+    })
+}
+
+/// Reads a file within [`MAX_BYTES`].
+fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
     let failed = |source| Error::Read { path: path.to_owned(), source };
     let bytes = std::fs::metadata(path).map_err(failed)?.len();
     if bytes > MAX_BYTES {
         let message = format!("{bytes} bytes; motion files up to {MAX_BYTES} bytes are read");
         return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message)));
     }
-    let bytes = std::fs::read(path).map_err(failed)?;
-    Ok(match String::from_utf8(bytes) {
-        Ok(text) => text,
-        Err(error) => String::from_utf8_lossy(error.as_bytes()).into_owned(),
-    })
+    std::fs::read(path).map_err(failed)
 }
 
 /// File name without folder and extension; names recordings.

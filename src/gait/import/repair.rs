@@ -1,6 +1,6 @@
 //! What every importer does at the end: unit of length, up axis, left and right. Each leaves a line in the report.
 
-use super::{Options, text};
+use super::{Options, heading, text};
 use crate::gait::{Error, Joint, Pose, Recording};
 use glam::Vec3;
 
@@ -63,6 +63,7 @@ pub(super) fn finish(mut take: Recording, unit: Unit, options: &Options) -> Resu
     if take.poses.iter().flatten().any(|point| !point.is_finite()) {
         return Err(unusable(&take.name, "positions are not finite"));
     }
+    take.report.extend(heading::line(&take));
     Ok(take)
 }
 

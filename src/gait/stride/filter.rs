@@ -1,12 +1,13 @@
 //! Signals of one take: zero-phase low-pass, peaks with prominence.
 
+use crate::gait::Pose;
 use std::f32::consts::{PI, SQRT_2};
 
 /// Fourth-order Butterworth low-pass without phase shift: a second-order filter run forwards and backwards.
 ///
 /// `rate` and `cutoff` in Hz. The ends are extended by reflection through the end points. A cutoff at or above
 /// 0.45 of the rate leaves the signal as it is.
-pub(super) fn low_pass(signal: &[f32], rate: f32, cutoff: f32) -> Vec<f32> {
+pub(in crate::gait) fn low_pass(signal: &[f32], rate: f32, cutoff: f32) -> Vec<f32> {
     let (Some(&first), Some(&last)) = (signal.first(), signal.last()) else { return Vec::new() };
     if cutoff >= 0.45 * rate {
         return signal.to_vec();
@@ -93,13 +94,25 @@ fn prominence_at(signal: &[f32], peak: usize) -> f32 {
     fall(&mut signal[..peak].iter().rev()).min(fall(&mut signal[peak + 1..].iter()))
 }
 
+/// The pose at a fractional frame, by Catmull-Rom splines through the frames; `poses` must not be empty.
+pub(in crate::gait) fn pose_at(poses: &[Pose], frame: f32) -> Pose {
+    let last = poses.len().saturating_sub(1);
+    let i = frames(frame).min(last);
+    let t = (frame - i as f32).clamp(0.0, 1.0);
+    let [a, b, c, d] = [i.saturating_sub(1), i, (i + 1).min(last), (i + 2).min(last)].map(|i| &poses[i]);
+    std::array::from_fn(|j| {
+        let (a, b, c, d) = (a[j], b[j], c[j], d[j]);
+        b + (c - a + (a * 2.0 - b * 5.0 + c * 4.0 - d + (b * 3.0 - c * 3.0 + d - a) * t) * t) * (t * 0.5)
+    })
+}
+
 /// A positive number of frames, rounded down; 0 for what is not finite.
 #[allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "`as` saturates, and NaN becomes 0: both are what is wanted here"
 )]
-pub(super) fn frames(value: f32) -> usize {
+pub(in crate::gait) fn frames(value: f32) -> usize {
     value.max(0.0) as usize
 }
 

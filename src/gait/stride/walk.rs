@@ -24,6 +24,8 @@ const REST_SHARE: f32 = 0.25;
 const STANCE_SHARE: f32 = 0.5;
 /// The stance is looked at for this long, s.
 const STANCE_S: f32 = 0.4;
+/// A foot has landed when it is this share of its range above its lowest.
+const LANDED_SHARE: f32 = 0.1;
 /// Feet whose reach varies by less than this do not walk, m.
 const LEAST_REACH: f32 = 0.08;
 /// Height over which the weight passes from one foot to the other, m.
@@ -221,11 +223,20 @@ fn settled(forward: &[f32], peak: usize, rest: f32, within: usize) -> f32 {
     peak as f32
 }
 
-/// The authors' rule: local minima of the foot's height in the lower third of its range.
+/// The authors' rule: local minima of the foot's height in the lower third of its range; the strike is when the
+/// foot has come down to there.
 fn by_height(poses: &[Pose], rate: f32, foot: Joint) -> Vec<f32> {
     let height: Vec<f32> = poses.iter().map(|pose| -pose[foot as usize].y).collect();
     let depth = low_pass(&height, rate, FOOT_CUTOFF_HZ);
     let (low, high) = depth.iter().fold((f32::MAX, f32::MIN), |(l, h), &d| (l.min(d), h.max(d)));
-    let strikes = peaks(&depth, SEPARATION_S * rate, 0.1 * (high - low));
-    strikes.into_iter().filter(|&i| depth[i] > high - (high - low) / 3.0).map(|i| i as f32).collect()
+    let range = high - low;
+    let minima = peaks(&depth, SEPARATION_S * rate, 0.1 * range);
+    let landed = |minimum: usize| {
+        // A planted foot is lowest anywhere in its stance: back to where it came down.
+        let level = depth[minimum] - LANDED_SHARE * range;
+        let before = depth[..minimum].iter().rposition(|&d| d < level)?;
+        let (above, below) = (depth[before], depth[before + 1]);
+        Some(before as f32 + (level - above) / (below - above).max(1e-9))
+    };
+    minima.into_iter().filter(|&i| depth[i] > high - range / 3.0).filter_map(landed).collect()
 }

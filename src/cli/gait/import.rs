@@ -1,0 +1,354 @@
+//! `gaitway gait import`: motion files and whole folders in, one gait library out, and a reason for all that is left out.
+
+use super::super::output::{note, say, say_json, table};
+use super::super::progress::Progress;
+use super::super::usage;
+use super::{Row, table_of_gaits};
+use crate::Error;
+use crate::gait::import::{JointMap, Options, folder};
+use crate::gait::stride::{self, Stride, Survey};
+use crate::gait::{Gait, Recording};
+use crate::library::GaitLibrary;
+use clap::Args;
+use serde::Serialize;
+use std::collections::{HashMap, HashSet};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+/// Up to so many takes, what the importer inferred is said for each.
+const FEW_TAKES: usize = 3;
+/// Up to so many gaits are listed one by one.
+const FEW_GAITS: usize = 40;
+
+/// Arguments of `gaitway gait import`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.c3d --out mine.glb\n  gaitway gait import \
+                  captures/ --all --resample 60 --out captures.glb\n  gaitway gait import odd.bvh --joint-map \
+                  odd.toml\n\nA joint map names our 16 joints as the files do:\n  like = \"Mixamo\"\n  head = \
+                  \"Skull\"\n  left_hand = \"LWRA + LWRB\"\n\nReads .bvh, .amc with its .asf, .c3d, .npz, .npy, .csv, \
+                  .tsv, .txt. labels.csv, gaits.csv or trials.csv beside the files names subject, style and label."
+)]
+pub(super) struct Arguments {
+    /// Motion files, and folders that are searched for them
+    #[arg(required = true, value_name = "FILE|FOLDER")]
+    paths: Vec<PathBuf>,
+    /// Gait library to write
+    #[arg(long, value_name = "LIB.glb")]
+    out: Option<PathBuf>,
+    /// Frames per second, for files that do not say
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f32>,
+    /// Metres per unit of length, for files where it cannot be inferred
+    #[arg(long, value_name = "METRES")]
+    unit: Option<f32>,
+    /// Names of the joints: a TOML file, or a rig such as Mixamo
+    #[arg(long, value_name = "MAP.toml|RIG")]
+    joint_map: Option<String>,
+    /// Skeleton of the .amc files, where it does not stand beside them
+    #[arg(long, value_name = "FILE.asf")]
+    skeleton: Option<PathBuf>,
+    /// Bring every take to this frame rate
+    #[arg(long, value_name = "HZ")]
+    resample: Option<f32>,
+    /// Every stride, not only the most regular one of each take
+    #[arg(long)]
+    all: bool,
+    /// Say what was inferred and repaired, however many takes there are
+    #[arg(long)]
+    report: bool,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// One take and what became of it.
+#[derive(Debug, Serialize)]
+struct Take {
+    file: PathBuf,
+    name: String,
+    frames: usize,
+    rate_hz: f32,
+    /// Strikes found, left and right.
+    strikes: [usize; 2],
+    /// Strides that could be used, and those refused with the reason.
+    strides: usize,
+    refused: Vec<String>,
+    on_the_spot: bool,
+    curved: usize,
+    taken: usize,
+    /// What the importer inferred and repaired.
+    report: Vec<String>,
+    #[serde(skip)]
+    gaits: Vec<Gait>,
+    /// Why nothing was taken.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    reason: Option<String>,
+}
+
+/// A file or take that gave no gait.
+#[derive(Debug, Serialize)]
+struct LeftOut {
+    file: PathBuf,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    take: Option<String>,
+    reason: String,
+}
+
+#[derive(Debug, Serialize)]
+struct Listing {
+    gaits: Vec<Row>,
+    takes: Vec<Take>,
+    left_out: Vec<LeftOut>,
+    files: Vec<PathBuf>,
+    wall_seconds: f64,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let options = options(arguments)?;
+    let files = folder::motion_files(&arguments.paths)?;
+    if files.is_empty() {
+        let hint = format!("motion files end in {}", folder::known_extensions());
+        return Err(usage("there is no motion file in the folders named", hint));
+    }
+    let progress = Mutex::new(Progress::new("importing"));
+    let done = |count: usize| {
+        if let Ok(mut progress) = progress.lock() {
+            progress.at(&format!("{count} of {} files", files.len()), count as f64 / files.len() as f64);
+        }
+    };
+    let make = |path: &Path, takes: Vec<Recording>| {
+        Ok(takes.into_iter().map(|take| examine(path, take, arguments.all)).collect::<Vec<_>>())
+    };
+    let outcomes = folder::import_files(&files, &options, make, done);
+    drop(progress);
+
+    let (mut takes, mut left_out, mut is_good) = (Vec::new(), Vec::new(), true);
+    for outcome in outcomes {
+        match outcome.result {
+            Ok(found) => takes.extend(found),
+            Err(error) => {
+                // A file that was asked for by name is missed; one that lay in a folder is not.
+                is_good &= !arguments.paths.contains(&outcome.path);
+                left_out.push(LeftOut { file: outcome.path, take: None, reason: error.to_string() });
+            }
+        }
+    }
+    for take in &takes {
+        if let Some(reason) = &take.reason {
+            is_good &= !arguments.paths.contains(&take.file);
+            left_out.push(LeftOut {
+                file: take.file.clone(),
+                take: Some(take.name.clone()),
+                reason: reason.clone(),
+            });
+        }
+    }
+    let gaits = unique_names(&mut takes);
+    let mut listing = Listing {
+        gaits: gaits.iter().map(Row::of).collect(),
+        takes,
+        left_out,
+        files: Vec::new(),
+        wall_seconds: 0.0,
+    };
+    if let Some(out) = &arguments.out {
+        if gaits.is_empty() {
+            say_reasons(&listing);
+            return Err(usage("there is no gait to write", "see the reasons above"));
+        }
+        GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
+        listing.files.push(out.clone());
+    }
+    listing.wall_seconds = begin.elapsed().as_secs_f64();
+    is_good &= !listing.gaits.is_empty();
+    if arguments.json {
+        say_reasons(&listing);
+        say_json(&listing)?;
+    } else {
+        print(&listing, arguments);
+    }
+    Ok(is_good)
+}
+
+fn options(arguments: &Arguments) -> Result<Options, Error> {
+    let joint_map = match &arguments.joint_map {
+        None => None,
+        Some(name) => match JointMap::named(name) {
+            Some(map) => Some(map),
+            None if Path::new(name).extension().is_some() || Path::new(name).exists() => {
+                Some(JointMap::load(Path::new(name))?)
+            }
+            None => {
+                let known = JointMap::known().join(", ");
+                return Err(usage(
+                    format!("--joint-map {name}: neither a file nor a rig that is known"),
+                    format!("known are {known}; or name a TOML file"),
+                ));
+            }
+        },
+    };
+    Ok(Options {
+        skeleton: arguments.skeleton.clone(),
+        metres_per_unit: arguments.unit,
+        frame_rate: arguments.rate,
+        joint_map,
+        resample: arguments.resample,
+    })
+}
+
+/// Strikes and strides of one take.
+fn examine(path: &Path, recording: Recording, all: bool) -> Take {
+    let (survey, reason) = match stride::survey(&recording) {
+        Ok(survey) if survey.strides.is_empty() => {
+            let reason = survey.none_found(&recording).to_string();
+            (survey, Some(reason))
+        }
+        Ok(survey) => (survey, None),
+        Err(error) => (Survey::default(), Some(error.to_string())),
+    };
+    let gaits: Vec<Gait> = if all {
+        survey.strides.iter().map(|stride| stride.gait.clone()).collect()
+    } else {
+        let best = survey.best().map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
+        best.into_iter().collect()
+    };
+    // Of a cycle that is repeated, one repetition counts.
+    let repeats = if recording.cyclic { stride::REPEATS } else { 1 };
+    Take {
+        file: path.to_owned(),
+        frames: recording.poses.len(),
+        rate_hz: recording.frame_rate,
+        strikes: survey.strikes.each_ref().map(|times| times.len() / repeats),
+        strides: survey.strides.len(),
+        refused: survey.refused.iter().map(|r| format!("at {:.2} s: {}", r.begin, r.reason)).collect(),
+        on_the_spot: survey.on_the_spot,
+        curved: survey.strides.iter().filter(|stride| Stride::is_curved(stride)).count(),
+        taken: gaits.len(),
+        name: recording.name,
+        report: recording.report,
+        gaits,
+        reason,
+    }
+}
+
+/// All gaits in order, under names of their own: the folder is put before names that occur in several files, and a
+/// number behind what is still the same.
+fn unique_names(takes: &mut [Take]) -> Vec<Gait> {
+    let mut files_of: HashMap<String, HashSet<PathBuf>> = HashMap::new();
+    for take in takes.iter() {
+        files_of.entry(take.name.clone()).or_default().insert(take.file.clone());
+    }
+    let mut taken: HashSet<String> = HashSet::new();
+    let mut gaits = Vec::new();
+    for take in takes {
+        let several = files_of.get(&take.name).is_some_and(|files| files.len() > 1);
+        let folder =
+            take.file.parent().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        for mut gait in std::mem::take(&mut take.gaits) {
+            if let (true, Some(folder)) = (several, &folder) {
+                gait.name = format!("{folder}/{}", gait.name);
+            }
+            let plain = gait.name.clone();
+            let mut number = 1;
+            while !taken.insert(gait.name.clone()) {
+                number += 1;
+                gait.name = format!("{plain} ({number})");
+            }
+            gaits.push(gait);
+        }
+    }
+    gaits
+}
+
+/// The reasons, and what the importer has to warn of, on standard error.
+fn say_reasons(listing: &Listing) {
+    for left in &listing.left_out {
+        // Messages begin with the file or the take already where they come from the importer.
+        note(&format!("left out: {}", left.reason));
+    }
+}
+
+fn print(listing: &Listing, arguments: &Arguments) {
+    let is_few = listing.takes.len() <= FEW_TAKES;
+    for take in &listing.takes {
+        for line in &take.report {
+            if is_few || arguments.report || line.starts_with("warning") {
+                note(&format!("{}: {line}", take.name));
+            }
+        }
+    }
+    say_reasons(listing);
+    if !listing.takes.is_empty() {
+        let rows: Vec<Vec<String>> = listing.takes.iter().map(words).collect();
+        let head =
+            ["take", "frames", "Hz", "strikes", "strides", "refused", "taken", "m/s", "remarks", "file"];
+        table(&head, &with_speeds(rows, listing));
+        say("");
+    }
+    if (1..=FEW_GAITS).contains(&listing.gaits.len()) {
+        table_of_gaits(&listing.gaits);
+        say("");
+    }
+    let empty = listing.takes.iter().filter(|take| take.reason.is_some()).count();
+    let failed = listing.left_out.len() - empty;
+    say(&format!(
+        "{} gaits of {} takes; {empty} takes and {failed} files left out",
+        listing.gaits.len(),
+        listing.takes.len()
+    ));
+    for file in &listing.files {
+        say(&format!("written    {}", file.display()));
+    }
+    say(&format!("wall time  {:.2} s", listing.wall_seconds));
+}
+
+fn words(take: &Take) -> Vec<String> {
+    let mut remarks = Vec::new();
+    if take.on_the_spot {
+        remarks.push("on the spot".to_owned());
+    }
+    if take.curved > 0 {
+        remarks.push(format!("{} curved", take.curved));
+    }
+    if take.report.iter().any(|line| line.contains("joints swapped")) {
+        remarks.push("sides swapped".to_owned());
+    }
+    if take.report.iter().any(|line| line.starts_with("warning")) {
+        remarks.push("see warnings".to_owned());
+    }
+    if remarks.is_empty() {
+        remarks.push("-".to_owned());
+    }
+    let file = take.file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    vec![
+        take.name.clone(),
+        take.frames.to_string(),
+        format!("{:.1}", take.rate_hz),
+        format!("{}+{}", take.strikes[0], take.strikes[1]),
+        take.strides.to_string(),
+        take.refused.len().to_string(),
+        take.taken.to_string(),
+        String::new(),
+        remarks.join(", "),
+        file,
+    ]
+}
+
+/// Fills in the mean speed of the gaits taken of each take.
+fn with_speeds(mut rows: Vec<Vec<String>>, listing: &Listing) -> Vec<Vec<String>> {
+    let mut gaits = listing.gaits.iter();
+    for (row, take) in rows.iter_mut().zip(&listing.takes) {
+        let speeds: Vec<f32> = gaits.by_ref().take(take.taken).map(|gait| gait.v_des).collect();
+        if let Some(cell) = row.get_mut(7) {
+            *cell = match speeds.len() {
+                0 => "-".to_owned(),
+                count => format!("{:.2}", speeds.iter().sum::<f32>() / count as f32),
+            };
+        }
+    }
+    rows
+}

@@ -1,0 +1,104 @@
+//! `gaitway gait import` as a program: folders, reasons, JSON, the same library however many threads.
+
+use super::containers;
+use super::walker::{self, Walker};
+use std::path::Path;
+use std::process::{Command, Output};
+
+fn gaitway(arguments: &[&str], folder: &Path, threads: &str) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_gaitway"));
+    command.current_dir(folder).env("RAYON_NUM_THREADS", threads).args(["gait", "import"]).args(arguments);
+    command.output().unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_folder_becomes_one_library_with_a_reason_for_what_is_left_out() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(path, bytes).unwrap();
+    };
+    let walk = |speed: f32| Walker { speed, ..Walker::default() }.take(4.0, 60.0);
+    write("takes/anna/walk.bvh", walker::bvh(&walk(1.0), 100.0).as_bytes());
+    write("takes/ben/walk.bvh", walker::bvh(&walk(1.2), 100.0).as_bytes());
+    write("takes/ben/fast.c3d", &containers::c3d(&walk(1.5), 84, true, "mm"));
+    write(
+        "takes/ben/still.csv",
+        walker::csv(&[&Walker { speed: 0.0, ..Walker::default() }.take(0.1, 30.0)], 1.0).as_bytes(),
+    );
+    write("takes/broken.bvh", b"HIERARCHY\nROOT hips\n{\n");
+    write("takes/notes.md", b"no motion");
+    write("takes/ben/labels.csv", b"file,subject,label\nfast.c3d,ben,angry\n");
+
+    let output = gaitway(&["takes", "--all", "--json", "--out", "one.glb"], folder.path(), "1");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let names: Vec<&str> =
+        json["gaits"].as_array().unwrap().iter().map(|g| g["name"].as_str().unwrap()).collect();
+    assert_eq!(
+        names,
+        [
+            "anna/walk#1",
+            "anna/walk#2",
+            "anna/walk#3",
+            "fast#1",
+            "fast#2",
+            "fast#3",
+            "ben/walk#1",
+            "ben/walk#2",
+            "ben/walk#3"
+        ]
+    );
+    assert_eq!(json["gaits"][3]["label"], "angry");
+    let left: Vec<String> =
+        json["left_out"].as_array().unwrap().iter().map(|l| l["reason"].to_string()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+    assert!(
+        left[0].contains("broken.bvh:3") && left[1].contains("still.csv") | left[1].contains("at least 12"),
+        "{left:?}"
+    );
+    assert!(json["takes"][0]["report"].to_string().contains("centimetres"));
+
+    let again = gaitway(&["takes", "--all", "--json", "--out", "two.glb"], folder.path(), "4");
+    assert!(again.status.success());
+    let [one, two] = ["one.glb", "two.glb"].map(|name| std::fs::read(folder.path().join(name)).unwrap());
+    assert!(one == two, "the library must not depend on the number of threads");
+
+    let output = gaitway(&["takes/ben", "--resample", "30"], folder.path(), "2");
+    let table = text(&output.stdout);
+    assert!(
+        output.status.success() && table.contains("30.0") && table.contains("2 gaits of 3 takes"),
+        "{table}"
+    );
+    assert!(text(&output.stderr).contains("left out: "), "{}", text(&output.stderr));
+}
+
+#[test]
+fn what_was_asked_for_by_name_and_failed_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("a.bvh"), "HIERARCHY").unwrap();
+    std::fs::write(folder.path().join("walk.bvh"), walker::bvh(&Walker::default().take(4.0, 60.0), 1.0))
+        .unwrap();
+    std::fs::write(folder.path().join("map.toml"), "like = \"gaitway\"\nheads = \"head\"\n").unwrap();
+    for (arguments, expected) in [
+        (&["a.bvh", "walk.bvh"][..], "left out: a.bvh:1"),
+        (&["nowhere.bvh"], "nowhere.bvh"),
+        (&["walk.bvh", "--joint-map", "map.toml"], "map.toml:2: unknown key"),
+        (&["walk.bvh", "--joint-map", "Mixmo"], "Bandai-Namco"),
+        (&["walk.bvh", "--resample", "5000"], "5000"),
+        (&["walk.bvh", "--joint-map", "Mixamo"], "joints not found"),
+    ] {
+        let output = gaitway(arguments, folder.path(), "2");
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        assert!(text(&output.stderr).contains(expected), "{arguments:?}: {}", text(&output.stderr));
+    }
+    let empty = folder.path().join("empty");
+    std::fs::create_dir(&empty).unwrap();
+    let output = gaitway(&["empty"], folder.path(), "1");
+    assert!(!output.status.success() && text(&output.stderr).contains("no motion file"));
+}
