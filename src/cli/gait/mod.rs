@@ -1,5 +1,8 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
+mod fit;
+mod ratings;
+
 use super::output::{note, say, say_json, table};
 use super::scene::library;
 use super::{figures, usage};
@@ -35,6 +38,10 @@ enum Command {
     Show(ShowArguments),
     /// Generate a gait
     Walk(WalkArguments),
+    /// Turn the responses of raters into means, labels and a labelled library
+    Ratings(ratings::RatingsArguments),
+    /// Fit gaits with a few harmonics; compare the walker with E-Gait
+    Fit(fit::FitArguments),
 }
 
 #[derive(Debug, Args)]
@@ -143,6 +150,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Import(arguments) => import_files(arguments),
         Command::Show(arguments) => show(arguments),
         Command::Walk(arguments) => generate(arguments),
+        Command::Ratings(arguments) => ratings::run(arguments),
+        Command::Fit(arguments) => fit::run(arguments),
     }
 }
 
