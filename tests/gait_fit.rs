@@ -1,5 +1,5 @@
 //! Gaits as a mean pose and harmonics, and the walker's classes against E-Gait's.
-#![allow(clippy::unwrap_used, reason = "a test fails loudly")]
+#![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails loudly and says what it skips")]
 
 use gaitway::Emotion;
 use gaitway::gait::fit::contrast::{Verdict, compare};

@@ -79,7 +79,7 @@ pub fn blend(name: &str, gaits: &[(&Gait, f32)]) -> Result<Gait, Error> {
         return Err(wrong(format!("{:?} has no frames to blend", gait.name)));
     }
     let total: f32 = gaits.iter().map(|(_, weight)| weight).sum();
-    if !(total > 0.0) {
+    if total <= 0.0 || total.is_nan() {
         return Err(wrong("all weights are 0; one must be above".to_owned()));
     }
     let mean =

@@ -192,7 +192,7 @@ fn drawn(ends: &[f64], random: u32) -> usize {
 /// The exponential function for numbers up to 0, from plain arithmetic: system libraries differ in the last bit, and then
 /// a draw might too. Below -700 it is 0.
 fn exp(x: f64) -> f64 {
-    if !(x > -700.0) {
+    if x <= -700.0 || x.is_nan() {
         return 0.0;
     }
     // exp(x) = exp(x / 1024)^1024; the series is exact to the last bits for |x / 1024| < 0.7.

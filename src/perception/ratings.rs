@@ -44,7 +44,7 @@ pub struct Response {
 pub struct Video {
     /// The gait's name.
     pub name: String,
-    /// Number of responses, the paper's n_p.
+    /// Number of responses, the paper's `n_p`.
     pub responses: usize,
     /// Mean responses r^e in the order of [`Emotion::ALL`], 1 to 5 (section 3.2).
     pub mean: [f64; 4],
@@ -176,7 +176,8 @@ impl Analysis {
 /// emotions that share it, in the order of [`Emotion::ALL`], of which the label is the first (equation 1; A-05).
 pub fn label(mean: [f64; 4], theta: f64) -> (Option<Emotion>, Vec<Emotion>) {
     let highest = mean.into_iter().fold(f64::NEG_INFINITY, f64::max);
-    if !(highest > theta) {
+    let is_above = highest > theta;
+    if !is_above {
         return (None, Vec::new());
     }
     // Means of equal sums over equal counts are equal to the last bit, so that exact comparison finds every tie.

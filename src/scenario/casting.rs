@@ -16,6 +16,9 @@ use crate::library::choose::{Chooser, Wish};
 /// Speed at the start, m/s: an ordinary walk; the simulation goes on from there.
 const START_SPEED: f32 = 1.2;
 
+/// Emotion weights, gaits and their weights, as in [`AgentStart`].
+type Feeling = ([f32; 4], [u32; 4], [f32; 4]);
+
 /// Emotions, gaits, bodies.
 pub(super) struct Cast<'a> {
     scenario: &'a Scenario,
@@ -83,7 +86,7 @@ impl<'a> Cast<'a> {
     }
 
     /// Emotion weights, gaits and their weights.
-    fn feeling(&self, agent: u32) -> Result<([f32; 4], [u32; 4], [f32; 4]), Error> {
+    fn feeling(&self, agent: u32) -> Result<Feeling, Error> {
         let population = &self.scenario.population;
         let is_baseline = self.scenario.condition == Condition::Baseline;
         match (population.emotion_mode, population.affect) {
@@ -108,7 +111,7 @@ impl<'a> Cast<'a> {
     }
 
     /// One gait for each emotion of the mixture; where the weight is 0, one that is there anyway.
-    fn mixture(&self, agent: u32, weights: [f32; 4]) -> Result<([f32; 4], [u32; 4], [f32; 4]), Error> {
+    fn mixture(&self, agent: u32, weights: [f32; 4]) -> Result<Feeling, Error> {
         let spare = Emotion::ALL.into_iter().find(|e| weights[e.index()] > 0.0).unwrap_or(Emotion::Neutral);
         let mut gaits = [self.gait(agent, spare)?; 4];
         for emotion in Emotion::ALL {

@@ -151,7 +151,7 @@ fn checked(gait: HarmonicGait) -> Result<HarmonicGait, String> {
             return Err(format!("gait {name:?}: {what} is {value}; it must be {low} to {high}"));
         }
     }
-    if gait.rows.len() % 2 == 0 || gait.harmonics() > MOST_HARMONICS {
+    if gait.rows.len().is_multiple_of(2) || gait.harmonics() > MOST_HARMONICS {
         let rows = gait.rows.len();
         let most = 2 * MOST_HARMONICS + 1;
         return Err(format!("gait {name:?}: {rows} rows; they must be 1, 3, 5, ... up to {most}"));

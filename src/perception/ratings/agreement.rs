@@ -76,7 +76,7 @@ pub fn agreement(units: &[Vec<u8>]) -> Agreement {
 /// ICC(1,1), ICC(1,k) and k.
 ///
 /// With B and W the mean squares between and within videos: `(B - W) / (B + (k - 1) W)` and `(B - W) / B`. For unequal
-/// numbers n_i of raters, `k = (N - sum n_i^2 / N) / (videos - 1)`.
+/// numbers `n_i` of raters, `k = (N - sum n_i^2 / N) / (videos - 1)`.
 fn icc(units: &[Vec<u8>]) -> [f64; 3] {
     let units: Vec<&Vec<u8>> = units.iter().filter(|unit| !unit.is_empty()).collect();
     let total = number(units.iter().map(|unit| unit.len()).sum());
@@ -110,7 +110,7 @@ pub enum Metric {
 /// Krippendorff's alpha of answers `[video][rater]`, 1 to 5: 1 is perfect agreement, 0 is chance. Videos with fewer than
 /// two answers do not count; NaN if all answers are equal or none can be paired.
 ///
-/// `alpha = 1 - (n - 1) sum o_ck d_ck / sum n_c n_k d_ck` with o the coincidences, n_c their sums and d the squared
+/// `alpha = 1 - (n - 1) sum o_ck d_ck / sum n_c n_k d_ck` with o the coincidences, `n_c` their sums and d the squared
 /// difference of `metric`.
 pub fn krippendorff_alpha(units: &[Vec<u8>], metric: Metric) -> f64 {
     let mut pairs = [[0.0; SCALE]; SCALE];

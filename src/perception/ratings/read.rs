@@ -466,7 +466,7 @@ mod tests {
                 state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
                 text += pieces[(state >> 16) as usize % pieces.len()];
             }
-            let _ = parse(&text, "s.csv", &Options { skip_bad: state % 2 == 0, videos: None });
+            let _ = parse(&text, "s.csv", &Options { skip_bad: state.is_multiple_of(2), videos: None });
         }
     }
 }
