@@ -1,5 +1,10 @@
 //! Which gait an agent walks with, and mixtures by valence and arousal, as a scenario says.
-#![allow(clippy::unwrap_used, reason = "a test fails loudly")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::float_cmp,
+    clippy::print_stdout,
+    reason = "a test fails loudly; equal is equal"
+)]
 
 use gaitway::Emotion;
 use gaitway::gait::Gait;

@@ -284,7 +284,7 @@ pub enum Error {
     /// Clearer gaits are to be preferred, but how clear a gait is is not known.
     #[error(
         "gait {name:?} has no ratings ({missing} such gaits), so that how clearly it shows its emotion is not known; rate the \
-         library (gaitway gait ratings SHEET.csv --library LIB.glb --out LABELLED.glb), or choose without margin"
+         library (gaitway gait ratings SHEET.csv --library LIB.glb --out LABELLED.glb)"
     )]
     NoMargin {
         /// The first such gait.

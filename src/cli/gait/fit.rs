@@ -77,7 +77,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<bool, Error> {
     let harmonics = arguments.harmonics.unwrap_or(fit::HARMONICS);
     if harmonics > fit::MOST_HARMONICS {
         let message = format!("--harmonics {harmonics}: must be 0 to {}", fit::MOST_HARMONICS);
-        return Err(usage(message, "4 bring a walk within a centimetre"));
+        return Err(usage(message, "with 4 a walk is some 3 mm off (RMS)"));
     }
     let pairs = fitted(arguments, harmonics)?;
     let (file, file_bytes) = match &arguments.out {

@@ -115,7 +115,11 @@ impl Bars {
             above = above.min(high);
         }
         let value = format!("{:.*}", self.decimals, bar.value);
-        canvas.text([middle, above - 6.0], style, if bar.text.is_empty() { &value } else { &bar.text });
+        let text = if bar.text.is_empty() { &value } else { &bar.text };
+        // Grid lines do not run through the text.
+        let wide = text.chars().count() as f64 * Size::Normal.advance() + 4.0;
+        canvas.rect([middle - 0.5 * wide, above - 18.0], [wide, 15.0], Paint::Paper);
+        canvas.text([middle, above - 6.0], style, text);
     }
 
     /// Names and colours of the series in a row at `at`.

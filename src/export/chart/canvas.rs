@@ -16,6 +16,8 @@ pub(super) enum Paint {
     Ink,
     /// Notes and names of axes.
     Muted,
+    /// The ground of the figure.
+    Paper,
     /// Grid lines.
     Grid,
     /// A colour of its own in both schemes, sRGB.
@@ -193,6 +195,7 @@ fn attribute(paint: Paint, more: &str) -> String {
     let class = match paint {
         Paint::Ink => "ink",
         Paint::Muted => "muted",
+        Paint::Paper => "paper",
         Paint::Grid => "grid",
         Paint::Fixed([r, g, b]) => {
             return format!("fill=\"#{r:02x}{g:02x}{b:02x}\" class=\"{}\"", more.trim());
@@ -206,6 +209,7 @@ const fn color(paint: Paint) -> [u8; 4] {
     match paint {
         Paint::Ink => [30, 33, 38, 255],
         Paint::Muted => [92, 99, 109, 255],
+        Paint::Paper => [255; 4],
         Paint::Grid => [217, 220, 224, 255],
         Paint::Fixed([r, g, b]) => [r, g, b, 255],
     }
