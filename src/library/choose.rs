@@ -195,16 +195,23 @@ fn exp(x: f64) -> f64 {
     if x <= -700.0 || x.is_nan() {
         return 0.0;
     }
-    // exp(x) = exp(x / 1024)^1024; the series is exact to the last bits for |x / 1024| < 0.7.
-    let small = x / 1024.0;
+    // exp(x) = 2^n exp(rest) with |rest| <= ln 2 / 2, for which the series is exact to the last bits. ln 2 is split in two so
+    // that nothing is lost in the subtraction.
+    const LN_2_HIGH: f64 = 0.693_147_180_369_123_8;
+    const LN_2_LOW: f64 = 1.908_214_929_270_587_7e-10;
+    let power = (x * std::f64::consts::LOG2_E).round();
+    let rest = (x - power * LN_2_HIGH) - power * LN_2_LOW;
     let mut sum = 1.0;
     for n in (1..=14).rev() {
-        sum = 1.0 + sum * small / f64::from(n);
+        sum = 1.0 + sum * rest / f64::from(n);
     }
-    for _ in 0..10 {
-        sum *= sum;
-    }
-    sum
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "1023 - 1010 to 1023: an exponent"
+    )]
+    let exponent = (1023.0 + power) as u64;
+    sum * f64::from_bits(exponent << 52)
 }
 
 #[cfg(test)]

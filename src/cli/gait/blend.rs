@@ -86,7 +86,9 @@ fn weights(text: &str) -> Result<[f32; 4], String> {
         weights[emotion.index()] = match value.trim().parse::<f32>() {
             Ok(weight) if (0.0..=1e6).contains(&weight) => weight,
             _ => {
-                return Err(format!("the weight of {emotion} is {value:?}; it must be a number of 0 or more"));
+                return Err(format!(
+                    "the weight of {emotion} is {value:?}; it must be a number of 0 or more"
+                ));
             }
         };
     }

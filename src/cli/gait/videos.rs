@@ -122,7 +122,7 @@ mod tests {
         let rows = dark(&first);
         let top = rows.iter().position(|&count| count > 3).unwrap();
         let bottom = rows.iter().rposition(|&count| count > 3).unwrap();
-        assert!((20..90).contains(&top) && (330..384).contains(&bottom), "{top} to {bottom}");
+        assert!((20..120).contains(&top) && (330..384).contains(&bottom), "{top} to {bottom}");
         assert_ne!(first, later);
         let folder = tempfile::tempdir().unwrap();
         let files = write(folder.path(), &[Gait { name: "a/b".into(), ..gait }]).unwrap();
