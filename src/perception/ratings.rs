@@ -1,7 +1,7 @@
 //! Raw responses of raters to means, labels and GEA (paper, sections 3.2 and 3.3; S-05 to S-09).
 //!
 //! A rater watches a video of a gait and says to each of four statements ("this person looks happy", angry, sad,
-//! neutral) how far they agree, 1 to 5. [`read`] takes the sheet of answers; [`analyse`] gives the mean of every video,
+//! neutral) how far they agree, 1 to 5. [`read()`] takes the sheet of answers; [`analyse`] gives the mean of every video,
 //! its label, how the four questions go together, how far raters agree and how many gaits each emotion has; [`apply`]
 //! writes ratings and labels into gaits. Ambiguities of the paper and their resolution: A-05 (threshold and ties), A-06
 //! (n is counted, never assumed), A-07 (correlations over gaits are the headline, over responses are given too).

@@ -117,7 +117,7 @@ pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
 /// Reads a sheet from text; `origin` names it in errors.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`read()`].
 pub fn parse(text: &str, origin: &str, options: &Options<'_>) -> Result<Sheet, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
