@@ -26,6 +26,9 @@ pub const FRAMES: usize = 64;
 /// arousal to happy) no emotion of the four stands, so the point is projected on the nearer of the rays of sad and happy,
 /// and is neutral where it is on neither side. The map is continuous; NaN gives neutral.
 pub fn weights_from_affect(valence: f64, arousal: f64) -> [f32; 4] {
+    if valence.is_nan() || arousal.is_nan() {
+        return Emotion::Neutral.weights();
+    }
     let point = DVec2::new(valence, arousal).clamp(DVec2::NEG_ONE, DVec2::ONE);
     let [happy, angry, sad, _] = AFFECT.map(DVec2::from);
     let mut weights = [0.0; 4];
@@ -49,10 +52,7 @@ pub fn weights_from_affect(valence: f64, arousal: f64) -> [f32; 4] {
 }
 
 /// The rest is neutral.
-fn rest(mut weights: [f64; 4]) -> [f32; 4] {
-    if weights.iter().any(|weight| weight.is_nan()) {
-        weights = [0.0; 4];
-    }
+fn rest(weights: [f64; 4]) -> [f32; 4] {
     #[allow(clippy::cast_possible_truncation, reason = "a weight of 0 to 1, rounded to f32")]
     let mut weights = weights.map(|weight| weight as f32);
     weights[Emotion::Neutral.index()] = (1.0 - weights.iter().sum::<f32>()).max(0.0);
