@@ -113,6 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         seed: Some(arguments.seed),
         condition: None,
         library: None,
+        preference: super::preference::PreferenceArguments::default(),
         place: arguments.place.clone(),
     })?;
     let steps = scene.steps(seconds);

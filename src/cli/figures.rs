@@ -72,7 +72,7 @@ fn figure(pose: &Pose, flat: impl Fn(Vec3) -> Vec2) -> Image {
 }
 
 /// A line with round ends, `width` pixels wide, smooth at its edge.
-fn line(image: &mut Image, [a, b]: [Vec2; 2], width: f32, color: [u8; 4]) {
+pub(super) fn line(image: &mut Image, [a, b]: [Vec2; 2], width: f32, color: [u8; 4]) {
     let (low, high) = (a.min(b) - width, a.max(b) + width);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture")]
     let range = |from: f32, to: f32, end: u32| (from.max(0.0) as u32)..(to.max(0.0).ceil() as u32).min(end);

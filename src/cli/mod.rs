@@ -10,6 +10,7 @@ mod devices;
 mod figures;
 mod gait;
 mod output;
+mod preference;
 mod progress;
 #[cfg(feature = "vulkan")]
 mod render;

@@ -1,11 +1,12 @@
 //! What `simulate`, `render` and `demo` have in common: which crowd, where, on which backend.
 
+use super::preference::PreferenceArguments;
 use super::{output::note, usage};
 use crate::Error;
 use crate::avatar::{self, Avatar, Sex};
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
-use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate};
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate_from};
 use crate::sim::{Backend, Cast, Simulation, setup};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
@@ -28,6 +29,8 @@ pub(super) struct SceneArguments {
     /// Gaits to walk with [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     pub(super) library: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) preference: PreferenceArguments,
     #[command(flatten)]
     pub(super) place: PlaceArguments,
 }
@@ -97,9 +100,10 @@ impl Scene {
                 ConditionName::EvaG => Condition::EvaG,
             };
         }
+        arguments.preference.apply(&mut scenario);
         let library = library(arguments.library.as_deref())?;
         let base = Path::new(&arguments.scene).parent();
-        let crowd = populate(&scenario, |emotion| library.gaits_for(emotion))?;
+        let crowd = populate_from(&scenario, &library)?;
         let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast })
     }

@@ -1,6 +1,7 @@
-//! Results as files: trajectories that PedPy and JuPedSim read, pictures, videos. Every file appears by rename when complete.
+//! Results as files: trajectories that PedPy and JuPedSim read, pictures, videos, figures. Every file appears by rename when complete.
 
 mod atomic;
+pub mod chart;
 mod font;
 pub mod image;
 pub mod trajectory;

@@ -3,6 +3,7 @@
 //! Recordings (files of many frames, with the walker's travel) become gaits by [`stride`] extraction; the
 //! procedural [`walker`] makes gaits from nothing. Paper: section 3, `G = {P_1 … P_tau}`.
 
+pub mod fit;
 pub mod import;
 pub mod skeleton;
 pub mod stride;

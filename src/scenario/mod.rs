@@ -5,6 +5,7 @@
 //! says where everything is; [`populate()`] fills it with agents as a [`crowd::Crowd`]; and
 //! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
 
+mod casting;
 mod clearance;
 mod crossing;
 pub mod crowd;
@@ -31,9 +32,9 @@ pub use error::{BadValue, Error};
 pub use lanes::ROUTE_CLEARANCE;
 pub use layout::Geometry;
 pub use mesh::EnvironmentMesh;
-pub use populate::populate;
+pub use populate::{populate, populate_from, populate_with};
 pub use schema::{
-    Condition, EmotionMode, GaitChoice, Gaze, GazeMode, Layout, Model, Navigation, Obstacle, Point,
-    Population, Route, RouteMode, Scenario, Shares, Spawn, User,
+    Affect, Condition, EmotionMode, GaitChoice, Gaze, GazeMode, GenderChoice, Layout, Model, Navigation,
+    Obstacle, Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_NEIGHBOURS};

@@ -3,16 +3,19 @@
 //! All draws are counter-based ([`super::random`]): what agent i is like depends on the seed and i alone; where it
 //! starts depends, besides, on the agents before it, because no two may overlap.
 
+use super::casting::Cast;
 use super::clearance::Clearance;
 use super::crowd::{AgentStart, Crowd};
 use super::error::Error;
 use super::lanes::Lanes;
 use super::layout::Geometry;
 use super::polygon;
-use super::random::{Purpose, bits, index, range, unit};
-use super::schema::{Condition, EmotionMode, GaitChoice, Scenario, Spawn};
+use super::random::{Purpose, unit};
+use super::schema::{Scenario, Spawn};
 use crate::emotion::Emotion;
-use crate::ground::heading_from_ground;
+use crate::library::GaitLibrary;
+use crate::library::choose::{Chooser, Clarity, margins};
+use crate::perception::Perceiver;
 use glam::{IVec2, Vec2};
 
 /// Draws before a place is given up as full.
@@ -21,20 +24,60 @@ const ATTEMPTS: u32 = 2000;
 const GAP: f32 = 0.1;
 /// Gap to the user at the start, m.
 const USER_GAP: f32 = 0.8;
-/// Speed at the start, m/s: an ordinary walk; the simulation goes on from there.
-const START_SPEED: f32 = 1.2;
 
-/// Fills a scenario with its agents.
+/// Fills a scenario with its agents, knowing of the gaits no more than which look like an emotion.
 ///
 /// `gaits_for` is GEA(e): the gaits of a library that look like an emotion, as indices into it.
 ///
 /// # Errors
 /// [`Error::Value`] for an invalid scenario; [`Error::Populate`] when an emotion in use has no gait, a route is
-/// blocked, or there is no room: what, where, and the way out.
+/// blocked, there is no room, or the scenario prefers gaits by what only [`populate_from`] knows: what, where, and the
+/// way out.
 pub fn populate<'a>(scenario: &Scenario, gaits_for: impl Fn(Emotion) -> &'a [u32]) -> Result<Crowd, Error> {
     scenario.validate()?;
+    if !scenario.population.prefer.is_nothing() {
+        return Err(Error::Populate {
+            name: scenario.name.clone(),
+            message: "population.prefer needs the gaits themselves, not only their numbers".to_owned(),
+            hint: "populate it from a library (populate_from), or leave population.prefer out".to_owned(),
+        });
+    }
+    fill(scenario, &Chooser::of_ids(gaits_for))
+}
+
+/// Fills a scenario with its agents, who choose their gaits out of a library as the scenario says.
+///
+/// # Errors
+/// As [`populate`]; also when `population.prefer.margin_temperature` is given and a gait has no ratings.
+pub fn populate_from(scenario: &Scenario, library: &GaitLibrary) -> Result<Crowd, Error> {
+    populate_with(scenario, library, None)
+}
+
+/// [`populate_from`] with somebody who tells how clearly gaits that nobody rated show their emotion.
+///
+/// # Errors
+/// As [`populate_from`].
+pub fn populate_with(
+    scenario: &Scenario,
+    library: &GaitLibrary,
+    perceiver: Option<&dyn Perceiver>,
+) -> Result<Crowd, Error> {
+    scenario.validate()?;
+    let prefer = &scenario.population.prefer;
+    let clarity = prefer
+        .margin_temperature
+        .map(|temperature| Clarity { margins: margins(library, perceiver), temperature });
+    let chooser = Chooser::new(library, prefer.speed_tolerance, clarity.as_ref()).map_err(|error| {
+        let hint = "or leave population.prefer.margin_temperature out".to_owned();
+        Error::Populate { name: scenario.name.clone(), message: error.to_string(), hint }
+    })?;
+    fill(scenario, &chooser)
+}
+
+/// Fills a valid scenario.
+fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let geometry = scenario.geometry();
-    let cast = Cast::new(scenario, gaits_for)?;
+    let cast = Cast::new(scenario, chooser)?;
     if scenario.population.agents == 0 {
         return Ok(Crowd::default());
     }
@@ -42,18 +85,18 @@ pub fn populate<'a>(scenario: &Scenario, gaits_for: impl Fn(Emotion) -> &'a [u32
     let lanes = Lanes::new(scenario, &geometry, &free)?;
     let mut places = Places::new(scenario, &geometry, &free, &lanes)?;
     let agents = (0..scenario.population.agents)
-        .map(|agent| Ok(cast.agent(agent, places.place(agent)?)))
+        .map(|agent| cast.agent(agent, places.place(agent)?))
         .collect::<Result<Vec<AgentStart>, Error>>()?;
     Ok(Crowd { agents, waypoints: lanes.waypoints })
 }
 
 /// Index of the share that `u` in [0, 1) falls into; shares need not be normalised.
-fn weighted(cumulative: &[f32], u: f32) -> usize {
+pub(super) fn weighted(cumulative: &[f32], u: f32) -> usize {
     let total = cumulative.last().copied().unwrap_or(0.0);
     cumulative.partition_point(|&end| end <= u * total).min(cumulative.len().saturating_sub(1))
 }
 
-fn cumulate(shares: impl IntoIterator<Item = f32>) -> Vec<f32> {
+pub(super) fn cumulate(shares: impl IntoIterator<Item = f32>) -> Vec<f32> {
     let add = |sum: &mut f32, share: f32| {
         *sum += share;
         Some(*sum)
@@ -61,115 +104,15 @@ fn cumulate(shares: impl IntoIterator<Item = f32>) -> Vec<f32> {
     shares.into_iter().scan(0.0, add).collect()
 }
 
-/// Emotions, gaits, bodies.
-struct Cast<'a> {
-    scenario: &'a Scenario,
-    gaits: [&'a [u32]; 4],
-    shares: [f32; 4],
-    cumulative: Vec<f32>,
-}
-
-impl<'a> Cast<'a> {
-    fn new<'g: 'a>(scenario: &'a Scenario, gaits_for: impl Fn(Emotion) -> &'g [u32]) -> Result<Self, Error> {
-        let baseline = scenario.condition == Condition::Baseline;
-        let shares =
-            if baseline { Emotion::Neutral.weights() } else { scenario.population.emotions.normalised() };
-        let gaits = Emotion::ALL.map(gaits_for);
-        if let Some(missing) =
-            Emotion::ALL.into_iter().find(|e| shares[e.index()] > 0.0 && gaits[e.index()].is_empty())
-        {
-            let why = if baseline { "the baseline needs one" } else { "its share is above 0" };
-            return Err(Error::Populate {
-                name: scenario.name.clone(),
-                message: format!("the gait library has no {missing} gait, and {why}"),
-                hint: format!("use a library with {missing} gaits, or set population.emotions.{missing} = 0"),
-            });
-        }
-        Ok(Self { scenario, gaits, shares, cumulative: cumulate(shares) })
-    }
-
-    /// One gait out of GEA(e).
-    fn gait(&self, agent: u32, emotion: usize) -> u32 {
-        let gaits = self.gaits[emotion];
-        let draw = u32::try_from(emotion).unwrap_or(0);
-        // The baseline is one gait for all (S-26), so all draw as agent 0 does.
-        let who = if self.scenario.condition == Condition::Baseline { 0 } else { agent };
-        let chosen = match self.scenario.population.gaits {
-            GaitChoice::Random => index(self.scenario.seed, who, Purpose::Gait, draw, gaits.len()),
-            GaitChoice::Cycle => usize::try_from(who).unwrap_or(0) % gaits.len().max(1),
-            GaitChoice::First => 0,
-        };
-        gaits.get(chosen).copied().unwrap_or(0)
-    }
-
-    /// Emotion weights, gaits and their weights.
-    fn feeling(&self, agent: u32) -> ([f32; 4], [u32; 4], [f32; 4]) {
-        let blend = self.scenario.population.emotion_mode == EmotionMode::Blend
-            && self.scenario.condition != Condition::Baseline;
-        if blend {
-            let spare = self.shares.iter().position(|&share| share > 0.0).unwrap_or(3);
-            let of = |e: usize| self.gait(agent, if self.shares[e] > 0.0 { e } else { spare });
-            return (self.shares, [of(0), of(1), of(2), of(3)], self.shares);
-        }
-        let drawn = weighted(&self.cumulative, unit(self.scenario.seed, agent, Purpose::Emotion, 0));
-        let gait = self.gait(agent, drawn);
-        (Emotion::ALL[drawn.min(3)].weights(), [gait; 4], [1.0, 0.0, 0.0, 0.0])
-    }
-
-    fn scale(&self, agent: u32) -> f32 {
-        let [low, high] = self.scenario.population.scale;
-        range(self.scenario.seed, agent, Purpose::Scale, 0, low, high)
-    }
-
-    fn agent(&self, agent: u32, place: Place) -> AgentStart {
-        let (seed, scale) = (self.scenario.seed, self.scale(agent));
-        let (emotion, gaits, gait_weights) = self.feeling(agent);
-        // Every run of as many agents as there are avatars has each of them once: as many women as men.
-        let avatars = u32::try_from(self.scenario.population.avatars.len()).unwrap_or(1).max(1);
-        let shift = bits(seed, agent / avatars, Purpose::Avatar, 0) % avatars;
-        AgentStart {
-            position: place.position,
-            velocity: place.direction * START_SPEED.min(self.scenario.navigation.max_speed),
-            heading: heading_from_ground(place.direction),
-            radius: self.scenario.navigation.radius * scale,
-            emotion,
-            gaits,
-            gait_weights,
-            gazes: self.scenario.condition == Condition::EvaG,
-            avatar: (agent % avatars + shift) % avatars,
-            scale,
-            colors: colors(seed, agent),
-            phase: bits(seed, agent, Purpose::Phase, 0),
-            route_start: place.route_start,
-            route_length: place.route_length,
-            waypoint: place.waypoint,
-            loops: place.loops,
-        }
-    }
-}
-
-/// Skin, hair, top and bottom, drawn apart from the emotion, which must show in gait and gaze alone.
-fn colors(seed: u64, agent: u32) -> [u32; 4] {
-    const SKIN: [u32; 7] = [0xf3d3bc, 0xe6b899, 0xd29f7b, 0xb47d57, 0x8d5a3b, 0x6b4128, 0x4a2c1b];
-    const HAIR: [u32; 7] = [0x1c1714, 0x33241b, 0x5a3b24, 0x8a5f35, 0xc49a58, 0x8f8b86, 0x7a2f1d];
-    const TOP: [u32; 14] = [
-        0x2f4b6e, 0x9a3b3b, 0x4d6b46, 0xd9d4c7, 0x33363c, 0xc78b3c, 0x6a4c7d, 0x3f8a8c, 0xb9b2a7, 0x7d5a43,
-        0xcf6a57, 0x8aa5bf, 0xe3c565, 0x56606b,
-    ];
-    const BOTTOM: [u32; 8] = [0x2a3b55, 0x1f2226, 0x5b5348, 0x7c7465, 0x3c4a3c, 0x474c57, 0x8d8675, 0x5a3a33];
-    let pick = |draw: u32, list: &[u32]| list[index(seed, agent, Purpose::Colors, draw, list.len())];
-    [pick(0, &SKIN), pick(1, &HAIR), pick(2, &TOP), pick(3, &BOTTOM)]
-}
-
 /// Where an agent starts and what it walks to.
 #[derive(Debug, Clone, Copy)]
-struct Place {
-    position: Vec2,
-    direction: Vec2,
-    route_start: u32,
-    route_length: u32,
-    waypoint: u32,
-    loops: bool,
+pub(super) struct Place {
+    pub(super) position: Vec2,
+    pub(super) direction: Vec2,
+    pub(super) route_start: u32,
+    pub(super) route_length: u32,
+    pub(super) waypoint: u32,
+    pub(super) loops: bool,
 }
 
 /// Finds a place for one agent after the other.

@@ -29,6 +29,10 @@ pub enum Purpose {
     Lane = 8,
     /// Looks of the environment (the agent is the object).
     Scenery = 9,
+    /// Speed that an agent prefers.
+    Speed = 10,
+    /// Valence and arousal.
+    Affect = 11,
 }
 
 /// The bijection of u32 under every draw.

@@ -5,7 +5,8 @@ use super::error::Error;
 use super::load::nearest;
 use super::polygon;
 use super::schema::{
-    Layout, Navigation, Point, Population, Route, RouteMode, Scenario, Spawn, User, route_names,
+    EmotionMode, GaitChoice, GenderChoice, Layout, Navigation, Point, Population, Route, RouteMode, Scenario,
+    Spawn, User, route_names,
 };
 use glam::Vec2;
 
@@ -104,6 +105,7 @@ fn population(population: &Population) -> Result<(), Error> {
             "try [\"female\", \"male\"]",
         ));
     }
+    genders(population)?;
     if let Some(index) = population.avatars.iter().position(|name| name.trim().is_empty()) {
         let key = format!("population.avatars[{index}]");
         return Err(Error::value(key, "\"\"", "the name or path of an avatar", "try \"female\" or \"male\""));
@@ -123,6 +125,67 @@ fn population(population: &Population) -> Result<(), Error> {
         return Err(Error::value("population.emotions", "all 0", "a sum above 0", hint));
     }
     Ok(())
+}
+
+/// Genders of avatars, and what gaits are preferred by.
+fn genders(population: &Population) -> Result<(), Error> {
+    let (avatars, genders) = (population.avatars.len(), population.avatar_genders.len());
+    if genders > 0 && genders != avatars {
+        let allowed = format!("one for each of the {avatars} avatars, or left out");
+        let hint = "female or male, in the order of population.avatars";
+        return Err(Error::value("population.avatar_genders", format!("{genders} genders"), allowed, hint));
+    }
+    let prefer = &population.prefer;
+    let by_avatar = matches!(prefer.gender, GenderChoice::Match | GenderChoice::Counter);
+    let unknown = (0..avatars).find(|&avatar| population.gender_of(avatar).is_none()).filter(|_| by_avatar);
+    if let Some(name) = unknown.and_then(|avatar| population.avatars.get(avatar)) {
+        let found = if prefer.gender == GenderChoice::Match { "match" } else { "counter" };
+        let hint = format!("the gender of avatar {name:?} is not known: say it in population.avatar_genders");
+        return Err(Error::value("population.prefer.gender", found, "any, female or male", hint));
+    }
+    if let Some([low, high]) = prefer.speed
+        && !(low >= 0.1 && low <= high && high <= 5.0)
+    {
+        let found = format!("[{low}, {high}]");
+        let allowed = "a speed or [least, greatest] within 0.1 to 5 m/s";
+        return Err(Error::value("population.prefer.speed", found, allowed, "people walk at 0.8 to 1.8"));
+    }
+    within("population.prefer.speed_tolerance", prefer.speed_tolerance, 0.0, 5.0, "m/s; 0.1 is usual")?;
+    if let Some(temperature) = prefer.margin_temperature {
+        let hint = "rating points; 0.5 is a clear preference, 0 takes the clearest gait always";
+        within("population.prefer.margin_temperature", temperature, 0.0, 100.0, hint)?;
+    }
+    if !prefer.is_nothing() && population.gaits != GaitChoice::Random {
+        let found = if population.gaits == GaitChoice::Cycle { "cycle" } else { "first" };
+        let hint = "or leave population.prefer out";
+        return Err(Error::value("population.gaits", found, "random where population.prefer is given", hint));
+    }
+    affect(population)
+}
+
+fn affect(population: &Population) -> Result<(), Error> {
+    match (population.emotion_mode, population.affect) {
+        (EmotionMode::Affect, None) => {
+            let allowed = "draw or blend where population.affect is left out";
+            let hint = "add affect = { valence = [-1, 1], arousal = [-1, 1] } to [population]";
+            Err(Error::value("population.emotion_mode", "affect", allowed, hint))
+        }
+        (EmotionMode::Draw | EmotionMode::Blend, Some(_)) => {
+            let hint = "it would not be heeded: set emotion_mode = \"affect\"";
+            Err(Error::value("population.affect", "{..}", "left out with this emotion_mode", hint))
+        }
+        (_, None) => Ok(()),
+        (_, Some(affect)) => {
+            for (name, [low, high]) in [("valence", affect.valence), ("arousal", affect.arousal)] {
+                if !(low >= -1.0 && low <= high && high <= 1.0) {
+                    let (key, found) = (format!("population.affect.{name}"), format!("[{low}, {high}]"));
+                    let allowed = "a number or [least, greatest] within -1 to 1";
+                    return Err(Error::value(key, found, allowed, "0 is neither; try [-0.5, 0.5]"));
+                }
+            }
+            Ok(())
+        }
+    }
 }
 
 fn navigation(n: &Navigation) -> Result<(), Error> {

@@ -7,6 +7,7 @@
     reason = "numbers of tests are small and their helpers may fail loudly"
 )]
 
+mod choose;
 mod differences;
 mod file;
 mod picture;

@@ -1,6 +1,10 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
+mod blend;
+mod fit;
 mod import;
+mod ratings;
+mod videos;
 
 use super::output::{note, say, say_json, table};
 use super::scene::library;
@@ -38,11 +42,17 @@ enum Command {
     Show(ShowArguments),
     /// Generate a gait
     Walk(WalkArguments),
+    /// Blend gaits into a mixture of emotions
+    Blend(blend::BlendArguments),
+    /// Turn the responses of raters into means, labels and a labelled library
+    Ratings(ratings::RatingsArguments),
+    /// Fit gaits with a few harmonics; compare the walker with E-Gait
+    Fit(fit::FitArguments),
 }
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb\n  gaitway \
+    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb --videos videos/\n  gaitway \
                         gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library."
 )]
 struct ShowArguments {
@@ -52,6 +62,9 @@ struct ShowArguments {
     /// Sheet of stick figures
     #[arg(long, value_name = "SHEET.png")]
     out: Option<PathBuf>,
+    /// Folder for a video of each gait from the front, as raters see them
+    #[arg(long, value_name = "DIR")]
+    videos: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -94,6 +107,15 @@ enum SexName {
     Male,
 }
 
+impl SexName {
+    const fn sex(self) -> Sex {
+        match self {
+            Self::Female => Sex::Female,
+            Self::Male => Sex::Male,
+        }
+    }
+}
+
 /// A gait as it is listed.
 #[derive(Debug, Serialize)]
 struct Row {
@@ -120,6 +142,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Import(arguments) => import::run(arguments),
         Command::Show(arguments) => show(arguments),
         Command::Walk(arguments) => generate(arguments),
+        Command::Blend(arguments) => blend::run(arguments),
+        Command::Ratings(arguments) => ratings::run(arguments),
+        Command::Fit(arguments) => fit::run(arguments),
     }
 }
 
@@ -150,6 +175,9 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
         let shown = &gaits[..gaits.len().min(SHEET_ROWS)];
         write_png(out, &figures::sheet(shown)).map_err(crate::export::Error::from)?;
         files.push(out.clone());
+    }
+    if let Some(folder) = &arguments.videos {
+        files.extend(videos::write(folder, &gaits)?);
     }
     list(&gaits, files, begin, arguments.json)?;
     Ok(true)
@@ -209,10 +237,7 @@ fn list(gaits: &[Gait], files: Vec<PathBuf>, begin: Instant, is_json: bool) -> R
 
 fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
     let begin = Instant::now();
-    let sex = match arguments.sex {
-        SexName::Female => Sex::Female,
-        SexName::Male => Sex::Male,
-    };
+    let sex = arguments.sex.sex();
     let mut style = WalkerStyle::preset(arguments.emotion, sex);
     if let Some(seed) = arguments.seed {
         style = style.vary(seed, arguments.index);
