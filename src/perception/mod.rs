@@ -4,6 +4,7 @@
 //! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
 
+pub mod evaluate;
 pub mod svm;
 
 use crate::emotion::Emotion;
@@ -49,6 +50,12 @@ pub enum Error {
     Training {
         /// The method.
         method: &'static str,
+        /// Why, with values and the way out.
+        message: String,
+    },
+    /// Gaits cannot be parted as an evaluation asks.
+    #[error("cannot evaluate: {message}")]
+    Evaluation {
         /// Why, with values and the way out.
         message: String,
     },
