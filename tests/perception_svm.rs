@@ -248,3 +248,30 @@ fn a_model_comes_back_from_its_file_with_the_same_bits_and_no_other_version_is_r
     assert!(error(&text.replacen("\"low\":[", "\"low\":[0.5,", 1)).contains("expected 29"));
     assert!(error(&text.replacen("\"classes\":[0,", "\"classes\":[7,", 1)).contains("classes"));
 }
+
+/// Optimised builds must stay below a second on two cores; others only say how long it took.
+#[test]
+fn ten_thousand_gaits_are_judged_within_a_second() {
+    // labels without any sense make nearly every training gait a support vector: as many as E-Gait's 223 and more
+    let library = GaitLibrary::generated(9, 30).unwrap();
+    let train: Vec<&Gait> = library.gaits().iter().collect();
+    let emotions: Vec<Emotion> = (0..train.len()).map(|i| Emotion::ALL[i * i % 7 % 4]).collect();
+    let model = AffectiveSvm::default().model(&train, &emotions, 1).unwrap();
+    assert!(model.svm().support_count() > 220);
+    // 60 frames at 30 Hz: nothing is dropped by resampling
+    let mut gaits = library.gaits().to_vec();
+    for gait in &mut gaits {
+        gait.poses.truncate(60);
+        gait.poses.extend_from_within(..60 - gait.poses.len());
+        gait.frame_rate = 30.0;
+    }
+    let gaits: Vec<&Gait> = gaits.iter().cycle().take(10_000).collect();
+    assert!(gaits.iter().all(|gait| gait.poses.len() == 60));
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
+    let begin = std::time::Instant::now();
+    let predictions = pool.install(|| model.predict_all(&gaits));
+    let seconds = begin.elapsed().as_secs_f64();
+    println!("{} gaits, {} support vectors: {seconds:.3} s", predictions.len(), model.svm().support_count());
+    assert_eq!(predictions.len(), 10_000);
+    assert!(cfg!(debug_assertions) || seconds < 1.0, "{seconds} s");
+}
