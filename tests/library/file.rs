@@ -165,7 +165,7 @@ fn choosing_falls_back_to_any_sex_and_says_when_an_emotion_has_no_gait() {
 #[test]
 fn unusable_gaits_are_refused_with_the_value() {
     let good = GaitLibrary::generated(1, 1).unwrap().gaits()[0].clone();
-    let refused = |change: &dyn Fn(&mut gaitway::gait::Gait)| {
+    let refused = |change: &dyn Fn(&mut Gait)| {
         let mut gait = good.clone();
         change(&mut gait);
         GaitLibrary::from_gaits(vec![gait]).unwrap_err().to_string()
