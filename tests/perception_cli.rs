@@ -6,7 +6,7 @@ use gaitway::library::GaitLibrary;
 use serde_json::Value;
 use std::process::{Command, Output};
 
-/// Runs `gaitway gait`, through the program that GAITWAY_TEST_RUNNER or GAITWAY_RUNNER names, if any.
+/// Runs `gaitway gait`, through the program that `GAITWAY_TEST_RUNNER` or `GAITWAY_RUNNER` names, if any.
 fn gait(arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_gaitway");
     let runner = ["GAITWAY_TEST_RUNNER", "GAITWAY_RUNNER"].into_iter().find_map(std::env::var_os);
