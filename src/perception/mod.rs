@@ -4,7 +4,13 @@
 //! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
 
+pub mod affective_svm;
+pub mod evaluate;
+pub mod features;
+pub mod model;
 pub mod ratings;
+pub mod scaling;
+pub mod svm;
 
 use crate::emotion::Emotion;
 use crate::gait::Gait;
@@ -51,6 +57,36 @@ pub enum Error {
         method: &'static str,
         /// Why, with values and the way out.
         message: String,
+    },
+    /// Gaits cannot be parted as an evaluation asks.
+    #[error("cannot evaluate: {message}")]
+    Evaluation {
+        /// Why, with values and the way out.
+        message: String,
+    },
+    /// A model file could not be used.
+    #[error("{file}: {message}")]
+    Model {
+        /// The file.
+        file: String,
+        /// What was found, what was expected.
+        message: String,
+    },
+    /// A file could not be read.
+    #[error("cannot read {path:?}: {source}")]
+    Read {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file could not be written.
+    #[error("cannot write {path:?}: {source}")]
+    Write {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
     },
     /// A file is not what its format demands.
     #[error("{path}:{line}: {message}")]

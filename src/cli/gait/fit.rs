@@ -114,7 +114,7 @@ fn fitted(arguments: &FitArguments, harmonics: usize) -> Result<Vec<(Gait, Harmo
             };
             return found.into_iter().map(back).collect();
         }
-        Some(path) if !super::is_glb(path) => super::strides(path, &import::Options::default(), false)?,
+        Some(path) if !super::is_glb(path) => super::strides(path)?,
         path => scene::library(path.as_deref())?.gaits().to_vec(),
     };
     let mut pairs = Vec::with_capacity(gaits.len());

@@ -3,7 +3,11 @@
 mod blend;
 mod fit;
 mod import;
+mod label;
+mod predict;
 mod ratings;
+mod sources;
+mod train;
 mod videos;
 
 use super::output::{note, say, say_json, table};
@@ -38,8 +42,14 @@ pub(super) struct Arguments {
 enum Command {
     /// Find the strides in motion files and folders of them (.bvh, .amc, .c3d, .npz, .csv, ...)
     Import(import::Arguments),
+    /// Add gaits to a library, labelled by a model and marked as predicted
+    Label(label::Arguments),
+    /// Tell the emotion that people would see in gaits
+    Predict(predict::Arguments),
     /// List the gaits of a file or library
     Show(ShowArguments),
+    /// Train a model on labelled gaits
+    Train(train::Arguments),
     /// Generate a gait
     Walk(WalkArguments),
     /// Blend gaits into a mixture of emotions
@@ -140,7 +150,10 @@ struct Listing {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
         Command::Import(arguments) => import::run(arguments),
+        Command::Label(arguments) => label::run(arguments),
+        Command::Predict(arguments) => predict::run(arguments),
         Command::Show(arguments) => show(arguments),
+        Command::Train(arguments) => train::run(arguments),
         Command::Walk(arguments) => generate(arguments),
         Command::Blend(arguments) => blend::run(arguments),
         Command::Ratings(arguments) => ratings::run(arguments),
