@@ -4,7 +4,9 @@
 //! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
 
+mod body;
 pub mod evaluate;
+pub mod linear;
 pub mod svm;
 
 use crate::emotion::Emotion;
