@@ -47,8 +47,7 @@ impl Body {
             }
         }
         let width = across[0].hypot(across[2]);
-        let (cosine, sine) =
-            if width > 0.0 { (across[0] / width, across[2] / width) } else { (1.0, 0.0) };
+        let (cosine, sine) = if width > 0.0 { (across[0] / width, across[2] / width) } else { (1.0, 0.0) };
         let length = body_length(&poses);
         let unit = if length > 1e-9 { length } else { 1.0 };
         for [x, y, z] in poses.iter_mut().flatten() {
@@ -198,7 +197,8 @@ mod tests {
 
     #[test]
     fn unwrapped_angles_do_not_jump() {
-        let curve = unwrapped((0..40_u8).map(|i| (f64::from(i) * 0.3).sin_cos()).map(|(s, c)| s.atan2(c)).collect());
+        let curve =
+            unwrapped((0..40_u8).map(|i| (f64::from(i) * 0.3).sin_cos()).map(|(s, c)| s.atan2(c)).collect());
         assert!(curve.windows(2).all(|pair| (pair[1] - pair[0] - 0.3).abs() < 1e-9));
     }
 

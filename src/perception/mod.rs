@@ -4,9 +4,15 @@
 //! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
 
+pub mod affective_svm;
 mod body;
 pub mod evaluate;
+pub mod features;
 pub mod linear;
+mod memo;
+pub mod model;
+pub mod perceiver;
+pub mod scaling;
 pub mod svm;
 
 use crate::emotion::Emotion;
@@ -43,6 +49,21 @@ pub fn most_probable(probabilities: [f64; 4]) -> Emotion {
     })
 }
 
+/// Refuses what no method can learn from: slices of two lengths, fewer than two emotions.
+fn check_training(method: &'static str, gaits: &[&Gait], emotions: &[Emotion]) -> Result<(), Error> {
+    let failed = |message| Err(Error::Training { method, message });
+    if gaits.len() != emotions.len() {
+        return failed(format!("{} gaits with {} emotions", gaits.len(), emotions.len()));
+    }
+    match emotions.first() {
+        None => failed("no gaits; give gaits of at least two emotions".to_owned()),
+        Some(first) if emotions.iter().all(|emotion| emotion == first) => {
+            failed(format!("all {} gaits are {first}; give gaits of at least two emotions", gaits.len()))
+        }
+        Some(_) => Ok(()),
+    }
+}
+
 /// Ratings, features or a model could not be used.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -60,6 +81,30 @@ pub enum Error {
     Evaluation {
         /// Why, with values and the way out.
         message: String,
+    },
+    /// A model file could not be used.
+    #[error("{file}: {message}")]
+    Model {
+        /// The file.
+        file: String,
+        /// What was found, what was expected.
+        message: String,
+    },
+    /// A file could not be read.
+    #[error("cannot read {path:?}: {source}")]
+    Read {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// A file could not be written.
+    #[error("cannot write {path:?}: {source}")]
+    Write {
+        /// The file.
+        path: std::path::PathBuf,
+        /// Why.
+        source: std::io::Error,
     },
     /// A file is not what its format demands.
     #[error("{path}:{line}: {message}")]

@@ -263,13 +263,17 @@ impl Svm {
 
     /// The class of a point and its margin.
     pub fn verdict(&self, point: &[f64]) -> Verdict {
-        let decisions = self.decisions(point);
+        self.verdict_of(&self.decisions(point))
+    }
+
+    /// The class and margin that follow from [`Svm::decisions`].
+    pub fn verdict_of(&self, decisions: &[f64]) -> Verdict {
         let count = self.classes.len();
         let scores: Vec<f64> = match self.scheme {
-            Scheme::OneVersusRest => decisions.clone(),
+            Scheme::OneVersusRest => decisions.to_vec(),
             Scheme::OneVersusOne => {
                 let mut votes = vec![0.0; count];
-                for ((a, b), &decision) in pairs(count).zip(&decisions) {
+                for ((a, b), &decision) in pairs(count).zip(decisions) {
                     votes[if decision > 0.0 { a } else { b }] += 1.0;
                 }
                 votes
@@ -282,7 +286,7 @@ impl Svm {
                 decisions[best] - second.fold(f64::NEG_INFINITY, f64::max)
             }
             Scheme::OneVersusOne => pairs(count)
-                .zip(&decisions)
+                .zip(decisions)
                 .filter(|((a, b), _)| [*a, *b].contains(&best))
                 .map(|((a, _), &decision)| if a == best { decision } else { -decision })
                 .fold(f64::INFINITY, f64::min),
@@ -299,11 +303,15 @@ impl Svm {
     ///
     /// The most probable class need not be [`Svm::predict`]: it comes from fitted sigmoids, not from votes.
     pub fn probabilities(&self, point: &[f64]) -> Option<Vec<f64>> {
-        let decisions = self.decisions(point);
+        self.probabilities_of(&self.decisions(point))
+    }
+
+    /// The probabilities that follow from [`Svm::decisions`].
+    pub fn probabilities_of(&self, decisions: &[f64]) -> Option<Vec<f64>> {
         let sides: Option<Vec<f64>> = self
             .machines
             .iter()
-            .zip(&decisions)
+            .zip(decisions)
             .map(|(machine, &decision)| machine.sigmoid.map(|sigmoid| platt::probability(sigmoid, decision)))
             .collect();
         let sides = sides?;
