@@ -10,13 +10,16 @@ use std::f64::consts::TAU;
 /// Frames of a normalised cycle.
 pub(super) const FRAMES: usize = 64;
 
+/// Poses a second where time counts and not phase, Hz.
+pub(super) const RATE: f64 = 30.0;
+
 /// Positions of the joints: x to the walker's left, y up, z ahead, body lengths.
 pub(super) type BodyPose = [[f64; 3]; JOINT_COUNT];
 
 /// A normalised walk cycle.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Body {
-    /// [`FRAMES`] poses at equal steps of phase, root at the origin, facing +z.
+    /// Poses at equal steps of phase, root at the origin, facing +z.
     pub poses: Vec<BodyPose>,
     /// Foot to head along the bones, m: the unit of `poses`.
     pub length: f64,
@@ -27,9 +30,25 @@ pub(super) struct Body {
 }
 
 impl Body {
-    /// Normalises a gait. A gait without poses or size gives a body of zeros.
+    /// Normalises a gait to [`FRAMES`] poses. A gait without poses or size gives a body of zeros.
     pub(super) fn of(gait: &Gait) -> Self {
-        let mut poses = resample(gait);
+        Self::with_frames(gait, FRAMES)
+    }
+
+    /// [`Body::of`], with poses [`RATE`] to the second (but at least 8, at most four for each of the gait's).
+    pub(super) fn at_rate(gait: &Gait) -> Self {
+        let most = number(gait.poses.len().saturating_mul(4).max(8));
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "clamped to counts of frames"
+        )]
+        let frames = (f64::from(gait.cycle_time()) * RATE).round().clamp(8.0, most) as usize;
+        Self::with_frames(gait, frames)
+    }
+
+    fn with_frames(gait: &Gait, frames: usize) -> Self {
+        let mut poses = resample(gait, frames);
         for pose in &mut poses {
             let root = pose[Joint::Root as usize];
             for point in pose {
@@ -72,22 +91,22 @@ impl Body {
     }
 }
 
-/// [`FRAMES`] poses at equal steps of phase, interpolated along straight lines; the cycle closes.
-fn resample(gait: &Gait) -> Vec<BodyPose> {
+/// Poses at equal steps of phase, interpolated along straight lines; the cycle closes.
+fn resample(gait: &Gait, frames: usize) -> Vec<BodyPose> {
     let count = gait.poses.len();
     if count == 0 {
-        return vec![[[0.0; 3]; JOINT_COUNT]; FRAMES];
+        return vec![[[0.0; 3]; JOINT_COUNT]; frames];
     }
     let blend = |i: usize| {
-        let (frame, rest) = (i * count / FRAMES, i * count % FRAMES);
-        let share = number(rest) / number(FRAMES);
+        let (frame, rest) = (i * count / frames, i * count % frames);
+        let share = number(rest) / number(frames);
         let (before, after) = (&gait.poses[frame], &gait.poses[(frame + 1) % count]);
         std::array::from_fn(|joint| {
             let (a, b) = (before[joint].to_array(), after[joint].to_array());
             std::array::from_fn(|axis| f64::from(a[axis]) * (1.0 - share) + f64::from(b[axis]) * share)
         })
     };
-    (0..FRAMES).map(blend).collect()
+    (0..frames).map(blend).collect()
 }
 
 /// Foot, knee, hip (mean of the sides) and root, spine, neck, head along the bones, mean over the cycle.
@@ -122,6 +141,23 @@ pub(super) fn angle(a: [f64; 3], b: [f64; 3]) -> f64 {
     let product = length(a) * length(b);
     let cosine = (a[0] * b[0] + a[1] * b[1] + a[2] * b[2]) / product;
     if product > 0.0 { cosine.clamp(-1.0, 1.0).acos() } else { std::f64::consts::FRAC_PI_2 }
+}
+
+/// x, to the walker's left.
+pub(super) const LEFTWARD: [f64; 3] = [1.0, 0.0, 0.0];
+/// y.
+pub(super) const UP: [f64; 3] = [0.0, 1.0, 0.0];
+/// -y.
+pub(super) const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
+/// z.
+pub(super) const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
+/// -z.
+pub(super) const BACK: [f64; 3] = [0.0, 0.0, -1.0];
+
+/// Angle of vectors in the plane of two axes, radians: 0 along `from`, positive towards `to`; without jumps.
+pub(super) fn in_plane(vectors: impl Iterator<Item = [f64; 3]>, to: [f64; 3], from: [f64; 3]) -> Vec<f64> {
+    let along = |v: [f64; 3], axis: [f64; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
+    unwrapped(vectors.map(|v| along(v, to).atan2(along(v, from))).collect())
 }
 
 /// An angle over a cycle without jumps of a whole turn.

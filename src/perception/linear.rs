@@ -400,7 +400,11 @@ impl Pca {
             return None;
         }
         let mean = mean(points);
-        let eigen = Eigen::of(&covariance(points, &mean))?;
+        let eigen = if points.len() < mean.len() {
+            by_points(points, &mean)?
+        } else {
+            Eigen::of(&covariance(points, &mean))?
+        };
         let total: f64 = eigen.values.iter().map(|v| v.max(0.0)).sum();
         let mut held = 0.0;
         let mut count = 0;
@@ -431,6 +435,31 @@ impl Pca {
         }
         point
     }
+}
+
+/// Eigenvalues and vectors of the covariance of fewer points than they have numbers, from the products of the points
+/// with each other: `X^T X u = l u` for `u = X^T w` where `X X^T w = l w`.
+fn by_points<P: AsRef<[f64]>>(points: &[P], centre: &[f64]) -> Option<Eigen> {
+    let away: Vec<Vec<f64>> =
+        points.iter().map(|point| point.as_ref().iter().zip(centre).map(|(p, c)| p - c).collect()).collect();
+    let count = points.len();
+    let mut products = Matrix::zeros(count, count);
+    for i in 0..count {
+        for j in 0..=i {
+            products[(i, j)] = dot(&away[i], &away[j]) / number(count);
+            products[(j, i)] = products[(i, j)];
+        }
+    }
+    let eigen = Eigen::of(&products)?;
+    let mut vectors = Matrix::zeros(count, centre.len());
+    for (k, value) in eigen.values.iter().enumerate() {
+        // directions without variance stay zero; nobody asks for them
+        let scale = (value * number(count)).max(f64::MIN_POSITIVE).sqrt();
+        for (point, share) in away.iter().zip(eigen.vectors.row(k)) {
+            vectors.row_mut(k).iter_mut().zip(point).for_each(|(to, from)| *to += share / scale * from);
+        }
+    }
+    Some(Eigen { values: eigen.values, vectors })
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 
 pub mod affective_svm;
 mod body;
+pub mod comparison;
 pub mod evaluate;
 pub mod features;
 pub mod linear;

@@ -98,3 +98,18 @@ fn principal_components_of_an_ellipsoid_are_its_axes() {
     assert_eq!(Pca::of(&points, 3, 0.9).unwrap().variances.len(), 2);
     assert_eq!(Pca::of(&points, 1, 1.0).unwrap().variances.len(), 1);
 }
+
+#[test]
+fn components_of_few_long_points_are_those_of_their_covariance() {
+    let mut random = Random::new(8);
+    let points: Vec<Vec<f64>> = (0..5).map(|_| (0..12).map(|_| random.unit()).collect()).collect();
+    let few = Pca::of(&points, 4, 1.0).unwrap();
+    let whole = Eigen::of(&covariance(&points, &mean(&points))).unwrap();
+    assert_eq!(few.variances.len(), 4);
+    for k in 0..4 {
+        assert!((few.variances[k] - whole.values[k]).abs() < 1e-12);
+        assert!((dot(few.directions.row(k), whole.vectors.row(k)).abs() - 1.0).abs() < 1e-10);
+    }
+    let restored = few.restore(&few.project(&points[2]));
+    assert!(distance_squared(&restored, &points[2]) < 1e-20);
+}

@@ -1,7 +1,9 @@
 //! What [`super::PhasePerceiver`] sees of a gait.
 
 use crate::gait::{Gait, Joint};
-use crate::perception::body::{Body, FRAMES, amplitude, angle, length, mean, unwrapped};
+use crate::perception::body::{
+    AHEAD, BACK, Body, DOWN, FRAMES, LEFTWARD, UP, amplitude, angle, in_plane, length, mean,
+};
 use crate::perception::features::{Variant, features};
 use crate::perception::linear::number;
 use Joint::{
@@ -30,8 +32,11 @@ const LEFT: [Joint; 6] = [LeftShoulder, LeftElbow, LeftHand, LeftHip, LeftKnee, 
 /// - logarithms of cycle time (s), speed (body lengths per s) and travel per cycle (body lengths); body length (m);
 /// - the paper's 29 features ([`Variant::Corrected`]).
 ///
-/// Not finite where the gait has numbers that are not.
+/// Not finite where the gait has numbers that are not, or no poses.
 pub fn descriptor(gait: &Gait) -> Vec<f64> {
+    if gait.poses.is_empty() {
+        return vec![f64::NAN; DESCRIPTOR_LENGTH];
+    }
     let body = Body::of(gait);
     let mut numbers = Vec::with_capacity(DESCRIPTOR_LENGTH);
     positions(&body, &mut numbers);
@@ -72,18 +77,6 @@ fn positions(body: &Body, numbers: &mut Vec<f64>) {
         }
     }
 }
-
-/// Angle of a vector in the plane of two axes: 0 along `from`, positive towards `to`.
-fn in_plane(vectors: impl Iterator<Item = [f64; 3]>, to: [f64; 3], from: [f64; 3]) -> Vec<f64> {
-    let along = |v: [f64; 3], axis: [f64; 3]| v[0] * axis[0] + v[1] * axis[1] + v[2] * axis[2];
-    unwrapped(vectors.map(|v| along(v, to).atan2(along(v, from))).collect())
-}
-
-const LEFTWARD: [f64; 3] = [1.0, 0.0, 0.0];
-const UP: [f64; 3] = [0.0, 1.0, 0.0];
-const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
-const AHEAD: [f64; 3] = [0.0, 0.0, 1.0];
-const BACK: [f64; 3] = [0.0, 0.0, -1.0];
 
 /// Mean of an angle, in (-pi, pi].
 fn mean_angle(curve: &[f64]) -> f64 {
