@@ -19,6 +19,7 @@ use std::time::Duration;
 const NAMES: [&str; KernelId::ALL.len()] = [
     "compact",
     "cull",
+    "gait_features",
     "gaze",
     "grid_count",
     "grid_scan",

@@ -11,6 +11,7 @@ use crate::reference;
 use crate::reference::exact::hash_u32;
 use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
+use crate::verify::cases::gaits;
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -32,7 +33,7 @@ pub enum Workload {
     /// The kernels of a simulation step and the step as a whole.
     #[default]
     Crossing,
-    /// These, the animation of everyone in that crowd, and the arithmetic probe: every kernel.
+    /// These, the animation of everyone in that crowd, the features of as many gaits, and the arithmetic probe: every kernel.
     All,
 }
 
@@ -41,7 +42,7 @@ pub enum Workload {
 pub struct Row {
     /// Kernel, `step` for a whole step, or `picture` for all of its animation.
     pub name: &'static str,
-    /// Agents (cases of the probe).
+    /// Agents (gaits of `gait_features`, cases of the probe).
     pub agents: usize,
     /// Median, ms.
     pub ms_median: f64,
@@ -137,6 +138,7 @@ pub fn bench(
         if workload == Workload::All {
             progress(&format!("kernels of a picture, {agents} agents"), share(0.7));
             rows.extend(kernels(&mut Sequence::picture(agents, backend, device)?)?);
+            rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }
     }
@@ -262,6 +264,16 @@ impl Sequence {
         Self::new(Some("picture"), agents, store, passes, (backend, device))
     }
 
+    /// The expressive features of so many gaits of about 35 frames.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn features(count: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = gaits::gaits(count, 0);
+        let passes = gaits::passes(&store);
+        Self::new(None, count, store, passes, (backend, device))
+    }
+
     /// The arithmetic probe.
     ///
     /// # Errors
@@ -289,6 +301,9 @@ impl Sequence {
     ) -> Result<Self, crate::Error> {
         if kernel == KernelId::Numerics {
             return Self::probe(agents, backend, device);
+        }
+        if kernel == KernelId::GaitFeatures {
+            return Self::features(agents, backend, device);
         }
         let step = order::step_passes(&crate::kernels::layout::StepUniforms::default());
         if step.iter().any(|pass| pass.kernel == kernel) {

@@ -13,7 +13,7 @@ use gaitway::gpu::{Device, Validation, validation_messages};
 use gaitway::kernels::{Access, KernelId};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, crossing, step};
+use gaitway::verify::cases::{animation, crossing, gaits, step};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -75,6 +75,12 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
                 let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
                 assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
                 seen.extend(found.iter().map(|c| c.kernel));
+                for seed in [seed, seed + 1] {
+                    let store = gaits::gaits(agents, seed);
+                    let found = compare_passes(device, &store, &gaits::passes(&store)).unwrap();
+                    assert_exact(&format!("features of {agents} gaits, seed {seed}"), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                }
             }
         }
         assert_eq!(seen, KernelId::ALL.into_iter().collect(), "a kernel without a case");

@@ -86,8 +86,9 @@ impl Simulation {
     pub fn from_store(store: Store, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         #[cfg(feature = "vulkan")]
         if backend != Backend::Cpu {
-            let kernels: Vec<KernelId> =
-                KernelId::ALL.into_iter().filter(|kernel| *kernel != KernelId::Numerics).collect();
+            let is_of_a_crowd =
+                |kernel: &KernelId| ![KernelId::Numerics, KernelId::GaitFeatures].contains(kernel);
+            let kernels: Vec<KernelId> = KernelId::ALL.into_iter().filter(is_of_a_crowd).collect();
             let opened = Device::open(device, Validation::from_environment())
                 .and_then(|device| Engine::new(&device, &store, &kernels));
             return match opened {

@@ -1,6 +1,6 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, step};
+use super::cases::{animation, gaits, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{BufferId, KernelId, Pass, Store};
@@ -61,6 +61,10 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
     let (value, unit, reason) = match kernel {
         KernelId::GridCount | KernelId::GridScan | KernelId::Compact | KernelId::Cull => {
             (0.0, "", "integers: counts, places, lists")
+        }
+        KernelId::GaitFeatures => {
+            // third differences over a step of 1/80 s: a rounding error of 1e-7 m becomes 0.05 m/s3, and its mean less
+            (0.1, "m, s, deg", "differences of positions, up to the third, over short steps of time")
         }
         KernelId::GridScatter => (0.0, "", "copies"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
@@ -205,6 +209,12 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
         let store = animation::animation(size, seed);
         let passes = animation::passes(&store);
         cases.push(Case { name: format!("picture, {size} agents, seed {seed}"), store, passes });
+    }
+    // the large case is of the kind in which every gait is usable
+    for seed in if few { 0..1 } else { 0..2 } {
+        let store = gaits::gaits(size, seed);
+        let passes = gaits::passes(&store);
+        cases.push(Case { name: format!("features of {size} gaits, seed {seed}"), store, passes });
     }
     cases
 }

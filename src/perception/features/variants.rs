@@ -38,17 +38,19 @@ fn distance(a: Point, b: Point) -> f64 {
     length(sub(a, b))
 }
 
-/// Angle between two vectors, degrees; 90 where one has no direction.
+fn cross(u: Point, v: Point) -> Point {
+    [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+}
+
+/// Angle between two vectors, degrees; 0 where one has no direction. By sine and cosine: an arc cosine alone loses half
+/// the digits near 0 and 180.
 fn angle(a: Point, b: Point) -> f64 {
-    let size = length(a) * length(b);
-    let cosine = if size > 0.0 { dot(a, b) / size } else { 0.0 };
-    cosine.clamp(-1.0, 1.0).acos().to_degrees()
+    length(cross(a, b)).atan2(dot(a, b)).to_degrees()
 }
 
 /// Area of a triangle by the cross product of two sides: no cancellation.
 fn area(a: Point, b: Point, c: Point) -> f64 {
-    let (u, v) = (sub(b, a), sub(c, a));
-    0.5 * length([u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]])
+    0.5 * length(cross(sub(b, a), sub(c, a)))
 }
 
 /// Area of a triangle by Heron's formula, as the authors' code has it.

@@ -8,4 +8,5 @@
 
 pub mod animation;
 pub mod crossing;
+pub mod gaits;
 pub mod step;

@@ -1,0 +1,77 @@
+//! Inputs for `gait_features`: cycles of one frame and of many, bodies without sides, joints at one place, and gaits that
+//! must be refused.
+
+use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::gait_features::ROW;
+
+/// Frames of the longest gait.
+const MOST_FRAMES: u32 = 70;
+/// Elements behind the last gait that hold NaN.
+const SPARE: usize = 3;
+
+/// `gaits` made-up gaits: joints that swing about a standing body, each hard case once in sixteen.
+pub fn gaits(gaits: usize, seed: u32) -> Store {
+    let mut store = Store { failure: vec![u32::MAX; KernelId::ALL.len()], ..Store::default() };
+    let mut first = 0;
+    for gait in 0..gaits as u32 {
+        let random = |lane: u32| unit_f32(hash_u32(hash_u32(seed ^ gait.wrapping_mul(0x9e37_79b9)) ^ lane));
+        let kind = (gait + seed) % 16;
+        let count = match kind {
+            0 => 1,
+            1 => 2,
+            _ => 3 + (random(0) * (MOST_FRAMES - 3) as f32) as u32,
+        };
+        for frame in 0..count {
+            for joint in 0..16 {
+                store.gait_frames.push(position(kind, joint, frame as f32 / count as f32, &random));
+            }
+        }
+        // a range that leaves the buffer, no frames at all, a position, rate or speed that is no number
+        let range = match kind {
+            2 if seed % 2 == 1 => [first, u32::MAX],
+            3 if seed % 2 == 1 => [first, 0],
+            _ => [first, count],
+        };
+        let rate = if kind == 4 && seed % 2 == 1 { 0.0 } else { 20.0 + 60.0 * random(1) };
+        let speed = if kind == 5 && seed % 2 == 1 { f32::NAN } else { 2.0 * random(2) };
+        store.gait_ranges.push(range);
+        store.gait_motions.push([rate, speed]);
+        if kind == 6 && seed % 2 == 1 {
+            let at = store.gait_frames.len() - 5;
+            store.gait_frames[at] = [0.1, f32::NAN, 0.2, 0.0];
+        }
+        first += count;
+    }
+    store.gait_frames.extend([[f32::NAN; 4]; SPARE * 16]);
+    store.feature_rows = vec![[f32::NAN; 4]; (gaits + SPARE) * ROW];
+    store
+}
+
+/// Where a joint is at a phase, m; w is never read.
+fn position(kind: u32, joint: u32, phase: f32, random: &impl Fn(u32) -> f32) -> [f32; 4] {
+    let lane = |axis: u32| 16 + joint * 8 + axis;
+    let swing = if joint < 4 { 0.02 } else { 0.3 };
+    let turn = |axis: u32| swing * (std::f32::consts::TAU * (phase + random(lane(axis)))).sin();
+    // sides: -1, 0, 1 for the right, the middle and the left
+    let side = match joint {
+        4..=6 | 10..=12 => 1.0,
+        0..=3 => 0.0,
+        _ => -1.0,
+    };
+    match kind {
+        7 => [0.5, 1.0, -0.5, f32::NAN], // everything at one place: no angles
+        8 => [turn(0), 1.0 - 0.06 * joint as f32, turn(2), f32::NAN], // no sides: no heading
+        9 => [0.0, 0.1 * joint as f32, 0.0, f32::NAN], // a straight line, at rest
+        _ => {
+            let height = 0.2 + 1.4 * random(lane(3));
+            [side * (0.15 + 0.2 * random(lane(4))) + turn(0), height + turn(1), turn(2), f32::NAN]
+        }
+    }
+}
+
+/// The launch of `gait_features` for a store.
+pub fn passes(store: &Store) -> Vec<Pass> {
+    let gaits = store.gait_ranges.len() as u32;
+    vec![Pass { kernel: KernelId::GaitFeatures, level: 0, extent: Extent::Invocations(gaits) }]
+}
