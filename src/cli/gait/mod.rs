@@ -1,5 +1,7 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
+mod compare;
+
 use super::output::{note, say, say_json, table};
 use super::scene::library;
 use super::{figures, usage};
@@ -29,6 +31,8 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Compare the methods of perception on labelled gaits
+    Compare(compare::Arguments),
     /// Find the strides in motion files (.bvh, .amc with its .asf, .csv, .txt)
     Import(ImportArguments),
     /// List the gaits of a file or library
@@ -140,6 +144,7 @@ struct Listing {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Import(arguments) => import_files(arguments),
         Command::Show(arguments) => show(arguments),
         Command::Walk(arguments) => generate(arguments),

@@ -163,7 +163,9 @@ mod tests {
         for method in methods() {
             let perceiver = method.train(&gaits, &emotions, 1).unwrap();
             for gait in [&flat, &empty, &broken] {
-                if gait.poses.is_empty() && method.name() == affective_svm::NAME { continue; }
+                if gait.poses.is_empty() && method.name() == affective_svm::NAME {
+                    continue;
+                }
                 let p = perceiver.probabilities(gait);
                 assert!((p.iter().sum::<f64>() - 1.0).abs() < 1e-9, "{}: {p:?}", method.name());
             }
