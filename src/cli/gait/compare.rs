@@ -7,8 +7,7 @@ use super::super::usage;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::gait::{Gait, import, stride};
-use crate::perception::affective_svm::{self, AffectiveSvm};
-use crate::perception::comparison::{PUBLISHED, methods};
+use crate::perception::comparison::{PUBLISHED, methods, variants};
 use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with, folds};
 use crate::perception::{Method, perceiver};
 use clap::{Args, ValueEnum};
@@ -51,7 +50,7 @@ pub(super) struct Arguments {
     /// Only these methods
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     methods: Vec<String>,
-    /// Also the paper's method with every setting that the paper's words allow
+    /// Also the settings that the paper and the cards of the methods leave open
     #[arg(long)]
     settings: bool,
     /// Print one JSON object
@@ -156,16 +155,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 type Chosen = (Box<dyn Method>, Option<String>);
 
 fn choose(arguments: &Arguments) -> Result<Vec<Chosen>, Error> {
-    let mut all: Vec<Chosen> = Vec::new();
-    for method in methods() {
-        let is_svm = method.name() == affective_svm::NAME;
-        all.push((method, None));
-        if is_svm && arguments.settings {
-            all.extend(AffectiveSvm::presets().into_iter().map(|(words, method)| {
-                let method: Box<dyn Method> = Box::new(method);
-                (method, Some(words))
-            }));
-        }
+    let mut all: Vec<Chosen> = methods().into_iter().map(|method| (method, None)).collect();
+    if arguments.settings {
+        all.extend(variants().into_iter().map(|(method, words)| (method, Some(words))));
+        // each beside its own; the order of the table stays
+        let order: Vec<&str> = methods().iter().map(|method| method.name()).collect();
+        all.sort_by_key(|(method, _)| order.iter().position(|name| *name == method.name()));
     }
     if arguments.methods.is_empty() {
         return Ok(all);
@@ -230,7 +225,8 @@ fn wilson(share: f64, count: usize) -> [f64; 2] {
     let n = ratio(count.max(1), 1);
     let middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
     let half = z / (1.0 + z * z / n) * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    [(middle - half).max(0.0), (middle + half).min(1.0)]
+    // rounding must not leave the share itself outside
+    [(middle - half).clamp(0.0, share), (middle + half).clamp(share, 1.0)]
 }
 
 fn show(report: &Report, grouping: Grouping) -> Result<(), Error> {

@@ -119,7 +119,7 @@ fn geometric_mean(metric: Metric, points: &[&Point]) -> Option<Point> {
             step = step.plus(share, &Eigen::of(&seen)?.apply(f64::ln));
         }
         matrix = symmetric(&root.times(&Eigen::of(&step)?.apply(f64::exp)).times(&root));
-        if step.norm() < 1e-9 {
+        if step.norm() < 1e-8 {
             break;
         }
     }

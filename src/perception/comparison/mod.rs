@@ -47,6 +47,26 @@ pub fn methods() -> Vec<Box<dyn Method>> {
     ]
 }
 
+/// The methods of the table with every other setting that their cards leave open, each with words for it.
+pub fn variants() -> Vec<(Box<dyn Method>, String)> {
+    let mut all: Vec<(Box<dyn Method>, String)> = vec![
+        (Box::new(Karg2010::new(Classifier::NaiveBayes)), "naive Bayes".to_owned()),
+        (Box::new(Karg2010::new(Classifier::LinearSvm)), "linear SVM".to_owned()),
+        (Box::new(Venture2014::new(Answer::MeanSimilarity)), "highest mean similarity".to_owned()),
+    ];
+    for (metric, rule, words) in [
+        (Metric::LogEuclidean, Rule::NearestNeighbour, "log-Euclidean"),
+        (Metric::AffineInvariant, Rule::NearestMean, "nearest Karcher mean"),
+        (Metric::LogEuclidean, Rule::NearestMean, "log-Euclidean, nearest mean"),
+    ] {
+        all.push((Box::new(Daoudi2017::new(metric, rule)), words.to_owned()));
+    }
+    for (words, method) in AffectiveSvm::presets() {
+        all.push((Box::new(method), words));
+    }
+    all
+}
+
 /// Numbers of all gaits, or which gait has some that are not finite.
 fn finite<T: AsRef<[f64]>>(method: &'static str, gaits: &[&Gait], found: &[T]) -> Result<(), Error> {
     match found.iter().position(|numbers| !numbers.as_ref().iter().all(|v| v.is_finite())) {
