@@ -27,10 +27,11 @@ const RATE_LIMIT: f32 = 10000.0;    // Hz
 const SPEED_LIMIT: f32 = 100.0;     // m/s
 
 @group(0) @binding(0) var<storage, read> gait_frames: array<vec4<f32>>;         // [frame][16] positions, m
-@group(0) @binding(1) var<storage, read> gait_ranges: array<vec2<u32>>;         // [gait] first frame, number of frames
-@group(0) @binding(2) var<storage, read> gait_motions: array<vec2<f32>>;        // [gait] frames per second, m/s along +z
-@group(0) @binding(3) var<storage, read_write> feature_rows: array<vec4<f32>>;  // [gait][8]
-@group(0) @binding(4) var<storage, read_write> failure: array<atomic<u32>>;     // [kernel] smallest gait that failed
+@group(0) @binding(1) var<storage, read> gait_table: array<vec4<u32>>;          // [gait] see below
+@group(0) @binding(2) var<storage, read_write> feature_rows: array<vec4<f32>>;  // [gait][8]
+@group(0) @binding(3) var<storage, read_write> failure: array<atomic<u32>>;     // [kernel] smallest gait that failed
+
+// gait_table: first frame, number of frames, then as floats frames per second (Hz) and speed along +z (m/s)
 
 fn joint_at(frame: u32, joint: u32) -> vec3<f32> {
     return gait_frames[frame * JOINTS + joint].xyz;
@@ -76,13 +77,14 @@ fn is_usable(frame: u32) -> bool {
 @compute @workgroup_size(64)
 fn gait_features(@builtin(global_invocation_id) id: vec3<u32>) {
     let gait = id.x;
-    if gait >= arrayLength(&gait_ranges) {
+    if gait >= arrayLength(&gait_table) {
         return;
     }
-    let first = gait_ranges[gait].x;
-    let count = gait_ranges[gait].y;
-    let rate = gait_motions[gait].x;
-    let speed = gait_motions[gait].y;
+    let info = gait_table[gait];
+    let first = info.x;
+    let count = info.y;
+    let rate = bitcast<f32>(info.z);
+    let speed = bitcast<f32>(info.w);
     let frame_total = arrayLength(&gait_frames) / JOINTS;
 
     for (var i = 0u; i < ROW; i++) {

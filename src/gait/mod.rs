@@ -10,6 +10,7 @@ pub mod walker;
 
 use crate::emotion::Emotion;
 use glam::Vec3;
+use serde::{Deserialize, Serialize};
 pub use skeleton::{JOINT_COUNT, Joint};
 
 /// Positions of the 16 joints, indexed by [`Joint`], metres, y up.
@@ -72,7 +73,60 @@ pub struct Gait {
     pub label: Option<Emotion>,
 }
 
+/// Whose judgement a gait's label is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum LabelOrigin {
+    /// People's: the label came with the recording, or from ratings.
+    Rated,
+    /// A model's.
+    Predicted,
+    /// The generator's: what the walk was made to look like.
+    Generated,
+}
+
+impl LabelOrigin {
+    /// Lower-case name, as written in files.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rated => "rated",
+            Self::Predicted => "predicted",
+            Self::Generated => "generated",
+        }
+    }
+}
+
+/// Stands in [`Gait::source`] before the words for the model that gave the label.
+const PREDICTED_BY: &str = "label predicted by ";
+
 impl Gait {
+    /// Whose judgement the label is, by [`Gait::source`] and [`Gait::ratings`]; none without a label.
+    pub fn label_origin(&self) -> Option<LabelOrigin> {
+        self.label?;
+        Some(if self.source.contains(PREDICTED_BY) {
+            LabelOrigin::Predicted
+        } else if self.ratings.is_none() && self.source.starts_with("gaitway walker") {
+            LabelOrigin::Generated
+        } else {
+            LabelOrigin::Rated
+        })
+    }
+
+    /// Sets a label that a model gave, and says so in [`Gait::source`]; `by` is words for the model, such as
+    /// `affective-svm (p 0.83)`. What an earlier model said is forgotten; ratings stay.
+    pub fn set_predicted(&mut self, emotion: Emotion, by: &str) {
+        if let Some(at) = self.source.find(PREDICTED_BY) {
+            self.source.truncate(at);
+            self.source.truncate(self.source.trim_end_matches([',', ' ']).len());
+        }
+        if !self.source.is_empty() {
+            self.source += ", ";
+        }
+        self.source += PREDICTED_BY;
+        self.source += by;
+        self.label = Some(emotion);
+    }
+
     /// Seconds per stride, the paper's gait time `gt`.
     pub fn cycle_time(&self) -> f32 {
         self.poses.len() as f32 / self.frame_rate

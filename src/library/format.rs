@@ -5,14 +5,15 @@
 //! extras.gaitway               { format: "gaitway-gait-library", version: 1, joints: [16 names] }
 //! animations[i].name           the gait's name
 //! animations[i].extras.gaitway { positions: accessor of VEC3 f32, [frame][joint], m; frame_rate (Hz); speed (m/s);
-//!                                source; subject?; acted?; ratings? [4]; label? }
+//!                                source; subject?; acted?; ratings? [4]; label?;
+//!                                label_origin? (rated, predicted or generated) }
 //! ```
 
 use super::figure::{Mesh, Skeleton};
 use super::glb::{self, Kind, Writer};
 use super::{MOST_FRAMES, check};
 use crate::emotion::Emotion;
-use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
+use crate::gait::{Gait, JOINT_COUNT, Joint, LabelOrigin, Pose};
 use glam::{Mat4, Quat, Vec3};
 use gltf::json as gltf_json;
 use gltf_json::validation::Checked::Valid;
@@ -52,6 +53,9 @@ struct Description {
     ratings: Option<[f64; 4]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     label: Option<Emotion>,
+    /// Whose judgement the label is.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    label_origin: Option<LabelOrigin>,
 }
 
 /// The file of these gaits.
@@ -178,6 +182,7 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
         acted: gait.acted.clone(),
         ratings: gait.ratings.map(|ratings| ratings.map(f64::from)),
         label: gait.label,
+        label_origin: gait.label_origin(),
     };
     json!({
         "name": gait.name, "channels": channels, "samplers": samplers,
@@ -297,7 +302,7 @@ fn gait(name: &str, description: Description, data: &[u8]) -> Gait {
         }
         poses.push(pose);
     }
-    Gait {
+    let mut gait = Gait {
         name: name.to_owned(),
         poses,
         frame_rate: description.frame_rate as f32,
@@ -307,5 +312,12 @@ fn gait(name: &str, description: Description, data: &[u8]) -> Gait {
         acted: description.acted,
         ratings: description.ratings.map(|ratings| ratings.map(|rating| rating as f32)),
         label: description.label,
+    };
+    // A file by another hand may say it without the words in the source that carry it here.
+    if let (Some(LabelOrigin::Predicted), Some(label)) = (description.label_origin, gait.label)
+        && gait.label_origin() != Some(LabelOrigin::Predicted)
+    {
+        gait.set_predicted(label, "a model");
     }
+    gait
 }

@@ -146,8 +146,11 @@ struct Cycle {
 }
 
 /// The features of a gait, by the index of [`FEATURES`]. Of a gait without frames or with numbers that are not finite,
-/// some are not finite.
+/// some or all are not finite.
 pub fn features(gait: &Gait, variant: Variant) -> [f64; FEATURE_COUNT] {
+    if gait.poses.is_empty() {
+        return [f64::NAN; FEATURE_COUNT];
+    }
     match variant {
         Variant::Paper => variants::paper(&as_recorded(gait)),
         Variant::Corrected => variants::corrected(&resampled(gait)),
@@ -173,7 +176,7 @@ fn resampled(gait: &Gait) -> Cycle {
     let count = cycle.poses.len();
     let duration = count_f64(count) * cycle.step;
     let wanted = resampled_count(count, duration);
-    if wanted == count || count == 0 {
+    if wanted == count {
         return cycle;
     }
     let poses = (0..wanted).map(|i| {
@@ -214,10 +217,8 @@ fn count_f64(count: usize) -> f64 {
 pub struct Batch {
     /// Joint positions and 0, m: `[frame][joint]`, the gaits one after another.
     pub frames: Vec<[f32; 4]>,
-    /// First frame and number of frames of each gait.
-    pub ranges: Vec<[u32; 2]>,
-    /// Frames per second (Hz) and travel along +z (m/s) of each gait.
-    pub motions: Vec<[f32; 2]>,
+    /// Of each gait: first frame, number of frames, and the bits of frames per second (Hz) and of speed along +z (m/s).
+    pub table: Vec<[u32; 4]>,
 }
 
 impl Batch {
@@ -228,8 +229,9 @@ impl Batch {
         let mut batch = Self::default();
         for cycle in &cycles {
             let first = u32::try_from(batch.frames.len() / JOINT_COUNT).ok()?;
-            batch.ranges.push([first, u32::try_from(cycle.poses.len()).ok()?]);
-            batch.motions.push([(1.0 / cycle.step) as f32, cycle.speed as f32]);
+            let count = u32::try_from(cycle.poses.len()).ok()?;
+            let (rate, speed) = ((1.0 / cycle.step) as f32, cycle.speed as f32);
+            batch.table.push([first, count, rate.to_bits(), speed.to_bits()]);
             let points = cycle.poses.iter().flatten();
             batch.frames.extend(points.map(|point| [point[0] as f32, point[1] as f32, point[2] as f32, 0.0]));
         }

@@ -36,12 +36,11 @@ type Vector = [f32; 3];
 
 /// Twin of `shaders/gait_features.wgsl`.
 pub fn gait_features(b: Slices<'_>) {
-    let Slices { gait_frames, gait_ranges, gait_motions, feature_rows, failure } = b;
+    let Slices { gait_frames, gait_table, feature_rows, failure } = b;
     let rows = feature_rows.par_chunks_mut(ROW);
-    let gaits = gait_ranges.par_iter().zip(gait_motions).zip(rows).enumerate();
-    let failed = gaits.filter_map(|(gait, ((&[first, count], &[rate, speed]), out))| {
+    let failed = gait_table.par_iter().zip(rows).enumerate().filter_map(|(gait, (&info, out))| {
         out.fill([0.0; 4]);
-        let Some(row) = features(gait_frames, [first, count], rate, speed) else {
+        let Some(row) = features(gait_frames, info) else {
             return Some(gait as u32);
         };
         for (out, row) in out.iter_mut().zip(row.chunks_exact(4)) {
@@ -86,7 +85,8 @@ fn is_usable(frame: &[[f32; 4]]) -> bool {
 }
 
 /// The row of a gait; None if it cannot be used.
-fn features(frames: &[[f32; 4]], [first, count]: [u32; 2], rate: f32, speed: f32) -> Option<[f32; ROW * 4]> {
+fn features(frames: &[[f32; 4]], [first, count, rate, speed]: [u32; 4]) -> Option<[f32; ROW * 4]> {
+    let (rate, speed) = (f32::from_bits(rate), f32::from_bits(speed));
     let frame_total = (frames.len() / JOINTS) as u32;
     let usable = count > 0
         && first < frame_total

@@ -1,8 +1,8 @@
 //! The library's file gives back what was written and refuses what is damaged.
 
 use gaitway::Emotion;
-use gaitway::gait::Joint;
 use gaitway::gait::walker::Sex;
+use gaitway::gait::{Gait, Joint, LabelOrigin};
 use gaitway::library::{DEFAULT_PER_CLASS, DEFAULT_SEED, Error, GaitLibrary, MOST_PER_CLASS};
 use glam::Vec3;
 use std::path::Path;
@@ -43,6 +43,27 @@ fn a_library_read_back_is_the_library_written() {
     assert_eq!(names, ["library.glb"], "nothing else is left behind");
     let empty = GaitLibrary::from_gaits(Vec::new()).unwrap();
     assert_eq!(GaitLibrary::from_glb_bytes(&empty.to_glb_bytes(), "empty").unwrap(), empty);
+}
+
+#[test]
+fn a_file_tells_whose_judgement_each_label_is() {
+    let mut gaits = GaitLibrary::generated(4, 1).unwrap().gaits().to_vec();
+    gaits[0].set_predicted(Emotion::Sad, "affective-svm (p 0.80)");
+    gaits[0].set_predicted(Emotion::Angry, "affective-svm (p 0.90)");
+    gaits[1].source = "07_01.bvh (BVH)".to_owned();
+    gaits[2].label = None;
+    gaits[3].ratings = Some([4.0, 1.0, 2.0, 1.5]);
+    let library = GaitLibrary::from_gaits(gaits).unwrap();
+    let read = GaitLibrary::from_glb_bytes(&library.to_glb_bytes(), "memory").unwrap();
+    assert_eq!(read, library);
+    let origins: Vec<_> = read.gaits()[..5].iter().map(Gait::label_origin).collect();
+    let [rated, predicted, generated] =
+        [LabelOrigin::Rated, LabelOrigin::Predicted, LabelOrigin::Generated].map(Some);
+    assert_eq!(origins, [predicted, rated, None, rated, generated]);
+    assert_eq!(read.gaits()[0].label, Some(Emotion::Angry));
+    assert_eq!(read.gaits()[0].source.matches("predicted").count(), 1, "{}", read.gaits()[0].source);
+    let text = String::from_utf8_lossy(&library.to_glb_bytes()).matches("\"label_origin\":\"rated\"").count();
+    assert_eq!(text, 2, "the file says it in a field of its own");
 }
 
 #[test]

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 
 /// The folder of E-Gait, beside the repository or in `GAITWAY_DATA`.
-pub fn egait_folder() -> Option<PathBuf> {
+pub(crate) fn egait_folder() -> Option<PathBuf> {
     let data = std::env::var_os("GAITWAY_DATA")
         .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
     let folder = data.join("egait");
@@ -24,7 +24,7 @@ fn joint(column: &str) -> Joint {
 }
 
 /// The gaits of a file in its order: poses as they stand there taken for metres, 30 Hz, this speed.
-pub fn raw(set: &str, speed: f32) -> Option<Vec<Gait>> {
+pub(crate) fn raw(set: &str, speed: f32) -> Option<Vec<Gait>> {
     let folder = egait_folder()?;
     let index = std::fs::read_to_string(folder.join("gaits.csv")).unwrap();
     let index: HashMap<&str, Vec<&str>> =
@@ -61,4 +61,4 @@ pub fn raw(set: &str, speed: f32) -> Option<Vec<Gait>> {
 
 /// The data sets in the order in which they were compared with Python.
 #[allow(dead_code, reason = "one of the two tests needs it")]
-pub const SETS: [&str; 5] = ["bml", "cmu", "ewalk", "ict", "sig"];
+pub(crate) const SETS: [&str; 5] = ["bml", "cmu", "ewalk", "ict", "sig"];

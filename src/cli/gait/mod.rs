@@ -1,6 +1,10 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
 mod compare;
+mod label;
+mod predict;
+mod sources;
+mod train;
 
 use super::output::{note, say, say_json, table};
 use super::scene::library;
@@ -35,8 +39,14 @@ enum Command {
     Compare(compare::Arguments),
     /// Find the strides in motion files (.bvh, .amc with its .asf, .csv, .txt)
     Import(ImportArguments),
+    /// Add gaits to a library, labelled by a model and marked as predicted
+    Label(label::Arguments),
+    /// Tell the emotion that people would see in gaits
+    Predict(predict::Arguments),
     /// List the gaits of a file or library
     Show(ShowArguments),
+    /// Train a model on labelled gaits
+    Train(train::Arguments),
     /// Generate a gait
     Walk(WalkArguments),
 }
@@ -146,7 +156,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Import(arguments) => import_files(arguments),
+        Command::Label(arguments) => label::run(arguments),
+        Command::Predict(arguments) => predict::run(arguments),
         Command::Show(arguments) => show(arguments),
+        Command::Train(arguments) => train::run(arguments),
         Command::Walk(arguments) => generate(arguments),
     }
 }

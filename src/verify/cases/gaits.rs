@@ -35,8 +35,7 @@ pub fn gaits(gaits: usize, seed: u32) -> Store {
         };
         let rate = if kind == 4 && seed % 2 == 1 { 0.0 } else { 20.0 + 60.0 * random(1) };
         let speed = if kind == 5 && seed % 2 == 1 { f32::NAN } else { 2.0 * random(2) };
-        store.gait_ranges.push(range);
-        store.gait_motions.push([rate, speed]);
+        store.gait_table.push([range[0], range[1], rate.to_bits(), speed.to_bits()]);
         if kind == 6 && seed % 2 == 1 {
             let at = store.gait_frames.len() - 5;
             store.gait_frames[at] = [0.1, f32::NAN, 0.2, 0.0];
@@ -72,6 +71,6 @@ fn position(kind: u32, joint: u32, phase: f32, random: &impl Fn(u32) -> f32) -> 
 
 /// The launch of `gait_features` for a store.
 pub fn passes(store: &Store) -> Vec<Pass> {
-    let gaits = store.gait_ranges.len() as u32;
+    let gaits = store.gait_table.len() as u32;
     vec![Pass { kernel: KernelId::GaitFeatures, level: 0, extent: Extent::Invocations(gaits) }]
 }

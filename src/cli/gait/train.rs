@@ -1,0 +1,254 @@
+//! `gaitway gait train`: a model from labelled gaits, and how well such a model agrees with people.
+
+use super::super::output::{note, say, say_json, table};
+use super::super::progress::Progress;
+use super::super::usage;
+use super::sources;
+use crate::Error;
+use crate::emotion::Emotion;
+use crate::gait::Gait;
+use crate::perception::affective_svm::AffectiveSvm;
+use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with};
+use crate::perception::features::Variant;
+use crate::perception::svm::{Gamma, Grid, Kernel, Scheme, Settings};
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
+use std::time::Instant;
+
+/// Arguments of `gaitway gait train`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway gait train --data egait/ --out model.json\n  gaitway gait train --data mine.glb --c 10 \
+                  --folds subject --repeats 10 --out model.json\n\nThe gaits need labels: in the library, or in a gaits.csv, labels.csv \
+                  or trials.csv beside the motion files (columns key, subject, label). The model learns from all of them; the \
+                  accuracy is that of models that did not see the gaits they were asked about."
+)]
+pub(super) struct Arguments {
+    /// Folder of motion files, motion file, or gait library (.glb), with labels
+    #[arg(long, value_name = "DIR|LIB", required = true)]
+    data: Vec<PathBuf>,
+    /// The model to write
+    #[arg(long, value_name = "MODEL.json")]
+    out: PathBuf,
+    /// Reading of the features: corrected, paper or step-code
+    #[arg(long, default_value = "corrected", value_parser = parse_variant)]
+    variant: Variant,
+    /// One-versus-one with votes (libsvm, the likely original) or one-versus-rest
+    #[arg(long, value_enum, default_value_t)]
+    scheme: SchemeName,
+    /// C of the machine
+    #[arg(long, default_value_t = 1.0)]
+    c: f64,
+    /// Gamma of the RBF kernel: auto (1/29), scale (1 / (29 variance)) or a number
+    #[arg(long, default_value = "auto", value_parser = parse_gamma)]
+    gamma: Gamma,
+    /// Search C and gamma on inner folds
+    #[arg(long)]
+    search: bool,
+    /// What is held out together to find the accuracy
+    #[arg(long, value_enum, default_value_t)]
+    folds: FoldsName,
+    /// Number of folds, for stratified and subject
+    #[arg(long, value_name = "K", default_value_t = 10, value_parser = clap::value_parser!(u16).range(2..=1000))]
+    k: u16,
+    /// Repeats, each with folds of its own
+    #[arg(long, value_name = "N", default_value_t = 5, value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeats: u16,
+    /// Seed of the first repeat; the others follow it
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum SchemeName {
+    #[default]
+    Ovo,
+    Ovr,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+enum FoldsName {
+    /// The same share of each emotion, people mixed
+    Stratified,
+    /// No person in two folds
+    #[default]
+    Subject,
+    /// One data set each
+    Dataset,
+    /// Do not find the accuracy
+    None,
+}
+
+fn parse_variant(text: &str) -> Result<Variant, String> {
+    text.parse()
+}
+
+fn parse_gamma(text: &str) -> Result<Gamma, String> {
+    match text {
+        "auto" => Ok(Gamma::Auto),
+        "scale" => Ok(Gamma::Scale),
+        number => match number.parse() {
+            Ok(gamma) if gamma > 0.0 && f64::is_finite(gamma) => Ok(Gamma::Value(gamma)),
+            _ => Err("use auto, scale or a number above 0".to_owned()),
+        },
+    }
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    method: String,
+    gaits: usize,
+    counts: [usize; 4],
+    people: usize,
+    datasets: Vec<String>,
+    support_vectors: usize,
+    settings: String,
+    evaluation: Option<Evaluation>,
+    files: Vec<PathBuf>,
+    wall_seconds: f64,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let found = sources::read(&arguments.data)?;
+    let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
+        found.gaits.iter().filter_map(|(_, gait)| gait.label.map(|label| (gait, label))).unzip();
+    if gaits.len() < found.gaits.len() {
+        note(&format!("note: {} gaits without a label are left out", found.gaits.len() - gaits.len()));
+    }
+    if gaits.is_empty() {
+        return Err(usage(
+            "there is no gait with a label",
+            "labels come from a library or from a gaits.csv beside the motion files (columns key, subject, label)",
+        ));
+    }
+    let method = method(arguments);
+    let model = method.model(&gaits, &emotions, arguments.seed)?;
+    let evaluation = evaluate(arguments, &method, &gaits, &emotions)?;
+    model.save(&arguments.out)?;
+    let on = model.trained_on();
+    let report = Report {
+        method: method.describe(),
+        gaits: gaits.len(),
+        counts: on.counts,
+        people: on.people,
+        datasets: on.datasets.clone(),
+        support_vectors: model.svm().support_count(),
+        settings: on.settings.clone(),
+        evaluation,
+        files: vec![arguments.out.clone()],
+        wall_seconds: begin.elapsed().as_secs_f64(),
+    };
+    if arguments.json {
+        say_json(&report)?;
+    } else {
+        print(&report);
+    }
+    Ok(found.is_complete)
+}
+
+fn method(arguments: &Arguments) -> AffectiveSvm {
+    let scheme = match arguments.scheme {
+        SchemeName::Ovo => Scheme::OneVersusOne,
+        SchemeName::Ovr => Scheme::OneVersusRest,
+    };
+    let settings = Settings {
+        c: arguments.c,
+        kernel: Kernel::Rbf(arguments.gamma),
+        scheme,
+        has_probabilities: true,
+        ..Settings::default()
+    };
+    let grid = arguments.search.then(Grid::default);
+    AffectiveSvm { variant: arguments.variant, settings, grid, scaling: None }
+}
+
+/// How well the method agrees with people on held-out gaits; none if there are too few to hold out, which is said.
+fn evaluate(
+    arguments: &Arguments,
+    method: &AffectiveSvm,
+    gaits: &[&Gait],
+    emotions: &[Emotion],
+) -> Result<Option<Evaluation>, Error> {
+    let folds = usize::from(arguments.k);
+    let grouping = match arguments.folds {
+        FoldsName::None => return Ok(None),
+        FoldsName::Stratified => Grouping::Stratified { folds },
+        FoldsName::Subject => Grouping::Subject { folds },
+        FoldsName::Dataset => Grouping::Dataset,
+    };
+    // the verdict is by votes: probabilities would only cost time
+    let settings = Settings { has_probabilities: false, ..method.settings.clone() };
+    let method = AffectiveSvm { settings, ..method.clone() };
+    let seeds = (0..arguments.repeats).map(|repeat| arguments.seed.wrapping_add(u64::from(repeat))).collect();
+    let plan = Plan { grouping, seeds };
+    let progress = Mutex::new((Progress::new("cross-validation"), 0.0));
+    let all = f64::from(arguments.repeats) * f64::from(arguments.k);
+    let found = evaluate_with(&method, gaits, emotions, &plan, &|| {
+        let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
+        progress.1 += 1.0;
+        let share = progress.1 / all;
+        progress.0.at("", share.min(1.0));
+    });
+    match found {
+        Ok(evaluation) => Ok(Some(evaluation)),
+        Err(error @ crate::perception::Error::Evaluation { .. }) => {
+            note(&format!("note: {error}; the model is written without an accuracy"));
+            Ok(None)
+        }
+        Err(error) => Err(error.into()),
+    }
+}
+
+fn print(report: &Report) {
+    say(&format!("method     affective-svm: {}", report.method));
+    let counts = Emotion::ALL.map(|emotion| format!("{emotion} {}", report.counts[emotion.index()]));
+    say(&format!(
+        "gaits      {} ({}) of {} people in {}",
+        report.gaits,
+        counts.join(", "),
+        report.people,
+        report.datasets.join(", ")
+    ));
+    say(&format!("machine    {}, {} support vectors", report.settings, report.support_vectors));
+    if let Some(found) = &report.evaluation {
+        print_evaluation(found);
+    }
+    for file in &report.files {
+        say(&format!("written    {}", file.display()));
+    }
+    say(&format!("wall time  {:.2} s", report.wall_seconds));
+}
+
+/// Accuracy, recall, confusion, data sets.
+fn print_evaluation(found: &Evaluation) {
+    let percent = |share: f64| format!("{:.1}", share * 100.0);
+    let seeds: Vec<String> = found.seeds.iter().map(u64::to_string).collect();
+    say(&format!(
+        "accuracy   {} +- {} % ({}, {} repeats, seeds {})",
+        percent(found.accuracy_mean),
+        percent(found.accuracy_sd),
+        found.grouping.describe(),
+        found.seeds.len(),
+        seeds.join(" ")
+    ));
+    let rows: Vec<Vec<String>> = Emotion::ALL
+        .into_iter()
+        .map(|emotion| {
+            let row = found.confusion[emotion.index()];
+            let mut words = vec![emotion.name().to_owned(), percent(found.recall[emotion.index()])];
+            words.extend(row.map(|count| count.to_string()));
+            words
+        })
+        .collect();
+    table(&["people see", "recall %", "as happy", "angry", "sad", "neutral"], &rows);
+    let sets: Vec<String> =
+        found.by_dataset.iter().map(|(name, accuracy)| format!("{name} {} %", percent(*accuracy))).collect();
+    say(&format!("data sets  {}", sets.join(", ")));
+}
