@@ -298,12 +298,11 @@ fn three_diagonals(matrix: &Matrix, with_vectors: bool) -> Option<(Vec<f64>, Vec
         if with_vectors {
             // rows of Q^T: (I - 2 v v^T / v.v) Q^T
             let mut shadow = vec![0.0; size];
-            for i in k + 1..size {
-                let factor = 2.0 * mirror[i] / square;
+            for (i, across) in mirror.iter().enumerate().skip(k + 1) {
+                let factor = 2.0 * across / square;
                 shadow.iter_mut().zip(turned.row(i)).for_each(|(s, q)| *s += factor * q);
             }
-            for i in k + 1..size {
-                let factor = mirror[i];
+            for (i, &factor) in mirror.iter().enumerate().skip(k + 1) {
                 turned.row_mut(i).iter_mut().zip(&shadow).for_each(|(q, s)| *q -= factor * s);
             }
         }

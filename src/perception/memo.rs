@@ -9,7 +9,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Says which motion a gait is: poses, rate and speed; name, source and labels have no say.
 pub(super) type Key = u128;
 
-/// The key of a gait: 128 bits of SipHash, by which different motions are as good as never mistaken for each other.
+/// The key of a gait: 128 bits of `SipHash`, by which different motions are as good as never mistaken for each other.
 pub(super) fn key(gait: &Gait) -> Key {
     let half = |salt: u8| {
         let mut hasher = DefaultHasher::new();

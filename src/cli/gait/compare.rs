@@ -2,34 +2,28 @@
 
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
-use super::super::scene::library;
 use super::super::usage;
+use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
-use crate::gait::{Gait, import, stride};
+use crate::gait::Gait;
 use crate::perception::comparison::{PUBLISHED, methods, variants};
 use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with, folds};
 use crate::perception::{Method, perceiver};
 use clap::{Args, ValueEnum};
-use rayon::prelude::*;
 use serde::Serialize;
-use std::collections::{BTreeMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
-
-/// Endings of the files in a folder that are read.
-const ENDINGS: [&str; 4] = ["amc", "bvh", "csv", "txt"];
-/// Reasons for leaving files and takes out that are shown.
-const REASONS_SHOWN: usize = 12;
 
 /// Arguments of `gaitway gait compare`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway gait compare --data egait/ --folds subject --repeats 10\n  gaitway gait compare \
                   --data mine.glb --json\n\nThe gaits need labels: in the library, or in a gaits.csv beside the motion files \
-                  (columns key, subject, perceived_label). Files of which the takes are known already by name are left out."
+                  (columns key, subject, perceived_label). Of takes of one name the first is kept."
 )]
 pub(super) struct Arguments {
     /// Folder of motion files, motion file, or gait library (.glb), with labels
@@ -96,7 +90,8 @@ struct Report {
     seeds: Vec<u64>,
     gaits: usize,
     of_emotion: BTreeMap<&'static str, usize>,
-    left_out: Vec<String>,
+    /// Gaits that were left out because they have no label.
+    unlabelled: usize,
     wall_seconds: f64,
 }
 
@@ -104,18 +99,12 @@ struct Report {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let chosen = choose(arguments)?;
-    let mut left_out = Vec::new();
-    let all = load(&arguments.data, &mut left_out)?;
+    let found = sources::read(std::slice::from_ref(&arguments.data))?;
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
-        all.iter().filter_map(|gait| Some((gait, gait.label?))).unzip();
-    if gaits.len() < all.len() {
-        left_out.push(format!("{} gaits without a label", all.len() - gaits.len()));
-    }
-    for reason in left_out.iter().take(REASONS_SHOWN) {
-        note(&format!("left out: {reason}"));
-    }
-    if left_out.len() > REASONS_SHOWN {
-        note(&format!("left out: {} more; --json lists them", left_out.len() - REASONS_SHOWN));
+        found.gaits.iter().filter_map(|(_, gait)| Some((gait, gait.label?))).unzip();
+    let unlabelled = found.gaits.len() - gaits.len();
+    if unlabelled > 0 {
+        note(&format!("left out: {unlabelled} of {} gaits, which have no label", found.gaits.len()));
     }
     if gaits.is_empty() {
         let data = arguments.data.display();
@@ -144,11 +133,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         seeds,
         gaits: gaits.len(),
         of_emotion: of_emotion.into(),
-        left_out,
+        unlabelled,
         wall_seconds: begin.elapsed().as_secs_f64(),
     };
     if arguments.json { say_json(&report) } else { show(&report, grouping) }?;
-    Ok(true)
+    Ok(found.is_complete)
 }
 
 /// A method with words for its settings where it is there more than once.
@@ -266,73 +255,6 @@ fn show(report: &Report, grouping: Grouping) -> Result<(), Error> {
     }
     say(&format!("wall time  {:.2} s", report.wall_seconds));
     Ok(())
-}
-
-/// The gaits of a library, a motion file, or the motion files of a folder; the best stride of each take. What is left out
-/// is told with the reason.
-fn load(path: &Path, left_out: &mut Vec<String>) -> Result<Vec<Gait>, Error> {
-    if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb")) {
-        return Ok(library(Some(path))?.gaits().to_vec());
-    }
-    let files = if path.is_dir() { files_in(path)? } else { vec![path.to_owned()] };
-    if files.is_empty() {
-        return Err(usage(
-            format!("--data {}: there is no motion file in it", path.display()),
-            format!("files that end in {} are read", ENDINGS.join(", ")),
-        ));
-    }
-    let is_alone = files.len() == 1;
-    let options = import::Options::default();
-    let found: Vec<_> = files.par_iter().map(|file| import::import_file_with(file, &options)).collect();
-    let mut names = HashSet::new();
-    let mut gaits = Vec::new();
-    for (file, found) in files.iter().zip(found) {
-        let file = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-        let takes = match found {
-            Ok(takes) => takes,
-            Err(error) if is_alone => return Err(error.into()),
-            Err(error) => {
-                left_out.push(error.to_string());
-                continue;
-            }
-        };
-        let (new, known): (Vec<_>, Vec<_>) =
-            takes.into_iter().partition(|take| names.insert(take.name.clone()));
-        if !known.is_empty() {
-            left_out.push(format!("{file}: {} takes of names that came before", known.len()));
-        }
-        let strides: Vec<_> = new.par_iter().map(stride::best).collect();
-        for stride in strides {
-            match stride {
-                Ok(gait) => gaits.push(gait),
-                Err(error) => left_out.push(format!("{file}: {error}")),
-            }
-        }
-    }
-    Ok(gaits)
-}
-
-/// The motion files of a folder, by name.
-fn files_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
-    let wrong = |source| crate::gait::Error::Read { path: folder.to_owned(), source };
-    let mut files = Vec::new();
-    for entry in std::fs::read_dir(folder).map_err(wrong)? {
-        let path = entry.map_err(wrong)?.path();
-        let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-        let is_motion = ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()));
-        // the index of the others
-        let is_index = path.file_name().is_some_and(|name| {
-            ["gaits.csv", "labels.csv", "trials.csv", "NOTICE.txt", "README.txt"]
-                .iter()
-                .any(|known| name == *known)
-        });
-        let is_licence = path.file_stem().is_some_and(|stem| stem.to_string_lossy().starts_with("LICEN"));
-        if is_motion && !is_index && !is_licence && path.is_file() {
-            files.push(path);
-        }
-    }
-    files.sort();
-    Ok(files)
 }
 
 #[cfg(test)]

@@ -105,7 +105,7 @@ impl Space {
         let ends = Quadratic::of(&motion, &centre, |c| ends_of(c, &pose), &inputs);
         let size = motion.variances.len();
         let spread: f64 = motion.variances.iter().sum();
-        if !(spread > 0.0) {
+        if spread.is_nan() || spread <= 0.0 {
             return None;
         }
         // z S^-1 z is the number of components, on average
