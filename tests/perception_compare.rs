@@ -128,12 +128,15 @@ fn compare(arguments: &[&str]) -> (Value, String) {
         }
     }
     GaitLibrary::from_gaits(gaits).unwrap().save_glb(&path).unwrap();
-    let output = Command::new(env!("CARGO_BIN_EXE_gaitway"))
-        .args(["gait", "compare", "--data"])
-        .arg(&path)
-        .args(arguments)
-        .output()
-        .unwrap();
+    let mut command = match std::env::var_os("GAITWAY_RUNNER") {
+        None => Command::new(env!("CARGO_BIN_EXE_gaitway")),
+        Some(runner) => {
+            let mut command = Command::new(runner);
+            command.arg(env!("CARGO_BIN_EXE_gaitway"));
+            command
+        }
+    };
+    let output = command.args(["gait", "compare", "--data"]).arg(&path).args(arguments).output().unwrap();
     let text = String::from_utf8(output.stdout).unwrap();
     let told = String::from_utf8(output.stderr).unwrap();
     (serde_json::from_str(&text).unwrap_or(Value::String(text)), told)
