@@ -5,9 +5,14 @@
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
 
 pub mod affective_svm;
+mod body;
+pub mod comparison;
 pub mod evaluate;
 pub mod features;
+pub mod linear;
+mod memo;
 pub mod model;
+pub mod perceiver;
 pub mod ratings;
 pub mod scaling;
 pub mod svm;
@@ -44,6 +49,21 @@ pub fn most_probable(probabilities: [f64; 4]) -> Emotion {
     Emotion::ALL.into_iter().fold(Emotion::Happy, |best, emotion| {
         if probabilities[emotion.index()] > probabilities[best.index()] { emotion } else { best }
     })
+}
+
+/// Refuses what no method can learn from: slices of two lengths, fewer than two emotions.
+fn check_training(method: &'static str, gaits: &[&Gait], emotions: &[Emotion]) -> Result<(), Error> {
+    let failed = |message| Err(Error::Training { method, message });
+    if gaits.len() != emotions.len() {
+        return failed(format!("{} gaits with {} emotions", gaits.len(), emotions.len()));
+    }
+    match emotions.first() {
+        None => failed("no gaits; give gaits of at least two emotions".to_owned()),
+        Some(first) if emotions.iter().all(|emotion| emotion == first) => {
+            failed(format!("all {} gaits are {first}; give gaits of at least two emotions", gaits.len()))
+        }
+        Some(_) => Ok(()),
+    }
 }
 
 /// Ratings, features or a model could not be used.

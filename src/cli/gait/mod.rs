@@ -1,6 +1,7 @@
 //! `gaitway gait`: gaits out of motion files, tables and sheets of them, generated ones.
 
 mod blend;
+mod compare;
 mod fit;
 mod import;
 mod label;
@@ -40,6 +41,8 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Compare the methods of perception on labelled gaits
+    Compare(compare::Arguments),
     /// Find the strides in motion files and folders of them (.bvh, .amc, .c3d, .npz, .csv, ...)
     Import(import::Arguments),
     /// Add gaits to a library, labelled by a model and marked as predicted
@@ -149,6 +152,7 @@ struct Listing {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
+        Command::Compare(arguments) => compare::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Label(arguments) => label::run(arguments),
         Command::Predict(arguments) => predict::run(arguments),
