@@ -29,6 +29,9 @@ pub(super) struct Arguments {
     /// Folder of motion files, motion file, or gait library (.glb), with labels
     #[arg(long, value_name = "DIR|LIB")]
     data: PathBuf,
+    /// Take E-Gait's gaits as they were published: pitched, without travel (to compare with others' figures)
+    #[arg(long)]
+    as_published: bool,
     /// What is held out together
     #[arg(long, value_enum, default_value_t)]
     folds: Folds,
@@ -99,7 +102,7 @@ struct Report {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let chosen = choose(arguments)?;
-    let found = sources::read(std::slice::from_ref(&arguments.data))?;
+    let found = sources::read(std::slice::from_ref(&arguments.data), arguments.as_published)?;
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
         found.gaits.iter().filter_map(|(_, gait)| Some((gait, gait.label?))).unzip();
     let unlabelled = found.gaits.len() - gaits.len();

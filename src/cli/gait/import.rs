@@ -197,6 +197,7 @@ fn options(arguments: &Arguments) -> Result<Options, Error> {
         frame_rate: arguments.rate,
         joint_map,
         resample: arguments.resample,
+        as_published: false,
     })
 }
 

@@ -73,7 +73,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     let (model, words) = model_or_default(arguments.model.as_deref())?;
     let mut gaits = library(arguments.library.as_deref())?.gaits().to_vec();
-    let found = sources::read(&arguments.files)?;
+    let found = sources::read(&arguments.files, false)?;
     let mut rows = Vec::new();
     for (_, mut gait) in found.gaits {
         let row = labelled(&mut gait, &model, &words, arguments);

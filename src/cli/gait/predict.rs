@@ -80,7 +80,7 @@ pub(super) fn model_or_default(path: Option<&Path>) -> Result<(Model, String), E
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let (model, words) = model_or_default(arguments.model.as_deref())?;
-    let found = sources::read(&arguments.files)?;
+    let found = sources::read(&arguments.files, false)?;
     if found.gaits.is_empty() {
         return Err(usage("there is no gait in these files", "see above what was left out and why"));
     }

@@ -29,6 +29,9 @@ pub(super) struct Arguments {
     /// Folder of motion files, motion file, or gait library (.glb), with labels
     #[arg(long, value_name = "DIR|LIB", required = true)]
     data: Vec<PathBuf>,
+    /// Take E-Gait's gaits as they were published: pitched, without travel (to compare with others' figures)
+    #[arg(long)]
+    as_published: bool,
     /// The model to write
     #[arg(long, value_name = "MODEL.json")]
     out: PathBuf,
@@ -42,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 1.0)]
     c: f64,
     /// Gamma of the RBF kernel: auto (1/29), scale (1 / (29 variance)) or a number
-    #[arg(long, default_value = "auto", value_parser = parse_gamma)]
+    #[arg(long, default_value = "scale", value_parser = parse_gamma)]
     gamma: Gamma,
     /// Search C and gamma on inner folds
     #[arg(long)]
@@ -66,8 +69,8 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
 enum SchemeName {
-    #[default]
     Ovo,
+    #[default]
     Ovr,
 }
 
@@ -116,7 +119,7 @@ struct Report {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
-    let found = sources::read(&arguments.data)?;
+    let found = sources::read(&arguments.data, arguments.as_published)?;
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
         found.gaits.iter().filter_map(|(_, gait)| gait.label.map(|label| (gait, label))).unzip();
     if gaits.len() < found.gaits.len() {

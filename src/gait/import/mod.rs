@@ -48,6 +48,9 @@ pub struct Options {
     pub joint_map: Option<JointMap>,
     /// Frames per second that every take is brought to.
     pub resample: Option<f32>,
+    /// E-Gait's gaits as they were published: pitched, in units of their own, without travel. To compare with others
+    /// who computed on those numbers.
+    pub as_published: bool,
 }
 
 /// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.c3d`, `.npz`, `.npy`, `.csv`, `.tsv` or `.txt`
