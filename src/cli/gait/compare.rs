@@ -3,6 +3,7 @@
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
 use super::super::usage;
+use super::figures_of_folds::{self, Found};
 use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
@@ -13,7 +14,7 @@ use crate::perception::{Method, perceiver};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
@@ -50,6 +51,9 @@ pub(super) struct Arguments {
     /// Also the settings that the paper and the cards of the methods leave open
     #[arg(long)]
     settings: bool,
+    /// Folder for figures of the accuracies and confusions (SVG and PNG)
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -95,6 +99,7 @@ struct Report {
     of_emotion: BTreeMap<&'static str, usize>,
     /// Gaits that were left out because they have no label.
     unlabelled: usize,
+    files: Vec<PathBuf>,
     wall_seconds: f64,
 }
 
@@ -129,8 +134,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let rows = compare(&chosen, &gaits, &emotions, &plan, fold_count)?;
     let of_emotion = Emotion::ALL
         .map(|emotion| (emotion.name(), emotions.iter().filter(|&&other| other == emotion).count()));
+    let files = match &arguments.figures {
+        Some(folder) => draw(folder, &rows, gaits.len(), grouping)?,
+        None => Vec::new(),
+    };
     let report = Report {
         methods: rows,
+        files,
         folds: arguments.folds,
         fold_count,
         seeds,
@@ -141,6 +151,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     if arguments.json { say_json(&report) } else { show(&report, grouping) }?;
     Ok(found.is_complete)
+}
+
+/// The figures of the methods as they are by default.
+fn draw(folder: &Path, rows: &[Row], gaits: usize, grouping: Grouping) -> Result<Vec<PathBuf>, Error> {
+    let found: Vec<Found<'_>> = rows
+        .iter()
+        .filter(|row| row.settings.is_none())
+        .map(|row| Found {
+            method: &row.method,
+            published: row.published,
+            accuracy: row.accuracy_mean,
+            interval: Some(row.accuracy_interval),
+            recall: Emotion::ALL.map(|emotion| row.recall.get(emotion.name()).copied().unwrap_or(0.0)),
+            confusion: &row.confusion,
+        })
+        .collect();
+    figures_of_folds::write(folder, &found, &format!("{gaits} gaits, {}", grouping.describe()))
 }
 
 /// A method with words for its settings where it is there more than once.
@@ -255,6 +282,9 @@ fn show(report: &Report, grouping: Grouping) -> Result<(), Error> {
     say("happy to neutral: share of each emotion's gaits that were recognised");
     if report.methods.iter().any(|row| row.method == perceiver::NAME) {
         say(&format!("{} is ours; the others but affective-svm are reconstructions", perceiver::NAME));
+    }
+    for file in &report.files {
+        say(&format!("written    {}", file.display()));
     }
     say(&format!("wall time  {:.2} s", report.wall_seconds));
     Ok(())

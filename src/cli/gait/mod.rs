@@ -2,6 +2,7 @@
 
 mod blend;
 mod compare;
+mod figures_of_folds;
 mod fit;
 mod import;
 mod label;

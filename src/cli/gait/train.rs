@@ -3,6 +3,7 @@
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
 use super::super::usage;
+use super::figures_of_folds::{self, Found};
 use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
@@ -62,6 +63,9 @@ pub(super) struct Arguments {
     /// Seed of the first repeat; the others follow it
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Folder for figures of the accuracy and confusion (SVG and PNG)
+    #[arg(long, value_name = "DIR")]
+    figures: Option<PathBuf>,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -135,6 +139,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let model = method.model(&gaits, &emotions, arguments.seed)?;
     let evaluation = evaluate(arguments, &method, &gaits, &emotions)?;
     model.save(&arguments.out)?;
+    let mut files = vec![arguments.out.clone()];
+    if let (Some(folder), Some(found)) = (&arguments.figures, &evaluation) {
+        let one = Found {
+            method: &found.method,
+            published: None,
+            accuracy: found.accuracy_mean,
+            interval: None,
+            recall: found.recall,
+            confusion: &found.confusion,
+        };
+        let note = format!("{} gaits, {}", gaits.len(), found.grouping.describe());
+        files.extend(figures_of_folds::write(folder, &[one], &note)?);
+    }
     let on = model.trained_on();
     let report = Report {
         method: method.describe(),
@@ -145,7 +162,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         support_vectors: model.svm().support_count(),
         settings: on.settings.clone(),
         evaluation,
-        files: vec![arguments.out.clone()],
+        files,
         wall_seconds: begin.elapsed().as_secs_f64(),
     };
     if arguments.json {
