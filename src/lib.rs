@@ -1,9 +1,9 @@
 //! Crowds of thousands of people who look happy, angry, sad or neutral.
 //!
 //! ```text
-//!  mocap files ─► gait ─► library ─► avatar ─► scenario ─► sim ─► render ─► window / headset / files
-//!  (BVH, AMC,     strides, GEA(e),   rig map,  who walks   one    culling,
-//!   CSV)          speed    clips     retarget  where, how  step   draw
+//!  mocap files ─► gait ─► perception ─► library ─► avatar ─► scenario ─► sim ─► render ─► files
+//!  (BVH, AMC,     strides, ratings,     GEA(e),    rig map,  who walks   one    culling,
+//!   C3D, npz)     speed    features     clips      retarget  where, how  step   draw
 //! ```
 //! A module uses what stands to its left, never what stands to its right (`tests/layers.rs`).
 //! [`kernels`] is the floor under [`mod@reference`] (CPU) and `gpu` (Vulkan).
