@@ -9,14 +9,13 @@ use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};
 use crate::gait::Gait;
-use crate::ground::world_from_ground;
 use crate::library::GaitLibrary;
 use crate::perceive::{HUMANS, MAX_TURN_DEG, Recorder, Score, Seen, Unusable, WALKING_SHARE};
-use crate::perceive::{features, practice, record};
+use crate::perceive::{features, practice_alone, practice_in_crowd, record};
 use crate::perception::affective_svm::AffectiveSvm;
 use crate::perception::features::{FEATURE_COUNT, Variant, features_of};
 use crate::perception::model::Model;
-use crate::scenario::{Condition, GazeMode};
+use crate::scenario::Condition;
 use crate::sim::{Simulation, bodies};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
@@ -34,8 +33,8 @@ const WALKERS_PER_CLASS: u32 = 25;
     after_help = "Examples:\n  gaitway perceive crossing --agents 1000 --condition eva-g\n  gaitway perceive garden --agents 200 \
                   --train-on egait/ --figures figures/\n  gaitway perceive crossing --agents 1000 --model model.json --json\n\n\
                   The classifier sees the joints of the bodies as they are drawn, one stride of each agent, and nothing else. \
-                  It learns from other walkers than the built-in gaits (seed 7001), or from labelled gaits of yours: once as \
-                  they were recorded, once as our avatars show them."
+                  It learns from other walkers than the built-in gaits (seed 7001), or from labelled gaits of yours: as they were \
+                  recorded, as the scene's avatars show them one by one, and as they are shown in a crowd of other people."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -53,9 +52,10 @@ pub(super) struct Arguments {
     /// [default: walker, unless there is a --model]
     #[arg(long, value_name = "walker|DIR|LIB.glb")]
     train_on: Vec<PathBuf>,
-    /// How the gaits that classifiers learn from are looked at
-    #[arg(long, value_enum, default_value_t)]
-    train_as: TrainAs,
+    /// How the gaits that classifiers learn from are looked at; may be given several times [default: all, one classifier
+    /// each]
+    #[arg(long, value_enum)]
+    train_as: Vec<TrainAs>,
     /// Folder for figures (SVG and PNG)
     #[arg(long, visible_alias = "out", value_name = "DIR")]
     figures: Option<PathBuf>,
@@ -64,15 +64,14 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum TrainAs {
     /// As they are in their files
     Recorded,
-    /// Walked alone on the scene's avatars, and watched as the crowd is
-    Shown,
-    /// One classifier each
-    #[default]
-    Both,
+    /// As the scene's avatars show them, each walked alone and straight
+    Alone,
+    /// As they are shown in the scene by a crowd of other people (another seed)
+    Crowd,
 }
 
 /// What is printed.
@@ -167,12 +166,7 @@ fn watch(
     bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = start(store, place)?;
     let agents = simulation.store().step.agent_count;
-    let how = Recorder {
-        warm_up: scene.steps(warm_up),
-        steps: scene.steps(seconds),
-        user_eyes: world_from_ground(scene.geometry.user, scene.scenario.user.eye_height),
-        paper_gaze: scene.scenario.gaze.mode == GazeMode::Paper,
-    };
+    let how = Recorder::of(&scene.scenario, scene.steps(warm_up), scene.steps(seconds));
     let mut progress = Progress::new(format!("watching {} agents", thousands(u64::from(agents))));
     let tracks = record(&mut simulation, &scene.cast, &how, &mut |share| progress.at("", share))?;
     let (mut gaits, mut not_walking, mut wanted) = (Vec::new(), NotWalking::default(), [0; 4]);
@@ -237,31 +231,42 @@ fn judges(arguments: &Arguments, scene: &Scene) -> Result<(Vec<Judge>, bool), Er
                 (source.display().to_string(), found.gaits.into_iter().map(|(_, gait)| gait).collect())
             }
         };
-        let (labelled, others): (Vec<Gait>, Vec<Gait>) = gaits.into_iter().partition(|gait| gait.label.is_some());
+        let (labelled, others): (Vec<Gait>, Vec<Gait>) =
+            gaits.into_iter().partition(|gait| gait.label.is_some());
         if !others.is_empty() {
             note(&format!("note: {name}: {} gaits without a label are left out", others.len()));
         }
-        if arguments.train_as != TrainAs::Shown {
-            judges.push(trained(format!("{name}, as recorded"), &labelled)?);
-        }
-        if arguments.train_as != TrainAs::Recorded {
-            let shown = shown(&name, &labelled, scene, &arguments.scene.place)?;
-            judges.push(trained(format!("{name}, as shown"), &shown)?);
+        let ways: &[TrainAs] = match arguments.train_as.as_slice() {
+            [] => TrainAs::value_variants(),
+            given => given,
+        };
+        for &way in ways {
+            judges.push(match way {
+                TrainAs::Recorded => trained(format!("{name}, as recorded"), &labelled)?,
+                TrainAs::Alone | TrainAs::Crowd => {
+                    shown(&name, &labelled, way, scene, &arguments.scene.place)?
+                }
+            });
         }
     }
     Ok((judges, is_complete))
 }
 
-/// Gaits as the scene's avatars show them.
-fn shown(name: &str, gaits: &[Gait], scene: &Scene, place: &PlaceArguments) -> Result<Vec<Gait>, Error> {
-    let avatars = scene.cast.avatars();
-    let mut progress = Progress::new(format!("watching {name} alone"));
-    let seen = practice(gaits, avatars.to_vec(), &scene.scenario, place.get()?, &mut |share| progress.at("", share))?;
-    let missing = gaits.len() * avatars.len() - seen.len();
-    if missing > 0 {
-        note(&format!("note: {name}: {missing} of {} walks show no whole stride", gaits.len() * avatars.len()));
-    }
-    Ok(seen)
+/// Learns from gaits as the scene's avatars show them.
+fn shown(
+    name: &str,
+    gaits: &[Gait],
+    way: TrainAs,
+    scene: &Scene,
+    place: &PlaceArguments,
+) -> Result<Judge, Error> {
+    let avatars = scene.cast.avatars().to_vec();
+    let words = if way == TrainAs::Alone { "alone" } else { "in a crowd" };
+    let mut progress = Progress::new(format!("watching {name} {words}"));
+    let mut at = |share| progress.at("", share);
+    let practice = if way == TrainAs::Alone { practice_alone } else { practice_in_crowd };
+    let seen = practice(gaits, avatars, &scene.scenario, place.get()?, &mut at)?;
+    trained(format!("{name}, as shown {words}"), &seen)
 }
 
 fn trained(name: String, gaits: &[Gait]) -> Result<Judge, Error> {
@@ -286,9 +291,10 @@ fn judged(judge: &Judge, gaits: &[&Gait], on_device: &[[f64; FEATURE_COUNT]]) ->
             (on_host.as_slice(), "on the host (not the corrected ones)")
         }
     };
-    let answers = gaits.iter().zip(rows).filter_map(|(gait, row)| {
-        Some((gait.label?, judge.model.predict_features(row).emotion))
-    });
+    let answers = gaits
+        .iter()
+        .zip(rows)
+        .filter_map(|(gait, row)| Some((gait.label?, judge.model.predict_features(row).emotion)));
     let on = judge.model.trained_on();
     Perceived {
         name: judge.name.clone(),
@@ -309,7 +315,11 @@ fn figures(folder: &Path, report: &Report) -> Result<Vec<PathBuf>, Error> {
     };
     let mut files = Vec::new();
     for (number, seen) in (1..).zip(&report.perceivers) {
-        files.extend(draw(&format!("perceived-{number}"), &format!("Perceived after {}", seen.name), &seen.score)?);
+        files.extend(draw(
+            &format!("perceived-{number}"),
+            &format!("Perceived after {}", seen.name),
+            &seen.score,
+        )?);
     }
     files.extend(draw("perceived-by-people", "Perceived by the paper's people", &report.humans)?);
     Ok(files)

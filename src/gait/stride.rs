@@ -332,13 +332,7 @@ impl Take {
     }
 
     /// One stride as a gait; the reason if it cannot be used.
-    fn stride(
-        &self,
-        recording: &Recording,
-        from: f32,
-        to: f32,
-        max_turn_deg: f32,
-    ) -> Result<Stride, String> {
+    fn stride(&self, recording: &Recording, from: f32, to: f32, max_turn_deg: f32) -> Result<Stride, String> {
         let duration = (to - from) / self.rate;
         let (start, end) = (self.at(from), self.at(to));
         let chord = (end[Joint::Root as usize] - start[Joint::Root as usize]).with_y(0.0);

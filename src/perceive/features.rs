@@ -41,7 +41,10 @@ pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FE
     Ok(store.feature_rows.chunks_exact(ROW).map(row).collect())
 }
 
-#[cfg_attr(not(feature = "vulkan"), allow(clippy::unnecessary_wraps, unused_variables, reason = "as with Vulkan"))]
+#[cfg_attr(
+    not(feature = "vulkan"),
+    allow(clippy::unnecessary_wraps, unused_variables, reason = "as with Vulkan")
+)]
 fn run(store: &mut Store, pass: Pass, simulation: &Simulation) -> Result<(), crate::Error> {
     #[cfg(feature = "vulkan")]
     if let Some(of_crowd) = simulation.engine() {

@@ -18,7 +18,7 @@ mod score;
 mod track;
 
 pub use features::features;
-pub use practice::practice;
+pub use practice::{practice_alone, practice_in_crowd};
 pub use record::{Recorder, record};
 pub use score::{HUMANS, Score, wilson};
 pub use track::{MAX_TURN_DEG, Seen, Track, Unusable, WALKING_SHARE};

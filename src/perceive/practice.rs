@@ -1,10 +1,14 @@
-//! Gaits as our avatars show them: each walked alone and straight on each avatar, and recorded as a crowd is.
+//! Gaits as our avatars show them: each walked alone and straight on each avatar, or in a crowd of a scene, and recorded
+//! as the crowd is that is judged.
 
-use super::{Recorder, Seen, record};
+use super::{Recorder, Seen, Track, record};
 use crate::avatar::Avatar;
 use crate::emotion::Emotion;
 use crate::gait::Gait;
-use crate::scenario::{AgentStart, Condition, Crowd, Geometry, Scenario, Waypoint};
+use crate::library::GaitLibrary;
+use crate::scenario::{
+    AgentStart, Condition, Crowd, EmotionMode, Geometry, Prefer, Scenario, Shares, Waypoint, populate_from,
+};
 use crate::sim::{Backend, Cast, Simulation, bodies, setup};
 use glam::{Vec2, Vec3};
 
@@ -15,16 +19,22 @@ const ROOM: f32 = 14.0;
 /// Of a walk before and while it is recorded, s.
 const WARM_UP: f32 = 1.0;
 const SECONDS: f32 = 4.5;
+/// Seconds before a crowd is recorded: it has then met.
+const CROWD_WARM_UP: f32 = 5.0;
+/// Agents of a crowd, at least and at most: enough of each emotion and avatar, and soon done.
+const CROWD: [u32; 2] = [200, 1000];
+/// Added to the scenario's seed: other people on other ways.
+const OTHER: u64 = 0x005e_ed0f_07e5;
 /// Where nobody looks, m.
 const NOWHERE: Vec3 = Vec3::new(-1e5, 1.6, -1e5);
 
 /// What is seen of every labelled gait of `gaits` on every avatar, walked alone and straight in an empty place, with the
-/// gaze of the scenario's condition and nobody to look at: labelled strides of the 16 joints as drawn. Bodies have sizes
+/// gaze of the scenario's condition and nobody to look at or to avoid: labelled strides of the 16 joints as drawn. Bodies have sizes
 /// within the scenario's range. A gait that shows no whole stride in four seconds is left out.
 ///
 /// # Errors
 /// When a gait cannot drive an avatar, or the device fails.
-pub fn practice(
+pub fn practice_alone(
     gaits: &[Gait],
     avatars: Vec<Avatar>,
     scenario: &Scenario,
@@ -56,30 +66,75 @@ pub fn practice(
     store.step.neighbour_cap = 0;
     bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = Simulation::from_store(store, backend, device)?;
-    let steps = |seconds: f32| {
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few seconds")]
-        let steps = (seconds / scenario.navigation.time_step).round() as u32;
-        steps
-    };
     let how = Recorder {
-        warm_up: steps(WARM_UP),
-        steps: steps(SECONDS),
         user_eyes: NOWHERE,
-        paper_gaze: scenario.gaze.mode == crate::scenario::GazeMode::Paper,
+        ..Recorder::of(scenario, steps(scenario, WARM_UP), steps(scenario, SECONDS))
     };
     let tracks = record(&mut simulation, &cast, &how, progress)?;
-    let seen = tracks.iter().zip(&walks).filter_map(|(track, &(gait, avatar, emotion))| {
+    let played = walks.iter().map(|&(gait, avatar, _)| [gait, avatar]);
+    Ok(labelled_strides(&tracks, played, gaits, &cast))
+}
+
+/// What is seen of a crowd that walks with these labelled gaits in the place of the scenario, under its condition (`eva-o`
+/// instead of `baseline`, which has one gait for all): other people than the scenario's own, by another seed, as many of
+/// each emotion, everybody the emotion of one gait. As many strides as there are agents who walk, up to 1,000.
+///
+/// # Errors
+/// When an emotion has no gait, a gait cannot drive an avatar, or the device fails.
+pub fn practice_in_crowd(
+    gaits: &[Gait],
+    avatars: Vec<Avatar>,
+    scenario: &Scenario,
+    (backend, device): (Backend, Option<&str>),
+    progress: &mut dyn FnMut(f64),
+) -> Result<Vec<Gait>, crate::Error> {
+    let mut others = scenario.clone();
+    others.seed = others.seed.wrapping_add(OTHER);
+    let population = &mut others.population;
+    population.agents = population.agents.clamp(CROWD[0], CROWD[1]);
+    population.emotions = Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 };
+    population.emotion_mode = EmotionMode::Draw;
+    population.affect = None;
+    population.prefer = Prefer::default();
+    if others.condition == Condition::Baseline {
+        others.condition = Condition::EvaO;
+    }
+    let library = GaitLibrary::from_gaits(gaits.to_vec())?;
+    let crowd = populate_from(&others, &library)?;
+    let cast = Cast::new(gaits, avatars)?;
+    let mut store = setup::store(&others, &others.geometry(), &crowd, &cast);
+    bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let mut simulation = Simulation::from_store(store, backend, device)?;
+    let how = Recorder::of(&others, steps(&others, CROWD_WARM_UP), steps(&others, SECONDS));
+    let tracks = record(&mut simulation, &cast, &how, progress)?;
+    let played = crowd.agents.iter().map(|agent| [agent.gaits[0], agent.avatar]);
+    Ok(labelled_strides(&tracks, played, gaits, &cast))
+}
+
+/// The first walking stride of each track, under the name and label of the gait that was played on an avatar.
+fn labelled_strides(
+    tracks: &[Track],
+    played: impl Iterator<Item = [u32; 2]>,
+    gaits: &[Gait],
+    cast: &Cast,
+) -> Vec<Gait> {
+    let stride = |(track, [gait, avatar]): (&Track, [u32; 2])| {
         let Seen::Walk(seen) = track.stride() else { return None };
         let played = gaits.get(gait as usize)?;
         Some(Gait {
             name: format!("{} on {}", played.name, cast.avatars().get(avatar as usize)?.name),
             source: played.source.clone(),
             subject: played.subject.clone(),
-            label: Some(emotion),
+            label: Some(track.wanted),
             ..*seen
         })
-    });
-    Ok(seen.collect())
+    };
+    tracks.iter().zip(played).filter_map(stride).collect()
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few seconds")]
+fn steps(scenario: &Scenario, seconds: f32) -> u32 {
+    (seconds / scenario.navigation.time_step).round() as u32
 }
 
 /// Walkers on a square of tracks about the origin, each towards +z; and half its side, m.

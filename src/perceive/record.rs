@@ -3,9 +3,11 @@
 use super::Track;
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint, Pose, Recording};
+use crate::ground::world_from_ground;
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{BufferId, Store};
 use crate::reference::body::PALETTE_STRIDE;
+use crate::scenario::{GazeMode, Scenario};
 use crate::sim::{Cast, Simulation};
 use glam::{Vec3, Vec4};
 
@@ -29,6 +31,18 @@ pub struct Recorder {
     pub user_eyes: Vec3,
     /// Whether the gaze follows the paper's formulas to the letter.
     pub paper_gaze: bool,
+}
+
+impl Recorder {
+    /// After `warm_up` steps, `steps` frames of a scenario's crowd, which looks at the user where the scenario has it.
+    pub fn of(scenario: &Scenario, warm_up: u32, steps: u32) -> Self {
+        Self {
+            warm_up,
+            steps,
+            user_eyes: world_from_ground(scenario.geometry().user, scenario.user.eye_height),
+            paper_gaze: scenario.gaze.mode == GazeMode::Paper,
+        }
+    }
 }
 
 /// Steps a simulation and records everyone. The simulation's buffers must have been filled for pictures

@@ -89,9 +89,12 @@ mod tests {
     #[test]
     fn intervals_are_wilsons() {
         // Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20, 1 of 29
-        for (right, n, want) in
-            [(81, 263, [0.2553, 0.3662]), (15, 148, [0.0624, 0.1605]), (0, 20, [0.0, 0.1611]), (1, 29, [0.0061, 0.1718])]
-        {
+        for (right, n, want) in [
+            (81, 263, [0.2553, 0.3662]),
+            (15, 148, [0.0624, 0.1605]),
+            (0, 20, [0.0, 0.1611]),
+            (1, 29, [0.0061, 0.1718]),
+        ] {
             let found = wilson(right, n);
             assert!((found[0] - want[0]).abs() < 6e-5 && (found[1] - want[1]).abs() < 6e-5, "{found:?}");
         }

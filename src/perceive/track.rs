@@ -99,8 +99,13 @@ impl Track {
     fn between(&self, from: f32, to: f32) -> Result<Stride, Unusable> {
         // too slow or too fast for the cutter means too slow here: nobody runs at 8 m/s
         let straight = stride::between(&self.recording, [from, to], MAX_TURN_DEG);
-        let stride = straight.map_err(|_why| if self.is_slow(from, to) { Unusable::Slow } else { Unusable::Turning })?;
-        if stride.gait.speed < WALKING_SHARE * self.preferred_speed { Err(Unusable::Slow) } else { Ok(stride) }
+        let stride = straight
+            .map_err(|_why| if self.is_slow(from, to) { Unusable::Slow } else { Unusable::Turning })?;
+        if stride.gait.speed < WALKING_SHARE * self.preferred_speed {
+            Err(Unusable::Slow)
+        } else {
+            Ok(stride)
+        }
     }
 
     /// Whether the root moves less between two frames than half the walk.
