@@ -154,7 +154,11 @@ fn take(store: &Store, rest: &[[Vec3; JOINT_COUNT]], tracks: &mut [Track]) {
         let phase = store.phase[agent];
         let unwrapped = match track.phase.last() {
             // the phase only ever advances
-            Some(before) => before + u64::from(phase.wrapping_sub(*before as u32)),
+            Some(&before) => {
+                #[allow(clippy::cast_possible_truncation, reason = "the low word is the phase itself")]
+                let before_wrapped = before as u32;
+                before + u64::from(phase.wrapping_sub(before_wrapped))
+            }
             None => u64::from(phase),
         };
         track.phase.push(unwrapped);

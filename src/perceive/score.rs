@@ -75,6 +75,7 @@ fn real(count: u64) -> f64 {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "shares of nothing and of all are exact")]
 mod tests {
     use super::*;
 

@@ -29,12 +29,11 @@ pub struct Track {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unusable {
-    /// No whole stride from one strike of the left foot to the next while it was watched: it stands, or was not watched
-    /// for long enough.
+    /// No whole stride from one strike of the left foot to the next: it was not watched for long enough.
     NoWholeStride,
-    /// All strides are slower than [`WALKING_SHARE`] of the preferred speed.
+    /// It stands, or its strides are slower than [`WALKING_SHARE`] of the preferred speed.
     Slow,
-    /// Strides turn further than [`MAX_TURN_DEG`], or go sideways.
+    /// Its strides turn further than [`MAX_TURN_DEG`], or go sideways.
     Turning,
 }
 
@@ -67,7 +66,9 @@ impl Track {
     /// The gait has as many frames as the recording has over the stride; its speed is that over the ground; its label is
     /// the wanted emotion.
     pub fn stride(&self) -> Seen {
-        let mut reason = Unusable::NoWholeStride;
+        #[allow(clippy::cast_precision_loss, reason = "a count of frames")]
+        let end = self.recording.poses.len().saturating_sub(1) as f32;
+        let mut reason = if self.is_slow(0.0, end) { Unusable::Slow } else { Unusable::NoWholeStride };
         for pair in self.strikes().windows(2) {
             match self.between(pair[0], pair[1]) {
                 Ok(stride) => return Seen::Walk(Box::new(stride.gait)),
@@ -126,7 +127,13 @@ impl Track {
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, clippy::panic, reason = "a test: a failure is a panic that prints")]
+#[allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test: a failure is a panic that prints; small positive numbers"
+)]
 mod tests {
     use super::*;
     use crate::gait::walker::{Sex, person};
