@@ -4,7 +4,7 @@ use crate::emotion::Emotion;
 use serde::Serialize;
 
 /// What people saw in the paper's own agents: `[shown][perceived]`, 48 answers a row (24 participants, 2 agents each), in
-/// the order of [`Emotion::ALL`]. Paper, section 5 and table of identification; S-25, A-18.
+/// the order of [`Emotion::ALL`]. The paper has percentages, which are these counts; A-18.
 pub const HUMANS: [[u64; 4]; 4] = [[29, 2, 2, 15], [9, 25, 0, 14], [0, 0, 48, 0], [4, 2, 8, 34]];
 
 /// z of a two-sided interval of 95 %.
