@@ -13,6 +13,8 @@
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>;    // [kernel] first agent that failed
 
 const TURNING_SPEED = 0.05; // m/s: slower than this the body does not turn
+// How fast a body turns to where it goes, share of the difference a second.
+const FOLLOW = 6.0;
 
 @compute @workgroup_size(64)
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -40,7 +42,8 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     if speed > TURNING_SPEED {
         let most = step.turn_rate * step.time_step;
         let turn = exact_wrap(exact_atan2(v.x, v.y) - heading);
-        heading = exact_wrap(heading + clamp(turn, -most, most));
+        let follow = min(FOLLOW * step.time_step, 1.0);
+        heading = exact_wrap(heading + clamp(turn * follow, -most, most));
     }
     let walking = speed > step.walk_speed * traits.z;
     let blend = select(-step.blend_rate, step.blend_rate, walking) * step.time_step;

@@ -25,6 +25,7 @@ pub mod gpu;
 pub mod ground;
 pub mod kernels;
 pub mod library;
+pub mod perceive;
 pub mod perception;
 pub mod picture;
 pub mod reference;

@@ -10,6 +10,7 @@ mod devices;
 mod figures;
 mod gait;
 mod output;
+mod perceive;
 mod preference;
 mod progress;
 #[cfg(feature = "vulkan")]
@@ -52,6 +53,8 @@ enum Command {
     /// Draw a crowd into pictures or a video
     #[cfg(feature = "vulkan")]
     Render(render::Arguments),
+    /// Ask a classifier which emotions the crowd shows
+    Perceive(perceive::Arguments),
     /// Import, show or generate gaits
     Gait(gait::Arguments),
     /// Compare every kernel on this machine's Vulkan device with its CPU twin
@@ -73,6 +76,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
+        Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Verify(arguments) => verify::run(&arguments),

@@ -85,6 +85,28 @@ pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
     if survey.strides.is_empty() { Err(survey.none_found(recording)) } else { Ok(survey.strides) }
 }
 
+/// The stride between two strikes of the left foot that are known, in frames from the recording's start: for walks whose
+/// phase is known. It is cut as all others are, and refused beyond a turn of `max_turn_deg` degrees instead of
+/// [`MAX_TURN_DEG`].
+///
+/// # Errors
+/// [`Error::Unusable`] when the recording is cyclic, not finite or does not hold both strikes, or the stride turns too far,
+/// is too slow or fast, or goes sideways.
+pub fn between(recording: &Recording, [from, to]: [f32; 2], max_turn_deg: f32) -> Result<Stride, Error> {
+    let rate = recording.frame_rate;
+    let last = recording.poses.len().saturating_sub(1) as f32;
+    if !(rate > 0.0 && from >= 0.0 && from < to && to <= last) || recording.cyclic {
+        let message = format!("frames {from} to {to} at {rate} Hz are no stride of frames 0 to {last}");
+        return Err(unusable(recording, message));
+    }
+    if recording.poses.iter().flatten().any(|point| !point.is_finite()) {
+        return Err(unusable(recording, "positions are not finite"));
+    }
+    let take =
+        Take { poses: recording.poses.clone(), rate: recording.frame_rate, on_the_spot: false, cycle: None };
+    take.stride(recording, from, to, max_turn_deg).map_err(|message| unusable(recording, message))
+}
+
 /// What there is in a recording: strikes, strides, what was refused and why.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Survey {
@@ -142,7 +164,7 @@ pub fn survey(recording: &Recording) -> Result<Survey, Error> {
             continue;
         }
         let stride = check_placing(&strikes, [pair[0], pair[1]], rate)
-            .and_then(|()| take.stride(recording, pair[0], pair[1]));
+            .and_then(|()| take.stride(recording, pair[0], pair[1], MAX_TURN_DEG));
         match stride {
             Ok(stride) => found.strides.push(stride),
             Err(reason) => found.refused.push(Refused { begin: pair[0] / rate, reason }),
@@ -310,14 +332,14 @@ impl Take {
     }
 
     /// One stride as a gait; the reason if it cannot be used.
-    fn stride(&self, recording: &Recording, from: f32, to: f32) -> Result<Stride, String> {
+    fn stride(&self, recording: &Recording, from: f32, to: f32, max_turn_deg: f32) -> Result<Stride, String> {
         let duration = (to - from) / self.rate;
         let (start, end) = (self.at(from), self.at(to));
         let chord = (end[Joint::Root as usize] - start[Joint::Root as usize]).with_y(0.0);
         let chord_heading = heading_from_ground(ground_from_world(chord));
         let turn = if self.cycle.is_some() { 0.0 } else { self.turn(from, to) };
-        if turn.abs() > MAX_TURN_DEG.to_radians() {
-            return Err(format!("turns by {:.0} degrees; up to {MAX_TURN_DEG} are used", turn.to_degrees()));
+        if turn.abs() > max_turn_deg.to_radians() {
+            return Err(format!("turns by {:.0} degrees; up to {max_turn_deg} are used", turn.to_degrees()));
         }
         // The arc over a chord of the same turn; a straight line where there is no turn.
         let half = turn / 2.0;
@@ -380,7 +402,7 @@ impl Take {
             let furthest = (count..2 * count).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
             furthest.unwrap_or(count) as f32
         });
-        self.stride(recording, begin, begin + count as f32).map(Some)
+        self.stride(recording, begin, begin + count as f32, MAX_TURN_DEG).map(Some)
     }
 }
 

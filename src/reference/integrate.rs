@@ -9,6 +9,10 @@ use rayon::prelude::*;
 /// Slower than this the body does not turn, m/s.
 const TURNING_SPEED: f32 = 0.05;
 
+/// How fast a body turns to where it goes, share of the difference a second: it follows the path, not every small
+/// correction of the velocity, at which walkers would tremble.
+const FOLLOW: f32 = 6.0;
+
 /// Twin of `shaders/integrate.wgsl`.
 pub fn integrate(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
@@ -58,7 +62,8 @@ fn moved(
     if speed > TURNING_SPEED {
         let most = step.turn_rate * step.time_step;
         let turn = wrap(atan2(v[0], v[1]) - heading);
-        heading = wrap(heading + turn.clamp(-most, most));
+        let follow = (FOLLOW * step.time_step).min(1.0);
+        heading = wrap(heading + (turn * follow).clamp(-most, most));
     }
     let walking = speed > step.walk_speed * traits[2];
     let blend = if walking { step.blend_rate } else { -step.blend_rate } * step.time_step;

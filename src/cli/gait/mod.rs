@@ -8,7 +8,7 @@ mod import;
 mod label;
 mod predict;
 mod ratings;
-mod sources;
+pub(super) mod sources;
 mod train;
 mod videos;
 

@@ -13,14 +13,14 @@ use std::path::{Path, PathBuf};
 const REASONS: usize = 10;
 
 /// Gaits, with the file of each, and whether every file that was named could be used.
-pub(super) struct Found {
-    pub(super) gaits: Vec<(PathBuf, Gait)>,
-    pub(super) is_complete: bool,
+pub(in crate::cli) struct Found {
+    pub(in crate::cli) gaits: Vec<(PathBuf, Gait)>,
+    pub(in crate::cli) is_complete: bool,
 }
 
 /// Reads all gaits of libraries and the most regular stride of each take of motion files. Of takes of one name the first
 /// is kept. What is left out is said, with the reason. `as_published`: see [`Options::as_published`].
-pub(super) fn read(paths: &[PathBuf], as_published: bool) -> Result<Found, Error> {
+pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Found, Error> {
     let files = folder::motion_files(paths)?;
     let read: Vec<Result<Vec<Gait>, Error>> =
         files.par_iter().map(|path| gaits_of(path, as_published)).collect();

@@ -1,0 +1,178 @@
+//! Gaits as our avatars show them: each walked alone and straight on each avatar, or in a crowd of a scene, and recorded
+//! as the crowd is that is judged.
+
+use super::{Recorder, Seen, Track, record};
+use crate::avatar::Avatar;
+use crate::emotion::Emotion;
+use crate::gait::Gait;
+use crate::library::GaitLibrary;
+use crate::scenario::{
+    AgentStart, Condition, Crowd, EmotionMode, Geometry, Prefer, Scenario, Shares, Waypoint, populate_from,
+};
+use crate::sim::{Backend, Cast, Simulation, bodies, setup};
+use glam::{Vec2, Vec3};
+
+/// Between the tracks, to the side, m: farther than avoidance looks.
+const APART: f32 = 6.0;
+/// Room along a track, m.
+const ROOM: f32 = 14.0;
+/// Of a walk before and while it is recorded, s.
+const WARM_UP: f32 = 1.0;
+const SECONDS: f32 = 4.5;
+/// Seconds before a crowd is recorded: it has then met.
+const CROWD_WARM_UP: f32 = 5.0;
+/// Agents of a crowd, at least and at most: enough of each emotion and avatar, and soon done.
+const CROWD: [u32; 2] = [200, 1000];
+/// Added to the scenario's seed: other people on other ways.
+const OTHER: u64 = 0x005e_ed0f_07e5;
+/// Where nobody looks, m.
+const NOWHERE: Vec3 = Vec3::new(-1e5, 1.6, -1e5);
+
+/// What is seen of every labelled gait of `gaits` on every avatar, walked alone and straight in an empty place, with the
+/// gaze of the scenario's condition and nobody to look at or to avoid: labelled strides of the 16 joints as drawn. Bodies have sizes
+/// within the scenario's range. A gait that shows no whole stride in four seconds is left out.
+///
+/// # Errors
+/// When a gait cannot drive an avatar, or the device fails.
+pub fn practice_alone(
+    gaits: &[Gait],
+    avatars: Vec<Avatar>,
+    scenario: &Scenario,
+    (backend, device): (Backend, Option<&str>),
+    progress: &mut dyn FnMut(f64),
+) -> Result<Vec<Gait>, crate::Error> {
+    let labelled: Vec<(u32, Emotion)> =
+        (0..).zip(gaits).filter_map(|(id, gait)| Some((id, gait.label?))).collect();
+    let avatar_count = u32::try_from(avatars.len()).unwrap_or(u32::MAX);
+    let cast = Cast::new(gaits, avatars)?;
+    let walks: Vec<(u32, u32, Emotion)> = labelled
+        .iter()
+        .flat_map(|&(gait, emotion)| (0..avatar_count).map(move |avatar| (gait, avatar, emotion)))
+        .collect();
+    let (crowd, side) = crowd(&walks, scenario);
+    let mut alone = scenario.clone();
+    alone.user.avoided = false;
+    alone.navigation.perturbation = 0.0;
+    let geometry = Geometry {
+        bounds: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
+            .map(|corner| (Vec2::from(corner) * 2.0 - 1.0) * (side + 3.0 * ROOM))
+            .to_vec(),
+        obstacles: Vec::new(),
+        spawns: Vec::new(),
+        routes: Vec::new(),
+        ..scenario.geometry()
+    };
+    let mut store = setup::store(&alone, &geometry, &crowd, &cast);
+    store.step.neighbour_cap = 0;
+    bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let mut simulation = Simulation::from_store(store, backend, device)?;
+    let how = Recorder {
+        user_eyes: NOWHERE,
+        ..Recorder::of(scenario, steps(scenario, WARM_UP), steps(scenario, SECONDS))
+    };
+    let tracks = record(&mut simulation, &cast, &how, progress)?;
+    let played = walks.iter().map(|&(gait, avatar, _)| [gait, avatar]);
+    Ok(labelled_strides(&tracks, played, gaits, &cast))
+}
+
+/// What is seen of a crowd that walks with these labelled gaits in the place of the scenario, under its condition (`eva-o`
+/// instead of `baseline`, which has one gait for all): other people than the scenario's own, by another seed, as many of
+/// each emotion, everybody the emotion of one gait. As many strides as there are agents who walk, up to 1,000.
+///
+/// # Errors
+/// When an emotion has no gait, a gait cannot drive an avatar, or the device fails.
+pub fn practice_in_crowd(
+    gaits: &[Gait],
+    avatars: Vec<Avatar>,
+    scenario: &Scenario,
+    (backend, device): (Backend, Option<&str>),
+    progress: &mut dyn FnMut(f64),
+) -> Result<Vec<Gait>, crate::Error> {
+    let mut others = scenario.clone();
+    others.seed = others.seed.wrapping_add(OTHER);
+    let population = &mut others.population;
+    population.agents = population.agents.clamp(CROWD[0], CROWD[1]);
+    population.emotions = Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 };
+    population.emotion_mode = EmotionMode::Draw;
+    population.affect = None;
+    population.prefer = Prefer::default();
+    if others.condition == Condition::Baseline {
+        others.condition = Condition::EvaO;
+    }
+    let library = GaitLibrary::from_gaits(gaits.to_vec())?;
+    let crowd = populate_from(&others, &library)?;
+    let cast = Cast::new(gaits, avatars)?;
+    let mut store = setup::store(&others, &others.geometry(), &crowd, &cast);
+    bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let mut simulation = Simulation::from_store(store, backend, device)?;
+    let how = Recorder::of(&others, steps(&others, CROWD_WARM_UP), steps(&others, SECONDS));
+    let tracks = record(&mut simulation, &cast, &how, progress)?;
+    let played = crowd.agents.iter().map(|agent| [agent.gaits[0], agent.avatar]);
+    Ok(labelled_strides(&tracks, played, gaits, &cast))
+}
+
+/// The first walking stride of each track, under the name and label of the gait that was played on an avatar.
+fn labelled_strides(
+    tracks: &[Track],
+    played: impl Iterator<Item = [u32; 2]>,
+    gaits: &[Gait],
+    cast: &Cast,
+) -> Vec<Gait> {
+    let stride = |(track, [gait, avatar]): (&Track, [u32; 2])| {
+        let Seen::Walk(seen) = track.stride() else { return None };
+        let played = gaits.get(gait as usize)?;
+        Some(Gait {
+            name: format!("{} on {}", played.name, cast.avatars().get(avatar as usize)?.name),
+            source: played.source.clone(),
+            subject: played.subject.clone(),
+            label: Some(track.wanted),
+            ..*seen
+        })
+    };
+    tracks.iter().zip(played).filter_map(stride).collect()
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few seconds")]
+fn steps(scenario: &Scenario, seconds: f32) -> u32 {
+    (seconds / scenario.navigation.time_step).round() as u32
+}
+
+/// Walkers on a square of tracks about the origin, each towards +z; and half its side, m.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few thousand walkers"
+)]
+fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
+    let side = 0.5 * (walks.len() as f32 * APART * ROOM).sqrt().max(ROOM);
+    let columns = ((2.0 * side / APART).ceil() as usize).max(1);
+    let [low, high] = scenario.population.scale;
+    let mut crowd = Crowd::default();
+    for (index, &(gait, avatar, emotion)) in walks.iter().enumerate() {
+        let position = Vec2::new((index % columns) as f32 * APART, (index / columns) as f32 * ROOM) - side;
+        // sizes in turn over the range, in an order that has nothing to do with gait or avatar
+        let size = (index as u32).wrapping_mul(0x9e37_79b9) >> 8;
+        let scale = low + (high - low) * (size as f32 / (1 << 24) as f32);
+        crowd.agents.push(AgentStart {
+            position,
+            velocity: Vec2::ZERO,
+            heading: 0.0,
+            radius: scenario.navigation.radius * scale,
+            emotion: emotion.weights(),
+            gaits: [gait; 4],
+            gait_weights: [1.0, 0.0, 0.0, 0.0],
+            gazes: scenario.condition == Condition::EvaG,
+            avatar,
+            scale,
+            colors: [0; 4],
+            phase: size << 8,
+            route_start: index as u32,
+            route_length: 1,
+            waypoint: 0,
+            loops: false,
+        });
+        crowd.waypoints.push(Waypoint { position: position + Vec2::new(0.0, 1000.0), radius: 0.5 });
+    }
+    (crowd, side)
+}

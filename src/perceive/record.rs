@@ -1,0 +1,166 @@
+//! Watches a crowd: the joints of every body as drawn, frame by frame.
+
+use super::Track;
+use crate::emotion::Emotion;
+use crate::gait::{JOINT_COUNT, Joint, Pose, Recording};
+use crate::ground::world_from_ground;
+use crate::kernels::layout::FrameUniforms;
+use crate::kernels::{BufferId, Store};
+use crate::reference::body::PALETTE_STRIDE;
+use crate::scenario::{GazeMode, Scenario};
+use crate::sim::{Cast, Simulation};
+use glam::{Vec3, Vec4};
+
+/// Frames before the recording in which the gaze settles, s.
+const SETTLING: f32 = 1.0;
+/// Ends the list of visible agents.
+const NONE: u32 = u32::MAX;
+/// Everyone is near enough, m.
+const FAR: f32 = 1e9;
+/// Most bytes of joint positions that are kept.
+const MOST_BYTES: u64 = 4 << 30;
+
+/// How a crowd is watched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Recorder {
+    /// Steps before the recording begins.
+    pub warm_up: u32,
+    /// Steps that are recorded, one frame each.
+    pub steps: u32,
+    /// Where the user's eyes are, which agents look at; world, m.
+    pub user_eyes: Vec3,
+    /// Whether the gaze follows the paper's formulas to the letter.
+    pub paper_gaze: bool,
+}
+
+impl Recorder {
+    /// After `warm_up` steps, `steps` frames of a scenario's crowd, which looks at the user where the scenario has it.
+    pub fn of(scenario: &Scenario, warm_up: u32, steps: u32) -> Self {
+        Self {
+            warm_up,
+            steps,
+            user_eyes: world_from_ground(scenario.geometry().user, scenario.user.eye_height),
+            paper_gaze: scenario.gaze.mode == GazeMode::Paper,
+        }
+    }
+}
+
+/// Steps a simulation and records everyone. The simulation's buffers must have been filled for pictures
+/// ([`crate::sim::bodies::fill`]) with the avatars of `cast`; `progress` is told which share is done.
+///
+/// # Errors
+/// When the device or a kernel fails, or more agents are to be recorded than one picture shows or memory holds.
+pub fn record(
+    simulation: &mut Simulation,
+    cast: &Cast,
+    how: &Recorder,
+    progress: &mut dyn FnMut(f64),
+) -> Result<Vec<Track>, crate::Error> {
+    let frame = everyone(simulation.store().frame, how);
+    let agents = frame.agent_count;
+    check_size(&frame, how.steps)?;
+    let mut tracks = start(simulation.store());
+    if agents == 0 {
+        return Ok(tracks);
+    }
+    let rest: Vec<[Vec3; JOINT_COUNT]> = cast.avatars().iter().map(rest_joints).collect();
+    let time_step = simulation.store().step.time_step;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a second of steps")]
+    let settling = ((SETTLING / time_step).ceil() as u32).min(how.warm_up);
+    simulation.step(how.warm_up - settling)?;
+    let frames = settling + how.steps;
+    for index in 0..frames {
+        simulation.step(1)?;
+        simulation.animate(FrameUniforms { frame_index: index + 1, frame_time: time_step, ..frame })?;
+        if index >= settling {
+            let store = simulation.read(&[BufferId::Visible, BufferId::Palettes, BufferId::Phase])?;
+            take(store, &rest, &mut tracks);
+        }
+        progress(f64::from(index + 1) / f64::from(frames));
+    }
+    Ok(tracks)
+}
+
+/// Parameters of a picture in which everyone is visible, and nobody near enough to be skinned: the palette, from which all
+/// levels of detail are drawn, does not depend on the level.
+fn everyone(frame: FrameUniforms, how: &Recorder) -> FrameUniforms {
+    FrameUniforms {
+        planes: [[0.0, 0.0, 0.0, 1.0]; 12], // inside everywhere
+        eye_count: 1,
+        user_eyes: how.user_eyes.extend(0.0).to_array(),
+        camera: how.user_eyes.extend(0.0).to_array(),
+        level_distance: [0.0, 0.0, FAR, 0.0],
+        near_capacity: 0,
+        gaze_mode: u32::from(how.paper_gaze),
+        ..frame
+    }
+}
+
+fn check_size(frame: &FrameUniforms, steps: u32) -> Result<(), crate::Error> {
+    let refused = |message: String, hint: &str| crate::Error::Usage { message, hint: hint.to_owned() };
+    if frame.agent_count > frame.visible_capacity {
+        let (found, most) = (frame.agent_count, frame.visible_capacity);
+        let message = format!("{found} agents are to be watched; one picture shows {most}");
+        return Err(refused(message, "use fewer agents (--agents)"));
+    }
+    let bytes = u64::from(frame.agent_count) * u64::from(steps) * size_of::<Pose>() as u64;
+    if bytes > MOST_BYTES {
+        let message = format!(
+            "{} agents over {steps} frames are {} MiB of joint positions; at most {} MiB are kept",
+            frame.agent_count,
+            bytes >> 20,
+            MOST_BYTES >> 20
+        );
+        return Err(refused(message, "use fewer agents (--agents) or seconds (--seconds)"));
+    }
+    Ok(())
+}
+
+/// Empty tracks of all agents.
+fn start(store: &Store) -> Vec<Track> {
+    let agents = store.step.agent_count as usize;
+    let rate = 1.0 / store.step.time_step;
+    let track = |agent: usize| {
+        let emotion = (store.look[agent][0] >> 8 & 0xff) as usize;
+        Track {
+            wanted: Emotion::ALL[emotion.min(3)],
+            preferred_speed: store.body[agent][2],
+            recording: Recording::new(format!("agent {agent}"), rate, Vec::new()),
+            phase: Vec::new(),
+        }
+    };
+    (0..agents).map(track).collect()
+}
+
+/// Where each joint is in the mesh's space at rest, m: the origin of the inverse of `joint_from_mesh`.
+fn rest_joints(avatar: &crate::avatar::Avatar) -> [Vec3; JOINT_COUNT] {
+    avatar.joints.map(|joint| joint.joint_from_mesh.inverse().w_axis.truncate())
+}
+
+/// Adds one frame to the tracks of all visible agents. An agent that no kernel could draw gets none.
+fn take(store: &Store, rest: &[[Vec3; JOINT_COUNT]], tracks: &mut [Track]) {
+    let slots = store.visible.iter().zip(store.palettes.chunks_exact(PALETTE_STRIDE));
+    for (&agent, palette) in slots.take_while(|(agent, _)| **agent != NONE) {
+        let agent = agent as usize;
+        let (Some(track), Some(look)) = (tracks.get_mut(agent), store.look.get(agent)) else { continue };
+        let Some(rest) = rest.get((look[0] & 0xff) as usize) else { continue };
+        let pose: Pose = std::array::from_fn(|joint| {
+            let rows: [Vec4; 3] = std::array::from_fn(|axis| Vec4::from(palette[3 * joint + axis]));
+            let at = rest[joint].extend(1.0);
+            Vec3::new(rows[0].dot(at), rows[1].dot(at), rows[2].dot(at))
+        });
+        debug_assert!(pose[Joint::Root as usize].is_finite(), "agent {agent} is nowhere");
+        track.recording.poses.push(pose);
+        let phase = store.phase[agent];
+        let unwrapped = match track.phase.last() {
+            // the phase only ever advances
+            Some(&before) => {
+                #[allow(clippy::cast_possible_truncation, reason = "the low word is the phase itself")]
+                let before_wrapped = before as u32;
+                before + u64::from(phase.wrapping_sub(before_wrapped))
+            }
+            None => u64::from(phase),
+        };
+        track.phase.push(unwrapped);
+    }
+}
