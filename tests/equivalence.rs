@@ -90,16 +90,22 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
 #[test]
 fn the_comparison_notices_one_bit() {
     on_device(|device| {
-        let mut store = step::crowd(65, 3);
-        let passes = order::step_passes(&store.step);
-        for pass in &passes {
-            gaitway::reference::run(pass.kernel, &mut store, pass.level);
-        }
-        for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel == *k)) {
-            let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel == kernel).collect();
-            let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
-            let caught = found.iter().any(|c| c.exact < c.compared);
-            assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
+        let (crowd, bodies, walks) = (step::crowd(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
+        let stages = [
+            (order::step_passes(&crowd.step), crowd),
+            (order::frame_passes(&bodies.frame), bodies),
+            (gaits::passes(&walks), walks), // gait_features
+        ];
+        for (passes, mut store) in stages {
+            for pass in &passes {
+                gaitway::reference::run(pass.kernel, &mut store, pass.level);
+            }
+            for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel == *k)) {
+                let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel == kernel).collect();
+                let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
+                let caught = found.iter().any(|c| c.exact < c.compared);
+                assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
+            }
         }
     });
 }
