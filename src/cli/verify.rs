@@ -5,6 +5,7 @@ use super::progress::Progress;
 use super::usage;
 use crate::Error;
 use crate::gpu::{Device, Validation};
+use crate::kernels::KernelId;
 use crate::verify::{Options, Report, verify};
 use clap::Args;
 
@@ -25,6 +26,9 @@ pub(super) struct Arguments {
     /// Without the largest size, and a third of the crowd's steps
     #[arg(long)]
     quick: bool,
+    /// Leave out a kernel, with every case that it is in; may be repeated
+    #[arg(long, value_name = "KERNEL", value_parser = kernel)]
+    without: Vec<KernelId>,
     /// Seed of all inputs
     #[arg(long, default_value_t = 1)]
     seed: u32,
@@ -36,10 +40,18 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+fn kernel(name: &str) -> Result<KernelId, String> {
+    KernelId::ALL.into_iter().find(|id| id.kernel().name == name).ok_or_else(|| {
+        let names: Vec<&str> = KernelId::ALL.iter().map(|id| id.kernel().name).collect();
+        format!("no kernel has this name; they are {}", names.join(", "))
+    })
+}
+
 /// Runs the subcommand; false when something differs that must not.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let mut options = if arguments.quick { Options::quick() } else { Options::full() };
     options.seed = arguments.seed;
+    options.without.clone_from(&arguments.without);
     if !arguments.agents.is_empty() {
         options.sizes.clone_from(&arguments.agents);
     }
