@@ -24,6 +24,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "grid_count",
     "grid_scan",
     "grid_scatter",
+    "grid_pack",
     "integrate",
     "numerics",
     "palette",

@@ -1,4 +1,4 @@
-// uses: frame, exact, body
+// uses: frame, exact, body, absent
 // Which agents may be seen and how finely: each agent's bucket (avatar * levels + level of detail), or NONE.
 // An upright capsule of agent_height and agent_radius, times the agent's scale, is tested against the frusta;
 // the level follows from the camera's distance to its middle. `compact` turns the buckets into lists.
@@ -60,6 +60,9 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = position[agent];
+    if is_absent(at) {
+        return;
+    }
     let height = frame.agent_height * scale;
     let radius = frame.agent_radius * scale;
     let high = select(radius, height - radius, height - radius > radius); // never below its own foot

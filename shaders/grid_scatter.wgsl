@@ -1,38 +1,32 @@
-// uses: step, grid
-// Packs the agents in cell order, within a cell by id, so that what neighbours read lies together and the order
-// does not depend on which thread came first. Three passes chosen by `level`:
+// uses: step, grid, absent
+// Puts the agents in cell order, within a cell by id, so that the order does not depend on which thread came first.
+// Absent agents have no slot; as many slots at the end have nobody. Two passes chosen by `level`:
 //   0: each agent takes the next free place of its cell (any order),
-//   1: each cell sorts its agents by id and clears its count,
-//   2: each slot copies what neighbours read of its agent.
+//   1: each cell sorts its agents by id and clears its count.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> cell_start: array<u32>;                // [cell + 1]
 @group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell], zero before and after
 @group(0) @binding(3) var<storage, read_write> slot_agent: array<u32>;          // [slot]
 @group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;            // [agent] m
-@group(0) @binding(5) var<storage, read> velocity: array<vec2<f32>>;            // [agent] m/s
-@group(0) @binding(6) var<storage, read> body: array<vec4<f32>>;                // [agent] radius, maximum speed, ...
-@group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;   // [slot][2] position, velocity; body
-@group(0) @binding(8) var<storage, read_write> agent_slot: array<u32>;          // [agent]
+@group(0) @binding(5) var<storage, read_write> agent_slot: array<u32>;          // [agent] NOBODY if absent
 var<immediate> level: u32;
 
 @compute @workgroup_size(64)
 fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
     if level == 0u {
         if id.x < step.agent_count {
+            if is_absent(position[id.x]) {
+                agent_slot[id.x] = NOBODY;
+                return;
+            }
             let at = grid_cell(position[id.x], step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
             let cell = u32(at.y) * step.grid_columns + u32(at.x);
             slot_agent[cell_start[cell] + atomicAdd(&cell_counts[cell], 1u)] = id.x;
         }
         return;
     }
-    if level == 2u {
-        if id.x < step.agent_count {
-            let agent = slot_agent[id.x];
-            slot_motion[id.x * 2u] = vec4<f32>(position[agent], velocity[agent]);
-            slot_motion[id.x * 2u + 1u] = body[agent];
-            agent_slot[agent] = id.x;
-        }
-        return;
+    if id.x < step.agent_count && id.x >= cell_start[step.cell_count] {
+        slot_agent[id.x] = NOBODY;
     }
     if id.x >= step.cell_count {
         return;

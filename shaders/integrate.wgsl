@@ -1,4 +1,4 @@
-// uses: step, exact
+// uses: step, exact, absent
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
@@ -20,6 +20,10 @@ const FOLLOW = 6.0;
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count {
+        return;
+    }
+    if agent_slot[agent] == NOBODY {
+        velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
     let v = new_velocity[agent_slot[agent]];

@@ -1,4 +1,4 @@
-// uses: step, exact
+// uses: step, exact, absent
 // The velocity an agent wants before avoidance: towards its next waypoint at the speed of its gait (v_des), slowing
 // only to stop at the last one. Turns to the next waypoint when near. A tiny random part, different for every agent
 // and step, breaks exact symmetry (two people head-on would stop for ever).
@@ -13,6 +13,10 @@
 fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count {
+        return;
+    }
+    if is_absent(position[agent]) {
+        preferred_velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
     var way = route[agent];

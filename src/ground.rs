@@ -5,6 +5,14 @@
 
 use glam::{Vec2, Vec3};
 
+/// Where somebody stands who is not there (not yet, or no more), on both axes, m.
+pub const ABSENT: f32 = 1e9;
+
+/// Whether that is the position of somebody who is not there.
+pub fn is_absent(position: [f32; 2]) -> bool {
+    position[0] >= 0.5 * ABSENT
+}
+
 /// Drops the height: (x, y, z) to (x, z), metres.
 pub fn ground_from_world(world: Vec3) -> Vec2 {
     Vec2::new(world.x, world.z)

@@ -91,9 +91,6 @@ fn store(layout: &Layout) -> Store {
             agent_count: count as u32,
             time_step: layout.time_step,
             inverse_time_step: 1.0 / layout.time_step,
-            neighbour_distance: layout.distance,
-            neighbour_cap: 10,
-            inverse_time_horizon: 1.0 / layout.horizon,
             inverse_time_horizon_dense: if layout.strict { 0.0 } else { 2.0 / layout.horizon },
             inverse_time_horizon_jam: if layout.strict { 0.0 } else { 40.0 / (3.0 * layout.horizon) },
             safety_margin: if layout.strict { 0.0 } else { 0.04 * layout.radius },
@@ -105,6 +102,8 @@ fn store(layout: &Layout) -> Store {
         position: layout.start.clone(),
         velocity: vec![[0.0; 2]; count],
         body: vec![[layout.radius, layout.max_speed, 1.0, 1.4]; count],
+        manners: vec![sim::setup::manners(layout.horizon, layout.distance, 10, 0.0); count],
+        elevation: vec![0.0; count],
         stance: vec![[0.0; 2]; count],
         phase: vec![0; count],
         route: vec![[0, 1, 0, 0]; count],
@@ -112,7 +111,13 @@ fn store(layout: &Layout) -> Store {
         ..Store::default()
     };
     let extent = layout.start.iter().flatten().fold(1.0_f32, |m, c| m.max(c.abs())) + 1.0;
-    sim::setup::set_grid(&mut store.step, Vec2::splat(-extent), Vec2::splat(extent), 4.0 * extent * extent);
+    sim::setup::set_grid(
+        &mut store.step,
+        Vec2::splat(-extent),
+        Vec2::splat(extent),
+        4.0 * extent * extent,
+        layout.distance,
+    );
     sim::setup::set_obstacles(&mut store, &[]);
     sim::setup::scratch(&mut store);
     store

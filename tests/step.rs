@@ -28,7 +28,7 @@ grid_scatter 0
 barrier
 grid_scatter 1
 barrier
-grid_scatter 2
+grid_pack
 prefer
 barrier
 velocity_orca

@@ -1,3 +1,6 @@
+// An agent of this priority is led from outside: it takes its preferred velocity whatever stands in its way.
+const LED = 2.0;
+
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).
 struct StepUniforms {
     agent_count: u32,
@@ -11,9 +14,7 @@ struct StepUniforms {
     inverse_cell_size: f32,      // 1/m
     time_step: f32,              // s
     inverse_time_step: f32,      // 1/s
-    neighbour_distance: f32,     // centre to centre, m
-    neighbour_cap: u32,          // at most NEIGHBOURS
-    inverse_time_horizon: f32,           // 1/s
+    storey_height: f32,          // m: whoever is that much higher or lower is not a neighbour
     inverse_time_horizon_obstacles: f32, // 1/s
     user_position: vec2<f32>,    // m
     user_velocity: vec2<f32>,    // m/s

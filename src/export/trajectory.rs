@@ -8,6 +8,7 @@
 use super::atomic::AtomicFile;
 use super::trajectory_sqlite::Sqlite;
 use super::{Error, wkt};
+use crate::ground::is_absent;
 use crate::scenario::Geometry;
 use glam::{DVec2, Vec2};
 use std::io::Write;
@@ -144,7 +145,7 @@ impl TrajectoryWriter {
     }
 
     /// Appends a frame: ground positions (x, z) in m and headings about +y in radians, one per agent; the agent's
-    /// index is its id. Frames are `1 / frame_rate` apart.
+    /// index is its id, and one who is absent ([`is_absent`]) is left out. Frames are `1 / frame_rate` apart.
     ///
     /// # Errors
     /// [`Error::Unusable`] when the lists differ in length or hold a number that is not finite (agent named);
@@ -161,7 +162,10 @@ impl TrajectoryWriter {
         if self.frames >= MAX_FRAMES || u32::try_from(positions.len()).is_err() {
             return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
         }
-        let rows = || (0_u32..).zip(positions.iter().copied().zip(headings.iter().copied()));
+        let rows = || {
+            let all = (0_u32..).zip(positions.iter().copied().zip(headings.iter().copied()));
+            all.filter(|(_, (position, _))| !is_absent(position.to_array()))
+        };
         if let Some((id, (position, heading))) = rows().find(|(_, (p, h))| !p.is_finite() || !h.is_finite()) {
             let frame = self.frames;
             let message =

@@ -63,7 +63,9 @@ pub fn practice_alone(
         ..scenario.geometry()
     };
     let mut store = setup::store(&alone, &geometry, &crowd, &cast);
-    store.step.neighbour_cap = 0;
+    for manners in &mut store.manners {
+        manners[2] = 0.0;
+    }
     bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = Simulation::from_store(store, backend, device)?;
     let how = Recorder {

@@ -2,6 +2,7 @@
 
 use super::body::NONE;
 use super::exact::is_finite2;
+use super::shared::is_absent;
 use crate::kernels::KernelId;
 use crate::kernels::cull::Slices;
 use crate::kernels::layout::FrameUniforms;
@@ -46,6 +47,9 @@ pub fn cull(b: Slices<'_>) {
         if !is_usable(&b, agent, avatar, scale) {
             let first = &mut b.failure[KernelId::Cull as usize];
             *first = (*first).min(agent as u32);
+            continue;
+        }
+        if is_absent(b.position[agent]) {
             continue;
         }
         let [x, z] = b.position[agent];

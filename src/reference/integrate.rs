@@ -1,6 +1,7 @@
 //! Moves, turns, advances the phase of the walk.
 
 use super::exact::{atan2, dot2, is_finite2, wrap};
+use super::shared::NOBODY;
 use crate::kernels::KernelId;
 use crate::kernels::integrate::Slices;
 use crate::kernels::layout::StepUniforms;
@@ -21,6 +22,10 @@ pub fn integrate(b: Slices<'_>) {
     let state = state.zip(&mut b.stance[..agents]).zip(&mut b.phase[..agents]).enumerate().with_min_len(1024);
     let failed = state
         .filter_map(|(agent, (((position, velocity), stance), phase))| {
+            if agent_slot[agent] == NOBODY {
+                *velocity = [0.0, 0.0];
+                return None;
+            }
             let v = new_velocity[agent_slot[agent] as usize];
             if !is_finite2(v) {
                 *velocity = [0.0, 0.0];

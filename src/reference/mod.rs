@@ -15,6 +15,7 @@
 
 pub mod body;
 pub mod exact;
+pub mod neighbours;
 pub mod orca;
 pub mod quaternion;
 pub mod shared;

@@ -40,6 +40,11 @@ pub fn unit_or(v: [f32; 2], fallback: [f32; 2]) -> [f32; 2] {
     if length > 0.0 { [v[0] / length, v[1] / length] } else { fallback }
 }
 
+/// The part of the avoidance that an agent takes towards another: `equal` if they have the same priority.
+pub fn share_of(equal: f32, own_priority: f32, their_priority: f32) -> f32 {
+    (equal + 0.5 * (their_priority - own_priority)).clamp(0.0, 1.0)
+}
+
 /// The line that another disc imposes.
 ///
 /// `relative_position` (m) and `relative_velocity` (m/s) are other minus own and own minus other; `radius` the sum

@@ -1,6 +1,7 @@
 //! The velocity an agent wants before avoidance.
 
 use super::exact::{dot2, hash_u32, unit_f32};
+use super::shared::is_absent;
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::prefer::Slices;
 use rayon::prelude::*;
@@ -11,6 +12,10 @@ pub fn prefer(b: Slices<'_>) {
     let routes = b.route[..agents].par_iter_mut();
     routes.zip(&mut b.preferred_velocity[..agents]).enumerate().with_min_len(1024).for_each(
         |(agent, (route, preferred))| {
+            if is_absent(b.position[agent]) {
+                *preferred = [0.0, 0.0];
+                return;
+            }
             *preferred =
                 wanted(b.step, agent as u32, b.position[agent], b.body[agent][2], b.waypoints, route);
         },

@@ -1,5 +1,6 @@
 //! What a crowd looks like from outside: speeds, clearances, overlaps, who left the walkable area, and a hash.
 
+use crate::ground::is_absent;
 use crate::kernels::Store;
 use glam::Vec2;
 
@@ -9,7 +10,9 @@ pub const OVERLAP: f32 = 0.9;
 /// One moment of a crowd.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
-    /// Mean speed, m/s; 0 for no agents.
+    /// Agents that are there.
+    pub present: u32,
+    /// Mean speed of those, m/s; 0 for none.
     pub mean_speed: f32,
     /// Smallest gap between two discs, m (negative when they overlap); infinite when no two are near.
     pub min_clearance: f32,
@@ -23,9 +26,11 @@ pub struct Moment {
 pub fn moment(store: &Store) -> Moment {
     let agents = store.step.agent_count as usize;
     let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
+    let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
     let speeds: f64 = store.velocity[..agents].iter().map(|v| f64::from(v[0]).hypot(f64::from(v[1]))).sum();
     Moment {
-        mean_speed: (speeds / agents.max(1) as f64) as f32,
+        present: present as u32,
+        mean_speed: (speeds / present.max(1) as f64) as f32,
         min_clearance,
         overlapping_pairs,
         arrived: store.route[..agents].iter().map(|route| u64::from(route[3])).sum(),
@@ -35,7 +40,8 @@ pub fn moment(store: &Store) -> Moment {
 /// Smallest gap and number of overlapping pairs, by sweeping along x.
 fn pairs(position: &[[f32; 2]], radius: impl Fn(usize) -> f32) -> (f32, u32) {
     let reach = 2.0 * (0..position.len()).map(&radius).fold(0.0, f32::max);
-    let mut order: Vec<u32> = (0..position.len() as u32).collect();
+    let mut order: Vec<u32> =
+        (0..position.len() as u32).filter(|i| !is_absent(position[*i as usize])).collect();
     order.sort_unstable_by(|a, b| position[*a as usize][0].total_cmp(&position[*b as usize][0]));
     let (mut clearance, mut overlapping) = (f32::INFINITY, 0);
     for (at, &i) in order.iter().enumerate() {
@@ -61,7 +67,8 @@ fn pairs(position: &[[f32; 2]], radius: impl Fn(usize) -> f32) -> (f32, u32) {
 /// Agents that stand outside the walkable area: outside the bounds or inside an obstacle.
 pub fn outside(store: &Store, walkable: impl Fn(Vec2) -> bool) -> u32 {
     let agents = store.step.agent_count as usize;
-    store.position[..agents].iter().map(|p| u32::from(!walkable(Vec2::from_array(*p)))).sum()
+    let present = store.position[..agents].iter().filter(|p| !is_absent(**p));
+    present.map(|p| u32::from(!walkable(Vec2::from_array(*p)))).sum()
 }
 
 /// A hash of everything a step carries on: equal on all machines where the crowds are equal, bit for bit.

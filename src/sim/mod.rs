@@ -39,6 +39,8 @@ const STATE: [BufferId; 6] = [
     BufferId::Failure,
 ];
 
+const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");
+
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {

@@ -10,7 +10,7 @@ const RUN: u32 = 64;
 /// The launches of one step.
 pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let agents = Extent::Invocations(step.agent_count);
-    let cells = Extent::Invocations(step.cell_count);
+    let storeys = u32::from(step.storey_height > 0.0);
     let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     vec![
@@ -19,10 +19,10 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScan, 1, Extent::Invocations(1)),
         pass(KernelId::GridScan, 2, runs),
         pass(KernelId::GridScatter, 0, agents),
-        pass(KernelId::GridScatter, 1, cells),
-        pass(KernelId::GridScatter, 2, agents),
+        pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
+        pass(KernelId::GridPack, 0, agents),
         pass(KernelId::Prefer, 0, agents),
-        pass(KernelId::VelocityOrca, 0, agents),
+        pass(KernelId::VelocityOrca, storeys, agents),
         pass(KernelId::Integrate, 0, agents),
     ]
 }

@@ -50,9 +50,6 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         seed: (scenario.seed ^ (scenario.seed >> 32)) as u32,
         time_step: navigation.time_step,
         inverse_time_step: 1.0 / navigation.time_step,
-        neighbour_distance: navigation.neighbour_distance,
-        neighbour_cap: navigation.neighbour_cap,
-        inverse_time_horizon: 1.0 / navigation.time_horizon,
         inverse_time_horizon_obstacles: 1.0 / navigation.time_horizon_obstacles,
         time_horizon_obstacles: navigation.time_horizon_obstacles,
         inverse_time_horizon_dense: inverse_or_none(navigation.time_horizon_dense),
@@ -67,7 +64,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         responsibility: 0.5,
         ..StepUniforms::default()
     };
-    set_grid(&mut step, low, high, geometry.walkable_area() as f32);
+    set_grid(&mut step, low, high, geometry.walkable_area() as f32, navigation.neighbour_distance);
     step
 }
 
@@ -79,11 +76,11 @@ fn inverse_or_none(seconds: f32) -> f32 {
 /// Lays the grid over a rectangle, with cells that hold about one agent on the walkable `area`, m².
 ///
 /// Cells never exceed half the neighbour distance: with cells that large, two rings of them are always enough.
-pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32) {
+pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32, neighbour_distance: f32) {
     let extent = (high - low).max(Vec2::splat(1.0));
     let by_density = (AGENTS_PER_CELL * area.max(1.0) / step.agent_count.max(1) as f32).sqrt();
     let smallest = (extent.x * extent.y / MAX_CELLS).sqrt().max(0.5);
-    step.cell_size = by_density.clamp(smallest, (0.5 * step.neighbour_distance).max(smallest));
+    step.cell_size = by_density.clamp(smallest, (0.5 * neighbour_distance).max(smallest));
     step.inverse_cell_size = 1.0 / step.cell_size;
     step.grid_origin = low.to_array();
     step.grid_columns = (extent.x / step.cell_size).ceil() as u32;
@@ -132,6 +129,13 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
     store.body.push([agent.radius, max_speed, preferred_speed, stride_travel]);
+    store.manners.push(manners(
+        navigation.time_horizon,
+        navigation.neighbour_distance,
+        navigation.neighbour_cap,
+        0.0,
+    ));
+    store.elevation.push(0.0);
     store.stance.push([agent.heading, 1.0]);
     store.phase.push(agent.phase);
     let loops = u32::from(agent.loops) << 31;
@@ -141,6 +145,11 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.look.push(look(agent));
     store.gaze_state.push([0.0; 4]);
     store.gaze_frame.push(u32::MAX);
+}
+
+/// How an agent avoids others: horizon in s, distance of the neighbours it considers in m, how many at most, priority.
+pub fn manners(time_horizon: f32, neighbour_distance: f32, neighbour_cap: u32, priority: f32) -> [f32; 4] {
+    [1.0 / time_horizon, neighbour_distance, neighbour_cap as f32, priority]
 }
 
 /// Avatar, emotion and colours as the draw shaders read them.
@@ -168,9 +177,8 @@ mod tests {
     #[test]
     fn the_grid_covers_the_bounds_with_cells_no_larger_than_half_the_neighbour_distance() {
         for agents in [0, 1, 100, 1_000_000] {
-            let mut step =
-                StepUniforms { agent_count: agents, neighbour_distance: 5.0, ..StepUniforms::default() };
-            set_grid(&mut step, Vec2::new(-30.0, 5.0), Vec2::new(70.0, 55.0), 4000.0);
+            let mut step = StepUniforms { agent_count: agents, ..StepUniforms::default() };
+            set_grid(&mut step, Vec2::new(-30.0, 5.0), Vec2::new(70.0, 55.0), 4000.0, 5.0);
             assert!(step.cell_size <= 2.5 && step.cell_count <= 4_200_000, "{agents}: {step:?}");
             assert!(
                 step.grid_columns as f32 * step.cell_size >= 100.0

@@ -67,14 +67,16 @@ pub struct Tolerance {
 /// The tolerance of each kernel on a device that is not exact.
 pub const fn tolerance(kernel: KernelId) -> Tolerance {
     let (value, unit, reason) = match kernel {
-        KernelId::GridCount | KernelId::GridScan | KernelId::Compact | KernelId::Cull => {
-            (0.0, "", "integers: counts, places, lists")
-        }
+        KernelId::GridCount
+        | KernelId::GridScan
+        | KernelId::GridScatter
+        | KernelId::Compact
+        | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
         KernelId::GaitFeatures => {
             // third differences over a step of 1/80 s: a rounding error of 1e-7 m becomes 0.05 m/s3, and its mean less
             (0.1, "m, s, deg", "differences of positions, up to the third, over short steps of time")
         }
-        KernelId::GridScatter => (0.0, "", "copies"),
+        KernelId::GridPack => (0.0, "", "copies"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
         KernelId::VelocityOrca => {

@@ -3,6 +3,7 @@
 use crate::kernels::Store;
 use crate::kernels::layout::StepUniforms;
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::sim::setup::manners;
 
 /// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
 const FAR: f32 = 1e7;
@@ -30,9 +31,6 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             inverse_cell_size: 1.0 / cell_size,
             time_step: 1.0 / 30.0,
             inverse_time_step: 30.0,
-            neighbour_distance: 5.0,
-            neighbour_cap: 10,
-            inverse_time_horizon: 0.5,
             inverse_time_horizon_obstacles: 1.0,
             time_horizon_obstacles: 1.0,
             inverse_time_horizon_dense: 1.0,
@@ -57,6 +55,8 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
         store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
         store.body.push([0.25, 2.0, 1.3, 1.4]);
+        store.manners.push(manners(2.0, 5.0, 10, 0.0));
+        store.elevation.push(0.0);
         store.stance.push([0.0, 1.0]);
         store.phase.push(hash_u32(cell));
         store.route.push([stream, 1 | 1 << 31, 0, 0]);

@@ -3,7 +3,9 @@
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::shared::{ABSENT, LED};
 use crate::sim::obstacles::{cell_lists, segments};
+use crate::sim::setup::manners;
 
 /// Random numbers of a case: number `lane` of item `index`, in [0, 1).
 fn unit(seed: u32, index: usize, lane: u32) -> f32 {
@@ -29,9 +31,6 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             inverse_cell_size: 1.0 / cell_size,
             time_step: 1.0 / 30.0,
             inverse_time_step: 30.0,
-            neighbour_distance: 5.0,
-            neighbour_cap: 10,
-            inverse_time_horizon: 0.5,
             inverse_time_horizon_obstacles: 1.0,
             time_horizon_obstacles: 1.0,
             inverse_time_horizon_dense: 1.0,
@@ -45,6 +44,7 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             walk_speed: 0.1,
             blend_rate: 3.0,
             responsibility: 0.5,
+            storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },
         ..Store::default()
@@ -65,6 +65,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             1 if i > 16 => (position, velocity) = (store.position[i - 16], store.velocity[i - 16]), // at one point
             2 => position = [position[0] * 3.0 - side, -u(4) * side], // outside the bounds
             3 => velocity = [0.0, 0.0],
+            6 if i % 32 == 6 => position = [ABSENT; 2],
             4 if i % 64 == 4 => position = [side * 0.25 + u(4), side * 0.25 + u(5)], // a dense knot
             5 if i > 16 => {
                 // head-on with another, exactly
@@ -78,6 +79,10 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.velocity.push(velocity);
         let preferred_speed = 0.6 + u(6);
         store.body.push([0.2 + 0.1 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
+        let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
+        let priority = if i % 128 == 7 { LED } else { (u(15) * 3.0).floor() * 0.5 };
+        store.manners.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
+        store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
         store.phase.push(hash_u32(seed ^ i as u32));
         let loops = u32::from(u(11) < 0.5) << 31;
@@ -90,6 +95,8 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.position.push([f32::NAN; 2]);
         store.velocity.push([f32::NAN; 2]);
         store.body.push([f32::NAN; 4]);
+        store.manners.push([f32::NAN; 4]);
+        store.elevation.push(f32::NAN);
         store.stance.push([f32::NAN; 2]);
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);

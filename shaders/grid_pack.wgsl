@@ -1,0 +1,23 @@
+// uses: step, absent
+// Copies what neighbours read of each agent to its slot, so that what is read together lies together.
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> slot_agent: array<u32>;               // [slot]
+@group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;           // [agent] m
+@group(0) @binding(3) var<storage, read> velocity: array<vec2<f32>>;           // [agent] m/s
+@group(0) @binding(4) var<storage, read> body: array<vec4<f32>>;               // [agent] radius, maximum speed, ...
+@group(0) @binding(5) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(6) var<storage, read> elevation: array<f32>;                // [agent] m
+@group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;  // [slot][2] position, velocity; radius, maximum speed, priority, elevation
+@group(0) @binding(8) var<storage, read_write> agent_slot: array<u32>;         // [agent]
+
+@compute @workgroup_size(64)
+fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    if slot >= step.agent_count || slot_agent[slot] == NOBODY {
+        return;
+    }
+    let agent = slot_agent[slot];
+    slot_motion[slot * 2u] = vec4<f32>(position[agent], velocity[agent]);
+    slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].xy, manners[agent].w, elevation[agent]);
+    agent_slot[agent] = slot;
+}

@@ -1,0 +1,21 @@
+//! Copies what neighbours read of each agent to its slot.
+
+use super::shared::NOBODY;
+use crate::kernels::grid_pack::Slices;
+use rayon::prelude::*;
+
+/// Twin of `shaders/grid_pack.wgsl`.
+pub fn grid_pack(b: Slices<'_>) {
+    let slot_agent = &b.slot_agent[..b.step.agent_count as usize];
+    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(slot_agent).with_min_len(1024);
+    slots.filter(|(_, agent)| **agent != NOBODY).for_each(|(slot, agent)| {
+        let agent = *agent as usize;
+        let ([x, y], [vx, vy], [radius, max_speed, ..]) =
+            (b.position[agent], b.velocity[agent], b.body[agent]);
+        slot[0] = [x, y, vx, vy];
+        slot[1] = [radius, max_speed, b.manners[agent][3], b.elevation[agent]];
+    });
+    for (slot, agent) in slot_agent.iter().enumerate().filter(|(_, agent)| **agent != NOBODY) {
+        b.agent_slot[*agent as usize] = slot as u32;
+    }
+}
