@@ -26,6 +26,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "grid_scatter",
     "grid_pack",
     "integrate",
+    "lead_agents",
     "numerics",
     "palette",
     "pose",

@@ -9,7 +9,7 @@ use crate::gait::walker;
 use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use crate::reference;
 use crate::reference::exact::hash_u32;
-use crate::sim::{Backend, Cast, Simulation, bodies, order};
+use crate::sim::{Backend, Cast, Simulation, bodies, order, setup};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use crate::verify::cases::gaits;
 use serde::Serialize;
@@ -304,6 +304,12 @@ impl Sequence {
         }
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);
+        }
+        if kernel == KernelId::LeadAgents {
+            let mut store = crossing(agents, SPACING);
+            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
+            let passes = order::step_passes(&store.step);
+            return Self::new(None, agents, store, passes, (backend, device));
         }
         let step = order::step_passes(&crate::kernels::layout::StepUniforms::default());
         if step.iter().any(|pass| pass.kernel == kernel) {

@@ -16,6 +16,8 @@ fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
     let want = "\
 set step
 barrier
+lead_agents 0
+barrier
 grid_count
 barrier
 grid_scan 0
@@ -31,13 +33,15 @@ barrier
 grid_pack
 prefer
 barrier
-velocity_orca
+lead_agents 1
+barrier
+velocity_orca 1
 barrier
 integrate
 barrier
 set step
 barrier
-grid_count
+lead_agents 0
 ";
     assert_eq!(text(&plan(&two)), want);
 }

@@ -30,4 +30,6 @@ struct StepUniforms {
     inverse_time_horizon_dense: f32, // 1/s: the horizon tried when not all lines can be kept; 0: none
     inverse_time_horizon_jam: f32,   // 1/s: the horizon tried after that by an agent that hardly moves; 0: none
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
+    led_count: u32,              // agents that are led from outside
+    unused: u32,
 }

@@ -41,6 +41,8 @@ pub struct StepUniforms {
     pub inverse_time_horizon_dense: f32,
     pub inverse_time_horizon_jam: f32,
     pub wrap: f32,
+    pub led_count: u32,
+    pub unused: u32,
 }
 
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.

@@ -59,6 +59,8 @@ pub struct Simulation {
     store: Store,
     /// Whether `store` holds the present state (the device may be ahead).
     is_current: bool,
+    /// Whether `store.lead` is newer than the device's.
+    is_led_anew: bool,
     #[cfg(feature = "vulkan")]
     engine: Option<Engine>,
     /// Why the CPU is used although Vulkan was tried.
@@ -94,9 +96,16 @@ impl Simulation {
             let opened = Device::open(device, Validation::from_environment())
                 .and_then(|device| Engine::new(&device, &store, &kernels));
             return match opened {
-                Ok(engine) => Ok(Self { store, is_current: true, engine: Some(engine), fallback: None }),
+                Ok(engine) => Ok(Self {
+                    store,
+                    is_current: true,
+                    is_led_anew: false,
+                    engine: Some(engine),
+                    fallback: None,
+                }),
                 Err(error) if backend == Backend::Auto => {
-                    Ok(Self { store, is_current: true, engine: None, fallback: Some(error.to_string()) })
+                    let fallback = Some(error.to_string());
+                    Ok(Self { store, is_current: true, is_led_anew: false, engine: None, fallback })
                 }
                 Err(error) => Err(error.into()),
             };
@@ -108,6 +117,7 @@ impl Simulation {
         Ok(Self {
             store,
             is_current: true,
+            is_led_anew: false,
             #[cfg(feature = "vulkan")]
             engine: None,
             fallback: None,
@@ -151,6 +161,29 @@ impl Simulation {
         self.store.step.user_velocity = velocity.to_array();
     }
 
+    /// Tells where an agent that is led from outside ([`setup::set_led`]) is to be at the end of the next step: a ground
+    /// position (m) and the velocity it has there (m/s, used when it appears); or `None`: it is not there.
+    ///
+    /// An agent that is told nothing new stands where it was led to last.
+    ///
+    /// # Errors
+    /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
+    /// finite or beyond what a scene holds.
+    pub fn lead(&mut self, agent: u32, target: Option<(Vec2, Vec2)>) -> Result<(), crate::Error> {
+        let led = self.store.manners.get(agent as usize).is_some_and(|m| m[3] >= reference::shared::LED);
+        let Some(place) = self.store.lead.get_mut(agent as usize).filter(|_| led) else {
+            return Err(Error::NotLed { agent }.into());
+        };
+        let usable = |v: Vec2| v.is_finite() && v.abs().max_element() < 0.1 * reference::shared::ABSENT;
+        let (position, velocity) = target.unwrap_or((Vec2::splat(reference::shared::ABSENT), Vec2::ZERO));
+        if target.is_some() && !(usable(position) && usable(velocity)) {
+            return Err(Error::Lead { agent, position, velocity }.into());
+        }
+        *place = [position.x, position.y, velocity.x, velocity.y];
+        self.is_led_anew = true;
+        Ok(())
+    }
+
     /// Does `count` steps.
     ///
     /// # Errors
@@ -163,6 +196,10 @@ impl Simulation {
         let passes = order::step_passes(&self.store.step);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
+            if self.is_led_anew {
+                engine.upload(&self.store, &[BufferId::Lead])?;
+                self.is_led_anew = false;
+            }
             let mut left = count;
             while left > 0 {
                 let batch = left.min(BATCH);
@@ -289,6 +326,24 @@ pub enum Error {
         kernel: &'static str,
         /// The first agent.
         agent: u32,
+    },
+    /// Somebody was to be led who walks by himself, or who is not in the crowd.
+    #[error("agent {agent} cannot be led: set it up with setup::set_led before the simulation begins")]
+    NotLed {
+        /// The agent.
+        agent: u32,
+    },
+    /// Somebody was to be led to nowhere.
+    #[error(
+        "agent {agent} cannot be led to {position} m at {velocity} m/s: both must be finite and below 1e8"
+    )]
+    Lead {
+        /// The agent.
+        agent: u32,
+        /// Where it was to be, m.
+        position: Vec2,
+        /// How fast, m/s.
+        velocity: Vec2,
     },
     /// The program was built without Vulkan.
     #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]

@@ -13,7 +13,8 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let storeys = u32::from(step.storey_height > 0.0);
     let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
-    vec![
+    let mut passes = vec![
+        pass(KernelId::LeadAgents, 0, agents),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
         pass(KernelId::GridScan, 1, Extent::Invocations(1)),
@@ -22,9 +23,14 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
         pass(KernelId::GridPack, 0, agents),
         pass(KernelId::Prefer, 0, agents),
+        pass(KernelId::LeadAgents, 1, agents),
         pass(KernelId::VelocityOrca, storeys, agents),
         pass(KernelId::Integrate, 0, agents),
-    ]
+    ];
+    if step.led_count == 0 {
+        passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
+    }
+    passes
 }
 
 /// The launches that prepare the bodies for one picture.

@@ -4,6 +4,7 @@ use super::cast::Cast;
 use super::obstacles::{cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
+use crate::reference::shared::{ABSENT, LED};
 use crate::scenario::{AgentStart, Crowd, Geometry, Navigation, Scenario};
 use glam::Vec2;
 
@@ -114,6 +115,25 @@ pub fn scratch(store: &mut Store) {
     store.new_velocity = vec![[0.0; 2]; agents];
     store.preferred_velocity = vec![[0.0; 2]; agents];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
+    if store.lead.is_empty() {
+        store.lead.push([0.0; 4]);
+    }
+}
+
+/// Has an agent led from outside ([`super::Simulation::lead`]): it is absent until it is told where to be, goes there
+/// whatever stands in its way, and all others make way for it. Before the simulation begins.
+pub fn set_led(store: &mut Store, agent: u32) {
+    let (agent, agents) = (agent as usize, store.step.agent_count as usize);
+    store.lead.resize(agents, [ABSENT, ABSENT, 0.0, 0.0]);
+    if store.step.led_count == 0 {
+        store.lead.fill([ABSENT, ABSENT, 0.0, 0.0]);
+    }
+    if store.manners[agent][3] < LED {
+        store.manners[agent][3] = LED;
+        store.step.led_count += 1;
+    }
+    store.position[agent] = [ABSENT, ABSENT];
+    store.velocity[agent] = [0.0, 0.0];
 }
 
 fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &Cast) {

@@ -78,6 +78,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         }
         KernelId::GridPack => (0.0, "", "copies"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
+        KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
         KernelId::VelocityOrca => {
             (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel")

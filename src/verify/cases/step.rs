@@ -80,7 +80,13 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         let preferred_speed = 0.6 + u(6);
         store.body.push([0.2 + 0.1 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
-        let priority = if i % 128 == 7 { LED } else { (u(15) * 3.0).floor() * 0.5 };
+        // led from outside: there, leaving, appearing, standing; and some who stay absent
+        let is_led = i % 128 == 7 || i % 64 == 38;
+        let priority = if is_led { LED } else { (u(15) * 3.0).floor() * 0.5 };
+        let speed = if i % 256 == 38 { 0.02 } else { 3.0 };
+        let target = if (i / 64) % 4 == 3 { [ABSENT; 2] } else { [u(20) * side, u(21) * side] };
+        store.lead.push([target[0], target[1], (u(22) - 0.5) * speed, (u(23) - 0.5) * speed]);
+        store.step.led_count += u32::from(is_led);
         store.manners.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
@@ -97,6 +103,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.body.push([f32::NAN; 4]);
         store.manners.push([f32::NAN; 4]);
         store.elevation.push(f32::NAN);
+        store.lead.push([f32::NAN; 4]);
         store.stance.push([f32::NAN; 2]);
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);
@@ -129,4 +136,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
+    if store.lead.is_empty() {
+        store.lead.push([0.0; 4]);
+    }
 }
