@@ -8,7 +8,7 @@
 // torso does, within limits, only for a user in view, and smoothly.
 //
 // gaze_state is (flexion, rotation, flexion rate, rotation rate), radians and radians/s: of the face, rotation counted
-// from the agent's heading. gaze_frame holds VALID, ENGAGED and the low bits of frame_index of the last update, so a
+// from the agent's heading. gaze_frame holds VALID, ENGAGED, ATTENDS and the low bits of frame_index of the last update, so a
 // buffer of zeros is an empty memory.
 const NATURAL: u32 = 0u;
 const HAPPY: u32 = 0u;
@@ -35,7 +35,8 @@ const AIM_ROUNDS: u32 = 3u;               // the eyes move as the neck turns; ea
 
 const VALID: u32 = 0x40000000u;
 const ENGAGED: u32 = 0x80000000u;
-const FRAME_BITS: u32 = 0x3fffffffu;
+const ATTENDS: u32 = 0x20000000u; // it is the agent's turn: written by `attend`
+const FRAME_BITS: u32 = 0x1fffffffu;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
@@ -80,7 +81,13 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> vec2<f32> {
 
 fn remember(agent: u32, state: vec4<f32>, engaged: bool) {
     gaze_state[agent] = state;
-    gaze_frame[agent] = (frame.frame_index & FRAME_BITS) | VALID | select(0u, ENGAGED, engaged);
+    gaze_frame[agent] = (frame.frame_index & FRAME_BITS) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
+}
+
+// Whether the agent may look at the user: there are turns for all, or it is its turn.
+fn may_look(agent: u32) -> bool {
+    return frame.gaze_limit == 0u || frame.gaze_limit > frame.agent_count
+        || (frame.gaze_limit > 1u && (gaze_frame[agent] & ATTENDS) != 0u);
 }
 
 @compute @workgroup_size(64)
@@ -122,8 +129,8 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let is_too_close = ground * scale < select(TOO_CLOSE, INSIDE, frame.gaze_mode == NATURAL);
 
     if frame.gaze_mode != NATURAL {
-        if emotion > SAD {
-            return; // neutral: the gait's own angles
+        if emotion > SAD || (emotion != SAD && !may_look(agent)) {
+            return; // neutral, or not its turn: the gait's own angles
         }
         // sad: rotation 0
         var rotation = 0.0;
@@ -162,7 +169,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let range = RANGE + select(0.0, RANGE_HYSTERESIS, was_engaged);
     let field = HALF_FIELD + select(0.0, FIELD_HYSTERESIS, was_engaged);
     let in_view = select(ground * scale < range && abs(yaw) < field, was_engaged, is_too_close);
-    let engaged = emotion <= ANGRY && in_view;
+    let engaged = emotion <= ANGRY && in_view && may_look(agent);
 
     var rotation = own_yaw;
     var flexion = own_flexion;

@@ -9,6 +9,7 @@ use crate::gait::walker;
 use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use crate::reference;
 use crate::reference::exact::hash_u32;
+use crate::scenario::Gaze;
 use crate::sim::{Backend, Cast, Simulation, bodies, order, setup};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use crate::verify::cases::gaits;
@@ -260,6 +261,7 @@ impl Sequence {
         store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];
         store.frame.camera = store.frame.user_eyes;
         store.frame.frame_time = 1.0 / 72.0;
+        bodies::set_gaze(&mut store.frame, &Gaze::default());
         let passes = order::frame_passes(&store.frame);
         Self::new(Some("picture"), agents, store, passes, (backend, device))
     }
@@ -411,6 +413,7 @@ fn dress(store: &mut Store, cast: &Cast) {
         store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
         store.gaze_state.push([0.0; 4]);
         store.gaze_frame.push(u32::MAX);
+        store.attention.push([0; 2]);
     }
 }
 

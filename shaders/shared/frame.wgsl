@@ -17,4 +17,8 @@ struct FrameUniforms {
     agent_height: f32,            // bounding height for culling, m
     agent_radius: f32,            // bounding radius for culling, m
     clip_count: u32,              // clips in clip_frames; with none no agent is drawn
+    gaze_limit: u32,              // 0: all who would look at the user do; else one more than the most at a time
+    gaze_time: u32,               // ms
+    turn_least: u32,              // shortest turn to look at the user, ms
+    turn_most: u32,               // longest turn, ms
 }

@@ -92,7 +92,7 @@ impl Stage {
         let scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
         let device = place.device.as_deref();
         let mut show = Show::new(&mut simulation, &meshes, &scenery, settings, device)?;
-        show.set_gaze_mode(scene.scenario.gaze.mode);
+        show.set_gaze(&scene.scenario.gaze);
         Ok(Self { scene, simulation, show, size: (settings.width, settings.height) })
     }
 

@@ -67,6 +67,10 @@ pub struct FrameUniforms {
     pub agent_height: f32,
     pub agent_radius: f32,
     pub clip_count: u32,
+    pub gaze_limit: u32,
+    pub gaze_time: u32,
+    pub turn_least: u32,
+    pub turn_most: u32,
 }
 
 /// Parameters of one picture for the draw shaders; units and meaning stand in `shaders/shared/view.wgsl`.

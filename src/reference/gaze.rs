@@ -1,5 +1,6 @@
 //! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
 
+use super::attend::ATTENDS;
 use super::body::{
     HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE, joint_forward, joint_translation,
     visible_agents,
@@ -52,7 +53,7 @@ const AIM_ROUNDS: u32 = 3;
 pub const VALID: u32 = 0x4000_0000;
 /// In `gaze_frame`: the agent gazed at the user.
 pub const ENGAGED: u32 = 0x8000_0000;
-const FRAME_BITS: u32 = 0x3fff_ffff;
+const FRAME_BITS: u32 = 0x1fff_ffff;
 
 /// Twin of `shaders/gaze.wgsl`.
 pub fn gaze(mut b: Slices<'_>) {
@@ -92,7 +93,14 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> [f32; 2] {
 
 fn remember(b: &mut Slices<'_>, agent: usize, state: [f32; 4], engaged: bool) {
     b.gaze_state[agent] = state;
-    b.gaze_frame[agent] = (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 };
+    let turn = b.gaze_frame[agent] & ATTENDS;
+    b.gaze_frame[agent] =
+        (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 } | turn;
+}
+
+fn may_look(b: &Slices<'_>, agent: usize) -> bool {
+    let limit = b.frame.gaze_limit;
+    limit == 0 || limit > b.frame.agent_count || (limit > 1 && b.gaze_frame[agent] & ATTENDS != 0)
 }
 
 /// An agent's upper body in its model space, and what it remembers.
@@ -178,8 +186,8 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
 }
 
 fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) {
-    if emotion > SAD {
-        return; // neutral: the gait's own angles
+    if emotion > SAD || (emotion != SAD && !may_look(b, agent)) {
+        return; // neutral, or not its turn: the gait's own angles
     }
     let torso = body.torso;
     let mut rotation = 0.0;
@@ -222,7 +230,7 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
     let field = HALF_FIELD + if body.was_engaged { FIELD_HYSTERESIS } else { 0.0 };
     let in_view =
         if body.is_too_close { body.was_engaged } else { body.ground * scale < range && yaw.abs() < field };
-    let engaged = emotion <= ANGRY && in_view;
+    let engaged = emotion <= ANGRY && in_view && may_look(b, agent);
 
     let mut rotation = own_yaw;
     let mut flexion = own_flexion;

@@ -8,8 +8,8 @@ use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{BufferId, KernelId, Store};
-use crate::scenario::EnvironmentMesh;
-use crate::sim::bodies::MeshBuffers;
+use crate::scenario::{EnvironmentMesh, Gaze};
+use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
 
@@ -50,6 +50,8 @@ impl Show {
                 let device = Device::open(device, Validation::from_environment())?;
                 let passes = order::frame_passes(&simulation.state()?.frame);
                 let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+                kernels.push(KernelId::Attend); // agents may have to take turns later
+                kernels.sort_unstable();
                 kernels.dedup();
                 let engine = Engine::new(&device, simulation.state()?, &kernels)?;
                 (device, Some(engine))
@@ -81,9 +83,9 @@ impl Show {
         self.frame.level_distance = [first, second, farthest, 0.0];
     }
 
-    /// Which formulas move the gaze.
-    pub fn set_gaze_mode(&mut self, mode: crate::scenario::GazeMode) {
-        self.frame.gaze_mode = u32::from(mode == crate::scenario::GazeMode::Paper);
+    /// Which formulas move the gaze, and how many agents look at the user at a time.
+    pub fn set_gaze(&mut self, gaze: &Gaze) {
+        bodies::set_gaze(&mut self.frame, gaze);
     }
 
     /// A picture of the present moment; agents that gaze look at `user_eyes` (world frame, m).
@@ -124,6 +126,10 @@ impl Show {
         #[allow(clippy::cast_possible_truncation, reason = "a short time")]
         let since = self.time.map_or(FIRST_FRAME_TIME, |before| (time - before) as f32);
         self.time = Some(time);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps after 49 days")]
+        {
+            self.frame.gaze_time = (time * 1e3) as u64 as u32;
+        }
         self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
         let mut frame = FrameUniforms {
             planes: view.planes(),

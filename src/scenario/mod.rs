@@ -12,6 +12,7 @@ pub mod crowd;
 mod environment;
 mod error;
 mod garden;
+mod gaze;
 mod lanes;
 mod layout;
 mod load;
@@ -29,12 +30,13 @@ pub use clearance::Clearance;
 pub use crowd::{AgentStart, Crowd, Waypoint};
 pub use environment::{Environment, Ground, MAX_TRIANGLES, Prop, PropKind};
 pub use error::{BadValue, Error};
+pub use gaze::{Budget, DEFAULT_BUDGET, Gaze, GazeMode};
 pub use lanes::ROUTE_CLEARANCE;
 pub use layout::Geometry;
 pub use mesh::EnvironmentMesh;
 pub use populate::{populate, populate_from, populate_with};
 pub use schema::{
-    Affect, Condition, EmotionMode, GaitChoice, Gaze, GazeMode, GenderChoice, Layout, Model, Navigation,
-    Obstacle, Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
+    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Layout, Model, Navigation, Obstacle, Point,
+    Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_NEIGHBOURS};

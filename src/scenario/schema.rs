@@ -1,6 +1,7 @@
 //! The scenario file: every key, its unit, its default. Allowed ranges are in [`super::validate`](Scenario::validate).
 
 use super::environment::Environment;
+use super::gaze::Gaze;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -88,25 +89,6 @@ pub enum Layout {
     Parking,
     /// Generated residential pods.
     Scifi,
-}
-
-/// How gaze angles are found (paper section 4.5; departures ).
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum GazeMode {
-    /// Signed angles by atan2, anatomical limits, a field of regard, smoothing.
-    #[default]
-    Natural,
-    /// The paper's formulas to the letter.
-    Paper,
-}
-
-/// How agents gaze.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Gaze {
-    /// The formulas.
-    pub mode: GazeMode,
 }
 
 /// How a gait is chosen out of GEA(e) (S-18).

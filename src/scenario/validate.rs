@@ -2,6 +2,7 @@
 
 use super::environment::Prop;
 use super::error::Error;
+use super::gaze::{Budget, Gaze};
 use super::load::nearest;
 use super::polygon;
 use super::schema::{
@@ -43,6 +44,7 @@ impl Scenario {
         population(&self.population)?;
         navigation(&self.navigation)?;
         user(&self.user)?;
+        gaze(&self.gaze)?;
         if self.layout == Layout::Custom {
             outline("bounds", &self.bounds, "the corners of the walkable area, in order")?;
             if self.routes.is_empty() && self.population.agents > 0 {
@@ -237,6 +239,21 @@ fn user(user: &User) -> Result<(), Error> {
     within("user.heading_deg", user.heading_deg, -360.0, 360.0, "degrees; 0 looks along +z")?;
     within("user.eye_height", user.eye_height, 0.3, 2.5, "metres; 1.65 is usual")?;
     within("user.radius", user.radius, 0.05, 5.0, "metres; 0.3 is usual")
+}
+
+fn gaze(gaze: &Gaze) -> Result<(), Error> {
+    if let Some(Budget::Most(count)) = gaze.budget
+        && count > MAX_AGENTS
+    {
+        let allowed = format!("0 to {MAX_AGENTS}, or \"all\"");
+        return Err(Error::value("gaze.budget", count, allowed, "12 is usual"));
+    }
+    let [least, most] = gaze.turn;
+    if !(least >= 0.1 && least <= most && most <= 60.0) {
+        let allowed = "[shortest, longest] within 0.1 to 60 s";
+        return Err(Error::value("gaze.turn", format!("[{least}, {most}]"), allowed, "try [1, 4]"));
+    }
+    Ok(())
 }
 
 /// A simple closed polygon.

@@ -5,9 +5,11 @@ use super::cast::Cast;
 use crate::avatar::{Avatar, Clip, LEVELS, Mesh, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::layout::FrameUniforms;
+use crate::reference::attend::COUNTS;
 use crate::reference::body::{
     COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, visible_slots,
 };
+use crate::scenario::{Budget, Gaze, GazeMode};
 
 /// Most agents that one picture shows.
 const MOST_VISIBLE: u64 = 100_000;
@@ -141,6 +143,7 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     store.bucket_start = vec![0; meshes.mesh_table.len() + 1];
     store.visible = vec![u32::MAX; visible_slots(visible)];
     store.draw_args = vec![0; meshes.mesh_table.len() * 5];
+    store.attention_counts = vec![0; COUNTS];
     store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];
     store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];
     store.palettes = vec![[0.0; 4]; visible * PALETTE_STRIDE];
@@ -165,6 +168,16 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
         ..FrameUniforms::default()
     };
     meshes
+}
+
+/// Which formulas move the gaze in pictures, how many agents look at the user at a time, and for how long.
+pub fn set_gaze(frame: &mut FrameUniforms, gaze: &Gaze) {
+    frame.gaze_mode = u32::from(gaze.mode == GazeMode::Paper);
+    frame.gaze_limit = match gaze.effective_budget() {
+        Budget::All => 0,
+        Budget::Most(count) => count.saturating_add(1),
+    };
+    [frame.turn_least, frame.turn_most] = gaze.turn.map(|seconds| (seconds * 1e3) as u32);
 }
 
 #[cfg(test)]

@@ -33,6 +33,11 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     passes
 }
 
+/// Whether agents must take turns in looking at the user: more might than may.
+pub const fn has_turns(frame: &FrameUniforms) -> bool {
+    frame.gaze_limit > 1 && frame.gaze_limit <= frame.agent_count
+}
+
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
     let agents = frame.agent_count;
@@ -49,9 +54,14 @@ pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
         pass(KernelId::Compact, 4, Extent::Invocations(1)),
         pass(KernelId::Compact, 5, runs),
         pass(KernelId::Pose, 0, per_visible),
-        pass(KernelId::Gaze, 0, per_visible),
-        pass(KernelId::Palette, 0, per_visible),
     ];
+    if has_turns(frame) {
+        let one = Extent::Invocations(1);
+        let levels = [per_visible, one, per_visible, one, per_visible];
+        passes.extend((0..).zip(levels).map(|(level, extent)| pass(KernelId::Attend, level, extent)));
+    }
+    passes.push(pass(KernelId::Gaze, 0, per_visible));
+    passes.push(pass(KernelId::Palette, 0, per_visible));
     for avatar in 0..avatars {
         passes.push(pass(KernelId::Skin, avatar, Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar)));
     }

@@ -165,6 +165,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.look.push(look(agent));
     store.gaze_state.push([0.0; 4]);
     store.gaze_frame.push(u32::MAX);
+    store.attention.push([0; 2]);
 }
 
 /// How an agent avoids others: horizon in s, distance of the neighbours it considers in m, how many at most, priority.

@@ -23,9 +23,11 @@ pub struct Comparison {
 }
 
 /// Buffers that hold integers (in every word): any difference there is an error.
-const INTEGERS: [&str; 18] = [
+const INTEGERS: [&str; 20] = [
     "agent_bucket",
     "agent_slot",
+    "attention",
+    "attention_counts",
     "bucket_counts",
     "bucket_start",
     "cell_counts",

@@ -70,6 +70,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::GridCount
         | KernelId::GridScan
         | KernelId::GridScatter
+        | KernelId::Attend
         | KernelId::Compact
         | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
         KernelId::GaitFeatures => {

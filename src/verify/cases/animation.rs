@@ -14,6 +14,7 @@ use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{KernelId, Pass, Store};
+use crate::reference::attend::COUNTS;
 use crate::reference::body::{
     COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE,
     visible_slots,
@@ -30,6 +31,8 @@ pub const CLIPS: usize = 4;
 const SPARE: usize = 5;
 /// Index of the picture that the made-up memories of the gaze refer to.
 const FRAME_INDEX: u32 = 1000;
+/// Its time, ms.
+const GAZE_TIME: u32 = 20_000;
 
 /// Random numbers of a seed, counted.
 #[derive(Debug)]
@@ -209,7 +212,8 @@ pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
 /// Every buffer that the animation kernels touch, for `agents` agents.
 ///
 /// Seeds differ in kind, not only in numbers: odd ones have less room than there are visible agents, those with bit 1
-/// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail.
+/// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail; in odd ones agents
+/// take turns in looking at the user.
 pub fn animation(agents: usize, seed: u32) -> Store {
     let mut dice = Dice { seed: hash_u32(seed ^ 0x5eed), count: 0 };
     let levels = if seed & 4 == 0 { LEVELS } else { 1 };
@@ -239,6 +243,10 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             agent_height: 1.95,
             agent_radius: 0.6,
             clip_count: (AVATARS * CLIPS) as u32,
+            gaze_limit: [0, agents as u32 / 12 + 2, 0, 4][seed as usize % 4],
+            gaze_time: GAZE_TIME,
+            turn_least: 1000,
+            turn_most: 4000,
         },
         ..Store::default()
     };
@@ -301,6 +309,13 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         2 => FRAME_INDEX | VALID | ENGAGED,
         3 => (FRAME_INDEX - 1) | VALID,
         _ => (FRAME_INDEX - 1) | VALID | ENGAGED,
+    });
+    store.attention.push(match dice.below(5) {
+        0 => [0; 2],                                               // never had a turn
+        1 => [GAZE_TIME - 500, FRAME_INDEX - 1],                   // rests
+        2 => [GAZE_TIME - 3000 - dice.below(15_000), FRAME_INDEX], // waits
+        3 => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 1],  // looks, if there are not too many
+        _ => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 2],  // was out of view meanwhile
     });
 }
 
@@ -381,6 +396,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
         store.gait_weights.push([NAN; 4]);
         store.gaze_state.push([NAN; 4]);
         store.gaze_frame.push(POISON);
+        store.attention.push([POISON; 2]);
     }
     let buckets = store.frame.bucket_count as usize;
     let most_vertices = store.mesh_table.iter().map(|mesh| mesh[3] as usize).max().unwrap_or(0);
@@ -388,6 +404,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     store.bucket_counts = vec![POISON; (agents.div_ceil(RUN) + 1) * COLUMNS];
     store.bucket_start = vec![POISON; buckets + 1];
     store.visible = vec![POISON; visible_slots(visible_capacity)];
+    store.attention_counts = vec![0; COUNTS];
     store.draw_args = vec![POISON; buckets * 5];
     store.dispatch_args = vec![POISON; 3 + AVATARS * 3];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];

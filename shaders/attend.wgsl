@@ -1,0 +1,175 @@
+// uses: frame, exact, body
+// Whose turn it is to look at the user, so that a crowd never stares at once: of the drawn agents that would (happy
+// and angry ones who see the user; `paper` mode: all of them) at most frame.gaze_limit - 1 do at a time. A turn lasts
+// turn_least to turn_most; after it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. Whoever has waited
+// longest comes next, counted up to twice for those who are near. Sets ATTENDS in gaze_frame, which `gaze` obeys.
+//
+// attention is (when the turn ends or ended, ms; key << 14 | low bits of frame_index of the last update). A key orders
+// those who wait: ten bits of waiting, then eight of a hash that changes from picture to picture, so that equal ones
+// do not stay equal. Sums of integers decide, in any order. Levels:
+//   0 (visible): who goes on, and how many wait with each upper half of a key,
+//   1 (one):     the half in which the room ends,
+//   2 (visible): how many wait with each lower half within that one,
+//   3 (one):     the least key that has room; more keys than there is room for wait for the next picture,
+//   4 (visible): turns begin.
+const RANGE: f32 = 8.0;             // m, as in `gaze`
+const RANGE_HYSTERESIS: f32 = 0.5;  // m, as in `gaze`
+const FIELD_START: f32 = 0.1;       // cosine of 84 degrees: turns begin a little within the field of regard
+const FIELD_END: f32 = -0.17364818; // cosine of 100 degrees, as in `gaze`
+const ANGRY: u32 = 1u;
+const REST_LEAST: u32 = 1000u;      // ms
+const REST_SPAN: u32 = 2000u;       // ms
+const WAIT_UNIT: f32 = 512.0;       // ms of waiting that make one step of a key
+const MOST_WAIT: f32 = 1023.0;
+
+const ATTENDS: u32 = 0x20000000u;   // in gaze_frame: it is the agent's turn
+const FRAME_BITS: u32 = 0x3fffu;
+
+const BINS: u32 = 512u;             // of each half of a key
+const HELD: u32 = 1024u;            // attention_counts: turns that go on
+const BORDER: u32 = 1025u;          //   the upper half in which the room ends, or NONE
+const ROOM: u32 = 1026u;            //   room that is left for that half
+const LEAST: u32 = 1027u;           //   least key whose turn begins
+const OVER: u32 = 1028u;            //   1: there are fewer turns than there were, all end
+
+@group(0) @binding(0) var<uniform> frame: FrameUniforms;
+@group(0) @binding(1) var<storage, read> visible: array<u32>;                        // [visible] agents, then NONE
+@group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
+@group(0) @binding(3) var<storage, read> stance: array<vec2<f32>>;                   // [agent] heading rad, walk weight
+@group(0) @binding(4) var<storage, read> look: array<vec4<u32>>;                     // [agent]
+@group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
+@group(0) @binding(6) var<storage, read_write> attention: array<vec2<u32>>;          // [agent]
+@group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [1029]
+var<immediate> level: u32;
+
+// How far the user is on the ground, m, or -1 if the agent would not look there.
+fn interest(agent: u32, looks: bool) -> f32 {
+    let info = look[agent].x;
+    if ((info >> 16u) & 1u) == 0u || ((info >> 8u) & 255u) > ANGRY {
+        return -1.0;
+    }
+    let to = vec2<f32>(frame.user_eyes.x, frame.user_eyes.z) - position[agent];
+    let distance = sqrt(dot2(to, to));
+    if frame.gaze_mode != 0u {
+        return distance;
+    }
+    let turn = exact_sin_cos(stance[agent].x);
+    let ahead = turn.x * to.x + turn.y * to.y;
+    let range = RANGE + select(0.0, RANGE_HYSTERESIS, looks);
+    let sees = distance < range && ahead >= select(FIELD_START, FIELD_END, looks) * distance;
+    return select(-1.0, distance, sees);
+}
+
+// What is left of a turn that ends or ended at `until`: positive while it lasts.
+fn left_of(until: u32) -> i32 {
+    return bitcast<i32>(until - frame.gaze_time);
+}
+
+fn draw(agent: u32, time: u32) -> u32 {
+    return hash_u32(agent ^ hash_u32(time));
+}
+
+fn look_on(agent: u32) {
+    let memory = attention[agent];
+    let is_fresh = ((frame.frame_index - memory.y) & FRAME_BITS) <= 1u;
+    let looks = is_fresh && left_of(memory.x) > 0;
+    let distance = interest(agent, looks);
+    var until = memory.x;
+    var key = 0u;
+    var attends = false;
+    if looks && distance >= 0.0 {
+        attends = true;
+        atomicAdd(&attention_counts[HELD], 1u);
+    } else {
+        if left_of(until) > 0 {
+            until = frame.gaze_time; // given up
+        }
+        let waited = frame.gaze_time - until;
+        let rested = until == 0u || waited >= REST_LEAST + draw(agent, until) % REST_SPAN;
+        if distance >= 0.0 && rested {
+            let near = 2.0 - min(distance / RANGE, 1.0);
+            let wait = min(floor(f32(waited) * near / WAIT_UNIT), MOST_WAIT);
+            key = (max(u32(wait), 1u) << 8u) | (draw(agent, frame.gaze_time) & 255u);
+            atomicAdd(&attention_counts[key / BINS], 1u);
+        }
+    }
+    attention[agent] = vec2<u32>(until, (key << 14u) | (frame.frame_index & FRAME_BITS));
+    gaze_frame[agent] = (gaze_frame[agent] & ~ATTENDS) | select(0u, ATTENDS, attends);
+}
+
+// Finds the bin, counted from the top, that has no room any more, and empties all; NONE if all have. Leaves in ROOM
+// what is left.
+fn border_of(first: u32, most: u32) -> u32 {
+    var room = most;
+    var border = NONE;
+    for (var i = 0u; i < BINS; i++) {
+        let bin = BINS - 1u - i;
+        let count = atomicLoad(&attention_counts[first + bin]);
+        atomicStore(&attention_counts[first + bin], 0u);
+        if border == NONE {
+            if count > room {
+                border = bin;
+            } else {
+                room -= count;
+            }
+        }
+    }
+    atomicStore(&attention_counts[ROOM], room);
+    return border;
+}
+
+fn find_border() {
+    let most = frame.gaze_limit - 1u;
+    let held = atomicLoad(&attention_counts[HELD]);
+    atomicStore(&attention_counts[HELD], 0u);
+    atomicStore(&attention_counts[OVER], select(0u, 1u, held > most));
+    atomicStore(&attention_counts[BORDER], border_of(0u, most - min(held, most)));
+}
+
+fn find_least() {
+    let border = atomicLoad(&attention_counts[BORDER]);
+    var least = 1u;
+    if border != NONE {
+        // the border has more keys than there is room for, so one of its bins has, too
+        least = border * BINS + border_of(BINS, atomicLoad(&attention_counts[ROOM])) + 1u;
+    }
+    atomicStore(&attention_counts[LEAST], least);
+}
+
+fn begin(agent: u32) {
+    let key = attention[agent].y >> 14u;
+    if key != 0u && key >= atomicLoad(&attention_counts[LEAST]) {
+        let span = frame.turn_most - frame.turn_least + 1u;
+        attention[agent].x = frame.gaze_time + frame.turn_least + draw(agent, ~frame.gaze_time) % max(span, 1u);
+        gaze_frame[agent] = gaze_frame[agent] | ATTENDS;
+    } else if atomicLoad(&attention_counts[OVER]) == 1u && left_of(attention[agent].x) > 0 {
+        attention[agent].x = frame.gaze_time;
+        gaze_frame[agent] = gaze_frame[agent] & ~ATTENDS;
+    }
+}
+
+@compute @workgroup_size(64)
+fn attend(@builtin(global_invocation_id) id: vec3<u32>) {
+    if level == 1u || level == 3u {
+        if id.x == 0u && level == 1u {
+            find_border();
+        } else if id.x == 0u {
+            find_least();
+        }
+        return;
+    }
+    let agent = visible[id.x];
+    if agent == NONE {
+        return;
+    }
+    if level == 0u {
+        look_on(agent);
+    } else if level == 2u {
+        let key = attention[agent].y >> 14u;
+        if key != 0u && key / BINS == atomicLoad(&attention_counts[BORDER]) {
+            atomicAdd(&attention_counts[BINS + key % BINS], 1u);
+        }
+    } else {
+        begin(agent);
+    }
+}

@@ -1,0 +1,154 @@
+//! Whose turn it is to look at the user, so that a crowd never stares at once.
+
+use super::body::{NONE, visible_agents};
+use super::exact::{dot2, hash_u32, sin_cos};
+use crate::kernels::attend::Slices;
+
+const RANGE: f32 = 8.0;
+const RANGE_HYSTERESIS: f32 = 0.5;
+const FIELD_START: f32 = 0.1;
+const FIELD_END: f32 = -0.173_648_18;
+const ANGRY: u32 = 1;
+/// Shortest rest after a turn, ms.
+pub const REST_LEAST: u32 = 1000;
+/// Longest rest after a turn, less the shortest, ms.
+pub const REST_SPAN: u32 = 2000;
+const WAIT_UNIT: f32 = 512.0;
+const MOST_WAIT: f32 = 1023.0;
+
+/// In `gaze_frame`: it is the agent's turn to look at the user.
+pub const ATTENDS: u32 = 0x2000_0000;
+const FRAME_BITS: u32 = 0x3fff;
+
+const BINS: u32 = 512;
+const HELD: usize = 1024;
+const BORDER: usize = 1025;
+const ROOM: usize = 1026;
+const LEAST: usize = 1027;
+const OVER: usize = 1028;
+/// Elements of `attention_counts`.
+pub const COUNTS: usize = 1029;
+
+/// Twin of `shaders/attend.wgsl`.
+pub fn attend(mut b: Slices<'_>) {
+    match b.level {
+        1 => return find_border(&mut b),
+        3 => return find_least(&mut b),
+        _ => {}
+    }
+    let visible = b.visible;
+    for &agent in visible_agents(visible) {
+        match b.level {
+            0 => look_on(&mut b, agent),
+            2 => {
+                let key = b.attention[agent as usize][1] >> 14;
+                if key != 0 && key / BINS == b.attention_counts[BORDER] {
+                    b.attention_counts[(BINS + key % BINS) as usize] += 1;
+                }
+            }
+            _ => begin(&mut b, agent),
+        }
+    }
+}
+
+fn interest(b: &Slices<'_>, agent: usize, looks: bool) -> f32 {
+    let info = b.look[agent][0];
+    if (info >> 16) & 1 == 0 || (info >> 8) & 255 > ANGRY {
+        return -1.0;
+    }
+    let to = [b.frame.user_eyes[0] - b.position[agent][0], b.frame.user_eyes[2] - b.position[agent][1]];
+    let distance = dot2(to, to).sqrt();
+    if b.frame.gaze_mode != 0 {
+        return distance;
+    }
+    let [sine, cosine] = sin_cos(b.stance[agent][0]);
+    let ahead = sine * to[0] + cosine * to[1];
+    let range = RANGE + if looks { RANGE_HYSTERESIS } else { 0.0 };
+    let sees = distance < range && ahead >= if looks { FIELD_END } else { FIELD_START } * distance;
+    if sees { distance } else { -1.0 }
+}
+
+fn left_of(b: &Slices<'_>, until: u32) -> i32 {
+    until.wrapping_sub(b.frame.gaze_time) as i32
+}
+
+fn draw(agent: u32, time: u32) -> u32 {
+    hash_u32(agent ^ hash_u32(time))
+}
+
+fn look_on(b: &mut Slices<'_>, id: u32) {
+    let (agent, now) = (id as usize, b.frame.gaze_time);
+    let [mut until, memory] = b.attention[agent];
+    let is_fresh = b.frame.frame_index.wrapping_sub(memory) & FRAME_BITS <= 1;
+    let looks = is_fresh && left_of(b, until) > 0;
+    let distance = interest(b, agent, looks);
+    let mut key = 0;
+    let attends = looks && distance >= 0.0;
+    if attends {
+        b.attention_counts[HELD] += 1;
+    } else {
+        if left_of(b, until) > 0 {
+            until = now; // given up
+        }
+        let waited = now.wrapping_sub(until);
+        let rested = until == 0 || waited >= REST_LEAST + draw(id, until) % REST_SPAN;
+        if distance >= 0.0 && rested {
+            let near = 2.0 - (distance / RANGE).min(1.0);
+            let wait = (waited as f32 * near / WAIT_UNIT).floor().min(MOST_WAIT);
+            key = ((wait as u32).max(1) << 8) | (draw(id, now) & 255);
+            b.attention_counts[(key / BINS) as usize] += 1;
+        }
+    }
+    b.attention[agent] = [until, (key << 14) | (b.frame.frame_index & FRAME_BITS)];
+    b.gaze_frame[agent] = (b.gaze_frame[agent] & !ATTENDS) | if attends { ATTENDS } else { 0 };
+}
+
+fn border_of(counts: &mut [u32], first: u32, most: u32) -> u32 {
+    let (mut room, mut border) = (most, NONE);
+    for bin in (0..BINS).rev() {
+        let count = std::mem::take(&mut counts[(first + bin) as usize]);
+        if border == NONE {
+            if count > room {
+                border = bin;
+            } else {
+                room -= count;
+            }
+        }
+    }
+    counts[ROOM] = room;
+    border
+}
+
+fn find_border(b: &mut Slices<'_>) {
+    let most = b.frame.gaze_limit.wrapping_sub(1);
+    let counts = &mut *b.attention_counts;
+    let held = std::mem::take(&mut counts[HELD]);
+    counts[OVER] = u32::from(held > most);
+    counts[BORDER] = border_of(counts, 0, most - held.min(most));
+}
+
+fn find_least(b: &mut Slices<'_>) {
+    let counts = &mut *b.attention_counts;
+    let border = counts[BORDER];
+    counts[LEAST] = 1;
+    if border != NONE {
+        let room = counts[ROOM];
+        let fine = border_of(counts, BINS, room);
+        counts[LEAST] = border.wrapping_mul(BINS).wrapping_add(fine).wrapping_add(1);
+    }
+}
+
+fn begin(b: &mut Slices<'_>, id: u32) {
+    let agent = id as usize;
+    let key = b.attention[agent][1] >> 14;
+    if key != 0 && key >= b.attention_counts[LEAST] {
+        let now = b.frame.gaze_time;
+        let span = b.frame.turn_most.wrapping_sub(b.frame.turn_least).wrapping_add(1);
+        let turn = b.frame.turn_least.wrapping_add(draw(id, !now) % span.max(1));
+        b.attention[agent][0] = now.wrapping_add(turn);
+        b.gaze_frame[agent] |= ATTENDS;
+    } else if b.attention_counts[OVER] == 1 && left_of(b, b.attention[agent][0]) > 0 {
+        b.attention[agent][0] = b.frame.gaze_time;
+        b.gaze_frame[agent] &= !ATTENDS;
+    }
+}
