@@ -1,5 +1,6 @@
-// uses: step, grid, orca, neighbours, absent
+// uses: step, grid, orca, neighbours, crowding, absent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
+// The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
 //
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
@@ -33,18 +34,19 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
     if own.w >= LED {
         new_velocity[slot] = preferred_velocity[agent];
     } else {
-        new_velocity[slot] = avoid(slot, motion, own, neighbours(slot, motion.xy, own.y, u32(own.z)));
+        let count = neighbours(slot, motion.xy, own.y, u32(own.z));
+        let wanted = crowded(preferred_velocity[agent], motion.xy, own.y, u32(own.z), count);
+        new_velocity[slot] = avoid(slot, motion, own, wanted, count);
     }
 }
 
-fn avoid(slot: u32, motion: vec4<f32>, own: vec4<f32>, count: u32) -> vec2<f32> {
+fn avoid(slot: u32, motion: vec4<f32>, own: vec4<f32>, preferred: vec2<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
     let hard = obstacle_lines(motion.xy, motion.zw, traits.x, traits.y);
     let to_user = step.user_position - motion.xy;
     let is_near = dot2(to_user, to_user) < own.y * own.y;
     let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
     let made = hard + users + count;
-    let preferred = preferred_velocity[slot_agent[slot]];
     let is_slow = dot2(motion.zw, motion.zw) < JAM_SPEED * JAM_SPEED * traits.y * traits.y;
     var rate = own.x;
     var solved = Solved(motion.zw, 0u);

@@ -34,6 +34,7 @@ pub mod reference;
 pub mod render;
 pub mod scenario;
 pub mod sim;
+pub mod validate;
 pub mod verify;
 
 pub use emotion::Emotion;

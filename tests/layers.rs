@@ -20,7 +20,7 @@ const ORDER: &[&[&str]] = &[
     &["export"],
     &["render"],
     &["view", "xr"],
-    &["perceive", "verify"],
+    &["perceive", "validate", "verify"],
     &["bench"],
     &["cli"],
 ];
@@ -31,7 +31,8 @@ const FLOOR: &str = "kernels";
 /// They stand on the floor alone and know nothing of gaits or emotions.
 const BACKENDS: &[&str] = &["reference", "gpu"];
 /// Who may touch a backend.
-const USES_BACKENDS: &[&str] = &["sim", "render", "view", "xr", "perceive", "verify", "bench", "cli"];
+const USES_BACKENDS: &[&str] =
+    &["sim", "render", "view", "xr", "perceive", "validate", "verify", "bench", "cli"];
 /// Gathers the errors of all layers, and every layer may return it: the one way round by intention.
 const ERROR: &str = "error";
 

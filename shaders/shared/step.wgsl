@@ -31,5 +31,7 @@ struct StepUniforms {
     inverse_time_horizon_jam: f32,   // 1/s: the horizon tried after that by an agent that hardly moves; 0: none
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
     led_count: u32,              // agents that are led from outside
+    crowding: f32,               // 0 to 1, how much people ahead slow an agent down
+    crowding_reach: f32,         // m ahead over which their density is measured
     unused: u32,
 }

@@ -1,4 +1,4 @@
-//! Figures of results: bars and matrices, as SVG text and as a picture. Plain data in.
+//! Figures of results: bars, matrices and curves, as SVG text and as a picture. Plain data in.
 //!
 //! An SVG follows the reader's colour scheme, light or dark; a PNG has its own paper and reads on both. Every value is
 //! written out, so that no figure needs its colours to be read, and colours are told apart by the colour-blind (matrices
@@ -7,12 +7,14 @@
 mod bars;
 mod canvas;
 mod matrix;
+mod plot;
 
 use super::{AtomicFile, Error};
 use crate::picture::Image;
 pub use bars::{Bar, Bars, Series};
 use canvas::Canvas;
 pub use matrix::{Matrix, Scale};
+pub use plot::{Curve, Plot, Stroke};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 

@@ -42,6 +42,8 @@ pub struct StepUniforms {
     pub inverse_time_horizon_jam: f32,
     pub wrap: f32,
     pub led_count: u32,
+    pub crowding: f32,
+    pub crowding_reach: f32,
     pub unused: u32,
 }
 

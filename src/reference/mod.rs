@@ -14,6 +14,7 @@
 )]
 
 pub mod body;
+pub mod crowding;
 pub mod exact;
 pub mod neighbours;
 pub mod orca;

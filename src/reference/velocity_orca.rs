@@ -1,5 +1,6 @@
 //! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
 
+use super::crowding::crowded;
 use super::exact::dot2;
 use super::neighbours::{Nearest, Slots};
 use super::orca::{
@@ -49,6 +50,7 @@ impl Scene<'_> {
         let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
         let hard = self.obstacle_lines(&mut lines, position, velocity, radius, max_speed);
         let nearest = self.slots.neighbours(slot, position, own[1], own[2] as u32);
+        let preferred = crowded(&self.slots, preferred, position, own[1], own[2] as u32, &nearest);
         let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
         let mut rate = own[0];
         for attempt in 0.. {

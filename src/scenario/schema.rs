@@ -325,6 +325,9 @@ pub struct Navigation {
     pub time_horizon_jam: f32,
     /// Gap that agents keep from one another while they can, m.
     pub safety_margin: f32,
+    /// How much people ahead slow an agent down: 0 not at all (it keeps its speed until it would run into them), 1 as
+    /// much as Weidmann's fundamental diagram says for the density that it sees ahead.
+    pub crowding: f32,
     /// Disc radius of an agent of scale 1, m.
     pub radius: f32,
     /// Maximum speed over preferred speed.
@@ -347,6 +350,7 @@ impl Default for Navigation {
             time_horizon_dense: 1.0,
             time_horizon_jam: 0.15,
             safety_margin: 0.01,
+            crowding: 1.0,
             radius: 0.25,
             max_speed_factor: 1.5,
             max_speed: 2.5,

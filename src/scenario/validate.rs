@@ -229,6 +229,7 @@ fn navigation(n: &Navigation) -> Result<(), Error> {
         60.0,
         "seconds; 0.15 is usual, 0 is none",
     )?;
+    within("navigation.crowding", n.crowding, 0.0, 1.0, "0 is off, 1 is Weidmann's fundamental diagram")?;
     within("navigation.safety_margin", n.safety_margin, 0.0, 1.0, "metres; 0.01 is usual")
 }
 

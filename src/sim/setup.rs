@@ -10,6 +10,8 @@ use glam::Vec2;
 
 /// Body turns at most this fast, rad/s.
 const TURN_RATE: f32 = 3.5;
+/// How far ahead an agent sees how crowded it is, m.
+const CROWDING_REACH: f32 = 2.5;
 /// Below this share of its preferred speed a body blends to standing.
 const WALK_SPEED: f32 = 0.12;
 /// How fast it blends, 1/s.
@@ -63,6 +65,8 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         walk_speed: WALK_SPEED,
         blend_rate: BLEND_RATE,
         responsibility: 0.5,
+        crowding: navigation.crowding,
+        crowding_reach: CROWDING_REACH,
         ..StepUniforms::default()
     };
     set_grid(&mut step, low, high, geometry.walkable_area() as f32, navigation.neighbour_distance);

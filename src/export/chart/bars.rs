@@ -57,7 +57,7 @@ pub struct Bars {
 }
 
 /// A round step of the axis so that about [`STEPS`] of them reach `highest`.
-fn step(highest: f64) -> f64 {
+pub(super) fn step(highest: f64) -> f64 {
     let raw = highest / STEPS;
     let power = 10_f64.powf(raw.log10().floor());
     let lead = raw / power;
@@ -65,7 +65,7 @@ fn step(highest: f64) -> f64 {
 }
 
 /// A number of the axis with as many digits as its step needs.
-fn tick(value: f64, step: f64) -> String {
+pub(super) fn tick(value: f64, step: f64) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a few digits")]
     let digits = (-step.log10().floor()).clamp(0.0, 6.0) as usize;
     // Steps of 2.5, 0.25, ... need one digit more.

@@ -69,6 +69,8 @@ impl Size {
 #[derive(Debug, Clone, PartialEq)]
 enum Mark {
     Rect { at: [f64; 2], size: [f64; 2], paint: Paint },
+    Line { ends: [[f64; 2]; 2], width: f64, paint: Paint },
+    Dot { at: [f64; 2], radius: f64, paint: Paint },
     Text { at: [f64; 2], size: Size, anchor: Anchor, paint: Paint, text: String },
 }
 
@@ -90,6 +92,15 @@ impl Canvas {
 
     pub(super) fn rect(&mut self, at: [f64; 2], size: [f64; 2], paint: Paint) {
         self.marks.push(Mark::Rect { at, size, paint });
+    }
+
+    /// A straight line with round ends.
+    pub(super) fn line_between(&mut self, ends: [[f64; 2]; 2], width: f64, paint: Paint) {
+        self.marks.push(Mark::Line { ends, width, paint });
+    }
+
+    pub(super) fn dot(&mut self, at: [f64; 2], radius: f64, paint: Paint) {
+        self.marks.push(Mark::Dot { at, radius, paint });
     }
 
     /// Text whose line stands at `at[1]` (its baseline).
@@ -121,6 +132,17 @@ impl Canvas {
                         attribute(*paint, "")
                     )
                 }
+                Mark::Line { ends: [[x1, y1], [x2, y2]], width, paint } => writeln!(
+                    svg,
+                    "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke-width=\"{width:.1}\" \
+                     stroke-linecap=\"round\" {}/>",
+                    stroke(*paint)
+                ),
+                Mark::Dot { at: [x, y], radius, paint } => writeln!(
+                    svg,
+                    "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" {}/>",
+                    attribute(*paint, "")
+                ),
                 Mark::Text { at: [x, y], size, anchor, paint, text } => {
                     let anchor = match anchor {
                         Anchor::Start => "start",
@@ -152,6 +174,21 @@ impl Canvas {
                         ((right - left.min(right)).max(1), (bottom - top.min(bottom)).max(1));
                     image.fill(left, top, width, height, color(*paint));
                 }
+                Mark::Line { ends: [a, b], width, paint } => {
+                    let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                    #[allow(
+                        clippy::cast_possible_truncation,
+                        clippy::cast_sign_loss,
+                        reason = "within a figure"
+                    )]
+                    let steps = (length * PIXELS).min(MOST_UNITS * PIXELS).ceil() as u32;
+                    for k in 0..=steps {
+                        let t = f64::from(k) / f64::from(steps.max(1));
+                        let at = [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t];
+                        disc(&mut image, at, 0.5 * width, color(*paint));
+                    }
+                }
+                Mark::Dot { at, radius, paint } => disc(&mut image, *at, *radius, color(*paint)),
                 Mark::Text { at, size, anchor, paint, text } => {
                     let count = u32::try_from(text.chars().count()).unwrap_or(u32::MAX);
                     // The last character needs no space after it.
@@ -189,6 +226,25 @@ impl Canvas {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a figure's size")]
 fn pixel(units: f64) -> u32 {
     (units * PIXELS).round().clamp(0.0, MOST_UNITS * PIXELS) as u32
+}
+
+/// A filled disc, at least a pixel.
+fn disc(image: &mut Image, at: [f64; 2], radius: f64, color: [u8; 4]) {
+    let mut y = -radius;
+    while y <= radius {
+        let half = (radius * radius - y * y).max(0.0).sqrt();
+        let (left, right) = (pixel(at[0] - half), pixel(at[0] + half));
+        image.fill(left, pixel(at[1] + y), (right - left.min(right)).max(1), 1, color);
+        y += 1.0 / PIXELS;
+    }
+}
+
+/// A line's colour; the reader's scheme decides through the same classes.
+fn stroke(paint: Paint) -> String {
+    match paint {
+        Paint::Fixed([r, g, b]) => format!("stroke=\"#{r:02x}{g:02x}{b:02x}\""),
+        other => format!("stroke=\"currentColor\" {}", attribute(other, "")),
+    }
 }
 
 fn attribute(paint: Paint, more: &str) -> String {

@@ -44,6 +44,8 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             walk_speed: 0.1,
             blend_rate: 3.0,
             responsibility: 0.5,
+            crowding: if (agents as u32 ^ seed) & 2 == 2 { 0.8 } else { 0.0 },
+            crowding_reach: 2.5,
             storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },

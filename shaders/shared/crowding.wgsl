@@ -1,0 +1,42 @@
+// How much slower somebody walks the more people there are ahead; twin: reference::crowding, where the equations are.
+//
+// Needs the bindings step and slot_motion and the list `found` of shared/neighbours.wgsl.
+
+// The share of the own person in the density.
+const OWN_SHARE = 0.12;
+// One over the density at which nobody moves any more, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
+const JAM_AREA = 0.18518518;
+const STEEPNESS = 2.7598755; // 1.913 log2(e)
+// Nobody wants to walk slower than this share of the free speed: a crowd creeps on.
+const LEAST_SHARE = 0.08;
+// The density is measured over no less than this, m2.
+const LEAST_REACH2 = 0.04;
+
+// What is left of the velocity `wanted` by somebody at `at` with `count` neighbours in `found`, of at most `cap` looked for
+// within `range`, m.
+fn crowded(wanted: vec2<f32>, at: vec2<f32>, range: f32, cap: u32, count: u32) -> vec2<f32> {
+    let wanted2 = dot2(wanted, wanted);
+    if step.crowding <= 0.0 || count == 0u || wanted2 < 1e-8 {
+        return wanted;
+    }
+    let reach = min(range, step.crowding_reach);
+    var reach2 = reach * reach;
+    if count == min(cap, NEIGHBOURS) {
+        // there may be more people behind the farthest one, so the density is that of the disc up to it
+        let to = slot_motion[found[count - 1u] * 2u].xy - at;
+        reach2 = min(reach2, dot2(to, to));
+    }
+    reach2 = max(reach2, LEAST_REACH2);
+    var people = OWN_SHARE;
+    for (var k = 0u; k < count; k++) {
+        let to = slot_motion[found[k] * 2u].xy - at;
+        let distance2 = dot2(to, to);
+        let along = dot2(to, wanted);
+        if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 {
+            people += (1.0 - distance2 / reach2) * (along / sqrt(distance2 * wanted2));
+        }
+    }
+    let density = people / (0.5 * reach2);
+    let share = max(1.0 - exact_exp2(-STEEPNESS * (1.0 / density - JAM_AREA)), LEAST_SHARE);
+    return wanted * (1.0 - step.crowding * (1.0 - share));
+}

@@ -1,0 +1,285 @@
+//! Small scenes for tests: a walkable area, people with their own speeds and ways, and three ways to lay them on the grid.
+
+use super::tracks::Tracks;
+use crate::Error;
+use crate::avatar::{Sex, generated};
+use crate::emotion::Emotion;
+use crate::gait::walker;
+use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Waypoint};
+use crate::sim::{Backend, Cast, Simulation};
+use glam::Vec2;
+use serde::Serialize;
+
+/// Degrees by which a scene is turned in [`Variant::Rotated`].
+pub const TURN_DEG: f32 = 37.0;
+
+/// How a scene lies on the grid of the neighbour search, and on the axes: results must not depend on it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Variant {
+    /// As described.
+    AsIs,
+    /// Turned by [`TURN_DEG`] about the origin.
+    Rotated,
+    /// Moved by half a cell in x and z, while the grid stays.
+    Shifted,
+}
+
+impl Variant {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::AsIs, Self::Rotated, Self::Shifted];
+
+    /// Its name in reports.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::AsIs => "as-is",
+            Self::Rotated => "rotated",
+            Self::Shifted => "shifted",
+        }
+    }
+}
+
+/// One person of a scene.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Walker {
+    /// Start, m.
+    pub position: Vec2,
+    /// Speed when nobody is in the way, m/s.
+    pub speed: f32,
+    /// Disc radius, m.
+    pub radius: f32,
+    /// Where to: points and how near one must come, m.
+    pub way: Vec<(Vec2, f32)>,
+    /// The point walked to first.
+    pub next: usize,
+    /// After the last point to the first one again; otherwise stay there.
+    pub loops: bool,
+}
+
+/// A scene.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Everything but the people: bounds, obstacles, navigation, seed.
+    pub scenario: Scenario,
+    /// The people.
+    pub walkers: Vec<Walker>,
+    /// How long it runs, s.
+    pub seconds: f32,
+    /// Steps between two recorded frames.
+    pub every: u32,
+}
+
+/// What everybody runs on.
+#[derive(Debug)]
+pub struct Stage {
+    cast: Cast,
+    backend: Backend,
+    device: Option<String>,
+}
+
+impl Stage {
+    /// A body to walk with, and the backend.
+    ///
+    /// # Errors
+    /// When the walker cannot be made.
+    pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
+        let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
+        let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
+        Ok(Self { cast, backend, device: device.map(str::to_owned) })
+    }
+}
+
+/// A run of a scene.
+#[derive(Debug, Clone)]
+pub struct Run {
+    /// Where everyone was, in the scene's own axes.
+    pub tracks: Tracks,
+    /// Ways walked to their end, by person.
+    pub arrivals: Vec<u32>,
+    /// Positions outside the walkable area, over all recorded frames and people.
+    pub outside: u32,
+    /// Largest number of pairs in a frame that overlap by more than a tenth.
+    pub overlapping: u32,
+    /// Hash of the last state.
+    pub hash: u64,
+    /// What it ran on.
+    pub device: String,
+}
+
+impl Scene {
+    /// An empty scene with walls along `bounds`.
+    ///
+    /// # Errors
+    /// When the built-in defaults are refused, which would be an error of the program.
+    pub fn new(name: &str, bounds: &[[f32; 2]], seconds: f32) -> Result<Self, Error> {
+        let text = format!(
+            "name = \"{name}\"\nbounds = {bounds:?}\n[population]\nagents = 0\n[user]\navoided = false\n"
+        );
+        let scenario = Scenario::parse(&text, name)?;
+        Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3 })
+    }
+
+    /// Adds something solid.
+    pub fn solid(&mut self, polygon: &[[f32; 2]]) {
+        self.scenario.obstacles.push(Obstacle { polygon: polygon.to_vec() });
+    }
+
+    /// Steps of the run.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "minutes of thirty steps a second"
+    )]
+    pub fn steps(&self) -> u32 {
+        (self.seconds / self.scenario.navigation.time_step).round() as u32
+    }
+
+    /// The simulation at its start, and the way back from its axes to the scene's own.
+    ///
+    /// # Errors
+    /// When the device cannot be used.
+    pub fn start(&self, stage: &Stage, variant: Variant) -> Result<(Simulation, Frame), Error> {
+        let mut frame = Frame::default();
+        if variant == Variant::Rotated {
+            frame.turn = Vec2::from_angle(TURN_DEG.to_radians());
+        }
+        let mut scenario = self.scenario.clone();
+        let place = |points: &mut Vec<[f32; 2]>| {
+            for point in points {
+                *point = frame.there((*point).into()).to_array();
+            }
+        };
+        place(&mut scenario.bounds);
+        scenario.obstacles.iter_mut().for_each(|obstacle| place(&mut obstacle.polygon));
+        let mut store = self.store(&scenario, frame, stage);
+        if variant == Variant::Shifted {
+            // the same grid under everything moved by half of one of its cells
+            let (cell, origin) = (store.step.cell_size, store.step.grid_origin);
+            frame.shift = Vec2::splat(0.5 * cell);
+            scenario = self.scenario.clone();
+            let place = |points: &mut Vec<[f32; 2]>| {
+                for point in points {
+                    *point = frame.there((*point).into()).to_array();
+                }
+            };
+            place(&mut scenario.bounds);
+            scenario.obstacles.iter_mut().for_each(|obstacle| place(&mut obstacle.polygon));
+            store = self.store(&scenario, frame, stage);
+            store.step.grid_origin = origin;
+            store.step.grid_columns += 1;
+            store.step.grid_rows += 1;
+            store.step.cell_count = store.step.grid_columns * store.step.grid_rows;
+            let polygons: Vec<Vec<[f32; 2]>> =
+                scenario.geometry().outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
+            crate::sim::setup::set_obstacles(&mut store, &polygons);
+            crate::sim::setup::scratch(&mut store);
+        }
+        let simulation = Simulation::from_store(store, stage.backend, stage.device.as_deref())?;
+        Ok((simulation, frame))
+    }
+
+    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> crate::kernels::Store {
+        let mut crowd = Crowd::default();
+        for (index, walker) in self.walkers.iter().enumerate() {
+            let start = crowd.waypoints.len();
+            let points = walker.way.iter();
+            crowd.waypoints.extend(points.map(|&(p, radius)| Waypoint { position: frame.there(p), radius }));
+            crowd.agents.push(start_of(walker, frame, index, start));
+        }
+        let mut store = crate::sim::setup::store(scenario, &scenario.geometry(), &crowd, &stage.cast);
+        let navigation = &scenario.navigation;
+        for (body, walker) in store.body.iter_mut().zip(&self.walkers) {
+            let most = (walker.speed * navigation.max_speed_factor).min(navigation.max_speed);
+            *body = [walker.radius, most.max(walker.speed), walker.speed, walker.speed * 1.05];
+        }
+        let polygons: Vec<Vec<[f32; 2]>> =
+            scenario.geometry().outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
+        crate::sim::setup::set_obstacles(&mut store, &polygons);
+        store
+    }
+
+    /// Runs it to its end, or until everyone has `left`.
+    ///
+    /// # Errors
+    /// When the device fails or a kernel meets a value that is not finite.
+    pub fn run(&self, stage: &Stage, variant: Variant) -> Result<Run, Error> {
+        let (mut simulation, frame) = self.start(stage, variant)?;
+        let geometry = self.scenario.geometry();
+        let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
+        let mut tracks =
+            Tracks::new(1.0 / (f64::from(self.scenario.navigation.time_step) * f64::from(self.every)));
+        let (mut outside, mut overlapping) = (0, 0);
+        let steps = self.steps();
+        let mut done = 0;
+        loop {
+            let store = simulation.state()?;
+            let agents = store.step.agent_count as usize;
+            let there = |p: &[f32; 2]| {
+                let point = Vec2::from_array(*p);
+                (!crate::ground::is_absent(*p)).then(|| frame.back(point))
+            };
+            let positions: Vec<Option<Vec2>> = store.position[..agents].iter().map(there).collect();
+            outside += positions.iter().flatten().map(|p| u32::from(!free.walkable(*p))).sum::<u32>();
+            overlapping = overlapping.max(crate::sim::measure::moment(store).overlapping_pairs);
+            tracks.push(&positions);
+            if done >= steps {
+                let arrivals = store.route[..agents].iter().map(|route| route[3]).collect();
+                let hash = crate::sim::measure::state_hash(store);
+                return Ok(Run { tracks, arrivals, outside, overlapping, hash, device: simulation.device() });
+            }
+            let count = self.every.min(steps - done);
+            simulation.step(count)?;
+            done += count;
+        }
+    }
+}
+
+/// Where a scene lies: turned, then moved.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Frame {
+    turn: Vec2,
+    shift: Vec2,
+}
+
+impl Default for Frame {
+    fn default() -> Self {
+        Self { turn: Vec2::X, shift: Vec2::ZERO }
+    }
+}
+
+impl Frame {
+    /// From the scene's axes to those of the simulation.
+    pub fn there(self, point: Vec2) -> Vec2 {
+        self.turn.rotate(point) + self.shift
+    }
+
+    /// From the axes of the simulation to the scene's.
+    pub fn back(self, point: Vec2) -> Vec2 {
+        Vec2::new(self.turn.x, -self.turn.y).rotate(point - self.shift)
+    }
+}
+
+fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentStart {
+    let towards = walker.way.get(walker.next).map_or(walker.position, |point| point.0);
+    let direction = frame.turn.rotate((towards - walker.position).normalize_or(Vec2::Y));
+    #[allow(clippy::cast_possible_truncation, reason = "thousands of people")]
+    let number = |value: usize| value as u32;
+    AgentStart {
+        position: frame.there(walker.position),
+        velocity: direction * walker.speed,
+        heading: direction.x.atan2(direction.y),
+        radius: walker.radius,
+        emotion: [0.0, 0.0, 0.0, 1.0],
+        gaits: [0; 4],
+        gait_weights: [1.0, 0.0, 0.0, 0.0],
+        gazes: false,
+        avatar: 0,
+        scale: 1.0,
+        colors: [0; 4],
+        phase: crate::reference::exact::hash_u32(number(index)),
+        route_start: number(first),
+        route_length: number(walker.way.len()),
+        waypoint: number(walker.next),
+        loops: walker.loops,
+    }
+}
