@@ -17,6 +17,7 @@ use std::time::Duration;
 
 /// The names of all kernels, so that a search finds where each is timed; checked against the kernels there are.
 const NAMES: [&str; KernelId::ALL.len()] = [
+    "accompany",
     "attend",
     "compact",
     "cull",

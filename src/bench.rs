@@ -10,7 +10,8 @@ use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use crate::reference;
 use crate::reference::exact::hash_u32;
 use crate::scenario::Gaze;
-use crate::sim::{Backend, Cast, Simulation, bodies, order, setup};
+use crate::sim::setup::{self, join};
+use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use crate::verify::cases::gaits;
 use serde::Serialize;
@@ -242,7 +243,22 @@ impl Sequence {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     pub fn step(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let store = crossing(agents, SPACING);
+        Self::step_with(None, agents, backend, device)
+    }
+
+    /// The same with what `kernel` needs.
+    fn step_with(
+        kernel: Option<KernelId>,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let mut store = crossing(agents, SPACING);
+        if kernel == Some(KernelId::Accompany) {
+            for first in (0..u32::try_from(agents).unwrap_or(0).saturating_sub(2)).step_by(3) {
+                join(&mut store, &[first, first + 1, first + 2]);
+            }
+        }
         let passes = order::step_passes(&store.step);
         Self::new(None, agents, store, passes, (backend, device))
     }
@@ -313,9 +329,10 @@ impl Sequence {
             let passes = order::step_passes(&store.step);
             return Self::new(None, agents, store, passes, (backend, device));
         }
-        let step = order::step_passes(&crate::kernels::layout::StepUniforms::default());
+        let all = crate::kernels::layout::StepUniforms { group_count: 1, ..Default::default() };
+        let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
-            Self::step(agents, backend, device)
+            Self::step_with(Some(kernel), agents, backend, device)
         } else {
             Self::picture(agents, backend, device)
         }

@@ -33,6 +33,8 @@ barrier
 grid_pack
 prefer
 barrier
+accompany
+barrier
 lead_agents 1
 barrier
 velocity_orca 1

@@ -33,5 +33,7 @@ struct StepUniforms {
     led_count: u32,              // agents that are led from outside
     crowding: f32,               // 0 to 1, how much people ahead slow an agent down
     crowding_reach: f32,         // m ahead over which their density is measured
+    group_count: u32,            // groups of people who walk together
+    floor_count: u32,            // floors above the ground
     unused: u32,
 }

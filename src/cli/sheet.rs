@@ -104,5 +104,6 @@ fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32
         route_length: 1,
         waypoint: 0,
         loops: false,
+        companions: [u32::MAX; 4],
     }
 }

@@ -44,6 +44,8 @@ pub struct StepUniforms {
     pub led_count: u32,
     pub crowding: f32,
     pub crowding_reach: f32,
+    pub group_count: u32,
+    pub floor_count: u32,
     pub unused: u32,
 }
 

@@ -173,6 +173,7 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
             route_length: 1,
             waypoint: 0,
             loops: false,
+            companions: [u32::MAX; 4],
         });
         crowd.waypoints.push(Waypoint { position: position + Vec2::new(0.0, 1000.0), radius: 0.5 });
     }

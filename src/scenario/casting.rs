@@ -154,6 +154,7 @@ impl<'a> Cast<'a> {
             route_length: place.route_length,
             waypoint: place.waypoint,
             loops: place.loops,
+            companions: [u32::MAX; 4],
         })
     }
 }

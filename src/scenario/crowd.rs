@@ -44,6 +44,8 @@ pub struct AgentStart {
     pub route_length: u32,
     /// The waypoint walked to first, counted from `route_start`.
     pub waypoint: u32,
+    /// The others of the group that the agent walks with, by index; `u32::MAX` for none.
+    pub companions: [u32; 4],
     /// After the last waypoint: walk the route again from its first one (true) or stay there (false).
     pub loops: bool,
 }

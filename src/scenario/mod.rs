@@ -7,6 +7,7 @@
 
 mod casting;
 mod clearance;
+mod companions;
 mod crossing;
 pub mod crowd;
 mod environment;
@@ -36,7 +37,7 @@ pub use layout::Geometry;
 pub use mesh::EnvironmentMesh;
 pub use populate::{populate, populate_from, populate_with};
 pub use schema::{
-    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Layout, Model, Navigation, Obstacle, Point,
+    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Groups, Layout, Model, Navigation, Obstacle, Point,
     Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
-pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_NEIGHBOURS};
+pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};

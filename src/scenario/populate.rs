@@ -5,6 +5,7 @@
 
 use super::casting::Cast;
 use super::clearance::Clearance;
+use super::companions;
 use super::crowd::{AgentStart, Crowd};
 use super::error::Error;
 use super::lanes::Lanes;
@@ -17,6 +18,7 @@ use crate::library::GaitLibrary;
 use crate::library::choose::{Chooser, Clarity, margins};
 use crate::perception::Perceiver;
 use glam::{IVec2, Vec2};
+use std::ops::Range;
 
 /// Draws before a place is given up as full.
 const ATTEMPTS: u32 = 2000;
@@ -84,9 +86,14 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
     let lanes = Lanes::new(scenario, &geometry, &free)?;
     let mut places = Places::new(scenario, &geometry, &free, &lanes)?;
-    let agents = (0..scenario.population.agents)
-        .map(|agent| cast.agent(agent, places.place(agent)?))
-        .collect::<Result<Vec<AgentStart>, Error>>()?;
+    let mut agents: Vec<AgentStart> = Vec::with_capacity(scenario.population.agents as usize);
+    while let Some(first) = u32::try_from(agents.len()).ok().filter(|n| *n < scenario.population.agents) {
+        let members = companions::members(scenario, first);
+        for (agent, place) in members.clone().zip(places.place(&members)?) {
+            let companions = companions::others(&members, agent);
+            agents.push(AgentStart { companions, ..cast.agent(agent, place)? });
+        }
+    }
     Ok(Crowd { agents, waypoints: lanes.waypoints })
 }
 
@@ -175,8 +182,9 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// The first free place among the agent's draws.
-    fn place(&mut self, agent: u32) -> Result<Place, Error> {
+    /// The first place among the draws of the first member that is free for all members of a group.
+    fn place(&mut self, members: &Range<u32>) -> Result<Vec<Place>, Error> {
+        let agent = members.start;
         let mut unseen = 0;
         for attempt in 0..ATTEMPTS {
             let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Start, attempt * 8 + k);
@@ -192,10 +200,31 @@ impl<'a> Places<'a> {
                 && self.apart_from_user(place.position)
                 && self.taken.insert(place.position)
             {
-                return Ok(place);
+                let mut all = vec![place];
+                self.beside(place, members.len(), &mut all);
+                if all.len() == members.len() {
+                    return Ok(all);
+                }
+                all.iter().for_each(|_| self.taken.remove_last());
             }
         }
         Err(self.full(agent, unseen))
+    }
+
+    /// Takes places beside and behind the first member for the others of its group, as far as there are any.
+    fn beside(&mut self, first: Place, members: usize, all: &mut Vec<Place>) {
+        let body = self.scenario.navigation.radius * self.scenario.population.scale[1];
+        for position in companions::places(first.position, first.direction, 1.01 * self.taken.apart) {
+            if all.len() == members {
+                return;
+            }
+            if self.free.passes(first.position, position, body + 0.05)
+                && self.apart_from_user(position)
+                && self.taken.insert(position)
+            {
+                all.push(Place { position, ..first });
+            }
+        }
     }
 
     /// Somewhere along a route: lanes are equally dense, so that the scene is busy from the first frame.
@@ -334,6 +363,14 @@ impl Taken {
         self.heads[bucket] = u32::try_from(self.places.len()).unwrap_or(0);
         true
     }
+
+    /// Frees the place that was taken last.
+    fn remove_last(&mut self) {
+        if let Some((position, next)) = self.places.pop() {
+            let bucket = self.bucket((position / self.apart).floor().as_ivec2());
+            self.heads[bucket] = next;
+        }
+    }
 }
 
 #[cfg(test)]
@@ -356,5 +393,8 @@ mod tests {
         assert!(taken.insert(Vec2::new(0.59, -0.01)));
         assert!(!taken.insert(Vec2::new(0.61, 0.01)));
         assert!(taken.insert(Vec2::new(1.3, 0.01)));
+        taken.remove_last();
+        assert!(taken.insert(Vec2::new(1.25, 0.01)));
+        assert!(!taken.insert(Vec2::new(0.61, 0.01)));
     }
 }

@@ -33,6 +33,8 @@ pub enum Purpose {
     Speed = 10,
     /// Valence and arousal.
     Affect = 11,
+    /// Size of a group (the agent is its first member).
+    Group = 12,
 }
 
 /// The bijection of u32 under every draw.

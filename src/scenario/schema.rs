@@ -244,6 +244,23 @@ pub struct Population {
     /// Which gaits out of GEA(e) are more likely.
     #[serde(skip_serializing_if = "Prefer::is_default")]
     pub prefer: Prefer,
+    /// Who walks together.
+    #[serde(skip_serializing_if = "Groups::is_default")]
+    pub groups: Groups,
+}
+
+/// Groups that walk together (`shaders/accompany.wgsl`).
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Groups {
+    /// Shares of groups (not of people) of one, two, ... five; any scale, left out means 0. Empty: everyone walks alone.
+    pub sizes: Vec<f32>,
+}
+
+impl Groups {
+    fn is_default(&self) -> bool {
+        self.sizes.is_empty()
+    }
 }
 
 impl Population {
@@ -270,6 +287,7 @@ impl Default for Population {
             emotions: Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 },
             affect: None,
             prefer: Prefer::default(),
+            groups: Groups::default(),
         }
     }
 }

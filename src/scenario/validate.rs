@@ -17,6 +17,8 @@ pub const MAX_AGENTS: u32 = 1_000_000;
 pub const MAX_NEIGHBOURS: u32 = 10;
 /// Farthest coordinate, m: beyond it an f32 no longer resolves a centimetre.
 pub const MAX_COORDINATE: f32 = 50_000.0;
+/// Most people who walk together.
+pub const MAX_GROUP: usize = 5;
 /// Most corners of one polygon.
 const MAX_CORNERS: usize = 1024;
 /// Closest two corners of a polygon may be, m.
@@ -125,6 +127,24 @@ fn population(population: &Population) -> Result<(), Error> {
     if e.normalised().iter().all(|&share| share <= 0.0) {
         let hint = "give at least one emotion a share, such as neutral = 1.0";
         return Err(Error::value("population.emotions", "all 0", "a sum above 0", hint));
+    }
+    groups(&population.groups.sizes)
+}
+
+/// Sizes of groups.
+fn groups(sizes: &[f32]) -> Result<(), Error> {
+    if sizes.len() > MAX_GROUP {
+        let (found, allowed) = (format!("{} shares", sizes.len()), format!("at most {MAX_GROUP}"));
+        let hint = "shares of groups of 1, 2, ... people; larger ones split up when they walk";
+        return Err(Error::value("population.groups.sizes", found, allowed, hint));
+    }
+    for (index, &share) in sizes.iter().enumerate() {
+        let key = format!("population.groups.sizes[{index}]");
+        within(&key, share, 0.0, 1e6, "shares are relative: 1 and 1 is half each")?;
+    }
+    if !sizes.is_empty() && sizes.iter().all(|share| *share <= 0.0) {
+        let hint = "try [0.5, 0.35, 0.1, 0.05], or leave population.groups out";
+        return Err(Error::value("population.groups.sizes", "all 0", "a sum above 0", hint));
     }
     Ok(())
 }

@@ -23,10 +23,15 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
         pass(KernelId::GridPack, 0, agents),
         pass(KernelId::Prefer, 0, agents),
+    ];
+    if step.group_count > 0 {
+        passes.push(pass(KernelId::Accompany, 0, agents));
+    }
+    passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
         pass(KernelId::VelocityOrca, storeys, agents),
         pass(KernelId::Integrate, 0, agents),
-    ];
+    ]);
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
     }

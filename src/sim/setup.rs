@@ -4,7 +4,7 @@ use super::cast::Cast;
 use super::obstacles::{cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
-use crate::reference::shared::{ABSENT, LED};
+use crate::reference::shared::{ABSENT, LED, NOBODY};
 use crate::scenario::{AgentStart, Crowd, Geometry, Navigation, Scenario};
 use glam::Vec2;
 
@@ -39,6 +39,7 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
         geometry.outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
     set_obstacles(&mut store, &polygons);
     scratch(&mut store);
+    store.step.group_count = groups(&store);
     store
 }
 
@@ -106,6 +107,25 @@ pub fn set_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>]) {
     }
 }
 
+/// Groups of people who walk together, counted by their first members.
+fn groups(store: &Store) -> u32 {
+    let is_first = |(agent, others): (usize, &[u32; 4])| {
+        others.iter().any(|other| *other != NOBODY) && others.iter().all(|other| *other as usize > agent)
+    };
+    store.companions.iter().enumerate().map(|member| u32::from(is_first(member))).sum()
+}
+
+/// Lets agents of a store walk together (two to five; more are left out).
+pub fn join(store: &mut Store, members: &[u32]) {
+    store.companions.resize(store.position.len(), [NOBODY; 4]);
+    for member in members.iter().take(5) {
+        let mut others = members.iter().take(5).filter(|other| *other != member);
+        store.companions[*member as usize] =
+            std::array::from_fn(|_| others.next().copied().unwrap_or(NOBODY));
+    }
+    store.step.group_count += 1;
+}
+
 /// Everything that a step writes before it reads.
 pub fn scratch(store: &mut Store) {
     let agents = store.step.agent_count as usize;
@@ -159,6 +179,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         navigation.neighbour_cap,
         0.0,
     ));
+    store.companions.push(agent.companions);
     store.elevation.push(0.0);
     store.stance.push([agent.heading, 1.0]);
     store.phase.push(agent.phase);

@@ -23,7 +23,7 @@ pub struct Comparison {
 }
 
 /// Buffers that hold integers (in every word): any difference there is an error.
-const INTEGERS: [&str; 20] = [
+const INTEGERS: [&str; 21] = [
     "agent_bucket",
     "agent_slot",
     "attention",
@@ -32,6 +32,7 @@ const INTEGERS: [&str; 20] = [
     "bucket_start",
     "cell_counts",
     "cell_start",
+    "companions",
     "dispatch_args",
     "draw_args",
     "failure",

@@ -81,6 +81,9 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
+        KernelId::Accompany => {
+            (1e-5, "m/s", "a root, an arc tangent and quotients by distances within a group")
+        }
         KernelId::VelocityOrca => {
             (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel")
         }

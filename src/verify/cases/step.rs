@@ -3,9 +3,9 @@
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
-use crate::reference::shared::{ABSENT, LED};
+use crate::reference::shared::{ABSENT, LED, NOBODY};
 use crate::sim::obstacles::{cell_lists, segments};
-use crate::sim::setup::manners;
+use crate::sim::setup::{join, manners};
 
 /// Random numbers of a case: number `lane` of item `index`, in [0, 1).
 fn unit(seed: u32, index: usize, lane: u32) -> f32 {
@@ -52,6 +52,7 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
         ..Store::default()
     };
     agent_arrays(&mut store, agents, side, seed);
+    groups(&mut store, agents, seed);
     obstacles(&mut store, side);
     scratch(&mut store, agents);
     store
@@ -110,6 +111,28 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);
     }
+}
+
+/// Groups of one to five, of which some are absent, at one point, or farther along the route.
+fn groups(store: &mut Store, agents: usize, seed: u32) {
+    store.companions = vec![[NOBODY; 4]; agents + 3];
+    let mut first = 0;
+    while first < agents {
+        let size = (1 + (unit(seed, first, 20) * 5.0) as usize).min(agents - first);
+        let members: Vec<u32> = (first..first + size).map(|i| i as u32).collect();
+        for &member in &members[1..] {
+            let near = [unit(seed, member as usize, 21), unit(seed, member as usize, 22)];
+            if member % 4 != 0 && member % 16 != 6 {
+                store.position[member as usize] = [
+                    store.position[first][0] + near[0] * 2.0 - 1.0,
+                    store.position[first][1] + near[1] * 2.0 - 1.0,
+                ];
+            }
+        }
+        join(store, &members);
+        first += size;
+    }
+    store.step.group_count = 1; // also where everyone is alone
 }
 
 /// Two solids: a box, and an L with a concave corner.

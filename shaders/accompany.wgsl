@@ -1,0 +1,88 @@
+// uses: step, exact, absent
+// People who walk together: changes the preferred velocity so that the members of a group stay together, side by side
+// where there is room, at the pace of the slowest, and wait for whoever has fallen behind.
+//
+// After Moussaid, Perozo, Garnier, Helbing, Theraulaz, "The walking behaviour of pedestrian social groups and its impact
+// on crowd dynamics" (PLoS ONE 2010). With N members, V the wanted velocity, the group adds to the acceleration
+//   -GAZE a V            a: angle by which the head must turn for the centre of the others to be seen (within 90 degrees)
+//   +GATHER towards the centre of the group, if that is farther than (N - 1)/2 metres
+//   -APART from every member nearer than PERSONAL.
+// The acceleration towards a wanted velocity takes RELAXATION seconds, so a force f shifts the wanted velocity by f times
+// that. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
+// the will to go on; nobody walks backwards; and a member that is farther along the route than another waits for it but does not hold it back.
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
+@group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                     // [agent] radius, maximum speed, preferred speed, travel per stride
+@group(0) @binding(3) var<storage, read> route: array<vec4<u32>>;                    // [agent] first, length | loops << 31, next, arrivals
+@group(0) @binding(4) var<storage, read> companions: array<vec4<u32>>;               // [agent] the others of its group, NOBODY for none
+@group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+
+const GAZE = 4.0;        // 1/(rad s), beta 1
+const GATHER = 3.0;      // m/s2, beta 2
+const APART = 1.0;       // m/s2, beta 3
+const PERSONAL = 0.8;    // m, d 0
+const RELAXATION = 0.5;  // s
+const RAMP = 0.5;        // m over which gathering and keeping apart grow to full strength; ours
+const STRAY = 0.75;      // most of the speed that gathering takes, so that it holds nobody at a slanting wall; ours
+const FORWARD = 0.1;     // share of the pace that is always left, so that nobody walks backwards or waits for ever; ours
+
+@compute @workgroup_size(64)
+fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= step.agent_count || is_absent(position[agent]) {
+        return;
+    }
+    let others = companions[agent];
+    let own_way = route[agent];
+    let at = position[agent];
+    var pace = body[agent].z;
+    var others_sum = vec2<f32>(0.0, 0.0);
+    var away = vec2<f32>(0.0, 0.0);
+    var count = 0.0;
+    for (var k = 0u; k < 4u; k++) {
+        let other = others[k];
+        if other < step.agent_count && !is_absent(position[min(other, step.agent_count - 1u)]) {
+            pace = min(pace, body[other].z);
+            let way = route[other];
+            let off = at - position[other];
+            let distance = sqrt(dot2(off, off));
+            if distance < PERSONAL && distance > 0.0 {
+                away += off * (min((PERSONAL - distance) / RAMP, 1.0) / distance);
+            }
+            let is_ahead = way.w > own_way.w || (way.w == own_way.w && way.z > own_way.z);
+            if !is_ahead {
+                others_sum += position[other];
+                count += 1.0;
+            }
+        }
+    }
+    var wanted = preferred_velocity[agent];
+    let own_speed = body[agent].z;
+    if own_speed > pace {
+        wanted = wanted * (pace / own_speed);
+    }
+    let speed = sqrt(dot2(wanted, wanted));
+    if speed > 0.0 {
+        let direction = wanted / speed;
+        var shift = away * (APART * RELAXATION);
+        if count > 0.0 {
+            // how far the head must turn for the centre of the others
+            let to = others_sum / count - at;
+            let along = dot2(to, direction);
+            let turn = exact_atan2(max(-along, 0.0), abs(det2(direction, to)));
+            shift -= wanted * (GAZE * RELAXATION * turn);
+            // the centre of the group, the agent included
+            let gather = to * (count / (count + 1.0));
+            let distance = sqrt(dot2(gather, gather));
+            let too_far = distance - 0.5 * count;
+            if too_far > 0.0 {
+                shift += gather * (min(GATHER * RELAXATION * min(too_far / RAMP, 1.0), STRAY * speed) / distance);
+            }
+        }
+        let sum = wanted + shift;
+        let forward = dot2(sum, direction);
+        let least = FORWARD * speed;
+        wanted = select(sum, sum + direction * (least - forward), forward < least);
+    }
+    preferred_velocity[agent] = wanted;
+}

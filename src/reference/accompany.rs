@@ -1,0 +1,103 @@
+//! Keeps groups together.
+
+use super::exact::{atan2, det2, dot2};
+use super::shared::is_absent;
+use crate::kernels::accompany::Slices;
+use rayon::prelude::*;
+
+/// 1/(rad s): how much the walk slows to keep the others in view (beta 1 of Moussaid et al. 2010).
+const GAZE: f32 = 4.0;
+/// m/s²: towards the centre of the group (beta 2).
+const GATHER: f32 = 3.0;
+/// m/s²: away from a member that is too near (beta 3).
+const APART: f32 = 1.0;
+/// Nearer than this is too near, m (d 0).
+const PERSONAL: f32 = 0.8;
+/// Time in which a wanted velocity is reached, s.
+const RELAXATION: f32 = 0.5;
+/// Distance over which the two forces grow to full strength, m; ours.
+const RAMP: f32 = 0.5;
+/// Most of the speed that gathering takes; ours.
+const STRAY: f32 = 0.75;
+/// Share of the pace that is always left; ours.
+const FORWARD: f32 = 0.1;
+
+/// Twin of `shaders/accompany.wgsl`.
+pub fn accompany(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let Slices { position, body, route, companions, .. } = b;
+    b.preferred_velocity[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(
+        |(agent, preferred)| {
+            if !is_absent(position[agent]) {
+                *preferred = together(agent, companions[agent], *preferred, &position[..agents], body, route);
+            }
+        },
+    );
+}
+
+fn together(
+    agent: usize,
+    others: [u32; 4],
+    preferred: [f32; 2],
+    position: &[[f32; 2]],
+    body: &[[f32; 4]],
+    route: &[[u32; 4]],
+) -> [f32; 2] {
+    let (at, own_way) = (position[agent], route[agent]);
+    let mut pace = body[agent][2];
+    let (mut others_sum, mut away, mut count) = ([0.0_f32; 2], [0.0_f32; 2], 0.0_f32);
+    for other in others {
+        let other = other as usize;
+        if other >= position.len() || is_absent(position[other]) {
+            continue;
+        }
+        pace = pace.min(body[other][2]);
+        let way = route[other];
+        let off = [at[0] - position[other][0], at[1] - position[other][1]];
+        let distance = dot2(off, off).sqrt();
+        if distance < PERSONAL && distance > 0.0 {
+            let scale = ((PERSONAL - distance) / RAMP).min(1.0) / distance;
+            away = [away[0] + off[0] * scale, away[1] + off[1] * scale];
+        }
+        let is_ahead = way[3] > own_way[3] || (way[3] == own_way[3] && way[2] > own_way[2]);
+        if !is_ahead {
+            others_sum = [others_sum[0] + position[other][0], others_sum[1] + position[other][1]];
+            count += 1.0;
+        }
+    }
+    let mut wanted = preferred;
+    let own_speed = body[agent][2];
+    if own_speed > pace {
+        let scale = pace / own_speed;
+        wanted = [wanted[0] * scale, wanted[1] * scale];
+    }
+    let speed = dot2(wanted, wanted).sqrt();
+    if !(speed > 0.0) {
+        return wanted;
+    }
+    let direction = [wanted[0] / speed, wanted[1] / speed];
+    let mut shift = [away[0] * (APART * RELAXATION), away[1] * (APART * RELAXATION)];
+    if count > 0.0 {
+        let to = [others_sum[0] / count - at[0], others_sum[1] / count - at[1]];
+        let along = dot2(to, direction);
+        let turn = atan2((-along).max(0.0), det2(direction, to).abs());
+        let slower = GAZE * RELAXATION * turn;
+        shift = [shift[0] - wanted[0] * slower, shift[1] - wanted[1] * slower];
+        let share = count / (count + 1.0);
+        let gather = [to[0] * share, to[1] * share];
+        let distance = dot2(gather, gather).sqrt();
+        let too_far = distance - 0.5 * count;
+        if too_far > 0.0 {
+            let scale = (GATHER * RELAXATION * (too_far / RAMP).min(1.0)).min(STRAY * speed) / distance;
+            shift = [shift[0] + gather[0] * scale, shift[1] + gather[1] * scale];
+        }
+    }
+    let sum = [wanted[0] + shift[0], wanted[1] + shift[1]];
+    let forward = dot2(sum, direction);
+    let least = FORWARD * speed;
+    if forward < least {
+        let missing = least - forward;
+        return [sum[0] + direction[0] * missing, sum[1] + direction[1] * missing];
+    }
+    sum
+}

@@ -1,0 +1,171 @@
+//! People differ: groups that walk together.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a test: a failure is a panic"
+)]
+
+use gaitway::avatar::{Sex, generated};
+use gaitway::ground::is_absent;
+use gaitway::kernels::Store;
+use gaitway::library::GaitLibrary;
+use gaitway::reference;
+use gaitway::scenario::{Clearance, Scenario, populate};
+use gaitway::sim::setup::{join, manners, scratch, set_grid, set_obstacles};
+use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::verify::cases::crossing::crossing;
+use glam::Vec2;
+
+/// People at given places who walk along +x, alone on a plane.
+fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
+    let mut store = crossing(4, 10.0);
+    let count = places.len();
+    store.step.agent_count = count as u32;
+    (store.step.wrap, store.step.perturbation) = (0.0, 0.02);
+    store.position = places.to_vec();
+    store.velocity = vec![[0.0; 2]; count];
+    store.body = (0..count).map(|i| speeds[i % speeds.len()]).map(|v| [0.25, 1.5 * v, v, 1.4]).collect();
+    store.manners = vec![manners(2.0, 5.0, 10, 0.0); count];
+    store.elevation = vec![0.0; count];
+    store.stance = vec![[0.0, 1.0]; count];
+    store.phase = vec![0; count];
+    store.waypoints = vec![[1e4, 0.0, 1.0, 0.0]];
+    store.route = vec![[0, 1, 0, 0]; count];
+    store.companions.clear();
+    let low = Vec2::new(-20.0, -20.0);
+    set_grid(&mut store.step, low, Vec2::new(120.0, 20.0), 5600.0, 5.0);
+    set_obstacles(&mut store, &[]);
+    scratch(&mut store);
+    store
+}
+
+fn steps(store: &mut Store, count: u32) {
+    let passes = order::step_passes(&store.step);
+    for _ in 0..count {
+        for pass in &passes {
+            reference::run(pass.kernel, store, pass.level);
+        }
+        store.step.step_index += 1;
+    }
+}
+
+/// Greatest distance between two of the first `count`, m.
+fn spread(store: &Store, count: usize) -> f32 {
+    let p = |i: usize| Vec2::from(store.position[i]);
+    (0..count).flat_map(|i| (0..i).map(move |j| p(i).distance(p(j)))).fold(0.0, f32::max)
+}
+
+#[test]
+fn a_pair_walks_side_by_side_at_the_pace_of_the_slower() {
+    let mut store = people(&[[0.0, 0.0], [-3.0, 0.5]], &[1.5, 1.0]);
+    join(&mut store, &[0, 1]);
+    steps(&mut store, 30 * 15);
+    let mut across = 0.0;
+    for _ in 0..10 {
+        steps(&mut store, 30);
+        let [a, b] = [store.position[0], store.position[1]];
+        assert!((a[0] - b[0]).abs() < 0.45, "one walks ahead: {a:?} {b:?}");
+        assert!(spread(&store, 2) < 1.3, "{a:?} {b:?}");
+        across += (a[1] - b[1]).abs() * 0.1;
+    }
+    assert!((0.5..1.2).contains(&across), "{across} m side by side");
+    let speed = store.velocity[1][0];
+    assert!((0.8..=1.05).contains(&speed), "{speed} m/s");
+}
+
+#[test]
+fn whoever_is_ahead_waits_for_the_one_who_fell_behind() {
+    let mut store = people(&[[12.0, 0.0], [0.0, 0.0]], &[1.3]);
+    join(&mut store, &[0, 1]);
+    steps(&mut store, 60);
+    let speed = Vec2::from(store.velocity[0]).length();
+    assert!(speed < 0.3, "the one ahead walks on at {speed} m/s");
+    steps(&mut store, 30 * 10);
+    assert!(spread(&store, 2) < 1.6, "{:?}", store.position);
+}
+
+#[test]
+fn a_group_splits_at_a_pillar_and_comes_together_behind_it() {
+    for size in 2..=4_u32 {
+        let places: Vec<[f32; 2]> =
+            (0..size).map(|i| [0.0, 0.8 * i as f32 - 0.4 * (size - 1) as f32]).collect();
+        let mut store = people(&places, &[1.3]);
+        join(&mut store, &(0..size).collect::<Vec<_>>());
+        let pillar = vec![[8.0, 0.1], [9.0, -0.9], [10.0, 0.1], [9.0, 1.1]];
+        set_obstacles(&mut store, &[pillar]);
+        let mut widest = 0.0_f32;
+        for _ in 0..30 * 14 {
+            steps(&mut store, 1);
+            widest = widest.max(spread(&store, size as usize));
+            assert_eq!(measure::moment(&store).overlapping_pairs, 0, "{:?}", store.position);
+        }
+        assert!(store.position.iter().all(|p| p[0] > 12.0), "{size}: {:?}", store.position);
+        assert!(spread(&store, size as usize) < 0.9 * size as f32, "{size}: {:?}", store.position);
+        assert!(widest < 6.0);
+    }
+}
+
+#[test]
+fn members_who_turn_back_at_different_times_do_not_hold_each_other_up() {
+    let mut store = people(&[[0.0, 0.0], [-4.0, 0.0]], &[1.3]);
+    store.waypoints = vec![[6.0, 0.0, 0.8, 0.0], [-6.0, 0.0, 0.8, 0.0]];
+    store.route = vec![[0, 2 | 1 << 31, 0, 0]; 2];
+    join(&mut store, &[0, 1]);
+    steps(&mut store, 30 * 120);
+    // 12 m there and back at 1.3 m/s: five rounds or six, fewer with the waiting
+    assert!(store.route.iter().all(|way| way[3] >= 4), "{:?}", store.route);
+    assert!(spread(&store, 2) < 2.0, "{:?}", store.position);
+}
+
+#[test]
+fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
+    // 30 m by 8 m at 0.5 people/m2, walked round and round
+    let text = r#"
+        name = "corridor"
+        bounds = [[-20, -4], [20, -4], [20, 4], [-20, 4]]
+        [population]
+        agents = 120
+        groups.sizes = [0.2, 0.4, 0.25, 0.15]
+        [[routes]]
+        name = "along"
+        waypoints = [[-18, 0], [18, 0]]
+        width = 5.0
+    "#;
+    let scenario: Scenario = toml::from_str(text).unwrap();
+    let library = GaitLibrary::built_in().unwrap();
+    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+    assert!(simulation.store().step.group_count > 20, "{}", simulation.store().step.group_count);
+    let geometry = scenario.geometry();
+    let walkable = Clearance::new(&geometry.bounds, &geometry.obstacles);
+    let (mut distance, mut along, mut across, mut samples) = (0.0, 0.0, 0.0, 0.0_f32);
+    for second in 0..40 {
+        simulation.step(30).unwrap();
+        let store = simulation.state().unwrap();
+        assert_eq!(measure::moment(store).overlapping_pairs, 0, "second {second}");
+        assert_eq!(measure::outside(store, |p| walkable.walkable(p)), 0, "second {second}");
+        for (agent, others) in store.companions.iter().enumerate().filter(|_| second >= 10) {
+            let at = Vec2::from(store.position[agent]);
+            assert!(!is_absent(store.position[agent]));
+            let others: Vec<Vec2> = others
+                .iter()
+                .filter_map(|o| store.position.get(*o as usize))
+                .map(|p| Vec2::from(*p))
+                .collect();
+            if others.is_empty() {
+                continue;
+            }
+            let centre = (others.iter().sum::<Vec2>() + at) / (others.len() as f32 + 1.0);
+            distance += at.distance(centre);
+            along += (at.x - centre.x).abs();
+            across += (at.y - centre.y).abs();
+            samples += 1.0;
+        }
+    }
+    let (distance, along, across) = (distance / samples, along / samples, across / samples);
+    println!("{distance:.2} m from the centre: {along:.2} m along, {across:.2} m across");
+    assert!(distance < 1.2, "{distance} m from the centre of the group on average");
+}
