@@ -37,7 +37,7 @@ pub use layout::Geometry;
 pub use mesh::EnvironmentMesh;
 pub use populate::{populate, populate_from, populate_with};
 pub use schema::{
-    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Groups, Layout, Model, Navigation, Obstacle, Point,
-    Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
+    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Groups, Layout, Model, Navigation, Obstacle,
+    Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
