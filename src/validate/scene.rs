@@ -281,5 +281,6 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         route_length: number(walker.way.len()),
         waypoint: number(walker.next),
         loops: walker.loops,
+        companions: [u32::MAX; 4],
     }
 }
