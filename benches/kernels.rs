@@ -20,6 +20,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "accompany",
     "attend",
     "compact",
+    "contain",
     "cull",
     "gait_features",
     "gaze",
@@ -35,6 +36,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "prefer",
     "skin",
     "velocity_orca",
+    "velocity_rvo",
 ];
 
 fn agents() -> usize {

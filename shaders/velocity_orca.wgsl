@@ -1,4 +1,4 @@
-// uses: step, grid, orca, neighbours, crowding, absent
+// uses: step, grid, orca, segments, neighbours, crowding, absent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
@@ -18,9 +18,6 @@ var<immediate> level: u32;                                                     /
 
 // An agent slower than this share of its maximum speed is in a jam.
 const JAM_SPEED = 0.45;
-
-var<private> segment_numbers: array<u32, 12>;
-var<private> segment_distances: array<f32, 12>;
 
 @compute @workgroup_size(64)
 fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -92,34 +89,7 @@ fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>,
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.
 fn obstacle_lines(at: vec2<f32>, velocity: vec2<f32>, radius: f32, max_speed: f32) -> u32 {
-    if step.obstacle_count == 0u {
-        return 0u;
-    }
-    let reach = step.time_horizon_obstacles * max_speed + radius;
-    let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    let cell = u32(centre.y) * step.grid_columns + u32(centre.x);
-    var count = 0u;
-    let end = obstacle_cells[cell + 1u];
-    for (var entry = obstacle_cells[cell]; entry < end; entry++) {
-        let number = obstacle_cells[entry];
-        let distance2 = segment_distance2(obstacles[number * 3u], at);
-        if distance2 < reach * reach {
-            // numbers rise within a cell's list, so equal distances stay in order of number
-            var hole = count;
-            while hole > 0u && distance2 < segment_distances[max(hole, 1u) - 1u] {
-                if hole < SEGMENTS {
-                    segment_numbers[hole] = segment_numbers[hole - 1u];
-                    segment_distances[hole] = segment_distances[hole - 1u];
-                }
-                hole--;
-            }
-            if hole < SEGMENTS {
-                segment_numbers[hole] = number;
-                segment_distances[hole] = distance2;
-                count = min(count + 1u, SEGMENTS);
-            }
-        }
-    }
+    let count = near_segments(at, step.time_horizon_obstacles * max_speed + radius);
     var made = 0u;
     for (var i = 0u; i < count; i++) {
         let number = segment_numbers[i] * 3u;

@@ -139,6 +139,11 @@ pub fn bench(
         rows.extend(kernels(&mut Sequence::step(agents, backend, device)?)?);
         if workload == Workload::All {
             progress(&format!("kernels of a picture, {agents} agents"), share(0.7));
+            for kernel in Sequence::ALTERNATIVES {
+                let mut sequence = Sequence::with(kernel, agents, backend, device)?;
+                let rows_of_it = kernels(&mut sequence)?;
+                rows.extend(rows_of_it.into_iter().filter(|row| row.name == kernel.kernel().name));
+            }
             rows.extend(kernels(&mut Sequence::picture(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
@@ -263,6 +268,34 @@ impl Sequence {
         Self::new(None, agents, store, passes, (backend, device))
     }
 
+    /// Kernels of a step that the plain crossing does without.
+    const ALTERNATIVES: [KernelId; 2] = [KernelId::Contain, KernelId::VelocityRvo];
+
+    /// A step of the crossing with one of [`Self::ALTERNATIVES`]; beside every sixteenth agent stands
+    /// a post where the kernel is that of obstacles.
+    fn alternative(
+        kernel: KernelId,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let mut store = crossing(agents, SPACING);
+        if let Some(model) = order::MODELS.into_iter().find(|model| order::velocity_kernel(*model) == kernel)
+        {
+            store.step.model = model;
+        }
+        if kernel == KernelId::Contain {
+            let post = |at: &[f32; 2]| {
+                let [x, z] = [at[0] + 0.5, at[1] + 0.5];
+                vec![[x, z], [x + 0.1, z], [x + 0.1, z + 0.1]]
+            };
+            let posts: Vec<_> = store.position.iter().step_by(16).take(10_000).map(post).collect();
+            setup::set_obstacles(&mut store, &posts);
+        }
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
     /// The kernels that prepare a picture of everyone in the crossing, from the middle of it.
     ///
     /// # Errors
@@ -328,6 +361,9 @@ impl Sequence {
             (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
             let passes = order::step_passes(&store.step);
             return Self::new(None, agents, store, passes, (backend, device));
+        }
+        if Self::ALTERNATIVES.contains(&kernel) {
+            return Self::alternative(kernel, agents, backend, device);
         }
         let all = crate::kernels::layout::StepUniforms { group_count: 1, ..Default::default() };
         let step = order::step_passes(&all);

@@ -60,6 +60,22 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
         let mut seen = BTreeSet::from([KernelId::Numerics]);
         for agents in [0, 1, 63, 64, 65, 1000] {
             for seed in [1, 7] {
+                for model in order::MODELS.skip(1) {
+                    let mut store = step::crowd_with(model, agents, seed);
+                    for round in 0..3 {
+                        let passes = order::step_passes(&store.step);
+                        let found = compare_passes(device, &store, &passes).unwrap();
+                        assert_exact(
+                            &format!("{agents} agents, model {model}, seed {seed}, step {round}"),
+                            &found,
+                        );
+                        seen.extend(found.iter().map(|c| c.kernel));
+                        for pass in passes {
+                            gaitway::reference::run(pass.kernel, &mut store, pass.level);
+                        }
+                        store.step.step_index += 1;
+                    }
+                }
                 let mut store = step::crowd(agents, seed);
                 for round in 0..2 {
                     let passes = order::step_passes(&store.step);
@@ -91,8 +107,10 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
 fn the_comparison_notices_one_bit() {
     on_device(|device| {
         let (crowd, bodies, walks) = (step::crowd(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
+        let of_model = |model| step::crowd_with(model, 65, 3);
         let stages = [
             (order::step_passes(&crowd.step), crowd),
+            (order::step_passes(&of_model(1).step), of_model(1)),
             (order::frame_passes(&bodies.frame), bodies),
             (gaits::passes(&walks), walks), // gait_features
         ];

@@ -39,6 +39,8 @@ lead_agents 1
 barrier
 velocity_orca 1
 barrier
+contain
+barrier
 integrate
 barrier
 set step

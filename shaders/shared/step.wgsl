@@ -29,6 +29,10 @@ struct StepUniforms {
     safety_margin: f32,          // m added to the summed radii while avoiding
     inverse_time_horizon_dense: f32, // 1/s: the horizon tried when not all lines can be kept; 0: none
     inverse_time_horizon_jam: f32,   // 1/s: the horizon tried after that by an agent that hardly moves; 0: none
+    model: u32,                  // velocity kernel: 0 ORCA, 1 RVO
+    collision_weight: f32,       // m, of RVO: what a time to collision of 1 s costs
+    max_acceleration: f32,       // m/s2, of RVO
+    patience: f32,               // s without progress before an agent does something about it; 0: never
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
     led_count: u32,              // agents that are led from outside
     crowding: f32,               // 0 to 1, how much people ahead slow an agent down

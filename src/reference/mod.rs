@@ -14,11 +14,13 @@
 )]
 
 pub mod body;
+pub mod contact;
 pub mod crowding;
 pub mod exact;
 pub mod neighbours;
 pub mod orca;
 pub mod quaternion;
+pub mod segments;
 pub mod shared;
 
 use crate::kernels::{KernelId, Store};

@@ -3,10 +3,9 @@
 use super::crowding::crowded;
 use super::exact::dot2;
 use super::neighbours::{Nearest, Slots};
-use super::orca::{
-    LINES, Line, SEGMENTS, Segment, agent_line, least_bad, obstacle_line, segment_distance2, share_of, within,
-};
-use super::shared::{LED, NOBODY, grid_cell};
+use super::orca::{LINES, Line, agent_line, least_bad, obstacle_line, share_of, within};
+use super::segments::Walls;
+use super::shared::{LED, NOBODY};
 use crate::kernels::velocity_orca::Slices;
 use rayon::prelude::*;
 
@@ -20,7 +19,8 @@ pub fn velocity_orca(b: Slices<'_>) {
         cell_start: b.cell_start,
         has_storeys: b.level == 1,
     };
-    let scene = Scene { slots, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
+    let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
+    let scene = Scene { slots, walls };
     b.new_velocity[..agents].par_iter_mut().with_min_len(256).enumerate().for_each(|(slot, velocity)| {
         let agent = b.slot_agent[slot];
         if agent == NOBODY {
@@ -37,8 +37,7 @@ const JAM_SPEED: f32 = 0.45;
 /// What all agents read.
 struct Scene<'a> {
     slots: Slots<'a>,
-    obstacles: &'a [[f32; 4]],
-    obstacle_cells: &'a [u32],
+    walls: Walls<'a>,
 }
 
 impl Scene<'_> {
@@ -127,37 +126,10 @@ impl Scene<'_> {
         max_speed: f32,
     ) -> usize {
         let step = self.slots.step;
-        if step.obstacle_count == 0 {
-            return 0;
-        }
-        let range = step.time_horizon_obstacles * max_speed + radius;
-        let [cx, cy] = grid_cell(position, step);
-        let cell = (cy as u32 * step.grid_columns + cx as u32) as usize;
-        let mut numbers = [0_u32; SEGMENTS];
-        let mut distances = [0.0_f32; SEGMENTS];
-        let mut count = 0;
-        for entry in self.obstacle_cells[cell]..self.obstacle_cells[cell + 1] {
-            let number = self.obstacle_cells[entry as usize];
-            let distance2 = segment_distance2(&self.segment(number), position);
-            if !(distance2 < range * range) {
-                continue;
-            }
-            // numbers rise within a cell's list, so equal distances stay in order of number
-            let mut hole = count;
-            while hole > 0 && distance2 < distances[hole - 1] {
-                if hole < SEGMENTS {
-                    (numbers[hole], distances[hole]) = (numbers[hole - 1], distances[hole - 1]);
-                }
-                hole -= 1;
-            }
-            if hole < SEGMENTS {
-                (numbers[hole], distances[hole]) = (number, distance2);
-                count = (count + 1).min(SEGMENTS);
-            }
-        }
+        let near = self.walls.near(position, step.time_horizon_obstacles * max_speed + radius);
         let mut made = 0;
-        for number in &numbers[..count] {
-            let segment = self.segment(*number);
+        for number in &near.numbers[..near.count] {
+            let segment = self.walls.segment(*number);
             let rate = step.inverse_time_horizon_obstacles;
             if let Some(line) = obstacle_line(&lines[..made], &segment, position, velocity, radius, rate) {
                 lines[made] = line;
@@ -165,10 +137,5 @@ impl Scene<'_> {
             }
         }
         made
-    }
-
-    fn segment(&self, number: u32) -> Segment {
-        let at = number as usize * 3;
-        [self.obstacles[at], self.obstacles[at + 1], self.obstacles[at + 2]]
     }
 }

@@ -319,6 +319,8 @@ pub enum Model {
     /// Optimal reciprocal collision avoidance, 2011, by linear programming.
     #[default]
     Orca,
+    /// Reciprocal velocity obstacles, 2008, the paper's own: the best of some sampled velocities.
+    Rvo,
 }
 
 /// How agents find their way past one another (spec 1.7).
@@ -354,6 +356,11 @@ pub struct Navigation {
     pub max_speed: f32,
     /// Greatest random change of the preferred velocity, m/s; breaks head-on symmetry.
     pub perturbation: f32,
+    /// Of `rvo`: what a collision in one second costs against a velocity that differs by 1 m/s from the preferred one, m.
+    /// Larger: shyer. (RVO Library 1.1 calls it the safety factor.)
+    pub collision_weight: f32,
+    /// Of `rvo`: greatest change of velocity, m/s².
+    pub max_acceleration: f32,
 }
 
 impl Default for Navigation {
@@ -373,6 +380,8 @@ impl Default for Navigation {
             max_speed_factor: 1.5,
             max_speed: 2.5,
             perturbation: 0.02,
+            collision_weight: 1.0,
+            max_acceleration: 10.0,
         }
     }
 }

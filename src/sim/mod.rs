@@ -90,8 +90,10 @@ impl Simulation {
     pub fn from_store(store: Store, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         #[cfg(feature = "vulkan")]
         if backend != Backend::Cpu {
-            let is_of_a_crowd =
-                |kernel: &KernelId| ![KernelId::Numerics, KernelId::GaitFeatures].contains(kernel);
+            let model = order::velocity_kernel(store.step.model);
+            let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
+            let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
+            let is_of_a_crowd = |kernel: &KernelId| !others.contains(kernel);
             let kernels: Vec<KernelId> = KernelId::ALL.into_iter().filter(is_of_a_crowd).collect();
             let opened = Device::open(device, Validation::from_environment())
                 .and_then(|device| Engine::new(&device, &store, &kernels));

@@ -29,11 +29,15 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     }
     passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
-        pass(KernelId::VelocityOrca, storeys, agents),
+        pass(velocity_kernel(step.model), storeys, agents),
+        pass(KernelId::Contain, 0, agents),
         pass(KernelId::Integrate, 0, agents),
     ]);
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
+    }
+    if step.obstacle_count == 0 {
+        passes.retain(|pass| pass.kernel != KernelId::Contain);
     }
     passes
 }
@@ -42,6 +46,17 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
 pub const fn has_turns(frame: &FrameUniforms) -> bool {
     frame.gaze_limit > 1 && frame.gaze_limit <= frame.agent_count
 }
+
+/// The kernel that avoids others, by the number of its model ([`StepUniforms`]' `model`).
+pub const fn velocity_kernel(model: u32) -> KernelId {
+    match model {
+        1 => KernelId::VelocityRvo,
+        _ => KernelId::VelocityOrca,
+    }
+}
+
+/// Numbers of models.
+pub const MODELS: std::ops::Range<u32> = 0..2;
 
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {

@@ -5,7 +5,7 @@ use super::obstacles::{cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
 use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::scenario::{AgentStart, Crowd, Geometry, Navigation, Scenario};
+use crate::scenario::{AgentStart, Crowd, Geometry, Model, Navigation, Scenario};
 use glam::Vec2;
 
 /// Body turns at most this fast, rad/s.
@@ -68,6 +68,12 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         responsibility: 0.5,
         crowding: navigation.crowding,
         crowding_reach: CROWDING_REACH,
+        model: match navigation.model {
+            Model::Orca => 0,
+            Model::Rvo => 1,
+        },
+        collision_weight: navigation.collision_weight,
+        max_acceleration: navigation.max_acceleration,
         ..StepUniforms::default()
     };
     set_grid(&mut step, low, high, geometry.walkable_area() as f32, navigation.neighbour_distance);
@@ -96,8 +102,8 @@ pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32, neigh
 
 /// Puts obstacle polygons into the store; its bodies must be there, since their speed decides who can reach what.
 pub fn set_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>]) {
-    let fastest =
-        store.body.iter().map(|b| store.step.time_horizon_obstacles * b[1] + b[0]).fold(0.0, f32::max);
+    let seconds = store.step.time_horizon_obstacles.max(store.step.time_step);
+    let fastest = store.body.iter().map(|b| seconds * b[1] + b[0]).fold(0.0, f32::max);
     let segments = segments(polygons);
     store.step.obstacle_count = segments.len() as u32;
     store.obstacle_cells = cell_lists(&segments, &store.step, fastest);

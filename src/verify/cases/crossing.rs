@@ -40,6 +40,8 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             walk_speed: 0.1,
             blend_rate: 3.0,
             responsibility: 0.5,
+            collision_weight: 1.0,
+            max_acceleration: 10.0,
             wrap: side,
             ..StepUniforms::default()
         },

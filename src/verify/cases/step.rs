@@ -46,6 +46,8 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             responsibility: 0.5,
             crowding: if (agents as u32 ^ seed) & 2 == 2 { 0.8 } else { 0.0 },
             crowding_reach: 2.5,
+            collision_weight: 1.0,
+            max_acceleration: 10.0,
             storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },
@@ -55,6 +57,13 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
     groups(&mut store, agents, seed);
     obstacles(&mut store, side);
     scratch(&mut store, agents);
+    store
+}
+
+/// [`crowd`] with another model of avoidance (the number in `StepUniforms`).
+pub fn crowd_with(model: u32, agents: usize, seed: u32) -> Store {
+    let mut store = crowd(agents, seed);
+    store.step.model = model;
     store
 }
 

@@ -1,0 +1,76 @@
+//! The last resort of collision avoidance: nobody walks through a wall.
+
+use super::exact::{det2, dot2, is_finite2};
+use super::segments::Walls;
+use super::shared::{LED, NOBODY};
+use crate::kernels::contain::Slices;
+use rayon::prelude::*;
+
+/// Least distance of a centre from a wall, m: far below any radius, far above rounding.
+const GAP: f32 = 0.01;
+/// What is held at a wall leaves it at this speed, m/s: by rounding it might else cross again.
+const NUDGE: f32 = 0.02;
+const ROUNDS: u32 = 3;
+
+/// Twin of `shaders/contain.wgsl`.
+pub fn contain(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
+    b.new_velocity[..agents].par_iter_mut().with_min_len(1024).enumerate().for_each(|(slot, velocity)| {
+        let agent = b.slot_agent[slot];
+        if agent == NOBODY || b.manners[agent as usize][3] >= LED || !is_finite2(*velocity) {
+            return;
+        }
+        let [x, y, ..] = b.slot_motion[slot * 2];
+        *velocity = held(&walls, [x, y], *velocity);
+    });
+}
+
+/// The part of a velocity that crosses no wall within a step.
+fn held(walls: &Walls<'_>, at: [f32; 2], wanted: [f32; 2]) -> [f32; 2] {
+    let listed = walls.listed(at);
+    let time_step = walls.step.time_step;
+    let mut velocity = wanted;
+    for round in 0..ROUNDS {
+        let mut held = false;
+        for &number in listed {
+            let [[ax, ay, bx, by], [along_x, along_y, ..], _] = walls.segment(number);
+            let (a, b, along) = ([ax, ay], [bx, by], [along_x, along_y]);
+            if crosses(at, velocity, a, b, along, time_step) {
+                held = true;
+                let speed = dot2(along, velocity);
+                velocity = [along[0] * speed + along[1] * NUDGE, along[1] * speed + -along[0] * NUDGE];
+                if round + 1 == ROUNDS || crosses(at, velocity, a, b, along, time_step) {
+                    velocity = [0.0, 0.0];
+                }
+            }
+        }
+        if !held {
+            break;
+        }
+    }
+    velocity
+}
+
+/// Whether one step would bring a point on the open side of a segment nearer than [`GAP`] to it, or across.
+fn crosses(
+    at: [f32; 2],
+    velocity: [f32; 2],
+    a: [f32; 2],
+    b: [f32; 2],
+    along: [f32; 2],
+    time_step: f32,
+) -> bool {
+    let next = [at[0] + velocity[0] * time_step, at[1] + velocity[1] * time_step];
+    let now = det2(along, [a[0] - at[0], a[1] - at[1]]);
+    let then = det2(along, [a[0] - next[0], a[1] - next[1]]);
+    if now < 0.0 || then >= now || then >= GAP {
+        return false;
+    }
+    // where the move is at the gap's edge, and where it is on the line
+    let s = dot2(along, [at[0] - a[0], at[1] - a[1]]);
+    let moved = dot2(along, [next[0] - at[0], next[1] - at[1]]);
+    let first = s + moved * ((now - now.min(GAP)) / (now - then));
+    let last = s + moved * ((now - then.max(0.0)) / (now - then));
+    first.max(last) >= -GAP && first.min(last) <= dot2(along, [b[0] - a[0], b[1] - a[1]]) + GAP
+}
