@@ -34,6 +34,9 @@ pub enum Error {
     #[cfg(feature = "vulkan")]
     #[error(transparent)]
     Render(#[from] crate::render::Error),
+    /// A recording of a crowd could not be read or replayed.
+    #[error(transparent)]
+    Replay(#[from] crate::replay::Error),
     /// A result could not be written.
     #[error(transparent)]
     Export(#[from] crate::export::Error),
@@ -53,6 +56,7 @@ impl Error {
         match self {
             #[cfg(feature = "vulkan")]
             Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
+            Self::Replay(error) => error.hint(),
             Self::Export(crate::export::Error::Picture(error)) => error.hint(),
             Self::Usage { hint, .. } => Some(hint),
             _ => None,

@@ -32,6 +32,7 @@ pub mod reference;
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "records draw calls through Vulkan, one SAFETY comment per block")]
 pub mod render;
+pub mod replay;
 pub mod scenario;
 pub mod sim;
 pub mod validate;

@@ -18,6 +18,7 @@ const ORDER: &[&[&str]] = &[
     &["scenario"],
     &["sim"],
     &["export"],
+    &["replay"],
     &["render"],
     &["view", "xr"],
     &["perceive", "validate", "verify"],

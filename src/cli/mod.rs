@@ -15,6 +15,7 @@ mod preference;
 mod progress;
 #[cfg(feature = "vulkan")]
 mod render;
+mod replay;
 mod scene;
 #[cfg(feature = "vulkan")]
 mod sheet;
@@ -53,6 +54,8 @@ enum Command {
     /// Draw a crowd into pictures or a video
     #[cfg(feature = "vulkan")]
     Render(render::Arguments),
+    /// Walk other people's crowds, recorded or simulated, with bodies, gaits and emotions
+    Replay(replay::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),
     /// Import, show or generate gaits
@@ -76,6 +79,7 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
+        Command::Replay(arguments) => replay::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]

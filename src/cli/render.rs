@@ -2,7 +2,7 @@
 
 use super::output::{say, say_json, thousands};
 use super::progress::Progress;
-use super::scene::{Scene, SceneArguments, check_seconds};
+use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds};
 use super::simulate::steps_per_frame;
 use super::stage::{CameraName, Stage, size};
 use super::usage;
@@ -93,48 +93,80 @@ impl Target {
     }
 }
 
+/// What is drawn of a scene.
+pub(super) struct Film<'a> {
+    pub(super) out: &'a Path,
+    pub(super) camera: CameraName,
+    pub(super) size: (u32, u32),
+    pub(super) at: Option<f64>,
+    pub(super) seconds: f64,
+    /// Frames per second; `None`: one each step.
+    pub(super) fps: Option<f64>,
+    pub(super) markers: bool,
+}
+
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
-    let target = Target::of(&arguments.out)?;
+    let picture = Film {
+        out: &arguments.out,
+        camera: arguments.camera,
+        size: arguments.size,
+        at: arguments.at,
+        seconds: check_seconds("--seconds", arguments.seconds)?,
+        fps: Some(arguments.fps),
+        markers: arguments.markers,
+    };
+    Target::of(picture.out)?; // before anything takes time
+    draw(Scene::load(&arguments.scene)?, &arguments.scene.place, &picture, arguments.json, begin)
+}
+
+/// Draws pictures of a scene and says what was written.
+pub(super) fn draw(
+    scene: Scene,
+    place: &PlaceArguments,
+    picture: &Film<'_>,
+    json: bool,
+    begin: Instant,
+) -> Result<bool, Error> {
+    let target = Target::of(picture.out)?;
     let is_still = matches!(target, Target::Still(_));
-    let at = check_seconds("--at", arguments.at.unwrap_or(if is_still { 3.0 } else { 0.0 }))?;
-    let seconds = check_seconds("--seconds", arguments.seconds)?;
-    let scene = Scene::load(&arguments.scene)?;
-    let every = steps_per_frame(arguments.fps, &scene)?;
-    let (lead, steps) = (scene.steps(at), scene.steps(seconds));
-    let mut stage = Stage::new(scene, &arguments.scene.place, arguments.size, arguments.markers)?;
+    let at = check_seconds("--at", picture.at.unwrap_or(if is_still { 3.0 } else { 0.0 }))?;
+    let rate = picture.fps.unwrap_or(1.0 / f64::from(scene.scenario.navigation.time_step));
+    let every = steps_per_frame(rate, &scene)?;
+    let (lead, steps) = (scene.steps(at), scene.steps(picture.seconds));
+    let mut stage = Stage::new(scene, place, picture.size, picture.markers)?;
     advance(&mut stage, lead)?;
     let (file, frames) = match target {
         Target::Still(path) => {
-            let camera = stage.camera(arguments.camera, 0.0)?;
+            let camera = stage.camera(picture.camera, 0.0)?;
             let image = stage.picture(&camera)?;
             write_png(&path, &image).map_err(crate::export::Error::from)?;
             (path, 1)
         }
         Target::Folder(path) => {
             make_folder(&path)?;
-            let frames = film(&mut stage, arguments.camera, (steps, every), &mut |number, image| {
+            let frames = film(&mut stage, picture.camera, (steps, every), &mut |number, image| {
                 let name = path.join(format!("frame_{number:05}.png"));
                 Ok(write_png(&name, image).map_err(crate::export::Error::from)?)
             })?;
             (path, frames)
         }
-        Target::Video(path) => video(&mut stage, arguments.camera, (steps, every), &path, arguments.fps)?,
+        Target::Video(path) => video(&mut stage, picture.camera, (steps, every), &path, rate)?,
     };
     let outcome = Outcome {
         device: stage.devices(),
         scene: stage.scene.scenario.name.clone(),
-        agents: stage.scene.scenario.population.agents,
+        agents: stage.scene.agents(),
         seed: stage.scene.scenario.seed,
         file,
         frames,
-        width: arguments.size.0,
-        height: arguments.size.1,
+        width: picture.size.0,
+        height: picture.size.1,
         simulated_seconds: stage.simulation.time(),
         wall_seconds: begin.elapsed().as_secs_f64(),
     };
-    if arguments.json {
+    if json {
         say_json(&outcome)?;
     } else {
         print(&outcome);
@@ -165,7 +197,7 @@ fn advance(stage: &mut Stage, steps: u32) -> Result<(), Error> {
     let mut done = 0;
     while done < steps {
         let count = LEAP.min(steps - done);
-        stage.simulation.step(count)?;
+        stage.step(count)?;
         done += count;
         progress.at("", f64::from(done) / f64::from(steps));
     }
@@ -184,7 +216,7 @@ pub(super) fn film(
     let begin = stage.simulation.time();
     for number in 0..frames {
         if number > 0 {
-            stage.simulation.step(every)?;
+            stage.step(every)?;
         }
         let camera = stage.camera(camera, stage.simulation.time() - begin)?;
         take(number, &stage.picture(&camera)?)?;

@@ -6,6 +6,7 @@ use crate::Error;
 use crate::avatar::{self, Avatar, Sex};
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
+use crate::replay::Replay;
 use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate_from};
 use crate::sim::{Backend, Cast, Simulation, setup};
 use clap::{Args, ValueEnum};
@@ -81,12 +82,24 @@ pub(super) struct Scene {
     pub(super) geometry: Geometry,
     pub(super) crowd: Crowd,
     pub(super) cast: Cast,
+    /// Recorded people among the crowd.
+    pub(super) replay: Option<Replay>,
+}
+
+impl ConditionName {
+    pub(super) const fn get(self) -> Condition {
+        match self {
+            Self::Baseline => Condition::Baseline,
+            Self::EvaO => Condition::EvaO,
+            Self::EvaG => Condition::EvaG,
+        }
+    }
 }
 
 impl Scene {
     /// Reads, checks and populates.
     pub(super) fn load(arguments: &SceneArguments) -> Result<Self, Error> {
-        let mut scenario = read(&arguments.scene)?;
+        let mut scenario = scenario_of(&arguments.scene)?;
         if let Some(agents) = arguments.agents {
             scenario.population.agents = agents;
         }
@@ -94,23 +107,50 @@ impl Scene {
             scenario.seed = seed;
         }
         if let Some(condition) = arguments.condition {
-            scenario.condition = match condition {
-                ConditionName::Baseline => Condition::Baseline,
-                ConditionName::EvaO => Condition::EvaO,
-                ConditionName::EvaG => Condition::EvaG,
-            };
+            scenario.condition = condition.get();
         }
         arguments.preference.apply(&mut scenario);
         let library = library(arguments.library.as_deref())?;
         let base = Path::new(&arguments.scene).parent();
         let crowd = populate_from(&scenario, &library)?;
         let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
-        Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast })
+        Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: None })
+    }
+
+    /// A scene with the people of a recording among its crowd; avatar files are looked for in `base`.
+    pub(super) fn with_replay(
+        scenario: Scenario,
+        library: Option<&Path>,
+        base: Option<&Path>,
+        mut replay: Replay,
+    ) -> Result<Self, Error> {
+        let library = self::library(library)?;
+        let mut crowd = populate_from(&scenario, &library)?;
+        replay.join(&scenario, &library, &mut crowd)?;
+        let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
+        Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: Some(replay) })
+    }
+
+    /// Does steps, leading recorded people.
+    pub(super) fn step(&self, simulation: &mut Simulation, count: u32) -> Result<(), Error> {
+        match &self.replay {
+            Some(replay) => replay.step(simulation, count),
+            None => simulation.step(count),
+        }
+    }
+
+    /// How many agents there are.
+    pub(super) fn agents(&self) -> u32 {
+        u32::try_from(self.crowd.agents.len()).unwrap_or(u32::MAX)
     }
 
     /// The buffers of the start.
     pub(super) fn store(&self) -> Store {
-        setup::store(&self.scenario, &self.geometry, &self.crowd, &self.cast)
+        let mut store = setup::store(&self.scenario, &self.geometry, &self.crowd, &self.cast);
+        if let Some(replay) = &self.replay {
+            replay.set_up(&mut store);
+        }
+        store
     }
 
     /// Steps of `seconds`.
@@ -145,7 +185,8 @@ pub(super) fn check_seconds(name: &str, seconds: f64) -> Result<f64, Error> {
     Err(usage(format!("{name} = {seconds}: must be 0 to 86400 seconds"), "a day is the most"))
 }
 
-fn read(name: &str) -> Result<Scenario, Error> {
+/// A scenario by the name of a built-in scene or of a file.
+pub(super) fn scenario_of(name: &str) -> Result<Scenario, Error> {
     let path = Path::new(name);
     let is_file = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     if is_file || name.contains(std::path::MAIN_SEPARATOR) {

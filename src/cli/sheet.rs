@@ -80,7 +80,7 @@ fn scene() -> Result<Scene, Error> {
             }
         }
     }
-    Ok(Scene { geometry: scenario.geometry(), scenario, crowd, cast })
+    Ok(Scene { geometry: scenario.geometry(), scenario, crowd, cast, replay: None })
 }
 
 fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32) -> AgentStart {

@@ -179,7 +179,7 @@ pub(super) fn simulate(
     mut recording: Option<Recording>,
 ) -> Result<Outcome, Error> {
     let begin = Instant::now();
-    let agents = scene.scenario.population.agents;
+    let agents = scene.agents();
     let free = Clearance::new(&scene.geometry.bounds, &scene.geometry.obstacles);
     let sampling = if agents <= MEASURED_EVERY_STEP { 1 } else { SAMPLING };
     let mut measures = Measures {
@@ -200,7 +200,7 @@ pub(super) fn simulate(
         let frame = recording.as_ref().map_or(u32::MAX, |recording| to_next(recording.every));
         let count = to_next(sampling).min(frame).min(steps - done);
         let step_begin = Instant::now();
-        match simulation.step(count) {
+        match scene.step(simulation, count) {
             Err(Error::Sim(error @ sim::Error::Failure { .. })) => failure = Some(error.to_string()),
             other => other?,
         }
@@ -244,7 +244,7 @@ pub(super) fn simulate(
     })
 }
 
-fn print(outcome: &Outcome) {
+pub(super) fn print(outcome: &Outcome) {
     let Outcome { scene, agents, steps, seed, device, .. } = outcome;
     let clearance = if outcome.min_clearance.is_finite() {
         format!("{:.3} m", outcome.min_clearance)

@@ -96,6 +96,11 @@ impl Stage {
         Ok(Self { scene, simulation, show, size: (settings.width, settings.height) })
     }
 
+    /// Does steps without drawing.
+    pub(super) fn step(&mut self, count: u32) -> Result<(), Error> {
+        self.scene.step(&mut self.simulation, count)
+    }
+
     /// The device that draws.
     pub(super) fn device(&self) -> String {
         self.show.device()

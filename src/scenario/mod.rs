@@ -16,6 +16,7 @@ mod garden;
 mod gaze;
 mod lanes;
 mod layout;
+mod led;
 mod load;
 mod mesh;
 mod parking;
@@ -34,6 +35,7 @@ pub use error::{BadValue, Error};
 pub use gaze::{Budget, DEFAULT_BUDGET, Gaze, GazeMode};
 pub use lanes::ROUTE_CLEARANCE;
 pub use layout::Geometry;
+pub use led::{Person, populate_people};
 pub use mesh::EnvironmentMesh;
 pub use populate::{populate, populate_from, populate_with};
 pub use schema::{

@@ -65,15 +65,23 @@ pub fn populate_with(
     perceiver: Option<&dyn Perceiver>,
 ) -> Result<Crowd, Error> {
     scenario.validate()?;
+    fill(scenario, &chooser(scenario, library, perceiver)?)
+}
+
+/// Who chooses the gaits of a scenario out of a library.
+pub(super) fn chooser(
+    scenario: &Scenario,
+    library: &GaitLibrary,
+    perceiver: Option<&dyn Perceiver>,
+) -> Result<Chooser, Error> {
     let prefer = &scenario.population.prefer;
     let clarity = prefer
         .margin_temperature
         .map(|temperature| Clarity { margins: margins(library, perceiver), temperature });
-    let chooser = Chooser::new(library, prefer.speed_tolerance, clarity.as_ref()).map_err(|error| {
+    Chooser::new(library, prefer.speed_tolerance, clarity.as_ref()).map_err(|error| {
         let hint = "or leave population.prefer.margin_temperature out".to_owned();
         Error::Populate { name: scenario.name.clone(), message: error.to_string(), hint }
-    })?;
-    fill(scenario, &chooser)
+    })
 }
 
 /// Fills a valid scenario.

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 /// A point on the ground (x, z), m.
 pub type Point = [f32; 2];
 
-/// Who walks where, how, and how they feel. Serialises to TOML and back without loss.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+/// Who walks where, how, and how they feel. Serialises to TOML and back without loss. The default has no name and no place.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Name, 1 to 64 letters, digits, `-` or `_`.

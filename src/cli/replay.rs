@@ -1,0 +1,333 @@
+//! `gaitway replay`: other people's crowds, recorded or simulated, with bodies, gaits and emotions.
+
+use super::output::{note, say, say_json, thousands};
+use super::preference::PreferenceArguments;
+use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, scenario_of, start};
+use super::simulate::{Outcome, Recording, simulate};
+#[cfg(feature = "vulkan")]
+use super::stage::{CameraName, size};
+use super::usage;
+use crate::Error;
+use crate::replay::{Format, Options, Pixels, Replay, ReplayOptions, Report, read};
+use crate::scenario::Shares;
+use clap::{Args, ValueEnum};
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Arguments of `gaitway replay`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway replay uo-050-180-180.txt --fps 16 --emotions happy=1\n  gaitway replay \
+                  students03/obsmat.txt --render students.png --camera eyes --at 60\n  gaitway replay crowd.sqlite \
+                  --agents 20 --out both.sqlite\n\nUnits, frame rates and formats are inferred where the file does not \
+                  say them, and reported."
+)]
+pub(super) struct Arguments {
+    /// A recording: .sqlite (JuPedSim), .txt (Pedestrian Dynamics Data Archive, or obsmat of ETH/UCY), .vsp (UCY), .csv
+    #[arg(value_name = "FILE")]
+    file: PathBuf,
+    #[command(flatten)]
+    reading: ReadingArguments,
+    /// Shares of the emotions, those left out 0 [default: all alike, or the scene's]
+    #[arg(long, value_name = "EMOTION=SHARE,..", value_parser = shares)]
+    emotions: Option<Shares>,
+    /// A place to replay in, with its own walkers: a scene or a scenario file [default: the recording's ground]
+    #[arg(long, value_name = "SCENE|FILE.toml")]
+    scene: Option<String>,
+    /// Simulated walkers beside the recorded people, of whom they make way [default: 0, or the scene's]
+    #[arg(long, value_name = "N")]
+    agents: Option<u32>,
+    /// Seed of every random draw
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// baseline: one neutral gait, no gaze; eva-o: gaits by emotion; eva-g: gaits and gaze [default: as in the scene]
+    #[arg(long, value_enum)]
+    condition: Option<ConditionName>,
+    /// Gaits to walk with [default: the built-in library]
+    #[arg(long, value_name = "LIB.glb")]
+    library: Option<PathBuf>,
+    #[command(flatten)]
+    preference: PreferenceArguments,
+    #[command(flatten)]
+    place: PlaceArguments,
+    /// Where in the recording to begin, s
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
+    from: f64,
+    /// How much of it [default: to its end; of a video, 10 s]
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Trajectories: .sqlite (JuPedSim, PedPy), .txt (Pedestrian Dynamics Data Archive) or .csv
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Frames per second of --out and of videos; a divisor of the step rate [default: as in the recording; videos: the
+    /// step rate]
+    #[arg(long, value_name = "RATE")]
+    out_fps: Option<f64>,
+    #[cfg(feature = "vulkan")]
+    #[command(flatten)]
+    picture: PictureArguments,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// How to read the file.
+#[derive(Debug, Args)]
+struct ReadingArguments {
+    /// The file's format [default: by its name and first lines]
+    #[arg(long, value_enum, help_heading = "Reading")]
+    format: Option<FormatName>,
+    /// The file's frames per second, where it does not say
+    #[arg(long, value_name = "RATE", help_heading = "Reading")]
+    fps: Option<f64>,
+    /// Metres per unit of the file: 1 for metres, 0.01 for centimetres [default: as the file says, or inferred]
+    #[arg(long, value_name = "METRES", help_heading = "Reading")]
+    unit: Option<f64>,
+    /// Homography from pixels to metres, for .vsp [default: H.txt beside it]
+    #[arg(long, value_name = "FILE", help_heading = "Reading")]
+    homography: Option<PathBuf>,
+    /// How the homography's pixels are counted [default: inferred]
+    #[arg(long, value_enum, help_heading = "Reading")]
+    pixels: Option<PixelsName>,
+    /// The file's y goes down the page as seen from above (zara of UCY's obsmat): keep left and right
+    #[arg(long, help_heading = "Reading")]
+    mirror: bool,
+    /// Who is not seen for longer than this is absent meanwhile, s
+    #[arg(long, default_value_t = 2.0, value_name = "SECONDS", help_heading = "Reading")]
+    gap: f64,
+    /// Smooth paths with a Gaussian of this standard deviation, against tracking jitter, s; 0: through every sample
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS", help_heading = "Reading")]
+    smooth: f64,
+}
+
+#[cfg(feature = "vulkan")]
+#[derive(Debug, Args)]
+struct PictureArguments {
+    /// FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ for a PNG per frame
+    #[arg(long, value_name = "FILE", help_heading = "Pictures")]
+    render: Option<PathBuf>,
+    /// eyes (from the middle, or the scene's user), orbit, top (a map), `follow` or `follow:AGENT`
+    #[arg(long, default_value = "orbit", value_name = "CAMERA", help_heading = "Pictures")]
+    camera: CameraName,
+    /// Pixels
+    #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WIDTHxHEIGHT", help_heading = "Pictures")]
+    size: (u32, u32),
+    /// Time before the (first) picture, s [default: 3, videos: 0]
+    #[arg(long, value_name = "SECONDS", help_heading = "Pictures")]
+    at: Option<f64>,
+    /// Rings on the ground in the colours of the emotions
+    #[arg(long, help_heading = "Pictures")]
+    markers: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum FormatName {
+    Sqlite,
+    Archive,
+    Obsmat,
+    Vsp,
+    Csv,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum PixelsName {
+    Centre,
+    RowColumn,
+}
+
+/// What was read and what came out.
+#[derive(Debug, Serialize)]
+struct Replayed {
+    recording: Report,
+    /// Agents that replay people, from this index on.
+    first_agent: u32,
+    people: usize,
+    /// Farthest that anybody was from where the recording says, at the end, m.
+    drift: f32,
+    #[serde(flatten)]
+    outcome: Outcome,
+}
+
+/// Runs the subcommand; false when a kernel failed.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let begin = Instant::now();
+    let seconds = arguments.seconds.map(|seconds| check_seconds("--seconds", seconds)).transpose()?;
+    let from = check_seconds("--from", arguments.from)?;
+    if !(0.0..=10.0).contains(&arguments.reading.smooth) {
+        let message = format!("--smooth {}: must be 0 to 10 seconds", arguments.reading.smooth);
+        return Err(usage(message, "0.1 to 0.3 is usual"));
+    }
+    let (scene, recording) = scene(arguments, from)?;
+    let left = (recording.seconds - from).max(0.0);
+    #[cfg(feature = "vulkan")]
+    if let Some(out) = &arguments.picture.render {
+        if arguments.out.is_some() {
+            note("note: --render draws; --out is left for a run without it");
+        }
+        let picture = super::render::Film {
+            out,
+            camera: arguments.picture.camera,
+            size: arguments.picture.size,
+            at: arguments.picture.at,
+            seconds: seconds.unwrap_or(10.0).min(left),
+            fps: arguments.out_fps,
+            markers: arguments.picture.markers,
+        };
+        if !arguments.json {
+            print_report(&recording);
+        }
+        return super::render::draw(scene, &arguments.place, &picture, arguments.json, begin);
+    }
+    let mut simulation = start(scene.store(), &arguments.place)?;
+    let steps = scene.steps(seconds.unwrap_or(left).min(left));
+    let rate = arguments.out_fps.unwrap_or(recording.frame_rate);
+    let sink = arguments.out.as_ref().map(|path| Recording::create(path, rate, &scene)).transpose()?;
+    let mut outcome = simulate(&scene, &mut simulation, steps, sink)?;
+    outcome.wall_seconds = begin.elapsed().as_secs_f64();
+    let replay = scene.replay.as_ref();
+    let time = Replay::time_of(outcome.steps, scene.scenario.navigation.time_step);
+    let state = simulation.state()?;
+    let drift = replay.map_or(0.0, |replay| {
+        let first = replay.first_agent() as usize;
+        let off = |person: usize| {
+            let there = glam::Vec2::from_array(*state.position.get(first + person)?);
+            Some(replay.at(person, time)?.position.distance(there))
+        };
+        (0..replay.len()).filter_map(off).fold(0.0, f32::max)
+    });
+    let replayed = Replayed {
+        recording,
+        first_agent: replay.map_or(0, Replay::first_agent),
+        people: replay.map_or(0, Replay::len),
+        drift,
+        outcome,
+    };
+    if arguments.json {
+        say_json(&replayed)?;
+    } else {
+        print_report(&replayed.recording);
+        say(&format!("drift              {:.6} m", replayed.drift));
+        super::simulate::print(&replayed.outcome);
+    }
+    if let Some(failure) = &replayed.outcome.failure {
+        note(&format!("error: {failure}"));
+    }
+    Ok(replayed.outcome.failure.is_none())
+}
+
+/// Reads the recording and puts it on stage.
+fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
+    let reading = &arguments.reading;
+    let options = Options {
+        format: reading.format.map(|format| match format {
+            FormatName::Sqlite => Format::Sqlite,
+            FormatName::Archive => Format::Archive,
+            FormatName::Obsmat => Format::Obsmat,
+            FormatName::Vsp => Format::Vsp,
+            FormatName::Csv => Format::Csv,
+        }),
+        frame_rate: reading.fps,
+        metres_per_unit: reading.unit,
+        homography: reading.homography.clone(),
+        pixels: reading.pixels.map(|pixels| match pixels {
+            PixelsName::Centre => Pixels::Centre,
+            PixelsName::RowColumn => Pixels::RowColumn,
+        }),
+        mirror: reading.mirror,
+        longest_gap: Some(reading.gap),
+    };
+    let recording = read(&arguments.file, &options)?;
+    let mut scenario = match &arguments.scene {
+        Some(scene) => scenario_of(scene)?,
+        None => {
+            let name =
+                arguments.file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+            recording.scene(&name, arguments.agents.unwrap_or(0), arguments.seed)
+        }
+    };
+    scenario.seed = arguments.seed;
+    if let Some(agents) = arguments.agents {
+        scenario.population.agents = agents;
+    }
+    if let Some(condition) = arguments.condition {
+        scenario.condition = condition.get();
+    }
+    if let Some(emotions) = arguments.emotions {
+        scenario.population.emotions = emotions;
+    }
+    arguments.preference.apply(&mut scenario);
+    let replay = Replay::new(&recording, ReplayOptions { smooth: reading.smooth, from });
+    let base = arguments.scene.as_ref().and_then(|scene| Path::new(scene).parent());
+    let scene = Scene::with_replay(scenario, arguments.library.as_deref(), base, replay)?;
+    Ok((scene, recording.report))
+}
+
+/// `happy=1,sad=0.5`.
+fn shares(text: &str) -> Result<Shares, String> {
+    let mut shares = Shares::default();
+    for part in text.split(',') {
+        let (name, share) = part.split_once('=').unwrap_or((part, "1"));
+        let share: f32 = share.trim().parse().map_err(|error| format!("{share:?}: {error}"))?;
+        if !(0.0..=1e6).contains(&share) {
+            return Err(format!("{name} = {share}: a share is 0 or more"));
+        }
+        match name.trim() {
+            "happy" => shares.happy = share,
+            "angry" => shares.angry = share,
+            "sad" => shares.sad = share,
+            "neutral" => shares.neutral = share,
+            _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
+        }
+    }
+    Ok(shares)
+}
+
+fn print_report(report: &Report) {
+    say(&format!(
+        "recording          {} people, {} positions, {:.1} s",
+        thousands(report.people as u64),
+        thousands(report.samples as u64),
+        report.seconds
+    ));
+    say(&format!(
+        "frames             {} a second ({}), {} m per unit",
+        report.frame_rate, report.frame_rate_from, report.metres_per_unit
+    ));
+    let mut faults = Vec::new();
+    for (count, what) in [
+        (report.duplicates, "rows twice"),
+        (report.contradictions, "of them with another place"),
+        (report.absences, "absences"),
+        (report.gaps, "gaps bridged"),
+    ] {
+        if count > 0 {
+            faults.push(format!("{} {what}", thousands(count as u64)));
+        }
+    }
+    if report.unsorted {
+        faults.push("rows not in order".to_owned());
+    }
+    if report.longest_gap > 0.0 && report.gaps > 0 {
+        faults.push(format!("longest gap {:.2} s", report.longest_gap));
+    }
+    faults.push(format!("fastest {:.2} m/s", report.fastest));
+    say(&format!("found              {}", faults.join(", ")));
+    for note in &report.notes {
+        say(&format!("                   {note}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_read_and_wrong_ones_refused_with_the_way_out() {
+        let read = shares("happy=1, sad=0.5").unwrap();
+        assert_eq!(read, Shares { happy: 1.0, sad: 0.5, ..Shares::default() });
+        assert_eq!(shares("angry").unwrap(), Shares { angry: 1.0, ..Shares::default() });
+        assert!(shares("cheerful=1").unwrap_err().contains("happy, angry"));
+        assert!(shares("happy=x").is_err() && shares("happy=-1").is_err() && shares("happy=nan").is_err());
+    }
+}

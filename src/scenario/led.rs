@@ -1,0 +1,55 @@
+//! People whose movement comes from elsewhere (a recording): they get an emotion, a gait near their own speed, a body
+//! and clothes like everyone else.
+
+use super::casting::Cast;
+use super::crowd::AgentStart;
+use super::error::Error;
+use super::populate::{Place, chooser};
+use super::schema::{GaitChoice, Scenario};
+use crate::library::GaitLibrary;
+use glam::Vec2;
+
+/// Slowest and fastest gait that is asked for, m/s.
+const SPEEDS: [f32; 2] = [0.3, 3.0];
+
+/// Somebody who will be led.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Person {
+    /// Where they appear first (x, z), m.
+    pub position: Vec2,
+    /// Heading about +y, rad.
+    pub heading: f32,
+    /// Mean walking speed, m/s; `None`: they never walk.
+    pub speed: Option<f32>,
+}
+
+/// Casts people as agents number `first` and on. They have no way of their own.
+///
+/// # Errors
+/// As [`super::populate_from`], but for places.
+pub fn populate_people(
+    scenario: &Scenario,
+    library: &GaitLibrary,
+    first: u32,
+    people: &[Person],
+) -> Result<Vec<AgentStart>, Error> {
+    let chooser = chooser(scenario, library, None)?;
+    let mut own = scenario.clone();
+    own.population.gaits = GaitChoice::Random;
+    let mut agents = Vec::with_capacity(people.len());
+    for (agent, person) in (first..).zip(people) {
+        let [slowest, fastest] = SPEEDS;
+        let speed = person.speed.map(|speed| [speed.clamp(slowest, fastest); 2]);
+        own.population.prefer.speed = speed.or(scenario.population.prefer.speed);
+        let place = Place {
+            position: person.position,
+            direction: Vec2::from_angle(std::f32::consts::FRAC_PI_2 - person.heading),
+            route_start: 0,
+            route_length: 1,
+            waypoint: 1, // there already: nothing to arrive at
+            loops: false,
+        };
+        agents.push(Cast::new(&own, &chooser)?.agent(agent, place)?);
+    }
+    Ok(agents)
+}
