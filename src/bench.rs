@@ -13,7 +13,7 @@ use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
 use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
-use crate::verify::cases::gaits;
+use crate::verify::cases::{flow, gaits};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -35,7 +35,8 @@ pub enum Workload {
     /// The kernels of a simulation step and the step as a whole.
     #[default]
     Crossing,
-    /// These, the animation of everyone in that crowd, the features of as many gaits, and the arithmetic probe: every kernel.
+    /// These, the animation of everyone in that crowd, ways over as many cells, the features of as many gaits, and the
+    /// arithmetic probe: every kernel.
     All,
 }
 
@@ -44,7 +45,7 @@ pub enum Workload {
 pub struct Row {
     /// Kernel, `step` for a whole step, or `picture` for all of its animation.
     pub name: &'static str,
-    /// Agents (gaits of `gait_features`, cases of the probe).
+    /// Agents (cells of `flow` and `flow_density`, gaits of `gait_features`, cases of the probe).
     pub agents: usize,
     /// Median, ms.
     pub ms_median: f64,
@@ -145,6 +146,7 @@ pub fn bench(
                 rows.extend(rows_of_it.into_iter().filter(|row| row.name == kernel.kernel().name));
             }
             rows.extend(kernels(&mut Sequence::picture(agents, backend, device)?)?);
+            rows.extend(kernels(&mut Sequence::flow(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }
@@ -315,6 +317,16 @@ impl Sequence {
         Self::new(Some("picture"), agents, store, passes, (backend, device))
     }
 
+    /// Two fields over so many cells, with walls and a crowd on them.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn flow(cells: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = flow::fields(cells, 0);
+        let passes = flow::passes(&store);
+        Self::new(None, cells, store, passes, (backend, device))
+    }
+
     /// The expressive features of so many gaits of about 35 frames.
     ///
     /// # Errors
@@ -355,6 +367,9 @@ impl Sequence {
         }
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
+            return Self::flow(agents, backend, device);
         }
         if kernel == KernelId::LeadAgents {
             let mut store = crossing(agents, SPACING);

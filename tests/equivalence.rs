@@ -13,7 +13,7 @@ use gaitway::gpu::{Device, Validation, validation_messages};
 use gaitway::kernels::{Access, KernelId};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, crossing, gaits, step};
+use gaitway::verify::cases::{animation, crossing, flow, gaits, step};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -91,6 +91,10 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
                 let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
                 assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
                 seen.extend(found.iter().map(|c| c.kernel));
+                let store = flow::fields(agents, seed);
+                let found = compare_passes(device, &store, &flow::passes(&store)).unwrap();
+                assert_exact(&format!("ways over {agents} cells, seed {seed}"), &found);
+                seen.extend(found.iter().map(|c| c.kernel));
                 for seed in [seed, seed + 1] {
                     let store = gaits::gaits(agents, seed);
                     let found = compare_passes(device, &store, &gaits::passes(&store)).unwrap();
@@ -108,11 +112,13 @@ fn the_comparison_notices_one_bit() {
     on_device(|device| {
         let (crowd, bodies, walks) = (step::crowd(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
         let of_model = |model| step::crowd_with(model, 65, 3);
+        let ways = flow::fields(300, 3);
         let stages = [
             (order::step_passes(&crowd.step), crowd),
             (order::step_passes(&of_model(1).step), of_model(1)),
             (order::frame_passes(&bodies.frame), bodies),
             (gaits::passes(&walks), walks), // gait_features
+            (flow::passes(&ways), ways),
         ];
         for (passes, mut store) in stages {
             for pass in &passes {

@@ -37,7 +37,7 @@ impl Buffer {
     /// # Errors
     /// When memory is short.
     pub fn new(device: &Arc<Device>, name: &str, size: u64, memory: Memory) -> Result<Self, Error> {
-        let size = size.max(16).next_multiple_of(16);
+        let size = Self::rounded(size);
         let usage = vk::BufferUsageFlags::STORAGE_BUFFER
             | vk::BufferUsageFlags::UNIFORM_BUFFER
             | vk::BufferUsageFlags::TRANSFER_SRC
@@ -73,6 +73,11 @@ impl Buffer {
         buffer.allocation = Some(allocation);
         bound.map_err(call("vkBindBufferMemory"))?;
         Ok(buffer)
+    }
+
+    /// The size of a buffer for so many bytes.
+    pub fn rounded(bytes: u64) -> u64 {
+        bytes.max(16).next_multiple_of(16)
     }
 
     /// Bytes.

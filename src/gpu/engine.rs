@@ -140,6 +140,33 @@ impl Engine {
         Ok(())
     }
 
+    /// Copies buffers from the host to the device; those whose length has changed are made anew.
+    ///
+    /// # Errors
+    /// When a buffer is larger than the device can bind, memory is short, or a call fails.
+    pub fn replace(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        let ids = self.present(ids);
+        let mut made = Vec::new();
+        for &id in &ids {
+            let bytes = store.bytes(id).len() as u64;
+            let fits = self.buffer(id).is_some_and(|buffer| buffer.size() == Buffer::rounded(bytes));
+            if !fits {
+                self.buffers[id as usize] = None;
+                self.make_buffer(id, bytes)?;
+                made.push(id);
+            }
+        }
+        if !made.is_empty() {
+            for kernel in KernelId::ALL {
+                let kernel_binds = kernel.kernel().bindings.iter().any(|b| made.contains(&b.buffer));
+                if let Some(pipeline) = self.pipelines[kernel as usize].as_ref().filter(|_| kernel_binds) {
+                    pipeline.bind(&self.device, kernel.kernel(), &self.buffers);
+                }
+            }
+        }
+        self.upload(store, &ids)
+    }
+
     /// Copies buffers from the host to the device.
     ///
     /// # Errors

@@ -14,6 +14,13 @@ pub(super) struct Pipeline {
     pub(super) label: CString,
 }
 
+const fn kind(access: Access) -> vk::DescriptorType {
+    match access {
+        Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
+        Access::Read | Access::Write => vk::DescriptorType::STORAGE_BUFFER,
+    }
+}
+
 impl Pipeline {
     /// Makes the pipeline and the descriptor set, with the buffers that the kernel binds by name.
     pub(super) fn new(
@@ -22,10 +29,6 @@ impl Pipeline {
         descriptors: vk::DescriptorPool,
         buffers: &[Option<Buffer>],
     ) -> Result<Self, Error> {
-        let kind = |access| match access {
-            Access::Uniform => vk::DescriptorType::UNIFORM_BUFFER,
-            Access::Read | Access::Write => vk::DescriptorType::STORAGE_BUFFER,
-        };
         let bindings: Vec<_> = kernel
             .bindings
             .iter()
@@ -85,30 +88,37 @@ impl Pipeline {
                 .first()
                 .copied()
                 .unwrap_or_default();
-            let infos: Vec<_> = kernel
-                .bindings
-                .iter()
-                .map(|b| {
-                    let buffer = buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
-                    [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
-                })
-                .collect();
-            let writes: Vec<_> = kernel
-                .bindings
-                .iter()
-                .zip(&infos)
-                .map(|(b, info)| {
-                    vk::WriteDescriptorSet::default()
-                        .dst_set(set)
-                        .dst_binding(b.index)
-                        .descriptor_type(kind(b.access))
-                        .buffer_info(info)
-                })
-                .collect();
-            raw.update_descriptor_sets(&writes, &[]);
             let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
-            Ok(Self { raw: pipeline, layout, set_layout, set, label })
+            let made = Self { raw: pipeline, layout, set_layout, set, label };
+            made.bind(device, kernel, buffers);
+            Ok(made)
         }
+    }
+
+    /// Writes the buffers that the kernel binds into its descriptor set; nothing that uses it may be under way.
+    pub(super) fn bind(&self, device: &Device, kernel: &'static Kernel, buffers: &[Option<Buffer>]) {
+        let infos: Vec<_> = kernel
+            .bindings
+            .iter()
+            .map(|b| {
+                let buffer = buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
+                [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
+            })
+            .collect();
+        let writes: Vec<_> = kernel
+            .bindings
+            .iter()
+            .zip(&infos)
+            .map(|(b, info)| {
+                vk::WriteDescriptorSet::default()
+                    .dst_set(self.set)
+                    .dst_binding(b.index)
+                    .descriptor_type(kind(b.access))
+                    .buffer_info(info)
+            })
+            .collect();
+        // SAFETY: set and buffers are alive, the set was made for these bindings, and every submission is waited for.
+        unsafe { device.raw.update_descriptor_sets(&writes, &[]) };
     }
 }
 

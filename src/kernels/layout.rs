@@ -53,6 +53,28 @@ pub struct StepUniforms {
     pub unused: u32,
 }
 
+/// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct FlowUniforms {
+    pub origin: [f32; 2],
+    pub cell_size: f32,
+    pub inverse_cell_size: f32,
+    pub columns: u32,
+    pub rows: u32,
+    pub cell_count: u32,
+    pub tile_columns: u32,
+    pub tile_rows: u32,
+    pub field_count: u32,
+    pub seed_count: u32,
+    pub window: u32,
+    pub density_weight: f32,
+    pub solid_step: f32,
+    pub every: u32,
+    pub unused: u32,
+}
+
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]

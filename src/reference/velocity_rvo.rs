@@ -13,7 +13,7 @@ use rayon::prelude::*;
 /// Velocities of the pattern: a spiral of the golden angle, which covers a disc evenly.
 const PATTERN: u32 = 128;
 /// Cosine and sine of the golden angle.
-const GOLDEN: [f32; 2] = [-0.737_368_88, 0.675_490_29];
+const GOLDEN: [f32; 2] = [-0.737_368_9, 0.675_490_3];
 /// Contacts sooner than a tenth of a second count as that, 1/s.
 const SOONEST: f32 = 10.0;
 /// Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more

@@ -9,6 +9,7 @@
 
 pub mod bodies;
 mod cast;
+pub mod flow;
 pub mod measure;
 pub mod obstacles;
 pub mod order;
@@ -41,6 +42,23 @@ const STATE: [BufferId; 6] = [
 
 const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");
 
+/// What [`flow::lay`] fills.
+#[cfg(feature = "vulkan")]
+const FLOW: [BufferId; 12] = [
+    BufferId::FlowGrid,
+    BufferId::FlowCells,
+    BufferId::FlowStep,
+    BufferId::FlowSeeds,
+    BufferId::FlowDistance,
+    BufferId::FlowWay,
+    BufferId::FlowTiles,
+    BufferId::FlowLists,
+    BufferId::FlowArgs,
+    BufferId::FlowCounts,
+    BufferId::FlowSums,
+    BufferId::FlowRoom,
+];
+
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
@@ -65,6 +83,8 @@ pub struct Simulation {
     engine: Option<Engine>,
     /// Why the CPU is used although Vulkan was tried.
     fallback: Option<String>,
+    /// Goals that have a field each, and how the flow grid is laid.
+    ways: (Vec<flow::Goal>, flow::Settings),
 }
 
 impl Simulation {
@@ -82,6 +102,88 @@ impl Simulation {
         Self::from_store(setup::store(scenario, &scenario.geometry(), crowd, cast), backend, device)
     }
 
+    /// Lays the flow grid with one field for each goal and solves them. `outlines` are those of [`Self::set_obstacles`].
+    ///
+    /// # Errors
+    /// As [`flow::lay`] and [`Self::solve_ways`].
+    pub fn set_goals(
+        &mut self,
+        outlines: &[Vec<[f32; 2]>],
+        goals: Vec<flow::Goal>,
+        settings: flow::Settings,
+    ) -> Result<(), crate::Error> {
+        flow::lay(&mut self.store, outlines, &goals, &settings)?;
+        self.ways = (goals, settings);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            engine.replace(&self.store, &FLOW)?;
+        }
+        self.solve_ways()
+    }
+
+    /// Changes what agents must not cross, while they walk: doors open and close, vehicles come and go. All outlines
+    /// are given anew, m on the ground: those that run clockwise on (x, z) are walkable inside (the bounds), others
+    /// solid inside, two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so). Agents keep their state; the ways
+    /// to goals are found again. Nothing has changed when it fails.
+    ///
+    /// # Errors
+    /// [`Error::Goal`] when nobody can stand at a goal any more; when the device fails.
+    pub fn set_obstacles(&mut self, outlines: &[Vec<[f32; 2]>]) -> Result<(), crate::Error> {
+        flow::lay(&mut self.store, outlines, &self.ways.0, &self.ways.1)?;
+        setup::set_obstacles(&mut self.store, outlines);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            engine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
+            engine.replace(&self.store, &FLOW)?;
+        }
+        self.solve_ways()
+    }
+
+    /// Finds the ways to all goals, by the density of people as they stand now if that matters. [`Self::step`] does it
+    /// by itself every so many steps; the fields of a new simulation are solved already.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn solve_ways(&mut self) -> Result<(), crate::Error> {
+        let grid = self.store.flow_grid;
+        if grid.field_count == 0 {
+            return Ok(());
+        }
+        let mut passes =
+            if grid.every > 0 { order::density_passes(&self.store.step, &grid) } else { Vec::new() };
+        passes.extend(order::flow_start(&grid));
+        let tiles = grid.field_count * grid.tile_columns * grid.tile_rows;
+        let most = tiles.saturating_mul(8).saturating_add(1024);
+        // in an open place the front crosses this many tiles; afterwards so many turns at a time
+        let mut batch = grid.tile_columns + grid.tile_rows + 8;
+        let mut turns = 0;
+        while turns < most {
+            passes.extend(order::flow_turns(turns, batch));
+            self.run(&passes, &[BufferId::FlowArgs])?;
+            passes.clear();
+            turns += batch;
+            batch = 64;
+            if (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0) {
+                return self.run(&order::flow_end(&grid), &[]);
+            }
+        }
+        Err(Error::FlowTurns { turns }.into())
+    }
+
+    /// Runs passes on whichever backend there is, and reads buffers back.
+    fn run(&mut self, passes: &[Pass], read: &[BufferId]) -> Result<(), crate::Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            let ops: Vec<Op> = passes.iter().copied().map(Op::Pass).collect();
+            engine.run(&ops, |_, _| Vec::new(), false)?;
+            engine.download(&mut self.store, read)?;
+            return Ok(());
+        }
+        let _ = read;
+        run_on_cpu(&mut self.store, passes);
+        Ok(())
+    }
+
     /// A simulation of buffers filled by hand (see [`setup`]); buffers that only pictures need may be empty.
     ///
     /// # Errors
@@ -97,33 +199,37 @@ impl Simulation {
             let kernels: Vec<KernelId> = KernelId::ALL.into_iter().filter(is_of_a_crowd).collect();
             let opened = Device::open(device, Validation::from_environment())
                 .and_then(|device| Engine::new(&device, &store, &kernels));
-            return match opened {
-                Ok(engine) => Ok(Self {
-                    store,
-                    is_current: true,
-                    is_led_anew: false,
-                    engine: Some(engine),
-                    fallback: None,
-                }),
-                Err(error) if backend == Backend::Auto => {
-                    let fallback = Some(error.to_string());
-                    Ok(Self { store, is_current: true, is_led_anew: false, engine: None, fallback })
-                }
-                Err(error) => Err(error.into()),
+            let (engine, fallback) = match opened {
+                Ok(engine) => (Some(engine), None),
+                Err(error) if backend == Backend::Auto => (None, Some(error.to_string())),
+                Err(error) => return Err(error.into()),
             };
+            let mut new = Self {
+                store,
+                is_current: true,
+                is_led_anew: false,
+                engine,
+                fallback,
+                ways: Default::default(),
+            };
+            new.solve_ways()?;
+            return Ok(new);
         }
         #[cfg(not(feature = "vulkan"))]
         if backend == Backend::Vulkan {
             return Err(Error::NoVulkan.into());
         }
-        Ok(Self {
+        let mut new = Self {
             store,
             is_current: true,
             is_led_anew: false,
             #[cfg(feature = "vulkan")]
             engine: None,
             fallback: None,
-        })
+            ways: Default::default(),
+        };
+        new.solve_ways()?;
+        Ok(new)
     }
 
     /// What it runs on, in words.
@@ -195,6 +301,25 @@ impl Simulation {
             self.store.step.step_index += count;
             return Ok(());
         }
+        let every = self.store.flow_grid.every;
+        if every == 0 {
+            return self.walk(count);
+        }
+        let mut left = count;
+        while left > 0 {
+            let since = self.steps_done() % every;
+            if since == 0 {
+                self.solve_ways()?;
+            }
+            let some = left.min(every - since);
+            self.walk(some)?;
+            left -= some;
+        }
+        Ok(())
+    }
+
+    /// Does `count` steps with the ways as they are.
+    fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
         let passes = order::step_passes(&self.store.step);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
@@ -346,6 +471,37 @@ pub enum Error {
         position: Vec2,
         /// How fast, m/s.
         velocity: Vec2,
+    },
+    /// Nobody can stand at a goal.
+    #[error(
+        "goal {name:?} at ({x:.2}, {z:.2}) m lies where nobody can stand (in something solid, too near to a wall, or outside); \
+         move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance"
+    )]
+    Goal {
+        /// Its name.
+        name: String,
+        /// Where it is, m.
+        x: f32,
+        /// Where it is, m.
+        z: f32,
+    },
+    /// The flow grid would have too many cells.
+    #[error(
+        "way_finding.cell = {size} m: must be at least {least} m for {fields} fields over this area; leave it out"
+    )]
+    FlowGrid {
+        /// Side of a cell, m.
+        size: f32,
+        /// The least there may be, m.
+        least: f32,
+        /// Fields.
+        fields: usize,
+    },
+    /// The solver of the ways did not come to an end.
+    #[error("the ways to the goals are not found after {turns} turns: please report the scenario")]
+    FlowTurns {
+        /// Turns done.
+        turns: u32,
     },
     /// The program was built without Vulkan.
     #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]

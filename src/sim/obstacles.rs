@@ -53,6 +53,9 @@ pub fn segments(polygons: &[Vec<[f32; 2]>]) -> Vec<Segment> {
 /// Shape: `cell_count + 1` starts (indices into this same array), then the lists, each rising.
 pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<u32> {
     let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
+    if columns == 0 || rows == 0 {
+        return vec![1]; // no grid, nobody to ask
+    }
     let mut lists = vec![Vec::new(); (columns * rows) as usize];
     let half = step.cell_size * 0.5;
     for (number, segment) in segments.iter().enumerate() {

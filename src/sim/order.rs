@@ -1,6 +1,6 @@
 //! The order of the kernels in one step and in one picture, once, for both backends.
 
-use crate::kernels::layout::{FrameUniforms, StepUniforms};
+use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use crate::reference::body::COLUMNS;
 
@@ -57,6 +57,47 @@ pub const fn velocity_kernel(model: u32) -> KernelId {
 
 /// Numbers of models.
 pub const MODELS: std::ops::Range<u32> = 0..2;
+
+/// The launches that count people on the flow grid and price its cells by their density.
+pub fn density_passes(step: &StepUniforms, grid: &FlowUniforms) -> Vec<Pass> {
+    let pass =
+        |level, count| Pass { kernel: KernelId::FlowDensity, level, extent: Extent::Invocations(count) };
+    vec![
+        pass(0, grid.cell_count),
+        pass(1, step.agent_count),
+        pass(2, grid.cell_count),
+        pass(3, grid.cell_count),
+    ]
+}
+
+/// The launches that begin to solve the fields.
+pub fn flow_start(grid: &FlowUniforms) -> Vec<Pass> {
+    vec![flow_pass(0, cells_or_lists(grid)), flow_pass(1, grid.seed_count)]
+}
+
+/// `count` turns from number `first`, for as long as there are tiles on the lists; more do no harm.
+pub fn flow_turns(first: u32, count: u32) -> Vec<Pass> {
+    let turn = |number: u32| Pass {
+        kernel: KernelId::Flow,
+        level: 2 + number % 4,
+        extent: Extent::Indirect(BufferId::FlowArgs, 4 * (number % 4)),
+    };
+    (first..first + count).map(turn).collect()
+}
+
+/// The launches that end it.
+pub fn flow_end(grid: &FlowUniforms) -> Vec<Pass> {
+    vec![flow_pass(6, cells_or_lists(grid))]
+}
+
+fn flow_pass(level: u32, count: u32) -> Pass {
+    Pass { kernel: KernelId::Flow, level, extent: Extent::Invocations(count) }
+}
+
+fn cells_or_lists(grid: &FlowUniforms) -> u32 {
+    // at least the four lists
+    (grid.field_count * grid.cell_count.max(4 * grid.tile_columns * grid.tile_rows)).max(4)
+}
 
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {

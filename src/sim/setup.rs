@@ -164,6 +164,9 @@ pub fn set_led(store: &mut Store, agent: u32) {
     }
     store.position[agent] = [ABSENT, ABSENT];
     store.velocity[agent] = [0.0, 0.0];
+    if store.flow_grid.field_count == 0 {
+        super::flow::clear(store);
+    }
 }
 
 fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &Cast) {

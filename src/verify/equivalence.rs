@@ -23,7 +23,7 @@ pub struct Comparison {
 }
 
 /// Buffers that hold integers (in every word): any difference there is an error.
-const INTEGERS: [&str; 21] = [
+const INTEGERS: &[&str] = &[
     "agent_bucket",
     "agent_slot",
     "attention",
@@ -36,6 +36,14 @@ const INTEGERS: [&str; 21] = [
     "dispatch_args",
     "draw_args",
     "failure",
+    "flow_args",
+    "flow_cells",
+    "flow_counts",
+    "flow_lists",
+    "flow_seeds",
+    "flow_sums",
+    "flow_tiles",
+    "flow_way",
     "gaits",
     "gaze_frame",
     "look",

@@ -1,6 +1,6 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, gaits, step};
+use super::cases::{animation, flow, gaits, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{BufferId, KernelId, Pass, Store};
@@ -77,6 +77,10 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
             // third differences over a step of 1/80 s: a rounding error of 1e-7 m becomes 0.05 m/s3, and its mean less
             (0.1, "m, s, deg", "differences of positions, up to the third, over short steps of time")
         }
+        KernelId::Flow => {
+            (0.5, "m", "a root per cell, and which neighbour is lower may change along a ridge")
+        }
+        KernelId::FlowDensity => (1e-4, "m", "one quotient per cell"),
         KernelId::GridPack => (0.0, "", "copies"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
@@ -241,6 +245,12 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
         let store = animation::animation(size, seed);
         let passes = animation::passes(&store);
         cases.push(Case { name: format!("picture, {size} agents, seed {seed}"), store, passes });
+    }
+    for number in 0..if few { 1 } else { 2 } {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        let store = flow::fields(size, seed);
+        let passes = flow::passes(&store);
+        cases.push(Case { name: format!("ways over {size} cells, seed {seed}"), store, passes });
     }
     // the large case is of the kind in which every gait is usable
     for seed in if few { 0..1 } else { 0..2 } {

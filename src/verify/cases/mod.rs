@@ -8,5 +8,13 @@
 
 pub mod animation;
 pub mod crossing;
+pub mod flow;
 pub mod gaits;
 pub mod step;
+
+use crate::reference::exact::{hash_u32, unit_f32};
+
+/// Random numbers of a case: number `lane` of item `index`, in [0, 1).
+fn unit(seed: u32, index: usize, lane: u32) -> f32 {
+    unit_f32(hash_u32(hash_u32(seed ^ (index as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane)))
+}

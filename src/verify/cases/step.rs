@@ -1,16 +1,12 @@
 //! Crowds for the kernels of a simulation step.
 
+use super::unit;
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
-use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::exact::hash_u32;
 use crate::reference::shared::{ABSENT, LED, NOBODY};
 use crate::sim::obstacles::{cell_lists, segments};
 use crate::sim::setup::{join, manners};
-
-/// Random numbers of a case: number `lane` of item `index`, in [0, 1).
-fn unit(seed: u32, index: usize, lane: u32) -> f32 {
-    unit_f32(hash_u32(hash_u32(seed ^ (index as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane)))
-}
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
 /// head-on, on a lattice (equal distances), outside the bounds, at rest, a dense knot, obstacles with convex and
@@ -173,4 +169,5 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
     }
+    crate::sim::flow::clear(store);
 }

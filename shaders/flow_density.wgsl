@@ -1,0 +1,66 @@
+// uses: step, way, absent
+// What a metre costs on each cell of the flow grid: 1 + density_weight times the density of people around, agents/m2 of
+// free ground, so that the emptier of two ways is the shorter (after Treuille, Cooper and Popovic, Continuum crowds,
+// 2006, without their flow speed). Density is a mean over 2 window + 1 cells each way. Passes chosen by `level`:
+//   0 (cell):  clears the counts,
+//   1 (agent): counts,
+//   2 (cell):  sums along rows,
+//   3 (cell):  sums along columns, the cost.
+const GROUPS_WIDE = 65535u;
+
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<uniform> flow_grid: FlowUniforms;
+@group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;            // [agent] m
+@group(0) @binding(3) var<storage, read> flow_cells: array<u32>;                // [cell] bits, see way.wgsl
+@group(0) @binding(4) var<storage, read> flow_room: array<f32>;                 // [cell] m2 of free ground in the window around
+@group(0) @binding(5) var<storage, read_write> flow_counts: array<atomic<u32>>; // [cell] agents
+@group(0) @binding(6) var<storage, read_write> flow_sums: array<u32>;           // [cell] agents along the row
+@group(0) @binding(7) var<storage, read_write> flow_step: array<f32>;           // [cell] m: cell size times cost
+var<immediate> level: u32;
+
+fn count(agent: u32) {
+    if agent >= step.agent_count || is_absent(position[agent]) {
+        return;
+    }
+    let scaled = (position[agent] - flow_grid.origin) * flow_grid.inverse_cell_size;
+    if scaled.x >= 0.0 && scaled.y >= 0.0 && scaled.x < f32(flow_grid.columns) && scaled.y < f32(flow_grid.rows) {
+        atomicAdd(&flow_counts[u32(scaled.y) * flow_grid.columns + u32(scaled.x)], 1u);
+    }
+}
+
+@compute @workgroup_size(64)
+fn flow_density(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = id.x + id.y * GROUPS_WIDE * 64u;
+    if level == 1u {
+        count(index);
+        return;
+    }
+    if index >= flow_grid.cell_count {
+        return;
+    }
+    let column = index % flow_grid.columns;
+    let row = index / flow_grid.columns;
+    if level == 0u {
+        atomicStore(&flow_counts[index], 0u);
+    } else if level == 2u {
+        let low = column - min(column, flow_grid.window);
+        let high = min(column + flow_grid.window, flow_grid.columns - 1u);
+        var sum = 0u;
+        for (var x = low; x <= high; x++) {
+            sum += atomicLoad(&flow_counts[row * flow_grid.columns + x]);
+        }
+        flow_sums[index] = sum;
+    } else {
+        let low = row - min(row, flow_grid.window);
+        let high = min(row + flow_grid.window, flow_grid.rows - 1u);
+        var sum = 0u;
+        for (var z = low; z <= high; z++) {
+            sum += flow_sums[z * flow_grid.columns + column];
+        }
+        var size = flow_grid.solid_step;
+        if (flow_cells[index] & SOLID) == 0u {
+            size = flow_grid.cell_size * (1.0 + flow_grid.density_weight * (f32(sum) / flow_room[index]));
+        }
+        flow_step[index] = size;
+    }
+}

@@ -1,0 +1,51 @@
+// uses: way, exact
+// Following a field. Needs the bindings flow_grid and flow_way. Twin: reference::way.
+
+// The direction (of any length) in which an agent at `at` walks to its goal, `to` away from it: along `field`, blended
+// between the four cells around it; `to` itself where the goal is in sight of its cell, there is no way or no such field.
+// Whoever stands where nobody can stand is led out. Cells behind a wall do not count: from cell to cell only links that
+// can be walked are crossed.
+fn flow_direction(field: u32, at: vec2<f32>, to: vec2<f32>) -> vec2<f32> {
+    if field >= flow_grid.field_count {
+        return to;
+    }
+    let scaled = (at - flow_grid.origin) * flow_grid.inverse_cell_size;
+    let column = clamp(floor(scaled.x), 0.0, f32(flow_grid.columns - 1u));
+    let row = clamp(floor(scaled.y), 0.0, f32(flow_grid.rows - 1u));
+    let cell = field * flow_grid.cell_count + u32(row) * flow_grid.columns + u32(column);
+    let own = flow_way[cell];
+    if (own & (SEES | LEADS)) != LEADS {
+        return to;
+    }
+    if (own & SOLID) != 0u {
+        return way_direction(own);
+    }
+    // offset from the cell's middle, in cells; clamped for agents outside of the grid
+    let off = clamp(scaled - vec2<f32>(column + 0.5, row + 0.5), vec2<f32>(-0.5, -0.5), vec2<f32>(0.5, 0.5));
+    let right = off.x >= 0.0;
+    let above = off.y >= 0.0;
+    let x_open = (own & select(FROM_LEFT, FROM_RIGHT, right)) != 0u;
+    let z_open = (own & select(FROM_BELOW, FROM_ABOVE, above)) != 0u;
+    // closed neighbours are read from the cell itself and count nothing
+    let x_cell = select(cell, select(cell - 1u, cell + 1u, right), x_open);
+    let z_cell = select(cell, select(cell - flow_grid.columns, cell + flow_grid.columns, above), z_open);
+    let x_way = flow_way[x_cell];
+    let z_way = flow_way[z_cell];
+    let round_x = x_open && (x_way & select(FROM_BELOW, FROM_ABOVE, above)) != 0u;
+    let round_z = z_open && (z_way & select(FROM_LEFT, FROM_RIGHT, right)) != 0u;
+    let past_x = select(x_cell - flow_grid.columns, x_cell + flow_grid.columns, above);
+    let past_z = select(z_cell - 1u, z_cell + 1u, right);
+    let corner_way = flow_way[select(select(cell, past_z, round_z), past_x, round_x)];
+    let u = abs(off.x);
+    let v = abs(off.y);
+    let wx = select(0.0, u * (1.0 - v), x_open);
+    let wz = select(0.0, (1.0 - u) * v, z_open);
+    let wc = select(0.0, u * v, round_x || round_z);
+    let blend = way_direction(own) * ((1.0 - u) * (1.0 - v)) + way_direction(x_way) * wx + way_direction(z_way) * wz
+        + way_direction(corner_way) * wc;
+    let length = sqrt(dot2(blend, blend));
+    if length < 0.05 {
+        return way_direction(own);
+    }
+    return blend * (1.0 / length);
+}

@@ -1,0 +1,44 @@
+// The flow grid: square cells over the walkable area, and for every field (one goal) which way leads on from each cell.
+// Twin: reference::way.
+struct FlowUniforms {
+    origin: vec2<f32>,        // corner of cell 0, m
+    cell_size: f32,           // m
+    inverse_cell_size: f32,   // 1/m
+    columns: u32,
+    rows: u32,
+    cell_count: u32,          // columns * rows
+    tile_columns: u32,        // tiles of TILE by TILE cells
+    tile_rows: u32,
+    field_count: u32,         // 0: nobody asks for a way
+    seed_count: u32,          // of flow_seeds
+    window: u32,              // density is counted over 2 window + 1 cells each way
+    density_weight: f32,      // m2: cost of a metre is 1 + density_weight * density; 0: density does not matter
+    solid_step: f32,          // m: what a cell costs where nobody can stand
+    every: u32,               // steps between two counts of people; 0: never
+    unused: u32,
+}
+
+// Bits of a cell (flow_cells): it may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.
+const FROM_LEFT = 1u;
+const FROM_RIGHT = 2u;
+const FROM_BELOW = 4u;
+const FROM_ABOVE = 8u;
+const SOLID = 16u;
+
+// A word of flow_way: the same five bits, then
+const SEES = 32u; // the goal lies in a straight line
+const LEADS = 64u; // there is a way; where not, the goal cannot be reached from here
+// and the direction of the way, (x, z) in [-1, 1], twelve bits each.
+const WAY_SCALE = 2047.0;
+
+fn way_pack(direction: vec2<f32>) -> u32 {
+    let x = u32(i32(floor(direction.x * WAY_SCALE + 0.5)) + 2048);
+    let z = u32(i32(floor(direction.y * WAY_SCALE + 0.5)) + 2048);
+    return x << 8u | z << 20u;
+}
+
+fn way_direction(word: u32) -> vec2<f32> {
+    let x = i32(word >> 8u & 0xfffu) - 2048;
+    let z = i32(word >> 20u) - 2048;
+    return vec2<f32>(f32(x), f32(z)) * (1.0 / WAY_SCALE);
+}

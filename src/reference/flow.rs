@@ -1,0 +1,303 @@
+//! Way-finding: distances to goals over the walkable cells, and the directions in which they fall.
+
+use super::way::{FAR, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, GROUP, LEADS, SEES, SOLID, TILE, pack};
+use crate::kernels::flow::Slices;
+use crate::kernels::layout::FlowUniforms;
+use rayon::prelude::*;
+
+/// Sweeps of a tile in one turn.
+const SWEEPS: u32 = 64;
+/// Cells of a tile with the ring of cells around it, along a side.
+const RING: usize = TILE as usize + 2;
+/// Fewest tiles of a turn that are worth a second thread.
+const MANY: usize = 12;
+
+/// Twin of `shaders/flow.wgsl`.
+pub fn flow(mut b: Slices<'_>) {
+    let total = b.flow_grid.field_count * b.flow_grid.tile_columns * b.flow_grid.tile_rows;
+    match b.level {
+        0 => {
+            let cells = (b.flow_grid.field_count * b.flow_grid.cell_count) as usize;
+            b.flow_distance[..cells].fill(FAR);
+            b.flow_way[..cells].fill(0);
+            clear_lists(&mut b, total);
+        }
+        1 => sow(&mut b, total),
+        6 => {
+            point(&mut b);
+            clear_lists(&mut b, total);
+        }
+        _ => turn(&mut b, total),
+    }
+}
+
+fn clear_lists(b: &mut Slices<'_>, total: u32) {
+    b.flow_tiles[..total as usize].fill(0);
+    b.flow_lists[..4 * total as usize].fill(0);
+    (0..4).for_each(|list| clear_list(b, list));
+}
+
+fn clear_list(b: &mut Slices<'_>, list: u32) {
+    let at = 4 * list as usize;
+    b.flow_args[at..at + 4].copy_from_slice(&[1, 1, 1, 0]);
+}
+
+fn enlist(b: &mut Slices<'_>, total: u32, list: u32, tile: u32) {
+    if b.flow_tiles[tile as usize] == 0 {
+        b.flow_tiles[tile as usize] = 1;
+        let args = &mut b.flow_args[4 * list as usize..];
+        let place = args[3];
+        args[3] += 1;
+        args[0] = args[0].max(place / GROUP + 1);
+        b.flow_lists[(list * total + place) as usize] = tile;
+    }
+}
+
+fn sow(b: &mut Slices<'_>, total: u32) {
+    let grid = b.flow_grid;
+    for &[field, cell, distance, sees] in &b.flow_seeds[..grid.seed_count as usize] {
+        let at = (field * grid.cell_count + cell) as usize;
+        b.flow_distance[at] = f32::from_bits(distance);
+        b.flow_way[at] = sees;
+        let (column, row) = (cell % grid.columns, cell / grid.columns);
+        let (tx, tz) = (column / TILE, row / TILE);
+        let tile = (field * grid.tile_rows + tz) * grid.tile_columns + tx;
+        let colour = (tx + tz) & 1;
+        enlist(b, total, colour, tile);
+        if column % TILE == 0 && column > 0 {
+            enlist(b, total, 1 - colour, tile - 1);
+        }
+        if column % TILE == TILE - 1 && column + 1 < grid.columns {
+            enlist(b, total, 1 - colour, tile + 1);
+        }
+        if row % TILE == 0 && row > 0 {
+            enlist(b, total, 1 - colour, tile - grid.tile_columns);
+        }
+        if row % TILE == TILE - 1 && row + 1 < grid.rows {
+            enlist(b, total, 1 - colour, tile + grid.tile_columns);
+        }
+    }
+}
+
+/// What one turn makes of a tile.
+struct Swept {
+    tile: u32,
+    distance: [f32; (TILE * TILE) as usize],
+    /// Whether any cell fell.
+    fell: bool,
+    /// Whether another turn is needed.
+    again: bool,
+    /// Sides whose neighbouring tiles can fall now.
+    wake: u32,
+}
+
+fn turn(b: &mut Slices<'_>, total: u32) {
+    let list = b.level - 2;
+    clear_list(b, (list + 3) & 3);
+    let count = b.flow_args[4 * list as usize + 3];
+    let first = (list * total) as usize;
+    let tiles = &b.flow_lists[first..first + count as usize];
+    let (grid, cells, steps, distance) = (b.flow_grid, b.flow_cells, b.flow_step, &*b.flow_distance);
+    let sweep = |tile: &u32| sweep_tile(grid, cells, steps, distance, *tile);
+    let swept: Vec<Swept> = if tiles.len() < MANY {
+        tiles.iter().map(sweep).collect()
+    } else {
+        tiles.par_iter().with_min_len(4).map(sweep).collect()
+    };
+    for one in &swept {
+        b.flow_tiles[one.tile as usize] = 0;
+    }
+    for one in &swept {
+        let tile = one.tile;
+        if one.fell {
+            let place = Place::of(grid, tile);
+            for z in 0..place.height {
+                let to = (place.first + (place.z0 + z) * grid.columns + place.x0) as usize;
+                let from = (z * TILE) as usize;
+                let width = place.width as usize;
+                b.flow_distance[to..to + width].copy_from_slice(&one.distance[from..from + width]);
+            }
+        }
+        if one.again {
+            enlist(b, total, (list + 2) & 3, tile);
+        }
+        let next = (list + 1) & 3;
+        if one.wake & FROM_RIGHT != 0 {
+            enlist(b, total, next, tile - 1);
+        }
+        if one.wake & FROM_LEFT != 0 {
+            enlist(b, total, next, tile + 1);
+        }
+        if one.wake & FROM_ABOVE != 0 {
+            enlist(b, total, next, tile - grid.tile_columns);
+        }
+        if one.wake & FROM_BELOW != 0 {
+            enlist(b, total, next, tile + grid.tile_columns);
+        }
+    }
+}
+
+/// Where a tile lies.
+#[derive(Clone, Copy)]
+struct Place {
+    /// First cell of the field.
+    first: u32,
+    x0: u32,
+    z0: u32,
+    width: u32,
+    height: u32,
+}
+
+impl Place {
+    fn of(grid: &FlowUniforms, tile: u32) -> Self {
+        let x0 = tile % grid.tile_columns * TILE;
+        let z0 = tile / grid.tile_columns % grid.tile_rows * TILE;
+        Self {
+            first: tile / (grid.tile_columns * grid.tile_rows) * grid.cell_count,
+            x0,
+            z0,
+            width: TILE.min(grid.columns - x0),
+            height: TILE.min(grid.rows - z0),
+        }
+    }
+}
+
+/// Sweeps a tile on a copy of it and the cells around it.
+fn sweep_tile(grid: &FlowUniforms, cells: &[u32], steps: &[f32], distance: &[f32], tile: u32) -> Swept {
+    let place = Place::of(grid, tile);
+    let (columns, first) = (grid.columns as usize, place.first as usize);
+    let (x0, z0) = (place.x0 as usize, place.z0 as usize);
+    let (width, height) = (place.width as usize, place.height as usize);
+    let mut near = [FAR; RING * RING];
+    let mut bits = [0_u32; (TILE * TILE) as usize];
+    let mut size = [0.0_f32; (TILE * TILE) as usize];
+    // columns of the copy from and to: where the grid ends there is no ring
+    let (from, to) = (usize::from(x0 == 0), width + 1 + usize::from(x0 + width < columns));
+    for j in usize::from(z0 == 0)..height + 1 + usize::from(z0 + height < grid.rows as usize) {
+        let row = first + (z0 + j - 1) * columns + x0;
+        near[j * RING + from..j * RING + to].copy_from_slice(&distance[row + from - 1..row + to - 1]);
+    }
+    for z in 0..height {
+        let (row, at) = ((z0 + z) * columns + x0, z * TILE as usize);
+        bits[at..at + width].copy_from_slice(&cells[row..row + width]);
+        size[at..at + width].copy_from_slice(&steps[row..row + width]);
+    }
+    let (fell, again) = sweeps(&mut near, &bits, &size, width, height);
+    // whether the cell at (x, z), just outside, can fall because of the cell at `at` of the copy
+    let could_fall = |x: usize, z: usize, outside: usize, at: usize, bit: u32| {
+        let cell = z * columns + x;
+        cells[cell] & bit != 0 && near[outside] > near[at] + 0.7 * steps[cell]
+    };
+    let mut wake = 0;
+    for z in 0..height {
+        let row = (z + 1) * RING;
+        if fell & FROM_RIGHT != 0 && x0 > 0 && could_fall(x0 - 1, z0 + z, row, row + 1, FROM_RIGHT) {
+            wake |= FROM_RIGHT;
+        }
+        if fell & FROM_LEFT != 0
+            && x0 + width < columns
+            && could_fall(x0 + width, z0 + z, row + width + 1, row + width, FROM_LEFT)
+        {
+            wake |= FROM_LEFT;
+        }
+    }
+    for x in 0..width {
+        if fell & FROM_ABOVE != 0 && z0 > 0 && could_fall(x0 + x, z0 - 1, x + 1, RING + x + 1, FROM_ABOVE) {
+            wake |= FROM_ABOVE;
+        }
+        if fell & FROM_BELOW != 0
+            && z0 + height < grid.rows as usize
+            && could_fall(x0 + x, z0 + height, (height + 1) * RING + x + 1, height * RING + x + 1, FROM_BELOW)
+        {
+            wake |= FROM_BELOW;
+        }
+    }
+    let mut swept = Swept { tile, distance: [0.0; (TILE * TILE) as usize], fell: fell != 0, again, wake };
+    for z in 0..height {
+        let (row, at) = ((z + 1) * RING + 1, z * TILE as usize);
+        swept.distance[at..at + width].copy_from_slice(&near[row..row + width]);
+    }
+    swept
+}
+
+/// Sweeps until nothing falls; the sides whose cells fell, and whether it is not done yet.
+fn sweeps(
+    near: &mut [f32; RING * RING],
+    bits: &[u32; (TILE * TILE) as usize],
+    size: &[f32; (TILE * TILE) as usize],
+    width: usize,
+    height: usize,
+) -> (u32, bool) {
+    let mut fell = 0;
+    for sweep in 0..SWEEPS {
+        let (from_right, from_above) = (sweep & 1 != 0, sweep & 2 != 0);
+        let mut quiet = true;
+        for j in 0..height {
+            let z = if from_above { height - 1 - j } else { j };
+            for i in 0..width {
+                let x = if from_right { width - 1 - i } else { i };
+                let (at, cell) = ((z + 1) * RING + x + 1, z * TILE as usize + x);
+                let (bits, size, old) = (bits[cell], size[cell], near[at]);
+                // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
+                let neighbour = |bit: u32, index: usize| if bits & bit != 0 { near[index] } else { old };
+                let a = neighbour(FROM_LEFT, at - 1).min(neighbour(FROM_RIGHT, at + 1));
+                let b = neighbour(FROM_BELOW, at - RING).min(neighbour(FROM_ABOVE, at + RING));
+                let apart = (a - b).abs();
+                let mut fresh = a.min(b) + size;
+                if apart < size {
+                    fresh = 0.5 * (a + b + (2.0 * size * size - apart * apart).sqrt());
+                }
+                if fresh < old - 1e-4 * size {
+                    near[at] = fresh;
+                    quiet = false;
+                    let side = |is: bool, bit: u32| if is { bit } else { 0 };
+                    fell |= side(x == 0, FROM_RIGHT)
+                        | side(x + 1 == width, FROM_LEFT)
+                        | side(z == 0, FROM_ABOVE)
+                        | side(z + 1 == height, FROM_BELOW);
+                }
+            }
+        }
+        if quiet {
+            // a tile whose inner cells alone fell has nothing to tell its neighbours, but is written all the same
+            return (fell | if sweep > 0 { 1 << 31 } else { 0 }, false);
+        }
+    }
+    (fell | 1 << 31, true)
+}
+
+fn slope(here: f32, low: f32, high: f32, both: bool) -> f32 {
+    if both {
+        return 0.5 * (low - high);
+    }
+    (here - high).max(0.0) - (here - low).max(0.0)
+}
+
+fn point(b: &mut Slices<'_>) {
+    let cells = b.flow_grid.cell_count as usize;
+    let columns = b.flow_grid.columns as usize;
+    let total = b.flow_grid.field_count as usize * cells;
+    let (all_bits, distance) = (b.flow_cells, &*b.flow_distance);
+    b.flow_way[..total].par_iter_mut().enumerate().with_min_len(4096).for_each(|(index, way)| {
+        let bits = all_bits[index % cells];
+        let here = distance[index];
+        let from = |bit: u32| bits & bit != 0;
+        let neighbour = |bit: u32, at: usize| if from(bit) { distance[at] } else { here };
+        let left = neighbour(FROM_LEFT, index.wrapping_sub(1));
+        let right = neighbour(FROM_RIGHT, index + 1);
+        let below = neighbour(FROM_BELOW, index.wrapping_sub(columns));
+        let above = neighbour(FROM_ABOVE, index + columns);
+        let is_free = bits & SOLID == 0;
+        let fall = [
+            slope(here, left, right, is_free && from(FROM_LEFT) && from(FROM_RIGHT)),
+            slope(here, below, above, is_free && from(FROM_BELOW) && from(FROM_ABOVE)),
+        ];
+        let steep = (fall[0] * fall[0] + fall[1] * fall[1]).sqrt();
+        let mut word = bits | *way & SEES;
+        if here < 0.5 * FAR && steep > 0.0 {
+            let scale = 1.0 / steep;
+            word |= LEADS | pack([fall[0] * scale, fall[1] * scale]);
+        }
+        *way = word;
+    });
+}

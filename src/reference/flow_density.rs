@@ -1,0 +1,46 @@
+//! What a metre costs on each cell of the flow grid.
+
+use super::shared::is_absent;
+use super::way::SOLID;
+use crate::kernels::flow_density::Slices;
+use rayon::prelude::*;
+
+/// Twin of `shaders/flow_density.wgsl`.
+pub fn flow_density(b: Slices<'_>) {
+    let grid = b.flow_grid;
+    let (columns, rows) = (grid.columns as usize, grid.rows as usize);
+    let (cells, window) = (grid.cell_count as usize, grid.window as usize);
+    match b.level {
+        0 => b.flow_counts[..cells].fill(0),
+        1 => {
+            for at in b.position[..b.step.agent_count as usize].iter().filter(|at| !is_absent(**at)) {
+                let [x, z] = [0, 1].map(|axis| (at[axis] - grid.origin[axis]) * grid.inverse_cell_size);
+                if x >= 0.0 && z >= 0.0 && x < columns as f32 && z < rows as f32 {
+                    b.flow_counts[z as usize * columns + x as usize] += 1;
+                }
+            }
+        }
+        2 => {
+            let counts = &*b.flow_counts;
+            b.flow_sums[..cells].par_iter_mut().enumerate().with_min_len(4096).for_each(|(cell, sum)| {
+                let (column, row) = (cell % columns, cell / columns);
+                let low = column.saturating_sub(window);
+                let high = (column + window).min(columns - 1);
+                *sum = counts[row * columns + low..=row * columns + high].iter().sum();
+            });
+        }
+        _ => {
+            let sums = &*b.flow_sums;
+            b.flow_step[..cells].par_iter_mut().enumerate().with_min_len(4096).for_each(|(cell, size)| {
+                let (column, row) = (cell % columns, cell / columns);
+                let (low, high) = (row.saturating_sub(window), (row + window).min(rows - 1));
+                let sum: u32 = (low..=high).map(|z| sums[z * columns + column]).sum();
+                *size = grid.solid_step;
+                if b.flow_cells[cell] & SOLID == 0 {
+                    let density = sum as f32 / b.flow_room[cell];
+                    *size = grid.cell_size * (1.0 + grid.density_weight * density);
+                }
+            });
+        }
+    }
+}

@@ -1,0 +1,130 @@
+//! Fields for the kernels of way-finding.
+
+use super::unit;
+use crate::kernels::layout::{FlowUniforms, StepUniforms};
+use crate::kernels::{Pass, Store};
+use crate::sim::flow::{Goal, Settings, lay};
+use crate::sim::order;
+use glam::Vec2;
+
+/// Two fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, and a crowd whose
+/// density counts; `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
+pub fn fields(cells: usize, seed: u32) -> Store {
+    let mut store = Store {
+        step: StepUniforms { agent_count: cells as u32, ..StepUniforms::default() },
+        ..Store::default()
+    };
+    crate::sim::flow::clear(&mut store);
+    if cells == 0 {
+        return store;
+    }
+    if cells == 1 {
+        one_cell(&mut store);
+        return store;
+    }
+    // the grid has two cells of margin on each side
+    let rows = ((cells as f32).sqrt() as u32).max(1);
+    let columns = (cells as u32).div_ceil(rows);
+    let [width, depth] = [columns, rows].map(|n| (n as f32 - 4.0).max(0.25) * 0.5);
+    let mut outlines = vec![vec![[0.0, 0.0], [0.0, depth], [width, depth], [width, 0.0]]];
+    let u = |item: usize, lane| unit(seed, item, lane);
+    if cells > 200 {
+        for i in 0..cells / 150 {
+            let (x, z) = (u(i, 0) * width * 0.9, u(i, 1) * depth * 0.9);
+            let (w, d) = (0.3 + 2.0 * u(i, 2), 0.3 + 2.0 * u(i, 3));
+            outlines.push(if i % 3 == 0 {
+                vec![[x, z], [x + w, z + d]] // a wall of no thickness
+            } else {
+                vec![[x, z], [x + w, z], [x + w, z + d], [x, z + d]]
+            });
+        }
+        let (x, z) = (width * 0.5, depth * 0.5);
+        let corners = [[x, z], [x + 2.0, z], [x + 2.0, z + 2.0], [x, z + 2.0]];
+        outlines.extend((0..4).map(|i| vec![corners[i], corners[(i + 1) % 4]]));
+    }
+    let goal = |name: &str, center: Vec2, region: Vec<Vec2>| Goal {
+        name: name.to_owned(),
+        center,
+        radius: width.max(depth),
+        region,
+    };
+    let middle = Vec2::new(width, depth) * 0.4;
+    let region =
+        [(0.0, 0.0), (0.3, 0.0), (0.3, 0.2), (0.0, 0.2)].map(|(x, z)| Vec2::new(x * width, z * depth));
+    let goals = [goal("middle", middle, Vec::new()), goal("corner", region[2] * 0.5, region.to_vec())];
+    let settings = Settings { cell: Some(0.5), density_weight: 0.7, clearance: 0.2, every: 1 };
+    let laid = (1..=2).rev().find(|count| lay(&mut store, &outlines, &goals[..*count], &settings).is_ok());
+    if laid.is_none() {
+        // so small a place has no room for a goal: one cell, which is the goal, all round solid
+        let _ = lay(&mut store, &[], &goals[..1], &settings);
+    }
+    for i in 0..cells {
+        let absent = i % 9 == 4;
+        let at = [u(i, 4) * (width + 2.0) - 1.0, u(i, 5) * (depth + 2.0) - 1.0];
+        store.position.push(if absent { [crate::reference::shared::ABSENT; 2] } else { at });
+    }
+    store.flow_distance.fill(f32::NAN);
+    store.flow_way.fill(u32::MAX);
+    store.flow_tiles.fill(7);
+    store.flow_lists.fill(7);
+    store.flow_counts.fill(7);
+    store
+}
+
+/// A grid of a single cell, the goal.
+fn one_cell(store: &mut Store) {
+    store.flow_grid = FlowUniforms {
+        cell_size: 0.5,
+        inverse_cell_size: 2.0,
+        columns: 1,
+        rows: 1,
+        cell_count: 1,
+        tile_columns: 1,
+        tile_rows: 1,
+        field_count: 1,
+        seed_count: 1,
+        window: 2,
+        density_weight: 1.0,
+        solid_step: 15.0,
+        every: 1,
+        ..FlowUniforms::default()
+    };
+    store.position = vec![[0.25, 0.25]];
+    store.flow_room = vec![0.25];
+}
+
+/// The launches that count, price and solve.
+pub fn passes(store: &Store) -> Vec<Pass> {
+    let grid = &store.flow_grid;
+    let mut passes = order::density_passes(&store.step, grid);
+    passes.extend(order::flow_start(grid));
+    // enough for any of these cases: the lists are empty long before
+    let turns = (grid.tile_columns * grid.tile_rows).min(600) + 16;
+    passes.extend(order::flow_turns(0, turns));
+    passes.extend(order::flow_end(grid));
+    passes
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reference::way::{FAR, SOLID};
+
+    #[test]
+    fn the_cases_hold_free_cells_solid_ones_and_a_pocket_and_come_to_an_end() {
+        let mut store = fields(5000, 3);
+        let passes = passes(&store);
+        for pass in &passes[..passes.len() - 1] {
+            crate::reference::run(pass.kernel, &mut store, pass.level);
+        }
+        assert!((0..4).all(|list| store.flow_args[list * 4 + 3] == 0), "tiles are left on the lists");
+        let count = |is: &dyn Fn(u32, f32) -> bool| {
+            let cells = store.flow_cells.iter().zip(&store.flow_distance);
+            cells.filter(|(bits, distance)| is(**bits, **distance)).count()
+        };
+        assert!(count(&|bits, distance| bits & SOLID == 0 && distance < FAR) > 2000);
+        assert!(count(&|bits, _| bits & SOLID != 0) > 200);
+        assert!(count(&|bits, distance| bits & SOLID == 0 && distance >= FAR) > 3, "the pocket");
+        assert!(store.flow_step.iter().any(|step| *step > 0.6 && *step < 14.0), "density has a price");
+    }
+}
