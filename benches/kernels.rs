@@ -22,6 +22,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "compact",
     "contain",
     "cull",
+    "elevate",
     "flow",
     "flow_density",
     "gait_features",
@@ -37,6 +38,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "pose",
     "prefer",
     "skin",
+    "stand",
     "velocity_orca",
     "velocity_rvo",
 ];

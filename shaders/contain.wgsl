@@ -26,6 +26,7 @@ fn contain(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = slot_motion[slot * 2u].xy;
+    let elevation = slot_motion[slot * 2u + 1u].w;
     let wanted = new_velocity[slot];
     if !is_finite2(wanted) {
         return; // for integrate to report
@@ -41,7 +42,8 @@ fn contain(@builtin(global_invocation_id) id: vec3<u32>) {
             let number = obstacle_cells[entry] * 3u;
             let along = obstacles[number + 1u].xy;
             let ends = obstacles[number];
-            if crosses(at, velocity, ends.xy, ends.zw, along) {
+            let there = step.storey_height <= 0.0 || stands_at(obstacles[number + 2u].zw, elevation);
+            if there && crosses(at, velocity, ends.xy, ends.zw, along) {
                 held++;
                 velocity = along * dot2(along, velocity) + vec2<f32>(along.y, -along.x) * NUDGE;
                 if round + 1u == ROUNDS || crosses(at, velocity, ends.xy, ends.zw, along) {

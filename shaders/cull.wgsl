@@ -5,6 +5,7 @@
 // All inputs of the animation kernels are judged here: an agent with an impossible one is not drawn and reported.
 const HEADING_LIMIT: f32 = 10000.0; // rad; beyond it a float has no direction left
 const SCALE_LIMIT: f32 = 100.0;
+const ELEVATION_LIMIT: f32 = 10000.0; // m
 const WEIGHT_LIMIT: f32 = 1000000.0;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
@@ -13,8 +14,9 @@ const WEIGHT_LIMIT: f32 = 1000000.0;
 @group(0) @binding(3) var<storage, read> look: array<vec4<u32>>;            // [agent]
 @group(0) @binding(4) var<storage, read> gaits: array<vec4<u32>>;           // [agent] clip ids
 @group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;    // [agent]
-@group(0) @binding(6) var<storage, read_write> agent_bucket: array<u32>;    // [agent]
-@group(0) @binding(7) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
+@group(0) @binding(6) var<storage, read> elevation: array<f32>;             // [agent] m
+@group(0) @binding(7) var<storage, read_write> agent_bucket: array<u32>;    // [agent]
+@group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
 
 // Neither NaN (every comparison is false) nor out of range; an unweighted gait may be anything.
 fn gait_is_usable(clip: u32, weight: f32) -> bool {
@@ -25,7 +27,7 @@ fn is_usable(agent: u32, avatar: u32, scale: f32) -> bool {
     let body = stance[agent];
     let clips = gaits[agent];
     let weights = gait_weights[agent];
-    return is_finite2(position[agent])
+    return is_finite2(position[agent]) && abs(elevation[agent]) < ELEVATION_LIMIT
         && abs(body.x) < HEADING_LIMIT && abs(body.y) < WEIGHT_LIMIT
         && scale > 0.0 && scale < SCALE_LIMIT
         && frame.clip_count > 0u && (avatar + 1u) * frame.level_count <= frame.bucket_count
@@ -65,13 +67,15 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let height = frame.agent_height * scale;
     let radius = frame.agent_radius * scale;
-    let high = select(radius, height - radius, height - radius > radius); // never below its own foot
-    if !(eye_sees(0u, at.x, radius, high, at.y, radius)
-        || (frame.eye_count > 1u && eye_sees(1u, at.x, radius, high, at.y, radius))) {
+    let foot = elevation[agent];
+    let low = foot + radius;
+    let high = foot + select(radius, height - radius, height - radius > radius); // never below its own foot
+    if !(eye_sees(0u, at.x, low, high, at.y, radius)
+        || (frame.eye_count > 1u && eye_sees(1u, at.x, low, high, at.y, radius))) {
         return;
     }
     let dx = at.x - frame.camera.x;
-    let dy = 0.5 * height - frame.camera.y;
+    let dy = foot + 0.5 * height - frame.camera.y;
     let dz = at.y - frame.camera.z;
     let distance = sqrt(dx * dx + dy * dy + dz * dz);
     if !(distance <= frame.level_distance.z) {

@@ -39,7 +39,7 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
 
 fn avoid(slot: u32, motion: vec4<f32>, own: vec4<f32>, preferred: vec2<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
-    let hard = obstacle_lines(motion.xy, motion.zw, traits.x, traits.y);
+    let hard = obstacle_lines(motion.xy, motion.zw, traits);
     let to_user = step.user_position - motion.xy;
     let is_near = dot2(to_user, to_user) < own.y * own.y;
     let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
@@ -88,8 +88,9 @@ fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>,
 }
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.
-fn obstacle_lines(at: vec2<f32>, velocity: vec2<f32>, radius: f32, max_speed: f32) -> u32 {
-    let count = near_segments(at, step.time_horizon_obstacles * max_speed + radius);
+fn obstacle_lines(at: vec2<f32>, velocity: vec2<f32>, traits: vec4<f32>) -> u32 {
+    let radius = traits.x;
+    let count = near_segments(at, step.time_horizon_obstacles * traits.y + radius, traits.w);
     var made = 0u;
     for (var i = 0u; i < count; i++) {
         let number = segment_numbers[i] * 3u;

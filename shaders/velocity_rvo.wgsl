@@ -51,7 +51,7 @@ fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
 fn choose(slot: u32, motion: vec4<f32>, own: vec4<f32>, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
     let others = look_at_others(slot, motion, own, traits, count);
-    let walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x);
+    let walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
     // shortened where it is crowded ahead
     let preferred = crowded(preferred_velocity[slot_agent[slot]], motion.xy, own.y, u32(own.z), count);
     let most = step.max_acceleration * step.time_step;

@@ -8,6 +8,7 @@ use crate::emotion::Emotion;
 use crate::gait::walker;
 use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
 use crate::reference;
+use crate::reference::elevate::FLOOR_STRIDE;
 use crate::reference::exact::hash_u32;
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
@@ -266,6 +267,10 @@ impl Sequence {
                 join(&mut store, &[first, first + 1, first + 2]);
             }
         }
+        if kernel == Some(KernelId::Elevate) {
+            store.floors = vec![[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE]; // everyone is on it
+            store.step.floor_count = 1;
+        }
         let passes = order::step_passes(&store.step);
         Self::new(None, agents, store, passes, (backend, device))
     }
@@ -380,7 +385,8 @@ impl Sequence {
         if Self::ALTERNATIVES.contains(&kernel) {
             return Self::alternative(kernel, agents, backend, device);
         }
-        let all = crate::kernels::layout::StepUniforms { group_count: 1, ..Default::default() };
+        let all =
+            crate::kernels::layout::StepUniforms { group_count: 1, floor_count: 1, ..Default::default() };
         let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)

@@ -1,9 +1,11 @@
-//! People differ: groups that walk together.
+//! People differ: groups that walk together, classes, priorities; and floors that they walk on.
 #![allow(
     clippy::unwrap_used,
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    clippy::float_cmp,
+    clippy::needless_range_loop,
     reason = "a test: a failure is a panic"
 )]
 
@@ -13,7 +15,9 @@ use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
 use gaitway::reference;
 use gaitway::scenario::{Clearance, Scenario, populate};
-use gaitway::sim::setup::{join, manners, scratch, set_grid, set_obstacles};
+use gaitway::sim::setup::{
+    join, manners, scratch, set_floors, set_grid, set_obstacles, set_raised_obstacles,
+};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
 use gaitway::verify::cases::crossing::crossing;
 use glam::Vec2;
@@ -168,4 +172,163 @@ fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
     let (distance, along, across) = (distance / samples, along / samples, across / samples);
     println!("{distance:.2} m from the centre: {along:.2} m along, {across:.2} m across");
     assert!(distance < 1.2, "{distance} m from the centre of the group on average");
+}
+
+/// Two people head-on, the first a little to the side and of a priority; how far each leaves its line, m.
+fn deviations(priority: f32) -> [f32; 2] {
+    let mut store = people(&[[0.0, 0.05], [12.0, 0.0]], &[1.3]);
+    store.step.perturbation = 0.0;
+    store.waypoints = vec![[1e4, 0.0, 1.0, 0.0], [-1e4, 0.0, 1.0, 0.0]];
+    store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
+    store.manners[0][3] = priority;
+    let mut most = [0.0_f32; 2];
+    for _ in 0..30 * 10 {
+        steps(&mut store, 1);
+        most = [most[0].max((store.position[0][1] - 0.05).abs()), most[1].max(store.position[1][1].abs())];
+    }
+    assert!(store.position[0][0] > 8.0 && store.position[1][0] < 4.0, "{:?}", store.position);
+    most
+}
+
+#[test]
+fn whoever_has_priority_leaves_its_way_less() {
+    let [equal, half, full] = [0.0, 0.5, 1.0].map(deviations);
+    println!("leaves its line by {equal:?}, {half:?}, {full:?} m");
+    assert!((equal[0] - equal[1]).abs() < 0.1, "equal priorities: {equal:?}");
+    // of the avoidance it takes 1/2, 1/4, nothing
+    assert!(half[0] < 0.75 * equal[0] && half[1] > half[0], "{half:?}");
+    assert!(full[0] < 0.02 && full[1] > 0.35, "{full:?}");
+}
+
+fn cast_of(library: &GaitLibrary) -> Cast {
+    Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap()
+}
+
+#[test]
+fn a_class_walks_at_its_speed_with_the_strides_of_its_gaits() {
+    let library = GaitLibrary::built_in().unwrap();
+    let cast = cast_of(&library);
+    let simulation = |text: &str| {
+        let mut scenario = Scenario::builtin("crossing").unwrap().with_agents(40);
+        scenario.population = toml::from_str(&format!("agents = 40\n{text}")).unwrap();
+        let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+        Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap()
+    };
+    let plain = simulation("");
+    let mut slow =
+        simulation("[[classes]]\nshare = 1\nspeed = [0.7, 0.9]\npriority = 0.5\nneighbour_cap = 6");
+    for (own, before) in slow.store().body.iter().zip(&plain.store().body) {
+        assert!(
+            (0.7..=0.9).contains(&own[2]) && own[3].to_bits() == before[3].to_bits(),
+            "{own:?} {before:?}"
+        );
+    }
+    assert!(slow.store().manners.iter().all(|m| m[3] == 0.5 && m[2] == 6.0));
+    // a stride of the feet for every stride of the way: they do not slide
+    let before = slow.store().clone();
+    slow.step(1).unwrap();
+    let after = slow.state().unwrap();
+    for i in 0..40 {
+        let way = Vec2::from(after.position[i]).distance(Vec2::from(before.position[i]));
+        let strides = f64::from(after.phase[i].wrapping_sub(before.phase[i])) / f64::from(u32::MAX);
+        assert!((strides * f64::from(before.body[i][3]) - f64::from(way)).abs() < 1e-4, "agent {i}");
+    }
+}
+
+/// A bridge along x, three metres above a path along z.
+const BRIDGE: &str = r#"
+    name = "bridge"
+    bounds = [[-32, -20], [32, -20], [32, 20], [-32, 20]]
+    [population]
+    agents = 60
+    [[floors]]
+    polygon = [[-20, -2], [-6, -2], [-6, 2], [-20, 2]]
+    heights = [0, 3, 3]
+    railings = [0, 2]
+    [[floors]]
+    polygon = [[-6, -2], [6, -2], [6, 2], [-6, 2]]
+    heights = [3]
+    railings = [0, 2]
+    [[floors]]
+    polygon = [[6, -2], [20, -2], [20, 2], [6, 2]]
+    heights = [3, 0, 0]
+    railings = [0, 2]
+    [[routes]]
+    name = "over"
+    waypoints = [[-29, 0], [29, 0]]
+    width = 2.2
+    [[routes]]
+    name = "under"
+    waypoints = [[0, -18], [0, 18]]
+    width = 8.0
+"#;
+
+#[test]
+fn people_on_a_bridge_and_under_it_do_not_meet() {
+    let scenario: Scenario = toml::from_str(BRIDGE).unwrap();
+    assert_eq!(toml::from_str::<Scenario>(&scenario.to_toml().unwrap()).unwrap(), scenario);
+    let library = GaitLibrary::built_in().unwrap();
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let cast = cast_of(&library);
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+    let over: Vec<bool> = crowd
+        .agents
+        .iter()
+        .map(|a| crowd.waypoints[a.route_start as usize].position.x.abs() > 12.0)
+        .collect();
+    assert!(over.iter().any(|o| *o) && over.iter().any(|o| !o));
+    assert!(crowd.agents.iter().any(|agent| agent.elevation > 2.9), "nobody starts on the bridge");
+    let (mut crossed, mut apart) = (0, f32::INFINITY);
+    let (mut climbed, mut above) = (0, 0);
+    for _ in 0..30 * 40 {
+        simulation.step(1).unwrap();
+        let store = simulation.state().unwrap();
+        for i in 0..60 {
+            let ([x, z], height) = (store.position[i], store.elevation[i]);
+            let deck = 3.0 - ((x.abs() - 6.0).max(0.0) * 3.0 / 14.0).min(3.0);
+            if over[i] && x.abs() < 19.0 {
+                assert!((height - deck).abs() < 0.15, "agent {i} at {x}, {z}: {height} m instead of {deck}");
+                assert!(z.abs() < 1.8, "agent {i} at {x}, {z} is beyond the railing");
+                climbed += 1;
+            } else if !over[i] && x.abs() < 5.0 {
+                assert!(height.abs() < 1e-6, "agent {i} at {x}, {z} is at {height} m");
+            }
+            for j in 0..i {
+                let distance = Vec2::from(store.position[i]).distance(Vec2::from(store.position[j]));
+                if (store.elevation[j] - height).abs() > 2.5 {
+                    crossed += u32::from(distance < 0.3);
+                    above += 1;
+                } else {
+                    apart = apart.min(distance - store.body[i][0] - store.body[j][0]);
+                }
+            }
+        }
+    }
+    println!("{crossed} times one above another, least gap on one storey {apart} m");
+    assert!(climbed > 1000 && above > 1000);
+    assert!(crossed > 10, "nobody ever walked over somebody");
+    assert!(apart > -0.06, "people on one storey overlap: {apart} m");
+}
+
+#[test]
+fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
+    let mut scenario: Scenario = toml::from_str(BRIDGE).unwrap();
+    scenario.population.agents = 0;
+    let geometry = scenario.geometry();
+    for (height, passes) in [(3.0, false), (0.0, true)] {
+        let mut store = people(&[[0.0, 0.0]], &[1.3]);
+        store.waypoints = vec![[0.0, 12.0, 1.0, 0.0]];
+        store.elevation = vec![height];
+        set_raised_obstacles(&mut store, &[], &geometry.floors.raised);
+        set_floors(&mut store, &geometry.floors);
+        for model in order::MODELS {
+            let mut store = store.clone();
+            store.step.model = model;
+            steps(&mut store, 30 * 12);
+            let [_, z] = store.position[0];
+            assert_eq!(z > 5.0, passes, "model {model}: at {height} m it came to {z}");
+            assert!(passes || z < 1.9, "{z}");
+            assert!((store.elevation[0] - height).abs() < 1e-5);
+        }
+    }
 }

@@ -43,6 +43,8 @@ contain
 barrier
 integrate
 barrier
+elevate
+barrier
 set step
 barrier
 lead_agents 0
@@ -69,6 +71,7 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
         "compact 4",
         "compact 5",
         "pose",
+        "stand",
         "gaze",
         "palette",
         "skin 0",

@@ -5,8 +5,9 @@
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;
 @group(0) @binding(5) var<storage, read> look: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> position: array<vec2<f32>>; // [agent], ground
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;      // [agent], m
 
-const HEIGHT: f32 = 0.02; // above the ground, m
+const HEIGHT: f32 = 0.02; // above the floor, m
 
 struct MarkerVertex {
     @builtin(position) clip: vec4<f32>,
@@ -29,7 +30,7 @@ fn marker_vertex(
     let side = vec2<f32>(f32(corner & 1u), f32((corner >> 1u) & 1u)) * 2.0 - 1.0;
     let offset = side * (view.marker_radius + view.marker_width);
     let ground = position[agent] + offset;
-    let clip = view.clip_from_world[eye] * vec4<f32>(ground.x, HEIGHT, ground.y, 1.0);
+    let clip = view.clip_from_world[eye] * vec4<f32>(ground.x, elevation[agent] + HEIGHT, ground.y, 1.0);
     return MarkerVertex(clip, view.emotion_colors[(look[agent].x >> 8u) & 3u], offset);
 }
 

@@ -155,6 +155,18 @@ struct Segment {
     b_convex: bool,
 }
 
+// Added to the heights of a segment that stands at some heights only, so that they cannot be taken for flags.
+const RAISED = 3000.0;
+// Height of a body that has to pass under something, m.
+const TALL = 1.8;
+
+// Whether a segment with these two corners' words is in the way of somebody who stands at `elevation`.
+fn stands_at(words: vec2<f32>, elevation: f32) -> bool {
+    let low = abs(words.x) - RAISED;
+    let high = abs(words.y) - RAISED;
+    return low < -1500.0 || (elevation + TALL > low && elevation < high);
+}
+
 // Squared distance from p to a segment if p is on its open (right) side, else FAR_AWAY.
 fn segment_distance2(ends: vec4<f32>, p: vec2<f32>) -> f32 {
     let ab = ends.zw - ends.xy;

@@ -3,8 +3,9 @@
 var<private> segment_numbers: array<u32, 12>;
 var<private> segment_distances: array<f32, 12>;
 
-// Finds the segments nearer than `reach`, m, by (squared distance, number); returns how many are in segment_numbers.
-fn near_segments(at: vec2<f32>, reach: f32) -> u32 {
+// Finds the segments nearer than `reach`, m, that stand where somebody at `elevation` is, by (squared distance, number);
+// returns how many are in segment_numbers.
+fn near_segments(at: vec2<f32>, reach: f32, elevation: f32) -> u32 {
     if step.obstacle_count == 0u {
         return 0u;
     }
@@ -15,7 +16,7 @@ fn near_segments(at: vec2<f32>, reach: f32) -> u32 {
     for (var entry = obstacle_cells[cell]; entry < end; entry++) {
         let number = obstacle_cells[entry];
         let distance2 = segment_distance2(obstacles[number * 3u], at);
-        if distance2 < reach * reach {
+        if distance2 < reach * reach && is_in_the_way(number, elevation) {
             // numbers rise within a cell's list, so equal distances stay in order of number
             var hole = count;
             while hole > 0u && distance2 < segment_distances[max(hole, 1u) - 1u] {
@@ -33,4 +34,12 @@ fn near_segments(at: vec2<f32>, reach: f32) -> u32 {
         }
     }
     return count;
+}
+
+// Whether a segment stands where somebody at `elevation` is; without floors all do.
+fn is_in_the_way(number: u32, elevation: f32) -> bool {
+    if step.storey_height <= 0.0 {
+        return true;
+    }
+    return stands_at(obstacles[number * 3u + 2u].zw, elevation);
 }

@@ -105,5 +105,10 @@ fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32
         waypoint: 0,
         loops: false,
         companions: [u32::MAX; 4],
+        manners: None,
+        speed: None,
+        speed_factor: 1.0,
+        reaction: 0.0,
+        elevation: 0.0,
     }
 }

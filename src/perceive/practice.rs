@@ -174,6 +174,11 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
             waypoint: 0,
             loops: false,
             companions: [u32::MAX; 4],
+            manners: None,
+            speed: None,
+            speed_factor: 1.0,
+            reaction: 0.0,
+            elevation: 0.0,
         });
         crowd.waypoints.push(Waypoint { position: position + Vec2::new(0.0, 1000.0), radius: 0.5 });
     }

@@ -22,12 +22,12 @@ pub fn contain(b: Slices<'_>) {
             return;
         }
         let [x, y, ..] = b.slot_motion[slot * 2];
-        *velocity = held(&walls, [x, y], *velocity);
+        *velocity = held(&walls, [x, y], b.slot_motion[slot * 2 + 1][3], *velocity);
     });
 }
 
 /// The part of a velocity that crosses no wall within a step.
-fn held(walls: &Walls<'_>, at: [f32; 2], wanted: [f32; 2]) -> [f32; 2] {
+fn held(walls: &Walls<'_>, at: [f32; 2], elevation: f32, wanted: [f32; 2]) -> [f32; 2] {
     let listed = walls.listed(at);
     let time_step = walls.step.time_step;
     let mut velocity = wanted;
@@ -36,7 +36,7 @@ fn held(walls: &Walls<'_>, at: [f32; 2], wanted: [f32; 2]) -> [f32; 2] {
         for &number in listed {
             let [[ax, ay, bx, by], [along_x, along_y, ..], _] = walls.segment(number);
             let (a, b, along) = ([ax, ay], [bx, by], [along_x, along_y]);
-            if crosses(at, velocity, a, b, along, time_step) {
+            if walls.is_in_the_way(number, elevation) && crosses(at, velocity, a, b, along, time_step) {
                 held = true;
                 let speed = dot2(along, velocity);
                 velocity = [along[0] * speed + along[1] * NUDGE, along[1] * speed + -along[0] * NUDGE];

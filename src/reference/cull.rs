@@ -9,6 +9,7 @@ use crate::kernels::layout::FrameUniforms;
 
 const HEADING_LIMIT: f32 = 10000.0;
 const SCALE_LIMIT: f32 = 100.0;
+const ELEVATION_LIMIT: f32 = 10000.0;
 const WEIGHT_LIMIT: f32 = 1_000_000.0;
 
 fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
@@ -19,6 +20,7 @@ fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
     let [heading, walk] = b.stance[agent];
     let (clips, weights) = (b.gaits[agent], b.gait_weights[agent]);
     is_finite2(b.position[agent])
+        && b.elevation[agent].abs() < ELEVATION_LIMIT
         && heading.abs() < HEADING_LIMIT
         && walk.abs() < WEIGHT_LIMIT
         && scale > 0.0
@@ -55,14 +57,16 @@ pub fn cull(b: Slices<'_>) {
         let [x, z] = b.position[agent];
         let height = frame.agent_height * scale;
         let radius = frame.agent_radius * scale;
-        let high = if height - radius > radius { height - radius } else { radius };
-        if !(eye_sees(frame, 0, x, radius, high, z, radius)
-            || (frame.eye_count > 1 && eye_sees(frame, 1, x, radius, high, z, radius)))
+        let foot = b.elevation[agent];
+        let low = foot + radius;
+        let high = foot + if height - radius > radius { height - radius } else { radius };
+        if !(eye_sees(frame, 0, x, low, high, z, radius)
+            || (frame.eye_count > 1 && eye_sees(frame, 1, x, low, high, z, radius)))
         {
             continue;
         }
         let dx = x - frame.camera[0];
-        let dy = 0.5 * height - frame.camera[1];
+        let dy = foot + 0.5 * height - frame.camera[1];
         let dz = z - frame.camera[2];
         let distance = (dx * dx + dy * dy + dz * dz).sqrt();
         if !(distance <= frame.level_distance[2]) {

@@ -200,8 +200,22 @@ pub fn least_bad(lines: &[Line], hard: usize, begin: usize, radius: f32, start: 
 }
 
 /// An obstacle segment, solid on its left: `[0]` its two ends; `[1]` unit directions of itself and of the segment
-/// before; `[2]` unit direction of the segment after, and 1 or 0 for a convex first and second corner.
+/// before; `[2]` unit direction of the segment after, and 1 or 0 for a convex first and second corner. Where the segment
+/// stands at some heights only, these two are [`RAISED`] more than its lowest and highest point, m, negative for a corner
+/// that is not convex.
 pub type Segment = [[f32; 4]; 3];
+
+/// Added to the heights of a segment that stands at some heights only, so that they cannot be taken for flags.
+pub const RAISED: f32 = 3000.0;
+/// Height of a body that has to pass under something, m.
+const TALL: f32 = 1.8;
+
+/// Whether a segment with these two (its `[2][2..]`) is in the way of somebody who stands at `elevation`.
+pub fn stands_at(first: f32, second: f32, elevation: f32) -> bool {
+    let low = first.abs() - RAISED;
+    let high = second.abs() - RAISED;
+    low < -1500.0 || (elevation + TALL > low && elevation < high)
+}
 
 /// Squared distance from `p` to a segment if `p` is on its open (right) side, else infinity.
 pub fn segment_distance2(segment: &Segment, p: [f32; 2]) -> f32 {

@@ -44,10 +44,11 @@ impl Scene<'_> {
     fn new_velocity(&self, slot: usize, own: [f32; 4], preferred: [f32; 2]) -> [f32; 2] {
         let step = self.slots.step;
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
-        let [radius, max_speed, ..] = self.slots.slot_motion[slot * 2 + 1];
+        let traits = self.slots.slot_motion[slot * 2 + 1];
+        let max_speed = traits[1];
         let (position, velocity) = ([x, y], [vx, vy]);
         let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
-        let hard = self.obstacle_lines(&mut lines, position, velocity, radius, max_speed);
+        let hard = self.obstacle_lines(&mut lines, position, velocity, traits);
         let nearest = self.slots.neighbours(slot, position, own[1], own[2] as u32);
         let preferred = crowded(&self.slots, preferred, position, own[1], own[2] as u32, &nearest);
         let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
@@ -122,11 +123,10 @@ impl Scene<'_> {
         lines: &mut [Line; LINES],
         position: [f32; 2],
         velocity: [f32; 2],
-        radius: f32,
-        max_speed: f32,
+        [radius, max_speed, _, elevation]: [f32; 4],
     ) -> usize {
         let step = self.slots.step;
-        let near = self.walls.near(position, step.time_horizon_obstacles * max_speed + radius);
+        let near = self.walls.near(position, step.time_horizon_obstacles * max_speed + radius, elevation);
         let mut made = 0;
         for number in &near.numbers[..near.count] {
             let segment = self.walls.segment(*number);

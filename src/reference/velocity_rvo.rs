@@ -78,12 +78,12 @@ impl Scene<'_> {
     fn choose(&self, slot: usize, own: [f32; 4], preferred: [f32; 2]) -> [f32; 2] {
         let step = self.slots.step;
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
-        let [radius, max_speed, ..] = self.slots.slot_motion[slot * 2 + 1];
+        let [radius, max_speed, _, elevation] = self.slots.slot_motion[slot * 2 + 1];
         let (at, present) = ([x, y], [vx, vy]);
         let nearest = self.slots.neighbours(slot, at, own[1], own[2] as u32);
         let preferred = crowded(&self.slots, preferred, at, own[1], own[2] as u32, &nearest);
         let (others, count) = self.look_at_others(slot, own[1], &nearest);
-        let walls = self.walls.near(at, step.time_horizon_obstacles * max_speed + radius);
+        let walls = self.walls.near(at, step.time_horizon_obstacles * max_speed + radius, elevation);
         let view = View { at, rate: own[0], radius, others, count, walls };
         let most = step.max_acceleration * step.time_step;
         let mut turn = unit_or(preferred, unit_or(present, [1.0, 0.0]));

@@ -25,6 +25,8 @@ pub struct CrowdBuffers<'a> {
     pub look: &'a Buffer,
     /// Ground position: `vec2<f32> [agent]`.
     pub position: &'a Buffer,
+    /// Height of the floor stood on, m: `f32 [agent]`.
+    pub elevation: &'a Buffer,
 }
 
 impl<'a> CrowdBuffers<'a> {
@@ -47,6 +49,7 @@ impl<'a> CrowdBuffers<'a> {
             skinned: find("skinned")?,
             look: find("look")?,
             position: find("position")?,
+            elevation: find("elevation")?,
         })
     }
 
@@ -60,6 +63,7 @@ impl<'a> CrowdBuffers<'a> {
             "skinned" => self.skinned,
             "look" => self.look,
             "position" => self.position,
+            "elevation" => self.elevation,
             _ => return None,
         })
     }

@@ -158,10 +158,14 @@ impl Show {
 fn nearest(store: &Store, eye: Vec3, count: usize, height: f32) -> f32 {
     let eye_ground = crate::ground::ground_from_world(eye);
     let agents = store.step.agent_count as usize;
-    let lowest = (eye.y - 0.6 * height).abs().min((eye.y - 0.4 * height).abs());
     let mut distances: Vec<f32> = store.position[..agents]
         .iter()
-        .map(|p| Vec2::from_array(*p).distance(eye_ground).hypot(lowest))
+        .zip(&store.elevation)
+        .map(|(p, foot)| {
+            let away = eye.y - foot;
+            let lowest = (away - 0.6 * height).abs().min((away - 0.4 * height).abs());
+            Vec2::from_array(*p).distance(eye_ground).hypot(lowest)
+        })
         .collect();
     if count >= distances.len() {
         return f32::INFINITY;

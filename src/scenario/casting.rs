@@ -4,6 +4,7 @@
 
 use super::crowd::AgentStart;
 use super::error::Error;
+use super::people::person;
 use super::populate::{Place, cumulate, weighted};
 use super::random::{Purpose, bits, index, range, unit};
 use super::schema::{Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Scenario};
@@ -129,6 +130,9 @@ impl<'a> Cast<'a> {
 
     /// Every run of as many agents as there are avatars has each of them once: as many women as men.
     fn avatar(&self, agent: u32) -> u32 {
+        if let Some(avatar) = person(self.scenario, agent).avatar(self.scenario, agent) {
+            return avatar;
+        }
         let avatars = u32::try_from(self.scenario.population.avatars.len()).unwrap_or(1).max(1);
         let shift = bits(self.scenario.seed, agent / avatars, Purpose::Avatar, 0) % avatars;
         (agent % avatars + shift) % avatars
@@ -137,11 +141,13 @@ impl<'a> Cast<'a> {
     pub(super) fn agent(&self, agent: u32, place: Place) -> Result<AgentStart, Error> {
         let (seed, scale) = (self.scenario.seed, self.scale(agent));
         let (emotion, gaits, gait_weights) = self.feeling(agent)?;
+        let person = person(self.scenario, agent);
         Ok(AgentStart {
             position: place.position,
+            elevation: place.elevation,
             velocity: place.direction * START_SPEED.min(self.scenario.navigation.max_speed),
             heading: heading_from_ground(place.direction),
-            radius: self.scenario.navigation.radius * scale,
+            radius: person.radius(&self.scenario.navigation, scale),
             emotion,
             gaits,
             gait_weights,
@@ -155,6 +161,10 @@ impl<'a> Cast<'a> {
             waypoint: place.waypoint,
             loops: place.loops,
             companions: [u32::MAX; 4],
+            manners: Some(person.manners),
+            speed: person.speed,
+            speed_factor: person.speed_factor,
+            reaction: person.reaction,
         })
     }
 }

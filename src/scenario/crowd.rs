@@ -1,5 +1,6 @@
 //! The start state of every agent: what [`crate::sim`] needs to begin, the same on every machine.
 
+use super::people::Manners;
 use glam::Vec2;
 
 /// A point on a route and how near an agent must come for it to count as reached.
@@ -16,6 +17,8 @@ pub struct Waypoint {
 pub struct AgentStart {
     /// Ground position (x, z), m.
     pub position: Vec2,
+    /// Height of the floor stood on, m.
+    pub elevation: f32,
     /// Ground velocity, m/s.
     pub velocity: Vec2,
     /// Heading about +y in radians, 0 faces +z.
@@ -46,6 +49,14 @@ pub struct AgentStart {
     pub waypoint: u32,
     /// The others of the group that the agent walks with, by index; `u32::MAX` for none.
     pub companions: [u32; 4],
+    /// How it deals with others; none: as the scenario's `[navigation]` says.
+    pub manners: Option<Manners>,
+    /// Preferred speed, m/s; none: that of its gaits. Its gaits are walked at another cadence.
+    pub speed: Option<f32>,
+    /// By what the preferred speed is multiplied.
+    pub speed_factor: f32,
+    /// Time from the start until it begins to walk, s.
+    pub reaction: f32,
     /// After the last waypoint: walk the route again from its first one (true) or stay there (false).
     pub loops: bool,
 }

@@ -7,6 +7,7 @@ use super::clearance::Clearance;
 use super::crowd::Waypoint;
 use super::error::Error;
 use super::layout::Geometry;
+use super::people::largest_radius;
 use super::random::{Purpose, index, unit};
 use super::schema::{Route, RouteMode, Scenario};
 use glam::Vec2;
@@ -55,7 +56,7 @@ impl Lanes {
     /// # Errors
     /// [`Error::Populate`] for a route without a single clear lane: which, where and how near to what.
     pub(super) fn new(scenario: &Scenario, geometry: &Geometry, free: &Clearance) -> Result<Self, Error> {
-        let body = scenario.navigation.radius * scenario.population.scale[1];
+        let body = largest_radius(scenario);
         let mut lanes = Self { clearance: ROUTE_CLEARANCE.max(body + 0.1) + 0.05, ..Self::default() };
         for (id, route) in (0_u32..).zip(&geometry.routes) {
             let first = lanes.lanes.len();

@@ -1,6 +1,7 @@
 //! Geometry of a scenario: what its file says, plus what its generated layout adds for that many agents.
 
 use super::environment::{Environment, Ground, Prop};
+use super::floors::Floors;
 use super::polygon;
 use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn};
 use super::{crossing, garden, parking, scifi};
@@ -22,6 +23,8 @@ pub struct Geometry {
     pub routes: Vec<Route>,
     /// Scenery.
     pub environment: Environment,
+    /// Floors above the ground, and what is solid at some heights only.
+    pub floors: Floors,
     /// Where the user starts, m.
     pub user: Vec2,
     /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
@@ -69,7 +72,8 @@ impl Scenario {
         let bounds = polygon::oriented(made.bounds, false);
         made.routes.extend(self.routes.iter().cloned());
         made.props.extend(self.environment.props.iter().cloned());
-        made.obstacles.extend(self.obstacles.iter().map(|obstacle| vectors(&obstacle.polygon)));
+        let whole = self.obstacles.iter().filter(|obstacle| !obstacle.is_raised());
+        made.obstacles.extend(whole.map(|obstacle| vectors(&obstacle.polygon)));
         let inside = |prop: &&Prop| polygon::contains(&bounds, Vec2::from(prop.position));
         made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
         let user = self.user.position.map_or(made.user, Vec2::from);
@@ -82,6 +86,7 @@ impl Scenario {
                 ground: Some(self.environment.ground.unwrap_or(made.ground)),
                 props: made.props,
             },
+            floors: Floors::new(&self.floors, &self.obstacles),
             user,
             bounds,
         }
@@ -103,7 +108,8 @@ impl Scenario {
         own.bounds = points(&made.bounds);
         own.user.position.get_or_insert(made.user.into());
         own.environment.ground.get_or_insert(made.ground);
-        let solid = |polygon: &Vec<Vec2>| super::schema::Obstacle { polygon: points(polygon) };
+        let solid =
+            |polygon: &Vec<Vec2>| super::schema::Obstacle { polygon: points(polygon), low: None, high: None };
         own.obstacles.splice(0..0, made.obstacles.iter().map(solid));
         own.routes.splice(0..0, made.routes);
         own.environment.props.splice(0..0, made.props);

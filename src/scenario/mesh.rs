@@ -53,6 +53,13 @@ impl<'a> Builder<'a> {
         index
     }
 
+    /// Three corners, counter-clockwise seen from outside.
+    pub(super) fn triangle(&mut self, corners: [Vec3; 3], color: Vec3) {
+        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalize_or(Vec3::Y);
+        let indices = corners.map(|corner| self.vertex(corner, normal, color));
+        self.mesh.indices.extend(indices);
+    }
+
     /// Four corners, counter-clockwise seen from outside; flat.
     pub(super) fn quad(&mut self, corners: [Vec3; 4], color: Vec3) {
         let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or(Vec3::Y);

@@ -8,8 +8,10 @@ use super::clearance::Clearance;
 use super::companions;
 use super::crowd::{AgentStart, Crowd};
 use super::error::Error;
+use super::floors::Floors;
 use super::lanes::Lanes;
 use super::layout::Geometry;
+use super::people::largest_radius;
 use super::polygon;
 use super::random::{Purpose, unit};
 use super::schema::{Scenario, Spawn};
@@ -123,6 +125,8 @@ pub(super) fn cumulate(shares: impl IntoIterator<Item = f32>) -> Vec<f32> {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Place {
     pub(super) position: Vec2,
+    /// Height of the floor stood on, m.
+    pub(super) elevation: f32,
     pub(super) direction: Vec2,
     pub(super) route_start: u32,
     pub(super) route_length: u32,
@@ -134,6 +138,7 @@ pub(super) struct Place {
 struct Places<'a> {
     scenario: &'a Scenario,
     free: &'a Clearance,
+    floors: &'a Floors,
     lanes: &'a Lanes,
     spawns: &'a [Spawn],
     /// Corners, cumulated share and allowed routes of each spawn region.
@@ -141,6 +146,8 @@ struct Places<'a> {
     region_ends: Vec<f32>,
     route_ends: Vec<f32>,
     user: Vec2,
+    /// The largest radius, m.
+    body: f32,
     taken: Taken,
 }
 
@@ -174,18 +181,21 @@ impl<'a> Places<'a> {
             spawn.weight.unwrap_or(polygon::signed_area(corners).abs() as f32)
         };
         let region_ends = cumulate(geometry.spawns.iter().zip(&regions).map(share));
-        let widest = 2.0 * scenario.navigation.radius * scenario.population.scale[1] + GAP;
+        let body = largest_radius(scenario);
+        let widest = 2.0 * body + GAP;
         let taken = Taken::new(scenario.population.agents, widest);
         let route_ends = cumulate(lanes.shares.iter().copied());
         Ok(Self {
             scenario,
             free,
+            floors: &geometry.floors,
             lanes,
             spawns: &geometry.spawns,
             regions,
             region_ends,
             route_ends,
             user: geometry.user,
+            body,
             taken,
         })
     }
@@ -221,16 +231,16 @@ impl<'a> Places<'a> {
 
     /// Takes places beside and behind the first member for the others of its group, as far as there are any.
     fn beside(&mut self, first: Place, members: usize, all: &mut Vec<Place>) {
-        let body = self.scenario.navigation.radius * self.scenario.population.scale[1];
         for position in companions::places(first.position, first.direction, 1.01 * self.taken.apart) {
             if all.len() == members {
                 return;
             }
-            if self.free.passes(first.position, position, body + 0.05)
+            if self.free.passes(first.position, position, self.body + 0.05)
                 && self.apart_from_user(position)
                 && self.taken.insert(position)
             {
-                all.push(Place { position, ..first });
+                let elevation = self.floors.walk(first.position, position, first.elevation);
+                all.push(Place { position, elevation, ..first });
             }
         }
     }
@@ -240,17 +250,28 @@ impl<'a> Places<'a> {
         let route = weighted(&self.route_ends, draw(0));
         let lane = self.lane_of(route, draw(1));
         let (on, direction, waypoint) = self.lanes.at(lane, draw(2) * lane.length);
-        let body = self.scenario.navigation.radius * self.scenario.population.scale[1];
-        let jitter = (self.lanes.clearance - body - 0.05).clamp(0.0, 0.4);
+        let jitter = (self.lanes.clearance - self.body - 0.05).clamp(0.0, 0.4);
         let position = on + direction.perp() * jitter * (2.0 * draw(3) - 1.0);
+        let elevation = self.elevation(lane, waypoint, on);
         Place {
             position,
+            elevation: self.floors.walk(on, position, elevation),
             direction,
             route_start: lane.start,
             route_length: lane.count,
             waypoint,
             loops: lane.loops,
         }
+    }
+
+    /// How high somebody stands who has walked a lane from its first waypoint, which is on the ground, to a point before
+    /// waypoint `next`.
+    fn elevation(&self, lane: super::lanes::Lane, next: u32, on: Vec2) -> f32 {
+        let points = self.lanes.points(lane);
+        let before = (next as usize + points.len() - 1) % points.len();
+        let way = points[..=before].iter().map(|point| point.position).chain([on]);
+        let walk = |(at, height): (Vec2, f32), to: Vec2| (to, self.floors.walk(at, to, height));
+        way.fold((points[0].position, 0.0), walk).1
     }
 
     fn lane_of(&self, route: usize, u: f32) -> super::lanes::Lane {
@@ -272,7 +293,7 @@ impl<'a> Places<'a> {
         let low = corners.iter().copied().reduce(Vec2::min)?;
         let high = corners.iter().copied().reduce(Vec2::max)?;
         let position = low + (high - low) * Vec2::new(draw(1), draw(2));
-        let body = self.scenario.navigation.radius * self.scenario.population.scale[1] + 0.05;
+        let body = self.body + 0.05;
         (polygon::contains(corners, position) && self.free.admits(position, body))
             .then_some((region, position))
     }
@@ -288,7 +309,7 @@ impl<'a> Places<'a> {
         let mut order: Vec<(f32, usize)> =
             points.iter().enumerate().map(|(i, w)| (w.position.distance_squared(position), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let body = self.scenario.navigation.radius * self.scenario.population.scale[1] + 0.05;
+        let body = self.body + 0.05;
         let (_, nearest) = order
             .into_iter()
             .take(SIGHTED)
@@ -296,6 +317,7 @@ impl<'a> Places<'a> {
         let direction = (points[nearest].position - position).normalize_or(Vec2::Y);
         Some(Place {
             position,
+            elevation: self.floors.height(position, 0.0),
             direction,
             route_start: lane.start,
             route_length: lane.count,
@@ -306,8 +328,7 @@ impl<'a> Places<'a> {
 
     fn apart_from_user(&self, position: Vec2) -> bool {
         let user = &self.scenario.user;
-        let body = self.scenario.navigation.radius * self.scenario.population.scale[1];
-        !user.avoided || position.distance(self.user) >= user.radius + body + USER_GAP
+        !user.avoided || position.distance(self.user) >= user.radius + self.body + USER_GAP
     }
 
     fn full(&self, agent: u32, unseen: u32) -> Error {

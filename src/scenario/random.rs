@@ -35,6 +35,8 @@ pub enum Purpose {
     Affect = 11,
     /// Size of a group (the agent is its first member).
     Group = 12,
+    /// Class, and the numbers of a class.
+    Person = 13,
 }
 
 /// The bijection of u32 under every draw.

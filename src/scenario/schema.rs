@@ -1,7 +1,9 @@
 //! The scenario file: every key, its unit, its default. Allowed ranges are in [`super::validate`](Scenario::validate).
 
 use super::environment::Environment;
+use super::floors::Floor;
 use super::gaze::Gaze;
+use super::people::Class;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -52,6 +54,9 @@ pub struct Scenario {
     /// Where agents walk, in addition to the routes of the layout.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub routes: Vec<Route>,
+    /// Floors above the ground: bridges, ramps, storeys.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub floors: Vec<Floor>,
     /// What the place looks like. Solid props are obstacles too.
     #[serde(default)]
     pub environment: Environment,
@@ -247,6 +252,13 @@ pub struct Population {
     /// Who walks together.
     #[serde(skip_serializing_if = "Groups::is_default")]
     pub groups: Groups,
+    /// Traits of personality besides the published ones: ratios to an average person of neighbour distance, neighbours,
+    /// horizon, radius, speed.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub traits: BTreeMap<String, [f32; 5]>,
+    /// Kinds of people; none: all are alike but for their size and gait.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub classes: Vec<Class>,
 }
 
 /// Groups that walk together (`shaders/accompany.wgsl`).
@@ -288,6 +300,8 @@ impl Default for Population {
             affect: None,
             prefer: Prefer::default(),
             groups: Groups::default(),
+            traits: BTreeMap::new(),
+            classes: Vec::new(),
         }
     }
 }
@@ -415,6 +429,19 @@ impl Default for User {
 pub struct Obstacle {
     /// Corners in order, at least 3, not crossing itself.
     pub polygon: Vec<Point>,
+    /// Its lowest point, m above the ground; left out: it reaches below everything. Only with floors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub low: Option<f32>,
+    /// Its highest point, m above the ground; left out: it reaches above everything. Only with floors.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub high: Option<f32>,
+}
+
+impl Obstacle {
+    /// Whether it stands at some heights only.
+    pub fn is_raised(&self) -> bool {
+        self.low.is_some() || self.high.is_some()
+    }
 }
 
 /// A region in which agents start.

@@ -2,8 +2,10 @@
 
 use super::environment::Prop;
 use super::error::Error;
+use super::floors;
 use super::gaze::{Budget, Gaze};
 use super::load::nearest;
+use super::people;
 use super::polygon;
 use super::schema::{
     EmotionMode, GaitChoice, GenderChoice, Layout, Navigation, Point, Population, Route, RouteMode, Scenario,
@@ -63,6 +65,7 @@ impl Scenario {
                 "the corners of something solid",
             )?;
         }
+        floors::validate(&self.floors, &self.obstacles)?;
         routes(&self.routes)?;
         spawns(&self.spawns, &self.routes, self.layout)?;
         self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
@@ -70,14 +73,14 @@ impl Scenario {
 }
 
 /// A number within `low..=high`; NaN fails.
-fn within(key: &str, value: f32, low: f32, high: f32, hint: &str) -> Result<(), Error> {
+pub(super) fn within(key: &str, value: f32, low: f32, high: f32, hint: &str) -> Result<(), Error> {
     if value >= low && value <= high {
         return Ok(());
     }
     Err(Error::value(key, value, format!("{low} to {high}"), hint))
 }
 
-fn point(key: &str, [x, z]: Point) -> Result<(), Error> {
+pub(super) fn point(key: &str, [x, z]: Point) -> Result<(), Error> {
     if x.abs() <= MAX_COORDINATE && z.abs() <= MAX_COORDINATE {
         return Ok(());
     }
@@ -128,7 +131,8 @@ fn population(population: &Population) -> Result<(), Error> {
         let hint = "give at least one emotion a share, such as neutral = 1.0";
         return Err(Error::value("population.emotions", "all 0", "a sum above 0", hint));
     }
-    groups(&population.groups.sizes)
+    groups(&population.groups.sizes)?;
+    people::validate(population)
 }
 
 /// Sizes of groups.

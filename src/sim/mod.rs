@@ -31,7 +31,8 @@ const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
 #[cfg(feature = "vulkan")]
-const STATE: [BufferId; 6] = [
+const STATE: [BufferId; 7] = [
+    BufferId::Elevation,
     BufferId::Position,
     BufferId::Velocity,
     BufferId::Stance,

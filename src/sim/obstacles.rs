@@ -2,7 +2,7 @@
 
 use crate::kernels::layout::StepUniforms;
 use crate::reference::exact::{det2, dot2};
-use crate::reference::orca::{Segment, unit_or};
+use crate::reference::orca::{RAISED, Segment, unit_or};
 
 /// The segments of closed polygons.
 ///
@@ -46,6 +46,17 @@ pub fn segments(polygons: &[Vec<[f32; 2]>]) -> Vec<Segment> {
         }
     }
     all
+}
+
+/// The segment where it stands between two heights, m, only (see `reference::orca::stands_at`).
+pub fn at_heights(mut segment: Segment, low: f32, high: f32) -> Segment {
+    let coded = |convex: f32, height: f32| {
+        let size = height.clamp(-1000.0, 1000.0) + RAISED;
+        if convex > 0.0 { size } else { -size }
+    };
+    segment[2][2] = coded(segment[2][2], low);
+    segment[2][3] = coded(segment[2][3], high);
+    segment
 }
 
 /// For each cell the segments that an agent in it may have to avoid: those within `reach` metres of the cell.

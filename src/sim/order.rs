@@ -33,6 +33,9 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::Contain, 0, agents),
         pass(KernelId::Integrate, 0, agents),
     ]);
+    if step.floor_count > 0 {
+        passes.push(pass(KernelId::Elevate, 0, agents));
+    }
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
     }
@@ -115,6 +118,7 @@ pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
         pass(KernelId::Compact, 4, Extent::Invocations(1)),
         pass(KernelId::Compact, 5, runs),
         pass(KernelId::Pose, 0, per_visible),
+        pass(KernelId::Stand, 0, per_visible),
     ];
     if has_turns(frame) {
         let one = Extent::Invocations(1);

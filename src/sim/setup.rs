@@ -1,13 +1,15 @@
 //! The buffers of a simulation at its start.
 
 use super::cast::Cast;
-use super::obstacles::{cell_lists, segments};
+use super::obstacles::{at_heights, cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
 use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::scenario::{AgentStart, Crowd, Geometry, Model, Navigation, Scenario};
+use crate::scenario::{AgentStart, Crowd, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario};
 use glam::Vec2;
 
+/// Whoever is that much higher or lower is not in the way, m; only where there are floors.
+const STOREY_HEIGHT: f32 = 2.0;
 /// Body turns at most this fast, rad/s.
 const TURN_RATE: f32 = 3.5;
 /// How far ahead an agent sees how crowded it is, m.
@@ -37,7 +39,8 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     }
     let polygons: Vec<Vec<[f32; 2]>> =
         geometry.outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
-    set_obstacles(&mut store, &polygons);
+    set_raised_obstacles(&mut store, &polygons, &geometry.floors.raised);
+    set_floors(&mut store, &geometry.floors);
     scratch(&mut store);
     store.step.group_count = groups(&store);
     store
@@ -102,12 +105,21 @@ pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32, neigh
 
 /// Puts obstacle polygons into the store; its bodies must be there, since their speed decides who can reach what.
 pub fn set_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>]) {
+    set_raised_obstacles(store, polygons, &[]);
+}
+
+/// The same with obstacles that stand at some heights only.
+pub fn set_raised_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>], raised: &[Raised]) {
     let seconds = store.step.time_horizon_obstacles.max(store.step.time_step);
     let fastest = store.body.iter().map(|b| seconds * b[1] + b[0]).fold(0.0, f32::max);
-    let segments = segments(polygons);
-    store.step.obstacle_count = segments.len() as u32;
-    store.obstacle_cells = cell_lists(&segments, &store.step, fastest);
-    store.obstacles = segments.into_iter().flatten().collect();
+    let mut all = segments(polygons);
+    for solid in raised {
+        let outline: Vec<[f32; 2]> = solid.outline.iter().map(Vec2::to_array).collect();
+        all.extend(segments(&[outline]).into_iter().map(|s| at_heights(s, solid.low, solid.high)));
+    }
+    store.step.obstacle_count = all.len() as u32;
+    store.obstacle_cells = cell_lists(&all, &store.step, fastest);
+    store.obstacles = all.into_iter().flatten().collect();
     if store.obstacles.is_empty() {
         store.obstacles.push([0.0; 4]);
     }
@@ -132,6 +144,15 @@ pub fn join(store: &mut Store, members: &[u32]) {
     store.step.group_count += 1;
 }
 
+/// Puts floors into the store; with any, whoever is on another storey is not in the way.
+pub fn set_floors(store: &mut Store, floors: &Floors) {
+    if floors.count() > 0 {
+        store.step.floor_count = floors.count() as u32;
+        store.step.storey_height = STOREY_HEIGHT;
+        store.floors.clone_from(&floors.elements);
+    }
+}
+
 /// Everything that a step writes before it reads.
 pub fn scratch(store: &mut Store) {
     let agents = store.step.agent_count as usize;
@@ -144,6 +165,8 @@ pub fn scratch(store: &mut Store) {
     store.slot_motion = vec![[0.0; 4]; agents * 2];
     store.new_velocity = vec![[0.0; 2]; agents];
     store.preferred_velocity = vec![[0.0; 2]; agents];
+    store.floors.resize(store.floors.len().max(1), [0.0; 4]);
+    store.companions.resize(agents, [NOBODY; 4]);
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
@@ -177,19 +200,16 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         preferred_speed += weight * cast.clip(*clip).speed * agent.scale;
         stride_travel += weight * cast.clip(*clip).stride_travel * agent.scale;
     }
+    let preferred_speed = agent.speed.unwrap_or(preferred_speed) * agent.speed_factor;
     let max_speed =
         (preferred_speed * navigation.max_speed_factor).min(navigation.max_speed).max(preferred_speed);
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
     store.body.push([agent.radius, max_speed, preferred_speed, stride_travel]);
-    store.manners.push(manners(
-        navigation.time_horizon,
-        navigation.neighbour_distance,
-        navigation.neighbour_cap,
-        0.0,
-    ));
+    let own = agent.manners.unwrap_or_else(|| Manners::of(navigation));
+    store.manners.push(manners(own.time_horizon, own.neighbour_distance, own.neighbour_cap, own.priority));
     store.companions.push(agent.companions);
-    store.elevation.push(0.0);
+    store.elevation.push(agent.elevation);
     store.stance.push([agent.heading, 1.0]);
     store.phase.push(agent.phase);
     let loops = u32::from(agent.loops) << 31;

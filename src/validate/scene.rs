@@ -121,7 +121,7 @@ impl Scene {
 
     /// Adds something solid.
     pub fn solid(&mut self, polygon: &[[f32; 2]]) {
-        self.scenario.obstacles.push(Obstacle { polygon: polygon.to_vec() });
+        self.scenario.obstacles.push(Obstacle { polygon: polygon.to_vec(), low: None, high: None });
     }
 
     /// Steps of the run.
@@ -282,5 +282,10 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         waypoint: number(walker.next),
         loops: walker.loops,
         companions: [u32::MAX; 4],
+        manners: None,
+        speed: None,
+        speed_factor: 1.0,
+        reaction: 0.0,
+        elevation: 0.0,
     }
 }

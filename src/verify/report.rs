@@ -98,6 +98,8 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::Contain => {
             (1e-3, "m/s", "a comparison with a wall: by rounding an agent may be held or not")
         }
+        KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
+        KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
         KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
         KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),
         KernelId::Gaze => (1e-4, "", "three rounds of arc tangents, roots and quotients"),
@@ -349,6 +351,7 @@ fn same_state(cpu: &Store, gpu: &Store) -> bool {
         BufferId::Stance,
         BufferId::Phase,
         BufferId::Route,
+        BufferId::Elevation,
         BufferId::Failure,
     ];
     state.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))

@@ -212,6 +212,7 @@ impl HandMade {
             })
             .collect();
         let position: Vec<[f32; 2]> = places.iter().map(|p| p.0.to_array()).collect();
+        let elevation = vec![0.0_f32; position.len()];
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
         }
@@ -225,6 +226,7 @@ impl HandMade {
             ("skinned", bytes(&skinned)),
             ("look", bytes(&look)),
             ("position", bytes(&position)),
+            ("elevation", bytes(&elevation)),
         ];
         let buffers = contents
             .map(|(name, bytes)| {
@@ -248,6 +250,7 @@ impl HandMade {
             skinned: &b[6],
             look: &b[7],
             position: &b[8],
+            elevation: &b[9],
         }
     }
 }

@@ -283,6 +283,11 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     let away = away * away;
     store.position.push([user_eyes.x + away * angle.sin(), user_eyes.z + away * angle.cos()]);
     let walk = [0.0, 1.0, dice.between(0.0, 1.0)][dice.below(3) as usize];
+    store.elevation.push(if agent.is_multiple_of(3) {
+        unit_f32(hash_u32(agent as u32)) * 6.0 - 2.0
+    } else {
+        0.0
+    });
     store.stance.push([dice.between(-3.1, 3.1), walk]);
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), u32::from(dice.below(8) > 0));
@@ -389,6 +394,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     const POISON: u32 = 0xdead_beef;
     for _ in 0..SPARE {
         store.position.push([NAN; 2]);
+        store.elevation.push(NAN);
         store.stance.push([NAN; 2]);
         store.phase.push(POISON);
         store.look.push([POISON; 4]);

@@ -3,9 +3,10 @@
 use super::unit;
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
+use crate::reference::elevate::FLOOR_STRIDE;
 use crate::reference::exact::hash_u32;
 use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::sim::obstacles::{cell_lists, segments};
+use crate::sim::obstacles::{at_heights, cell_lists, segments};
 use crate::sim::setup::{join, manners};
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
@@ -52,6 +53,7 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
     agent_arrays(&mut store, agents, side, seed);
     groups(&mut store, agents, seed);
     obstacles(&mut store, side);
+    floors(&mut store, side);
     scratch(&mut store, agents);
     store
 }
@@ -140,6 +142,23 @@ fn groups(store: &mut Store, agents: usize, seed: u32) {
     store.step.group_count = 1; // also where everyone is alone
 }
 
+/// Level and sloping floors, some above one another, within a step of where people stand and not.
+fn floors(store: &mut Store, side: f32) {
+    const FLOORS: usize = 6;
+    for number in 0..FLOORS {
+        let u = |lane| unit(77, number, lane);
+        let [x, z] = [u(0) * side, u(1) * side];
+        let (width, depth) = (side * (0.2 + 0.4 * u(2)), side * (0.2 + 0.4 * u(3)));
+        let slope = if number % 2 == 0 { [0.0, 0.0] } else { [u(4) - 0.5, u(5) - 0.5] };
+        store.floors.push([slope[0], slope[1], u(6) * 4.0 - slope[0] * x - slope[1] * z, 0.0]);
+        let edges =
+            [[1.0, 0.0, width - x], [-1.0, 0.0, width + x], [0.0, 1.0, depth - z], [0.0, -1.0, depth + z]];
+        store.floors.extend(edges.map(|[n, m, d]| [n, m, d, 0.0]));
+        store.floors.extend([[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE - 5]);
+    }
+    store.step.floor_count = FLOORS as u32;
+}
+
 /// Two solids: a box, and an L with a concave corner.
 fn obstacles(store: &mut Store, side: f32) {
     let at = |x: f32, z: f32| [side * 0.6 + x, side * 0.3 + z];
@@ -147,7 +166,9 @@ fn obstacles(store: &mut Store, side: f32) {
         vec![at(0.0, 0.0), at(1.5, 0.0), at(1.5, 1.0), at(0.0, 1.0)],
         vec![at(-3.0, 1.0), at(-1.0, 1.0), at(-1.0, 2.0), at(-2.0, 2.0), at(-2.0, 3.0), at(-3.0, 3.0)],
     ];
-    let segments = segments(&solids);
+    let mut segments = segments(&solids);
+    // the second stands at some heights only: people walk under it and over it
+    segments[4..].iter_mut().for_each(|segment| *segment = at_heights(*segment, 2.1, 3.4));
     store.step.obstacle_count = segments.len() as u32;
     store.obstacle_cells = cell_lists(&segments, &store.step, 3.0);
     store.obstacles = segments.into_iter().flatten().collect();

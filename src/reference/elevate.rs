@@ -1,0 +1,39 @@
+//! How high each agent stands.
+
+use super::exact::dot2;
+use super::shared::is_absent;
+use crate::kernels::elevate::Slices;
+use rayon::prelude::*;
+
+/// Elements of a floor: its plane and eight edges.
+pub const FLOOR_STRIDE: usize = 9;
+/// Nobody climbs more at once, m.
+pub const STEP: f32 = 0.6;
+/// What a piece reaches beyond its edges, m.
+const EDGE: f32 = 0.02;
+
+/// Twin of `shaders/elevate.wgsl`.
+pub fn elevate(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
+    b.elevation[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(|(agent, elevation)| {
+        if !is_absent(b.position[agent]) {
+            *elevation = height(floors, b.position[agent], *elevation);
+        }
+    });
+}
+
+/// Where somebody stands at a point who stood at height `present` before, m.
+pub fn height(floors: &[[f32; 4]], at: [f32; 2], present: f32) -> f32 {
+    let (mut nearest, mut height) = (STEP, 0.0);
+    for floor in floors.chunks_exact(FLOOR_STRIDE) {
+        if floor[1..].iter().all(|side| dot2([side[0], side[1]], at) + side[2] >= -EDGE) {
+            let here = dot2([floor[0][0], floor[0][1]], at) + floor[0][2];
+            let off = (here - present).abs();
+            if off < nearest {
+                (nearest, height) = (off, here);
+            }
+        }
+    }
+    height
+}

@@ -1,0 +1,13 @@
+//! Puts the pose of every visible agent on the floor it stands on.
+
+use super::body::{JOINTS, POSE_STRIDE, visible_agents};
+use crate::kernels::stand::Slices;
+
+/// Twin of `shaders/stand.wgsl`.
+pub fn stand(b: Slices<'_>) {
+    let Slices { visible, elevation, look, local_rotations } = b;
+    for (agent, pose) in visible_agents(visible).iter().zip(local_rotations.chunks_mut(POSE_STRIDE)) {
+        let agent = *agent as usize;
+        pose[JOINTS][1] += elevation[agent] / f32::from_bits(look[agent][1]);
+    }
+}

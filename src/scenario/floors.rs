@@ -1,0 +1,338 @@
+//! Floors above the ground: bridges, ramps, storeys, their railings, and obstacles that do not reach from the ground up.
+
+use super::error::Error;
+use super::mesh::{Builder, EnvironmentMesh, srgb};
+use super::polygon;
+use super::schema::{Obstacle, Point};
+use super::validate::{point, within};
+use glam::{Vec2, Vec3};
+use serde::{Deserialize, Serialize};
+
+/// Most corners of a floor.
+const MAX_FLOOR_CORNERS: usize = 8;
+/// Most floors: every agent looks at all of them in every step.
+pub const MAX_FLOORS: usize = 1024;
+/// Height of a railing above the floor, m.
+pub const RAILING: f32 = 1.1;
+/// Elements of a floor in the buffer `floors`: its plane and eight edges.
+pub const FLOOR_STRIDE: usize = 1 + MAX_FLOOR_CORNERS;
+/// Nobody climbs more at once, m, and what a floor reaches beyond its edges, m: as in `shaders/elevate.wgsl`.
+const STEP: f32 = 0.6;
+const EDGE: f32 = 0.02;
+/// Thickness of what is drawn, m.
+const SLAB: f32 = 0.25;
+
+/// A convex piece of a plane above the ground that people walk on: a bridge, a ramp, a storey.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Floor {
+    /// Corners in order, 3 to 8, convex.
+    pub polygon: Vec<Point>,
+    /// Height above the ground, m: one number for a level floor, or that of each of the first three corners.
+    pub heights: Vec<f32>,
+    /// Edges with a railing: edge 0 leads from the first corner to the second.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub railings: Vec<u32>,
+}
+
+impl Floor {
+    fn corners(&self) -> Vec<Vec2> {
+        self.polygon.iter().copied().map(Vec2::from).collect()
+    }
+
+    /// (a, b, c) of height = a x + b z + c.
+    fn plane(&self) -> Vec3 {
+        let (corners, h) = (self.corners(), &self.heights);
+        let &[first, ..] = h.as_slice() else { return Vec3::ZERO };
+        let (&[p, q, r, ..], &[hp, hq, hr, ..]) = (corners.as_slice(), h.as_slice()) else {
+            return Vec3::new(0.0, 0.0, first);
+        };
+        let (u, v) = (q - p, r - p);
+        let area = u.perp_dot(v);
+        let slope = Vec2::new((hq - hp) * v.y - (hr - hp) * u.y, (hr - hp) * u.x - (hq - hp) * v.x) / area;
+        Vec3::new(slope.x, slope.y, hp - slope.dot(p))
+    }
+
+    fn height_at(&self, at: Vec2) -> f32 {
+        self.plane().dot(at.extend(1.0))
+    }
+
+    /// The floor as `elevate` reads it.
+    fn elements(&self) -> [[f32; 4]; FLOOR_STRIDE] {
+        let corners = polygon::oriented(self.corners(), true);
+        let mut elements = [[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE];
+        elements[0] = self.plane().extend(0.0).to_array();
+        for (element, (a, b)) in elements[1..].iter_mut().zip(polygon::edges(&corners)) {
+            let inward = (b - a).normalize_or_zero().perp();
+            *element = [inward.x, inward.y, -inward.dot(a), 0.0];
+        }
+        elements
+    }
+
+    fn check(&self, key: &str) -> Result<(), Error> {
+        let count = self.polygon.len();
+        if !(3..=MAX_FLOOR_CORNERS).contains(&count) {
+            let allowed = format!("3 to {MAX_FLOOR_CORNERS} corners");
+            let hint = "make several floors of it that share edges";
+            return Err(Error::value(format!("{key}.polygon"), format!("{count} corners"), allowed, hint));
+        }
+        for (index, &corner) in self.polygon.iter().enumerate() {
+            point(&format!("{key}.polygon[{index}]"), corner)?;
+        }
+        let corners = polygon::oriented(self.corners(), true);
+        let turns = |i: usize| {
+            let [a, b, c] = [0, 1, 2].map(|k| corners[(i + k) % count]);
+            (b - a).perp_dot(c - b)
+        };
+        if !(0..count).all(|i| turns(i) > 1e-3) || polygon::self_intersection(&corners).is_some() {
+            let hint = "no corner may point inwards or lie on a straight edge; split the floor";
+            return Err(Error::value(format!("{key}.polygon"), "not convex", "a convex outline", hint));
+        }
+        if ![1, 3].contains(&self.heights.len()) {
+            let found = format!("{} numbers", self.heights.len());
+            let hint = "one for a level floor; three for a ramp: the heights of its first three corners";
+            return Err(Error::value(format!("{key}.heights"), found, "1 or 3 numbers", hint));
+        }
+        for (index, &height) in self.heights.iter().enumerate() {
+            within(&format!("{key}.heights[{index}]"), height, -100.0, 100.0, "metres above the ground")?;
+        }
+        let slope = self.plane().truncate().length();
+        let hint = "a slope up to 1: people climb no more than 45 degrees, make the ramp longer";
+        within(&format!("{key}.heights"), slope, 0.0, 1.0, hint)?;
+        for (index, &edge) in self.railings.iter().enumerate() {
+            if edge as usize >= count {
+                let (key, allowed) = (format!("{key}.railings[{index}]"), format!("0 to {}", count - 1));
+                return Err(Error::value(
+                    key,
+                    edge,
+                    allowed,
+                    "edge 0 leads from the first corner to the second",
+                ));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Something solid between two heights: a railing on a bridge does not stop those under it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Raised {
+    /// Corners; two are a wall, solid from both sides; more are counter-clockwise and solid within.
+    pub outline: Vec<Vec2>,
+    /// Its lowest point, m.
+    pub low: f32,
+    /// Its highest point, m.
+    pub high: f32,
+}
+
+/// All floors of a scene, and what stands on them.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Floors {
+    floors: Vec<Floor>,
+    /// `[floor][9]`: the plane, then the edges, as `elevate` reads them.
+    pub elements: Vec<[f32; 4]>,
+    /// Railings, and obstacles with a height range.
+    pub raised: Vec<Raised>,
+}
+
+impl Floors {
+    pub(super) fn new(floors: &[Floor], obstacles: &[Obstacle]) -> Self {
+        let railing = |floor: &Floor, edge: u32| {
+            let (corners, count) = (floor.corners(), floor.polygon.len());
+            let outline = vec![corners[edge as usize % count], corners[(edge as usize + 1) % count]];
+            let [a, b] = [outline[0], outline[1]].map(|end| floor.height_at(end));
+            Raised { outline, low: a.min(b), high: a.max(b) + RAILING }
+        };
+        let railings = floors.iter().flat_map(|f| f.railings.iter().map(move |edge| railing(f, *edge)));
+        let solids = obstacles.iter().filter(|obstacle| obstacle.is_raised()).map(|obstacle| Raised {
+            outline: polygon::oriented(obstacle.polygon.iter().copied().map(Vec2::from).collect(), true),
+            low: obstacle.low.unwrap_or(-1000.0),
+            high: obstacle.high.unwrap_or(1000.0),
+        });
+        Self {
+            floors: floors.to_vec(),
+            elements: floors.iter().flat_map(Floor::elements).collect(),
+            raised: railings.chain(solids).collect(),
+        }
+    }
+
+    /// How many floors there are.
+    pub fn count(&self) -> usize {
+        self.floors.len()
+    }
+
+    /// How high somebody stands at a point who stood at `present` m just before: the rule of `elevate`.
+    pub fn height(&self, at: Vec2, present: f32) -> f32 {
+        let (mut nearest, mut height) = (STEP, 0.0);
+        for floor in self.elements.chunks_exact(FLOOR_STRIDE) {
+            if floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -EDGE) {
+                let here = floor[0][0] * at.x + floor[0][1] * at.y + floor[0][2];
+                if (here - present).abs() < nearest {
+                    (nearest, height) = ((here - present).abs(), here);
+                }
+            }
+        }
+        height
+    }
+
+    /// How high somebody stands at the end of a straight walk begun at height `present`.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "steps of a quarter of a metre along a route"
+    )]
+    pub(super) fn walk(&self, start: Vec2, end: Vec2, mut present: f32) -> f32 {
+        if self.floors.is_empty() {
+            return 0.0;
+        }
+        let steps = (start.distance(end) * 4.0).ceil().max(1.0) as u32;
+        for step in 0..=steps {
+            present = self.height(start.lerp(end, step as f32 / steps as f32), present);
+        }
+        present
+    }
+
+    /// Adds slabs and railings to a mesh.
+    pub fn draw(&self, mesh: &mut EnvironmentMesh) {
+        let mut builder = Builder::new(mesh, Vec3::ZERO, 0.0);
+        let (concrete, steel) = (srgb(0x00b4_afa6), srgb(0x0056_606b));
+        for floor in &self.floors {
+            let corners = polygon::oriented(floor.corners(), true);
+            let at = |p: Vec2, drop: f32| Vec3::new(p.x, floor.height_at(p) - drop, p.y);
+            for i in 1..corners.len() - 1 {
+                // seen from above, (x, z) is left-handed: counter-clockwise there is clockwise from above
+                let [a, b, c] = [corners[0], corners[i], corners[i + 1]];
+                builder.triangle([c, b, a].map(|p| at(p, 0.0)), concrete);
+                builder.triangle([a, b, c].map(|p| at(p, SLAB)), concrete * 0.6);
+            }
+            for (a, b) in polygon::edges(&corners) {
+                builder.quad([at(a, 0.0), at(b, 0.0), at(b, SLAB), at(a, SLAB)], concrete * 0.8);
+            }
+            let plain = floor.corners();
+            for &edge in &floor.railings {
+                let (a, b) = (plain[edge as usize], plain[(edge as usize + 1) % plain.len()]);
+                rail(&mut builder, floor, [a, b], steel);
+            }
+        }
+    }
+}
+
+/// Posts every metre and a half, and two rails.
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a few hundred posts"
+)]
+fn rail(builder: &mut Builder<'_>, floor: &Floor, [a, b]: [Vec2; 2], color: Vec3) {
+    const HALF: f32 = 0.03;
+    let posts = ((a.distance(b) / 1.5).ceil() as u32).clamp(1, 400);
+    let foot = |t: f32| {
+        let p = a.lerp(b, t);
+        Vec3::new(p.x, floor.height_at(p), p.y)
+    };
+    for post in 0..=posts {
+        let base = foot(post as f32 / posts as f32);
+        builder.block(base, Vec3::new(2.0 * HALF, RAILING, 2.0 * HALF), color);
+    }
+    let side = (b - a).normalize_or_zero().perp() * HALF;
+    let side = Vec3::new(side.x, 0.0, side.y);
+    for height in [0.5 * RAILING, RAILING] {
+        let [low, high] = [Vec3::Y * (height - HALF), Vec3::Y * (height + HALF)];
+        let (p, q) = (foot(0.0), foot(1.0));
+        for (near, far) in [(p, q), (q, p)] {
+            let out = if near == p { -side } else { side };
+            builder.quad([near + out + low, near + out + high, far + out + high, far + out + low], color);
+        }
+        builder.quad([p - side + high, p + side + high, q + side + high, q - side + high], color);
+    }
+}
+
+/// Checks floors, and the heights of obstacles.
+pub(super) fn validate(floors: &[Floor], obstacles: &[Obstacle]) -> Result<(), Error> {
+    if floors.len() > MAX_FLOORS {
+        let (found, allowed) = (format!("{} floors", floors.len()), format!("at most {MAX_FLOORS}"));
+        return Err(Error::value("floors", found, allowed, "join pieces that lie in one plane"));
+    }
+    for (index, floor) in floors.iter().enumerate() {
+        floor.check(&format!("floors[{index}]"))?;
+    }
+    for (index, obstacle) in obstacles.iter().enumerate() {
+        let (low, high) = (obstacle.low.unwrap_or(-1000.0), obstacle.high.unwrap_or(1000.0));
+        within(&format!("obstacles[{index}].low"), low, -1000.0, 1000.0, "metres above the ground")?;
+        within(&format!("obstacles[{index}].high"), high, low, 1000.0, "metres, above its low")?;
+        if obstacle.is_raised() && floors.is_empty() {
+            let hint = "without [[floors]] everyone is on the ground: leave low and high out";
+            return Err(Error::value(format!("obstacles[{index}]"), "low or high", "left out", hint));
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "tests")]
+mod tests {
+    use super::*;
+
+    fn bridge() -> Floors {
+        let floor = |polygon: [Point; 4], heights: &[f32]| Floor {
+            polygon: polygon.to_vec(),
+            heights: heights.to_vec(),
+            railings: vec![0, 2],
+        };
+        Floors::new(
+            &[
+                floor([[-14.0, -2.0], [-4.0, -2.0], [-4.0, 2.0], [-14.0, 2.0]], &[0.0, 3.0, 3.0]),
+                floor([[-4.0, -2.0], [4.0, -2.0], [4.0, 2.0], [-4.0, 2.0]], &[3.0]),
+                floor([[4.0, -2.0], [14.0, -2.0], [14.0, 2.0], [4.0, 2.0]], &[3.0, 0.0, 0.0]),
+            ],
+            &[],
+        )
+    }
+
+    #[test]
+    fn who_walks_up_the_ramp_is_on_the_bridge_and_who_walks_under_it_is_not() {
+        let floors = bridge();
+        let [left, right] = [Vec2::new(-16.0, 0.0), Vec2::new(16.0, 0.0)];
+        assert!((floors.walk(left, Vec2::ZERO, 0.0) - 3.0).abs() < 1e-5);
+        assert!(floors.walk(left, Vec2::new(-9.0, 1.0), 0.0) > 1.4);
+        assert!(floors.walk(left, right, 0.0).abs() < 1e-6);
+        assert!(floors.walk(Vec2::new(0.0, -8.0), Vec2::ZERO, 0.0).abs() < 1e-6);
+        assert_eq!(floors.raised.len(), 6);
+        assert!(floors.raised[2].low > 2.9 && floors.raised[2].high < 4.2);
+    }
+
+    #[test]
+    fn the_mesh_of_a_floor_faces_up_on_top() {
+        let mut mesh = EnvironmentMesh::default();
+        bridge().draw(&mut mesh);
+        let top =
+            mesh.positions.iter().zip(&mesh.normals).filter(|(p, n)| (p.y - 3.0).abs() < 1e-4 && n.y > 0.9);
+        assert!(top.count() >= 6);
+        for t in mesh.indices.chunks_exact(3) {
+            let [a, b, c] = [t[0], t[1], t[2]].map(|i| mesh.positions[i as usize]);
+            let normal = mesh.normals[t[0] as usize];
+            assert!((b - a).cross(c - a).dot(normal) > -1e-6, "a triangle winds against its normal");
+        }
+    }
+
+    #[test]
+    fn floors_that_are_not_convex_too_steep_or_railed_where_there_is_no_edge_are_refused() {
+        let square = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]];
+        let floor = |polygon: &[Point], heights: &[f32], railings: &[u32]| Floor {
+            polygon: polygon.to_vec(),
+            heights: heights.to_vec(),
+            railings: railings.to_vec(),
+        };
+        let refused = |floor: Floor| validate(&[floor], &[]).unwrap_err().to_string();
+        validate(&[floor(&square, &[3.0], &[3])], &[]).unwrap();
+        let dart = [[0.0, 0.0], [4.0, 0.0], [1.0, 1.0], [0.0, 4.0]];
+        assert!(refused(floor(&dart, &[3.0], &[])).contains("convex"));
+        assert!(refused(floor(&square, &[0.0, 5.0, 5.0], &[])).contains("slope"));
+        assert!(refused(floor(&square, &[0.0, 1.0], &[])).contains("heights"));
+        assert!(refused(floor(&square, &[f32::NAN], &[])).contains("heights"));
+        assert!(refused(floor(&square, &[3.0], &[4])).contains("railings"));
+        assert!(refused(floor(&square[..2], &[3.0], &[])).contains("corners"));
+    }
+}
