@@ -201,7 +201,10 @@ impl Trajectories {
         match self.area.as_deref() {
             Some([outer, holes @ ..]) => {
                 scenario.bounds = points(outer);
-                scenario.obstacles = holes.iter().map(|hole| Obstacle { polygon: points(hole) }).collect();
+                scenario.obstacles = holes
+                    .iter()
+                    .map(|hole| Obstacle { polygon: points(hole), low: None, high: None })
+                    .collect();
             }
             _ => scenario.bounds = points(&polygon::rectangle((low + high) * 0.5, high - low, 0.0)),
         }
