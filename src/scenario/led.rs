@@ -42,6 +42,7 @@ pub fn populate_people(
         let speed = person.speed.map(|speed| [speed.clamp(slowest, fastest); 2]);
         own.population.prefer.speed = speed.or(scenario.population.prefer.speed);
         let place = Place {
+            elevation: 0.0,
             position: person.position,
             direction: Vec2::from_angle(std::f32::consts::FRAC_PI_2 - person.heading),
             route_start: 0,
