@@ -13,6 +13,7 @@ use gaitway::gait::walker;
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::{KernelId, Store};
 use gaitway::library::GaitLibrary;
+use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure};
 use gaitway::verify::cases::crossing::{crossing, crossing_quality};
@@ -87,7 +88,7 @@ fn duel(second: [f32; 2], perturbation: f32) -> Store {
     }
     store.position = vec![[5.0, 10.0], second];
     store.velocity = vec![[0.0; 2]; 2];
-    store.waypoints = vec![[second[0], second[1], 0.2, 0.0], [5.0, 10.0, 0.2, 0.0]];
+    store.stages = [waypoint(second[0], second[1], 0.2), waypoint(5.0, 10.0, 0.2)].concat();
     store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
     store
 }

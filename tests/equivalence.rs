@@ -13,7 +13,7 @@ use gaitway::gpu::{Device, Validation, validation_messages};
 use gaitway::kernels::{Access, KernelId};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, crossing, flow, gaits, step};
+use gaitway::verify::cases::{animation, crossing, flow, gaits, journeys, step};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -87,6 +87,17 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
                     }
                     store.step.step_index += 1;
                 }
+                let mut store = journeys::journeys(agents, seed);
+                for round in 0..3 {
+                    let passes = order::step_passes(&store.step);
+                    let found = compare_passes(device, &store, &passes).unwrap();
+                    assert_exact(&format!("{agents} on journeys, seed {seed}, step {round}"), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                    for pass in passes {
+                        gaitway::reference::run(pass.kernel, &mut store, pass.level);
+                    }
+                    store.step.step_index += 1;
+                }
                 let store = animation::animation(agents, seed);
                 let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
                 assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
@@ -110,7 +121,8 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
 #[test]
 fn the_comparison_notices_one_bit() {
     on_device(|device| {
-        let (crowd, bodies, walks) = (step::crowd(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
+        let (crowd, bodies, walks) =
+            (journeys::journeys(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
         let of_model = |model| step::crowd_with(model, 65, 3);
         let ways = flow::fields(300, 3);
         let stages = [

@@ -14,6 +14,7 @@ use gaitway::ground::is_absent;
 use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
 use gaitway::reference;
+use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::setup::{
     join, manners, scratch, set_floors, set_grid, set_obstacles, set_raised_obstacles,
@@ -35,7 +36,7 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     store.elevation = vec![0.0; count];
     store.stance = vec![[0.0, 1.0]; count];
     store.phase = vec![0; count];
-    store.waypoints = vec![[1e4, 0.0, 1.0, 0.0]];
+    store.stages = waypoint(1e4, 0.0, 1.0).to_vec();
     store.route = vec![[0, 1, 0, 0]; count];
     store.companions.clear();
     let low = Vec2::new(-20.0, -20.0);
@@ -114,7 +115,7 @@ fn a_group_splits_at_a_pillar_and_comes_together_behind_it() {
 #[test]
 fn members_who_turn_back_at_different_times_do_not_hold_each_other_up() {
     let mut store = people(&[[0.0, 0.0], [-4.0, 0.0]], &[1.3]);
-    store.waypoints = vec![[6.0, 0.0, 0.8, 0.0], [-6.0, 0.0, 0.8, 0.0]];
+    store.stages = [waypoint(6.0, 0.0, 0.8), waypoint(-6.0, 0.0, 0.8)].concat();
     store.route = vec![[0, 2 | 1 << 31, 0, 0]; 2];
     join(&mut store, &[0, 1]);
     steps(&mut store, 30 * 120);
@@ -178,7 +179,7 @@ fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
 fn deviations(priority: f32) -> [f32; 2] {
     let mut store = people(&[[0.0, 0.05], [12.0, 0.0]], &[1.3]);
     store.step.perturbation = 0.0;
-    store.waypoints = vec![[1e4, 0.0, 1.0, 0.0], [-1e4, 0.0, 1.0, 0.0]];
+    store.stages = [waypoint(1e4, 0.0, 1.0), waypoint(-1e4, 0.0, 1.0)].concat();
     store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
     store.manners[0][3] = priority;
     let mut most = [0.0_f32; 2];
@@ -271,11 +272,8 @@ fn people_on_a_bridge_and_under_it_do_not_meet() {
     let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
     let cast = cast_of(&library);
     let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
-    let over: Vec<bool> = crowd
-        .agents
-        .iter()
-        .map(|a| crowd.waypoints[a.route_start as usize].position.x.abs() > 12.0)
-        .collect();
+    let over: Vec<bool> =
+        crowd.agents.iter().map(|a| crowd.stages[a.route_start as usize].position.x.abs() > 12.0).collect();
     assert!(over.iter().any(|o| *o) && over.iter().any(|o| !o));
     assert!(crowd.agents.iter().any(|agent| agent.elevation > 2.9), "nobody starts on the bridge");
     let (mut crossed, mut apart) = (0, f32::INFINITY);
@@ -317,7 +315,7 @@ fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
     let geometry = scenario.geometry();
     for (height, passes) in [(3.0, false), (0.0, true)] {
         let mut store = people(&[[0.0, 0.0]], &[1.3]);
-        store.waypoints = vec![[0.0, 12.0, 1.0, 0.0]];
+        store.stages = [waypoint(0.0, 12.0, 1.0)].concat();
         store.elevation = vec![height];
         set_raised_obstacles(&mut store, &[], &geometry.floors.raised);
         set_floors(&mut store, &geometry.floors);

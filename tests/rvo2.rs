@@ -107,7 +107,7 @@ fn store(layout: &Layout) -> Store {
         stance: vec![[0.0; 2]; count],
         phase: vec![0; count],
         route: vec![[0, 1, 0, 0]; count],
-        waypoints: vec![[0.0; 4]],
+        stages: reference::stages::waypoint(0.0, 0.0, 0.0).to_vec(),
         ..Store::default()
     };
     let extent = layout.start.iter().flatten().fold(1.0_f32, |m, c| m.max(c.abs())) + 1.0;

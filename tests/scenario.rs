@@ -141,7 +141,7 @@ fn routes_are_clear(scenario: &Scenario, crowd: &Crowd) {
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
     let mut seen = std::collections::HashSet::new();
     for agent in &crowd.agents {
-        let route = &crowd.waypoints[agent.route_start as usize..][..agent.route_length as usize];
+        let route = &crowd.stages[agent.route_start as usize..][..agent.route_length as usize];
         assert!(agent.waypoint < agent.route_length && !route.is_empty());
         let body = agent.radius;
         let first = route[agent.waypoint as usize];
@@ -204,7 +204,7 @@ fn goals_are_spread_and_streams_oppose_and_cross() {
     let goals: std::collections::HashSet<(u32, u32)> = crowd
         .agents
         .iter()
-        .map(|a| crowd.waypoints[(a.route_start + a.waypoint) as usize].position)
+        .map(|a| crowd.stages[(a.route_start + a.waypoint) as usize].position)
         .map(|p| (p.x.to_bits(), p.y.to_bits()))
         .collect();
     assert!(goals.len() > 200, "{} goals", goals.len());
@@ -463,7 +463,7 @@ fn a_hundred_thousand_agents_are_populated_in_seconds() {
     for scenario in scenes(&[100_000]) {
         let start = Instant::now();
         let crowd = populate(&scenario, gaits).unwrap();
-        println!("{}: {:?}, {} waypoints", label(&scenario), start.elapsed(), crowd.waypoints.len());
+        println!("{}: {:?}, {} stages", label(&scenario), start.elapsed(), crowd.stages.len());
         assert_eq!(crowd.agents.len(), 100_000);
     }
 }

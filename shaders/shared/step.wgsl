@@ -33,6 +33,8 @@ struct StepUniforms {
     collision_weight: f32,       // m, of RVO: what a time to collision of 1 s costs
     max_acceleration: f32,       // m/s2, of RVO
     patience: f32,               // s without progress before an agent does something about it; 0: never
+    source_count: u32,           // sources of people
+    queue_count: u32,            // queues
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
     led_count: u32,              // agents that are led from outside
     crowding: f32,               // 0 to 1, how much people ahead slow an agent down

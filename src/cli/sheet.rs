@@ -8,7 +8,7 @@ use crate::export::image::{Tile, contact_sheet};
 use crate::gait::walker::Sex;
 use crate::picture::Image;
 use crate::render::{Atmosphere, Camera, Settings};
-use crate::scenario::{AgentStart, Crowd, Scenario, Waypoint};
+use crate::scenario::{AgentStart, Crowd, Entry, Scenario, Stop};
 use crate::sim::Cast;
 use glam::{Vec2, Vec3};
 
@@ -70,8 +70,7 @@ fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
     let library = library(None)?;
     let cast = Cast::new(library.gaits(), avatars_of(&scenario, None)?)?;
-    let mut crowd =
-        Crowd { agents: Vec::new(), waypoints: vec![Waypoint { position: Vec2::ZERO, radius: 1.0 }] };
+    let mut crowd = Crowd { stages: vec![Stop::waypoint(Vec2::ZERO, 1.0)], ..Crowd::default() };
     for emotion in Emotion::ALL {
         for (row, sex) in (0..ROWS).zip(Sex::ALL) {
             let gait = library.choose(emotion, Some(sex), 0)?;
@@ -88,6 +87,7 @@ fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32
     #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
     let x = place as f32 * APART;
     AgentStart {
+        entry: Entry::Start,
         position: Vec2::new(x, 0.0),
         velocity: Vec2::ZERO,
         heading: 0.0,

@@ -54,8 +54,18 @@ pub(super) struct Outcome {
     pub(super) seed: u64,
     /// Mean over agents and measured steps, m/s.
     pub(super) mean_speed: f32,
-    /// Routes walked to their end.
+    /// Routes and journeys walked to their end.
     pub(super) arrived: u64,
+    /// Agents that have been there at any time.
+    pub(super) entered: u32,
+    /// Agents that are there at the end.
+    pub(super) present: u32,
+    /// Agents that have left by an exit.
+    pub(super) left: u32,
+    /// Agents whose time has come but who have found no room to come in.
+    pub(super) waiting_outside: u32,
+    /// Agents that no source has a time for.
+    pub(super) never: u32,
     /// Smallest gap between two discs in any measured step, m; null when no two came near.
     pub(super) min_clearance: f32,
     /// Most pairs that overlapped by more than a tenth of their radii in any measured step.
@@ -231,6 +241,11 @@ pub(super) fn simulate(
         seed: scene.scenario.seed,
         mean_speed,
         arrived: measures.last.map_or(0, |moment| moment.arrived),
+        entered: measures.last.map_or(0, |moment| moment.entered),
+        present: measures.last.map_or(0, |moment| moment.present),
+        left: measures.last.map_or(0, |moment| moment.left),
+        waiting_outside: measures.last.map_or(0, |moment| moment.waiting_outside),
+        never: measures.last.map_or(0, |moment| moment.never),
         min_clearance: measures.min_clearance,
         overlapping_pairs_max: measures.overlapping,
         agents_outside: measures.outside,
@@ -256,6 +271,13 @@ pub(super) fn print(outcome: &Outcome) {
     say(&format!("device             {device}"));
     say(&format!("mean speed         {:.3} m/s", outcome.mean_speed));
     say(&format!("routes completed   {}", outcome.arrived));
+    let Outcome { entered, present, left, waiting_outside, never, .. } = outcome;
+    if (*entered, *present) != (*agents, *agents) {
+        let no_time = if *never > 0 { format!(", {never} have no time to come in") } else { String::new() };
+        say(&format!(
+            "people             {entered} entered, {present} present, {left} left, {waiting_outside} waiting outside{no_time}"
+        ));
+    }
     say(&format!("smallest clearance {clearance}"));
     say(&format!("overlapping pairs  {} at most", outcome.overlapping_pairs_max));
     say(&format!("agents outside     {} at most", outcome.agents_outside));

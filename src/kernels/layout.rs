@@ -44,6 +44,8 @@ pub struct StepUniforms {
     pub collision_weight: f32,
     pub max_acceleration: f32,
     pub patience: f32,
+    pub source_count: u32,
+    pub queue_count: u32,
     pub wrap: f32,
     pub led_count: u32,
     pub crowding: f32,

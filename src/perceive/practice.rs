@@ -7,7 +7,7 @@ use crate::emotion::Emotion;
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::scenario::{
-    AgentStart, Condition, Crowd, EmotionMode, Geometry, Prefer, Scenario, Shares, Waypoint, populate_from,
+    AgentStart, Condition, Crowd, EmotionMode, Entry, Geometry, Prefer, Scenario, Shares, Stop, populate_from,
 };
 use crate::sim::{Backend, Cast, Simulation, bodies, setup};
 use glam::{Vec2, Vec3};
@@ -157,6 +157,7 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
         let size = (index as u32).wrapping_mul(0x9e37_79b9) >> 8;
         let scale = low + (high - low) * (size as f32 / (1 << 24) as f32);
         crowd.agents.push(AgentStart {
+            entry: Entry::Start,
             position,
             velocity: Vec2::ZERO,
             heading: 0.0,
@@ -180,7 +181,7 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
             reaction: 0.0,
             elevation: 0.0,
         });
-        crowd.waypoints.push(Waypoint { position: position + Vec2::new(0.0, 1000.0), radius: 0.5 });
+        crowd.stages.push(Stop::waypoint(position + Vec2::new(0.0, 1000.0), 0.5));
     }
     (crowd, side)
 }

@@ -22,6 +22,7 @@ pub mod orca;
 pub mod quaternion;
 pub mod segments;
 pub mod shared;
+pub mod stages;
 pub mod way;
 
 use crate::kernels::{KernelId, Store};

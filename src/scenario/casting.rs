@@ -2,7 +2,7 @@
 //!
 //! All draws are counter-based: they depend on the seed and the agent's number alone.
 
-use super::crowd::AgentStart;
+use super::crowd::{AgentStart, Entry};
 use super::error::Error;
 use super::people::person;
 use super::populate::{Place, cumulate, weighted};
@@ -10,9 +10,10 @@ use super::random::{Purpose, bits, index, range, unit};
 use super::schema::{Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Scenario};
 use crate::emotion::Emotion;
 use crate::gait::walker::Sex;
-use crate::ground::heading_from_ground;
+use crate::ground::{ABSENT, heading_from_ground};
 use crate::library::blend::weights_from_affect;
 use crate::library::choose::{Chooser, Wish};
+use glam::Vec2;
 
 /// Speed at the start, m/s: an ordinary walk; the simulation goes on from there.
 const START_SPEED: f32 = 1.2;
@@ -138,14 +139,17 @@ impl<'a> Cast<'a> {
         (agent % avatars + shift) % avatars
     }
 
-    pub(super) fn agent(&self, agent: u32, place: Place) -> Result<AgentStart, Error> {
+    pub(super) fn agent(&self, agent: u32, place: Place, entry: Entry) -> Result<AgentStart, Error> {
         let (seed, scale) = (self.scenario.seed, self.scale(agent));
         let (emotion, gaits, gait_weights) = self.feeling(agent)?;
         let person = person(self.scenario, agent);
+        let is_there = entry == Entry::Start;
+        let speed = if is_there { START_SPEED.min(self.scenario.navigation.max_speed) } else { 0.0 };
         Ok(AgentStart {
-            position: place.position,
+            entry,
+            position: if is_there { place.position } else { Vec2::splat(ABSENT) },
             elevation: place.elevation,
-            velocity: place.direction * START_SPEED.min(self.scenario.navigation.max_speed),
+            velocity: place.direction * speed,
             heading: heading_from_ground(place.direction),
             radius: person.radius(&self.scenario.navigation, scale),
             emotion,

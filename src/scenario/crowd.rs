@@ -3,18 +3,76 @@
 use super::people::Manners;
 use glam::Vec2;
 
-/// A point on a route and how near an agent must come for it to count as reached.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Waypoint {
-    /// Ground position (x, z), m.
+/// What a stage of a journey asks of who comes to it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum StopKind {
+    /// To pass within its radius.
+    #[default]
+    Waypoint,
+    /// To enter the region.
+    Goal,
+    /// To stay in the region for a time, everyone at a place of their own.
+    Waiting,
+    /// To leave the scene in the region.
+    Exit,
+}
+
+/// A stage of a route or journey as an agent meets it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Stop {
+    /// What it is.
+    pub kind: StopKind,
+    /// Ground position (x, z) of the waypoint or of the middle of the region, m.
     pub position: Vec2,
-    /// The agent turns to the next waypoint once it is closer than this, m.
+    /// A waypoint is reached once the agent is closer than this, m.
     pub radius: f32,
+    /// Half axes of the region, along it and across it, m.
+    pub half_axes: [Vec2; 2],
+    /// Least time spent waiting, steps.
+    pub wait: u32,
+    /// Step before which nobody who waits goes on.
+    pub until: u32,
+    /// Number of the stage among the scenario's stages; 0 for waypoints of routes. Places in a region depend on it.
+    pub number: u32,
+    /// Number of the flow field that leads there; none: straight.
+    pub field: Option<u32>,
+}
+
+impl Stop {
+    /// A point on a route.
+    pub fn waypoint(position: Vec2, radius: f32) -> Self {
+        Self { position, radius, ..Self::default() }
+    }
+}
+
+/// When an agent is there.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum Entry {
+    /// From the start.
+    #[default]
+    Start,
+    /// It comes in from a source in this step or, where there is no room, later.
+    Step(u32),
+    /// Never: no source has a time for it.
+    Never,
+}
+
+/// Where people come in.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct SourceStart {
+    /// First of its agents; they come in one by one, by number.
+    pub first_agent: u32,
+    /// How many.
+    pub agents: u32,
+    /// Places (x, z) at which they may appear, m.
+    pub places: Vec<Vec2>,
 }
 
 /// One agent at the start.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AgentStart {
+    /// When it is there; before that it stands at [`crate::ground::ABSENT`].
+    pub entry: Entry,
     /// Ground position (x, z), m.
     pub position: Vec2,
     /// Height of the floor stood on, m.
@@ -41,11 +99,11 @@ pub struct AgentStart {
     pub colors: [u32; 4],
     /// Phase of the walk cycle, the whole u32 range is one stride.
     pub phase: u32,
-    /// First waypoint of the agent's route in [`Crowd::waypoints`].
+    /// First stage of the agent's route in [`Crowd::stages`].
     pub route_start: u32,
-    /// Number of waypoints of the route, at least 1.
+    /// Number of stages of the route, at least 1.
     pub route_length: u32,
-    /// The waypoint walked to first, counted from `route_start`.
+    /// The stage walked to first, counted from `route_start`.
     pub waypoint: u32,
     /// The others of the group that the agent walks with, by index; `u32::MAX` for none.
     pub companions: [u32; 4],
@@ -57,15 +115,17 @@ pub struct AgentStart {
     pub speed_factor: f32,
     /// Time from the start until it begins to walk, s.
     pub reaction: f32,
-    /// After the last waypoint: walk the route again from its first one (true) or stay there (false).
+    /// After the last stage: walk the route again from its first one (true) or stay there (false).
     pub loops: bool,
 }
 
-/// All agents of a scenario and the routes they share.
+/// All agents of a scenario, the routes they share, and where some of them come in.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Crowd {
     /// Agents by index (their stable id).
     pub agents: Vec<AgentStart>,
-    /// Waypoints of all routes, one after another.
-    pub waypoints: Vec<Waypoint>,
+    /// Stages of all routes and journeys, one after another.
+    pub stages: Vec<Stop>,
+    /// Sources.
+    pub sources: Vec<SourceStart>,
 }

@@ -4,13 +4,16 @@
 //! on different ones, and the ends of the lanes are staggered.
 
 use super::clearance::Clearance;
-use super::crowd::Waypoint;
+use super::crowd::Stop;
 use super::error::Error;
+use super::journeys::{Journey, Stage, StageKind, stage_names};
 use super::layout::Geometry;
 use super::people::largest_radius;
+use super::populate::cumulate;
 use super::random::{Purpose, index, unit};
 use super::schema::{Route, RouteMode, Scenario};
 use glam::Vec2;
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 /// Least distance of every lane to obstacles and bounds, m.
@@ -27,9 +30,9 @@ const STAGGER: f32 = 12.0;
 /// One way to walk a route.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Lane {
-    /// First waypoint.
+    /// First stage.
     pub(super) start: u32,
-    /// Number of waypoints.
+    /// Number of stages.
     pub(super) count: u32,
     /// On from the last waypoint to the first.
     pub(super) loops: bool,
@@ -37,15 +40,27 @@ pub(super) struct Lane {
     pub(super) length: f32,
 }
 
+/// All ways through one journey.
+#[derive(Debug)]
+pub(super) struct Ways {
+    pub(super) lanes: Vec<Lane>,
+    /// Cumulated shares.
+    pub(super) ends: Vec<f32>,
+    /// Share of the journey among others.
+    pub(super) weight: f32,
+}
+
 /// All lanes of a scenario.
 #[derive(Debug, Default)]
 pub(super) struct Lanes {
-    pub(super) waypoints: Vec<Waypoint>,
+    pub(super) stages: Vec<Stop>,
     pub(super) lanes: Vec<Lane>,
     /// Lanes of each route.
     pub(super) by_route: Vec<Range<usize>>,
     /// Share of the agents of each route, not normalised: weight times the length of its lanes.
     pub(super) shares: Vec<f32>,
+    /// The ways through each journey.
+    pub(super) journeys: Vec<Ways>,
     /// Distance every lane keeps from anything solid, m.
     pub(super) clearance: f32,
 }
@@ -68,7 +83,32 @@ impl Lanes {
             let length: f32 = lanes.lanes[first..].iter().map(|lane| lane.length).sum();
             lanes.shares.push(route.weight * length);
         }
+        for (index, stage) in scenario.stages.iter().enumerate() {
+            standable(index, stage, free)?;
+        }
+        let names = stage_names(&scenario.stages);
+        for journey in &scenario.journeys {
+            lanes.add_journey(journey, scenario, &names);
+        }
         Ok(lanes)
+    }
+
+    /// Adds every way through a journey.
+    fn add_journey(&mut self, journey: &Journey, scenario: &Scenario, names: &BTreeMap<&str, usize>) {
+        let mut ways = Ways { lanes: Vec::new(), ends: Vec::new(), weight: journey.weight };
+        let mut shares = Vec::new();
+        for (way, share) in journey.ways(names) {
+            let start = u32::try_from(self.stages.len()).unwrap_or(u32::MAX);
+            for &stage in &way {
+                let number = u32::try_from(stage).unwrap_or(0);
+                self.stages.push(scenario.stages[stage].stop(number, scenario.navigation.time_step));
+            }
+            let count = u32::try_from(way.len()).unwrap_or(u32::MAX);
+            ways.lanes.push(Lane { start, count, loops: journey.repeat, length: 0.0 });
+            shares.push(share);
+        }
+        ways.ends = cumulate(shares);
+        self.journeys.push(ways);
     }
 
     /// Adds the clear lanes of one route.
@@ -109,20 +149,20 @@ impl Lanes {
         const BODY: f32 = 0.35;
         let room: Vec<f32> =
             segments(points, true).map(|(a, b)| free.distance(a, b, route.radius + BODY) - BODY).collect();
-        let Ok(start) = u32::try_from(self.waypoints.len()) else { return };
+        let Ok(start) = u32::try_from(self.stages.len()) else { return };
         for (i, &position) in points.iter().enumerate() {
             let before = room[(i + points.len() - 1) % points.len()];
             let radius = before.min(room[i]).max(0.8).min(route.radius);
-            self.waypoints.push(Waypoint { position, radius });
+            self.stages.push(Stop::waypoint(position, radius));
         }
         let length = segments(points, loops).map(|(a, b)| a.distance(b)).sum();
         let count = u32::try_from(points.len()).unwrap_or(u32::MAX);
         self.lanes.push(Lane { start, count, loops, length });
     }
 
-    /// The waypoints of a lane.
-    pub(super) fn points(&self, lane: Lane) -> &[Waypoint] {
-        &self.waypoints[lane.start as usize..(lane.start + lane.count) as usize]
+    /// The stages of a lane.
+    pub(super) fn points(&self, lane: Lane) -> &[Stop] {
+        &self.stages[lane.start as usize..(lane.start + lane.count) as usize]
     }
 
     /// The place at a distance along the lane: position, direction, and the waypoint it leads to.
@@ -143,6 +183,20 @@ impl Lanes {
         }
         last
     }
+}
+
+/// Whether people can come to a stage: its middle, or of an exit some part, is walkable.
+fn standable(index: usize, stage: &Stage, free: &Clearance) -> Result<(), Error> {
+    let (middle, [along, across]) = (Vec2::from(stage.position), stage.half_axes());
+    let reach = if stage.kind == StageKind::Exit { 0.9 } else { 0.0 };
+    let somewhere = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|share| share * reach);
+    let mut places = somewhere.iter().flat_map(|u| somewhere.map(|v| middle + along * *u + across * v));
+    if places.any(|place| free.walkable(place)) {
+        return Ok(());
+    }
+    let key = format!("stages[{index}].position");
+    let found = format!("{middle}, inside an obstacle or outside the bounds");
+    Err(Error::value(key, found, "on walkable ground", "move the stage, or the obstacle"))
 }
 
 /// Segments of a polyline, closed or not.

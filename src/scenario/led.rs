@@ -2,7 +2,7 @@
 //! and clothes like everyone else.
 
 use super::casting::Cast;
-use super::crowd::AgentStart;
+use super::crowd::{AgentStart, Entry};
 use super::error::Error;
 use super::populate::{Place, chooser};
 use super::schema::{GaitChoice, Scenario};
@@ -50,7 +50,7 @@ pub fn populate_people(
             waypoint: 1, // there already: nothing to arrive at
             loops: false,
         };
-        agents.push(Cast::new(&own, &chooser)?.agent(agent, place)?);
+        agents.push(Cast::new(&own, &chooser)?.agent(agent, place, Entry::Start)?);
     }
     Ok(agents)
 }

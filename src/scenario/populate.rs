@@ -6,7 +6,7 @@
 use super::casting::Cast;
 use super::clearance::Clearance;
 use super::companions;
-use super::crowd::{AgentStart, Crowd};
+use super::crowd::{AgentStart, Crowd, Entry, SourceStart};
 use super::error::Error;
 use super::floors::Floors;
 use super::lanes::Lanes;
@@ -15,6 +15,7 @@ use super::people::largest_radius;
 use super::polygon;
 use super::random::{Purpose, unit};
 use super::schema::{Scenario, Spawn};
+use super::sources;
 use crate::emotion::Emotion;
 use crate::library::GaitLibrary;
 use crate::library::choose::{Chooser, Clarity, margins};
@@ -96,15 +97,47 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
     let lanes = Lanes::new(scenario, &geometry, &free)?;
     let mut places = Places::new(scenario, &geometry, &free, &lanes)?;
+    let split = sources::split(scenario);
     let mut agents: Vec<AgentStart> = Vec::with_capacity(scenario.population.agents as usize);
-    while let Some(first) = u32::try_from(agents.len()).ok().filter(|n| *n < scenario.population.agents) {
-        let members = companions::members(scenario, first);
+    while let Some(members) = next_group(scenario, &agents, split.start) {
         for (agent, place) in members.clone().zip(places.place(&members)?) {
             let companions = companions::others(&members, agent);
-            agents.push(AgentStart { companions, ..cast.agent(agent, place)? });
+            agents.push(AgentStart { companions, ..cast.agent(agent, place, Entry::Start)? });
         }
     }
-    Ok(Crowd { agents, waypoints: lanes.waypoints })
+    let mut starts = Vec::with_capacity(split.sources.len());
+    for (index, (source, count)) in scenario.sources.iter().zip(split.sources).enumerate() {
+        let key = format!("sources[{index}]");
+        let inside = sources::places(&key, source, &free, places.body + 0.05)?;
+        let ways = places.ways(&format!("{key}.routes"), &source.routes, &source.journeys, false)?;
+        let first_agent = next_id(&agents);
+        while let Some(members) = next_group(scenario, &agents, first_agent + count) {
+            let first = members.start;
+            let place =
+                places.entrance(first, inside[0], &ways).ok_or_else(|| places.full(first, u32::MAX))?;
+            for agent in members.clone() {
+                let companions = companions::others(&members, agent);
+                let step = sources::entry_step(source, agent - first_agent, scenario.navigation.time_step);
+                agents.push(AgentStart { companions, ..cast.agent(agent, place, Entry::Step(step))? });
+            }
+        }
+        starts.push(SourceStart { first_agent, agents: count, places: inside });
+    }
+    for agent in next_id(&agents)..scenario.population.agents {
+        agents.push(cast.agent(agent, Place::NOWHERE, Entry::Never)?);
+    }
+    Ok(Crowd { agents, sources: starts, stages: lanes.stages })
+}
+
+/// The number of the next agent.
+fn next_id(agents: &[AgentStart]) -> u32 {
+    u32::try_from(agents.len()).unwrap_or(u32::MAX)
+}
+
+/// Who follows the agents that there are, below number `end`: one who walks alone, or a group.
+fn next_group(scenario: &Scenario, agents: &[AgentStart], end: u32) -> Option<Range<u32>> {
+    let first = next_id(agents);
+    (first < end).then(|| first..companions::members(scenario, first).end.min(end))
 }
 
 /// Index of the share that `u` in [0, 1) falls into; shares need not be normalised.
@@ -134,18 +167,39 @@ pub(super) struct Place {
     pub(super) loops: bool,
 }
 
+impl Place {
+    /// Of somebody who never comes in.
+    const NOWHERE: Self = Self {
+        position: Vec2::ZERO,
+        elevation: 0.0,
+        direction: Vec2::Y,
+        route_start: 0,
+        route_length: 1,
+        waypoint: 0,
+        loops: false,
+    };
+}
+
+/// What is walked from a spawn region or source.
+#[derive(Debug)]
+enum Walked {
+    /// One of these routes.
+    Routes(Vec<usize>),
+    /// One of these journeys.
+    Journeys(Vec<usize>),
+}
+
 /// Finds a place for one agent after the other.
 struct Places<'a> {
     scenario: &'a Scenario,
     free: &'a Clearance,
     floors: &'a Floors,
     lanes: &'a Lanes,
-    spawns: &'a [Spawn],
-    /// Corners, cumulated share and allowed routes of each spawn region.
-    regions: Vec<(Vec<Vec2>, Vec<usize>)>,
+    geometry: &'a Geometry,
+    /// Corners of each spawn region, and what is walked from it.
+    regions: Vec<(Vec<Vec2>, Walked)>,
     region_ends: Vec<f32>,
     route_ends: Vec<f32>,
-    user: Vec2,
     /// The largest radius, m.
     body: f32,
     taken: Taken,
@@ -158,46 +212,69 @@ impl<'a> Places<'a> {
         free: &'a Clearance,
         lanes: &'a Lanes,
     ) -> Result<Self, Error> {
-        let names = super::schema::route_names(&geometry.routes);
-        let mut regions = Vec::new();
-        for (i, spawn) in geometry.spawns.iter().enumerate() {
-            let mut routes = Vec::new();
-            for (k, name) in spawn.routes.iter().enumerate() {
-                let Some(&route) = names.get(name.as_str()) else {
-                    let key = format!("spawns[{i}].routes[{k}]");
-                    let known: Vec<&str> = names.keys().copied().take(12).collect();
-                    let hint = format!("the routes are {}", known.join(", "));
-                    return Err(Error::value(key, format!("{name:?}"), "the name of a route", hint));
-                };
-                routes.push(route);
-            }
-            if routes.is_empty() {
-                routes = (0..geometry.routes.len()).collect();
-            }
-            regions.push((spawn.polygon.iter().copied().map(Vec2::from).collect::<Vec<_>>(), routes));
-        }
-        #[allow(clippy::cast_possible_truncation, reason = "an area in m² as a share")]
-        let share = |(spawn, (corners, _)): (&Spawn, &(Vec<Vec2>, Vec<usize>))| {
-            spawn.weight.unwrap_or(polygon::signed_area(corners).abs() as f32)
-        };
-        let region_ends = cumulate(geometry.spawns.iter().zip(&regions).map(share));
         let body = largest_radius(scenario);
-        let widest = 2.0 * body + GAP;
-        let taken = Taken::new(scenario.population.agents, widest);
-        let route_ends = cumulate(lanes.shares.iter().copied());
-        Ok(Self {
+        let mut made = Self {
             scenario,
+            geometry,
             free,
             floors: &geometry.floors,
             lanes,
-            spawns: &geometry.spawns,
-            regions,
-            region_ends,
-            route_ends,
-            user: geometry.user,
             body,
-            taken,
-        })
+            regions: Vec::new(),
+            region_ends: Vec::new(),
+            route_ends: cumulate(lanes.shares.iter().copied()),
+            taken: Taken::new(scenario.population.agents, 2.0 * body + GAP),
+        };
+        for (i, spawn) in geometry.spawns.iter().enumerate() {
+            let ways = made.ways(&format!("spawns[{i}].routes"), &spawn.routes, &spawn.journeys, true)?;
+            made.regions.push((spawn.polygon.iter().copied().map(Vec2::from).collect::<Vec<_>>(), ways));
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "an area in m² as a share")]
+        let share = |(spawn, (corners, _)): (&Spawn, &(Vec<Vec2>, Walked))| {
+            spawn.weight.unwrap_or(polygon::signed_area(corners).abs() as f32)
+        };
+        made.region_ends = cumulate(geometry.spawns.iter().zip(&made.regions).map(share));
+        Ok(made)
+    }
+
+    /// What may be walked, by the names that a region gives; without any: every route or every journey, whichever
+    /// there are, routes first if `routes_first`.
+    fn ways(
+        &self,
+        key: &str,
+        routes: &[String],
+        journeys: &[String],
+        routes_first: bool,
+    ) -> Result<Walked, Error> {
+        let numbers = super::journeys::journey_names(&self.scenario.journeys);
+        let named: Vec<usize> =
+            journeys.iter().filter_map(|name| numbers.get(name.as_str()).copied()).collect();
+        if !named.is_empty() {
+            return Ok(Walked::Journeys(named));
+        }
+        let names = super::schema::route_names(&self.geometry.routes);
+        let mut found = Vec::new();
+        for (k, name) in routes.iter().enumerate() {
+            let Some(&route) = names.get(name.as_str()) else {
+                let known: Vec<&str> = names.keys().copied().take(12).collect();
+                let hint = format!("the routes are {}", known.join(", "));
+                return Err(Error::value(
+                    format!("{key}[{k}]"),
+                    format!("{name:?}"),
+                    "the name of a route",
+                    hint,
+                ));
+            };
+            found.push(route);
+        }
+        let any_journey = if routes_first { names.is_empty() } else { !numbers.is_empty() };
+        if found.is_empty() && any_journey {
+            return Ok(Walked::Journeys((0..self.scenario.journeys.len()).collect()));
+        }
+        if found.is_empty() {
+            found = (0..self.geometry.routes.len()).collect();
+        }
+        Ok(Walked::Routes(found))
     }
 
     /// The first place among the draws of the first member that is free for all members of a group.
@@ -210,7 +287,8 @@ impl<'a> Places<'a> {
                 Some(self.on_a_lane(&draw))
             } else {
                 let position = self.in_a_region(&draw);
-                let seen = position.map(|(region, position)| self.to_a_lane(region, position, &draw));
+                let seen = position
+                    .map(|(region, position)| self.set_out(agent, &self.regions[region].1, position, &draw));
                 unseen += u32::from(matches!(seen, Some(None)));
                 seen.flatten()
             };
@@ -298,11 +376,48 @@ impl<'a> Places<'a> {
             .then_some((region, position))
     }
 
-    /// The nearest waypoint in sight of a lane of the region's routes.
-    fn to_a_lane(&self, region: usize, position: Vec2, draw: &impl Fn(u32) -> f32) -> Option<Place> {
+    /// Where those of a source set out for once they are in, near `inside`.
+    fn entrance(&self, agent: u32, inside: Vec2, ways: &Walked) -> Option<Place> {
+        let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Start, k);
+        self.set_out(agent, ways, inside, &draw)
+    }
+
+    /// On a route or a journey of those that may be walked.
+    fn set_out(
+        &self,
+        agent: u32,
+        ways: &Walked,
+        position: Vec2,
+        draw: &impl Fn(u32) -> f32,
+    ) -> Option<Place> {
+        match ways {
+            Walked::Routes(routes) => self.to_a_lane(routes, position, draw),
+            Walked::Journeys(journeys) => self.on_a_journey(agent, journeys, position),
+        }
+    }
+
+    /// At the first stage of a journey; which journey and which way through it depends on the agent alone.
+    fn on_a_journey(&self, agent: u32, journeys: &[usize], position: Vec2) -> Option<Place> {
+        let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Journey, k);
+        let ends = cumulate(journeys.iter().map(|&journey| self.lanes.journeys[journey].weight));
+        let ways = self.lanes.journeys.get(*journeys.get(weighted(&ends, draw(0)))?)?;
+        let lane = ways.lanes.get(weighted(&ways.ends, draw(1)))?;
+        let first = self.lanes.points(*lane).first()?.position;
+        Some(Place {
+            position,
+            elevation: self.floors.height(position, 0.0),
+            direction: (first - position).normalize_or(Vec2::Y),
+            route_start: lane.start,
+            route_length: lane.count,
+            waypoint: 0,
+            loops: lane.loops,
+        })
+    }
+
+    /// The nearest waypoint in sight of a lane of the routes.
+    fn to_a_lane(&self, routes: &[usize], position: Vec2, draw: &impl Fn(u32) -> f32) -> Option<Place> {
         /// Nearest waypoints tried.
         const SIGHTED: usize = 8;
-        let routes = &self.regions[region].1;
         let ends = cumulate(routes.iter().map(|&route| self.lanes.shares[route]));
         let lane = self.lane_of(*routes.get(weighted(&ends, draw(3)))?, draw(4));
         let points = self.lanes.points(lane);
@@ -328,18 +443,15 @@ impl<'a> Places<'a> {
 
     fn apart_from_user(&self, position: Vec2) -> bool {
         let user = &self.scenario.user;
-        !user.avoided || position.distance(self.user) >= user.radius + self.body + USER_GAP
+        !user.avoided || position.distance(self.geometry.user) >= user.radius + self.body + USER_GAP
     }
 
     fn full(&self, agent: u32, unseen: u32) -> Error {
         let wanted = self.scenario.population.agents;
         let (message, hint) = if unseen > ATTEMPTS / 2 {
-            let count = self.spawns.len();
             (
-                format!(
-                    "agent {agent} of {wanted} sees no waypoint of its routes from any of the {count} spawn regions"
-                ),
-                "let a route begin in each spawn region, or clear the way between them",
+                format!("agent {agent} of {wanted} sees no waypoint of its routes from where it starts"),
+                "let a route begin in each spawn region and source, or clear the way between them",
             )
         } else {
             (

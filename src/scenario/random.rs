@@ -37,6 +37,8 @@ pub enum Purpose {
     Group = 12,
     /// Class, and the numbers of a class.
     Person = 13,
+    /// Journey, and the way through it.
+    Journey = 20,
 }
 
 /// The bijection of u32 under every draw.
@@ -62,9 +64,14 @@ pub const fn bits(seed: u64, agent: u32, purpose: Purpose, draw: u32) -> u32 {
 }
 
 /// A number in [0, 1): the top 24 bits of [`bits`], exact in f32.
-#[allow(clippy::cast_precision_loss, reason = "24 bits are exact in f32")]
 pub fn unit(seed: u64, agent: u32, purpose: Purpose, draw: u32) -> f32 {
-    (bits(seed, agent, purpose, draw) >> 8) as f32 / 16_777_216.0
+    fraction(bits(seed, agent, purpose, draw))
+}
+
+/// The top 24 bits of a word as a number in [0, 1), exact in f32.
+#[allow(clippy::cast_precision_loss, reason = "24 bits are exact in f32")]
+pub fn fraction(word: u32) -> f32 {
+    (word >> 8) as f32 / 16_777_216.0
 }
 
 /// A number in [low, high).

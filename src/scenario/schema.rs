@@ -3,6 +3,7 @@
 use super::environment::Environment;
 use super::floors::Floor;
 use super::gaze::Gaze;
+use super::journeys::{Journey, Source, Stage};
 use super::people::Class;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
@@ -57,6 +58,15 @@ pub struct Scenario {
     /// Floors above the ground: bridges, ramps, storeys.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub floors: Vec<Floor>,
+    /// Places that journeys lead through.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub stages: Vec<Stage>,
+    /// Ways through the stages, walked by those who start in spawn regions and sources that name them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub journeys: Vec<Journey>,
+    /// Where people come in while the simulation runs.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub sources: Vec<Source>,
     /// What the place looks like. Solid props are obstacles too.
     #[serde(default)]
     pub environment: Environment,
@@ -228,8 +238,11 @@ fn maybe_range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Population {
-    /// How many agents, 0 to 1,000,000.
+    /// How many agents, 0 to 1,000,000: all who are there at any time, those who come in from sources too.
     pub agents: u32,
+    /// Share of the agents that are there from the start, 0 to 1; left out: 1 without sources, 0 with them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub present: Option<f32>,
     /// How a gait is chosen.
     pub gaits: GaitChoice,
     /// What `emotions` means.
@@ -291,6 +304,7 @@ impl Default for Population {
     fn default() -> Self {
         Self {
             agents: 8,
+            present: None,
             gaits: GaitChoice::default(),
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
@@ -453,9 +467,12 @@ pub struct Spawn {
     /// Share of the agents, relative to the other regions; left out: the region's area in m².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weight: Option<f32>,
-    /// Names of the routes walked from here; empty: any.
+    /// Names of the routes walked from here; none here and in `journeys`: any route, or any journey if there is no route.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub routes: Vec<String>,
+    /// Names of the journeys that begin here.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub journeys: Vec<String>,
 }
 
 /// What follows the last waypoint.

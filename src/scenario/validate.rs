@@ -51,8 +51,9 @@ impl Scenario {
         gaze(&self.gaze)?;
         if self.layout == Layout::Custom {
             outline("bounds", &self.bounds, "the corners of the walkable area, in order")?;
-            if self.routes.is_empty() && self.population.agents > 0 {
-                return Err(Error::value("routes", "[]", "one route or more", "add a [[routes]] table"));
+            if self.routes.is_empty() && self.journeys.is_empty() && self.population.agents > 0 {
+                let hint = "add a [[routes]] or a [[journeys]] table";
+                return Err(Error::value("routes", "[]", "one route or journey or more", hint));
             }
         } else if !self.bounds.is_empty() {
             let hint = "remove it, or set layout = \"custom\"";
@@ -68,6 +69,7 @@ impl Scenario {
         floors::validate(&self.floors, &self.obstacles)?;
         routes(&self.routes)?;
         spawns(&self.spawns, &self.routes, self.layout)?;
+        super::journeys::validate(self)?;
         self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
     }
 }
@@ -284,7 +286,7 @@ fn gaze(gaze: &Gaze) -> Result<(), Error> {
 }
 
 /// A simple closed polygon.
-fn outline(key: &str, corners: &[Point], hint: &str) -> Result<(), Error> {
+pub(super) fn outline(key: &str, corners: &[Point], hint: &str) -> Result<(), Error> {
     if !(3..=MAX_CORNERS).contains(&corners.len()) {
         let found = format!("{} corners", corners.len());
         return Err(Error::value(key, found, format!("3 to {MAX_CORNERS} corners"), hint));

@@ -1,5 +1,6 @@
 //! What a crowd looks like from outside: speeds, clearances, overlaps, who left the walkable area, and a hash.
 
+use super::setup::NEVER;
 use crate::ground::is_absent;
 use crate::kernels::Store;
 use glam::Vec2;
@@ -18,8 +19,16 @@ pub struct Moment {
     pub min_clearance: f32,
     /// Pairs that overlap by more than a tenth.
     pub overlapping_pairs: u32,
-    /// Routes walked to their end so far.
+    /// Routes and journeys walked to their end so far.
     pub arrived: u64,
+    /// Agents that have been there at any time, those of the start too.
+    pub entered: u32,
+    /// Agents that have left by an exit.
+    pub left: u32,
+    /// Agents whose time to come in has come, but who have found no room yet.
+    pub waiting_outside: u32,
+    /// Agents that no source has a time for.
+    pub never: u32,
 }
 
 /// Measures the agents of a store.
@@ -28,7 +37,20 @@ pub fn moment(store: &Store) -> Moment {
     let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
     let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
     let speeds: f64 = store.velocity[..agents].iter().map(|v| f64::from(v[0]).hypot(f64::from(v[1]))).sum();
+    let entry = &store.entry[..agents.min(store.entry.len())];
+    let sources = || store.sources.chunks_exact(8).take(store.step.source_count as usize);
+    let outside = entry.iter().filter(|step| **step > 0).count();
+    let entered = agents as u32 - outside as u32 + sources().map(|source| source[4]).sum::<u32>();
+    let due = |source: &[u32]| {
+        let all = source[2] as usize..(source[2] + source[3]) as usize;
+        let late = all.skip(source[4] as usize).filter(|agent| entry[*agent] <= store.step.step_index);
+        late.count() as u32
+    };
     Moment {
+        entered,
+        left: entered - (present as u32).min(entered),
+        waiting_outside: sources().map(due).sum(),
+        never: entry.iter().filter(|step| **step == NEVER).count() as u32,
         present: present as u32,
         mean_speed: (speeds / present.max(1) as f64) as f32,
         min_clearance,
@@ -88,6 +110,13 @@ pub fn state_hash(store: &Store) -> u64 {
     add(bytemuck::cast_slice(&store.route[..agents]));
     if store.step.floor_count > 0 {
         add(bytemuck::cast_slice(&store.elevation[..agents]));
+    }
+    let errand = &store.errand[..agents.min(store.errand.len())];
+    if errand.iter().any(|word| *word > 0) {
+        add(bytemuck::cast_slice(errand));
+    }
+    if store.step.source_count > 0 {
+        add(bytemuck::cast_slice(&store.sources));
     }
     hash
 }

@@ -31,13 +31,15 @@ const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
 #[cfg(feature = "vulkan")]
-const STATE: [BufferId; 7] = [
+pub(crate) const STATE: [BufferId; 9] = [
     BufferId::Elevation,
     BufferId::Position,
     BufferId::Velocity,
     BufferId::Stance,
     BufferId::Phase,
     BufferId::Route,
+    BufferId::Errand,
+    BufferId::Sources,
     BufferId::Failure,
 ];
 

@@ -15,6 +15,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     let mut passes = vec![
         pass(KernelId::LeadAgents, 0, agents),
+        pass(KernelId::Journey, 0, agents),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
         pass(KernelId::GridScan, 1, Extent::Invocations(1)),
@@ -22,8 +23,11 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 0, agents),
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
         pass(KernelId::GridPack, 0, agents),
-        pass(KernelId::Prefer, 0, agents),
     ];
+    if step.source_count > 0 {
+        passes.push(pass(KernelId::Enter, 0, Extent::Invocations(step.source_count)));
+    }
+    passes.push(pass(KernelId::Prefer, 0, agents));
     if step.group_count > 0 {
         passes.push(pass(KernelId::Accompany, 0, agents));
     }

@@ -5,7 +5,11 @@ use super::obstacles::{at_heights, cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
 use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::scenario::{AgentStart, Crowd, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario};
+use crate::reference::stages::{self, STAGE_STRIDE};
+use crate::scenario::{
+    AgentStart, Crowd, Entry, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario, SourceStart,
+    Stop, StopKind,
+};
 use glam::Vec2;
 
 /// Whoever is that much higher or lower is not in the way, m; only where there are floors.
@@ -24,6 +28,8 @@ const AGENTS_PER_CELL: f32 = 1.2;
 const MAX_CELLS: f32 = 4_000_000.0;
 /// Cells that one invocation of `grid_scan` adds up.
 const RUN: usize = 64;
+/// `entry` of agents that never come in.
+pub const NEVER: u32 = u32::MAX;
 
 /// Fills every buffer that a step needs.
 pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cast) -> Store {
@@ -31,11 +37,12 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     for agent in &crowd.agents {
         push_agent(&mut store, agent, &scenario.navigation, cast);
     }
-    for waypoint in &crowd.waypoints {
-        store.waypoints.push([waypoint.position.x, waypoint.position.y, waypoint.radius, 0.0]);
+    store.stages = crowd.stages.iter().flat_map(stage).collect();
+    if store.stages.is_empty() {
+        store.stages.extend(stages::waypoint(0.0, 0.0, 0.0));
     }
-    if store.waypoints.is_empty() {
-        store.waypoints.push([0.0; 4]);
+    for source in &crowd.sources {
+        push_source(&mut store, source);
     }
     let polygons: Vec<Vec<[f32; 2]>> =
         geometry.outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
@@ -54,6 +61,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
     let user = &scenario.user;
     let mut step = StepUniforms {
         agent_count: crowd.agents.len() as u32,
+        source_count: crowd.sources.len() as u32,
         seed: (scenario.seed ^ (scenario.seed >> 32)) as u32,
         time_step: navigation.time_step,
         inverse_time_step: 1.0 / navigation.time_step,
@@ -153,7 +161,7 @@ pub fn set_floors(store: &mut Store, floors: &Floors) {
     }
 }
 
-/// Everything that a step writes before it reads.
+/// Everything that a step writes before it reads, and empty journeys and sources where there are none.
 pub fn scratch(store: &mut Store) {
     let agents = store.step.agent_count as usize;
     let cells = store.step.cell_count as usize;
@@ -167,6 +175,11 @@ pub fn scratch(store: &mut Store) {
     store.preferred_velocity = vec![[0.0; 2]; agents];
     store.floors.resize(store.floors.len().max(1), [0.0; 4]);
     store.companions.resize(agents, [NOBODY; 4]);
+    store.aim = vec![[0.0; 4]; agents];
+    store.errand.resize(agents, 0);
+    store.entry.resize(agents, 0);
+    store.sources.resize(store.sources.len().max(8), 0);
+    store.source_places.resize(store.source_places.len().max(1), [0.0; 2]);
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
@@ -210,6 +223,11 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.manners.push(manners(own.time_horizon, own.neighbour_distance, own.neighbour_cap, own.priority));
     store.companions.push(agent.companions);
     store.elevation.push(agent.elevation);
+    store.entry.push(match agent.entry {
+        Entry::Start => 0,
+        Entry::Step(step) => step.min(NEVER - 2) + 1,
+        Entry::Never => NEVER,
+    });
     store.stance.push([agent.heading, 1.0]);
     store.phase.push(agent.phase);
     let loops = u32::from(agent.loops) << 31;
@@ -220,6 +238,33 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.gaze_state.push([0.0; 4]);
     store.gaze_frame.push(u32::MAX);
     store.attention.push([0; 2]);
+}
+
+/// A stage as it lies in the buffer (`shaders/shared/stages.wgsl`).
+fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
+    let kind = match stop.kind {
+        StopKind::Waypoint => stages::WAYPOINT,
+        StopKind::Goal => stages::GOAL,
+        StopKind::Waiting => stages::WAITING,
+        StopKind::Exit => stages::EXIT,
+    };
+    let [along, across] = stop.half_axes;
+    let field = stop.field.map_or(-1.0, |field| field as f32);
+    [
+        [stop.position.x, stop.position.y, stop.radius, kind],
+        [along.x, along.y, across.x, across.y],
+        [field, stop.wait as f32, stop.until as f32, stop.number as f32],
+        [0.0; 4],
+    ]
+}
+
+/// A source and its places (`shaders/enter.wgsl`); the bodies must be there.
+fn push_source(store: &mut Store, source: &SourceStart) {
+    let widest = store.body.iter().map(|body| body[0]).fold(0.0, f32::max);
+    let (first, places) = (store.source_places.len() as u32, source.places.len() as u32);
+    store.source_places.extend(source.places.iter().map(Vec2::to_array));
+    let agents = [source.first_agent, source.agents];
+    store.sources.extend([first, places, agents[0], agents[1], 0, widest.to_bits(), 0, 0]);
 }
 
 /// How an agent avoids others: horizon in s, distance of the neighbours it considers in m, how many at most, priority.

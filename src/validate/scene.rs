@@ -5,7 +5,7 @@ use crate::Error;
 use crate::avatar::{Sex, generated};
 use crate::emotion::Emotion;
 use crate::gait::walker;
-use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Waypoint};
+use crate::scenario::{AgentStart, Clearance, Crowd, Entry, Obstacle, Scenario, Stop};
 use crate::sim::{Backend, Cast, Simulation};
 use glam::Vec2;
 use serde::Serialize;
@@ -181,9 +181,9 @@ impl Scene {
     fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> crate::kernels::Store {
         let mut crowd = Crowd::default();
         for (index, walker) in self.walkers.iter().enumerate() {
-            let start = crowd.waypoints.len();
+            let start = crowd.stages.len();
             let points = walker.way.iter();
-            crowd.waypoints.extend(points.map(|&(p, radius)| Waypoint { position: frame.there(p), radius }));
+            crowd.stages.extend(points.map(|&(p, radius)| Stop::waypoint(frame.there(p), radius)));
             crowd.agents.push(start_of(walker, frame, index, start));
         }
         let mut store = crate::sim::setup::store(scenario, &scenario.geometry(), &crowd, &stage.cast);
@@ -265,6 +265,7 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
     #[allow(clippy::cast_possible_truncation, reason = "thousands of people")]
     let number = |value: usize| value as u32;
     AgentStart {
+        entry: Entry::Start,
         position: frame.there(walker.position),
         velocity: direction * walker.speed,
         heading: direction.x.atan2(direction.y),

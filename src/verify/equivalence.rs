@@ -35,6 +35,8 @@ const INTEGERS: &[&str] = &[
     "companions",
     "dispatch_args",
     "draw_args",
+    "entry",
+    "errand",
     "failure",
     "flow_args",
     "flow_cells",
@@ -52,6 +54,7 @@ const INTEGERS: &[&str] = &[
     "route",
     "run_sums",
     "slot_agent",
+    "sources",
     "visible",
 ];
 

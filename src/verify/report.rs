@@ -1,10 +1,10 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, flow, gaits, step};
+use super::cases::{animation, flow, gaits, journeys, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
-use crate::kernels::{BufferId, KernelId, Pass, Store};
-use crate::sim::{Backend, Simulation, measure::state_hash, order};
+use crate::kernels::{KernelId, Pass, Store};
+use crate::sim::{Backend, STATE, Simulation, measure::state_hash, order};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -82,6 +82,8 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         }
         KernelId::FlowDensity => (1e-4, "m", "one quotient per cell"),
         KernelId::GridPack => (0.0, "", "copies"),
+        KernelId::Enter => (0.0, "m", "copies of places; who is near is a comparison of squares"),
+        KernelId::Journey => (1e-4, "m", "places in regions of up to a kilometre"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
@@ -240,6 +242,9 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
             cases.push(Case { name, store, passes });
         }
         cases.push(Case { name: format!("step, {size} agents, seed {seed}"), store, passes });
+        let store = journeys::journeys(size, seed);
+        let passes = order::step_passes(&store.step);
+        cases.push(Case { name: format!("journeys, {size} agents, seed {seed}"), store, passes });
     }
     for number in 0..if few { 1 } else { 8 } {
         // the large case is of the tight kind, whose buffers are small
@@ -345,16 +350,7 @@ fn trajectory(
 
 /// Whether everything that a step carries on has equal bits.
 fn same_state(cpu: &Store, gpu: &Store) -> bool {
-    let state = [
-        BufferId::Position,
-        BufferId::Velocity,
-        BufferId::Stance,
-        BufferId::Phase,
-        BufferId::Route,
-        BufferId::Elevation,
-        BufferId::Failure,
-    ];
-    state.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
+    STATE.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
 }
 
 /// Compares single steps from states along the CPU's trajectory: rounding differs, so trajectories part.

@@ -3,6 +3,7 @@
 use crate::kernels::Store;
 use crate::kernels::layout::StepUniforms;
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::stages::waypoint;
 use crate::sim::setup::manners;
 
 /// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
@@ -45,7 +46,7 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             wrap: side,
             ..StepUniforms::default()
         },
-        waypoints: vec![[FAR, side * 0.5, 1.0, 0.0], [side * 0.5, FAR, 1.0, 0.0]],
+        stages: [waypoint(FAR, side * 0.5, 1.0), waypoint(side * 0.5, FAR, 1.0)].concat(),
         ..Store::default()
     };
     for cell in order {

@@ -10,6 +10,7 @@ pub mod animation;
 pub mod crossing;
 pub mod flow;
 pub mod gaits;
+pub mod journeys;
 pub mod step;
 
 use crate::reference::exact::{hash_u32, unit_f32};

@@ -6,6 +6,7 @@ use crate::kernels::{KernelId, Store};
 use crate::reference::elevate::FLOOR_STRIDE;
 use crate::reference::exact::hash_u32;
 use crate::reference::shared::{ABSENT, LED, NOBODY};
+use crate::reference::stages::waypoint;
 use crate::sim::obstacles::{at_heights, cell_lists, segments};
 use crate::sim::setup::{join, manners};
 
@@ -105,7 +106,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.route.push([(i as u32 % 5) * 3, 3 | loops, i as u32 % 4, 0]);
     }
     for w in 0..15 {
-        store.waypoints.push([unit(seed, w, 12) * side, unit(seed, w, 13) * side, 1.0, 0.0]);
+        store.stages.extend(waypoint(unit(seed, w, 12) * side, unit(seed, w, 13) * side, 1.0));
     }
     for _ in 0..3 {
         store.position.push([f32::NAN; 2]);
@@ -186,6 +187,11 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
+    store.aim = vec![[f32::NAN; 4]; spare];
+    store.errand = vec![0; spare];
+    store.entry = vec![0; spare];
+    store.sources = vec![0; 8];
+    store.source_places = vec![[f32::NAN; 2]];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);

@@ -1,0 +1,92 @@
+// uses: step, exact, absent, stages
+// Where each agent is on its journey: finds out whether its present stage is done with, goes on to the next, and says what to walk to.
+// Who enters an exit is gone from this step on. First kernel of a step, so that the grid holds nobody who is gone.
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> stages: array<vec4<f32>>;             // [stage][STAGE_STRIDE] see shared/stages.wgsl
+@group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
+@group(0) @binding(3) var<storage, read_write> route: array<vec4<u32>>;        // [agent] first, length | loops << 31, next, arrivals
+@group(0) @binding(4) var<storage, read_write> errand: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1
+@group(0) @binding(5) var<storage, read_write> aim: array<vec4<f32>>;          // [agent] x, z, how, flow field or -1
+
+// A place in a region counts as taken within this distance, m,
+const STANDING = 0.3;
+// which grows by this, m/s, for who has been in the region for this long, s: two people who stand in each other's way are content
+// in the end.
+const PATIENCE = 0.1;
+const TRYING = 20.0;
+
+@compute @workgroup_size(64)
+fn journey(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= step.agent_count || is_absent(position[agent]) {
+        return;
+    }
+    let at = position[agent];
+    var way = route[agent];
+    let length = way.y & 0x7fffffffu;
+    let loops = (way.y >> 31u) == 1u;
+    var stage = way.x + min(way.z, length - 1u);
+    if way.z < length && is_done(agent, stage, at) {
+        way.z += 1u;
+        if way.z == length {
+            way.w += 1u;
+            if loops {
+                way.z = 0u;
+            }
+        }
+        route[agent] = way;
+        let stays = way.z == length && stages[stage * STAGE_STRIDE].w == GOAL;
+        errand[agent] = select(0u, step.step_index + 1u, stays);
+        if stages[stage * STAGE_STRIDE].w == EXIT {
+            position[agent] = vec2<f32>(ABSENT, ABSENT);
+            return;
+        }
+        stage = way.x + min(way.z, length - 1u);
+    }
+    aim[agent] = aim_at(agent, stage, at, !loops && way.z + 1u >= length);
+}
+
+// Whether the agent is done with a stage; begins its wait where it has one.
+fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
+    let place = stages[stage * STAGE_STRIDE];
+    if place.w == WAYPOINT {
+        let to = place.xy - at;
+        return dot2(to, to) < place.z * place.z;
+    }
+    let inside = in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
+    if place.w != WAITING {
+        return inside;
+    }
+    var arrived = errand[agent];
+    if arrived == 0u {
+        if !inside {
+            return false;
+        }
+        arrived = step.step_index + 1u;
+        errand[agent] = arrived;
+    }
+    let terms = stages[stage * STAGE_STRIDE + 2u];
+    return step.step_index + 1u - arrived >= u32(terms.y) && step.step_index >= u32(terms.z);
+}
+
+// What an agent on its way to a stage, or in it, walks to.
+fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
+    let place = stages[stage * STAGE_STRIDE];
+    let terms = stages[stage * STAGE_STRIDE + 2u];
+    if place.w == WAYPOINT {
+        return vec4<f32>(place.xy, select(PASS, STOP, is_last), terms.x);
+    }
+    let axes = stages[stage * STAGE_STRIDE + 1u];
+    if place.w == EXIT {
+        return vec4<f32>(nearest_place(at, place.xy, axes), PASS, terms.x);
+    }
+    var how = PASS;
+    if is_last || place.w == WAITING {
+        how = STANDING;
+        if errand[agent] > 0u && in_region(at, place.xy, axes) {
+            let inside = f32(step.step_index + 1u - errand[agent]) * step.time_step;
+            how += PATIENCE * max(inside - TRYING, 0.0);
+        }
+    }
+    return vec4<f32>(own_place(agent, u32(terms.w), place.xy, axes), how, terms.x);
+}

@@ -1,0 +1,69 @@
+//! Lets people in.
+
+use super::exact::{dot2, hash_u32};
+use super::shared::grid_cell;
+use crate::kernels::enter::Slices;
+
+/// Places tried in one step.
+const TRIES: u32 = 16;
+/// Gap left between two people, m.
+const GAP: f32 = 0.1;
+/// Most people looked at for one place: more than fit near it.
+const MOST: u32 = 1024;
+
+/// Twin of `shaders/enter.wgsl`.
+pub fn enter(b: Slices<'_>) {
+    for source in 0..b.step.source_count {
+        let base = source as usize * 8;
+        let [first_place, places, first, agents, next] = std::array::from_fn(|word| b.sources[base + word]);
+        if next >= agents || places == 0 {
+            continue;
+        }
+        let agent = (first + next) as usize;
+        if b.step.step_index + 1 < b.entry[agent] {
+            continue;
+        }
+        let widest = f32::from_bits(b.sources[base + 5]);
+        let begin = hash_u32(source ^ hash_u32(b.step.step_index ^ b.step.seed)) % places;
+        let free = (0..TRIES.min(places))
+            .map(|t| b.source_places[(first_place + (begin + t) % places) as usize])
+            .find(|place| is_free(&b, *place, b.body[agent][0], widest, b.elevation[agent]));
+        if let Some(place) = free {
+            b.position[agent] = place;
+            b.sources[base + 4] = next + 1;
+        }
+    }
+}
+
+/// Whether nobody is too near a place for somebody of that radius and elevation.
+fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f32) -> bool {
+    let step = b.step;
+    if step.user_radius > 0.0 && is_near(place, step.user_position, radius + step.user_radius + GAP) {
+        return false;
+    }
+    let reach = radius + widest + GAP;
+    let low = grid_cell([place[0] - reach, place[1] - reach], step);
+    let high = grid_cell([place[0] + reach, place[1] + reach], step);
+    let mut seen = 0;
+    for row in low[1] as u32..=high[1] as u32 {
+        let cell = |column: i32| (row * step.grid_columns + column as u32) as usize;
+        let (first, end) = (b.cell_start[cell(low[0])], b.cell_start[cell(high[0]) + 1]);
+        seen += end - first;
+        if seen > MOST {
+            return false;
+        }
+        for slot in first as usize..end as usize {
+            let (motion, traits) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
+            let same_storey = step.storey_height <= 0.0 || (traits[3] - height).abs() < step.storey_height;
+            if same_storey && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP) {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+fn is_near(a: [f32; 2], b: [f32; 2], distance: f32) -> bool {
+    let to = [b[0] - a[0], b[1] - a[1]];
+    dot2(to, to) < distance * distance
+}

@@ -1,0 +1,111 @@
+//! Where each agent is on its journey.
+
+use super::exact::dot2;
+use super::shared::{ABSENT, is_absent};
+use super::stages::{
+    EXIT, GOAL, PASS, STAGE_STRIDE, STOP, WAITING, WAYPOINT, in_region, nearest_place, own_place,
+};
+use crate::kernels::journey::Slices;
+use rayon::prelude::*;
+
+/// A place in a region counts as taken within this distance, m.
+const STANDING: f32 = 0.3;
+
+/// By how much that distance grows for who has been in the region for [`TRYING`], m/s.
+const PATIENCE: f32 = 0.1;
+
+/// How long people try to get to their place before they are content with less, s.
+const TRYING: f32 = 20.0;
+
+/// Twin of `shaders/journey.wgsl`.
+pub fn journey(b: Slices<'_>) {
+    let agents = b.step.agent_count as usize;
+    let stages = Stages { now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
+    let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
+    let state = state.zip(&mut b.errand[..agents]).zip(&mut b.aim[..agents]);
+    state.enumerate().with_min_len(1024).for_each(|(agent, (((position, way), errand), aim))| {
+        if is_absent(*position) {
+            return;
+        }
+        let at = *position;
+        let length = way[1] & 0x7fff_ffff;
+        let loops = way[1] >> 31 == 1;
+        let mut stage = way[0] + way[2].min(length - 1);
+        if way[2] < length && stages.is_done(stage, at, errand) {
+            way[2] += 1;
+            if way[2] == length {
+                way[3] = way[3].wrapping_add(1);
+                if loops {
+                    way[2] = 0;
+                }
+            }
+            let stays = way[2] == length && stages.part(stage, 0)[3] == GOAL;
+            *errand = if stays { b.step.step_index + 1 } else { 0 };
+            if stages.part(stage, 0)[3] == EXIT {
+                *position = [ABSENT, ABSENT];
+                return;
+            }
+            stage = way[0] + way[2].min(length - 1);
+        }
+        let is_last = !loops && way[2] + 1 >= length;
+        *aim = stages.aim((agent as u32, at, *errand), stage, is_last);
+    });
+}
+
+/// All stages, at one step.
+struct Stages<'a> {
+    now: u32,
+    time_step: f32,
+    stages: &'a [[f32; 4]],
+}
+
+impl Stages<'_> {
+    fn part(&self, stage: u32, part: usize) -> [f32; 4] {
+        self.stages[stage as usize * STAGE_STRIDE + part]
+    }
+
+    /// Whether the agent is done with a stage; begins its wait where it has one.
+    fn is_done(&self, stage: u32, at: [f32; 2], errand: &mut u32) -> bool {
+        let [x, z, radius, kind] = self.part(stage, 0);
+        if kind == WAYPOINT {
+            let to = [x - at[0], z - at[1]];
+            return dot2(to, to) < radius * radius;
+        }
+        let inside = in_region(at, [x, z], self.part(stage, 1));
+        if kind != WAITING {
+            return inside;
+        }
+        if *errand == 0 {
+            if !inside {
+                return false;
+            }
+            *errand = self.now + 1;
+        }
+        let [_, wait, until, _] = self.part(stage, 2);
+        self.now + 1 - *errand >= wait as u32 && self.now >= until as u32
+    }
+
+    /// What an agent on its way to a stage, or in it, walks to.
+    fn aim(&self, (agent, at, errand): (u32, [f32; 2], u32), stage: u32, is_last: bool) -> [f32; 4] {
+        let [x, z, _, kind] = self.part(stage, 0);
+        let [field, _, _, number] = self.part(stage, 2);
+        if kind == WAYPOINT {
+            return [x, z, if is_last { STOP } else { PASS }, field];
+        }
+        let axes = self.part(stage, 1);
+        if kind == EXIT {
+            let [x, z] = nearest_place(at, [x, z], axes);
+            return [x, z, PASS, field];
+        }
+        let mut how = PASS;
+        if is_last || kind == WAITING {
+            how = STANDING;
+            if errand > 0 && in_region(at, [x, z], axes) {
+                let inside = (self.now + 1 - errand) as f32 * self.time_step;
+                how += PATIENCE * (inside - TRYING).max(0.0);
+            }
+        }
+        let [x, z] = own_place(agent, number as u32, [x, z], axes);
+        [x, z, how, field]
+    }
+}

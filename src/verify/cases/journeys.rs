@@ -1,0 +1,84 @@
+//! A crowd on journeys: stages of every kind, people about to come in, people about to leave.
+
+use super::step::crowd;
+use super::unit;
+use crate::kernels::Store;
+use crate::reference::shared::ABSENT;
+use crate::reference::stages::{EXIT, GOAL, STAGE_STRIDE, WAITING, WAYPOINT};
+
+/// Kinds of the stages, in turn; the last one of every journey may be an exit.
+const KINDS: [f32; 5] = [WAYPOINT, GOAL, WAITING, GOAL, EXIT];
+/// Sources: two that let people in, one whose time has not come, one that has let everybody in, one without a place.
+const SOURCES: usize = 5;
+
+/// The crowd of [`crowd`] on journeys through regions that many of them stand in, with a part of it outside, in sources:
+/// due and not due, with places that are free and places that are not.
+pub fn journeys(agents: usize, seed: u32) -> Store {
+    let mut store = crowd(agents, seed);
+    let side = (agents as f32).sqrt().max(4.0);
+    stages(&mut store, side, seed);
+    for agent in 0..agents {
+        let u = |lane| unit(seed, agent, lane);
+        let loops = u32::from(u(21) < 0.3) << 31;
+        let next = (u(22) * 6.0) as u32; // 5: all done
+        store.route[agent] = [5 * (agent as u32 % 7), 5 | loops, next, 0];
+        let arrived = u(23) * (store.step.step_index + 2) as f32;
+        store.errand[agent] = if u(24) < 0.5 { 0 } else { arrived as u32 };
+        store.aim[agent] = [0.0; 4];
+    }
+    sources(&mut store, agents, side, seed);
+    store
+}
+
+/// Seven journeys of five stages.
+fn stages(store: &mut Store, side: f32, seed: u32) {
+    store.stages.clear();
+    for stage in 0..35_usize {
+        let u = |lane: u32| unit(seed, stage, 30 + lane);
+        let (long, wide, turn) = (0.2 + u(2) * 0.2 * side, 0.2 + u(3) * 0.2 * side, u(4));
+        let kind = if stage % 5 == 4 && stage > 20 { GOAL } else { KINDS[stage % 5] };
+        let wait = (u(5) * 8.0).floor();
+        let until = if u(6) < 0.5 { 0.0 } else { store.step.step_index as f32 - 1.0 + (u(7) * 3.0).floor() };
+        let parts: [[f32; 4]; STAGE_STRIDE] = [
+            [u(0) * side, u(1) * side, 1.0, kind],
+            [long * turn, long * (1.0 - turn), wide * (turn - 1.0), wide * turn],
+            [-1.0, wait, until.max(0.0), stage as f32],
+            [0.0; 4],
+        ];
+        store.stages.extend(parts);
+    }
+}
+
+/// The last third of the agents belongs to the sources, and is outside.
+fn sources(store: &mut Store, agents: usize, side: f32, seed: u32) {
+    store.step.source_count = SOURCES as u32;
+    store.sources = vec![0; SOURCES * 8];
+    store.source_places.clear();
+    let each = agents / (3 * SOURCES);
+    let widest = store.body[..agents].iter().map(|body| body[0]).fold(0.0, f32::max);
+    for source in 0..SOURCES {
+        let first = agents - (SOURCES - source) * each;
+        let places = if source == 4 { 0 } else { 3 + 10 * source };
+        let begin = store.source_places.len();
+        for place in 0..places {
+            // those of source 0 are far outside; those of source 1 stand on people
+            let at = match source {
+                0 => [-20.0 - place as f32, side + 30.0],
+                1 if agents > 1 => store.position[place % (agents / 2)],
+                _ => [unit(seed, begin + place, 50) * side, unit(seed, begin + place, 51) * side],
+            };
+            store.source_places.push(at);
+        }
+        let let_in = if source == 3 { each } else { 0 };
+        let word = |value: usize| value as u32;
+        let record =
+            [word(begin), word(places), word(first), word(each), word(let_in), widest.to_bits(), 0, 0];
+        store.sources[source * 8..source * 8 + 8].copy_from_slice(&record);
+        for agent in first + let_in..first + each {
+            store.position[agent] = [ABSENT; 2];
+            store.velocity[agent] = [0.0; 2];
+            let due = store.step.step_index + word(agent - first);
+            store.entry[agent] = if source == 2 { due + 3 } else { due.max(1) };
+        }
+    }
+}
