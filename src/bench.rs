@@ -267,6 +267,10 @@ impl Sequence {
                 join(&mut store, &[first, first + 1, first + 2]);
             }
         }
+        if kernel == Some(KernelId::React) {
+            store.reaction = vec![1; agents];
+            store.step.reaction_steps = u32::MAX;
+        }
         if kernel == Some(KernelId::Elevate) {
             store.floors = vec![[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE]; // everyone is on it
             store.step.floor_count = 1;
@@ -385,8 +389,12 @@ impl Sequence {
         if Self::ALTERNATIVES.contains(&kernel) {
             return Self::alternative(kernel, agents, backend, device);
         }
-        let all =
-            crate::kernels::layout::StepUniforms { group_count: 1, floor_count: 1, ..Default::default() };
+        let all = crate::kernels::layout::StepUniforms {
+            group_count: 1,
+            floor_count: 1,
+            reaction_steps: 1,
+            ..Default::default()
+        };
         let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)

@@ -330,3 +330,47 @@ fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
         }
     }
 }
+
+#[test]
+fn everyone_begins_to_walk_after_their_own_reaction_time() {
+    // RiMEA's test 5: ten people in a room, reaction times from 1 to 10 s (there: 10 to 100)
+    let text = r#"
+        name = "reaction"
+        bounds = [[-30, -20], [30, -20], [30, 20], [-30, 20]]
+        [population]
+        agents = 10
+        [[population.classes]]
+        share = 1
+        reaction = [1, 10]
+        [[routes]]
+        name = "out"
+        waypoints = [[-28, 0], [28, 0]]
+        width = 34.0
+    "#;
+    let scenario: Scenario = toml::from_str(text).unwrap();
+    let library = GaitLibrary::built_in().unwrap();
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast_of(&library), Backend::Cpu, None).unwrap();
+    let mut began = [0.0_f32; 10];
+    for step in 0..30 * 12 {
+        simulation.step(1).unwrap();
+        let store = simulation.state().unwrap();
+        for (i, began) in began.iter_mut().enumerate() {
+            // who stands may be made to step aside, but does not walk
+            let speed = Vec2::from(store.velocity[i]).length();
+            if *began == 0.0 && speed > 0.7 * store.body[i][2] {
+                *began = (step + 1) as f32 / 30.0;
+            }
+        }
+    }
+    for (began, agent) in began.iter().zip(&crowd.agents) {
+        assert!(
+            (began - agent.reaction - 1.0 / 30.0).abs() < 0.05,
+            "{began} s instead of {}",
+            agent.reaction
+        );
+    }
+    let spread =
+        began.iter().fold(0.0, |most, b| b.max(most)) - began.iter().fold(99.0, |least, b| b.min(least));
+    assert!(spread > 4.0, "{began:?}");
+}

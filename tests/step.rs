@@ -37,6 +37,8 @@ prefer
 barrier
 accompany
 barrier
+react
+barrier
 lead_agents 1
 barrier
 velocity_orca 1

@@ -41,5 +41,5 @@ struct StepUniforms {
     crowding_reach: f32,         // m ahead over which their density is measured
     group_count: u32,            // groups of people who walk together
     floor_count: u32,            // floors above the ground
-    unused: u32,
+    reaction_steps: u32,         // until this step somebody may still have to react
 }

@@ -144,7 +144,8 @@ impl<'a> Cast<'a> {
         let (emotion, gaits, gait_weights) = self.feeling(agent)?;
         let person = person(self.scenario, agent);
         let is_there = entry == Entry::Start;
-        let speed = if is_there { START_SPEED.min(self.scenario.navigation.max_speed) } else { 0.0 };
+        let walks = is_there && person.reaction <= 0.0;
+        let speed = if walks { START_SPEED.min(self.scenario.navigation.max_speed) } else { 0.0 };
         Ok(AgentStart {
             entry,
             position: if is_there { place.position } else { Vec2::splat(ABSENT) },

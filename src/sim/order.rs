@@ -31,6 +31,9 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     if step.group_count > 0 {
         passes.push(pass(KernelId::Accompany, 0, agents));
     }
+    if step.step_index < step.reaction_steps {
+        passes.push(pass(KernelId::React, 0, agents));
+    }
     passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
         pass(velocity_kernel(step.model), storeys, agents),

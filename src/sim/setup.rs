@@ -180,6 +180,7 @@ pub fn scratch(store: &mut Store) {
     store.entry.resize(agents, 0);
     store.sources.resize(store.sources.len().max(8), 0);
     store.source_places.resize(store.source_places.len().max(1), [0.0; 2]);
+    store.reaction.resize(agents, 0);
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
@@ -228,7 +229,15 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         Entry::Step(step) => step.min(NEVER - 2) + 1,
         Entry::Never => NEVER,
     });
-    store.stance.push([agent.heading, 1.0]);
+    // counted from the start, or from when the agent comes in
+    let reaction = (agent.reaction / navigation.time_step).ceil() as u32;
+    let until = match agent.entry {
+        Entry::Step(step) if reaction > 0 => step.saturating_add(reaction),
+        _ => reaction,
+    };
+    store.step.reaction_steps = store.step.reaction_steps.max(until);
+    store.reaction.push(until);
+    store.stance.push([agent.heading, f32::from(u8::from(reaction == 0))]);
     store.phase.push(agent.phase);
     let loops = u32::from(agent.loops) << 31;
     store.route.push([agent.route_start, agent.route_length.max(1) | loops, agent.waypoint, 0]);

@@ -101,6 +101,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
             (1e-3, "m/s", "a comparison with a wall: by rounding an agent may be held or not")
         }
         KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
+        KernelId::React => (0.0, "", "zeros"),
         KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
         KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
         KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),

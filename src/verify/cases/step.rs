@@ -100,6 +100,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.step.led_count += u32::from(is_led);
         store.manners.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
+        store.reaction.push(if i % 32 == 9 { (u(21) * 16.0) as u32 } else { 0 });
         store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
         store.phase.push(hash_u32(seed ^ i as u32));
         let loops = u32::from(u(11) < 0.5) << 31;
@@ -115,6 +116,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.manners.push([f32::NAN; 4]);
         store.elevation.push(f32::NAN);
         store.lead.push([f32::NAN; 4]);
+        store.reaction.push(u32::MAX);
         store.stance.push([f32::NAN; 2]);
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);
@@ -141,6 +143,7 @@ fn groups(store: &mut Store, agents: usize, seed: u32) {
         first += size;
     }
     store.step.group_count = 1; // also where everyone is alone
+    store.step.reaction_steps = u32::MAX;
 }
 
 /// Level and sloping floors, some above one another, within a step of where people stand and not.
