@@ -8,7 +8,9 @@
 //   0 (cell):     everything FAR, the lists empty,
 //   1 (seed):     known distances, their tiles on the lists,
 //   2..5 (place): one turn of list 0..3, again and again until all lists are empty; tiles of even colour are on even lists,
-//   6 (cell):     directions; clears the lists, whose order is arbitrary.
+//   6 (tile):     those with cells where nobody can stand on the lists: so far these were left out, which is quicker,
+//   7..10 (place): the same turns with them,
+//   11 (cell):    directions; clears the lists, whose order is arbitrary.
 // A cell may be entered only from the neighbours that its bits name: a free cell from free cells to which a body fits
 // through, others from all, so that the field leads back whoever is outside.
 // flow_args: for each list groups along x, 1, 1, and its length.
@@ -98,14 +100,39 @@ fn sow(index: u32) {
     }
 }
 
-// Whether the neighbour `at` of a cell with that distance, open to it by `bit`, could fall because of it: an update is
-// at least the lower neighbour plus 0.707 of the step.
+fn enlist_solid(tile: u32) {
+    if tile >= tile_total() {
+        return;
+    }
+    let tx = tile % flow_grid.tile_columns;
+    let tz = tile / flow_grid.tile_columns % flow_grid.tile_rows;
+    let z1 = min(tz * TILE + TILE, flow_grid.rows);
+    let x1 = min(tx * TILE + TILE, flow_grid.columns);
+    var any = 0u;
+    for (var z = tz * TILE; z < z1; z++) {
+        for (var x = tx * TILE; x < x1; x++) {
+            any |= flow_cells[z * flow_grid.columns + x];
+        }
+    }
+    if (any & SOLID) != 0u {
+        enlist((tx + tz) & 1u, tile);
+    }
+}
+
+// Bits of a cell that is left out in these turns.
+fn left_out() -> u32 {
+    return select(0u, SOLID, level < 6u);
+}
+
+// Whether the cell outside, open by `bit` to a cell with that distance, could fall because of it: an update is at least the
+// lower neighbour plus 0.707 of the step.
 fn could_fall(first: u32, cell: u32, bit: u32, distance: f32) -> bool {
-    return (flow_cells[cell] & bit) != 0u && flow_distance[first + cell] > distance + 0.7 * flow_step[cell];
+    let bits = flow_cells[cell];
+    return (bits & bit) != 0u && (bits & left_out()) == 0u && flow_distance[first + cell] > distance + 0.7 * flow_step[cell];
 }
 
 fn turn(place: u32) {
-    let list = level - 2u;
+    let list = select(level - 7u, level - 2u, level < 6u);
     if place == 0u {
         clear_list((list + 3u) & 3u);
     }
@@ -135,6 +162,9 @@ fn turn(place: u32) {
                 let cell = (z0 + z) * columns + x0 + x;
                 let at = first + cell;
                 let bits = flow_cells[cell];
+                if (bits & left_out()) != 0u {
+                    continue;
+                }
                 let old = flow_distance[at];
                 // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
                 let left = flow_distance[select(at, at - 1u, (bits & FROM_LEFT) != 0u)];
@@ -242,6 +272,8 @@ fn flow(@builtin(global_invocation_id) id: vec3<u32>) {
     } else if level == 1u {
         sow(index);
     } else if level == 6u {
+        enlist_solid(index);
+    } else if level == 11u {
         point(index);
     } else {
         turn(index);

@@ -15,7 +15,7 @@ use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
 use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
-pub use load::{Loaded, load, load_bytes, load_with_map};
+pub use load::{Loaded, load, load_bytes, load_with_map, triangles};
 pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;
 

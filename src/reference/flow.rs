@@ -23,7 +23,8 @@ pub fn flow(mut b: Slices<'_>) {
             clear_lists(&mut b, total);
         }
         1 => sow(&mut b, total),
-        6 => {
+        6 => enlist_solid(&mut b, total),
+        11 => {
             point(&mut b);
             clear_lists(&mut b, total);
         }
@@ -79,6 +80,20 @@ fn sow(b: &mut Slices<'_>, total: u32) {
     }
 }
 
+fn enlist_solid(b: &mut Slices<'_>, total: u32) {
+    let grid = b.flow_grid;
+    for tile in 0..total {
+        let place = Place::of(grid, tile);
+        let is_solid = (place.z0..place.z0 + place.height).any(|z| {
+            let row = (z * grid.columns + place.x0) as usize;
+            b.flow_cells[row..row + place.width as usize].iter().any(|bits| bits & SOLID != 0)
+        });
+        if is_solid {
+            enlist(b, total, (place.x0 / TILE + place.z0 / TILE) & 1, tile);
+        }
+    }
+}
+
 /// What one turn makes of a tile.
 struct Swept {
     tile: u32,
@@ -92,13 +107,13 @@ struct Swept {
 }
 
 fn turn(b: &mut Slices<'_>, total: u32) {
-    let list = b.level - 2;
+    let (list, left_out) = if b.level < 6 { (b.level - 2, SOLID) } else { (b.level - 7, 0) };
     clear_list(b, (list + 3) & 3);
     let count = b.flow_args[4 * list as usize + 3];
     let first = (list * total) as usize;
     let tiles = &b.flow_lists[first..first + count as usize];
     let (grid, cells, steps, distance) = (b.flow_grid, b.flow_cells, b.flow_step, &*b.flow_distance);
-    let sweep = |tile: &u32| sweep_tile(grid, cells, steps, distance, *tile);
+    let sweep = |tile: &u32| sweep_tile(grid, cells, steps, distance, *tile, left_out);
     let swept: Vec<Swept> = if tiles.len() < MANY {
         tiles.iter().map(sweep).collect()
     } else {
@@ -162,8 +177,15 @@ impl Place {
     }
 }
 
-/// Sweeps a tile on a copy of it and the cells around it.
-fn sweep_tile(grid: &FlowUniforms, cells: &[u32], steps: &[f32], distance: &[f32], tile: u32) -> Swept {
+/// Sweeps a tile on a copy of it and the cells around it; cells with a bit of `left_out` do not take part.
+fn sweep_tile(
+    grid: &FlowUniforms,
+    cells: &[u32],
+    steps: &[f32],
+    distance: &[f32],
+    tile: u32,
+    left_out: u32,
+) -> Swept {
     let place = Place::of(grid, tile);
     let (columns, first) = (grid.columns as usize, place.first as usize);
     let (x0, z0) = (place.x0 as usize, place.z0 as usize);
@@ -182,11 +204,11 @@ fn sweep_tile(grid: &FlowUniforms, cells: &[u32], steps: &[f32], distance: &[f32
         bits[at..at + width].copy_from_slice(&cells[row..row + width]);
         size[at..at + width].copy_from_slice(&steps[row..row + width]);
     }
-    let (fell, again) = sweeps(&mut near, &bits, &size, width, height);
+    let (fell, again) = sweeps(&mut near, &bits, &size, [width, height], left_out);
     // whether the cell at (x, z), just outside, can fall because of the cell at `at` of the copy
     let could_fall = |x: usize, z: usize, outside: usize, at: usize, bit: u32| {
         let cell = z * columns + x;
-        cells[cell] & bit != 0 && near[outside] > near[at] + 0.7 * steps[cell]
+        cells[cell] & bit != 0 && cells[cell] & left_out == 0 && near[outside] > near[at] + 0.7 * steps[cell]
     };
     let mut wake = 0;
     for z in 0..height {
@@ -225,8 +247,8 @@ fn sweeps(
     near: &mut [f32; RING * RING],
     bits: &[u32; (TILE * TILE) as usize],
     size: &[f32; (TILE * TILE) as usize],
-    width: usize,
-    height: usize,
+    [width, height]: [usize; 2],
+    left_out: u32,
 ) -> (u32, bool) {
     let mut fell = 0;
     for sweep in 0..SWEEPS {
@@ -238,6 +260,9 @@ fn sweeps(
                 let x = if from_right { width - 1 - i } else { i };
                 let (at, cell) = ((z + 1) * RING + x + 1, z * TILE as usize + x);
                 let (bits, size, old) = (bits[cell], size[cell], near[at]);
+                if bits & left_out != 0 {
+                    continue;
+                }
                 // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
                 let neighbour = |bit: u32, index: usize| if bits & bit != 0 { near[index] } else { old };
                 let a = neighbour(FROM_LEFT, at - 1).min(neighbour(FROM_RIGHT, at + 1));

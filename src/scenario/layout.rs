@@ -4,6 +4,7 @@ use super::environment::{Environment, Ground, Prop};
 use super::floors::Floors;
 use super::polygon;
 use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn};
+use super::walkable::Area;
 use super::{crossing, garden, parking, scifi};
 use glam::{Vec2, Vec3};
 
@@ -63,7 +64,7 @@ impl Scenario {
     pub fn geometry(&self) -> Geometry {
         let agents = self.population.agents;
         let mut made = match self.layout {
-            Layout::Custom => Generated { bounds: vectors(&self.bounds), ..Generated::default() },
+            Layout::Custom => self.area(),
             Layout::Crossing => crossing::generate(agents),
             Layout::Garden => garden::generate(agents),
             Layout::Parking => parking::generate(agents),
@@ -90,6 +91,15 @@ impl Scenario {
             user,
             bounds,
         }
+    }
+
+    /// Bounds and holes of a scenario without a layout. (Text that is no area was refused before: it gives none.)
+    fn area(&self) -> Generated {
+        if self.walkable_wkt.is_empty() {
+            return Generated { bounds: vectors(&self.bounds), ..Generated::default() };
+        }
+        let area = Area::from_wkt(&self.walkable_wkt).unwrap_or_default();
+        Generated { bounds: area.bounds, obstacles: area.holes, ..Generated::default() }
     }
 
     /// The same scenario with its generated geometry written out, to be edited by hand: layout `custom`.

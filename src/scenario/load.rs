@@ -2,6 +2,7 @@
 
 use super::error::Error;
 use super::schema::{Condition, Scenario};
+use super::walkable::Area;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -48,7 +49,7 @@ impl Scenario {
             return Err(read(std::io::Error::other(message)));
         }
         let text = std::fs::read_to_string(path).map_err(read)?;
-        Self::parse(&text, &path.display().to_string())
+        Self::parse_beside(&text, &path.display().to_string(), path.parent())
     }
 
     /// Reads a scenario from text and validates it; `origin` names it in messages (`file` in `file:line`).
@@ -56,7 +57,27 @@ impl Scenario {
     /// # Errors
     /// [`Error::Syntax`] or [`Error::Value`], with origin and line.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Error> {
-        let scenario: Self = toml::from_str(text).map_err(|error| syntax_error(&error, text, origin))?;
+        Self::parse_beside(text, origin, None)
+    }
+
+    /// The same; a `walkable_file` is looked for in `folder` and taken over.
+    fn parse_beside(text: &str, origin: &str, folder: Option<&Path>) -> Result<Self, Error> {
+        let mut scenario: Self = toml::from_str(text).map_err(|error| syntax_error(&error, text, origin))?;
+        if let Some(folder) = folder.filter(|_| !scenario.walkable_file.is_empty()) {
+            let file = std::mem::take(&mut scenario.walkable_file);
+            if !scenario.walkable_wkt.is_empty() {
+                let hint = "leave one of the two out";
+                let error =
+                    Error::value("walkable_file", format!("{file:?}"), "left out beside walkable_wkt", hint);
+                return Err(placed(error, text, origin));
+            }
+            let node = scenario.walkable_node.take();
+            let area = Area::read(&folder.join(&file), node.as_deref()).map_err(|message| {
+                let allowed = "a .wkt, .txt, .glb or .gltf file with a walkable area";
+                placed(Error::value("walkable_file", format!("{file:?}"), allowed, message), text, origin)
+            })?;
+            scenario.walkable_wkt = area.to_wkt();
+        }
         scenario.validate().map_err(|error| placed(error, text, origin))?;
         Ok(scenario)
     }

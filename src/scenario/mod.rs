@@ -31,6 +31,8 @@ mod schema;
 mod scifi;
 mod sources;
 mod validate;
+mod walkable;
+mod way_finding;
 
 pub use clearance::Clearance;
 pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
@@ -50,3 +52,5 @@ pub use schema::{
     Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
+pub use walkable::Area;
+pub use way_finding::{Way, WayFinding};

@@ -5,6 +5,7 @@ use super::floors::Floor;
 use super::gaze::Gaze;
 use super::journeys::{Journey, Source, Stage};
 use super::people::Class;
+use super::way_finding::WayFinding;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -34,6 +35,20 @@ pub struct Scenario {
     /// Outer outline of the walkable area (either orientation). With a generated layout: leave it out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bounds: Vec<Point>,
+    /// The walkable area as well-known text (POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION; x to the right, y = -z, m) instead of
+    /// `bounds`: outline and holes, to which `obstacles` add.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub walkable_wkt: String,
+    /// A file with it, beside the scenario's: well-known text (`.wkt`, `.txt`), or a model (`.glb`, `.gltf`) whose floor it is.
+    /// When the scenario is read it becomes `walkable_wkt`.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub walkable_file: String,
+    /// Name of the node of the model that is the floor, with all below it; left out: the whole model.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub walkable_node: Option<String>,
+    /// How agents find the way to their goals.
+    #[serde(default, skip_serializing_if = "WayFinding::is_default")]
+    pub way_finding: WayFinding,
     /// How agents gaze in condition `eva-g`.
     #[serde(default)]
     pub gaze: Gaze,

@@ -11,6 +11,7 @@ use super::schema::{
     EmotionMode, GaitChoice, GenderChoice, Layout, Navigation, Point, Population, Route, RouteMode, Scenario,
     Spawn, User, route_names,
 };
+use super::walkable::Area;
 use glam::Vec2;
 
 /// Most agents of one scenario.
@@ -49,15 +50,19 @@ impl Scenario {
         navigation(&self.navigation)?;
         user(&self.user)?;
         gaze(&self.gaze)?;
-        if self.layout == Layout::Custom {
+        self.way_finding.validate()?;
+        if walkable(self)? {
+            // outline and holes are in the text
+        } else if self.layout == Layout::Custom {
             outline("bounds", &self.bounds, "the corners of the walkable area, in order")?;
-            if self.routes.is_empty() && self.journeys.is_empty() && self.population.agents > 0 {
-                let hint = "add a [[routes]] or a [[journeys]] table";
-                return Err(Error::value("routes", "[]", "one route or journey or more", hint));
-            }
         } else if !self.bounds.is_empty() {
             let hint = "remove it, or set layout = \"custom\"";
             return Err(Error::value("bounds", "[..]", "left out with a generated layout", hint));
+        }
+        let goes_nowhere = self.routes.is_empty() && self.journeys.is_empty();
+        if self.layout == Layout::Custom && goes_nowhere && self.population.agents > 0 {
+            let hint = "add a [[routes]] or a [[journeys]] table";
+            return Err(Error::value("routes", "[]", "one route or journey or more", hint));
         }
         for (index, obstacle) in self.obstacles.iter().enumerate() {
             outline(
@@ -71,6 +76,40 @@ impl Scenario {
         spawns(&self.spawns, &self.routes, self.layout)?;
         super::journeys::validate(self)?;
         self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
+    }
+}
+
+/// Whether the walkable area is given as text; checks it.
+fn walkable(scenario: &Scenario) -> Result<bool, Error> {
+    if !scenario.walkable_file.is_empty() {
+        let hint = "read the scenario from a file, or give the area as walkable_wkt";
+        let allowed = "the name of a file beside the scenario's";
+        return Err(Error::value("walkable_file", format!("{:?}", scenario.walkable_file), allowed, hint));
+    }
+    if scenario.walkable_wkt.is_empty() {
+        return match &scenario.walkable_node {
+            None => Ok(false),
+            Some(name) => {
+                let hint = "it names a node of walkable_file";
+                Err(Error::value(
+                    "walkable_node",
+                    format!("{name:?}"),
+                    "left out without walkable_file",
+                    hint,
+                ))
+            }
+        };
+    }
+    if scenario.layout != Layout::Custom || !scenario.bounds.is_empty() {
+        let hint = "the walkable area is the bounds: leave out bounds and layout";
+        return Err(Error::value("walkable_wkt", "..", "left out where bounds or a layout are given", hint));
+    }
+    match Area::from_wkt(&scenario.walkable_wkt) {
+        Ok(_) => Ok(true),
+        Err(message) => {
+            let allowed = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of one area";
+            Err(Error::value("walkable_wkt", message, allowed, "such as POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0))"))
+        }
     }
 }
 

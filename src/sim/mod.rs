@@ -157,20 +157,28 @@ impl Simulation {
         passes.extend(order::flow_start(&grid));
         let tiles = grid.field_count * grid.tile_columns * grid.tile_rows;
         let most = tiles.saturating_mul(8).saturating_add(1024);
-        // in an open place the front crosses this many tiles; afterwards so many turns at a time
-        let mut batch = grid.tile_columns + grid.tile_rows + 8;
-        let mut turns = 0;
-        while turns < most {
-            passes.extend(order::flow_turns(turns, batch));
-            self.run(&passes, &[BufferId::FlowArgs])?;
-            passes.clear();
-            turns += batch;
-            batch = 64;
-            if (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0) {
-                return self.run(&order::flow_end(&grid), &[]);
+        for with_solid in [false, true] {
+            if with_solid {
+                passes.push(order::flow_solid(&grid));
+            }
+            // in an open place the front crosses this many tiles; afterwards so many turns at a time
+            let mut batch = if with_solid { 16 } else { grid.tile_columns + grid.tile_rows };
+            let mut turns = 0;
+            loop {
+                passes.extend(order::flow_turns(turns, batch, with_solid));
+                self.run(&passes, &[BufferId::FlowArgs])?;
+                passes.clear();
+                turns += batch;
+                batch = 32;
+                if (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0) {
+                    break;
+                }
+                if turns > most {
+                    return Err(Error::FlowTurns { turns }.into());
+                }
             }
         }
-        Err(Error::FlowTurns { turns }.into())
+        self.run(&order::flow_end(&grid), &[])
     }
 
     /// Runs passes on whichever backend there is, and reads buffers back.

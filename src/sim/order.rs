@@ -85,11 +85,16 @@ pub fn flow_start(grid: &FlowUniforms) -> Vec<Pass> {
     vec![flow_pass(0, cells_or_lists(grid)), flow_pass(1, grid.seed_count)]
 }
 
-/// `count` turns from number `first`, for as long as there are tiles on the lists; more do no harm.
-pub fn flow_turns(first: u32, count: u32) -> Vec<Pass> {
+/// The launch after whose turns cells where nobody can stand have a way out, too.
+pub fn flow_solid(grid: &FlowUniforms) -> Pass {
+    flow_pass(6, grid.field_count * grid.tile_columns * grid.tile_rows)
+}
+
+/// `count` turns from number `first`, before or after [`flow_solid`], for as long as there are tiles on the lists; more do no harm.
+pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Pass> {
     let turn = |number: u32| Pass {
         kernel: KernelId::Flow,
-        level: 2 + number % 4,
+        level: if with_solid { 7 } else { 2 } + number % 4,
         extent: Extent::Indirect(BufferId::FlowArgs, 4 * (number % 4)),
     };
     (first..first + count).map(turn).collect()
@@ -97,7 +102,7 @@ pub fn flow_turns(first: u32, count: u32) -> Vec<Pass> {
 
 /// The launches that end it.
 pub fn flow_end(grid: &FlowUniforms) -> Vec<Pass> {
-    vec![flow_pass(6, cells_or_lists(grid))]
+    vec![flow_pass(11, cells_or_lists(grid))]
 }
 
 fn flow_pass(level: u32, count: u32) -> Pass {

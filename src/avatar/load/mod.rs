@@ -54,6 +54,52 @@ pub fn load_with_map(path: &Path, map: &RigMap) -> Result<Loaded, Error> {
     load_bytes(&name, &bytes, path.parent(), map)
 }
 
+/// All triangles of a model, or those of the nodes with that name and below them, where they stand in the scene: metres, y
+/// up, front faces counter-clockwise.
+///
+/// # Errors
+/// [`Error::Read`] when the file cannot be read; [`Error::Unusable`] when it is malformed or has no such node.
+pub fn triangles(path: &Path, node: Option<&str>) -> Result<Vec<[glam::Vec3; 3]>, Error> {
+    let read_error = |source| Error::Read { path: path.to_owned(), source };
+    let name = path.display().to_string();
+    let unusable = |message: String| Error::Unusable { name: name.clone(), message };
+    let length = std::fs::metadata(path).map_err(read_error)?.len();
+    if length > MOST_BYTES {
+        return Err(unusable(format!(
+            "the file has {length} bytes; models of up to {MOST_BYTES} bytes are read"
+        )));
+    }
+    let bytes = std::fs::read(path).map_err(read_error)?;
+    let source = source::Source::read(&bytes, path.parent()).map_err(unusable)?;
+    let is_wanted = |start: usize| {
+        let mut above = Some(start);
+        node.is_none_or(|wanted| {
+            while let Some(at) = above {
+                if source.nodes[at].name == wanted {
+                    return true;
+                }
+                above = source.nodes[at].parent; // no loops: the reader has refused them
+            }
+            false
+        })
+    };
+    if let Some(wanted) = node.filter(|wanted| !source.nodes.iter().any(|node| node.name == **wanted)) {
+        let names: Vec<&str> = source.nodes.iter().map(|node| node.name.as_str()).take(12).collect();
+        return Err(unusable(format!("has no node {wanted:?}; there are {}", names.join(", "))));
+    }
+    let mut all = Vec::new();
+    for part in source.parts.iter().filter(|part| is_wanted(part.node)) {
+        let world = source.nodes[part.node].world;
+        let corner = |index: u32| world.transform_point3(part.positions[index as usize]);
+        let turns = world.determinant() < 0.0; // a mirrored node turns its faces round
+        all.extend(part.indices.chunks_exact(3).map(|t| {
+            let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
+            if turns { [a, c, b] } else { [a, b, c] }
+        }));
+    }
+    Ok(all)
+}
+
 /// Loads a character from the bytes of a file; `base` is where files that it names lie.
 ///
 /// # Errors

@@ -100,7 +100,9 @@ pub fn passes(store: &Store) -> Vec<Pass> {
     passes.extend(order::flow_start(grid));
     // enough for any of these cases: the lists are empty long before
     let turns = (grid.tile_columns * grid.tile_rows).min(600) + 16;
-    passes.extend(order::flow_turns(0, turns));
+    passes.extend(order::flow_turns(0, turns, false));
+    passes.push(order::flow_solid(grid));
+    passes.extend(order::flow_turns(0, turns, true));
     passes.extend(order::flow_end(grid));
     passes
 }
