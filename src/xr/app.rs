@@ -5,6 +5,7 @@
 //! device, and begins anew when the runtime goes away. A runtime that hangs therefore stops the pictures, not the crowd.
 
 use super::pace::{FrameSummary, FrameTimes, Governor};
+use super::recording::{Moment, numbers};
 use super::rig::Rig;
 use super::runtime::Runtime;
 use super::session::{Event, Frame, Session, State};
@@ -133,8 +134,8 @@ pub struct Outcome {
 struct Shared {
     /// The crowd's latest moment and how many there were.
     moment: Mutex<(Store, u64)>,
-    /// The user's place, m, and velocity, m/s.
-    user: Mutex<(Vec2, Vec2)>,
+    /// The user at present.
+    user: Mutex<Moment>,
     /// Milliseconds since the beginning at the last sign of life.
     beat: AtomicU64,
     begin: Instant,
@@ -161,7 +162,19 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Shows a crowd on the headset. `note` is told in one line whatever the user should know.
+/// Who is told what happens.
+pub trait Observer {
+    /// One line that the user should know.
+    fn note(&mut self, line: &str);
+
+    /// The user as the crowd will see them in the step that comes.
+    ///
+    /// # Errors
+    /// When the observer cannot go on; the session is then ended.
+    fn step(&mut self, user: &Moment) -> Result<(), crate::Error>;
+}
+
+/// Shows a crowd on the headset.
 ///
 /// # Errors
 /// When there is no headset at the beginning (unless the plan waits for one), or the crowd fails.
@@ -169,10 +182,10 @@ pub fn run(
     simulation: &mut Simulation,
     world: World,
     plan: Plan,
-    note: &mut dyn FnMut(&str),
+    observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let time_step = f64::from(simulation.store().step.time_step);
-    let start = (world.start.0, Vec2::ZERO);
+    let start = Moment { place: world.start.0, ..Moment::default() };
     let shared = Arc::new(Shared {
         moment: Mutex::new((Show::moment(simulation.state()?), 0)),
         user: Mutex::new(start),
@@ -197,12 +210,12 @@ pub fn run(
     while !headset.is_finished() {
         let now = shared.begin.elapsed();
         for line in std::mem::take(&mut *lock(&shared.notes)) {
-            note(&line);
+            observer.note(&line);
         }
         let silence = now.saturating_sub(Duration::from_millis(shared.beat.load(Ordering::Relaxed)));
         if (silence > SILENCE) != is_silent {
             is_silent = !is_silent;
-            note(if is_silent {
+            observer.note(if is_silent {
                 "the OpenXR runtime does not answer; the crowd goes on without it"
             } else {
                 "the OpenXR runtime answers again"
@@ -223,16 +236,24 @@ pub fn run(
             continue;
         }
         passed += (behind - LONGEST_ARREARS).max(0.0);
-        let (place, velocity) = *lock(&shared.user);
-        simulation.set_user(place, velocity);
-        simulation.step(1)?;
+        let user = *lock(&shared.user);
+        let done = observer.step(&user).and_then(|()| {
+            simulation.set_user(user.place, user.velocity);
+            simulation.step(1)
+        });
+        if done.is_err() {
+            // the headset's thread ends its session, as far as the runtime lets it
+            shared.stop.store(true, Ordering::Relaxed);
+            thread::sleep(FAREWELL / 6);
+            done?;
+        }
         steps += 1;
         let moment = Show::moment(simulation.state()?);
         let mut latest = lock(&shared.moment);
         *latest = (moment, latest.1 + 1);
     }
     for line in std::mem::take(&mut *lock(&shared.notes)) {
-        note(&line);
+        observer.note(&line);
     }
     let outcome = if headset.is_finished() {
         match headset.join() {
@@ -363,11 +384,18 @@ impl<'a> Headset<'a> {
             let hand = input.hands[1].or(input.hands[0]);
             self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
             let place = self.rig.user(head);
+            let room = self.rig.world_from_room();
             let mut user = lock(&self.shared.user);
-            let velocity = (place - user.0) / seconds.max(1e-3);
+            let velocity = (place - user.place) / seconds.max(1e-3);
             // a teleport or a recentring is no walk
             let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
-            *user = (place, user.1.lerp(velocity, 0.3));
+            *user = Moment {
+                place,
+                velocity: user.velocity.lerp(velocity, 0.3),
+                head: Some(numbers(head.within(room))),
+                hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
+                sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
+            };
         }
         if !frame.wants_picture {
             self.times.empty();

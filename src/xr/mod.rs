@@ -9,13 +9,15 @@
 mod app;
 mod input;
 mod pace;
+mod recording;
 mod rig;
 mod runtime;
 mod session;
 mod views;
 
-pub use app::{Opener, Outcome, Plan, Shots, World, run};
+pub use app::{Observer, Opener, Outcome, Plan, Shots, World, run};
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
+pub use recording::{Moment, Recorder, Recording, RecordingError, Session as RecordedSession};
 pub use rig::{Rig, Walk};
 pub use runtime::{Runtime, RuntimeInfo, probe};
 pub use session::State;

@@ -2,7 +2,12 @@
 //!
 //! Needs `scripts/setup --xr`; without it the tests say so and pass, unless GAITWAY_REQUIRE_XR is set.
 #![cfg(feature = "xr")]
-#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test: a failure is a panic that prints")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test: a failure is a panic that prints"
+)]
 
 mod service;
 
@@ -59,7 +64,16 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     let run = ["xr", "crossing", "--agents", "60", "--seconds", "3", "--eye-size", "320x320", "--json"];
     let (found, _) = outcome(service.gaitway(&run).spawn().unwrap());
     let all = [
-        "idle", "ready", "synchronized", "visible", "focused", "visible", "synchronized", "stopping", "idle", "exiting",
+        "idle",
+        "ready",
+        "synchronized",
+        "visible",
+        "focused",
+        "visible",
+        "synchronized",
+        "stopping",
+        "idle",
+        "exiting",
     ];
     assert_eq!(states(&found), all);
     assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
@@ -121,7 +135,8 @@ fn both_eyes_follow_the_head_with_the_right_parallax() {
     for (turn, aside) in script {
         head.set(turn, 0.0, [aside, 1.6, 0.0]);
         let eye = format!("{SIZE}x{SIZE}");
-        let run = ["xr", scene, "--seconds", "1.5", "--eye-size", &eye, "--shots", shots, "--every", "5", "--json"];
+        let run =
+            ["xr", scene, "--seconds", "1.5", "--eye-size", &eye, "--shots", shots, "--every", "5", "--json"];
         outcome(service.gaitway(&run).spawn().unwrap());
         let (_, picture) = pictures(&folder).pop().unwrap();
         let focal = 0.5 * SIZE as f32 / 0.7418_f32.tan();
@@ -139,7 +154,11 @@ fn both_eyes_follow_the_head_with_the_right_parallax() {
             worst[0] = worst[0].max((seen[eye] - want[eye]).abs());
         }
         worst[1] = worst[1].max(((seen[0] - seen[1]) - (want[0] - want[1])).abs());
-        for entry in std::fs::read_dir(&folder).unwrap().flatten().filter(|e| e.path().extension().is_some_and(|x| x == "png")) {
+        for entry in std::fs::read_dir(&folder)
+            .unwrap()
+            .flatten()
+            .filter(|e| e.path().extension().is_some_and(|x| x == "png"))
+        {
             std::fs::remove_file(entry.path()).unwrap();
         }
     }

@@ -41,9 +41,8 @@ impl Service {
         let folder = std::env::temp_dir().join(format!("gaitway-xr-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("monado")).unwrap();
-        let config = format!(
-            r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#
-        );
+        let config =
+            format!(r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#);
         std::fs::write(folder.join("monado/config_v0.json"), config).unwrap();
         let child = spawn(&folder);
         let service = Self { child, folder, port };
@@ -91,7 +90,11 @@ impl Service {
         let begin = Instant::now();
         let log = self.folder.join("service.log");
         while !std::fs::read_to_string(&log).unwrap_or_default().contains("service has started") {
-            assert!(begin.elapsed() < Duration::from_secs(30), "the service did not start: {}", log.display());
+            assert!(
+                begin.elapsed() < Duration::from_secs(30),
+                "the service did not start: {}",
+                log.display()
+            );
             std::thread::sleep(Duration::from_millis(20));
         }
     }
