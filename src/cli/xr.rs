@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             shadow_size: SHADOW_SIZE,
             ..Settings::default()
         },
-        gaze_mode: scene.scenario.gaze.mode,
+        gaze: scene.scenario.gaze,
         level_distances: [full[0], full[1], full[2]],
         start: (geometry.user, user.heading_deg.to_radians()),
         is_free: Box::new(move |place| free.admits(place, radius)),

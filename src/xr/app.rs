@@ -89,8 +89,8 @@ pub struct World {
     pub scenery: EnvironmentMesh,
     /// Light and quality; size and number of eyes follow the headset.
     pub settings: Settings,
-    /// How gaze angles are found.
-    pub gaze_mode: crate::scenario::GazeMode,
+    /// How agents gaze.
+    pub gaze: crate::scenario::Gaze,
     /// Levels of detail end here, and the crowd, m.
     pub level_distances: [f32; 3],
     /// Where the user begins, and their heading about +y, radians.
@@ -337,10 +337,10 @@ impl<'a> Headset<'a> {
         let mut session = Session::new(&runtime, &device, self.plan.eye_size)?;
         let [width, height] = session.size();
         let settings = Settings { width, height, eyes: 2, ..self.world.settings };
-        let World { store, meshes, scenery, gaze_mode, .. } = &self.world;
+        let World { store, meshes, scenery, gaze, .. } = &self.world;
         let mut show = Show::on_device(&device, store, meshes, scenery, settings, session.format())
             .map_err(Failure::Fatal)?;
-        show.set_gaze_mode(*gaze_mode);
+        show.set_gaze(gaze);
         self.outcome.runtime = Some(runtime.info().clone());
         self.outcome.device = show.device();
         self.outcome.sessions += 1;
