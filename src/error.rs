@@ -37,6 +37,10 @@ pub enum Error {
     /// A recording of a crowd could not be read or replayed.
     #[error(transparent)]
     Replay(#[from] crate::replay::Error),
+    /// The headset cannot be used.
+    #[cfg(feature = "xr")]
+    #[error(transparent)]
+    Xr(#[from] crate::xr::Error),
     /// A result could not be written.
     #[error(transparent)]
     Export(#[from] crate::export::Error),
@@ -57,6 +61,8 @@ impl Error {
             #[cfg(feature = "vulkan")]
             Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
             Self::Replay(error) => error.hint(),
+            #[cfg(feature = "xr")]
+            Self::Xr(error) => error.hint(),
             Self::Export(crate::export::Error::Picture(error)) => error.hint(),
             Self::Usage { hint, .. } => Some(hint),
             _ => None,

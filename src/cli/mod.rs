@@ -24,6 +24,8 @@ mod simulate;
 mod stage;
 #[cfg(feature = "vulkan")]
 mod verify;
+#[cfg(feature = "xr")]
+mod xr;
 
 use crate::Error;
 use clap::{Parser, Subcommand};
@@ -56,6 +58,9 @@ enum Command {
     Render(render::Arguments),
     /// Walk other people's crowds, recorded or simulated, with bodies, gaits and emotions
     Replay(replay::Arguments),
+    /// Walk through a crowd with a headset
+    #[cfg(feature = "xr")]
+    Xr(xr::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),
     /// Import, show or generate gaits
@@ -80,6 +85,8 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        #[cfg(feature = "xr")]
+        Command::Xr(arguments) => xr::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]

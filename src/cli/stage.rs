@@ -183,7 +183,7 @@ impl Stage {
 }
 
 /// The light of a place.
-const fn atmosphere(layout: Layout) -> Atmosphere {
+pub(super) const fn atmosphere(layout: Layout) -> Atmosphere {
     match layout {
         Layout::Scifi => Atmosphere { exposure: 1.6, ..Atmosphere::EVENING },
         _ => Atmosphere::DAY,

@@ -7,12 +7,18 @@
 mod buffer;
 mod device;
 mod engine;
+mod instance;
 mod pipeline;
 pub mod plan;
+mod validation;
 
 pub use buffer::{Buffer, Memory};
-pub use device::{Device, DeviceInfo, DeviceKind, Validation, list, validation_messages};
+pub use device::Device;
 pub use engine::{Engine, PassTime};
+#[cfg(feature = "xr")]
+pub(crate) use instance::Maker;
+pub use instance::{DeviceInfo, DeviceKind, list};
+pub use validation::{Validation, validation_messages};
 
 /// Vulkan failed.
 #[derive(Debug, thiserror::Error)]
@@ -63,6 +69,14 @@ pub enum Error {
         bytes: u64,
         /// Why.
         reason: String,
+    },
+    /// The OpenXR runtime refused to make the instance or the device.
+    #[error("{call} failed: {result}")]
+    Runtime {
+        /// The call.
+        call: &'static str,
+        /// What it said.
+        result: String,
     },
     /// A buffer is larger than the device can bind.
     #[error("buffer {name:?} needs {bytes} bytes, but this device binds at most {limit}: use fewer agents")]

@@ -1,14 +1,12 @@
 //! Wanted against perceived: counts, shares, and how sure they are.
 
 use crate::emotion::Emotion;
+use crate::perception::share_interval;
 use serde::Serialize;
 
 /// What people saw in the paper's own agents: `[shown][perceived]`, 48 answers a row (24 participants, 2 agents each), in
 /// the order of [`Emotion::ALL`]. The paper has percentages, which are these counts; A-18.
 pub const HUMANS: [[u64; 4]; 4] = [[29, 2, 2, 15], [9, 25, 0, 14], [0, 0, 48, 0], [4, 2, 8, 34]];
-
-/// z of a two-sided interval of 95 %.
-const Z: f64 = 1.959_963_984_540_054;
 
 /// A confusion matrix and what follows from it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -53,16 +51,9 @@ impl Score {
     }
 }
 
-/// The 95 % interval of a share by Wilson (1927); of nothing, anything is possible.
+/// The 95 % interval of `right` of `n` by Wilson (1927); of nothing, anything is possible.
 pub fn wilson(right: u64, n: u64) -> [f64; 2] {
-    if n == 0 {
-        return [0.0, 1.0];
-    }
-    let (p, count) = (share(right, n), real(n));
-    let middle = p + Z * Z / (2.0 * count);
-    let half = Z * (p * (1.0 - p) / count + Z * Z / (4.0 * count * count)).sqrt();
-    let whole = 1.0 + Z * Z / count;
-    [((middle - half) / whole).max(0.0), ((middle + half) / whole).min(1.0)]
+    share_interval(share(right, n), n)
 }
 
 fn share(part: u64, whole: u64) -> f64 {

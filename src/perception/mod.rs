@@ -9,6 +9,7 @@ mod body;
 pub mod comparison;
 pub mod evaluate;
 pub mod features;
+mod interval;
 pub mod linear;
 mod memo;
 pub mod model;
@@ -16,6 +17,8 @@ pub mod perceiver;
 pub mod ratings;
 pub mod scaling;
 pub mod svm;
+
+pub use interval::share_interval;
 
 use crate::emotion::Emotion;
 use crate::gait::Gait;

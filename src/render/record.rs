@@ -300,7 +300,7 @@ impl Renderer {
         }
     }
 
-    fn transition(&self, commands: vk::CommandBuffer, transitions: &[Transition]) {
+    pub(crate) fn transition(&self, commands: vk::CommandBuffer, transitions: &[Transition]) {
         let barriers: Vec<_> = transitions.iter().map(|transition| transition.barrier()).collect();
         // SAFETY: recording has begun, outside of rendering; the images are alive.
         unsafe {

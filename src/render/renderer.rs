@@ -7,6 +7,8 @@ use super::pipelines::{PipelineSpec, Program};
 use super::record::Output;
 use super::scene::{self, Surface};
 use super::settings::{Markers, Settings};
+#[cfg(feature = "xr")]
+use super::target::Transition;
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec};
 use super::{CrowdBuffers, Error, Image, shadow};
 use crate::gpu::{Buffer, Device, Memory, call};
@@ -62,6 +64,9 @@ pub struct Renderer {
     pub(crate) attachments: Attachments,
     /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
     offscreen: Option<(GpuImage, Buffer)>,
+    /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
+    #[cfg(feature = "xr")]
+    shot: Option<Buffer>,
     pub(crate) shadow_map: GpuImage,
     pub(crate) shadow_size: u32,
     pub(crate) sampler: vk::Sampler,
@@ -139,6 +144,8 @@ impl Renderer {
         let mut renderer = Self {
             attachments,
             offscreen: None,
+            #[cfg(feature = "xr")]
+            shot: None,
             shadow_map,
             shadow_size,
             sampler: vk::Sampler::null(),
@@ -310,10 +317,49 @@ impl Renderer {
         self.bind(crowd)?;
         self.submit(|_, commands| {
             self.record(commands, view, crowd, &output);
-            self.copy_out(commands, image, readback);
+            self.copy_out(commands, image.raw, image.layers, readback);
             Ok(())
         })?;
         Ok(self.assemble(readback.bytes()))
+    }
+
+    /// Draws into somebody else's image of one layer per eye, which is left in the layout of a colour attachment; copies
+    /// it to the host if that is wanted.
+    #[cfg(feature = "xr")]
+    pub(crate) fn draw_into(
+        &mut self,
+        view: &View,
+        crowd: Option<&CrowdBuffers<'_>>,
+        (image, image_view): (vk::Image, vk::ImageView),
+        is_wanted: bool,
+    ) -> Result<Option<Image>, Error> {
+        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
+        let Settings { width, height, eyes, .. } = self.settings;
+        if is_wanted && self.shot.is_none() {
+            let bytes = u64::from(width) * u64::from(height) * 4 * u64::from(eyes);
+            self.shot = Some(Buffer::new(&self.device, "picture readback", bytes, Memory::Readback)?);
+        }
+        let drawn = (
+            Stage::COLOR_ATTACHMENT_OUTPUT,
+            Access::COLOR_ATTACHMENT_WRITE,
+            Layout::COLOR_ATTACHMENT_OPTIMAL,
+        );
+        let copied = (Stage::COPY, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
+        let shot = self.shot.as_ref().filter(|_| is_wanted);
+        let after = if shot.is_some() { copied } else { drawn };
+        let output = Output { image, view: image_view, before: Stage::COLOR_ATTACHMENT_OUTPUT, after };
+        self.bind(crowd)?;
+        self.submit(|_, commands| {
+            self.record(commands, view, crowd, &output);
+            if let Some(readback) = shot {
+                self.copy_out(commands, image, eyes, readback);
+                let aspect = vk::ImageAspectFlags::COLOR;
+                self.transition(commands, &[Transition { image, aspect, from: copied, to: drawn }]);
+            }
+            Ok(())
+        })?;
+        let shot = self.shot.as_ref().filter(|_| is_wanted);
+        Ok(shot.map(|readback| self.assemble(readback.bytes())))
     }
 
     fn make_offscreen(&self) -> Result<(GpuImage, Buffer), Error> {
@@ -333,14 +379,14 @@ impl Renderer {
         Ok((image, Buffer::new(&self.device, "picture readback", bytes, Memory::Readback)?))
     }
 
-    fn copy_out(&self, commands: vk::CommandBuffer, image: &GpuImage, readback: &Buffer) {
+    fn copy_out(&self, commands: vk::CommandBuffer, image: vk::Image, layers: u32, readback: &Buffer) {
         let region = [vk::BufferImageCopy::default()
             .image_extent(vk::Extent3D { width: self.settings.width, height: self.settings.height, depth: 1 })
             .image_subresource(vk::ImageSubresourceLayers {
                 aspect_mask: vk::ImageAspectFlags::COLOR,
                 mip_level: 0,
                 base_array_layer: 0,
-                layer_count: image.layers,
+                layer_count: layers,
             })];
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::COPY)
@@ -351,7 +397,7 @@ impl Renderer {
         // SAFETY: the image is in that layout; the buffer has room for all layers; recording has begun.
         unsafe {
             let raw = &self.device.raw;
-            raw.cmd_copy_image_to_buffer(commands, image.raw, layout, readback.raw, &region);
+            raw.cmd_copy_image_to_buffer(commands, image, layout, readback.raw, &region);
             raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
         }
     }

@@ -28,6 +28,35 @@ pub struct Show {
     /// What does not depend on the camera.
     frame: FrameUniforms,
     time: Option<f64>,
+    /// Number of the moment that the animator has.
+    taken: u64,
+}
+
+/// The kernels of a picture.
+fn kernels(frame: &FrameUniforms) -> Vec<KernelId> {
+    let mut kernels: Vec<KernelId> = order::frame_passes(frame).iter().map(|pass| pass.kernel).collect();
+    kernels.push(KernelId::Attend); // agents may have to take turns later
+    kernels.sort_unstable();
+    kernels.dedup();
+    kernels
+}
+
+fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
+    Surface {
+        positions: &scenery.positions,
+        normals: &scenery.normals,
+        colors: &scenery.colors,
+        indices: &scenery.indices,
+    }
+}
+
+/// Prepares the bodies for a picture.
+fn animate(animator: &mut Engine, frame: &FrameUniforms) -> Result<(), crate::Error> {
+    let passes = order::frame_passes(frame);
+    let ops: Vec<Op> =
+        std::iter::once(Op::Set(BufferId::Frame)).chain(passes.into_iter().map(Op::Pass)).collect();
+    animator.run(&ops, |_, _| bytemuck::bytes_of(frame).to_vec(), false)?;
+    check(animator)
 }
 
 impl Show {
@@ -48,24 +77,73 @@ impl Show {
             Some(engine) => (engine.device().clone(), None),
             None => {
                 let device = Device::open(device, Validation::from_environment())?;
-                let passes = order::frame_passes(&simulation.state()?.frame);
-                let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
-                kernels.push(KernelId::Attend); // agents may have to take turns later
-                kernels.sort_unstable();
-                kernels.dedup();
-                let engine = Engine::new(&device, simulation.state()?, &kernels)?;
+                let store = simulation.state()?;
+                let engine = Engine::new(&device, store, &kernels(&store.frame))?;
                 (device, Some(engine))
             }
         };
         let mut renderer = Renderer::new(&device, settings)?;
         renderer.set_meshes(meshes)?;
-        renderer.set_environment(&[Surface {
-            positions: &scenery.positions,
-            normals: &scenery.normals,
-            colors: &scenery.colors,
-            indices: &scenery.indices,
-        }])?;
-        Ok(Self { renderer, animator, frame: simulation.state()?.frame, time: None })
+        renderer.set_environment(&[surface(scenery)])?;
+        Ok(Self { renderer, animator, frame: simulation.state()?.frame, time: None, taken: 0 })
+    }
+
+    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
+    #[cfg(feature = "xr")]
+    pub(crate) fn on_device(
+        device: &std::sync::Arc<Device>,
+        store: &Store,
+        meshes: &MeshBuffers,
+        scenery: &EnvironmentMesh,
+        settings: Settings,
+        format: ash::vk::Format,
+    ) -> Result<Self, crate::Error> {
+        let animator = Engine::new(device, store, &kernels(&store.frame))?;
+        let mut renderer = Renderer::with_format(device, settings, format)?;
+        renderer.set_meshes(meshes)?;
+        renderer.set_environment(&[surface(scenery)])?;
+        Ok(Self { renderer, animator: Some(animator), frame: store.frame, time: None, taken: 0 })
+    }
+
+    /// What a picture needs of a crowd's state.
+    #[cfg(feature = "xr")]
+    pub(crate) fn moment(store: &Store) -> Store {
+        Store {
+            position: store.position.clone(),
+            stance: store.stance.clone(),
+            phase: store.phase.clone(),
+            ..Store::default()
+        }
+    }
+
+    /// Takes a moment of the crowd, unless it has that one already; `number` tells them apart.
+    #[cfg(feature = "xr")]
+    pub(crate) fn take(&mut self, moment: &Store, number: u64) -> Result<(), crate::Error> {
+        if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
+            animator.upload(moment, &READ)?;
+            self.taken = number;
+        }
+        Ok(())
+    }
+
+    /// Draws the moment taken last into an image of one layer per eye, `seconds` after the picture before; copies it to
+    /// the host if that is wanted.
+    #[cfg(feature = "xr")]
+    pub(crate) fn draw_into(
+        &mut self,
+        view: &View,
+        user_eyes: Vec3,
+        seconds: f32,
+        image: (ash::vk::Image, ash::vk::ImageView),
+        is_wanted: bool,
+    ) -> Result<Option<Image>, crate::Error> {
+        let time = self.time.unwrap_or(0.0) + f64::from(seconds);
+        self.time = Some(time);
+        let frame = self.frame_of(view, user_eyes, seconds, time);
+        let Some(animator) = &mut self.animator else { return Ok(None) };
+        animate(animator, &frame)?;
+        let crowd = CrowdBuffers::of(animator)?;
+        Ok(self.renderer.draw_into(view, Some(&crowd), image, is_wanted)?)
     }
 
     /// The device that draws, in words.
@@ -102,11 +180,7 @@ impl Show {
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
             animator.upload(store, &READ)?;
-            let passes = order::frame_passes(&frame);
-            let ops: Vec<Op> =
-                std::iter::once(Op::Set(BufferId::Frame)).chain(passes.into_iter().map(Op::Pass)).collect();
-            animator.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), false)?;
-            check(animator)?;
+            animate(animator, &frame)?;
         } else {
             simulation.animate(frame)?;
         }
@@ -115,7 +189,24 @@ impl Show {
         Ok(self.renderer.draw(view, crowd.as_ref())?)
     }
 
-    /// Parameters of the next picture.
+    /// Parameters of a picture `seconds` after the one before, at `time`, s.
+    fn frame_of(&mut self, view: &View, user_eyes: Vec3, seconds: f32, time: f64) -> FrameUniforms {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps after 49 days")]
+        {
+            self.frame.gaze_time = (time * 1e3) as u64 as u32;
+        }
+        self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
+        FrameUniforms {
+            planes: view.planes(),
+            user_eyes: user_eyes.extend(0.0).to_array(),
+            camera: view.center().extend(0.0).to_array(),
+            eye_count: view.eye_count,
+            frame_time: seconds,
+            ..self.frame
+        }
+    }
+
+    /// Parameters of the next picture of a simulation.
     fn next_frame(
         &mut self,
         simulation: &mut Simulation,
@@ -126,19 +217,7 @@ impl Show {
         #[allow(clippy::cast_possible_truncation, reason = "a short time")]
         let since = self.time.map_or(FIRST_FRAME_TIME, |before| (time - before) as f32);
         self.time = Some(time);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps after 49 days")]
-        {
-            self.frame.gaze_time = (time * 1e3) as u64 as u32;
-        }
-        self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
-        let mut frame = FrameUniforms {
-            planes: view.planes(),
-            user_eyes: user_eyes.extend(0.0).to_array(),
-            camera: view.center().extend(0.0).to_array(),
-            eye_count: view.eye_count,
-            frame_time: since,
-            ..self.frame
-        };
+        let mut frame = self.frame_of(view, user_eyes, since, time);
         if view.parallel {
             // a map shows everyone equally large, however high its camera stands
             let away = view.center().y;

@@ -10,7 +10,7 @@ use crate::emotion::Emotion;
 use crate::gait::Gait;
 use crate::perception::comparison::{PUBLISHED, methods, variants};
 use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with, folds};
-use crate::perception::{Method, perceiver};
+use crate::perception::{Method, perceiver, share_interval};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -224,7 +224,7 @@ fn row(found: Evaluation, settings: Option<String>) -> Row {
         published,
         accuracy_mean: found.accuracy_mean,
         accuracy_sd: found.accuracy_sd,
-        accuracy_interval: wilson(found.accuracy_mean, found.gaits),
+        accuracy_interval: share_interval(found.accuracy_mean, found.gaits as u64),
         accuracies: found.accuracies,
         recall: Emotion::ALL.map(|emotion| (emotion.name(), found.recall[emotion.index()])).into(),
         confusion: found.confusion,
@@ -236,16 +236,6 @@ fn row(found: Evaluation, settings: Option<String>) -> Row {
 #[allow(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
 fn ratio(part: usize, whole: usize) -> f64 {
     part as f64 / whole.max(1) as f64
-}
-
-/// Wilson's 95 % interval of a share of `count`.
-fn wilson(share: f64, count: usize) -> [f64; 2] {
-    let z = 1.959_964_f64;
-    let n = ratio(count.max(1), 1);
-    let middle = (share + z * z / (2.0 * n)) / (1.0 + z * z / n);
-    let half = z / (1.0 + z * z / n) * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-    // rounding must not leave the share itself outside
-    [(middle - half).clamp(0.0, share), (middle + half).clamp(share, 1.0)]
 }
 
 fn show(report: &Report, grouping: Grouping) -> Result<(), Error> {
@@ -288,17 +278,4 @@ fn show(report: &Report, grouping: Grouping) -> Result<(), Error> {
     }
     say(&format!("wall time  {:.2} s", report.wall_seconds));
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wilsons_interval_is_that_of_the_textbook() {
-        // 10 of 20: 0.299 to 0.701
-        let [low, high] = wilson(0.5, 20);
-        assert!((low - 0.2993).abs() < 1e-4 && (high - 0.7007).abs() < 1e-4, "{low} {high}");
-        assert!(wilson(1.0, 10)[1] <= 1.0 && wilson(0.0, 10)[0] >= 0.0);
-    }
 }

@@ -1,0 +1,237 @@
+//! `gaitway xr`: a crowd around the user of a headset.
+
+use super::output::{note, say, say_json};
+use super::progress::Progress;
+use super::scene::{Scene, SceneArguments, check_seconds, start};
+use super::stage::{atmosphere, size};
+use super::usage;
+use crate::Error;
+use crate::export::AtomicFile;
+use crate::kernels::Store;
+use crate::picture::Image;
+use crate::render::Settings;
+use crate::scenario::Clearance;
+use crate::sim::{bodies, measure};
+use crate::xr::{
+    self, Moment, Observer, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, World,
+};
+use clap::Args;
+use serde::Serialize;
+use std::path::{Path, PathBuf};
+
+/// Texels a side of the shadow map: a headset draws twice.
+const SHADOW_SIZE: u32 = 1024;
+
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway xr crossing --agents 2000\n  gaitway xr my-place.toml --seconds 600 --wait\n  \
+                        gaitway xr garden --seconds 5 --shots out --eye-size 640x640\n  gaitway xr crossing --record visit.csv\n  gaitway xr crossing --replay visit.csv --backend cpu\n\nWalk about in your room; the \
+                        left stick walks farther, the right one turns, A points to a place and goes there, the left \
+                        stick pressed brings you back to the start.\n`gaitway devices` says what is missing for a headset."
+)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    scene: SceneArguments,
+    /// End after this time [default: when the headset's runtime ends it]
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Pixels of one eye [default: as the runtime recommends]
+    #[arg(long, value_name = "WxH", value_parser = size)]
+    eye_size: Option<(u32, u32)>,
+    /// Wait for a runtime or headset that is not there yet
+    #[arg(long)]
+    wait: bool,
+    /// Write pictures of both eyes into this folder
+    #[arg(long, value_name = "FOLDER")]
+    shots: Option<PathBuf>,
+    /// Every how many frames
+    #[arg(long, value_name = "N", default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..))]
+    every: u64,
+    /// Keep what the user did, to be replayed
+    #[arg(long, value_name = "FILE.csv", conflicts_with = "replay")]
+    record: Option<PathBuf>,
+    /// Replay what a user did, without a headset, and compare the crowd with that of the recording
+    #[arg(long, value_name = "FILE.csv")]
+    replay: Option<PathBuf>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let seconds = arguments.seconds.map(|seconds| check_seconds("--seconds", seconds)).transpose()?;
+    if let Some(folder) = &arguments.shots {
+        std::fs::create_dir_all(folder).map_err(|error| {
+            usage(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
+        })?;
+    }
+    let scene = Scene::load(&arguments.scene)?;
+    if let Some(path) = &arguments.replay {
+        return replay(arguments, &scene, path);
+    }
+    let mut store = scene.store();
+    let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
+    let geometry = &scene.geometry;
+    let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
+    let user = &scene.scenario.user;
+    let radius = user.radius;
+    let full = store.frame.level_distance;
+    let world = World {
+        meshes,
+        scenery: geometry.environment.mesh(&geometry.bounds, geometry.user),
+        settings: Settings {
+            atmosphere: atmosphere(scene.scenario.layout),
+            shadow_size: SHADOW_SIZE,
+            ..Settings::default()
+        },
+        gaze: scene.scenario.gaze,
+        level_distances: [full[0], full[1], full[2]],
+        start: (geometry.user, user.heading_deg.to_radians()),
+        is_free: Box::new(move |place| free.admits(place, radius)),
+        store: store.clone(),
+    };
+    let plan = Plan {
+        seconds,
+        eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
+        waits: arguments.wait,
+        shots: arguments.shots.clone().map(|folder| {
+            let write = move |frame: u64, image: &Image| {
+                Ok(crate::export::image::write_png(&folder.join(format!("frame-{frame:06}.png")), image)
+                    .map_err(crate::export::Error::from)?)
+            };
+            (arguments.every, Box::new(write) as xr::Shots)
+        }),
+        ..Plan::default()
+    };
+    let mut simulation = start(store, &arguments.scene.place)?;
+    let device = simulation.device();
+    let session = session(&scene, simulation.state()?);
+    let mut observer = Keeper { record: None };
+    if let Some(path) = &arguments.record {
+        let recorder = Recorder::new(AtomicFile::create(path)?, &session).map_err(recording(path))?;
+        observer.record = Some((path.clone(), recorder));
+    }
+    let outcome = xr::run(&mut simulation, world, plan, &mut observer)?;
+    if let Some((path, recorder)) = observer.record {
+        let hash = measure::state_hash(simulation.state()?);
+        recorder.finish(hash).map_err(recording(&path))?.finish()?;
+    }
+    if arguments.json {
+        say_json(&outcome)?;
+    } else {
+        print(&outcome, &device);
+    }
+    Ok(!outcome.hung)
+}
+
+/// What a recording of this crowd says of it.
+fn session(scene: &Scene, store: &Store) -> RecordedSession {
+    RecordedSession {
+        scene: scene.scenario.name.clone(),
+        agents: store.step.agent_count,
+        seed: scene.scenario.seed,
+        time_step: store.step.time_step,
+        start: measure::state_hash(store),
+    }
+}
+
+fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
+    move |error| {
+        let hint =
+            "a recording is written by `gaitway xr --record`; replay it with the same scene, agents and seed";
+        usage(format!("{}: {error}", path.display()), hint)
+    }
+}
+
+/// Prints notes and keeps what the user did.
+struct Keeper {
+    record: Option<(PathBuf, Recorder<AtomicFile>)>,
+}
+
+impl Observer for Keeper {
+    fn note(&mut self, line: &str) {
+        note(&format!("note: {line}"));
+    }
+
+    fn step(&mut self, user: &Moment) -> Result<(), Error> {
+        match &mut self.record {
+            Some((path, recorder)) => recorder.step(user).map_err(recording(path)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What a replay came to.
+#[derive(Debug, Serialize)]
+struct Replayed {
+    device: String,
+    steps: usize,
+    state_hash: String,
+    recorded_hash: Option<String>,
+    /// Whether the crowd is that of the recording, bit for bit; null if the recording broke off.
+    equal: Option<bool>,
+}
+
+/// Does the steps of a recording again, with the user as they were.
+fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
+    let file = std::fs::File::open(path).map_err(|error| recording(path)(error.into()))?;
+    let found = Recording::read(std::io::BufReader::new(file)).map_err(recording(path))?;
+    let mut simulation = start(scene.store(), &arguments.scene.place)?;
+    found.must_be_of(&session(scene, simulation.state()?)).map_err(recording(path))?;
+    let mut progress = Progress::new("replaying".to_owned());
+    for (step, user) in found.moments.iter().enumerate() {
+        simulation.set_user(user.place, user.velocity);
+        simulation.step(1)?;
+        #[allow(clippy::cast_precision_loss, reason = "a share of a few million")]
+        let share = step as f64 / found.moments.len() as f64;
+        progress.at(&format!("step {step} of {}", found.moments.len()), share);
+    }
+    let hash = measure::state_hash(simulation.state()?);
+    let hex = |hash: u64| format!("{hash:016x}");
+    let replayed = Replayed {
+        device: simulation.device(),
+        steps: found.moments.len(),
+        state_hash: hex(hash),
+        recorded_hash: found.end.map(hex),
+        equal: found.end.map(|end| end == hash),
+    };
+    if arguments.json {
+        say_json(&replayed)?;
+    } else {
+        say(&format!("replayed   {} steps on {}", replayed.steps, replayed.device));
+        say(&format!("state hash {}", replayed.state_hash));
+        say(match replayed.equal {
+            Some(true) => "the crowd is that of the recording, bit for bit",
+            Some(false) => "the crowd is NOT that of the recording",
+            None => "the recording broke off, so there is nothing to compare with",
+        });
+    }
+    Ok(replayed.equal != Some(false))
+}
+
+fn print(outcome: &Outcome, device: &str) {
+    if let Some(runtime) = &outcome.runtime {
+        say(&format!("headset    {} through {}", runtime.headset, runtime.runtime));
+    }
+    say(&format!("drawn on   {}", outcome.device));
+    say(&format!("simulated  {device}: {} steps, {:.2} s let pass", outcome.steps, outcome.time_lost));
+    let frames = &outcome.frames;
+    say(&format!(
+        "frames     {} drawn, {} empty, {} periods of the display missed",
+        frames.drawn, frames.empty, frames.missed
+    ));
+    let line = |name: &str, p: &xr::Percentiles| {
+        say(&format!("{name}  p50 {:.2}  p95 {:.2}  p99 {:.2} ms", p.p50, p.p95, p.p99));
+    };
+    line("drawing  ", &frames.work_ms);
+    line("wake-ups ", &frames.wake_ms);
+    say(&format!("quality    {:.0} % at least", outcome.least_quality * 100.0));
+    say(&format!("sessions   {} ({})", outcome.sessions, outcome.states.join(", ")));
+    for loss in &outcome.losses {
+        say(&format!("lost       {loss}"));
+    }
+    if outcome.hung {
+        say("the OpenXR runtime did not answer any more at the end");
+    }
+}

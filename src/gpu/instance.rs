@@ -1,0 +1,280 @@
+//! The Vulkan instance and the devices that the machine has.
+
+use super::validation::{LAYER, Validation, bool_setting, messenger_info};
+use super::{Error, call};
+use ash::{ext, vk};
+use std::ffi::CStr;
+
+/// What kind of device it is, best first.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DeviceKind {
+    /// A graphics card.
+    Discrete,
+    /// A GPU inside the processor.
+    Integrated,
+    /// A GPU of a virtual machine.
+    Virtual,
+    /// A software device such as lavapipe.
+    Cpu,
+    /// Anything else.
+    Other,
+}
+
+impl DeviceKind {
+    /// Lower-case name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Discrete => "discrete",
+            Self::Integrated => "integrated",
+            Self::Virtual => "virtual",
+            Self::Cpu => "cpu",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// A device that the machine has, usable or not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// Position in the loader's list.
+    pub index: usize,
+    /// Name as the driver gives it.
+    pub name: String,
+    /// Kind.
+    pub kind: DeviceKind,
+    /// Vulkan version, `major.minor.patch`.
+    pub api: String,
+    /// Driver name and version, where the driver tells.
+    pub driver: String,
+    /// Why gaitway cannot use it, if it cannot.
+    pub unusable: Option<String>,
+}
+
+/// Who makes the Vulkan instance and device: this program, or an OpenXR runtime, which wants to add what it needs.
+pub(crate) trait Maker: Send + Sync {
+    /// Makes the instance.
+    ///
+    /// # Safety
+    /// Everything that `create` points to is alive; `entry` outlives the instance.
+    unsafe fn instance(
+        &self,
+        entry: &ash::Entry,
+        create: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<vk::Instance, Error>;
+
+    /// The one device that may be used, if the choice is not ours.
+    fn physical_device(&self, instance: vk::Instance) -> Result<Option<vk::PhysicalDevice>, Error>;
+
+    /// Makes the device.
+    ///
+    /// # Safety
+    /// Everything that `create` points to is alive; `physical` is of `instance`, which outlives the device.
+    unsafe fn device(
+        &self,
+        entry: &ash::Entry,
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        create: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<vk::Device, Error>;
+}
+
+/// This program makes its own.
+#[derive(Debug)]
+pub(crate) struct Own;
+
+impl Maker for Own {
+    unsafe fn instance(
+        &self,
+        entry: &ash::Entry,
+        create: &vk::InstanceCreateInfo<'_>,
+    ) -> Result<vk::Instance, Error> {
+        // SAFETY: as the caller promises.
+        unsafe { entry.create_instance(create, None) }
+            .map(|instance| instance.handle())
+            .map_err(|result| Error::NoDriver { call: "vkCreateInstance", result })
+    }
+
+    fn physical_device(&self, _: vk::Instance) -> Result<Option<vk::PhysicalDevice>, Error> {
+        Ok(None)
+    }
+
+    unsafe fn device(
+        &self,
+        _: &ash::Entry,
+        instance: &ash::Instance,
+        physical: vk::PhysicalDevice,
+        create: &vk::DeviceCreateInfo<'_>,
+    ) -> Result<vk::Device, Error> {
+        // SAFETY: as the caller promises.
+        unsafe { instance.create_device(physical, create, None) }
+            .map(|device| device.handle())
+            .map_err(call("vkCreateDevice"))
+    }
+}
+
+pub(crate) struct Instance {
+    pub(crate) entry: ash::Entry,
+    pub(crate) raw: ash::Instance,
+    pub(crate) messenger: Option<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)>,
+}
+
+impl Instance {
+    pub(crate) fn new(validation: Validation, maker: &dyn Maker) -> Result<Self, Error> {
+        // SAFETY: loads the system's Vulkan loader, whose initialisers have no requirements on us.
+        let entry = unsafe { ash::Entry::load() }.map_err(|error| Error::NoLoader(error.to_string()))?;
+        let mut layers = Vec::new();
+        let mut layer_version = 0;
+        if validation != Validation::Off {
+            // SAFETY: the entry is loaded.
+            let known = unsafe { entry.enumerate_instance_layer_properties() }
+                .map_err(call("vkEnumerateInstanceLayerProperties"))?;
+            let layer = known.iter().find(|layer| layer.layer_name_as_c_str() == Ok(LAYER));
+            layer_version = layer.ok_or(Error::NoValidationLayer)?.spec_version;
+            layers.push(LAYER.as_ptr());
+        }
+        let extensions: &[_] =
+            if validation == Validation::Off { &[] } else { &[ext::debug_utils::NAME.as_ptr()] };
+        let application = vk::ApplicationInfo::default()
+            .application_name(c"gaitway")
+            .engine_name(c"gaitway")
+            .api_version(vk::API_VERSION_1_3);
+        let sync = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+        let assisted = [
+            vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION,
+            vk::ValidationFeatureEnableEXT::GPU_ASSISTED,
+            vk::ValidationFeatureEnableEXT::GPU_ASSISTED_RESERVE_BINDING_SLOT,
+        ];
+        let enabled: &[_] = match validation {
+            Validation::Off | Validation::Core => &[],
+            Validation::Sync => &sync,
+            Validation::GpuAssisted => &assisted,
+        };
+        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(enabled);
+        let mut messenger = messenger_info();
+        let yes = 1_u32.to_ne_bytes();
+        let mut settings =
+            [bool_setting(c"syncval_shader_accesses_heuristic", &yes), bool_setting(c"validate_sync", &yes)];
+        settings.iter_mut().for_each(|setting| setting.value_count = 1); // ash counts bytes
+        let mut layer_settings = vk::LayerSettingsCreateInfoEXT::default().settings(&settings);
+        let mut create = vk::InstanceCreateInfo::default()
+            .application_info(&application)
+            .enabled_layer_names(&layers)
+            .enabled_extension_names(extensions);
+        if validation != Validation::Off {
+            create = create.push_next(&mut features).push_next(&mut messenger);
+            // older layers call the structure an error
+            if validation != Validation::Core && layer_version >= vk::make_api_version(0, 1, 4, 0) {
+                create = create.push_next(&mut layer_settings);
+            }
+        }
+        // SAFETY: all pointers in `create` live until the call returns.
+        let raw = unsafe { maker.instance(&entry, &create) }?;
+        // SAFETY: the handle is that of an instance which was just made through this entry.
+        let raw = unsafe { ash::Instance::load(entry.static_fn(), raw) };
+        let messenger = (validation != Validation::Off)
+            .then(|| {
+                let loader = ext::debug_utils::Instance::new(&entry, &raw);
+                // SAFETY: the extension is enabled; the callback is a plain function.
+                let made = unsafe { loader.create_debug_utils_messenger(&messenger_info(), None) };
+                made.map(|made| (loader, made)).map_err(call("vkCreateDebugUtilsMessengerEXT"))
+            })
+            .transpose()?;
+        Ok(Self { entry, raw, messenger })
+    }
+
+    pub(crate) fn devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, Error> {
+        // SAFETY: the instance is alive.
+        let devices = unsafe { self.raw.enumerate_physical_devices() }
+            .map_err(|result| Error::NoDriver { call: "vkEnumeratePhysicalDevices", result })?;
+        Ok(devices.into_iter().enumerate().map(|(i, d)| (d, self.describe(i, d))).collect())
+    }
+
+    pub(crate) fn describe(&self, index: usize, device: vk::PhysicalDevice) -> DeviceInfo {
+        let mut driver = vk::PhysicalDeviceDriverProperties::default();
+        // SAFETY: the device came from this instance; the 1.2 structure is chained only where 1.2 is there.
+        let properties = unsafe {
+            let plain = self.raw.get_physical_device_properties(device);
+            if plain.api_version >= vk::API_VERSION_1_2 {
+                let mut both = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
+                self.raw.get_physical_device_properties2(device, &mut both);
+            }
+            plain
+        };
+        let text = |name: Option<&CStr>| name.map(|n| n.to_string_lossy().into_owned()).unwrap_or_default();
+        let api = properties.api_version;
+        let version = |v| {
+            format!("{}.{}.{}", vk::api_version_major(v), vk::api_version_minor(v), vk::api_version_patch(v))
+        };
+        DeviceInfo {
+            index,
+            name: text(properties.device_name_as_c_str().ok()),
+            kind: match properties.device_type {
+                vk::PhysicalDeviceType::DISCRETE_GPU => DeviceKind::Discrete,
+                vk::PhysicalDeviceType::INTEGRATED_GPU => DeviceKind::Integrated,
+                vk::PhysicalDeviceType::VIRTUAL_GPU => DeviceKind::Virtual,
+                vk::PhysicalDeviceType::CPU => DeviceKind::Cpu,
+                _ => DeviceKind::Other,
+            },
+            api: version(api),
+            driver: format!(
+                "{} {}",
+                text(driver.driver_name_as_c_str().ok()),
+                text(driver.driver_info_as_c_str().ok())
+            )
+            .trim()
+            .to_owned(),
+            unusable: self.missing(device, api),
+        }
+    }
+
+    /// What this device lacks, if anything.
+    fn missing(&self, device: vk::PhysicalDevice, api: u32) -> Option<String> {
+        if api < vk::API_VERSION_1_3 {
+            return Some("needs Vulkan 1.3".to_owned());
+        }
+        let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
+        let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
+        // SAFETY: the device came from this instance and has Vulkan 1.3.
+        unsafe {
+            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v13);
+            self.raw.get_physical_device_features2(device, &mut features);
+        }
+        if v13.synchronization2 == vk::FALSE || v13.dynamic_rendering == vk::FALSE {
+            return Some("lacks synchronization2 or dynamicRendering".to_owned());
+        }
+        if v11.multiview == vk::FALSE {
+            return Some("lacks multiview".to_owned());
+        }
+        self.family(device).is_none().then(|| "has no queue for graphics and compute".to_owned())
+    }
+
+    pub(crate) fn family(&self, device: vk::PhysicalDevice) -> Option<u32> {
+        // SAFETY: the device came from this instance.
+        let families = unsafe { self.raw.get_physical_device_queue_family_properties(device) };
+        let both = vk::QueueFlags::COMPUTE | vk::QueueFlags::GRAPHICS;
+        families
+            .iter()
+            .position(|family| family.queue_flags.contains(both))
+            .and_then(|i| u32::try_from(i).ok())
+    }
+}
+
+impl Drop for Instance {
+    fn drop(&mut self) {
+        // SAFETY: everything made from this instance is gone: `Device` drops its own parts first.
+        unsafe {
+            if let Some((loader, messenger)) = self.messenger.take() {
+                loader.destroy_debug_utils_messenger(messenger, None);
+            }
+            self.raw.destroy_instance(None);
+        }
+    }
+}
+
+/// The devices of this machine in the loader's order.
+///
+/// # Errors
+/// When there is no Vulkan loader or no driver at all.
+pub fn list() -> Result<Vec<DeviceInfo>, Error> {
+    Ok(Instance::new(Validation::Off, &Own)?.devices()?.into_iter().map(|(_, info)| info).collect())
+}

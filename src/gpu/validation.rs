@@ -1,0 +1,83 @@
+//! The validation layer: how much it checks, and its voice.
+
+use ash::vk;
+use std::ffi::{CStr, c_void};
+use std::sync::{Mutex, PoisonError};
+
+/// The layer's name.
+pub(crate) const LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
+
+/// How much the validation layer checks.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Validation {
+    /// No layer.
+    #[default]
+    Off,
+    /// Core checks.
+    Core,
+    /// Core and synchronization, with the heuristic that sees missing barriers between dispatches.
+    Sync,
+    /// The same and checks inside shaders.
+    GpuAssisted,
+}
+
+impl Validation {
+    /// From the environment variable `GAITWAY_VALIDATION`: `off`, `core`, `sync` or `gpu-av`.
+    pub fn from_environment() -> Self {
+        match std::env::var("GAITWAY_VALIDATION").as_deref() {
+            Ok("core") => Self::Core,
+            Ok("sync") => Self::Sync,
+            Ok("gpu-av") => Self::GpuAssisted,
+            _ => Self::Off,
+        }
+    }
+}
+
+/// What the validation layer has said since the program began. It outlives every device, so that leaks, which are
+/// told while a device is destroyed, are heard.
+static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
+
+/// What the validation layer has said since the program began.
+pub fn validation_messages() -> Vec<String> {
+    MESSAGES.lock().unwrap_or_else(PoisonError::into_inner).clone()
+}
+
+extern "system" fn on_message(
+    severity: vk::DebugUtilsMessageSeverityFlagsEXT,
+    _kind: vk::DebugUtilsMessageTypeFlagsEXT,
+    data: *const vk::DebugUtilsMessengerCallbackDataEXT<'_>,
+    _user: *mut c_void,
+) -> vk::Bool32 {
+    // SAFETY: the layer passes a pointer to callback data that is valid during this call, with C strings or null.
+    let (id, text) = unsafe {
+        let data = &*data;
+        (data.message_id_name_as_c_str().unwrap_or(c""), data.message_as_c_str().unwrap_or(c""))
+    };
+    let (id, text) = (id.to_string_lossy(), text.to_string_lossy());
+    // GPU-assisted validation warns about its own settings
+    let own = ["VALIDATION-SETTINGS", "WARNING-GPU-Assisted-Validation", "WARNING-Setting-Limit-Adjusted"];
+    if !own.iter().any(|name| id.contains(name)) {
+        MESSAGES.lock().unwrap_or_else(PoisonError::into_inner).push(format!("{severity:?} {id}: {text}"));
+    }
+    vk::FALSE
+}
+
+pub(crate) fn messenger_info() -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
+    // not INFO: with it the loader itself writes some sixty lines
+    vk::DebugUtilsMessengerCreateInfoEXT::default()
+        .message_severity(
+            vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
+        )
+        .message_type(
+            vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+        )
+        .pfn_user_callback(Some(on_message))
+}
+
+pub(crate) fn bool_setting<'a>(name: &'a CStr, value: &'a [u8; 4]) -> vk::LayerSettingEXT<'a> {
+    vk::LayerSettingEXT::default()
+        .layer_name(LAYER)
+        .setting_name(name)
+        .ty(vk::LayerSettingTypeEXT::BOOL32)
+        .values(value)
+}

@@ -1,0 +1,121 @@
+//! The headset: an OpenXR runtime, the user in the crowd, and every way in which it can go wrong.
+//!
+//! [`Runtime`] is what is found on the machine, `Session` one run of it (swapchain, spaces, frame loop), [`Rig`] where
+//! the user's room stands in the world. [`run`] joins them with a crowd: everything of OpenXR lives on a thread of its
+//! own, the crowd goes on without it, and a lost session is begun anew.
+//!
+//! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
+
+mod app;
+mod input;
+mod pace;
+mod recording;
+mod rig;
+mod runtime;
+mod session;
+mod views;
+
+pub use app::{Observer, Opener, Outcome, Plan, Shots, World, run};
+pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
+pub use recording::{Moment, Recorder, Recording, RecordingError, Session as RecordedSession};
+pub use rig::{Rig, Walk};
+pub use runtime::{Runtime, RuntimeInfo, probe};
+pub use session::State;
+
+/// The headset cannot be used, or not any more.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// No OpenXR loader.
+    #[error("no OpenXR loader found ({0})")]
+    NoLoader(String),
+    /// No runtime is installed or chosen.
+    #[error("no OpenXR runtime is active ({0})")]
+    NoRuntime(openxr::sys::Result),
+    /// A runtime is installed but does not answer.
+    #[error("the OpenXR runtime cannot be reached ({0}); its service is not running, or it does not answer")]
+    NoService(openxr::sys::Result),
+    /// The runtime lacks something that is needed.
+    #[error("the OpenXR runtime {runtime} lacks {what}")]
+    Lacks {
+        /// Name of the runtime.
+        runtime: String,
+        /// What is missing.
+        what: String,
+    },
+    /// No headset is connected.
+    #[error("the OpenXR runtime {0} knows no headset")]
+    NoHeadset(String),
+    /// The session or the runtime went away.
+    #[error("lost the headset: {0}")]
+    Lost(Loss),
+    /// A call failed.
+    #[error("{call} failed: {result}")]
+    Call {
+        /// The call.
+        call: &'static str,
+        /// What it said.
+        result: openxr::sys::Result,
+    },
+    /// Vulkan failed.
+    #[error(transparent)]
+    Gpu(#[from] crate::gpu::Error),
+    /// Drawing failed.
+    #[error(transparent)]
+    Render(#[from] crate::render::Error),
+}
+
+/// How a session ended that nobody asked to end.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Loss {
+    /// The session is lost or will be; the runtime stays.
+    Session,
+    /// The runtime itself went away.
+    Instance,
+    /// An image of the swapchain did not come in time.
+    Image,
+}
+
+impl std::fmt::Display for Loss {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Session => "the runtime ended the session",
+            Self::Instance => "the runtime stopped",
+            Self::Image => "the runtime kept an image for too long",
+        })
+    }
+}
+
+impl Error {
+    /// What the user can do about it.
+    pub fn hint(&self) -> Option<&'static str> {
+        match self {
+            Self::NoLoader(_) => Some(
+                "Debian/Ubuntu: apt install libopenxr-loader1; Fedora: dnf install openxr-libs; Arch: pacman -S openxr; \
+                 SteamVR, Meta and WiVRn bring their own",
+            ),
+            Self::NoRuntime(_) => Some(
+                "start a runtime (SteamVR, WiVRn, Meta, Monado) and make it the active one; or XR_RUNTIME_JSON names \
+                 its manifest",
+            ),
+            Self::NoService(_) => Some("start the runtime first (Monado: monado-service), then try again"),
+            Self::NoHeadset(_) => Some("connect the headset and wake it up, then try again"),
+            _ => None,
+        }
+    }
+
+    /// Whether trying again later may help.
+    pub fn is_passing(&self) -> bool {
+        matches!(self, Self::Lost(_) | Self::NoService(_) | Self::NoHeadset(_))
+    }
+}
+
+/// An error of a call: losses are told apart, whatever the call.
+fn call(call: &'static str) -> impl FnOnce(openxr::sys::Result) -> Error {
+    use openxr::sys::Result as R;
+    move |result| match result {
+        R::ERROR_INSTANCE_LOST => Error::Lost(Loss::Instance),
+        R::ERROR_SESSION_LOST | R::SESSION_LOSS_PENDING => Error::Lost(Loss::Session),
+        result => Error::Call { call, result },
+    }
+}

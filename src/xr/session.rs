@@ -1,0 +1,443 @@
+//! One session with the headset: its swapchain, its spaces and its frame loop, in the order that OpenXR demands.
+//!
+//! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without a picture. Where the
+//! safe wrapper loses a success code that matters (a timeout, a loss that is pending) the raw call is made instead.
+
+use super::input::Input;
+use super::runtime::{Runtime, STEREO, handle};
+use super::views::Pose;
+use super::{Error, Loss, call};
+use crate::gpu::Device;
+use ash::vk::{self, Handle};
+use openxr as xr;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// Longest wait for an image of the swapchain. The runtime's compositor gives one back every few periods.
+const IMAGE_TIMEOUT: Duration = Duration::from_secs(2);
+
+/// Formats that pictures may have, best first: all with the sRGB curve, since shaders write linear light.
+const FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
+
+/// Where a session stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum State {
+    /// Not begun.
+    Idle,
+    /// May begin.
+    Ready,
+    /// Frames are in step, nothing is seen.
+    Synchronized,
+    /// Seen, but another application has the input.
+    Visible,
+    /// Seen, with input.
+    Focused,
+    /// Shall end.
+    Stopping,
+    /// Is over, as asked.
+    Exiting,
+}
+
+impl State {
+    /// Lower-case name.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Idle => "idle",
+            Self::Ready => "ready",
+            Self::Synchronized => "synchronized",
+            Self::Visible => "visible",
+            Self::Focused => "focused",
+            Self::Stopping => "stopping",
+            Self::Exiting => "exiting",
+        }
+    }
+}
+
+/// What happened since the last look.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Event {
+    /// A new state.
+    State(State),
+    /// The user asked the runtime to recentre.
+    Recentred,
+}
+
+/// A frame that was begun and must be ended.
+#[derive(Debug, Clone, Copy)]
+#[must_use = "a frame that was begun must be ended"]
+pub(super) struct Frame {
+    /// When it will be seen, in the runtime's time.
+    pub(super) display: xr::Time,
+    /// Length of a period of the display.
+    pub(super) period: Duration,
+    /// Whether a picture is wanted.
+    pub(super) wants_picture: bool,
+}
+
+/// Where the eyes are and what they see, in the room.
+#[derive(Clone, Copy)]
+pub(super) struct Eyes {
+    views: [xr::View; 2],
+    pub(super) placed: [(Pose, xr::Fovf); 2],
+}
+
+/// An image of the swapchain to draw into: layer 0 is the left eye, layer 1 the right one.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Target {
+    pub(super) image: vk::Image,
+    pub(super) view: vk::ImageView,
+}
+
+/// A session; dropping it ends it and gives everything back.
+pub(super) struct Session {
+    // In the order in which they must go: views of images, swapchain, spaces, the session itself.
+    targets: Vec<Target>,
+    swapchain: xr::Swapchain<xr::Vulkan>,
+    room: xr::Space,
+    head: xr::Space,
+    pub(super) input: Option<Input>,
+    waiter: xr::FrameWaiter,
+    stream: xr::FrameStream<xr::Vulkan>,
+    session: xr::Session<xr::Vulkan>,
+    instance: xr::Instance,
+    device: Arc<Device>,
+    blend: xr::EnvironmentBlendMode,
+    size: [u32; 2],
+    format: vk::Format,
+    state: State,
+    is_running: bool,
+}
+
+impl std::fmt::Debug for Session {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Session")
+            .field("state", &self.state)
+            .field("size", &self.size)
+            .finish_non_exhaustive()
+    }
+}
+
+impl Session {
+    /// Makes a session on a device that was made through the runtime. `size` is that of one eye in pixels; none: what the
+    /// runtime recommends.
+    ///
+    /// # Errors
+    /// When a call fails, or the runtime has no usable image format.
+    pub(super) fn new(
+        runtime: &Runtime,
+        device: &Arc<Device>,
+        size: Option<[u32; 2]>,
+    ) -> Result<Self, Error> {
+        let instance = runtime.instance.clone();
+        let binding = xr::vulkan::SessionCreateInfo {
+            instance: handle(device.instance_handle()).cast(),
+            physical_device: handle(device.physical).cast(),
+            device: handle(device.raw.handle()).cast(),
+            queue_family_index: device.family,
+            queue_index: 0,
+        };
+        // SAFETY: the device was made through this runtime; the guard keeps it until xrDestroySession has returned.
+        let (session, waiter, stream) = unsafe {
+            instance.create_session_with_guard::<xr::Vulkan>(
+                runtime.system,
+                &binding,
+                Box::new(device.clone()),
+            )
+        }
+        .map_err(call("xrCreateSession"))?;
+        let blend = *instance
+            .enumerate_environment_blend_modes(runtime.system, STEREO)
+            .map_err(call("xrEnumerateEnvironmentBlendModes"))?
+            .first()
+            .unwrap_or(&xr::EnvironmentBlendMode::OPAQUE);
+        let room = room(&session)?;
+        let head = session
+            .create_reference_space(xr::ReferenceSpaceType::VIEW, xr::Posef::IDENTITY)
+            .map_err(call("xrCreateReferenceSpace"))?;
+        let known = session.enumerate_swapchain_formats().map_err(call("xrEnumerateSwapchainFormats"))?;
+        let format = FORMATS.into_iter().find(|f| known.contains(&u32::try_from(f.as_raw()).unwrap_or(0)));
+        let format = format.ok_or_else(|| Error::Lacks {
+            runtime: runtime.info().runtime.clone(),
+            what: "an sRGB image format of eight bits".to_owned(),
+        })?;
+        let size = size.unwrap_or(runtime.info().eye_size);
+        let swapchain = {
+            let _queue = device.hold_queue();
+            session
+                .create_swapchain(&xr::SwapchainCreateInfo {
+                    create_flags: xr::SwapchainCreateFlags::EMPTY,
+                    usage_flags: xr::SwapchainUsageFlags::COLOR_ATTACHMENT
+                        | xr::SwapchainUsageFlags::SAMPLED
+                        | xr::SwapchainUsageFlags::TRANSFER_SRC,
+                    format: u32::try_from(format.as_raw()).unwrap_or(0),
+                    sample_count: 1,
+                    width: size[0],
+                    height: size[1],
+                    face_count: 1,
+                    array_size: 2,
+                    mip_count: 1,
+                })
+                .map_err(call("xrCreateSwapchain"))?
+        };
+        let images = swapchain.enumerate_images().map_err(call("xrEnumerateSwapchainImages"))?;
+        let input = Input::new(&instance, &session)?;
+        let mut made = Self {
+            targets: Vec::new(),
+            swapchain,
+            room,
+            head,
+            input: Some(input),
+            waiter,
+            stream,
+            session,
+            instance,
+            device: device.clone(),
+            blend,
+            size,
+            format,
+            state: State::Idle,
+            is_running: false,
+        };
+        for image in images {
+            let target = made.target(vk::Image::from_raw(image))?;
+            made.targets.push(target);
+        }
+        Ok(made)
+    }
+
+    fn target(&self, image: vk::Image) -> Result<Target, Error> {
+        let create = vk::ImageViewCreateInfo::default()
+            .image(image)
+            .format(self.format)
+            .view_type(vk::ImageViewType::TYPE_2D_ARRAY)
+            .subresource_range(vk::ImageSubresourceRange {
+                aspect_mask: vk::ImageAspectFlags::COLOR,
+                base_mip_level: 0,
+                level_count: 1,
+                base_array_layer: 0,
+                layer_count: 2,
+            });
+        // SAFETY: the image belongs to the swapchain, which outlives the view.
+        let view = unsafe { self.device.raw.create_image_view(&create, None) }
+            .map_err(crate::gpu::call("vkCreateImageView"))?;
+        Ok(Target { image, view })
+    }
+
+    /// Pixels of one eye.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// The format of the swapchain's images.
+    pub(super) fn format(&self) -> vk::Format {
+        self.format
+    }
+
+    /// Whether frames are to be waited for.
+    pub(super) fn is_running(&self) -> bool {
+        self.is_running
+    }
+
+    /// Asks the runtime to end the session in good order.
+    pub(super) fn request_exit(&self) -> Result<(), Error> {
+        self.session.request_exit().map_err(call("xrRequestExitSession"))
+    }
+
+    /// What happened since; begins and ends the session as the runtime says.
+    pub(super) fn poll(&mut self) -> Result<Vec<Event>, Error> {
+        let mut events = Vec::new();
+        let mut buffer = xr::EventDataBuffer::new();
+        while let Some(event) = self.instance.poll_event(&mut buffer).map_err(call("xrPollEvent"))? {
+            match event {
+                xr::Event::SessionStateChanged(change) => {
+                    let state = change.state();
+                    self.change(state)?;
+                    events.push(Event::State(self.state));
+                }
+                xr::Event::InstanceLossPending(_) => return Err(Error::Lost(Loss::Instance)),
+                xr::Event::ReferenceSpaceChangePending(_) => events.push(Event::Recentred),
+                _ => {}
+            }
+        }
+        Ok(events)
+    }
+
+    fn change(&mut self, state: xr::SessionState) -> Result<(), Error> {
+        self.state = match state {
+            xr::SessionState::READY => {
+                self.session.begin(STEREO).map_err(call("xrBeginSession"))?;
+                self.is_running = true;
+                State::Ready
+            }
+            xr::SessionState::SYNCHRONIZED => State::Synchronized,
+            xr::SessionState::VISIBLE => State::Visible,
+            xr::SessionState::FOCUSED => State::Focused,
+            xr::SessionState::STOPPING => {
+                self.is_running = false;
+                self.session.end().map_err(call("xrEndSession"))?;
+                State::Stopping
+            }
+            xr::SessionState::EXITING => State::Exiting,
+            xr::SessionState::LOSS_PENDING => return Err(Error::Lost(Loss::Session)),
+            _ => State::Idle,
+        };
+        Ok(())
+    }
+
+    /// Waits until it is time for the next frame and begins it.
+    pub(super) fn wait(&mut self) -> Result<Frame, Error> {
+        let state = self.waiter.wait().map_err(call("xrWaitFrame"))?;
+        self.stream.begin().map_err(call("xrBeginFrame"))?;
+        let period = u64::try_from(state.predicted_display_period.as_nanos()).unwrap_or(0);
+        Ok(Frame {
+            display: state.predicted_display_time,
+            period: Duration::from_nanos(period),
+            wants_picture: state.should_render,
+        })
+    }
+
+    /// Where the eyes will be, in the room; none while the headset does not know where it is.
+    pub(super) fn locate(&self, frame: &Frame) -> Result<Option<Eyes>, Error> {
+        let (flags, views) =
+            self.session.locate_views(STEREO, frame.display, &self.room).map_err(call("xrLocateViews"))?;
+        let known = xr::ViewStateFlags::ORIENTATION_VALID | xr::ViewStateFlags::POSITION_VALID;
+        let Ok(views) = <[xr::View; 2]>::try_from(views) else { return Ok(None) };
+        let poses = views.map(|view| Pose::from_xr(view.pose));
+        Ok(match (flags.contains(known), poses) {
+            (true, [Some(left), Some(right)]) => {
+                Some(Eyes { views, placed: [(left, views[0].fov), (right, views[1].fov)] })
+            }
+            _ => None,
+        })
+    }
+
+    /// Where the head will be, in the room.
+    pub(super) fn head(&self, frame: &Frame) -> Result<Option<Pose>, Error> {
+        let found = self.head.locate(&self.room, frame.display).map_err(call("xrLocateSpace"))?;
+        let known = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::POSITION_VALID;
+        Ok(found.location_flags.contains(known).then(|| Pose::from_xr(found.pose)).flatten())
+    }
+
+    /// What hands and sticks do.
+    pub(super) fn read_input(&self, frame: &Frame) -> Result<super::input::Reading, Error> {
+        match &self.input {
+            Some(input) if self.state == State::Focused => {
+                input.read(&self.session, &self.room, frame.display)
+            }
+            _ => Ok(super::input::Reading::default()),
+        }
+    }
+
+    /// An image to draw into.
+    pub(super) fn acquire(&mut self) -> Result<Target, Error> {
+        let _queue = self.device.hold_queue();
+        let raw = self.swapchain.as_raw();
+        let fp = self.instance.fp();
+        let mut index = 0;
+        let wait = xr::sys::SwapchainImageWaitInfo {
+            ty: xr::sys::SwapchainImageWaitInfo::TYPE,
+            next: std::ptr::null(),
+            timeout: xr::Duration::from_nanos(i64::try_from(IMAGE_TIMEOUT.as_nanos()).unwrap_or(i64::MAX)),
+        };
+        // SAFETY: the swapchain is alive, and no image of it is held: every `acquire` is followed by `release`, or the
+        // session is given up.
+        unsafe {
+            check(
+                "xrAcquireSwapchainImage",
+                (fp.acquire_swapchain_image)(raw, std::ptr::null(), &raw mut index),
+            )?;
+            check("xrWaitSwapchainImage", (fp.wait_swapchain_image)(raw, &raw const wait))?;
+        }
+        let target = self.targets.get(index as usize).copied();
+        target.ok_or(Error::Call {
+            call: "xrAcquireSwapchainImage",
+            result: xr::sys::Result::ERROR_RUNTIME_FAILURE,
+        })
+    }
+
+    /// Gives the image back that was acquired last; it must be in the layout of a colour attachment.
+    pub(super) fn release(&mut self) -> Result<(), Error> {
+        let _queue = self.device.hold_queue();
+        // SAFETY: an image was acquired and waited for, and the device has finished with it.
+        let result = unsafe {
+            (self.instance.fp().release_swapchain_image)(self.swapchain.as_raw(), std::ptr::null())
+        };
+        check("xrReleaseSwapchainImage", result)
+    }
+
+    /// Ends the frame: with the picture that was drawn for these eyes, or without one.
+    pub(super) fn end(&mut self, frame: Frame, eyes: Option<&Eyes>) -> Result<(), Error> {
+        let _queue = self.device.hold_queue();
+        let extent = self.size.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+        let views = |eyes: &Eyes| {
+            [0, 1].map(|eye: u8| xr::sys::CompositionLayerProjectionView {
+                ty: xr::sys::CompositionLayerProjectionView::TYPE,
+                next: std::ptr::null(),
+                pose: eyes.views[usize::from(eye)].pose,
+                fov: eyes.views[usize::from(eye)].fov,
+                sub_image: xr::sys::SwapchainSubImage {
+                    swapchain: self.swapchain.as_raw(),
+                    image_rect: xr::Rect2Di {
+                        offset: xr::Offset2Di { x: 0, y: 0 },
+                        extent: xr::Extent2Di { width: extent[0], height: extent[1] },
+                    },
+                    image_array_index: u32::from(eye),
+                },
+            })
+        };
+        let views = eyes.map(views);
+        let layer = views.as_ref().map(|views| xr::sys::CompositionLayerProjection {
+            ty: xr::sys::CompositionLayerProjection::TYPE,
+            next: std::ptr::null(),
+            layer_flags: xr::CompositionLayerFlags::EMPTY,
+            space: self.room.as_raw(),
+            view_count: 2,
+            views: views.as_ptr(),
+        });
+        let layers = [layer.as_ref().map_or(std::ptr::null(), |layer| (&raw const *layer).cast())];
+        let info = xr::sys::FrameEndInfo {
+            ty: xr::sys::FrameEndInfo::TYPE,
+            next: std::ptr::null(),
+            display_time: frame.display,
+            environment_blend_mode: self.blend,
+            layer_count: u32::from(layer.is_some()),
+            layers: layers.as_ptr(),
+        };
+        // SAFETY: the frame was begun; everything `info` points to lives until the call returns.
+        check("xrEndFrame", unsafe { (self.instance.fp().end_frame)(self.session.as_raw(), &raw const info) })
+    }
+}
+
+/// The space in which the user walks: the floor under them if the runtime knows it.
+fn room(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space, Error> {
+    let known = session.enumerate_reference_spaces().map_err(call("xrEnumerateReferenceSpaces"))?;
+    let local = xr::ReferenceSpaceType::LOCAL;
+    let wanted = [xr::ReferenceSpaceType::LOCAL_FLOOR, xr::ReferenceSpaceType::STAGE, local];
+    let kind = wanted.into_iter().find(|kind| known.contains(kind)).unwrap_or(local);
+    // without a floor: LOCAL begins at the eyes, whose height is then a grown-up's
+    let down = if kind == local { -1.6 } else { 0.0 };
+    let pose = xr::Posef { position: xr::Vector3f { x: 0.0, y: down, z: 0.0 }, ..xr::Posef::IDENTITY };
+    session.create_reference_space(kind, pose).map_err(call("xrCreateReferenceSpace"))
+}
+
+/// Success codes that mean a loss are losses.
+fn check(name: &'static str, result: xr::sys::Result) -> Result<(), Error> {
+    match result {
+        xr::sys::Result::TIMEOUT_EXPIRED => Err(Error::Lost(Loss::Image)),
+        xr::sys::Result::SESSION_LOSS_PENDING => Err(Error::Lost(Loss::Session)),
+        result if result.into_raw() >= 0 => Ok(()),
+        result => Err(call(name)(result)),
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // SAFETY: nothing is being drawn: every submission was waited for. Views go before their images.
+        unsafe {
+            let _ = self.device.raw.device_wait_idle();
+            for target in self.targets.drain(..) {
+                self.device.raw.destroy_image_view(target.view, None);
+            }
+        }
+    }
+}

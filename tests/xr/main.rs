@@ -1,0 +1,216 @@
+//! The headset, for real: Monado without a display, its head moved by a script, on lavapipe with validation.
+//!
+//! Needs `scripts/setup --xr`; without it the tests say so and pass, unless GAITWAY_REQUIRE_XR is set.
+#![cfg(feature = "xr")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "a test: a failure is a panic that prints"
+)]
+
+mod service;
+
+use gaitway::picture::Image;
+use serde_json::Value;
+use service::Service;
+use std::path::{Path, PathBuf};
+use std::process::Child;
+use std::time::{Duration, Instant};
+
+/// An empty square with a post straight ahead, ten metres away.
+const POST: &str = r#"
+name = "post"
+condition = "eva-g"
+bounds = [[-30.0, -30.0], [30.0, -30.0], [30.0, 30.0], [-30.0, 30.0]]
+[population]
+agents = 0
+[user]
+position = [0.0, 0.0]
+heading_deg = 180.0
+[[environment.props]]
+kind = "box"
+position = [0.0, -10.0]
+size = [0.5, 6.0, 0.5]
+"#;
+
+fn folder(name: &str) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("xr-{name}"));
+    let _ = std::fs::remove_dir_all(&folder);
+    std::fs::create_dir_all(&folder).unwrap();
+    folder
+}
+
+/// The JSON object of a run that must end well, and what it noted on the way.
+fn outcome(child: Child) -> (Value, String) {
+    let output = child.wait_with_output().unwrap();
+    let (out, notes) =
+        (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr).into_owned());
+    assert!(output.status.success(), "{:?}\n{out}\n{notes}", output.status);
+    assert!(!notes.contains("validation:"), "{notes}");
+    (serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}\n{notes}")), notes)
+}
+
+fn states(outcome: &Value) -> Vec<&str> {
+    outcome["states"].as_array().unwrap().iter().map(|state| state.as_str().unwrap()).collect()
+}
+
+#[test]
+fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
+    if !service::is_there() {
+        return;
+    }
+    let service = Service::start("states", 4261);
+    let run = ["xr", "crossing", "--agents", "60", "--seconds", "3", "--eye-size", "320x320", "--json"];
+    let (found, _) = outcome(service.gaitway(&run).spawn().unwrap());
+    let all = [
+        "idle",
+        "ready",
+        "synchronized",
+        "visible",
+        "focused",
+        "visible",
+        "synchronized",
+        "stopping",
+        "idle",
+        "exiting",
+    ];
+    assert_eq!(states(&found), all);
+    assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
+    assert!(found["frames"]["drawn"].as_u64().unwrap() > 20, "{found}");
+    // three seconds at 30 steps a second
+    assert!((80..=100).contains(&found["steps"].as_u64().unwrap()), "{found}");
+}
+
+/// Columns of the post's edges in one eye's half of a picture, in fractions of a pixel.
+fn post(image: &Image, eye: u32) -> Option<f32> {
+    let width = image.width / 2;
+    let row = image.height / 2;
+    let light = |x: u32| {
+        let at = ((row * image.width + eye * width + x) * 4) as usize;
+        image.pixels[at..at + 3].iter().map(|c| f32::from(*c)).sum::<f32>()
+    };
+    // the sky at the horizon lies left and right of the post; whatever differs from it is post
+    let sky = light(2);
+    let (mut sum, mut mass) = (0.0, 0.0);
+    for x in 0..width {
+        let differs = ((light(x) - sky).abs() - 12.0).max(0.0);
+        sum += differs * (x as f32 + 0.5);
+        mass += differs;
+    }
+    (mass > 30.0).then(|| sum / mass)
+}
+
+/// The pictures of a folder in the order of their frames.
+fn pictures(folder: &Path) -> Vec<(u64, Image)> {
+    let mut found: Vec<(u64, Image)> = std::fs::read_dir(folder)
+        .unwrap()
+        .filter_map(|entry| {
+            let path = entry.unwrap().path();
+            let number = path.file_stem()?.to_str()?.strip_prefix("frame-")?.parse().ok()?;
+            let picture = image::open(&path).unwrap().to_rgba8();
+            let (width, height) = picture.dimensions();
+            Some((number, Image { width, height, pixels: picture.into_raw() }))
+        })
+        .collect();
+    found.sort_by_key(|(number, _)| *number);
+    found
+}
+
+#[test]
+fn both_eyes_follow_the_head_with_the_right_parallax() {
+    if !service::is_there() {
+        return;
+    }
+    const SIZE: u32 = 960;
+    let service = Service::start("head", 4262);
+    let folder = folder("head");
+    let scene = folder.join("post.toml");
+    std::fs::write(&scene, POST).unwrap();
+    let (scene, shots) = (scene.to_str().unwrap(), folder.to_str().unwrap());
+    let mut head = service.head();
+    // half the height above the floor is the row that is looked at
+    let script: [(f32, f32); 5] = [(0.0, 0.0), (12.0, 0.0), (-20.0, 0.0), (25.0, 0.4), (-3.0, -0.3)];
+    let mut worst = [0.0_f32; 2];
+    for (turn, aside) in script {
+        head.set(turn, 0.0, [aside, 1.6, 0.0]);
+        let eye = format!("{SIZE}x{SIZE}");
+        let run =
+            ["xr", scene, "--seconds", "1.5", "--eye-size", &eye, "--shots", shots, "--every", "5", "--json"];
+        outcome(service.gaitway(&run).spawn().unwrap());
+        let (_, picture) = pictures(&folder).pop().unwrap();
+        let focal = 0.5 * SIZE as f32 / 0.7418_f32.tan();
+        let seen = [0, 1].map(|eye| {
+            let column = post(&picture, eye).unwrap_or_else(|| panic!("no post at {turn} deg, eye {eye}"));
+            ((column - 0.5 * SIZE as f32) / focal).atan().to_degrees()
+        });
+        let want = [-0.0315_f32, 0.0315].map(|eye_aside| {
+            // the eye in the room, the post's middle from there, and the head's turn to the left
+            let turned = turn.to_radians();
+            let (x, z) = (aside + eye_aside * turned.cos(), -eye_aside * turned.sin());
+            (-x).atan2(10.0 - 0.25 + z).to_degrees() + turn
+        });
+        for eye in 0..2 {
+            worst[0] = worst[0].max((seen[eye] - want[eye]).abs());
+        }
+        worst[1] = worst[1].max(((seen[0] - seen[1]) - (want[0] - want[1])).abs());
+        for entry in std::fs::read_dir(&folder)
+            .unwrap()
+            .flatten()
+            .filter(|e| e.path().extension().is_some_and(|x| x == "png"))
+        {
+            std::fs::remove_file(entry.path()).unwrap();
+        }
+    }
+    println!("worst: {:.3} deg, parallax {:.3} deg", worst[0], worst[1]);
+    assert!(worst[0] < 0.2, "{worst:?}");
+    assert!(worst[1] < 0.05, "{worst:?}");
+}
+
+#[test]
+fn a_killed_service_costs_pictures_not_the_crowd() {
+    if !service::is_there() {
+        return;
+    }
+    let mut service = Service::start("kill", 4263);
+    let run = ["xr", "crossing", "--agents", "40", "--seconds", "14", "--eye-size", "160x160", "--json"];
+    let child = service.gaitway(&run).spawn().unwrap();
+    let begin = Instant::now();
+    let at = |second: f32| {
+        let wait = Duration::from_secs_f32(second).saturating_sub(begin.elapsed());
+        std::thread::sleep(wait);
+    };
+    at(3.0);
+    service.kill();
+    at(4.0);
+    service.restart();
+    at(7.0);
+    service.signal("STOP");
+    at(10.0);
+    service.signal("CONT");
+    let (found, notes) = outcome(child);
+    assert_eq!(found["sessions"], 2, "{found}\n{notes}");
+    assert_eq!(states(&found).iter().filter(|state| **state == "focused").count(), 2, "{found}");
+    assert!(notes.contains("looking for it again"), "{notes}");
+    assert!(notes.contains("does not answer") && notes.contains("answers again"), "{notes}");
+    // 14 s of crowd, whatever the runtime did
+    assert!(found["steps"].as_u64().unwrap() >= 400, "{found}");
+    assert_eq!(found["time_lost"].as_f64(), Some(0.0), "{found}");
+}
+
+#[test]
+fn without_a_service_or_a_runtime_one_line_says_why() {
+    if !service::is_there() {
+        return;
+    }
+    let mut service = Service::start("none", 4264);
+    service.kill();
+    let run = ["xr", "crossing", "--seconds", "1"];
+    let failed = service.gaitway(&run).output().unwrap();
+    let text = String::from_utf8_lossy(&failed.stderr);
+    assert_eq!(failed.status.code(), Some(1));
+    assert!(text.contains("service is not running") && text.contains("hint:"), "{text}");
+    let failed = service.gaitway(&run).env("XR_RUNTIME_JSON", "/nowhere/runtime.json").output().unwrap();
+    let text = String::from_utf8_lossy(&failed.stderr);
+    assert!(text.contains("no OpenXR runtime is active") && text.contains("hint:"), "{text}");
+}
