@@ -5,13 +5,21 @@ use crate::Error;
 use crate::avatar::{Sex, generated};
 use crate::emotion::Emotion;
 use crate::gait::walker;
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Validation};
+use crate::kernels::Store;
 use crate::scenario::{AgentStart, Clearance, Crowd, Entry, Obstacle, Scenario, Stop};
 use crate::sim::{Backend, Cast, Simulation};
 use glam::Vec2;
 use serde::Serialize;
+#[cfg(feature = "vulkan")]
+use std::sync::Arc;
 
 /// Degrees by which a scene is turned in [`Variant::Rotated`].
 pub const TURN_DEG: f32 = 37.0;
+
+/// Steps that a scene goes on after everyone has come where it ends.
+const AFTER: u32 = 300;
 
 /// How a scene lies on the grid of the neighbour search, and on the axes: results must not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
@@ -54,6 +62,8 @@ pub struct Walker {
     pub next: usize,
     /// After the last point to the first one again; otherwise stay there.
     pub loops: bool,
+    /// The others of the group that they walk with; `u32::MAX` for none.
+    pub companions: [u32; 4],
 }
 
 /// A scene.
@@ -67,25 +77,77 @@ pub struct Scene {
     pub seconds: f32,
     /// Steps between two recorded frames.
     pub every: u32,
+    /// It ends when everyone has come to this point of their way.
+    pub until: Option<u32>,
+}
+
+/// Something broken on purpose, to see that tests notice.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fault {
+    /// Nothing.
+    #[default]
+    None,
+    /// Everyone walks at half their speed.
+    HalfSpeed,
+    /// Nobody walks.
+    Frozen,
+    /// There are no walls.
+    NoWalls,
+    /// Nobody sees anybody.
+    Blind,
+    /// Nobody belongs to a group.
+    Alone,
 }
 
 /// What everybody runs on.
 #[derive(Debug)]
 pub struct Stage {
     cast: Cast,
-    backend: Backend,
-    device: Option<String>,
+    #[cfg(feature = "vulkan")]
+    device: Option<Arc<Device>>,
+    /// Why the CPU is used although Vulkan was tried.
+    pub fallback: Option<String>,
+    /// What is broken.
+    #[doc(hidden)]
+    pub fault: Fault,
 }
 
 impl Stage {
-    /// A body to walk with, and the backend.
+    /// A body to walk with, and the backend; a device is opened once for all scenes.
     ///
     /// # Errors
-    /// When the walker cannot be made.
+    /// When the walker cannot be made, or a Vulkan device is demanded but cannot be used.
+    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
         let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
-        Ok(Self { cast, backend, device: device.map(str::to_owned) })
+        #[cfg(feature = "vulkan")]
+        {
+            let opened =
+                (backend != Backend::Cpu).then(|| Device::open(device, Validation::from_environment()));
+            let (device, fallback) = match opened {
+                None => (None, None),
+                Some(Ok(device)) => (Some(device), None),
+                Some(Err(error)) if backend == Backend::Auto => (None, Some(error.to_string())),
+                Some(Err(error)) => return Err(error.into()),
+            };
+            Ok(Self { cast, device, fallback, fault: Fault::None })
+        }
+        #[cfg(not(feature = "vulkan"))]
+        if backend == Backend::Vulkan {
+            Err(crate::sim::Error::NoVulkan.into())
+        } else {
+            Ok(Self { cast, fallback: None, fault: Fault::None })
+        }
+    }
+
+    fn simulation(&self, store: Store) -> Result<Simulation, Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(device) = &self.device {
+            return Simulation::steps_on(store, device);
+        }
+        Simulation::from_store(store, Backend::Cpu, None)
     }
 }
 
@@ -116,7 +178,7 @@ impl Scene {
             "name = \"{name}\"\nbounds = {bounds:?}\n[population]\nagents = 0\n[user]\navoided = false\n"
         );
         let scenario = Scenario::parse(&text, name)?;
-        Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3 })
+        Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3, until: None })
     }
 
     /// Adds something solid.
@@ -174,11 +236,12 @@ impl Scene {
             crate::sim::setup::set_obstacles(&mut store, &polygons);
             crate::sim::setup::scratch(&mut store);
         }
-        let simulation = Simulation::from_store(store, stage.backend, stage.device.as_deref())?;
+        stage.fault.apply(&mut store);
+        let simulation = stage.simulation(store)?;
         Ok((simulation, frame))
     }
 
-    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> crate::kernels::Store {
+    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> Store {
         let mut crowd = Crowd::default();
         for (index, walker) in self.walkers.iter().enumerate() {
             let start = crowd.stages.len();
@@ -209,7 +272,7 @@ impl Scene {
         let mut tracks =
             Tracks::new(1.0 / (f64::from(self.scenario.navigation.time_step) * f64::from(self.every)));
         let (mut outside, mut overlapping) = (0, 0);
-        let steps = self.steps();
+        let mut steps = self.steps();
         let mut done = 0;
         loop {
             let store = simulation.state()?;
@@ -222,6 +285,13 @@ impl Scene {
             outside += positions.iter().flatten().map(|p| u32::from(!free.walkable(*p))).sum::<u32>();
             overlapping = overlapping.max(crate::sim::measure::moment(store).overlapping_pairs);
             tracks.push(&positions);
+            let has_come = |route: &[u32; 4], point: u32| route[2] >= point || route[3] > 0;
+            let all_came =
+                self.until.is_some_and(|point| store.route[..agents].iter().all(|r| has_come(r, point)));
+            if all_came {
+                // those who come last walk on a little
+                steps = steps.min(done + AFTER);
+            }
             if done >= steps {
                 let arrivals = store.route[..agents].iter().map(|route| route[3]).collect();
                 let hash = crate::sim::measure::state_hash(store);
@@ -282,11 +352,37 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         route_length: number(walker.way.len()),
         waypoint: number(walker.next),
         loops: walker.loops,
-        companions: [u32::MAX; 4],
         manners: None,
         speed: None,
         speed_factor: 1.0,
         reaction: 0.0,
         elevation: 0.0,
+        companions: walker.companions,
+    }
+}
+
+impl Fault {
+    fn apply(self, store: &mut Store) {
+        let slowed = match self {
+            Self::None => return,
+            Self::HalfSpeed => 0.5,
+            Self::Frozen => 0.0,
+            Self::NoWalls => {
+                crate::sim::setup::set_obstacles(store, &[]);
+                return;
+            }
+            Self::Alone => {
+                store.companions.iter_mut().for_each(|companions| *companions = [u32::MAX; 4]);
+                return;
+            }
+            Self::Blind => {
+                store.manners.iter_mut().for_each(|manners| manners[2] = 0.0);
+                return;
+            }
+        };
+        for body in &mut store.body {
+            body[1] = (body[1] * slowed).max(1e-3);
+            body[2] *= slowed;
+        }
     }
 }
