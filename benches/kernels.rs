@@ -35,6 +35,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "lead_agents",
     "numerics",
     "palette",
+    "persevere",
     "pose",
     "prefer",
     "skin",

@@ -37,6 +37,8 @@ accompany
 barrier
 lead_agents 1
 barrier
+persevere
+barrier
 velocity_orca 1
 barrier
 contain

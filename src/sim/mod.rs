@@ -31,13 +31,14 @@ const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
 #[cfg(feature = "vulkan")]
-const STATE: [BufferId; 7] = [
+const STATE: [BufferId; 8] = [
     BufferId::Elevation,
     BufferId::Position,
     BufferId::Velocity,
     BufferId::Stance,
     BufferId::Phase,
     BufferId::Route,
+    BufferId::Waiting,
     BufferId::Failure,
 ];
 
