@@ -37,6 +37,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "lead_agents",
     "numerics",
     "palette",
+    "persevere",
     "pose",
     "prefer",
     "react",

@@ -32,7 +32,10 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
         new_velocity[slot] = preferred_velocity[agent];
     } else {
         let count = neighbours(slot, motion.xy, own.y, u32(own.z));
-        let wanted = crowded(preferred_velocity[agent], motion.xy, own.y, u32(own.z), count);
+        var wanted = preferred_velocity[agent];
+        if !has_right_of_way(slot, own.w) {
+            wanted = crowded(wanted, motion.xy, own.y, u32(own.z), count);
+        }
         new_velocity[slot] = avoid(slot, motion, own, wanted, count);
     }
 }
@@ -74,14 +77,15 @@ fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>,
         let their_traits = slot_motion[other * 2u + 1u];
         let their_radius = select(their_traits.x, step.user_radius, is_user);
         let share = share_of(step.responsibility, traits.z, their_traits.z);
+        let has_way = share <= 0.0 && !is_user;
         lines[first + k] = agent_line(
             motion.zw,
             theirs.xy - motion.xy,
             motion.zw - theirs.zw,
             traits.x + their_radius + step.safety_margin,
-            rate,
+            select(rate, max(rate, RIGHT_OF_WAY), has_way),
             step.inverse_time_step,
-            select(share, 1.0, is_user),
+            select(share, 1.0, is_user || has_way),
             select(-1.0, 1.0, slot < other || is_user),
         );
     }

@@ -4,7 +4,8 @@
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
 //     w max(0, 1 / t(v') - 1 / horizon) + |v_pref - v'|,
 // where t is the time until the disc of the other, or the wall, is touched. Of two agents the one with the share s of the
-// avoidance looks at v'/s - (1/s - 1) v - v_other (the paper's general reciprocity); a share of 0 ignores the other, of 1
+// avoidance looks at v'/s - (1/s - 1) v - v_other (the paper's general reciprocity); a share of 0 (the right of way)
+// looks RIGHT_OF_WAY ahead only, of 1
 // expects nothing from it, as of the user and of walls. The paper has no horizon; with one the cost has no step where
 // neighbours begin to count. Discs that overlap already cost what they lack of coming apart in this step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
@@ -20,7 +21,7 @@ var<immediate> level: u32;                                                     /
 
 // Velocities of the pattern: a spiral of the golden angle, which covers a disc evenly.
 const PATTERN = 128u;
-const GOLDEN = vec2<f32>(-0.73736888, 0.67549029);
+const GOLDEN = vec2<f32>(-0.7373689, 0.6754903);
 // Contacts sooner than a tenth of a second count as that, 1/s.
 const SOONEST = 10.0;
 // Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more
@@ -29,7 +30,7 @@ const SEPARATE = 20.0;
 
 // The user and the neighbours: where the disc is (if it overlaps: its direction), what the own relative velocity lacks.
 var<private> other_motion: array<vec4<f32>, 11>;
-// 1 / share, sum of the radii, speed at which an overlap is to end (0: there is none).
+// 1 / share, sum of the radii, speed at which an overlap is to end (0: there is none), 1 / horizon.
 var<private> other_traits: array<vec4<f32>, 11>;
 
 @compute @workgroup_size(64)
@@ -53,7 +54,10 @@ fn choose(slot: u32, motion: vec4<f32>, own: vec4<f32>, count: u32) -> vec2<f32>
     let others = look_at_others(slot, motion, own, traits, count);
     let walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
     // shortened where it is crowded ahead
-    let preferred = crowded(preferred_velocity[slot_agent[slot]], motion.xy, own.y, u32(own.z), count);
+    var preferred = preferred_velocity[slot_agent[slot]];
+    if !has_right_of_way(slot, own.w) {
+        preferred = crowded(preferred, motion.xy, own.y, u32(own.z), count);
+    }
     let most = step.max_acceleration * step.time_step;
     let axis = unit_or(preferred, unit_or(motion.zw, vec2<f32>(1.0, 0.0)));
     var aim = preferred;
@@ -84,7 +88,7 @@ fn choose(slot: u32, motion: vec4<f32>, own: vec4<f32>, count: u32) -> vec2<f32>
         let off = preferred - candidate;
         let distance = sqrt(dot2(off, off));
         if distance < best {
-            let cost = distance + danger(candidate, motion, own.x, traits.x, others, walls);
+            let cost = distance + danger(candidate, motion, traits.x, others, walls);
             if cost < best {
                 best = cost;
                 result = candidate;
@@ -105,7 +109,7 @@ fn reachable(wanted: vec2<f32>, present: vec2<f32>, most: f32) -> vec2<f32> {
 }
 
 // What a velocity costs beside its distance from the preferred one.
-fn danger(velocity: vec2<f32>, motion: vec4<f32>, rate: f32, radius: f32, others: u32, walls: u32) -> f32 {
+fn danger(velocity: vec2<f32>, motion: vec4<f32>, radius: f32, others: u32, walls: u32) -> f32 {
     var worst = 0.0;
     var lack = 0.0;
     for (var k = 0u; k < others; k++) {
@@ -115,7 +119,7 @@ fn danger(velocity: vec2<f32>, motion: vec4<f32>, rate: f32, radius: f32, others
         if traits.z > 0.0 {
             lack = lack + max(traits.z + dot2(relative, other.xy), 0.0);
         } else {
-            worst = max(worst, disc_rate(other.xy, relative, traits.y, SOONEST) - rate);
+            worst = max(worst, disc_rate(other.xy, relative, traits.y, SOONEST) - traits.w);
         }
     }
     for (var i = 0u; i < walls; i++) {
@@ -140,8 +144,8 @@ fn look_at_others(slot: u32, motion: vec4<f32>, own: vec4<f32>, traits: vec4<f32
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_traits = slot_motion[other * 2u + 1u];
         let share = select(share_of(step.responsibility, traits.z, their_traits.z), 1.0, is_user);
-        if share > 0.0 {
-            let factor = 1.0 / share;
+        let has_way = share <= 0.0;
+            let factor = 1.0 / select(share, 1.0, has_way);
             let to = theirs.xy - motion.xy;
             let radius = traits.x + select(their_traits.x, step.user_radius, is_user) + step.safety_margin;
             let distance = sqrt(dot2(to, to));
@@ -153,9 +157,8 @@ fn look_at_others(slot: u32, motion: vec4<f32>, own: vec4<f32>, traits: vec4<f32
                 apart = min((radius - distance) * step.inverse_time_step, traits.y);
             }
             other_motion[made] = vec4<f32>(place, offset);
-            other_traits[made] = vec4<f32>(factor, radius, apart, 0.0);
+            other_traits[made] = vec4<f32>(factor, radius, apart, select(own.x, max(own.x, RIGHT_OF_WAY), has_way));
             made++;
-        }
     }
     return made;
 }

@@ -280,10 +280,10 @@ impl Sequence {
     }
 
     /// Kernels of a step that the plain crossing does without.
-    const ALTERNATIVES: [KernelId; 2] = [KernelId::Contain, KernelId::VelocityRvo];
+    const ALTERNATIVES: [KernelId; 3] = [KernelId::Contain, KernelId::Persevere, KernelId::VelocityRvo];
 
     /// A step of the crossing with one of [`Self::ALTERNATIVES`]; beside every sixteenth agent stands
-    /// a post where the kernel is that of obstacles.
+    /// a post where the kernel looks at obstacles.
     fn alternative(
         kernel: KernelId,
         agents: usize,
@@ -295,7 +295,10 @@ impl Sequence {
         {
             store.step.model = model;
         }
-        if kernel == KernelId::Contain {
+        if kernel == KernelId::Persevere {
+            store.step.patience = 1.0;
+        }
+        if kernel == KernelId::Contain || kernel == KernelId::Persevere {
             let post = |at: &[f32; 2]| {
                 let [x, z] = [at[0] + 0.5, at[1] + 0.5];
                 vec![[x, z], [x + 0.1, z], [x + 0.1, z + 0.1]]

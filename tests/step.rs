@@ -41,6 +41,8 @@ react
 barrier
 lead_agents 1
 barrier
+persevere
+barrier
 velocity_orca 1
 barrier
 contain

@@ -13,6 +13,11 @@ const LEAST_SHARE = 0.2;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2 = 0.04;
 
+// Who has been given the right of way (a priority above its own) does not slow down for the density.
+fn has_right_of_way(slot: u32, own_priority: f32) -> bool {
+    return slot_motion[slot * 2u + 1u].z > own_priority;
+}
+
 // What is left of the velocity `wanted` by somebody at `at` with `count` neighbours in `found`, of at most `cap` looked for
 // within `range`, m.
 fn crowded(wanted: vec2<f32>, at: vec2<f32>, range: f32, cap: u32, count: u32) -> vec2<f32> {

@@ -6,6 +6,8 @@ const NEIGHBOURS = 10u;
 const SEGMENTS = 12u;
 const LINES = 23u;
 const EPSILON = 0.00001;
+// Who has the right of way keeps clear of the others for this time only, 1/s (of 0.15 s).
+const RIGHT_OF_WAY = 6.6666665;
 const FAR_AWAY = 3.4028235e38;
 
 // Lines in 0..LINES, their bisectors in LINES..2 LINES: one array, because the programs run over either.
@@ -20,6 +22,7 @@ fn unit_or(v: vec2<f32>, fallback: vec2<f32>) -> vec2<f32> {
 }
 
 // The part of the avoidance that an agent takes towards another: `equal` if they have the same priority.
+// 0: it has the right of way and leaves the avoidance to the other, but is not to run it over.
 fn share_of(equal: f32, own_priority: f32, their_priority: f32) -> f32 {
     return clamp(equal + 0.5 * (their_priority - own_priority), 0.0, 1.0);
 }

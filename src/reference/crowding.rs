@@ -34,6 +34,11 @@ const LEAST_SHARE: f32 = 0.2;
 /// The density is measured over no less than this, m².
 const LEAST_REACH2: f32 = 0.04;
 
+/// Who has been given the right of way (a priority above its own) does not slow down for the density.
+pub fn has_right_of_way(slots: &Slots<'_>, slot: usize, own_priority: f32) -> bool {
+    slots.slot_motion[slot * 2 + 1][2] > own_priority
+}
+
 /// What is left of the velocity `wanted`, m/s, by somebody at `at` with the neighbours `nearest`, of at most `cap` looked for
 /// within `range`, m.
 pub fn crowded(

@@ -90,7 +90,8 @@ impl Slots<'_> {
         }
     }
 
-    fn same_storey(&self, slot: usize, other: usize) -> bool {
+    /// Whether the agents of two slots are in the same storey.
+    pub fn same_storey(&self, slot: usize, other: usize) -> bool {
         let elevation = |slot: usize| self.slot_motion[slot * 2 + 1][3];
         !self.has_storeys || (elevation(slot) - elevation(other)).abs() < self.step.storey_height
     }

@@ -1,9 +1,9 @@
 //! The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA.
 
-use super::crowding::crowded;
+use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
 use super::neighbours::{Nearest, Slots};
-use super::orca::{LINES, Line, agent_line, least_bad, obstacle_line, share_of, within};
+use super::orca::{LINES, Line, RIGHT_OF_WAY, agent_line, least_bad, obstacle_line, share_of, within};
 use super::segments::Walls;
 use super::shared::{LED, NOBODY};
 use crate::kernels::velocity_orca::Slices;
@@ -50,7 +50,10 @@ impl Scene<'_> {
         let mut lines: [Line; LINES] = [[0.0; 4]; LINES];
         let hard = self.obstacle_lines(&mut lines, position, velocity, traits);
         let nearest = self.slots.neighbours(slot, position, own[1], own[2] as u32);
-        let preferred = crowded(&self.slots, preferred, position, own[1], own[2] as u32, &nearest);
+        let mut preferred = preferred;
+        if !has_right_of_way(&self.slots, slot, own[3]) {
+            preferred = crowded(&self.slots, preferred, position, own[1], own[2] as u32, &nearest);
+        }
         let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
         let mut rate = own[0];
         for attempt in 0.. {
@@ -89,14 +92,15 @@ impl Scene<'_> {
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
         let [own_radius, _, own_priority, _] = self.slots.slot_motion[slot * 2 + 1];
         let mut avoid = |other: [f32; 4], other_radius: f32, share: f32, side: f32| {
+            let has_way = share <= 0.0;
             lines[count] = agent_line(
                 [vx, vy],
                 [other[0] - x, other[1] - y],
                 [vx - other[2], vy - other[3]],
                 own_radius + other_radius + step.safety_margin,
-                rate,
+                if has_way { rate.max(RIGHT_OF_WAY) } else { rate },
                 step.inverse_time_step,
-                share,
+                if has_way { 1.0 } else { share },
                 side,
             );
             count += 1;

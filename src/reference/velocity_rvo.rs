@@ -1,10 +1,10 @@
 //! A new velocity by reciprocal velocity obstacles: sampled, 2008.
 
 use super::contact::{disc_rate, segment_rate};
-use super::crowding::crowded;
+use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
 use super::neighbours::{Nearest, Slots};
-use super::orca::{NEIGHBOURS, share_of, unit_or};
+use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, share_of, unit_or};
 use super::segments::{NearSegments, Walls};
 use super::shared::{LED, NOBODY};
 use crate::kernels::velocity_rvo::Slices;
@@ -61,13 +61,13 @@ struct Other {
     radius: f32,
     /// Speed at which an overlap is to end, m/s; 0: there is none.
     apart: f32,
+    /// 1 / horizon, 1/s.
+    rate: f32,
 }
 
 /// What an agent looks at.
 struct View {
     at: [f32; 2],
-    /// 1 / horizon, 1/s.
-    rate: f32,
     radius: f32,
     others: [Other; NEIGHBOURS + 1],
     count: usize,
@@ -81,10 +81,13 @@ impl Scene<'_> {
         let [radius, max_speed, _, elevation] = self.slots.slot_motion[slot * 2 + 1];
         let (at, present) = ([x, y], [vx, vy]);
         let nearest = self.slots.neighbours(slot, at, own[1], own[2] as u32);
-        let preferred = crowded(&self.slots, preferred, at, own[1], own[2] as u32, &nearest);
-        let (others, count) = self.look_at_others(slot, own[1], &nearest);
+        let mut preferred = preferred;
+        if !has_right_of_way(&self.slots, slot, own[3]) {
+            preferred = crowded(&self.slots, preferred, at, own[1], own[2] as u32, &nearest);
+        }
+        let (others, count) = self.look_at_others(slot, own[0], own[1], &nearest);
         let walls = self.walls.near(at, step.time_horizon_obstacles * max_speed + radius, elevation);
-        let view = View { at, rate: own[0], radius, others, count, walls };
+        let view = View { at, radius, others, count, walls };
         let most = step.max_acceleration * step.time_step;
         let mut turn = unit_or(preferred, unit_or(present, [1.0, 0.0]));
         let mut aim = preferred;
@@ -140,7 +143,7 @@ impl Scene<'_> {
                 lack += (other.apart + dot2(relative, other.place)).max(0.0);
             } else {
                 let there = disc_rate(other.place, relative, other.radius, SOONEST);
-                worst = worst.max(there - view.rate);
+                worst = worst.max(there - other.rate);
             }
         }
         for &number in &view.walls.numbers[..view.walls.count] {
@@ -154,17 +157,22 @@ impl Scene<'_> {
     }
 
     /// The user and the neighbours, nearest first, and how many count.
-    fn look_at_others(&self, slot: usize, range: f32, nearest: &Nearest) -> ([Other; NEIGHBOURS + 1], usize) {
+    fn look_at_others(
+        &self,
+        slot: usize,
+        own_rate: f32,
+        range: f32,
+        nearest: &Nearest,
+    ) -> ([Other; NEIGHBOURS + 1], usize) {
         let step = self.slots.step;
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
         let [own_radius, max_speed, own_priority, _] = self.slots.slot_motion[slot * 2 + 1];
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
         let mut look = |theirs: [f32; 4], their_radius: f32, share: f32, side: f32| {
-            if !(share > 0.0) {
-                return;
-            }
-            let factor = 1.0 / share;
+            let has_way = share <= 0.0;
+            let factor = 1.0 / if has_way { 1.0 } else { share };
+            let rate = if has_way { own_rate.max(RIGHT_OF_WAY) } else { own_rate };
             let to = [theirs[0] - x, theirs[1] - y];
             let radius = own_radius + their_radius + step.safety_margin;
             let distance = dot2(to, to).sqrt();
@@ -174,7 +182,7 @@ impl Scene<'_> {
                 place = unit_or(to, [side, 0.0]);
                 apart = ((radius - distance) * step.inverse_time_step).min(max_speed);
             }
-            others[count] = Other { place, offset, factor, radius, apart };
+            others[count] = Other { place, offset, factor, radius, apart, rate };
             count += 1;
         };
         let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);

@@ -404,6 +404,8 @@ pub struct Navigation {
     pub collision_weight: f32,
     /// Of `rvo`: greatest change of velocity, m/s².
     pub max_acceleration: f32,
+    /// How long somebody gets nowhere before it takes turns with others and looks for a way along the wall, s; 0: never.
+    pub patience: f32,
 }
 
 impl Default for Navigation {
@@ -425,6 +427,7 @@ impl Default for Navigation {
             perturbation: 0.02,
             collision_weight: 1.0,
             max_acceleration: 10.0,
+            patience: 1.0,
         }
     }
 }

@@ -280,6 +280,7 @@ fn navigation(n: &Navigation) -> Result<(), Error> {
     )?;
     within("navigation.max_speed", n.max_speed, 0.1, 10.0, "metres a second; 2.5 is usual")?;
     within("navigation.collision_weight", n.collision_weight, 0.0, 100.0, "metres; 1 is usual")?;
+    within("navigation.patience", n.patience, 0.0, 600.0, "seconds; 1 is usual, 0 is never")?;
     within("navigation.max_acceleration", n.max_acceleration, 0.1, 100.0, "m/s2; 10 is usual")?;
     within("navigation.perturbation", n.perturbation, 0.0, 0.5, "m/s; 0.02 is usual")?;
     within(

@@ -108,6 +108,7 @@ pub fn state_hash(store: &Store) -> u64 {
     add(bytemuck::cast_slice(&store.stance[..agents]));
     add(bytemuck::cast_slice(&store.phase[..agents]));
     add(bytemuck::cast_slice(&store.route[..agents]));
+    add(bytemuck::cast_slice(&store.waiting[..agents]));
     if store.step.floor_count > 0 {
         add(bytemuck::cast_slice(&store.elevation[..agents]));
     }

@@ -36,6 +36,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     }
     passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
+        pass(KernelId::Persevere, 0, agents),
         pass(velocity_kernel(step.model), storeys, agents),
         pass(KernelId::Contain, 0, agents),
         pass(KernelId::Integrate, 0, agents),
@@ -45,6 +46,9 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     }
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
+    }
+    if step.patience <= 0.0 {
+        passes.retain(|pass| pass.kernel != KernelId::Persevere);
     }
     if step.obstacle_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::Contain);

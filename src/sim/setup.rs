@@ -85,6 +85,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         },
         collision_weight: navigation.collision_weight,
         max_acceleration: navigation.max_acceleration,
+        patience: navigation.patience,
         ..StepUniforms::default()
     };
     set_grid(&mut step, low, high, geometry.walkable_area() as f32, navigation.neighbour_distance);
@@ -172,6 +173,7 @@ pub fn scratch(store: &mut Store) {
     store.agent_slot = vec![0; agents];
     store.slot_motion = vec![[0.0; 4]; agents * 2];
     store.new_velocity = vec![[0.0; 2]; agents];
+    store.waiting = vec![[0.0; 4]; agents];
     store.preferred_velocity = vec![[0.0; 2]; agents];
     store.floors.resize(store.floors.len().max(1), [0.0; 4]);
     store.companions.resize(agents, [NOBODY; 4]);

@@ -103,6 +103,11 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
         KernelId::React => (0.0, "", "zeros"),
         KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
+        KernelId::Persevere => (
+            3.0,
+            "m/s, s, m",
+            "a decision (has it waited long enough, is a wall ahead): by rounding it may come a step later",
+        ),
         KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
         KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),
         KernelId::Gaze => (1e-4, "", "three rounds of arc tangents, roots and quotients"),

@@ -46,6 +46,7 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             crowding_reach: 2.5,
             collision_weight: 1.0,
             max_acceleration: 10.0,
+            patience: 0.5,
             storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },
@@ -178,6 +179,12 @@ fn obstacles(store: &mut Store, side: f32) {
     store.obstacles = segments.into_iter().flatten().collect();
 }
 
+/// Some wait, some longer than they like, some follow a wall to either side, nearer to their goal than before or not.
+fn waiting(agent: usize) -> [f32; 4] {
+    let u = |lane| unit(77, agent, lane);
+    [u(0), u(1) - 0.5, (u(2) * 3.0).floor() - 1.0, 0.0]
+}
+
 /// Everything a step writes before it reads, with NaN where nothing may read.
 pub(super) fn scratch(store: &mut Store, agents: usize) {
     let cell_total = store.step.cell_count as usize;
@@ -189,6 +196,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.agent_slot = vec![0; spare];
     store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
+    store.waiting = (0..spare).map(waiting).collect();
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
     store.aim = vec![[f32::NAN; 4]; spare];
     store.errand = vec![0; spare];

@@ -1,0 +1,181 @@
+// uses: step, grid, orca, segments, contact, absent
+// What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
+//
+// Turns: of those who wait, the ones who want to go to one side of a direction drawn anew every TURN seconds have the right
+// of way (priority + 1, so their share of the avoidance of those who have not is 0); the others make room.
+//
+// Walls: who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
+// slanted, else to the nearer end, else to a side drawn by agent) until it is nearer to where it wants to go than when it began, and nothing is straight ahead:
+// the rule by which Lumelsky and Stepanov's "bug" algorithms (1987) leave an obstacle. How much nearer it is comes from
+// the preferred velocity alone: the sum of the steps along it.
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
+@group(0) @binding(2) var<storage, read> manners: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;                // [segment][3], see reference::orca::Segment
+@group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
+@group(0) @binding(6) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
+@group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(8) var<storage, read_write> waiting: array<vec4<f32>>;            // [agent] s without progress; along a wall: m lost since, side (0: none); 0
+
+// Who wants to go slower than this stands by choice, m/s.
+const STANDING = 0.1;
+// Slower than this share of the wanted speed, in the wanted direction, is no progress.
+const PROGRESS = 0.15;
+// How long the right of way lasts, s.
+const TURN = 3.0;
+// A wall ahead is in the way from this distance on when one waits, and until one leaves it, m.
+const TOUCHED = 0.3;
+const CLEAR = 1.0;
+// It is in the way of this share of the disc: a door post that a shoulder would touch is not.
+const THIN = 0.3;
+// The gap that is kept to a followed wall, and the distance at which a second one is ahead, m.
+const BESIDE = 0.1;
+const CORNERED = 0.25;
+// Nearer to the goal by this much than at the beginning is nearer, m.
+const GAINED = 0.1;
+// Less slanted than this, the wall does not say to which side (cosine); nor do its ends if they are as near as this, m.
+const SLANTED = 0.3;
+const ONE_OF_TWO = 0.2;
+const NEAREST_RATE = 1000.0; // 1/m
+
+@compute @workgroup_size(64)
+fn persevere(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= step.agent_count {
+        return;
+    }
+    let slot = agent_slot[agent];
+    if slot == NOBODY {
+        waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        return;
+    }
+    if manners[agent].w >= LED {
+        return;
+    }
+    let motion = slot_motion[slot * 2u];
+    let traits = slot_motion[slot * 2u + 1u];
+    let preferred = preferred_velocity[agent];
+    let speed = sqrt(dot2(preferred, preferred));
+    if speed < STANDING {
+        waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        return;
+    }
+    let ahead = preferred / speed;
+    let progress = dot2(motion.zw, ahead);
+    var state = waiting[agent];
+    state.x = max(state.x + select(-2.0, 1.0, progress < PROGRESS * speed) * step.time_step, 0.0);
+    if state.z != 0.0 {
+        state.y = state.y - progress * step.time_step;
+    }
+    if state.x > step.patience {
+        let turn = step.step_index / max(u32(TURN * step.inverse_time_step), 1u);
+        let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
+        let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
+        if dot2(side, ahead) > 0.0 {
+            slot_motion[slot * 2u + 1u].z = traits.z + 1.0;
+        }
+    }
+    if step.obstacle_count > 0u && (state.x > step.patience || state.z != 0.0) {
+        let walls = near_segments(motion.xy, CLEAR + traits.x, traits.w);
+        let is_following = state.z != 0.0;
+        let blocked = way_ahead(walls, motion.xy, ahead, THIN * traits.x);
+        if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * traits.x)
+            && !is_someone_ahead(slot, motion.xy, ahead, traits.w) {
+            let along = dot2(ahead, blocked.along);
+            let is_slanted = abs(along) >= SLANTED;
+            let slide = blocked.along * select(-1.0, 1.0, along > 0.0);
+            let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1u) == 1u;
+            let by_end = select(blocked.nearer_end > 0.0, drawn, abs(blocked.nearer_end) < ONE_OF_TWO);
+            // along a slanted wall everybody slides anyway, up to a corner
+            if !is_slanted || is_cornered(walls, motion.xy, slide, traits.x) {
+                state.z = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
+                state.y = 0.0;
+            }
+        } else if is_following && (walls == 0u || (state.y < -GAINED && blocked.rate < 1.0 / CLEAR)) {
+            state = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        }
+        if state.z != 0.0 {
+            preferred_velocity[agent] = beside_wall(walls, motion.xy, state.z, traits.x) * speed;
+        }
+    }
+    waiting[agent] = state;
+}
+
+// Whether there is anybody within a metre and 60 degrees: then it is not the wall that keeps it.
+fn is_someone_ahead(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> bool {
+    let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
+    let columns = i32(step.grid_columns);
+    var is_there = false;
+    for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
+        let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
+        for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
+            let to = slot_motion[other * 2u].xy - at;
+            let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
+            let distance2 = dot2(to, to);
+            let along = dot2(to, ahead);
+            is_there = is_there || (other != slot && distance2 < 1.0 && along > 0.0 && 4.0 * along * along > distance2
+                && (step.storey_height <= 0.0 || apart < step.storey_height));
+        }
+    }
+    return is_there;
+}
+
+struct Ahead {
+    rate: f32,        // 1 / distance at which the disc touches a wall when it goes straight on, 1/m; 0: none
+    along: vec2<f32>, // direction of that wall
+    nearer_end: f32,  // how much nearer its second end is than its first, m
+}
+
+fn way_ahead(walls: u32, at: vec2<f32>, ahead: vec2<f32>, radius: f32) -> Ahead {
+    var found_ahead = Ahead(0.0, vec2<f32>(0.0, 0.0), 0.0);
+    for (var i = 0u; i < walls; i++) {
+        let number = segment_numbers[i] * 3u;
+        let ends = obstacles[number];
+        let along = obstacles[number + 1u].xy;
+        let rate = segment_rate(ends.xy - at, ends.zw - at, along, ahead, radius, NEAREST_RATE);
+        if rate > found_ahead.rate {
+            found_ahead = Ahead(rate, along, dot2(along, at - ends.xy) - dot2(along, ends.zw - at));
+        }
+    }
+    return found_ahead;
+}
+
+// Whether a wall is so near that one cannot go on in a direction.
+fn is_cornered(walls: u32, at: vec2<f32>, direction: vec2<f32>, radius: f32) -> bool {
+    var is_there = false;
+    for (var i = 0u; i < walls; i++) {
+        let to = to_wall(segment_numbers[i], at);
+        let along = dot2(to, direction);
+        let distance2 = dot2(to, to);
+        let near = radius + CORNERED;
+        is_there = is_there || (distance2 < near * near && along > 0.0 && 25.0 * along * along > distance2);
+    }
+    return is_there;
+}
+
+// The way to the nearest point of a segment.
+fn to_wall(number: u32, at: vec2<f32>) -> vec2<f32> {
+    let ends = obstacles[number * 3u];
+    let ab = ends.zw - ends.xy;
+    let t = clamp(dot2(at - ends.xy, ab) / dot2(ab, ab), 0.0, 1.0);
+    return ends.xy + ab * t - at;
+}
+
+// The direction along the nearest wall (along its segments for side 1, against for -1), or along the next one if that leads
+// into a corner; a little towards or away from it, to keep a gap.
+fn beside_wall(walls: u32, at: vec2<f32>, side: f32, radius: f32) -> vec2<f32> {
+    var direction = vec2<f32>(0.0, 0.0);
+    var is_first = true;
+    for (var i = 0u; i < walls; i++) {
+        let to = to_wall(segment_numbers[i], at);
+        let distance = sqrt(dot2(to, to));
+        let inward = unit_or(to, vec2<f32>(1.0, 0.0));
+        if is_first || (distance < radius + CORNERED && dot2(inward, direction) > 0.2) {
+            let gap = clamp(distance - radius - BESIDE, -0.5, 0.5);
+            direction = unit_or(vec2<f32>(inward.y, -inward.x) * side + inward * gap, inward);
+        }
+        is_first = false;
+    }
+    return direction;
+}

@@ -1,0 +1,205 @@
+//! What somebody does who gets nowhere: takes turns, and follows walls.
+
+use super::contact::segment_rate;
+use super::exact::{dot2, hash_u32, unit_f32};
+use super::neighbours::Slots;
+use super::orca::unit_or;
+use super::segments::{NearSegments, Walls};
+use super::shared::{LED, NOBODY, grid_cell};
+use crate::kernels::layout::StepUniforms;
+use crate::kernels::persevere::Slices;
+
+/// Who wants to go slower than this stands by choice, m/s.
+const STANDING: f32 = 0.1;
+/// Slower than this share of the wanted speed, in the wanted direction, is no progress.
+const PROGRESS: f32 = 0.15;
+/// How long the right of way lasts, s.
+const TURN: f32 = 3.0;
+/// A wall ahead is in the way from this distance on when one waits, m.
+const TOUCHED: f32 = 0.3;
+/// And until one leaves it, m.
+const CLEAR: f32 = 1.0;
+/// It is in the way of this share of the disc: a door post that a shoulder would touch is not.
+const THIN: f32 = 0.3;
+/// The gap that is kept to a followed wall, m.
+const BESIDE: f32 = 0.1;
+/// The distance at which a second wall is ahead, m.
+const CORNERED: f32 = 0.25;
+/// Nearer to the goal by this much than at the beginning is nearer, m.
+const GAINED: f32 = 0.1;
+/// Less slanted than this, the wall does not say to which side (cosine).
+const SLANTED: f32 = 0.3;
+/// Nor do its ends if they are as near as this, m.
+const ONE_OF_TWO: f32 = 0.2;
+/// Of a wall that is touched, 1/m.
+const NEAREST_RATE: f32 = 1000.0;
+
+/// Twin of `shaders/persevere.wgsl`.
+pub fn persevere(b: Slices<'_>) {
+    let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
+    for agent in 0..b.step.agent_count as usize {
+        if b.agent_slot[agent] == NOBODY {
+            b.waiting[agent] = [0.0; 4];
+            continue;
+        }
+        if b.manners[agent][3] >= LED {
+            continue;
+        }
+        let slot = b.agent_slot[agent] as usize;
+        let (preferred, state) = (&mut b.preferred_velocity[agent], &mut b.waiting[agent]);
+        let slots = Slots {
+            step: b.step,
+            slot_motion: b.slot_motion,
+            slot_agent: &[],
+            cell_start: b.cell_start,
+            has_storeys: b.step.storey_height > 0.0,
+        };
+        if waits(&walls, slots, agent as u32, slot, preferred, state) {
+            b.slot_motion[slot * 2 + 1][2] += 1.0;
+        }
+    }
+}
+
+/// One agent; returns whether it has the right of way.
+fn waits(
+    walls: &Walls<'_>,
+    slots: Slots<'_>,
+    agent: u32,
+    slot: usize,
+    preferred: &mut [f32; 2],
+    state: &mut [f32; 4],
+) -> bool {
+    let step = walls.step;
+    let [x, y, vx, vy] = slots.slot_motion[slot * 2];
+    let [radius, _, _, elevation] = slots.slot_motion[slot * 2 + 1];
+    let speed = dot2(*preferred, *preferred).sqrt();
+    if speed < STANDING {
+        *state = [0.0; 4];
+        return false;
+    }
+    let ahead = [preferred[0] / speed, preferred[1] / speed];
+    let progress = dot2([vx, vy], ahead);
+    let pace = if progress < PROGRESS * speed { 1.0 } else { -2.0 };
+    state[0] = (state[0] + pace * step.time_step).max(0.0);
+    if state[2] != 0.0 {
+        state[1] -= progress * step.time_step;
+    }
+    let is_impatient = state[0] > step.patience;
+    let has_way = is_impatient && dot2(turn(step), ahead) > 0.0;
+    if step.obstacle_count > 0 && (is_impatient || state[2] != 0.0) {
+        let near = walls.near([x, y], CLEAR + radius, elevation);
+        let is_following = state[2] != 0.0;
+        let (rate, wall, nearer_end) = way_ahead(walls, &near, [x, y], ahead, THIN * radius);
+        if !is_following
+            && rate > 1.0 / (TOUCHED + (1.0 - THIN) * radius)
+            && !is_someone_ahead(&slots, slot, [x, y], ahead)
+        {
+            let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1) == 1;
+            let by_end = if nearer_end.abs() < ONE_OF_TWO { drawn } else { nearer_end > 0.0 };
+            let along = dot2(ahead, wall);
+            let is_slanted = along.abs() >= SLANTED;
+            let way = if along > 0.0 { 1.0 } else { -1.0 };
+            let slide = [wall[0] * way, wall[1] * way];
+            // along a slanted wall everybody slides anyway, up to a corner
+            if !is_slanted || is_cornered(walls, &near, [x, y], slide, radius) {
+                let is_forward = if is_slanted { along > 0.0 } else { by_end };
+                state[2] = if is_forward { 1.0 } else { -1.0 };
+                state[1] = 0.0;
+            }
+        } else if is_following && (near.count == 0 || (state[1] < -GAINED && rate < 1.0 / CLEAR)) {
+            *state = [0.0; 4];
+        }
+        if state[2] != 0.0 {
+            let direction = beside_wall(walls, &near, [x, y], state[2], radius);
+            *preferred = [direction[0] * speed, direction[1] * speed];
+        }
+    }
+    has_way
+}
+
+/// Who wants to go to this side has the right of way now.
+fn turn(step: &StepUniforms) -> [f32; 2] {
+    let turn = step.step_index / ((TURN * step.inverse_time_step) as u32).max(1);
+    let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475_726e));
+    [unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5]
+}
+
+/// Whether there is anybody within a metre and 60 degrees: then it is not the wall that keeps it.
+fn is_someone_ahead(slots: &Slots<'_>, slot: usize, at: [f32; 2], ahead: [f32; 2]) -> bool {
+    let step = slots.step;
+    let [cx, cy] = grid_cell(at, step);
+    let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
+    ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
+        let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
+        (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
+            let [x, y, ..] = slots.slot_motion[other * 2];
+            let to = [x - at[0], y - at[1]];
+            let (distance2, along) = (dot2(to, to), dot2(to, ahead));
+            let is_ahead = along > 0.0 && 4.0 * along * along > distance2;
+            other != slot && distance2 < 1.0 && is_ahead && slots.same_storey(other, slot)
+        })
+    })
+}
+
+/// 1 / distance at which the disc touches a wall when it goes straight on, 1/m, 0 for none; that wall's direction; how much
+/// nearer its second end is than its first, m.
+fn way_ahead(
+    walls: &Walls<'_>,
+    near: &NearSegments,
+    at: [f32; 2],
+    ahead: [f32; 2],
+    radius: f32,
+) -> (f32, [f32; 2], f32) {
+    let mut found = (0.0, [0.0, 0.0], 0.0);
+    for &number in &near.numbers[..near.count] {
+        let [[ax, ay, bx, by], [along_x, along_y, ..], _] = walls.segment(number);
+        let (to_a, to_b) = ([ax - at[0], ay - at[1]], [bx - at[0], by - at[1]]);
+        let rate = segment_rate(to_a, to_b, [along_x, along_y], ahead, radius, NEAREST_RATE);
+        if rate > found.0 {
+            let along = [along_x, along_y];
+            let nearer_end = dot2(along, [at[0] - ax, at[1] - ay]) - dot2(along, [bx - at[0], by - at[1]]);
+            found = (rate, along, nearer_end);
+        }
+    }
+    found
+}
+
+/// Whether a wall is so near that one cannot go on in a direction.
+fn is_cornered(
+    walls: &Walls<'_>,
+    near: &NearSegments,
+    at: [f32; 2],
+    direction: [f32; 2],
+    radius: f32,
+) -> bool {
+    near.numbers[..near.count].iter().any(|&number| {
+        let to = to_wall(walls, number, at);
+        let (along, distance2, near) = (dot2(to, direction), dot2(to, to), radius + CORNERED);
+        distance2 < near * near && along > 0.0 && 25.0 * along * along > distance2
+    })
+}
+
+/// The way to the nearest point of a segment.
+fn to_wall(walls: &Walls<'_>, number: u32, at: [f32; 2]) -> [f32; 2] {
+    let [[ax, ay, bx, by], ..] = walls.segment(number);
+    let ab = [bx - ax, by - ay];
+    let t = (dot2([at[0] - ax, at[1] - ay], ab) / dot2(ab, ab)).clamp(0.0, 1.0);
+    [ax + ab[0] * t - at[0], ay + ab[1] * t - at[1]]
+}
+
+/// The direction along the nearest wall (along its segments for side 1, against for -1), or along the next one if that
+/// leads into a corner; a little towards or away from it, to keep a gap.
+fn beside_wall(walls: &Walls<'_>, near: &NearSegments, at: [f32; 2], side: f32, radius: f32) -> [f32; 2] {
+    let mut direction = [0.0, 0.0];
+    for (i, &number) in near.numbers[..near.count].iter().enumerate() {
+        let to = to_wall(walls, number, at);
+        let distance = dot2(to, to).sqrt();
+        let inward = unit_or(to, [1.0, 0.0]);
+        if i == 0 || (distance < radius + CORNERED && dot2(inward, direction) > 0.2) {
+            let gap = (distance - radius - BESIDE).clamp(-0.5, 0.5);
+            let wanted = [inward[1] * side + inward[0] * gap, -inward[0] * side + inward[1] * gap];
+            direction = unit_or(wanted, inward);
+        }
+    }
+    direction
+}
