@@ -245,7 +245,11 @@ fn scenario(layout: &Layout, model: Model, seed: u64) -> Scenario {
     scenario.obstacles = layout
         .solids
         .iter()
-        .map(|solid| gaitway::scenario::Obstacle { polygon: solid.iter().map(Vec2::to_array).collect() })
+        .map(|solid| gaitway::scenario::Obstacle {
+            polygon: solid.iter().map(Vec2::to_array).collect(),
+            low: None,
+            high: None,
+        })
         .collect();
     scenario
 }
