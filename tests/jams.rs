@@ -15,7 +15,7 @@
 use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
-use gaitway::scenario::{AgentStart, Clearance, Crowd, Model, Scenario, Waypoint, populate};
+use gaitway::scenario::{AgentStart, Clearance, Crowd, Model, Scenario, Stop, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, setup};
 use glam::Vec2;
 use std::f32::consts::TAU;
@@ -262,13 +262,13 @@ fn store(layout: &Layout, model: Model, seed: u64) -> Store {
             position: *start,
             velocity: Vec2::ZERO,
             radius: 0.25,
-            route_start: u32::try_from(crowd.waypoints.len()).unwrap(),
+            route_start: u32::try_from(crowd.stages.len()).unwrap(),
             route_length: u32::try_from(way.len()).unwrap(),
             waypoint: 0,
             loops: false,
             ..person.clone()
         });
-        crowd.waypoints.extend(way.iter().map(|p| Waypoint { position: *p, radius: layout.near }));
+        crowd.stages.extend(way.iter().map(|p| Stop::waypoint(*p, layout.near)));
     }
     let scenario = scenario(layout, model, seed);
     let mut store = setup::store(&scenario, &scenario.geometry(), &crowd, cast);
