@@ -41,5 +41,7 @@ struct StepUniforms {
     crowding_reach: f32,         // m ahead over which their density is measured
     group_count: u32,            // groups of people who walk together
     floor_count: u32,            // floors above the ground
+    feels: u32,                  // 1: feelings change
+    path_count: u32,             // agents that are led on a path
     unused: u32,
 }

@@ -102,6 +102,9 @@ impl Show {
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
             animator.upload(store, &READ)?;
+            if store.step.feels != 0 {
+                animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
+            }
             let passes = order::frame_passes(&frame);
             let ops: Vec<Op> =
                 std::iter::once(Op::Set(BufferId::Frame)).chain(passes.into_iter().map(Op::Pass)).collect();
