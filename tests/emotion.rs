@@ -208,7 +208,7 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
          [[events]]\ntime = 1\nduration = 3\nplace = [15, 15]\nradius = 60\nemotion = \"angry\"\nstrength = 1\n",
     );
     let start = simulation.state().unwrap().clone();
-    let (mut shown, mut fastest_change) = (vec![2; 40], 0.0_f32);
+    let mut shown = vec![2; 40];
     let mut changes = [0; 40];
     let mut before = start.clone();
     for step in 0..900 {
@@ -216,7 +216,11 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
         let store = simulation.state().unwrap();
         for i in 0..40 {
             assert_eq!(bits(&[store.gait_weights[i]]), bits(&[store.feeling[i]]));
-            fastest_change = fastest_change.max((store.body[i][2] - before.body[i][2]).abs());
+            // at most a fifteenth of the way by the event and a little by the others; a switch would be all of it
+            let speeds = store.paces[i * 3];
+            let span = speeds.iter().fold(0.0_f32, |span, speed| span.max((speed - speeds[2]).abs()));
+            let change = (store.body[i][2] - before.body[i][2]).abs();
+            assert!(change <= 0.1 * span + 1e-4, "step {step}: {change} m/s of {span}");
             let emotion = store.look[i][0] >> 8 & 255;
             changes[i] += u32::from(emotion != shown[i]);
             shown[i] = emotion;
@@ -234,7 +238,6 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
         }
         before = store.clone();
     }
-    assert!(fastest_change < 0.05, "{fastest_change} m/s in a step");
     assert!(changes.iter().all(|count| *count == 2), "to angry and back, no flicker: {changes:?}");
     for i in 0..40 {
         assert!((before.body[i][2] - start.body[i][2]).abs() < 0.1, "back to its own speed");
