@@ -227,6 +227,9 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
             let moved = f32::hypot(store.velocity[i][0], store.velocity[i][1]) * DT;
             let strides = store.phase[i].wrapping_sub(before.phase[i]) as f32 / u32::MAX as f32;
             assert!((strides * store.body[i][3] - moved).abs() < 1e-4, "step {step}: the feet slide");
+            let travels = store.paces[i * 3 + 1].iter().zip(store.feeling[i]);
+            let blended: f32 = travels.map(|(travel, weight)| travel * weight).sum();
+            assert!((store.body[i][3] - blended).abs() < 1e-5, "step {step}: not the stride that is drawn");
         }
         if step == 115 {
             let mean = measure::mean_feeling(store).unwrap();
