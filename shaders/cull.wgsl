@@ -62,7 +62,7 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let at = position[agent];
-    if is_absent(at) {
+    if is_absent(at) || ((info.x >> 17u) & 1u) == 1u { // the second: has no body to draw
         return;
     }
     let height = frame.agent_height * scale;

@@ -5,7 +5,7 @@
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;           // [agent] m
 @group(0) @binding(3) var<storage, read> velocity: array<vec2<f32>>;           // [agent] m/s
 @group(0) @binding(4) var<storage, read> body: array<vec4<f32>>;               // [agent] radius, maximum speed, ...
-@group(0) @binding(5) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(5) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority; of the led, x is their comfort distance, m
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;                // [agent] m
 @group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;  // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 @group(0) @binding(8) var<storage, read_write> agent_slot: array<u32>;         // [agent]
@@ -18,6 +18,9 @@ fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let agent = slot_agent[slot];
     slot_motion[slot * 2u] = vec4<f32>(position[agent], velocity[agent]);
-    slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].xy, manners[agent].w, elevation[agent]);
+    let manner = manners[agent];
+    // people keep their distance from those who are led from outside, and these avoid nobody
+    let comfort = select(0.0, manner.x, manner.w >= LED);
+    slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].x + comfort, body[agent].y, manner.w, elevation[agent]);
     agent_slot[agent] = slot;
 }

@@ -14,6 +14,7 @@ use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
 use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
+use crate::verify::cases::feelings::feelings;
 use crate::verify::cases::{flow, gaits};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -23,6 +24,9 @@ use crate::gpu::{Device, Engine, Validation, plan::Op};
 
 /// Metres between agents of the crossing: one to a square metre.
 const SPACING: f32 = 1.0;
+/// Kernels that not every step has.
+const EXTRAS: [KernelId; 4] =
+    [KernelId::Express, KernelId::Feel, KernelId::FollowPaths, KernelId::LeadAgents];
 /// Height of the user's eyes, m.
 const EYE_HEIGHT: f32 = 1.65;
 /// Runs before the first that counts.
@@ -148,6 +152,9 @@ pub fn bench(
             }
             rows.extend(kernels(&mut Sequence::picture(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::flow(agents, backend, device)?)?);
+            let extras = kernels(&mut Sequence::extras(agents, backend, device)?)?;
+            let is_new = |row: &Row| EXTRAS.iter().any(|kernel| kernel.kernel().name == row.name);
+            rows.extend(extras.into_iter().filter(is_new));
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }
@@ -339,6 +346,16 @@ impl Sequence {
         Self::new(None, cells, store, passes, (backend, device))
     }
 
+    /// A step with everything that a crowd need not have: feelings that change, agents that are led.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn extras(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = feelings(agents, 1);
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
     /// The expressive features of so many gaits of about 35 frames.
     ///
     /// # Errors
@@ -383,11 +400,8 @@ impl Sequence {
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);
         }
-        if kernel == KernelId::LeadAgents {
-            let mut store = crossing(agents, SPACING);
-            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
-            let passes = order::step_passes(&store.step);
-            return Self::new(None, agents, store, passes, (backend, device));
+        if EXTRAS.contains(&kernel) {
+            return Self::extras(agents, backend, device);
         }
         if Self::ALTERNATIVES.contains(&kernel) {
             return Self::alternative(kernel, agents, backend, device);

@@ -13,7 +13,7 @@ use gaitway::gpu::{Device, Validation, validation_messages};
 use gaitway::kernels::{Access, KernelId};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, crossing, flow, gaits, journeys, step};
+use gaitway::verify::cases::{animation, crossing, feelings, flow, gaits, journeys, step};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -98,6 +98,12 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
                     }
                     store.step.step_index += 1;
                 }
+                for seed in [seed, seed + 1] {
+                    let store = feelings::feelings(agents, seed);
+                    let found = compare_passes(device, &store, &order::step_passes(&store.step)).unwrap();
+                    assert_exact(&format!("feelings of {agents} agents, seed {seed}"), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                }
                 let store = animation::animation(agents, seed);
                 let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
                 assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
@@ -125,7 +131,9 @@ fn the_comparison_notices_one_bit() {
             (journeys::journeys(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
         let of_model = |model| step::crowd_with(model, 65, 3);
         let ways = flow::fields(300, 3);
+        let moved = feelings::feelings(65, 1);
         let stages = [
+            (order::step_passes(&moved.step), moved),
             (order::step_passes(&crowd.step), crowd),
             (order::step_passes(&of_model(1).step), of_model(1)),
             (order::frame_passes(&bodies.frame), bodies),

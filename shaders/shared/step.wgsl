@@ -42,4 +42,6 @@ struct StepUniforms {
     group_count: u32,            // groups of people who walk together
     floor_count: u32,            // floors above the ground
     reaction_steps: u32,         // until this step somebody may still have to react
+    feels: u32,                  // 1: feelings change
+    path_count: u32,             // agents that are led on a path
 }

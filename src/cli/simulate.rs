@@ -74,6 +74,9 @@ pub(super) struct Outcome {
     pub(super) agents_outside: u32,
     /// Steps that were measured.
     pub(super) measured_steps: u32,
+    /// Mean weights of happy, angry, sad, neutral at the end, where feelings change.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) mean_feeling: Option<[f32; 4]>,
     pub(super) state_hash: String,
     /// Agents times steps over the time spent stepping.
     pub(super) agent_steps_per_second: f64,
@@ -250,6 +253,7 @@ pub(super) fn simulate(
         overlapping_pairs_max: measures.overlapping,
         agents_outside: measures.outside,
         measured_steps: measures.steps,
+        mean_feeling: measure::mean_feeling(simulation.state()?),
         state_hash: format!("{:016x}", measure::state_hash(simulation.state()?)),
         agent_steps_per_second: if step_seconds > 0.0 { work / step_seconds } else { 0.0 },
         step_seconds,
@@ -285,6 +289,11 @@ pub(super) fn print(outcome: &Outcome) {
         say(&format!(
             "measured           {} of {steps} steps (above {MEASURED_EVERY_STEP} agents a sample)",
             outcome.measured_steps
+        ));
+    }
+    if let Some([happy, angry, sad, neutral]) = outcome.mean_feeling {
+        say(&format!(
+            "feelings           happy {happy:.3}, angry {angry:.3}, sad {sad:.3}, neutral {neutral:.3} at the end"
         ));
     }
     say(&format!("state hash         {}", outcome.state_hash));

@@ -53,6 +53,8 @@ pub struct StepUniforms {
     pub group_count: u32,
     pub floor_count: u32,
     pub reaction_steps: u32,
+    pub feels: u32,
+    pub path_count: u32,
 }
 
 /// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.
@@ -75,6 +77,17 @@ pub struct FlowUniforms {
     pub solid_step: f32,
     pub every: u32,
     pub unused: u32,
+}
+
+/// How feelings change; units and meaning stand in `shaders/feel.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct MoodUniforms {
+    pub radius: f32,
+    pub contagion: f32,
+    pub decay: f32,
+    pub event_count: u32,
 }
 
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.

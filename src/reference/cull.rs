@@ -51,7 +51,7 @@ pub fn cull(b: Slices<'_>) {
             *first = (*first).min(agent as u32);
             continue;
         }
-        if is_absent(b.position[agent]) {
+        if is_absent(b.position[agent]) || (info[0] >> 17) & 1 == 1 {
             continue;
         }
         let [x, z] = b.position[agent];

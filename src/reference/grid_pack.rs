@@ -1,6 +1,6 @@
 //! Copies what neighbours read of each agent to its slot.
 
-use super::shared::NOBODY;
+use super::shared::{LED, NOBODY};
 use crate::kernels::grid_pack::Slices;
 use rayon::prelude::*;
 
@@ -13,7 +13,9 @@ pub fn grid_pack(b: Slices<'_>) {
         let ([x, y], [vx, vy], [radius, max_speed, ..]) =
             (b.position[agent], b.velocity[agent], b.body[agent]);
         slot[0] = [x, y, vx, vy];
-        slot[1] = [radius, max_speed, b.manners[agent][3], b.elevation[agent]];
+        let [comfort, _, _, priority] = b.manners[agent];
+        let comfort = if priority >= LED { comfort } else { 0.0 };
+        slot[1] = [radius + comfort, max_speed, priority, b.elevation[agent]];
     });
     for (slot, agent) in slot_agent.iter().enumerate().filter(|(_, agent)| **agent != NOBODY) {
         b.agent_slot[*agent as usize] = slot as u32;

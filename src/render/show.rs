@@ -180,6 +180,9 @@ impl Show {
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
             animator.upload(store, &READ)?;
+            if store.step.feels != 0 {
+                animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
+            }
             animate(animator, &frame)?;
         } else {
             simulation.animate(frame)?;

@@ -87,6 +87,20 @@ impl<'a> Cast<'a> {
         Wish { sex, speed: speed.map(|[low, high]| range(seed, agent, Purpose::Speed, 0, low, high)) }
     }
 
+    /// One gait for each emotion, for feelings that change; where the library has none, that of the strongest feeling.
+    fn of_every_emotion(&self, agent: u32, weights: [f32; 4]) -> Result<Feeling, Error> {
+        let by_weight = |a: &&Emotion, b: &&Emotion| weights[a.index()].total_cmp(&weights[b.index()]);
+        let spare = Emotion::ALL.iter().rev().max_by(by_weight).copied().unwrap_or(Emotion::Neutral);
+        let mut gaits = [self.gait(agent, spare)?; 4];
+        let is_baseline = self.scenario.condition == Condition::Baseline;
+        for emotion in Emotion::ALL {
+            if !is_baseline && !self.chooser.gaits_for(emotion).is_empty() {
+                gaits[emotion.index()] = self.gait(agent, emotion)?;
+            }
+        }
+        Ok((weights, gaits, weights))
+    }
+
     /// Emotion weights, gaits and their weights.
     fn feeling(&self, agent: u32) -> Result<Feeling, Error> {
         let population = &self.scenario.population;
@@ -99,6 +113,9 @@ impl<'a> Cast<'a> {
             _ => {
                 let share = unit(self.scenario.seed, agent, Purpose::Emotion, 0);
                 let drawn = Emotion::ALL[weighted(&self.cumulative, share).min(3)];
+                if self.scenario.emotion_dynamics.is_some() {
+                    return self.of_every_emotion(agent, drawn.weights());
+                }
                 let gait = self.gait(agent, drawn)?;
                 Ok((drawn.weights(), [gait; 4], [1.0, 0.0, 0.0, 0.0]))
             }
@@ -114,6 +131,9 @@ impl<'a> Cast<'a> {
 
     /// One gait for each emotion of the mixture; where the weight is 0, one that is there anyway.
     fn mixture(&self, agent: u32, weights: [f32; 4]) -> Result<Feeling, Error> {
+        if self.scenario.emotion_dynamics.is_some() {
+            return self.of_every_emotion(agent, weights);
+        }
         let spare = Emotion::ALL.into_iter().find(|e| weights[e.index()] > 0.0).unwrap_or(Emotion::Neutral);
         let mut gaits = [self.gait(agent, spare)?; 4];
         for emotion in Emotion::ALL {
@@ -137,6 +157,36 @@ impl<'a> Cast<'a> {
         let avatars = u32::try_from(self.scenario.population.avatars.len()).unwrap_or(1).max(1);
         let shift = bits(self.scenario.seed, agent / avatars, Purpose::Avatar, 0) % avatars;
         (agent % avatars + shift) % avatars
+    }
+
+    /// A body that stands somewhere and does not gaze: of an outsider. Only one that `walks` needs a gait of the emotion.
+    pub(super) fn body(&self, agent: u32, emotion: Emotion, walks: bool) -> Result<AgentStart, Error> {
+        let gait = if walks { self.gait(agent, emotion)? } else { 0 };
+        Ok(AgentStart {
+            entry: Entry::Start,
+            position: Vec2::ZERO,
+            elevation: 0.0,
+            velocity: Vec2::ZERO,
+            heading: 0.0,
+            radius: self.scenario.navigation.radius,
+            emotion: emotion.weights(),
+            gaits: [gait; 4],
+            gait_weights: [1.0, 0.0, 0.0, 0.0],
+            gazes: false,
+            avatar: self.avatar(agent),
+            scale: if walks { self.scale(agent) } else { 1.0 },
+            colors: colors(self.scenario.seed, agent),
+            phase: bits(self.scenario.seed, agent, Purpose::Phase, 0),
+            route_start: 0,
+            route_length: 1,
+            waypoint: 1, // it has no way to go: the only stage is behind it
+            companions: [u32::MAX; 4],
+            manners: None,
+            speed: None,
+            speed_factor: 1.0,
+            reaction: 0.0,
+            loops: false,
+        })
     }
 
     pub(super) fn agent(&self, agent: u32, place: Place, entry: Entry) -> Result<AgentStart, Error> {

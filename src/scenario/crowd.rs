@@ -124,6 +124,8 @@ pub struct AgentStart {
 pub struct Crowd {
     /// Agents by index (their stable id).
     pub agents: Vec<AgentStart>,
+    /// Those of [`super::Scenario::outsiders`], whose ids follow.
+    pub outsiders: Vec<AgentStart>,
     /// Stages of all routes and journeys, one after another.
     pub stages: Vec<Stop>,
     /// Sources.

@@ -92,7 +92,7 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let geometry = scenario.geometry();
     let cast = Cast::new(scenario, chooser)?;
     if scenario.population.agents == 0 {
-        return Ok(Crowd::default());
+        return Ok(Crowd { outsiders: super::outsiders::cast(scenario, &cast)?, ..Crowd::default() });
     }
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
     let lanes = Lanes::new(scenario, &geometry, &free)?;
@@ -126,7 +126,8 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     for agent in next_id(&agents)..scenario.population.agents {
         agents.push(cast.agent(agent, Place::NOWHERE, Entry::Never)?);
     }
-    Ok(Crowd { agents, sources: starts, stages: lanes.stages })
+    let outsiders = super::outsiders::cast(scenario, &cast)?;
+    Ok(Crowd { agents, outsiders, sources: starts, stages: lanes.stages })
 }
 
 /// The number of the next agent.
@@ -294,6 +295,7 @@ impl<'a> Places<'a> {
             };
             if let Some(place) = found
                 && self.apart_from_user(place.position)
+                && self.apart_from_outsiders(place.position)
                 && self.taken.insert(place.position)
             {
                 let mut all = vec![place];
@@ -315,6 +317,7 @@ impl<'a> Places<'a> {
             }
             if self.free.passes(first.position, position, self.body + 0.05)
                 && self.apart_from_user(position)
+                && self.apart_from_outsiders(position)
                 && self.taken.insert(position)
             {
                 let elevation = self.floors.walk(first.position, position, first.elevation);
@@ -444,6 +447,13 @@ impl<'a> Places<'a> {
     fn apart_from_user(&self, position: Vec2) -> bool {
         let user = &self.scenario.user;
         !user.avoided || position.distance(self.geometry.user) >= user.radius + self.body + USER_GAP
+    }
+
+    fn apart_from_outsiders(&self, position: Vec2) -> bool {
+        self.scenario.outsiders.iter().all(|outsider| {
+            let room = outsider.radius(self.scenario) + outsider.comfort + self.body + GAP;
+            outsider.start().is_none_or(|start| position.distance(start) >= room)
+        })
     }
 
     fn full(&self, agent: u32, unseen: u32) -> Error {

@@ -39,6 +39,8 @@ pub enum Purpose {
     Person = 13,
     /// Journey, and the way through it.
     Journey = 20,
+    /// How an agent shows, catches and amplifies feelings.
+    Temperament = 21,
 }
 
 /// The bijection of u32 under every draw.

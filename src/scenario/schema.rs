@@ -1,9 +1,11 @@
 //! The scenario file: every key, its unit, its default. Allowed ranges are in [`super::validate`](Scenario::validate).
 
 use super::environment::Environment;
+use super::feelings::{EmotionDynamics, Event};
 use super::floors::Floor;
 use super::gaze::Gaze;
 use super::journeys::{Journey, Source, Stage};
+use super::outsiders::Outsider;
 use super::people::Class;
 use super::way_finding::WayFinding;
 use crate::gait::walker::Sex;
@@ -82,6 +84,15 @@ pub struct Scenario {
     /// Where people come in while the simulation runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<Source>,
+    /// How feelings change in time; left out: they do not, as in the paper.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub emotion_dynamics: Option<EmotionDynamics>,
+    /// What happens and rouses emotions; needs `emotion_dynamics`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub events: Vec<Event>,
+    /// Robots, vehicles and tracked people: agents that are led from outside. Their ids follow those of the population.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub outsiders: Vec<Outsider>,
     /// What the place looks like. Solid props are obstacles too.
     #[serde(default)]
     pub environment: Environment,
@@ -218,7 +229,7 @@ pub struct Affect {
 }
 
 /// One number, or least and greatest.
-fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f32; 2], D::Error> {
+pub(super) fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f32; 2], D::Error> {
     struct Range;
 
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "settings are f32")]
@@ -445,13 +456,22 @@ pub struct User {
     pub eye_height: f32,
     /// Disc radius, m.
     pub radius: f32,
+    /// How much farther away than the radius agents stay if they can, m.
+    pub comfort: f32,
     /// Whether agents walk around the user.
     pub avoided: bool,
 }
 
 impl Default for User {
     fn default() -> Self {
-        Self { position: None, heading_deg: 180.0, eye_height: 1.65, radius: 0.3, avoided: true }
+        Self {
+            position: None,
+            heading_deg: 180.0,
+            eye_height: 1.65,
+            radius: 0.3,
+            comfort: 0.0,
+            avoided: true,
+        }
     }
 }
 

@@ -50,6 +50,8 @@ impl Scenario {
         navigation(&self.navigation)?;
         user(&self.user)?;
         gaze(&self.gaze)?;
+        super::feelings::validate(self)?;
+        super::outsiders::validate(self)?;
         self.way_finding.validate()?;
         if walkable(self)? {
             // outline and holes are in the text
@@ -307,7 +309,8 @@ fn user(user: &User) -> Result<(), Error> {
     }
     within("user.heading_deg", user.heading_deg, -360.0, 360.0, "degrees; 0 looks along +z")?;
     within("user.eye_height", user.eye_height, 0.3, 2.5, "metres; 1.65 is usual")?;
-    within("user.radius", user.radius, 0.05, 5.0, "metres; 0.3 is usual")
+    within("user.radius", user.radius, 0.05, 5.0, "metres; 0.3 is usual")?;
+    within("user.comfort", user.comfort, 0.0, 5.0, "metres; 0.5 is usual")
 }
 
 fn gaze(gaze: &Gaze) -> Result<(), Error> {

@@ -3,6 +3,7 @@
 use super::setup::NEVER;
 use crate::ground::is_absent;
 use crate::kernels::Store;
+use crate::reference::shared::LED;
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.
@@ -119,7 +120,30 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.source_count > 0 {
         add(bytemuck::cast_slice(&store.sources));
     }
+    if store.step.feels != 0 {
+        add(bytemuck::cast_slice(&store.feeling[..agents]));
+        let shown: Vec<u32> = store.look[..agents].iter().map(|look| look[0]).collect();
+        add(bytemuck::cast_slice(&shown));
+    }
     hash
+}
+
+/// Mean weights of happy, angry, sad and neutral over all who are there and walk by themselves, where feelings change.
+pub fn mean_feeling(store: &Store) -> Option<[f32; 4]> {
+    if store.step.feels == 0 {
+        return None;
+    }
+    let (mut sums, mut count) = ([0.0_f64; 4], 0.0);
+    let agents = store.feeling.iter().zip(&store.position).zip(&store.manners);
+    for ((feeling, position), manners) in agents.take(store.step.agent_count as usize) {
+        if !is_absent(*position) && manners[3] < LED {
+            count += 1.0;
+            for (sum, weight) in sums.iter_mut().zip(feeling) {
+                *sum += f64::from(*weight);
+            }
+        }
+    }
+    (count > 0.0).then(|| sums.map(|sum| (sum / count) as f32))
 }
 
 #[cfg(test)]

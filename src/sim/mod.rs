@@ -9,6 +9,7 @@
 
 pub mod bodies;
 mod cast;
+mod company;
 pub mod flow;
 pub mod measure;
 pub mod obstacles;
@@ -45,6 +46,10 @@ pub(crate) const STATE: [BufferId; 10] = [
     BufferId::Waiting,
     BufferId::Failure,
 ];
+
+/// What changes besides where feelings change.
+#[cfg(feature = "vulkan")]
+const FELT: [BufferId; 4] = [BufferId::Feeling, BufferId::GaitWeights, BufferId::Body, BufferId::Look];
 
 const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");
 
@@ -307,7 +312,7 @@ impl Simulation {
     /// Tells where an agent that is led from outside ([`setup::set_led`]) is to be at the end of the next step: a ground
     /// position (m) and the velocity it has there (m/s, used when it appears); or `None`: it is not there.
     ///
-    /// An agent that is told nothing new stands where it was led to last.
+    /// An agent that is told nothing new stands where it was led to last; one with a path in the scenario leaves it.
     ///
     /// # Errors
     /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
@@ -323,6 +328,9 @@ impl Simulation {
             return Err(Error::Lead { agent, position, velocity }.into());
         }
         *place = [position.x, position.y, velocity.x, velocity.y];
+        if let Some(path) = self.store.paths.iter_mut().find(|path| path[0] == agent) {
+            path[2] = 0; // it goes where it is told from now on
+        }
         self.is_led_anew = true;
         Ok(())
     }
@@ -359,7 +367,7 @@ impl Simulation {
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             if self.is_led_anew {
-                engine.upload(&self.store, &[BufferId::Lead])?;
+                engine.upload(&self.store, &[BufferId::Lead, BufferId::Paths])?;
                 self.is_led_anew = false;
             }
             let mut left = count;
@@ -421,6 +429,9 @@ impl Simulation {
         #[cfg(feature = "vulkan")]
         if let Some(engine) = self.engine.as_mut().filter(|_| !self.is_current) {
             engine.download(&mut self.store, &STATE)?;
+            if self.store.step.feels != 0 {
+                engine.download(&mut self.store, &FELT)?;
+            }
         }
         self.is_current = true;
         Ok(&self.store)

@@ -14,6 +14,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     let mut passes = vec![
+        pass(KernelId::FollowPaths, 0, Extent::Invocations(step.path_count)),
         pass(KernelId::LeadAgents, 0, agents),
         pass(KernelId::Journey, 0, agents),
         pass(KernelId::GridCount, 0, agents),
@@ -23,6 +24,8 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 0, agents),
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
         pass(KernelId::GridPack, 0, agents),
+        pass(KernelId::Feel, 0, agents),
+        pass(KernelId::Express, 0, agents),
     ];
     if step.source_count > 0 {
         passes.push(pass(KernelId::Enter, 0, Extent::Invocations(step.source_count)));
@@ -44,15 +47,14 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     if step.floor_count > 0 {
         passes.push(pass(KernelId::Elevate, 0, agents));
     }
-    if step.led_count == 0 {
-        passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
-    }
-    if step.patience <= 0.0 {
-        passes.retain(|pass| pass.kernel != KernelId::Persevere);
-    }
-    if step.obstacle_count == 0 {
-        passes.retain(|pass| pass.kernel != KernelId::Contain);
-    }
+    passes.retain(|pass| match pass.kernel {
+        KernelId::LeadAgents => step.led_count > 0,
+        KernelId::FollowPaths => step.path_count > 0,
+        KernelId::Feel | KernelId::Express => step.feels > 0,
+        KernelId::Persevere => step.patience > 0.0,
+        KernelId::Contain => step.obstacle_count > 0,
+        _ => true,
+    });
     passes
 }
 

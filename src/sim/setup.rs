@@ -1,6 +1,7 @@
 //! The buffers of a simulation at its start.
 
 use super::cast::Cast;
+use super::company::{set_feelings, set_outsiders};
 use super::obstacles::{at_heights, cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::{KernelId, Store};
@@ -34,7 +35,7 @@ pub const NEVER: u32 = u32::MAX;
 /// Fills every buffer that a step needs.
 pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cast) -> Store {
     let mut store = Store { step: uniforms(scenario, geometry, crowd), ..Store::default() };
-    for agent in &crowd.agents {
+    for agent in crowd.agents.iter().chain(&crowd.outsiders) {
         push_agent(&mut store, agent, &scenario.navigation, cast);
     }
     store.stages = crowd.stages.iter().flat_map(stage).collect();
@@ -50,6 +51,8 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     set_floors(&mut store, &geometry.floors);
     scratch(&mut store);
     store.step.group_count = groups(&store);
+    set_outsiders(&mut store, scenario, crowd);
+    set_feelings(&mut store, scenario, crowd, cast);
     store
 }
 
@@ -60,7 +63,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
     let high = geometry.bounds.iter().copied().fold(Vec2::MIN, Vec2::max);
     let user = &scenario.user;
     let mut step = StepUniforms {
-        agent_count: crowd.agents.len() as u32,
+        agent_count: (crowd.agents.len() + crowd.outsiders.len()) as u32,
         source_count: crowd.sources.len() as u32,
         seed: (scenario.seed ^ (scenario.seed >> 32)) as u32,
         time_step: navigation.time_step,
@@ -71,7 +74,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         inverse_time_horizon_jam: inverse_or_none(navigation.time_horizon_jam),
         safety_margin: navigation.safety_margin,
         user_position: geometry.user.to_array(),
-        user_radius: if user.avoided { user.radius } else { 0.0 },
+        user_radius: if user.avoided { user.radius + user.comfort } else { 0.0 },
         turn_rate: TURN_RATE,
         perturbation: navigation.perturbation,
         walk_speed: WALK_SPEED,
@@ -199,6 +202,7 @@ pub fn set_led(store: &mut Store, agent: u32) {
     }
     if store.manners[agent][3] < LED {
         store.manners[agent][3] = LED;
+        store.manners[agent][0] = 0.0; // of the led: the comfort distance, m
         store.step.led_count += 1;
     }
     store.position[agent] = [ABSENT, ABSENT];

@@ -1,6 +1,6 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, flow, gaits, journeys, step};
+use super::cases::{animation, feelings, flow, gaits, journeys, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{KernelId, Pass, Store};
@@ -81,9 +81,12 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
             (0.5, "m", "a root per cell, and which neighbour is lower may change along a ridge")
         }
         KernelId::FlowDensity => (1e-4, "m", "one quotient per cell"),
-        KernelId::GridPack => (0.0, "", "copies"),
         KernelId::Enter => (0.0, "m", "copies of places; who is near is a comparison of squares"),
         KernelId::Journey => (1e-4, "m", "places in regions of up to a kilometre"),
+        KernelId::GridPack => (1e-6, "m", "copies, one sum"),
+        KernelId::FollowPaths => (1e-3, "m, m/s", "quotients of times, times metres of a path"),
+        KernelId::Feel => (1e-5, "", "sums of rounded shares, exponentials"),
+        KernelId::Express => (1e-5, "m, m/s", "sums of four products"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
@@ -264,6 +267,12 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
         let store = flow::fields(size, seed);
         let passes = flow::passes(&store);
         cases.push(Case { name: format!("ways over {size} cells, seed {seed}"), store, passes });
+    }
+    for number in 0..if few { 1 } else { 3 } {
+        let seed = seed.wrapping_mul(3).wrapping_add(if few { 1 } else { number });
+        let store = feelings::feelings(size, seed);
+        let passes = order::step_passes(&store.step);
+        cases.push(Case { name: format!("feelings, {size} agents, seed {seed}"), store, passes });
     }
     // the large case is of the kind in which every gait is usable
     for seed in if few { 0..1 } else { 0..2 } {

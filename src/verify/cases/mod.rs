@@ -8,6 +8,7 @@
 
 pub mod animation;
 pub mod crossing;
+pub mod feelings;
 pub mod flow;
 pub mod gaits;
 pub mod journeys;

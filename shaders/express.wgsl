@@ -1,0 +1,46 @@
+// uses: step
+// What people show of how they feel: the weights of their gaits (one per emotion), with them the preferred and the
+// maximum speed and the travel per stride, so that feet do not slide, and the emotion that decides the gaze, which
+// changes only when another is stronger by a margin.
+const MARGIN = 0.1; // of weight, before the gaze follows another emotion
+
+@group(0) @binding(0) var<uniform> step: StepUniforms;
+@group(0) @binding(1) var<storage, read> new_feeling: array<vec4<f32>>;          // [agent]
+@group(0) @binding(2) var<storage, read> paces: array<vec4<f32>>;                // [agent][3] preferred speed with each gait, m/s; travel per stride, m; maximum speed over preferred (0: shows nothing) and at most, m/s
+@group(0) @binding(3) var<storage, read_write> feeling: array<vec4<f32>>;        // [agent]
+@group(0) @binding(4) var<storage, read_write> gait_weights: array<vec4<f32>>;   // [agent]
+@group(0) @binding(5) var<storage, read_write> body: array<vec4<f32>>;           // [agent] radius, maximum speed, preferred speed, travel per stride
+@group(0) @binding(6) var<storage, read_write> look: array<vec4<u32>>;           // [agent]
+
+fn sum_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
+    return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
+}
+
+@compute @workgroup_size(64)
+fn express(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= step.agent_count {
+        return;
+    }
+    let q = new_feeling[agent];
+    feeling[agent] = q;
+    let limits = paces[agent * 3u + 2u];
+    if !(limits.x > 0.0) {
+        return;
+    }
+    gait_weights[agent] = q;
+    let speed = sum_of(q, paces[agent * 3u]);
+    let travel = sum_of(q, paces[agent * 3u + 1u]);
+    body[agent] = vec4<f32>(body[agent].x, max(speed, min(speed * limits.x, limits.y)), speed, travel);
+
+    let shown = min((look[agent].x >> 8u) & 255u, 3u);
+    var strongest = shown;
+    for (var emotion = 0u; emotion < 4u; emotion++) {
+        if q[emotion] > q[strongest] {
+            strongest = emotion;
+        }
+    }
+    if q[strongest] > q[shown] + MARGIN {
+        look[agent].x = (look[agent].x & 0xffff00ffu) | (strongest << 8u);
+    }
+}

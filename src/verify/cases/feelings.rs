@@ -1,0 +1,79 @@
+//! A crowd whose feelings change and of whom some are led, for the kernels that not every step has.
+
+use crate::kernels::Store;
+use crate::kernels::layout::MoodUniforms;
+use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::shared::LED;
+
+/// Events of the case, two elements each: going on, exactly now, just over, not begun, calming.
+const EVENTS: usize = 5;
+
+/// [`super::step::crowd`] with feelings of every kind: at the ends of their range, of people who show or catch nothing,
+/// at the very place of an event; seeds differ in how far feelings reach. Led agents follow paths of every length.
+pub fn feelings(agents: usize, seed: u32) -> Store {
+    let mut store = super::step::crowd(agents, seed);
+    let unit = |i: usize, lane: u32| {
+        unit_f32(hash_u32(
+            hash_u32(seed ^ 0x0fee_1000 ^ (i as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane),
+        ))
+    };
+    store.step.step_index = 100;
+    store.step.feels = 1;
+    let radius = [0.0, 3.0, 8.0][seed as usize % 3];
+    store.mood = MoodUniforms { radius, contagion: 0.8, decay: 0.1, event_count: EVENTS as u32 };
+    for i in 0..agents {
+        let weights = |lane: u32| match i % 5 {
+            0 => [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 0.0, 0.0, 1.0]]
+                [i / 5 % 4],
+            _ => {
+                let [a, b, c, d] = [0, 1, 2, 3].map(|e| unit(i, lane + e));
+                let sum = a + b + c + d + 0.01;
+                [a / sum, b / sum, c / sum, 1.0 - (a + b + c) / sum]
+            }
+        };
+        store.feeling.push(weights(0));
+        let mut character = [4, 5, 6, 7].map(|lane| unit(i, lane));
+        match i % 7 {
+            0 => character[0] = 0.0,
+            1 => character[1] = 0.0,
+            2 => character = [1.0; 4],
+            _ => {}
+        }
+        store.temperament.extend([weights(8), character]);
+        let ratio = if i % 9 == 4 { 0.0 } else { 1.5 };
+        store.paces.extend([
+            [12, 13, 14, 15].map(|lane| 0.6 + unit(i, lane)),
+            [16, 17, 18, 19].map(|lane| 0.9 + 0.6 * unit(i, lane)),
+            [ratio, 1.8, 0.0, 0.0],
+        ]);
+        store.look.push([(i as u32 % 6) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0]);
+        store.gait_weights.push([0.25; 4]);
+        store.gaits.push([0; 4]);
+        if store.manners[i][3] >= LED {
+            let (first, count) = (store.keyframes.len() as u32, [3, 0, 1, 4][i / 64 % 4]);
+            let start = 100.0 * store.step.time_step - 2.0 * unit(i, 20);
+            for k in 0..count {
+                let at = |lane: u32| 8.0 * unit(i, lane + 2 * k);
+                store.keyframes.push([start + k as f32, at(21), at(22), 0.0]);
+            }
+            store.paths.push([i as u32, first, count, 0]);
+        }
+    }
+    store.step.path_count = store.paths.len() as u32;
+    let at = if agents > 0 && store.position[0][0] < 1e6 { store.position[0] } else { [1.0, 1.0] };
+    let times = [[90.0, 110.0], [100.0, 101.0], [90.0, 100.0], [101.0, 120.0], [0.0, 1000.0]];
+    for (i, [first, end]) in times.into_iter().enumerate() {
+        let place = if i == 0 { at } else { [5.0 * unit(i, 40), 5.0 * unit(i, 41)] };
+        store.stimuli.push([place[0], place[1], 4.0 + i as f32, 1.0 - 0.2 * i as f32]);
+        store.stimuli.push([[1.0, 0.0, 2.0, 1.0, 3.0][i], first, end, 0.0]);
+    }
+    store.new_feeling = vec![[f32::NAN; 4]; agents + 3];
+    for _ in 0..3 {
+        store.feeling.push([f32::NAN; 4]);
+        store.temperament.extend([[f32::NAN; 4]; 2]);
+        store.paces.extend([[f32::NAN; 4]; 3]);
+        store.look.push([0; 4]);
+        store.gait_weights.push([f32::NAN; 4]);
+    }
+    store
+}
