@@ -41,6 +41,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "prefer",
     "skin",
     "stand",
+    "teleport",
     "velocity_orca",
     "velocity_rvo",
 ];

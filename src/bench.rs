@@ -271,6 +271,13 @@ impl Sequence {
             store.floors = vec![[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE]; // everyone is on it
             store.step.floor_count = 1;
         }
+        if kernel == Some(KernelId::LeadAgents) {
+            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
+        }
+        if kernel == Some(KernelId::Teleport) {
+            store.teleport_of.fill(0);
+            (store.teleports, store.step.teleport_count) = (vec![[0.0; 4]; 2], 1);
+        }
         let passes = order::step_passes(&store.step);
         Self::new(None, agents, store, passes, (backend, device))
     }
@@ -376,17 +383,12 @@ impl Sequence {
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);
         }
-        if kernel == KernelId::LeadAgents {
-            let mut store = crossing(agents, SPACING);
-            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
-            let passes = order::step_passes(&store.step);
-            return Self::new(None, agents, store, passes, (backend, device));
-        }
         if Self::ALTERNATIVES.contains(&kernel) {
             return Self::alternative(kernel, agents, backend, device);
         }
-        let all =
+        let mut all =
             crate::kernels::layout::StepUniforms { group_count: 1, floor_count: 1, ..Default::default() };
+        (all.led_count, all.teleport_count) = (1, 1);
         let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)

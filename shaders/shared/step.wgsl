@@ -41,5 +41,5 @@ struct StepUniforms {
     crowding_reach: f32,         // m ahead over which their density is measured
     group_count: u32,            // groups of people who walk together
     floor_count: u32,            // floors above the ground
-    unused: u32,
+    teleport_count: u32,         // places where walkers are taken away and put elsewhere
 }

@@ -11,6 +11,7 @@ mod figures;
 mod gait;
 mod output;
 mod perceive;
+mod place;
 mod preference;
 mod progress;
 #[cfg(feature = "vulkan")]
@@ -56,6 +57,8 @@ enum Command {
     Render(render::Arguments),
     /// Walk other people's crowds, recorded or simulated, with bodies, gaits and emotions
     Replay(replay::Arguments),
+    /// Take scenes of other programs over
+    Scene(place::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),
     /// Import, show or generate gaits
@@ -80,6 +83,7 @@ pub fn main() -> ExitCode {
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
+        Command::Scene(arguments) => place::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]

@@ -52,7 +52,7 @@ pub struct StepUniforms {
     pub crowding_reach: f32,
     pub group_count: u32,
     pub floor_count: u32,
-    pub unused: u32,
+    pub teleport_count: u32,
 }
 
 /// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.

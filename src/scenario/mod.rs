@@ -20,6 +20,7 @@ mod lanes;
 mod layout;
 mod led;
 mod load;
+pub mod menge;
 mod mesh;
 mod parking;
 pub mod people;
@@ -31,6 +32,7 @@ mod schema;
 mod scifi;
 mod sources;
 mod validate;
+mod walkers;
 
 pub use clearance::Clearance;
 pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
@@ -50,3 +52,4 @@ pub use schema::{
     Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
+pub use walkers::{Teleport, Walker};

@@ -5,6 +5,7 @@ use super::floors::Floor;
 use super::gaze::Gaze;
 use super::journeys::{Journey, Source, Stage};
 use super::people::Class;
+use super::walkers::Walker;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -67,6 +68,9 @@ pub struct Scenario {
     /// Where people come in while the simulation runs.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sources: Vec<Source>,
+    /// Agents one by one, each with a start and a way of its own, in addition to those of `population`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walkers: Vec<Walker>,
     /// What the place looks like. Solid props are obstacles too.
     #[serde(default)]
     pub environment: Environment,

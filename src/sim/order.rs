@@ -15,6 +15,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     let mut passes = vec![
         pass(KernelId::LeadAgents, 0, agents),
+        pass(KernelId::Teleport, 0, agents),
         pass(KernelId::Journey, 0, agents),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
@@ -42,6 +43,9 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     }
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
+    }
+    if step.teleport_count == 0 {
+        passes.retain(|pass| pass.kernel != KernelId::Teleport);
     }
     if step.obstacle_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::Contain);

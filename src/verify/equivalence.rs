@@ -55,6 +55,7 @@ const INTEGERS: &[&str] = &[
     "run_sums",
     "slot_agent",
     "sources",
+    "teleport_of",
     "visible",
 ];
 

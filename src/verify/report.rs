@@ -85,6 +85,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::Enter => (0.0, "m", "copies of places; who is near is a comparison of squares"),
         KernelId::Journey => (1e-4, "m", "places in regions of up to a kilometre"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
+        KernelId::Teleport => (1e-5, "m", "one product and one sum"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
         KernelId::Accompany => {
