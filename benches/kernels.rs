@@ -46,6 +46,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "react",
     "skin",
     "stand",
+    "teleport",
     "velocity_orca",
     "velocity_rvo",
 ];

@@ -282,6 +282,13 @@ impl Sequence {
             store.floors = vec![[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE]; // everyone is on it
             store.step.floor_count = 1;
         }
+        if kernel == Some(KernelId::LeadAgents) {
+            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
+        }
+        if kernel == Some(KernelId::Teleport) {
+            store.teleport_of.fill(0);
+            (store.teleports, store.step.teleport_count) = (vec![[0.0; 4]; 2], 1);
+        }
         let passes = order::step_passes(&store.step);
         Self::new(None, agents, store, passes, (backend, device))
     }
@@ -406,12 +413,13 @@ impl Sequence {
         if Self::ALTERNATIVES.contains(&kernel) {
             return Self::alternative(kernel, agents, backend, device);
         }
-        let all = crate::kernels::layout::StepUniforms {
+        let mut all = crate::kernels::layout::StepUniforms {
             group_count: 1,
             floor_count: 1,
             reaction_steps: 1,
             ..Default::default()
         };
+        (all.led_count, all.teleport_count) = (1, 1);
         let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)

@@ -18,6 +18,8 @@ set step
 barrier
 lead_agents 0
 barrier
+teleport
+barrier
 journey
 barrier
 grid_count

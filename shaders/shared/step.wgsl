@@ -44,4 +44,5 @@ struct StepUniforms {
     reaction_steps: u32,         // until this step somebody may still have to react
     feels: u32,                  // 1: feelings change
     path_count: u32,             // agents that are led on a path
+    teleport_count: u32,         // places where walkers are taken away and put elsewhere
 }

@@ -11,6 +11,7 @@ mod figures;
 mod gait;
 mod output;
 mod perceive;
+mod place;
 mod preference;
 mod progress;
 #[cfg(feature = "vulkan")]
@@ -62,6 +63,8 @@ enum Command {
     /// Walk through a crowd with a headset
     #[cfg(feature = "xr")]
     Xr(xr::Arguments),
+    /// Take scenes of other programs over
+    Scene(place::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),
     /// Import, show or generate gaits
@@ -91,6 +94,7 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         #[cfg(feature = "xr")]
         Command::Xr(arguments) => xr::run(&arguments),
+        Command::Scene(arguments) => place::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]

@@ -55,6 +55,7 @@ pub struct StepUniforms {
     pub reaction_steps: u32,
     pub feels: u32,
     pub path_count: u32,
+    pub teleport_count: u32,
 }
 
 /// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.

@@ -211,6 +211,7 @@ impl<'a> Cast<'a> {
             scale,
             colors: colors(seed, agent),
             phase: bits(seed, agent, Purpose::Phase, 0),
+            teleport: None,
             route_start: place.route_start,
             route_length: place.route_length,
             waypoint: place.waypoint,

@@ -1,6 +1,7 @@
 //! The start state of every agent: what [`crate::sim`] needs to begin, the same on every machine.
 
 use super::people::Manners;
+use super::walkers::Teleport;
 use glam::Vec2;
 
 /// What a stage of a journey asks of who comes to it.
@@ -99,6 +100,8 @@ pub struct AgentStart {
     pub colors: [u32; 4],
     /// Phase of the walk cycle, the whole u32 range is one stride.
     pub phase: u32,
+    /// Where it is taken away and where it is put.
+    pub teleport: Option<Teleport>,
     /// First stage of the agent's route in [`Crowd::stages`].
     pub route_start: u32,
     /// Number of stages of the route, at least 1.

@@ -21,6 +21,7 @@ mod lanes;
 mod layout;
 mod led;
 mod load;
+pub mod menge;
 mod mesh;
 mod outsiders;
 mod parking;
@@ -35,6 +36,7 @@ mod sources;
 mod validate;
 mod walkable;
 mod way_finding;
+mod walkers;
 
 pub use clearance::Clearance;
 pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
@@ -58,3 +60,4 @@ pub use schema::{
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
 pub use walkable::Area;
 pub use way_finding::{Way, WayFinding};
+pub use walkers::{Teleport, Walker};

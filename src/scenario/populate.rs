@@ -92,12 +92,18 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let geometry = scenario.geometry();
     let cast = Cast::new(scenario, chooser)?;
     if scenario.population.agents == 0 {
-        return Ok(Crowd { outsiders: super::outsiders::cast(scenario, &cast)?, ..Crowd::default() });
+        let mut crowd =
+            Crowd { outsiders: super::outsiders::cast(scenario, &cast)?, ..Crowd::default() };
+        super::walkers::join(scenario, chooser, &mut crowd)?;
+        return Ok(crowd);
     }
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
     let lanes = Lanes::new(scenario, &geometry, &free)?;
     let mut places = Places::new(scenario, &geometry, &free, &lanes)?;
     let split = sources::split(scenario);
+    for walker in &scenario.walkers {
+        places.taken.insert(Vec2::from(walker.position));
+    }
     let mut agents: Vec<AgentStart> = Vec::with_capacity(scenario.population.agents as usize);
     while let Some(members) = next_group(scenario, &agents, split.start) {
         for (agent, place) in members.clone().zip(places.place(&members)?) {
@@ -127,7 +133,9 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
         agents.push(cast.agent(agent, Place::NOWHERE, Entry::Never)?);
     }
     let outsiders = super::outsiders::cast(scenario, &cast)?;
-    Ok(Crowd { agents, outsiders, sources: starts, stages: lanes.stages })
+    let mut crowd = Crowd { agents, outsiders, sources: starts, stages: lanes.stages };
+    super::walkers::join(scenario, chooser, &mut crowd)?;
+    Ok(crowd)
 }
 
 /// The number of the next agent.

@@ -8,6 +8,7 @@ use super::journeys::{Journey, Source, Stage};
 use super::outsiders::Outsider;
 use super::people::Class;
 use super::way_finding::WayFinding;
+use super::walkers::Walker;
 use crate::gait::walker::Sex;
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
@@ -93,6 +94,9 @@ pub struct Scenario {
     /// Robots, vehicles and tracked people: agents that are led from outside. Their ids follow those of the population.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub outsiders: Vec<Outsider>,
+    /// Agents one by one, each with a start and a way of its own, in addition to those of `population`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub walkers: Vec<Walker>,
     /// What the place looks like. Solid props are obstacles too.
     #[serde(default)]
     pub environment: Environment,

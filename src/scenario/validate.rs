@@ -77,6 +77,7 @@ impl Scenario {
         routes(&self.routes)?;
         spawns(&self.spawns, &self.routes, self.layout)?;
         super::journeys::validate(self)?;
+        super::walkers::validate(self)?;
         self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
     }
 }

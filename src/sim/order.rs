@@ -16,6 +16,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let mut passes = vec![
         pass(KernelId::FollowPaths, 0, Extent::Invocations(step.path_count)),
         pass(KernelId::LeadAgents, 0, agents),
+        pass(KernelId::Teleport, 0, agents),
         pass(KernelId::Journey, 0, agents),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
@@ -52,6 +53,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         KernelId::FollowPaths => step.path_count > 0,
         KernelId::Feel | KernelId::Express => step.feels > 0,
         KernelId::Persevere => step.patience > 0.0,
+        KernelId::Teleport => step.teleport_count > 0,
         KernelId::Contain => step.obstacle_count > 0,
         _ => true,
     });

@@ -9,7 +9,7 @@ use crate::reference::shared::{ABSENT, LED, NOBODY};
 use crate::reference::stages::{self, STAGE_STRIDE};
 use crate::scenario::{
     AgentStart, Crowd, Entry, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario, SourceStart,
-    Stop, StopKind,
+    Stop, StopKind, Teleport,
 };
 use glam::Vec2;
 
@@ -190,6 +190,10 @@ pub fn scratch(store: &mut Store) {
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
     }
+    if store.teleports.is_empty() {
+        store.teleports.push([0.0; 4]);
+    }
+    store.teleport_of.resize(agents, NOBODY);
 }
 
 /// Has an agent led from outside ([`super::Simulation::lead`]): it is absent until it is told where to be, goes there
@@ -243,6 +247,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     };
     store.step.reaction_steps = store.step.reaction_steps.max(until);
     store.reaction.push(until);
+    push_teleport(store, agent);
     store.stance.push([agent.heading, f32::from(u8::from(reaction == 0))]);
     store.phase.push(agent.phase);
     let loops = u32::from(agent.loops) << 31;
@@ -280,6 +285,22 @@ fn push_source(store: &mut Store, source: &SourceStart) {
     store.source_places.extend(source.places.iter().map(Vec2::to_array));
     let agents = [source.first_agent, source.agents];
     store.sources.extend([first, places, agents[0], agents[1], 0, widest.to_bits(), 0, 0]);
+}
+
+/// Walkers mostly share their teleports.
+fn push_teleport(store: &mut Store, agent: &AgentStart) {
+    let Some(Teleport { from, to }) = agent.teleport else {
+        store.teleport_of.push(NOBODY);
+        return;
+    };
+    let boxes = [from, to].map(|[low, high]| [low[0], low[1], high[0], high[1]]);
+    let known = store.teleports.chunks_exact(2).position(|known| known == boxes);
+    let number = known.unwrap_or(store.teleports.len() / 2);
+    if known.is_none() {
+        store.teleports.extend(boxes);
+    }
+    store.teleport_of.push(number as u32);
+    store.step.teleport_count = (store.teleports.len() / 2) as u32;
 }
 
 /// How an agent avoids others: horizon in s, distance of the neighbours it considers in m, how many at most, priority.

@@ -56,6 +56,7 @@ const INTEGERS: &[&str] = &[
     "run_sums",
     "slot_agent",
     "sources",
+    "teleport_of",
     "visible",
 ];
 

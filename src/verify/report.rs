@@ -88,6 +88,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::Feel => (1e-5, "", "sums of rounded shares, exponentials"),
         KernelId::Express => (1e-5, "m, m/s", "sums of four products"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
+        KernelId::Teleport => (1e-5, "m", "one product and one sum"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
         KernelId::Accompany => {

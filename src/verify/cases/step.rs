@@ -53,6 +53,10 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
         ..Store::default()
     };
     agent_arrays(&mut store, agents, side, seed);
+    let half = 0.5 * side;
+    store.teleports =
+        vec![[0.0, 0.0, half, side], [half, 0.0, side, half], [-9.0, 0.0, -8.0, side], [1.0; 4]];
+    store.step.teleport_count = 2;
     groups(&mut store, agents, seed);
     obstacles(&mut store, side);
     floors(&mut store, side);
@@ -97,6 +101,8 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         let priority = if is_led { LED } else { (u(15) * 3.0).floor() * 0.5 };
         let speed = if i % 256 == 38 { 0.02 } else { 3.0 };
         let target = if (i / 64) % 4 == 3 { [ABSENT; 2] } else { [u(20) * side, u(21) * side] };
+        // taken away: of two boxes, one at the edge that many stand in, and one that nobody is in
+        store.teleport_of.push(if i % 16 == 9 { u32::from(i % 64 == 9) } else { NOBODY });
         store.lead.push([target[0], target[1], (u(22) - 0.5) * speed, (u(23) - 0.5) * speed]);
         store.step.led_count += u32::from(is_led);
         store.manners.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
@@ -118,6 +124,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.elevation.push(f32::NAN);
         store.lead.push([f32::NAN; 4]);
         store.reaction.push(u32::MAX);
+        store.teleport_of.push(0);
         store.stance.push([f32::NAN; 2]);
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);
@@ -204,6 +211,10 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.sources = vec![0; 8];
     store.source_places = vec![[f32::NAN; 2]];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
+    store.teleport_of.resize(spare, NOBODY);
+    if store.teleports.is_empty() {
+        store.teleports.push([0.0; 4]);
+    }
     if store.lead.is_empty() {
         store.lead.push([0.0; 4]);
     }

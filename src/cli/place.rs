@@ -1,0 +1,92 @@
+//! `gaitway scene import`: other programs' scenes as scenario files.
+
+use super::output::{note, say, say_json, thousands};
+use super::usage;
+use crate::Error;
+use crate::export::AtomicFile;
+use crate::scenario::menge;
+use clap::{Args, Subcommand};
+use serde::Serialize;
+use std::io::Write as _;
+use std::path::PathBuf;
+
+/// Arguments of `gaitway scene`.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Take a Menge project over: its scene and behaviour as a scenario file
+    Import(ImportArguments),
+}
+
+/// Arguments of `gaitway scene import`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway scene import 4square.xml --out 4square.toml\n  gaitway simulate 4square.toml \
+                  --seconds 40\n\nWhat is not taken over is named with file and line."
+)]
+struct ImportArguments {
+    /// A Menge project: the XML that names scene and behaviour
+    #[arg(value_name = "PROJECT.xml")]
+    project: PathBuf,
+    /// Where to write the scenario [default: the project's name with .toml, here]
+    #[arg(long, value_name = "FILE.toml")]
+    out: Option<PathBuf>,
+    /// Seed of the draws that the scene leaves open
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was written.
+#[derive(Debug, Serialize)]
+struct Outcome {
+    file: PathBuf,
+    #[serde(flatten)]
+    report: menge::Report,
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    let Command::Import(arguments) = &arguments.command;
+    let imported = menge::import(&arguments.project, arguments.seed)?;
+    let file = match &arguments.out {
+        Some(out) => out.clone(),
+        None => PathBuf::from(format!("{}.toml", imported.scenario.name)),
+    };
+    if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
+        return Err(usage(format!("--out {}: a scenario ends in .toml", file.display()), "use FILE.toml"));
+    }
+    let text = imported.scenario.to_toml()?;
+    let mut target = AtomicFile::create(&file)?;
+    target
+        .write_all(text.as_bytes())
+        .map_err(|source| crate::export::Error::Write { path: file.clone(), source })?;
+    target.finish()?;
+    let outcome = Outcome { file, report: imported.report };
+    if arguments.json {
+        say_json(&outcome)?;
+        return Ok(true);
+    }
+    let Outcome { file, report } = &outcome;
+    say(&format!("written       {}", file.display()));
+    say(&format!(
+        "agents        {} ({} with an end to their way)",
+        thousands(report.agents as u64),
+        report.with_an_end
+    ));
+    say(&format!("obstacles     {}", thousands(report.obstacles as u64)));
+    for line in &report.notes {
+        say(&format!("note          {line}"));
+    }
+    for line in &report.unsupported {
+        note(&format!("not taken over: {line}"));
+    }
+    Ok(true)
+}

@@ -1,0 +1,95 @@
+//! Files, and attributes of elements, with errors that say where.
+
+use super::super::error::Error;
+use roxmltree::{Document, Node, ParsingOptions};
+use std::path::{Path, PathBuf};
+
+/// Largest file read, bytes.
+const MAX_BYTES: u64 = 64 << 20;
+/// Most elements of a file.
+const MAX_NODES: u32 = 2_000_000;
+
+/// A text file.
+#[derive(Debug)]
+pub(super) struct Source {
+    pub(super) path: PathBuf,
+    pub(super) text: String,
+}
+
+impl Source {
+    pub(super) fn read(path: &Path) -> Result<Self, Error> {
+        let read = |source| Error::Read { path: path.to_owned(), source };
+        let size = std::fs::metadata(path).map_err(read)?.len();
+        if size > MAX_BYTES {
+            let message = format!("{size} bytes; a scene may have up to {MAX_BYTES}");
+            return Err(read(std::io::Error::other(message)));
+        }
+        let text = std::fs::read_to_string(path).map_err(read)?;
+        Ok(Self { path: path.to_owned(), text })
+    }
+
+    pub(super) fn parse(&self) -> Result<Document<'_>, Error> {
+        let options =
+            ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+        Document::parse_with_options(&self.text, options).map_err(|error| Error::Syntax {
+            place: format!("{}:{}", self.path.display(), error.pos().row),
+            message: error.to_string(),
+        })
+    }
+
+    /// The same for a line of a text that is no XML.
+    pub(super) fn wrong_line(&self, line: usize, message: impl Into<String>) -> Error {
+        Error::Syntax { place: format!("{}:{line}", self.path.display()), message: message.into() }
+    }
+}
+
+/// `file:line` of an element, with the file's name alone.
+pub(super) fn place(source: &Source, node: &Node<'_, '_>) -> String {
+    let name = source.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    format!("{name}:{}", node.document().text_pos_at(node.range().start).row)
+}
+
+pub(super) fn wrong(source: &Source, node: &Node<'_, '_>, message: impl Into<String>) -> Error {
+    let line = node.document().text_pos_at(node.range().start).row;
+    Error::Syntax { place: format!("{}:{line}", source.path.display()), message: message.into() }
+}
+
+/// A finite number, if the attribute is there.
+pub(super) fn maybe(source: &Source, node: &Node<'_, '_>, name: &str) -> Result<Option<f32>, Error> {
+    let Some(text) = node.attribute(name) else { return Ok(None) };
+    match text.trim().parse::<f32>() {
+        Ok(value) if value.is_finite() => Ok(Some(value)),
+        _ => Err(wrong(source, node, format!("{name}={text:?} of <{}> is not a finite number", tag(node)))),
+    }
+}
+
+/// A finite number that must be there.
+pub(super) fn need(source: &Source, node: &Node<'_, '_>, name: &str) -> Result<f32, Error> {
+    maybe(source, node, name)?
+        .ok_or_else(|| wrong(source, node, format!("<{}> has no attribute {name}", tag(node))))
+}
+
+/// A count of at most `most`.
+pub(super) fn count(source: &Source, node: &Node<'_, '_>, name: &str, most: u32) -> Result<u32, Error> {
+    let text = node.attribute(name).unwrap_or("");
+    match text.trim().parse::<u32>() {
+        Ok(value) if value <= most => Ok(value),
+        _ => Err(wrong(source, node, format!("{name}={text:?} of <{}> is not 0 to {most}", tag(node)))),
+    }
+}
+
+pub(super) fn tag<'a>(node: &Node<'a, '_>) -> &'a str {
+    node.tag_name().name()
+}
+
+/// The elements within an element.
+pub(super) fn children<'a, 'input>(
+    node: &Node<'a, 'input>,
+) -> impl Iterator<Item = Node<'a, 'input>> + use<'a, 'input> {
+    node.children().filter(Node::is_element)
+}
+
+/// The attribute `type`.
+pub(super) fn kind<'a>(node: &Node<'a, '_>) -> &'a str {
+    node.attribute("type").unwrap_or("")
+}
