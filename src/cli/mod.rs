@@ -22,6 +22,7 @@ mod sheet;
 mod simulate;
 #[cfg(feature = "vulkan")]
 mod stage;
+mod validate;
 #[cfg(feature = "vulkan")]
 mod verify;
 
@@ -63,6 +64,9 @@ enum Command {
     /// Compare every kernel on this machine's Vulkan device with its CPU twin
     #[cfg(feature = "vulkan")]
     Verify(verify::Arguments),
+    #[allow(clippy::doc_markdown, reason = "shown as it is by --help")]
+    /// Test whether crowds move like people: RiMEA, NIST, fundamental diagrams, recorded crowds
+    Validate(validate::Arguments),
     /// Time every kernel and the whole step
     Bench(bench::Arguments),
     /// List the Vulkan devices of this machine
@@ -84,6 +88,7 @@ pub fn main() -> ExitCode {
         Command::Gait(arguments) => gait::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Verify(arguments) => verify::run(&arguments),
+        Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Devices(arguments) => devices::run(&arguments),
         #[cfg(feature = "vulkan")]

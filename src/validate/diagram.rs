@@ -7,7 +7,7 @@ use glam::Vec2;
 use std::f32::consts::TAU;
 
 /// Radius of the ring's middle, m.
-const RADIUS: f32 = 12.0;
+const RING_RADIUS: f32 = 12.0;
 /// Corners of each wall.
 const CORNERS: u32 = 72;
 /// Points of everyone's way.
@@ -34,7 +34,7 @@ pub fn ring(density: f32, width: f32, seconds: f32) -> Result<Scene, Error> {
             .map(|i| (Vec2::from_angle(TAU * i as f32 / corners as f32) * radius).to_array())
             .collect()
     };
-    let (inner, outer) = (RADIUS - 0.5 * width, RADIUS + 0.5 * width);
+    let (inner, outer) = (RING_RADIUS - 0.5 * width, RING_RADIUS + 0.5 * width);
     let mut scene = Scene::new("ring", &circle(outer, CORNERS), seconds)?;
     scene.solid(&circle(inner, CORNERS));
     let area = 0.5 * TAU * (outer * outer - inner * inner);

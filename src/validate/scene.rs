@@ -13,6 +13,9 @@ use serde::Serialize;
 /// Degrees by which a scene is turned in [`Variant::Rotated`].
 pub const TURN_DEG: f32 = 37.0;
 
+/// Steps that a scene goes on after everyone has come where it ends.
+const AFTER: u32 = 300;
+
 /// How a scene lies on the grid of the neighbour search, and on the axes: results must not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
@@ -67,6 +70,25 @@ pub struct Scene {
     pub seconds: f32,
     /// Steps between two recorded frames.
     pub every: u32,
+    /// It ends when everyone has come to this point of their way.
+    pub until: Option<u32>,
+}
+
+/// Something broken on purpose, to see that tests notice.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Fault {
+    /// Nothing.
+    #[default]
+    None,
+    /// Everyone walks at half their speed.
+    HalfSpeed,
+    /// Nobody walks.
+    Frozen,
+    /// There are no walls.
+    NoWalls,
+    /// Nobody sees anybody.
+    Blind,
 }
 
 /// What everybody runs on.
@@ -75,6 +97,9 @@ pub struct Stage {
     cast: Cast,
     backend: Backend,
     device: Option<String>,
+    /// What is broken.
+    #[doc(hidden)]
+    pub fault: Fault,
 }
 
 impl Stage {
@@ -85,7 +110,7 @@ impl Stage {
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
         let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
-        Ok(Self { cast, backend, device: device.map(str::to_owned) })
+        Ok(Self { cast, backend, device: device.map(str::to_owned), fault: Fault::None })
     }
 }
 
@@ -116,7 +141,7 @@ impl Scene {
             "name = \"{name}\"\nbounds = {bounds:?}\n[population]\nagents = 0\n[user]\navoided = false\n"
         );
         let scenario = Scenario::parse(&text, name)?;
-        Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3 })
+        Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3, until: None })
     }
 
     /// Adds something solid.
@@ -174,6 +199,7 @@ impl Scene {
             crate::sim::setup::set_obstacles(&mut store, &polygons);
             crate::sim::setup::scratch(&mut store);
         }
+        stage.fault.apply(&mut store);
         let simulation = Simulation::from_store(store, stage.backend, stage.device.as_deref())?;
         Ok((simulation, frame))
     }
@@ -209,7 +235,7 @@ impl Scene {
         let mut tracks =
             Tracks::new(1.0 / (f64::from(self.scenario.navigation.time_step) * f64::from(self.every)));
         let (mut outside, mut overlapping) = (0, 0);
-        let steps = self.steps();
+        let mut steps = self.steps();
         let mut done = 0;
         loop {
             let store = simulation.state()?;
@@ -222,6 +248,13 @@ impl Scene {
             outside += positions.iter().flatten().map(|p| u32::from(!free.walkable(*p))).sum::<u32>();
             overlapping = overlapping.max(crate::sim::measure::moment(store).overlapping_pairs);
             tracks.push(&positions);
+            let has_come = |route: &[u32; 4], point: u32| route[2] >= point || route[3] > 0;
+            let all_came =
+                self.until.is_some_and(|point| store.route[..agents].iter().all(|r| has_come(r, point)));
+            if all_came {
+                // those who come last walk on a little
+                steps = steps.min(done + AFTER);
+            }
             if done >= steps {
                 let arrivals = store.route[..agents].iter().map(|route| route[3]).collect();
                 let hash = crate::sim::measure::state_hash(store);
@@ -288,5 +321,27 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         speed_factor: 1.0,
         reaction: 0.0,
         elevation: 0.0,
+    }
+}
+
+impl Fault {
+    fn apply(self, store: &mut crate::kernels::Store) {
+        let slowed = match self {
+            Self::None => return,
+            Self::HalfSpeed => 0.5,
+            Self::Frozen => 0.0,
+            Self::NoWalls => {
+                crate::sim::setup::set_obstacles(store, &[]);
+                return;
+            }
+            Self::Blind => {
+                store.manners.iter_mut().for_each(|manners| manners[2] = 0.0);
+                return;
+            }
+        };
+        for body in &mut store.body {
+            body[1] = (body[1] * slowed).max(1e-3);
+            body[2] *= slowed;
+        }
     }
 }

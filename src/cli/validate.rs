@@ -1,0 +1,106 @@
+//! `gaitway validate`: the tests that pedestrian scientists use, and what real crowds did.
+
+use super::output::{note, say, say_json, table};
+use super::progress::Progress;
+use super::scene::PlaceArguments;
+use crate::Error;
+use crate::validate::judge::Outcome;
+use crate::validate::scene::Stage;
+use crate::validate::{Options, Validation, report, run as run_tests, tests};
+use clap::Args;
+use serde::Serialize;
+use std::path::PathBuf;
+
+/// Arguments of `gaitway validate`.
+#[derive(Debug, Args)]
+#[command(
+    after_help = "Examples:\n  gaitway validate\n  gaitway validate rimea-4 lanes --out report\n  gaitway validate --quick \
+                  --backend cpu --json\n\nExit code 1 when a value misses its criterion. Recorded crowds are read from --data, \
+                  GAITWAY_DATA or ../shared/data; without them their tests are left out.\ngaitway is no certified \
+                  evacuation tool."
+)]
+pub(super) struct Arguments {
+    /// Tests by name (see --list); none: all
+    #[arg(value_name = "TEST")]
+    tests: Vec<String>,
+    /// Write the report (validation.md and its figures) into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Folder with recorded crowds (crowd-juelich, crowd-ucy)
+    #[arg(long, value_name = "DIR")]
+    data: Option<PathBuf>,
+    /// Fewer people, shorter runs, and scenes only as they are (not turned and shifted)
+    #[arg(long)]
+    quick: bool,
+    /// Name the tests and stop
+    #[arg(long)]
+    list: bool,
+    #[command(flatten)]
+    place: PlaceArguments,
+    /// Print one JSON object: {tests: [{name, variant, value, criterion, pass}], device}
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Serialize)]
+struct Json<'a> {
+    tests: &'a [Outcome],
+    device: &'a str,
+}
+
+/// Runs the subcommand; false when a value misses its criterion.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    if arguments.list {
+        let rows: Vec<_> = tests::ALL.iter().map(|t| vec![t.name.to_owned(), t.title.to_owned()]).collect();
+        table(&["test", "what"], &rows);
+        return Ok(true);
+    }
+    let from_environment = || std::env::var_os("GAITWAY_DATA").map(PathBuf::from);
+    let beside = PathBuf::from("../shared/data");
+    let options = Options {
+        tests: arguments.tests.clone(),
+        is_quick: arguments.quick,
+        data: arguments.data.clone().or_else(from_environment).or_else(|| beside.is_dir().then_some(beside)),
+    };
+    let (backend, device) = arguments.place.get()?;
+    let stage = Stage::new(backend, device)?;
+    let mut progress = Progress::new("validating");
+    let validation = run_tests(&stage, &options, &mut |what, share| progress.at(what, share))?;
+    drop(progress);
+    for skipped in &validation.skipped {
+        note(&format!("left out: {skipped}"));
+    }
+    if let Some(folder) = &arguments.out {
+        let page = report::write(folder, &validation, &options)?;
+        note(&format!("wrote {}", page.display()));
+    }
+    if arguments.json {
+        say_json(&Json { tests: &validation.outcomes, device: &validation.device })?;
+    } else {
+        print(&validation);
+    }
+    Ok(validation.pass())
+}
+
+fn print(validation: &Validation) {
+    let row = |outcome: &Outcome| {
+        let value = format!("{:.3}", outcome.value);
+        let pass = if outcome.pass { "pass" } else { "FAIL" };
+        vec![
+            outcome.name.clone(),
+            outcome.variant.to_owned(),
+            value,
+            pass.to_owned(),
+            outcome.criterion.clone(),
+        ]
+    };
+    let rows: Vec<_> = validation.outcomes.iter().map(row).collect();
+    table(&["value", "variant", "found", "", "criterion"], &rows);
+    let failed = validation.outcomes.iter().filter(|outcome| !outcome.pass).count();
+    say(&format!("device  {}", validation.device));
+    say(&match failed {
+        0 => format!("all {} values meet their criteria", rows.len()),
+        failed => format!("{failed} of {} values fail", rows.len()),
+    });
+    say("gaitway is no certified evacuation tool");
+}

@@ -1,0 +1,151 @@
+//! Fundamental diagrams.
+
+use super::super::diagram::{ring, speed_round, weidmann};
+use super::super::files;
+use super::super::judge::{Bench, Criterion, Test};
+use super::super::measure::{Area, mean, voronoi};
+use super::super::tracks::Tracks;
+use crate::Error;
+use crate::export::chart::{Curve, Plot, Stroke};
+use glam::Vec2;
+
+const BLUE: [u8; 3] = [66, 118, 190];
+const RED: [u8; 3] = [200, 66, 52];
+const YELLOW: [u8; 3] = [222, 158, 20];
+
+pub(super) const RIMEA_4: Test = Test {
+    name: "rimea-4",
+    title: "The fundamental diagram follows Weidmann's from 0.5 to 3 people/m²",
+    about: "RiMEA guideline, test 4, against v = 1.34 (1 - exp(-1.913 (1/ρ - 1/5.4))) m/s (Weidmann 1993): within 15 %. All walk \
+            one way round a ring 3 m wide and 75 m long; density is people over its area, speed the mean along it.",
+    run: ring_diagram,
+    has_variants: true,
+};
+
+fn ring_diagram(bench: &Bench<'_>) -> Result<(), Error> {
+    let densities: &[f32] = if bench.is_quick { &[0.5, 1.5, 3.0] } else { &[0.5, 1.0, 1.5, 2.0, 2.5, 3.0] };
+    let seconds = if bench.is_quick { 12.0 } else { 30.0 };
+    let (mut points, mut outside) = (Vec::new(), 0);
+    for &density in densities {
+        let run = bench.run(&ring(density, 3.0, seconds)?)?;
+        let found = speed_round(&run.tracks, 0.5 * f64::from(seconds));
+        outside += run.outside;
+        let density = f64::from(density);
+        points.push([density, found]);
+        let deviation = found / weidmann(density) - 1.0;
+        bench.say(
+            &format!("density-{density:.1}"),
+            deviation,
+            Criterion::Within(-0.15, 0.15),
+            "of Weidmann's speed",
+        );
+    }
+    bench.say("outside", f64::from(outside), Criterion::AtMost(0.0), "places outside the walls");
+    bench.draw("rimea-4", || Plot {
+        title: "Speed over density, one way".into(),
+        axes: ["density, people/m²".into(), "speed, m/s".into()],
+        curves: vec![
+            curve_of_weidmann(),
+            Curve { name: "gaitway".into(), points, stroke: Stroke::Points, color: BLUE },
+        ],
+        note: "A ring 3 m wide and 75 m long.".into(),
+    });
+    Ok(())
+}
+
+fn curve_of_weidmann() -> Curve {
+    let points = (6..108).map(|i| f64::from(i) * 0.05).map(|density| [density, weidmann(density)]).collect();
+    Curve { name: "Weidmann 1993".into(), points, stroke: Stroke::Dashed, color: RED }
+}
+
+/// The recordings, each with as many people as its entrance and exit let in and out.
+const RECORDINGS: [&str; 6] = [
+    "uo-050-180-180",
+    "uo-060-180-180",
+    "uo-070-180-180",
+    "uo-100-180-180",
+    "uo-145-180-180",
+    "uo-180-180-095",
+];
+/// The corridor, and the area in it that PedPy measures.
+const CORRIDOR: Area = Area::new([0.0, -4.0], [1.8, 4.0]);
+const MEASURED: Area = Area::new([0.0, -2.0], [1.8, 0.0]);
+
+pub(super) const JUELICH_CORRIDOR: Test = Test {
+    name: "juelich-corridor",
+    title: "Speed over density as in the corridor of Jülich",
+    about: "Six experiments in a corridor 1.8 m wide (Forschungszentrum Jülich), Voronoi density and speed in x 0 to 1.8 m, y -2 to \
+            0 m, averaged in steps of 0.5 people/m². The ring is walked at the same density by people of the free speed of the \
+            experiment (its mean below 0.75 people/m²). Ours: the mean difference over the steps is at most 20 % of the \
+            measured speed.",
+    run: juelich,
+    has_variants: false,
+};
+
+/// Density and speed in the measured area, once a second.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "frames")]
+fn measured(tracks: &Tracks) -> Vec<[f64; 2]> {
+    let mut found = Vec::new();
+    for frame in (0..tracks.frames.len()).step_by((tracks.rate as usize).max(1)) {
+        let people: Vec<(Vec2, f64)> = tracks.frames[frame]
+            .iter()
+            .filter(|person| CORRIDOR.contains(person.1))
+            .filter_map(|&(who, at)| tracks.velocity(frame, who, 0.4).map(|v| (at, -f64::from(v.y))))
+            .collect();
+        // nobody there is no statement about speed
+        if people.iter().any(|(at, _)| MEASURED.contains(*at))
+            && let Some((density, speed)) = voronoi(&people, CORRIDOR, MEASURED)
+        {
+            found.push([density, speed]);
+        }
+    }
+    found
+}
+
+fn juelich(bench: &Bench<'_>) -> Result<(), Error> {
+    let mut points = Vec::new();
+    for name in RECORDINGS {
+        let Some(path) = bench.file(&format!("crowd-juelich/uni-directional/{name}.txt")) else {
+            return Ok(());
+        };
+        points.extend(measured(&files::juelich(&path, 0.01, 16.0).map_err(super::super::unusable)?));
+    }
+    let speeds = |low: f64, high: f64| -> Vec<f64> {
+        points.iter().filter(|p| p[0] >= low && p[0] < high).map(|p| p[1]).collect()
+    };
+    let free = mean(&speeds(0.0, 0.75));
+    let (mut found, mut differences) = (Vec::new(), Vec::new());
+    for step in 1..=6_u8 {
+        let density = 0.5 * f64::from(step);
+        let real = speeds(density - 0.25, density + 0.25);
+        if real.len() < 5 {
+            continue;
+        }
+        #[allow(clippy::cast_possible_truncation, reason = "a density and a speed")]
+        let (density32, free32) = (density as f32, free as f32);
+        let mut scene = ring(density32, 1.8, if bench.is_quick { 12.0 } else { 24.0 })?;
+        scene.walkers.iter_mut().for_each(|walker| walker.speed = free32);
+        let run = bench.run(&scene)?;
+        let speed = speed_round(&run.tracks, 0.5 * f64::from(scene.seconds));
+        found.push([density, speed]);
+        differences.push((speed / mean(&real) - 1.0).abs());
+    }
+    bench.say("free-speed", free, Criterion::Report, "");
+    bench.say("difference", mean(&differences), Criterion::AtMost(0.2), "of the measured speed");
+    bench.draw("juelich-corridor", || Plot {
+        title: "Speed over density in a corridor".into(),
+        axes: ["density, people/m²".into(), "speed, m/s".into()],
+        curves: vec![
+            Curve {
+                name: "Jülich, each second".into(),
+                points: points.clone(),
+                stroke: Stroke::Points,
+                color: YELLOW,
+            },
+            curve_of_weidmann(),
+            Curve { name: "gaitway".into(), points: found, stroke: Stroke::Line, color: BLUE },
+        ],
+        note: "Data: Forschungszentrum Jülich, IAS-7; Voronoi density and speed as in PedPy.".into(),
+    });
+    Ok(())
+}

@@ -1,0 +1,354 @@
+//! Rooms with doors: how long it takes to leave, where people jam, how many pass a second.
+
+use super::super::files;
+use super::super::judge::{Bench, Criterion, Test};
+use super::super::measure::{Area, classic_density, crossings, flow, flow_spread, mean};
+use super::super::rooms::{Room, places, unit, walker};
+use super::super::scene::{Scene, Walker};
+use crate::Error;
+use crate::export::chart::{Curve, Plot, Stroke};
+use glam::Vec2;
+
+const BLUE: [u8; 3] = [66, 118, 190];
+const RED: [u8; 3] = [200, 66, 52];
+
+/// `count` people anywhere in a room, at least 0.5 m from the wall with the door.
+fn fill(scene: &mut Scene, room: &Room, count: usize, speed: f32) {
+    let area = Area::new([0.3, 0.5], [room.width - 0.3, room.depth - 0.3]);
+    for (index, place) in places(area, count, 11).into_iter().enumerate() {
+        scene.walkers.push(walker(place, speed, room.way_out(index)));
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "thousands of people")]
+fn number(count: usize) -> f64 {
+    count as f64
+}
+
+/// When everyone is out, s; NaN if somebody is not.
+fn emptied(times: &[f64], count: usize) -> f64 {
+    if times.len() == count { times.last().copied().unwrap_or(0.0) } else { f64::NAN }
+}
+
+pub(super) const RIMEA_8: Test = Test {
+    name: "rimea-8",
+    title: "A room empties sooner with faster people and a wider door, later with more people",
+    about: "RiMEA guideline, test 8 (a study of parameters): every step moves the time in its direction. Value: how many \
+            of nine steps do not.",
+    run: study,
+    has_variants: false,
+};
+
+fn study(bench: &Bench<'_>) -> Result<(), Error> {
+    let time = |door: f32, count: usize, speed: f32| -> Result<f64, Error> {
+        let room = Room { width: 8.0, depth: 8.0, door, wall: 0.3 };
+        let mut scene = room.scene("study", 240.0)?;
+        fill(&mut scene, &room, count, speed);
+        let [a, b] = room.line();
+        Ok(emptied(&crossings(&bench.run(&scene)?.tracks, a, b), count))
+    };
+    let speeds = [0.6, 0.9, 1.3, 1.8].map(|speed| time(1.2, 40, speed));
+    let doors = [0.8, 1.2, 1.8, 2.4].map(|door| time(door, 60, 1.3));
+    let counts = [80, 60, 40, 20].map(|count| time(1.2, count, 1.3));
+    let mut wrong = 0;
+    for series in [speeds, doors, counts] {
+        let series = series.into_iter().collect::<Result<Vec<_>, _>>()?;
+        // NaN is wrong, too
+        let right = series.windows(2).filter(|pair| pair[1] < pair[0]).count();
+        wrong += series.len() - 1 - right;
+    }
+    bench.say("wrong-steps", number(wrong), Criterion::AtMost(0.0), "steps");
+    Ok(())
+}
+
+pub(super) const RIMEA_9: Test = Test {
+    name: "rimea-9",
+    title: "1,000 people leave a hall of 30 m by 20 m by four exits, then by two",
+    about: "RiMEA guideline, test 9: with two of the four exits of 1 m closed it takes about twice as long. Ours: 1.6 to 2.4 times. \
+            Quick: 200 people.",
+    run: public_space,
+    has_variants: true,
+};
+
+/// The hall at x 0 to 30, z 0 to 20 in a square; exits in its long walls.
+fn hall(exits: &[(f32, f32)], count: usize, seconds: f32) -> Result<Scene, Error> {
+    const WALL: f32 = 0.3;
+    const EXIT: f32 = 0.5;
+    let mut scene =
+        Scene::new("hall", &[[-12.0, -17.0], [42.0, -17.0], [42.0, 37.0], [-12.0, 37.0]], seconds)?;
+    scene.until = Some(2);
+    let mut wall = |x: [f32; 2], z: [f32; 2]| {
+        scene.solid(&[[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]]);
+    };
+    wall([-WALL, 0.0], [-WALL, 20.0 + WALL]);
+    wall([30.0, 30.0 + WALL], [-WALL, 20.0 + WALL]);
+    for z in [-WALL, 20.0] {
+        let mut from = 0.0;
+        for &(x, _) in exits.iter().filter(|exit| (exit.1 < 10.0) == (z < 10.0)) {
+            wall([from, x - EXIT], [z, z + WALL]);
+            from = x + EXIT;
+        }
+        wall([from, 30.0], [z, z + WALL]);
+    }
+    for (index, place) in places(Area::new([0.3, 0.5], [29.7, 19.5]), count, 21).into_iter().enumerate() {
+        let nearest = exits.iter().min_by(|a, b| {
+            let distance = |exit: &&(f32, f32)| place.distance(Vec2::new(exit.0, exit.1));
+            distance(a).total_cmp(&distance(b))
+        });
+        let Some(&(x, z)) = nearest else { continue };
+        let out = if z < 10.0 { -1.0 } else { 1.0 };
+        let goal = Vec2::new(x + 14.0 * (unit(index, 5) - 0.5), z + out * (5.0 + 10.0 * unit(index, 6)));
+        let way =
+            vec![(Vec2::new(x, z - 0.1 * out), EXIT + 0.3), (Vec2::new(x, z + out * 0.9), 0.9), (goal, 0.5)];
+        scene.walkers.push(walker(place, 1.34, way));
+    }
+    Ok(scene)
+}
+
+fn public_space(bench: &Bench<'_>) -> Result<(), Error> {
+    let count = if bench.is_quick { 200 } else { 1000 };
+    let four = [(7.5, 0.0), (22.5, 0.0), (7.5, 20.0), (22.5, 20.0)];
+    let mut times = Vec::new();
+    let (mut outside, mut curves) = (0, Vec::new());
+    for (exits, color) in [(&four[..], BLUE), (&four[..2], RED)] {
+        let scene = hall(exits, count, 700.0)?;
+        let run = bench.run(&scene)?;
+        let mut out: Vec<f64> = Vec::new();
+        for z in [-0.3, 20.3] {
+            let (left, right) = (Vec2::new(-0.5, z), Vec2::new(30.5, z));
+            out.extend(if z < 0.0 {
+                crossings(&run.tracks, left, right)
+            } else {
+                crossings(&run.tracks, right, left)
+            });
+        }
+        out.sort_by(f64::total_cmp);
+        times.push(emptied(&out, count));
+        outside += run.outside;
+        let points = out.iter().enumerate().map(|(n, t)| [*t, number(n + 1)]).collect();
+        curves.push(Curve { name: format!("{} exits", exits.len()), points, stroke: Stroke::Line, color });
+    }
+    bench.say("time-4-exits", times[0], Criterion::Report, "s");
+    bench.say("ratio", times[1] / times[0], Criterion::Within(1.6, 2.4), "times as long with two exits");
+    bench.say("outside", f64::from(outside), Criterion::AtMost(0.0), "places outside the walls");
+    bench.draw("rimea-9", || Plot {
+        title: format!("RiMEA 9: {count} people leave a hall"),
+        axes: ["time, s".into(), "people outside".into()],
+        curves,
+        note: "Four exits of 1 m, then two of them.".into(),
+    });
+    Ok(())
+}
+
+pub(super) const RIMEA_12: Test = Test {
+    name: "rimea-12",
+    title: "A jam before the first of two bottlenecks, none before the second",
+    about: "RiMEA guideline, test 12: 150 people, a room of 10 m by 10 m, a passage 1 m wide and 5 m long, a second such room with \
+            an exit of 1 m. Ours: before the passage at least 1.5 people/m² while it is busy, before the exit at most half \
+            of that.",
+    run: two_bottlenecks,
+    has_variants: true,
+};
+
+fn two_bottlenecks(bench: &Bench<'_>) -> Result<(), Error> {
+    let count = if bench.is_quick { 80 } else { 150 };
+    let outline = [
+        [0.0, 0.0],
+        [10.0, 0.0],
+        [10.0, 4.5],
+        [15.0, 4.5],
+        [15.0, 0.0],
+        [25.0, 0.0],
+        [25.0, 4.5],
+        [25.3, 4.5],
+        [25.3, -10.0],
+        [45.0, -10.0],
+        [45.0, 20.0],
+        [25.3, 20.0],
+        [25.3, 5.5],
+        [25.0, 5.5],
+        [25.0, 10.0],
+        [15.0, 10.0],
+        [15.0, 5.5],
+        [10.0, 5.5],
+        [10.0, 10.0],
+        [0.0, 10.0],
+    ];
+    let mut scene = Scene::new("bottlenecks", &outline, 400.0)?;
+    scene.until = Some(4);
+    for (index, place) in places(Area::new([0.3, 0.3], [9.0, 9.7]), count, 31).into_iter().enumerate() {
+        let goal = Vec2::new(34.0 + 10.0 * unit(index, 8), -9.0 + 28.0 * unit(index, 9));
+        let way = vec![
+            (Vec2::new(9.9, 5.0), 0.8),
+            (Vec2::new(15.6, 5.0), 0.8),
+            (Vec2::new(24.9, 5.0), 0.8),
+            (Vec2::new(25.9, 5.0), 0.8),
+            (goal, 0.5),
+        ];
+        scene.walkers.push(walker(place, 1.34, way));
+    }
+    let run = bench.run(&scene)?;
+    let first = crossings(&run.tracks, Vec2::new(10.0, 4.4), Vec2::new(10.0, 5.6));
+    let last = crossings(&run.tracks, Vec2::new(25.3, 4.4), Vec2::new(25.3, 5.6));
+    let density = |area: Area, times: &[f64]| {
+        let frame = |t: f64| (t * run.tracks.rate).max(0.0);
+        let (from, to) =
+            (times.first().copied().unwrap_or(0.0), times.get(times.len() * 8 / 10).copied().unwrap_or(0.0));
+        let chosen = run
+            .tracks
+            .frames
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| (frame(from)..frame(to)).contains(&number(*i)));
+        mean(&chosen.map(|(_, people)| classic_density(people.iter().map(|p| p.1), area)).collect::<Vec<_>>())
+    };
+    let before_first = density(Area::new([8.0, 4.0], [10.0, 6.0]), &first);
+    let before_last = density(Area::new([23.0, 4.0], [25.0, 6.0]), &last);
+    bench.say("out", number(last.len()), Criterion::AtLeast(number(count)), "people");
+    bench.say("density-first", before_first, Criterion::AtLeast(1.5), "people/m²");
+    bench.say("density-last", before_last, Criterion::AtMost(0.5 * before_first), "people/m²");
+    bench.say("outside", f64::from(run.outside), Criterion::AtMost(0.0), "places outside the walls");
+    Ok(())
+}
+
+pub(super) const NIST_CONGESTION: Test = Test {
+    name: "nist-congestion",
+    title: "Where more people come than pass, they queue, and the queue dissolves",
+    about: "NIST Technical Note 1822, verification of congestion: 100 people at a door of 0.8 m. Ours: while the middle half pass, at \
+            least 1.5 people/m² stand before the door and walk at most half as fast as they would like to, and everyone \
+            gets out.",
+    run: congestion,
+    has_variants: true,
+};
+
+fn congestion(bench: &Bench<'_>) -> Result<(), Error> {
+    let count = if bench.is_quick { 60 } else { 100 };
+    let room = Room { width: 8.0, depth: 8.0, door: 0.8, wall: 0.3 };
+    let mut scene = room.scene("congestion", 300.0)?;
+    fill(&mut scene, &room, count, 1.34);
+    let run = bench.run(&scene)?;
+    let [a, b] = room.line();
+    let times = crossings(&run.tracks, a, b);
+    let area = Area::new([2.5, 0.0], [5.5, 2.0]);
+    let at = |share: usize| times.get(times.len() * share / 4).copied().unwrap_or(0.0) * run.tracks.rate;
+    let (mut densities, mut speeds) = (Vec::new(), Vec::new());
+    for (frame, people) in run.tracks.frames.iter().enumerate() {
+        if (at(1)..at(3)).contains(&number(frame)) {
+            densities.push(classic_density(people.iter().map(|p| p.1), area));
+            let inside = people.iter().filter(|p| area.contains(p.1));
+            let moving = inside.filter_map(|p| run.tracks.velocity(frame, p.0, 0.3));
+            speeds.extend(moving.map(|v| f64::from(v.length())));
+        }
+    }
+    let speed = if speeds.is_empty() { f64::NAN } else { mean(&speeds) };
+    bench.say("density", mean(&densities), Criterion::AtLeast(1.5), "people/m²");
+    bench.say("speed", speed, Criterion::AtMost(0.67), "m/s");
+    bench.say("out", number(times.len()), Criterion::AtLeast(number(count)), "people");
+    Ok(())
+}
+
+pub(super) const NIST_MAXIMUM_FLOW: Test = Test {
+    name: "nist-maximum-flow",
+    title: "Doors of 0.8, 1.0 and 1.2 m pass as many people as real ones, and no more",
+    about: "NIST Technical Note 1822, verification of maximum flow, with measured flows as the bounds: per metre of width, 1.2 \
+            people/(m s) is Weidmann's (1993) capacity, 1.9 what Seyfried et al. (2009) found for doors of that width. \
+            Ours: 1.0 to 2.2.",
+    run: maximum_flow,
+    has_variants: true,
+};
+
+fn maximum_flow(bench: &Bench<'_>) -> Result<(), Error> {
+    let count = if bench.is_quick { 50 } else { 100 };
+    let mut points = Vec::new();
+    for door in [0.8_f32, 1.0, 1.2] {
+        let room = Room { width: 8.0, depth: 8.0, door, wall: 0.3 };
+        let mut scene = room.scene("door", 300.0)?;
+        fill(&mut scene, &room, count, 1.34);
+        let [a, b] = room.line();
+        let times = crossings(&bench.run(&scene)?.tracks, a, b);
+        let found = if times.len() == count { flow(&times) } else { f64::NAN };
+        points.push([f64::from(door), found]);
+        let name = format!("door-{door}");
+        bench.say(&name, found / f64::from(door), Criterion::Within(1.0, 2.2), "people/(m s)");
+    }
+    bench.draw("nist-maximum-flow", || {
+        let line = |name: &str, flow: f64, color| Curve {
+            name: name.into(),
+            points: vec![[0.0, 0.0], [1.4, 1.4 * flow]],
+            stroke: Stroke::Dashed,
+            color,
+        };
+        Plot {
+            title: "Flow through doors".into(),
+            axes: ["width, m".into(), "people a second".into()],
+            curves: vec![
+                line("Weidmann 1993, 1.2 per m", 1.2, [128, 128, 128]),
+                line("Seyfried 2009, 1.9 per m", 1.9, RED),
+                Curve { name: "gaitway".into(), points, stroke: Stroke::Points, color: BLUE },
+            ],
+            note: format!("{count} people in a room of 8 m by 8 m."),
+        }
+    });
+    Ok(())
+}
+
+pub(super) const JUELICH_BOTTLENECK: Test = Test {
+    name: "juelich-bottleneck",
+    title: "75 people pass a door of 0.5 m as in the experiment of Jülich",
+    about: "Everyone starts where they stood (file 040_c_56_h-, Forschungszentrum Jülich). The mean flow of five runs (of other seeds) must \
+            lie within the spread of the experiment: the smallest and the greatest flow of ten people in a row. At such a door people \
+            turn sideways, which discs cannot do: their radius is 0.13 m here, half the depth of a chest. With 0.18 m they \
+            block one another in arches, far below what people do; that flow is reported, too.",
+    run: juelich,
+    has_variants: true,
+};
+
+/// Half the depth of a chest, m.
+const CHEST: f32 = 0.13;
+
+fn juelich(bench: &Bench<'_>) -> Result<(), Error> {
+    let Some(path) = bench.file("crowd-juelich/bottleneck/040_c_56_h-.txt") else { return Ok(()) };
+    let real = files::juelich(&path, 1.0, 25.0).map_err(super::super::unusable)?;
+    let line = [Vec2::new(-0.5, 0.0), Vec2::new(0.5, 0.0)];
+    let measured = crossings(&real, line[0], line[1]);
+    let start = real.frames.first().cloned().unwrap_or_default();
+    let pass = |radius: f32, seed: u64| -> Result<Vec<f64>, Error> {
+        let room = Room { width: 6.0, depth: 7.0, door: 0.5, wall: 0.1 };
+        let mut scene = room.scene("juelich", 200.0)?;
+        scene.scenario.seed = seed;
+        let shift = Vec2::new(room.middle(), 0.0);
+        for (index, &(_, at)) in start.iter().enumerate() {
+            let position = (at + shift).max(Vec2::new(0.25, 0.25));
+            scene.walkers.push(Walker { radius, ..walker(position, 1.34, room.way_out(index)) });
+        }
+        Ok(crossings(&bench.run(&scene)?.tracks, line[0] + shift, line[1] + shift))
+    };
+    let seeds = if bench.is_quick { 1..4 } else { 1..6 };
+    let runs = seeds.map(|seed| pass(CHEST, seed)).collect::<Result<Vec<_>, _>>()?;
+    let times = runs.first().cloned().unwrap_or_default();
+    let all_out = runs.iter().all(|times| times.len() == start.len());
+    let found =
+        if all_out { mean(&runs.iter().map(|times| flow(times)).collect::<Vec<_>>()) } else { f64::NAN };
+    let spread = flow_spread(&measured, 10).unwrap_or([f64::NAN; 2]);
+    bench.say("flow", found, Criterion::Within(spread[0], spread[1]), "people/s");
+    bench.say("flow-measured", flow(&measured), Criterion::Report, "");
+    bench.say("flow-wide-bodies", flow(&pass(0.18, 1)?), Criterion::Report, "");
+    bench.draw("juelich-bottleneck", || {
+        let curve = |name: &str, times: &[f64], stroke, color| Curve {
+            name: name.into(),
+            points: times.iter().enumerate().map(|(n, t)| [t - times[0], number(n + 1)]).collect(),
+            stroke,
+            color,
+        };
+        Plot {
+            title: "75 people at a door of 0.5 m".into(),
+            axes: ["time since the first, s".into(), "people past the door".into()],
+            curves: vec![
+                curve("Jülich", &measured, Stroke::Dashed, RED),
+                curve("gaitway", &times, Stroke::Line, BLUE),
+            ],
+            note: "Data: Forschungszentrum Jülich, IAS-7.".into(),
+        }
+    });
+    Ok(())
+}

@@ -1,0 +1,155 @@
+//! Two streams against one another.
+
+use super::super::judge::{Bench, Criterion, Test};
+use super::super::measure::{Area, crossings, lane_order, mean};
+use super::super::rooms::{corridor, places, walker};
+use super::super::scene::{Run, Scene};
+use crate::Error;
+use crate::export::chart::{Curve, Plot, Stroke};
+use glam::Vec2;
+
+const BLUE: [u8; 3] = [66, 118, 190];
+
+pub(super) const LANES: Test = Test {
+    name: "lanes",
+    title: "Two opposite streams part into lanes",
+    about: "Observed in real counter-flow (Helbing et al. 2005; Zhang et al. 2012). Two groups of 90 people, 1 person/m², walk through one another \
+            in a corridor 4 m wide, keeping to no side of it. Ours: the order parameter (after Rex and Löwen 2007, over those \
+            within 0.4 m to either side and 3 m along; 1 is perfect) where both are is at least 0.6, and three in four are through in \
+            at most twice the time that they need without the others.",
+    run: lanes,
+    has_variants: true,
+};
+
+/// Order parameter of a frame: the middle of the corridor in pieces of 3 m.
+fn order(run: &Run, frame: usize, first_west: u32) -> Option<f64> {
+    let people = run.tracks.frames.get(frame)?;
+    let mut found = Vec::new();
+    for k in 0..8_u8 {
+        let from = 78.0 + 3.0 * f32::from(k);
+        let here: Vec<(f64, f64)> = people
+            .iter()
+            .filter(|person| (from..from + 3.0).contains(&person.1.x))
+            .map(|&(who, at)| (f64::from(at.y), if who < first_west { 1.0 } else { -1.0 }))
+            .collect();
+        let east = here.iter().filter(|person| person.1 > 0.0).count();
+        // a piece in which only one stream is has no lanes to speak of
+        if here.len() >= 6 && (2..=here.len() - 2).contains(&east) {
+            found.push(lane_order(&here, 0.4));
+        }
+    }
+    (!found.is_empty()).then(|| mean(&found))
+}
+
+/// The corridor with both groups; `others` says whether the second one is there.
+fn streams(count: usize, has_others: bool, seconds: f32) -> Result<Scene, Error> {
+    // so far away that everyone walks along the corridor and keeps to no side of it
+    const FAR: f32 = 1e4;
+    let mut scene = corridor("lanes", 200.0, 4.0, seconds)?;
+    for place in places(Area::new([65.0, 0.3], [90.0, 3.7]), count, 61) {
+        scene.walkers.push(walker(place, 1.34, vec![(Vec2::new(FAR, 2.0), 1.0)]));
+    }
+    for place in places(Area::new([90.0, 0.3], [115.0, 3.7]), if has_others { count } else { 0 }, 71) {
+        scene.walkers.push(walker(place, 1.34, vec![(Vec2::new(-FAR, 2.0), 1.0)]));
+    }
+    Ok(scene)
+}
+
+#[allow(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    reason = "a few hundred people and frames"
+)]
+fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
+    let count = if bench.is_quick { 60 } else { 90 };
+    let run = bench.run(&streams(count, true, 48.0)?)?;
+    let frames = run.tracks.frames.len();
+    let points: Vec<[f64; 2]> = (0..frames)
+        .step_by(5)
+        .filter_map(|frame| Some([frame as f64 / run.tracks.rate, order(&run, frame, count as u32)?]))
+        .collect();
+    let between = |low: f64, high: f64| {
+        mean(&points.iter().filter(|p| p[0] >= low && p[0] < high).map(|p| p[1]).collect::<Vec<_>>())
+    };
+    let time = |run: &Run| {
+        let past = crossings(&run.tracks, Vec2::new(105.0, -0.1), Vec2::new(105.0, 4.1));
+        past.get(count * 3 / 4).copied().unwrap_or(f64::NAN)
+    };
+    let alone = bench.run(&streams(count, false, 48.0)?)?;
+    bench.say("order-at-start", between(0.0, 6.0), Criterion::Report, "");
+    bench.say("order", between(8.0, 20.0), Criterion::AtLeast(0.6), "(1 is perfect)");
+    bench.say("time", time(&run) / time(&alone), Criterion::AtMost(2.0), "times that without the others");
+    bench.say("outside", f64::from(run.outside), Criterion::AtMost(0.0), "places outside the walls");
+    bench.draw("lanes", || Plot {
+        title: "Lanes in counter-flow".into(),
+        axes: ["time, s".into(), "order parameter".into()],
+        curves: vec![Curve { name: "gaitway".into(), points, stroke: Stroke::Line, color: BLUE }],
+        note: format!("{count} people each way in a corridor 4 m wide."),
+    });
+    Ok(())
+}
+
+pub(super) const NIST_COUNTER_FLOW: Test = Test {
+    name: "nist-counter-flow",
+    title: "People who come the other way slow a crowd down, and nobody is stuck",
+    about: "NIST Technical Note 1822, verification of counter-flow: two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; \
+            100 people go over while 0, 10, 50, 100 come back. The time rises with those who come back. Ours: all arrive.",
+    run: counter_flow,
+    has_variants: true,
+};
+
+fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
+    let (count, back): (usize, &[usize]) =
+        if bench.is_quick { (40, &[0, 20]) } else { (100, &[0, 10, 50, 100]) };
+    let outline = [
+        [0.0, 0.0],
+        [10.0, 0.0],
+        [10.0, 4.0],
+        [20.0, 4.0],
+        [20.0, 0.0],
+        [30.0, 0.0],
+        [30.0, 10.0],
+        [20.0, 10.0],
+        [20.0, 6.0],
+        [10.0, 6.0],
+        [10.0, 10.0],
+        [0.0, 10.0],
+    ];
+    let (west, east) = (Area::new([0.3, 0.3], [8.5, 9.7]), Area::new([21.5, 0.3], [29.7, 9.7]));
+    let (mut times, mut missing, mut outside) = (Vec::new(), 0, 0);
+    for &others in back {
+        let mut scene = Scene::new("counter-flow", &outline, 300.0)?;
+        scene.until = Some(3);
+        let mut add = |from: Area, to: Area, count: usize, east: bool, lane: u32| {
+            let ends = places(to, count, lane + 2);
+            for (place, end) in places(from, count, lane).into_iter().zip(ends) {
+                let ([near, enter], [leave, far]) = ([9.6, 10.6], [19.4, 20.6]);
+                let points = if east { [near, enter, leave, far] } else { [far, leave, enter, near] };
+                // on the side of the passage that they come from
+                let z = 5.0 + (place.y - 5.0) * 0.12;
+                let mut way: Vec<(Vec2, f32)> =
+                    [points[0], points[2], points[3]].into_iter().map(|x| (Vec2::new(x, z), 1.0)).collect();
+                way.push((end, 0.5));
+                scene.walkers.push(walker(place, 1.34, way));
+            }
+        };
+        add(west, east, count, true, 41);
+        add(east, west, others, false, 51);
+        let run = bench.run(&scene)?;
+        let over = crossings(&run.tracks, Vec2::new(20.0, 3.9), Vec2::new(20.0, 6.1));
+        let came = crossings(&run.tracks, Vec2::new(10.0, 6.1), Vec2::new(10.0, 3.9));
+        missing += count.saturating_sub(over.len()) + others.saturating_sub(came.len());
+        times.push(if over.len() == count { over.last().copied().unwrap_or(0.0) } else { f64::NAN });
+        outside += run.outside;
+    }
+    for (others, time) in back.iter().zip(&times) {
+        bench.say(&format!("time-{others}"), *time, Criterion::Report, "");
+    }
+    let rises = times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    let rises = if times.iter().any(|time| time.is_nan()) { f64::NAN } else { rises };
+    bench.say("rise", rises, Criterion::AtLeast(0.0), "s more each time");
+    #[allow(clippy::cast_precision_loss, reason = "hundreds of people")]
+    bench.say("missing", missing as f64, Criterion::AtMost(0.0), "people");
+    bench.say("outside", f64::from(outside), Criterion::AtMost(0.0), "places outside the walls");
+    Ok(())
+}
