@@ -61,6 +61,7 @@ fn every_test_notices_a_broken_crowd() {
         (Fault::HalfSpeed, &["juelich-corridor"]),
         (Fault::Frozen, &["rimea-8", "rimea-15", "nist-counter-flow"]),
         (Fault::NoWalls, &["rimea-9", "rimea-12"]),
+        (Fault::Alone, &["nist-groups"]),
         (Fault::Blind, &["lanes", "nist-congestion", "nist-maximum-flow", "juelich-bottleneck"]),
     ];
     let mut seen: Vec<&str> = vec!["ucy"]; // which judges nothing

@@ -7,8 +7,9 @@ const OWN_SHARE = 0.12;
 // One over the density at which nobody moves any more, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
 const JAM_AREA = 0.18518518;
 const STEEPNESS = 2.7598755; // 1.913 log2(e)
-// Nobody wants to walk slower than this share of the free speed: a crowd creeps on.
-const LEAST_SHARE = 0.08;
+// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 3.6 people/m2: in a jam people
+// shuffle on, or it would never dissolve.
+const LEAST_SHARE = 0.2;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2 = 0.04;
 

@@ -60,6 +60,7 @@ pub fn ring(density: f32, width: f32, seconds: f32) -> Result<Scene, Error> {
             way,
             next: next as usize,
             loops: true,
+            companions: [u32::MAX; 4],
         });
     }
     Ok(scene)

@@ -41,7 +41,7 @@ pub fn places(area: Area, count: usize, lane: u32) -> Vec<Vec2> {
 
 /// Somebody who walks a way once.
 pub fn walker(position: Vec2, speed: f32, way: Vec<(Vec2, f32)>) -> Walker {
-    Walker { position, speed, radius: RADIUS, way, next: 0, loops: false }
+    Walker { position, speed, radius: RADIUS, way, next: 0, loops: false, companions: [u32::MAX; 4] }
 }
 
 /// A straight corridor from x = 0 to `length`, `width` wide, closed at its ends.

@@ -57,6 +57,8 @@ pub struct Walker {
     pub next: usize,
     /// After the last point to the first one again; otherwise stay there.
     pub loops: bool,
+    /// The others of the group that they walk with; `u32::MAX` for none.
+    pub companions: [u32; 4],
 }
 
 /// A scene.
@@ -89,6 +91,8 @@ pub enum Fault {
     NoWalls,
     /// Nobody sees anybody.
     Blind,
+    /// Nobody belongs to a group.
+    Alone,
 }
 
 /// What everybody runs on.
@@ -315,12 +319,12 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         route_length: number(walker.way.len()),
         waypoint: number(walker.next),
         loops: walker.loops,
-        companions: [u32::MAX; 4],
         manners: None,
         speed: None,
         speed_factor: 1.0,
         reaction: 0.0,
         elevation: 0.0,
+        companions: walker.companions,
     }
 }
 
@@ -332,6 +336,10 @@ impl Fault {
             Self::Frozen => 0.0,
             Self::NoWalls => {
                 crate::sim::setup::set_obstacles(store, &[]);
+                return;
+            }
+            Self::Alone => {
+                store.companions.iter_mut().for_each(|companions| *companions = [u32::MAX; 4]);
                 return;
             }
             Self::Blind => {

@@ -22,6 +22,7 @@ pub const ALL: &[Test] = &[
     corners::RIMEA_15,
     corners::NIST_CORNER,
     lanes::NIST_COUNTER_FLOW,
+    single::NIST_GROUPS,
     doors::NIST_CONGESTION,
     doors::NIST_MAXIMUM_FLOW,
     diagrams::JUELICH_CORRIDOR,
