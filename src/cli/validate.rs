@@ -64,6 +64,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     let (backend, device) = arguments.place.get()?;
     let stage = Stage::new(backend, device)?;
+    if let Some(reason) = &stage.fallback {
+        note(&format!(
+            "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"
+        ));
+    }
     let mut progress = Progress::new("validating");
     let validation = run_tests(&stage, &options, &mut |what, share| progress.at(what, share))?;
     drop(progress);

@@ -105,9 +105,20 @@ const GLYPHS: [&str; 95] = [
     "..... ..... .#... #.#.# ...#. ..... .....", // ~
 ];
 
-/// The dots of a text as (x, y) from its top left corner; characters outside printable ASCII appear as `?`.
+/// The dots of a text as (x, y) from its top left corner; of other characters than printable ASCII a few appear
+/// as what they look like, the rest as `?`.
 pub(super) fn dots(text: &str) -> impl Iterator<Item = (u32, u32)> {
     (0_u32..).zip(text.chars()).flat_map(|(column, character)| {
+        let character = match character {
+            '²' => '2',
+            '³' => '3',
+            'ä' => 'a',
+            'ö' => 'o',
+            'ü' => 'u',
+            '°' => 'o',
+            '\u{2013}' | '\u{2212}' => '-',
+            other => other,
+        };
         let index = (character as usize).checked_sub(32).filter(|i| *i < GLYPHS.len());
         let rows = GLYPHS[index.unwrap_or(31)].split(' ');
         (0_u32..).zip(rows).flat_map(move |(y, row)| {

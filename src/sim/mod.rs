@@ -21,6 +21,8 @@ use crate::kernels::{BufferId, KernelId, Pass, Store};
 use crate::reference;
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
+#[cfg(feature = "vulkan")]
+use std::sync::Arc;
 
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Validation, plan::Op};
@@ -233,6 +235,27 @@ impl Simulation {
         };
         new.solve_ways()?;
         Ok(new)
+    }
+
+    /// The same on a Vulkan device that is open already, with the kernels of a step alone: for many short runs. It cannot
+    /// be drawn, and has no ways to goals.
+    ///
+    /// # Errors
+    /// When the device fails.
+    #[cfg(feature = "vulkan")]
+    pub fn steps_on(store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
+        let mut kernels: Vec<KernelId> = order::step_passes(&store.step).iter().map(|p| p.kernel).collect();
+        kernels.sort_unstable();
+        kernels.dedup();
+        let engine = Engine::new(device, &store, &kernels)?;
+        Ok(Self {
+            store,
+            is_current: true,
+            is_led_anew: false,
+            engine: Some(engine),
+            fallback: None,
+            ways: Default::default(),
+        })
     }
 
     /// What it runs on, in words.

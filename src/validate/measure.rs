@@ -2,6 +2,7 @@
 
 use super::tracks::Tracks;
 use glam::Vec2;
+use std::ops::Range;
 
 /// A rectangle along the axes, m.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -102,14 +103,19 @@ fn polygon_area(corners: &[Vec2]) -> f64 {
 
 /// When people first pass the line from `a` to `b` from its left side (looking from `a` to `b` with x to the right and z up)
 /// to its right, s, in rising order.
-#[allow(clippy::cast_precision_loss, reason = "thousands of frames")]
 pub fn crossings(tracks: &Tracks, a: Vec2, b: Vec2) -> Vec<f64> {
+    crossings_of(tracks, 0..u32::MAX, a, b)
+}
+
+/// The same of some of the people.
+#[allow(clippy::cast_precision_loss, reason = "thousands of frames")]
+pub fn crossings_of(tracks: &Tracks, who_of: Range<u32>, a: Vec2, b: Vec2) -> Vec<f64> {
     let along = (b - a).normalize_or(Vec2::X);
     let (length, side) = (a.distance(b), |p: Vec2| along.perp_dot(p - a));
     let mut seen = std::collections::BTreeMap::new();
     for frame in 1..tracks.frames.len() {
         for &(who, now) in &tracks.frames[frame] {
-            let Some(before) = tracks.at(frame - 1, who) else { continue };
+            let Some(before) = tracks.at(frame - 1, who).filter(|_| who_of.contains(&who)) else { continue };
             let (from, to) = (side(before), side(now));
             if from > 0.0 && to <= 0.0 && !seen.contains_key(&who) {
                 let t = from / (from - to);

@@ -109,14 +109,17 @@ impl Room {
         Ok(scene)
     }
 
-    /// The way out of the room for person number `index`: to the door, through it, and to a place of one's own in the yard.
-    pub fn way_out(&self, index: usize) -> Vec<(Vec2, f32)> {
+    /// The way out of the room for person number `index` from `start`: to the door (as far from its middle, by its width, as
+    /// they are, by that of the room), through it, and to a place of one's own in the yard.
+    pub fn way_out(&self, index: usize, start: Vec2) -> Vec<(Vec2, f32)> {
         let c = self.middle();
         let goal = Vec2::new(
             c + (unit(index, 90) - 0.5) * 1.8 * YARD[0],
             -self.wall - YARD[1] * (0.7 + 0.25 * unit(index, 91)),
         );
-        let near = 0.5 * self.door + 0.3;
-        vec![(Vec2::new(c, 0.1), near), (Vec2::new(c, -self.wall - 0.5), 0.4), (goal, 0.5)]
+        let share = ((start.x - c) / c).clamp(-1.0, 1.0);
+        let x = c + share * (0.5 * self.door - RADIUS - 0.05).max(0.0);
+        let (near, past) = (0.5 * self.door + 0.3, 0.4 + 0.25 * (self.door - 0.5).max(0.0));
+        vec![(Vec2::new(x, 0.1), near), (Vec2::new(x, -self.wall - 0.5), past), (goal, 0.5)]
     }
 }

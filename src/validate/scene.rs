@@ -5,10 +5,15 @@ use crate::Error;
 use crate::avatar::{Sex, generated};
 use crate::emotion::Emotion;
 use crate::gait::walker;
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Validation};
+use crate::kernels::Store;
 use crate::scenario::{AgentStart, Clearance, Crowd, Entry, Obstacle, Scenario, Stop};
 use crate::sim::{Backend, Cast, Simulation};
 use glam::Vec2;
 use serde::Serialize;
+#[cfg(feature = "vulkan")]
+use std::sync::Arc;
 
 /// Degrees by which a scene is turned in [`Variant::Rotated`].
 pub const TURN_DEG: f32 = 37.0;
@@ -99,22 +104,50 @@ pub enum Fault {
 #[derive(Debug)]
 pub struct Stage {
     cast: Cast,
-    backend: Backend,
-    device: Option<String>,
+    #[cfg(feature = "vulkan")]
+    device: Option<Arc<Device>>,
+    /// Why the CPU is used although Vulkan was tried.
+    pub fallback: Option<String>,
     /// What is broken.
     #[doc(hidden)]
     pub fault: Fault,
 }
 
 impl Stage {
-    /// A body to walk with, and the backend.
+    /// A body to walk with, and the backend; a device is opened once for all scenes.
     ///
     /// # Errors
-    /// When the walker cannot be made.
+    /// When the walker cannot be made, or a Vulkan device is demanded but cannot be used.
+    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
         let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
-        Ok(Self { cast, backend, device: device.map(str::to_owned), fault: Fault::None })
+        #[cfg(feature = "vulkan")]
+        {
+            let opened =
+                (backend != Backend::Cpu).then(|| Device::open(device, Validation::from_environment()));
+            let (device, fallback) = match opened {
+                None => (None, None),
+                Some(Ok(device)) => (Some(device), None),
+                Some(Err(error)) if backend == Backend::Auto => (None, Some(error.to_string())),
+                Some(Err(error)) => return Err(error.into()),
+            };
+            Ok(Self { cast, device, fallback, fault: Fault::None })
+        }
+        #[cfg(not(feature = "vulkan"))]
+        if backend == Backend::Vulkan {
+            Err(crate::sim::Error::NoVulkan.into())
+        } else {
+            Ok(Self { cast, fallback: None, fault: Fault::None })
+        }
+    }
+
+    fn simulation(&self, store: Store) -> Result<Simulation, Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(device) = &self.device {
+            return Simulation::steps_on(store, device);
+        }
+        Simulation::from_store(store, Backend::Cpu, None)
     }
 }
 
@@ -204,11 +237,11 @@ impl Scene {
             crate::sim::setup::scratch(&mut store);
         }
         stage.fault.apply(&mut store);
-        let simulation = Simulation::from_store(store, stage.backend, stage.device.as_deref())?;
+        let simulation = stage.simulation(store)?;
         Ok((simulation, frame))
     }
 
-    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> crate::kernels::Store {
+    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> Store {
         let mut crowd = Crowd::default();
         for (index, walker) in self.walkers.iter().enumerate() {
             let start = crowd.stages.len();
@@ -329,7 +362,7 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
 }
 
 impl Fault {
-    fn apply(self, store: &mut crate::kernels::Store) {
+    fn apply(self, store: &mut Store) {
         let slowed = match self {
             Self::None => return,
             Self::HalfSpeed => 0.5,

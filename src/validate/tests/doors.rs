@@ -16,7 +16,7 @@ const RED: [u8; 3] = [200, 66, 52];
 fn fill(scene: &mut Scene, room: &Room, count: usize, speed: f32) {
     let area = Area::new([0.3, 0.5], [room.width - 0.3, room.depth - 0.3]);
     for (index, place) in places(area, count, 11).into_iter().enumerate() {
-        scene.walkers.push(walker(place, speed, room.way_out(index)));
+        scene.walkers.push(walker(place, speed, room.way_out(index, place)));
     }
 }
 
@@ -324,7 +324,7 @@ fn juelich(bench: &Bench<'_>) -> Result<(), Error> {
         let shift = Vec2::new(room.middle(), 0.0);
         for (index, &(_, at)) in start.iter().enumerate() {
             let position = (at + shift).max(Vec2::new(0.25, 0.25));
-            scene.walkers.push(Walker { radius, ..walker(position, 1.34, room.way_out(index)) });
+            scene.walkers.push(Walker { radius, ..walker(position, 1.34, room.way_out(index, position)) });
         }
         Ok(crossings(&bench.run(&scene)?.tracks, line[0] + shift, line[1] + shift))
     };

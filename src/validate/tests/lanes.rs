@@ -1,7 +1,7 @@
 //! Two streams against one another.
 
 use super::super::judge::{Bench, Criterion, Test};
-use super::super::measure::{Area, crossings, lane_order, mean};
+use super::super::measure::{Area, crossings_of, lane_order, mean};
 use super::super::rooms::{corridor, places, walker};
 use super::super::scene::{Run, Scene};
 use crate::Error;
@@ -72,7 +72,7 @@ fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
         mean(&points.iter().filter(|p| p[0] >= low && p[0] < high).map(|p| p[1]).collect::<Vec<_>>())
     };
     let time = |run: &Run| {
-        let past = crossings(&run.tracks, Vec2::new(105.0, -0.1), Vec2::new(105.0, 4.1));
+        let past = crossings_of(&run.tracks, 0..count as u32, Vec2::new(105.0, -0.1), Vec2::new(105.0, 4.1));
         past.get(count * 3 / 4).copied().unwrap_or(f64::NAN)
     };
     let alone = bench.run(&streams(count, false, 48.0)?)?;
@@ -98,6 +98,7 @@ pub(super) const NIST_COUNTER_FLOW: Test = Test {
     has_variants: true,
 };
 
+#[allow(clippy::cast_possible_truncation, reason = "a hundred people")]
 fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
     let (count, back): (usize, &[usize]) =
         if bench.is_quick { (40, &[0, 20]) } else { (100, &[0, 10, 50, 100]) };
@@ -136,8 +137,9 @@ fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
         add(west, east, count, true, 41);
         add(east, west, others, false, 51);
         let run = bench.run(&scene)?;
-        let over = crossings(&run.tracks, Vec2::new(20.0, 3.9), Vec2::new(20.0, 6.1));
-        let came = crossings(&run.tracks, Vec2::new(10.0, 6.1), Vec2::new(10.0, 3.9));
+        let first = count as u32;
+        let over = crossings_of(&run.tracks, 0..first, Vec2::new(20.0, 3.9), Vec2::new(20.0, 6.1));
+        let came = crossings_of(&run.tracks, first..u32::MAX, Vec2::new(10.0, 6.1), Vec2::new(10.0, 3.9));
         missing += count.saturating_sub(over.len()) + others.saturating_sub(came.len());
         times.push(if over.len() == count { over.last().copied().unwrap_or(0.0) } else { f64::NAN });
         outside += run.outside;

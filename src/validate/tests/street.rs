@@ -65,8 +65,8 @@ fn walk_again(bench: &Bench<'_>, film: &Tracks) -> Result<[[Vec<f64>; 2]; 2], Er
     for (k, piece) in pieces.iter().enumerate() {
         for &(who, from, to) in &piece.people {
             let frames = (piece.first..).take_while(|frame| film.at(*frame, who).is_some());
-            let time = frames.count().min(PIECE * film.rate as usize + 1).saturating_sub(1).max(1) as f32
-                / film.rate as f32;
+            let length = (PIECE as f64 * film.rate) as usize;
+            let time = frames.count().min(length + 1).saturating_sub(1).max(1) as f32 / film.rate as f32;
             let speed = (from.distance(to) / time).clamp(0.02, 2.5);
             // on beyond the goal, so that those who leave the film do not stop at its edge
             let goal = to + (to - from).normalize_or_zero() * speed * 4.0;
