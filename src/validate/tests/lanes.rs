@@ -93,7 +93,9 @@ pub(super) const NIST_COUNTER_FLOW: Test = Test {
     name: "nist-counter-flow",
     title: "People who come the other way slow a crowd down, and nobody is stuck",
     about: "NIST Technical Note 1822, verification of counter-flow: two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; \
-            100 people go over while 0, 10, 50, 100 come back. The time rises with those who come back. Ours: all arrive.",
+            100 people go over while 0, 10, 50, 100 come back. The time rises with those who come back. Ours: all arrive within 600 s. No bound \
+            for the time is stated; at the 1.5 people/(m s) that real counter-flow reaches (after Zhang et al. 2012) 100 against 100 \
+            would take about 70 s.",
     run: counter_flow,
     has_variants: true,
 };
@@ -119,7 +121,7 @@ fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
     let (west, east) = (Area::new([0.3, 0.3], [8.5, 9.7]), Area::new([21.5, 0.3], [29.7, 9.7]));
     let (mut times, mut missing, mut outside) = (Vec::new(), 0, 0);
     for &others in back {
-        let mut scene = Scene::new("counter-flow", &outline, 300.0)?;
+        let mut scene = Scene::new("counter-flow", &outline, 600.0)?;
         scene.until = Some(3);
         let mut add = |from: Area, to: Area, count: usize, east: bool, lane: u32| {
             let ends = places(to, count, lane + 2);
