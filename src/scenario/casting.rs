@@ -180,6 +180,7 @@ impl<'a> Cast<'a> {
             route_start: 0,
             route_length: 1,
             waypoint: 1, // it has no way to go: the only stage is behind it
+            teleport: None,
             companions: [u32::MAX; 4],
             manners: None,
             speed: None,

@@ -35,8 +35,8 @@ mod scifi;
 mod sources;
 mod validate;
 mod walkable;
-mod way_finding;
 mod walkers;
+mod way_finding;
 
 pub use clearance::Clearance;
 pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
@@ -59,5 +59,5 @@ pub use schema::{
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
 pub use walkable::Area;
-pub use way_finding::{Way, WayFinding};
 pub use walkers::{Teleport, Walker};
+pub use way_finding::{Way, WayFinding};

@@ -92,8 +92,7 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let geometry = scenario.geometry();
     let cast = Cast::new(scenario, chooser)?;
     if scenario.population.agents == 0 {
-        let mut crowd =
-            Crowd { outsiders: super::outsiders::cast(scenario, &cast)?, ..Crowd::default() };
+        let mut crowd = Crowd { outsiders: super::outsiders::cast(scenario, &cast)?, ..Crowd::default() };
         super::walkers::join(scenario, chooser, &mut crowd)?;
         return Ok(crowd);
     }

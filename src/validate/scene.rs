@@ -354,6 +354,7 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         loops: walker.loops,
         teleport: None,
         manners: None,
+        speed: None,
         speed_factor: 1.0,
         reaction: 0.0,
         elevation: 0.0,

@@ -477,6 +477,7 @@ impl From<Error> for Failure {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "limits are exact")]
 mod tests {
     use super::*;
     use openxr as xr;

@@ -148,6 +148,7 @@ impl Governor {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "limits are exact")]
 mod tests {
     use super::*;
 

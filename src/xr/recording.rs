@@ -200,17 +200,17 @@ impl Recording {
             let message = format!("format version {version:?}; this program reads {VERSION}");
             return Err(RecordingError::Line { line: 1, message });
         }
-        let time_step: f32 = value(4)?.parse().map_err(|_| bad(4, head[4].as_deref().unwrap_or("")))?;
+        let time_step: f32 = value(4)?.parse().map_err(|_error| bad(4, head[4].as_deref().unwrap_or("")))?;
         if !(time_step > 0.0 && time_step <= 1.0) {
             return Err(bad(4, value(4)?));
         }
         let session = Session {
             scene: value(1)?.to_owned(),
-            agents: value(2)?.parse().map_err(|_| bad(2, head[2].as_deref().unwrap_or("")))?,
-            seed: value(3)?.parse().map_err(|_| bad(3, head[3].as_deref().unwrap_or("")))?,
+            agents: value(2)?.parse().map_err(|_error| bad(2, head[2].as_deref().unwrap_or("")))?,
+            seed: value(3)?.parse().map_err(|_error| bad(3, head[3].as_deref().unwrap_or("")))?,
             time_step,
             start: u64::from_str_radix(value(5)?, 16)
-                .map_err(|_| bad(5, head[5].as_deref().unwrap_or("")))?,
+                .map_err(|_error| bad(5, head[5].as_deref().unwrap_or("")))?,
         };
         Ok(Self { session, moments, end })
     }

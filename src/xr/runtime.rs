@@ -44,14 +44,14 @@ impl Runtime {
     pub fn open() -> Result<Self, Error> {
         // SAFETY: loads the system's OpenXR loader, whose initialisers have no requirements on us.
         let entry = unsafe { xr::Entry::load(&()) }.map_err(|error| Error::NoLoader(error.to_string()))?;
-        Self::through(entry)
+        Self::through(&entry)
     }
 
     /// The same through an entry point of somebody's own, such as one that plants faults.
     ///
     /// # Errors
     /// As [`Runtime::open`].
-    pub fn through(entry: xr::Entry) -> Result<Self, Error> {
+    pub fn through(entry: &xr::Entry) -> Result<Self, Error> {
         let known = entry.enumerate_extensions().map_err(Error::NoRuntime)?;
         if !known.khr_vulkan_enable2 {
             let (runtime, what) = ("of this machine".to_owned(), "XR_KHR_vulkan_enable2".to_owned());

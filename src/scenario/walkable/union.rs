@@ -58,6 +58,7 @@ fn ordered(a: I64Vec2, b: I64Vec2) -> Edge {
 
 /// Moves corners that nearly meet to the first of them.
 fn weld(edges: &[Edge]) -> Vec<Edge> {
+    #[allow(clippy::cast_possible_truncation, reason = "a small constant")]
     let reach = (TOLERANCE * UNITS) as i64;
     let mut cells: BTreeMap<[i64; 2], Vec<[i64; 2]>> = BTreeMap::new();
     let mut place = |corner: [i64; 2]| {
@@ -142,8 +143,8 @@ fn meet(edges: &[Edge], cuts: &mut [Vec<I64Vec2>], i: usize, j: usize) -> usize 
     if on_an_edge {
         return made;
     }
-    let [a, b] = first.map(|at| at.as_dvec2());
-    let [c, d] = second.map(|at| at.as_dvec2());
+    let [a, b] = first.map(I64Vec2::as_dvec2);
+    let [c, d] = second.map(I64Vec2::as_dvec2);
     let (u, v) = (b - a, d - c);
     let cross = u.perp_dot(v);
     if cross != 0.0 {
@@ -235,7 +236,7 @@ impl Buckets {
             let (first, last) = (buckets.cell_of(*a - margin), buckets.cell_of(*b + margin));
             for x in first[0]..=last[0] {
                 for y in first[1]..=last[1] {
-                    buckets.lists.entry([x, y]).or_default().push(number as u32);
+                    buckets.lists.entry([x, y]).or_default().push(u32::try_from(number).unwrap_or(u32::MAX));
                 }
             }
         }
