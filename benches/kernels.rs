@@ -39,6 +39,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "palette",
     "pose",
     "prefer",
+    "queue",
     "skin",
     "stand",
     "velocity_orca",

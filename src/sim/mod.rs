@@ -31,7 +31,7 @@ const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
 #[cfg(feature = "vulkan")]
-pub(crate) const STATE: [BufferId; 9] = [
+pub(crate) const STATE: [BufferId; 10] = [
     BufferId::Elevation,
     BufferId::Position,
     BufferId::Velocity,
@@ -39,6 +39,7 @@ pub(crate) const STATE: [BufferId; 9] = [
     BufferId::Phase,
     BufferId::Route,
     BufferId::Errand,
+    BufferId::Queues,
     BufferId::Sources,
     BufferId::Failure,
 ];

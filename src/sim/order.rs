@@ -16,6 +16,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let mut passes = vec![
         pass(KernelId::LeadAgents, 0, agents),
         pass(KernelId::Journey, 0, agents),
+        pass(KernelId::Queue, 0, Extent::Invocations(step.queue_count)),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
         pass(KernelId::GridScan, 1, Extent::Invocations(1)),
@@ -39,6 +40,9 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     ]);
     if step.floor_count > 0 {
         passes.push(pass(KernelId::Elevate, 0, agents));
+    }
+    if step.queue_count == 0 {
+        passes.retain(|pass| pass.kernel != KernelId::Queue);
     }
     if step.led_count == 0 {
         passes.retain(|pass| pass.kernel != KernelId::LeadAgents);
