@@ -43,6 +43,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "persevere",
     "pose",
     "prefer",
+    "queue",
     "react",
     "skin",
     "stand",

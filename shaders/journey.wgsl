@@ -5,8 +5,9 @@
 @group(0) @binding(1) var<storage, read> stages: array<vec4<f32>>;             // [stage][STAGE_STRIDE] see shared/stages.wgsl
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
 @group(0) @binding(3) var<storage, read_write> route: array<vec4<u32>>;        // [agent] first, length | loops << 31, next, arrivals
-@group(0) @binding(4) var<storage, read_write> errand: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1
+@group(0) @binding(4) var<storage, read_write> errand: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
 @group(0) @binding(5) var<storage, read_write> aim: array<vec4<f32>>;          // [agent] x, z, how, flow field or -1
+@group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>;     // [queue][8] see queue.wgsl
 
 // A place in a region counts as taken within this distance, m,
 const STANDING = 0.3;
@@ -14,6 +15,9 @@ const STANDING = 0.3;
 // in the end.
 const PATIENCE = 0.1;
 const TRYING = 20.0;
+// People in a line stand this near to their place, and are served from this near to the counter, m.
+const IN_LINE = 0.1;
+const AT_COUNTER = 0.25;
 
 @compute @workgroup_size(64)
 fn journey(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -53,6 +57,10 @@ fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
         let to = place.xy - at;
         return dot2(to, to) < place.z * place.z;
     }
+    if place.w == QUEUE {
+        let line = u32(stages[stage * STAGE_STRIDE + 1u].w) * 8u;
+        return errand[agent] > 0u && errand[agent] <= atomicLoad(&queues[line + 1u]);
+    }
     let inside = in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
     if place.w != WAITING {
         return inside;
@@ -77,6 +85,9 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
         return vec4<f32>(place.xy, select(PASS, STOP, is_last), terms.x);
     }
     let axes = stages[stage * STAGE_STRIDE + 1u];
+    if place.w == QUEUE {
+        return vec4<f32>(line_up(agent, place, axes, at), terms.x);
+    }
     if place.w == EXIT {
         return vec4<f32>(nearest_place(at, place.xy, axes), PASS, terms.x);
     }
@@ -89,4 +100,28 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
         }
     }
     return vec4<f32>(own_place(agent, u32(terms.w), place.xy, axes), how, terms.x);
+}
+
+// The place in a line that an agent walks to, x, z, and how: its own, or if it has none the one behind the last, where it asks to be let in. Says
+// so when the agent stands at the counter.
+fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
+    let base = u32(line.w) * 8u;
+    let first = atomicLoad(&queues[base + 1u]);
+    let ticket = errand[agent];
+    if ticket > 0u {
+        let number = ticket - 1u - first;
+        let place = first_place.xy + f32(number) * line.xy;
+        let to = place - at;
+        if number == 0u && dot2(to, to) < AT_COUNTER * AT_COUNTER {
+            atomicMax(&queues[base + 3u], 1u);
+        }
+        return vec3<f32>(place, IN_LINE);
+    }
+    let last = min(atomicLoad(&queues[base + 2u]) - first, u32(line.z) - 1u);
+    let end = first_place.xy + f32(last) * line.xy;
+    let to = end - at;
+    if dot2(to, to) < first_place.z * first_place.z {
+        atomicMin(&queues[base], agent);
+    }
+    return vec3<f32>(end, 0.5 * first_place.z);
 }

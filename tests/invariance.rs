@@ -13,6 +13,7 @@
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::exact::{hash_u32, unit_f32};
+use gaitway::reference::stages::{STAGE_STRIDE, waypoint};
 use gaitway::scenario::Clearance;
 use gaitway::sim::{order, setup};
 use gaitway::verify::cases::crossing::crossing;
@@ -92,8 +93,8 @@ fn turning_the_scene_by_a_right_angle_turns_the_crowd() {
         let mut plain = scene(model);
         let mut other = plain.clone();
         other.position.iter_mut().chain(&mut other.velocity).for_each(|p| *p = turned(*p));
-        for waypoint in &mut other.waypoints {
-            [waypoint[0], waypoint[1]] = turned([waypoint[0], waypoint[1]]);
+        for stage in other.stages.chunks_exact_mut(STAGE_STRIDE) {
+            [stage[0][0], stage[0][1]] = turned([stage[0][0], stage[0][1]]);
         }
         let turned_posts: Vec<Vec<[f32; 2]>> =
             posts().into_iter().map(|post| post.into_iter().map(turned).collect()).collect();
@@ -149,8 +150,11 @@ fn random_scene(seed: u32) -> (u64, u32) {
         store.route[i] = [(i % 16) as u32 * 3, 3 | 1 << 31, 0, 0];
         store.body[i][0] = 0.15 + 0.2 * unit(seed, i, 9);
     }
-    store.waypoints = (0..48)
-        .map(|w| [(unit(seed, w, 5) - 0.5) * 2.2 * size, (unit(seed, w, 6) - 0.5) * 2.2 * size, 0.5, 0.0])
+    store.stages = (0..48)
+        .flat_map(|w| {
+            let at = |lane| (unit(seed, w, lane) - 0.5) * 2.2 * size;
+            waypoint(at(5), at(6), 0.5)
+        })
         .collect();
     store.step.wrap = 0.0;
     store.step.model = seed % order::MODELS.end;

@@ -332,3 +332,94 @@ fn the_same_hall_gives_the_same_bits_on_both_backends() {
         assert_eq!(Some(on_vulkan), run(Backend::Cpu));
     }
 }
+
+/// Forty people come to one counter with room for ten.
+fn counter(backend: Backend) -> Option<Simulation> {
+    let hall = scenario(
+        40,
+        "[[stages]]\nname = \"till\"\nkind = \"queue\"\nposition = [8, 0]\nheading_deg = -90\nplaces = 10\nservice_time = 1.5\n\
+         [[stages]]\nname = \"out\"\nkind = \"exit\"\nposition = [18, 6]\nsize = [3, 6]\n\
+         [[journeys]]\nname = \"buy\"\nstages = [\"till\", \"out\"]\n\
+         [[sources]]\npolygon = [[-19, -8], [-15, -8], [-15, 8], [-19, 8]]\nrate = 1.0\n",
+    );
+    match Simulation::new(&hall, &fill(&hall), &library().1, backend, None) {
+        Ok(simulation) => Some(simulation),
+        Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
+        Err(_) => None,
+    }
+}
+
+#[test]
+fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
+    let mut simulation = counter(Backend::Cpu).unwrap();
+    let (mut joined, mut served, mut longest) = (Vec::new(), Vec::new(), 0);
+    for step in 0..30 * 180 {
+        simulation.step(1).unwrap();
+        let now = moment(&mut simulation);
+        assert_eq!(now.overlapping_pairs, 0, "step {step}: {now:?}");
+        let store = simulation.state().unwrap();
+        for agent in 0..40_usize {
+            if store.errand[agent] > 0 && !joined.contains(&agent) {
+                joined.push(agent);
+                assert_eq!(store.errand[agent] as usize, joined.len(), "tickets are given in order");
+            }
+            if store.route[agent][2] > 0 && served.iter().all(|(other, _)| *other != agent) {
+                served.push((agent, step));
+            }
+        }
+        longest = longest.max(store.queues[2] - store.queues[1]);
+    }
+    assert_eq!((joined.len(), longest), (40, 10), "the line was full and nobody was forgotten");
+    assert_eq!(served.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), joined);
+    for pair in served.windows(2) {
+        let between = pair[1].1 - pair[0].1;
+        assert!((45..45 + 120).contains(&between), "{between} steps between two who were served for 45");
+    }
+    let end = moment(&mut simulation);
+    assert_eq!((end.left, end.present), (40, 0));
+}
+
+#[test]
+fn a_queue_is_the_same_on_both_backends() {
+    let run = |backend| {
+        let mut simulation = counter(backend)?;
+        simulation.step(30 * 60).unwrap();
+        Some(measure::state_hash(simulation.state().unwrap()))
+    };
+    if let Some(on_vulkan) = run(Backend::Vulkan) {
+        assert_eq!(Some(on_vulkan), run(Backend::Cpu));
+    }
+}
+
+#[test]
+fn what_is_wrong_with_a_queue_is_said() {
+    let queue = |keys: &str, stages: &str| {
+        format!(
+            "[[stages]]\nname = \"q\"\nkind = \"queue\"\nposition = [0, 0]\n{keys}\n\
+             [[stages]]\nname = \"g\"\nkind = \"goal\"\nposition = [9, 0]\nsize = [4, 4]\n\
+             [[journeys]]\nname = \"j\"\nstages = {stages}\n\
+             [[sources]]\npolygon = [[-19, -9], [-15, -9], [-15, -5], [-19, -5]]\nrate = 1.0\n"
+        )
+    };
+    for (text, parts) in [
+        (queue("places = 5", "[\"q\", \"g\"]"), ["stages[0].service_time", "none", "seconds"]),
+        (queue("service_time = 1", "[\"q\", \"g\"]"), ["stages[0].places", "1 to 1000", "stand"]),
+        (
+            queue("service_time = 1\nplaces = 50", "[\"q\", \"g\"]"),
+            ["stages[0].places", "outside the bounds", "fewer"],
+        ),
+        (
+            queue("service_time = 1\nplaces = 5", "[\"q\"]"),
+            ["journeys[0].stages[0]", "no queue as the last", "behind it"],
+        ),
+        (
+            queue("service_time = 1\nplaces = 5\nwait = 3", "[\"q\", \"g\"]"),
+            ["stages[0].wait", "left out", "waiting"],
+        ),
+    ] {
+        let message = refused(&text);
+        for part in parts {
+            assert!(message.contains(part), "{part:?} is missing in: {message}\n{text}");
+        }
+    }
+}

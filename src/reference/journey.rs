@@ -3,7 +3,7 @@
 use super::exact::dot2;
 use super::shared::{ABSENT, is_absent};
 use super::stages::{
-    EXIT, GOAL, PASS, STAGE_STRIDE, STOP, WAITING, WAYPOINT, in_region, nearest_place, own_place,
+    EXIT, GOAL, PASS, QUEUE, STAGE_STRIDE, STOP, WAITING, WAYPOINT, in_region, nearest_place, own_place,
 };
 use crate::kernels::journey::Slices;
 use rayon::prelude::*;
@@ -14,18 +14,26 @@ const STANDING: f32 = 0.3;
 /// By how much that distance grows for who has been in the region for [`TRYING`], m/s.
 const PATIENCE: f32 = 0.1;
 
+/// People in a line stand this near to their place, m.
+const IN_LINE: f32 = 0.1;
+
+/// They are served from this near to the counter, m.
+const AT_COUNTER: f32 = 0.25;
+
 /// How long people try to get to their place before they are content with less, s.
 const TRYING: f32 = 20.0;
 
 /// Twin of `shaders/journey.wgsl`.
 pub fn journey(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
-    let stages = Stages { now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
+    let lines: &[u32] = b.queues;
+    let stages = Stages { lines, now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
     let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
     let state = state.zip(&mut b.errand[..agents]).zip(&mut b.aim[..agents]);
-    state.enumerate().with_min_len(1024).for_each(|(agent, (((position, way), errand), aim))| {
+    let state = state.enumerate().with_min_len(1024);
+    let signs = state.filter_map(|(agent, (((position, way), errand), aim))| {
         if is_absent(*position) {
-            return;
+            return None;
         }
         let at = *position;
         let length = way[1] & 0x7fff_ffff;
@@ -43,17 +51,35 @@ pub fn journey(b: Slices<'_>) {
             *errand = if stays { b.step.step_index + 1 } else { 0 };
             if stages.part(stage, 0)[3] == EXIT {
                 *position = [ABSENT, ABSENT];
-                return;
+                return None;
             }
             stage = way[0] + way[2].min(length - 1);
         }
         let is_last = !loops && way[2] + 1 >= length;
-        *aim = stages.aim((agent as u32, at, *errand), stage, is_last);
+        let (goal, sign) = stages.aim((agent as u32, at, *errand), stage, is_last);
+        *aim = goal;
+        sign.map(|(line, sign)| (agent as u32, line, sign))
     });
+    for (agent, line, sign) in signs.collect::<Vec<_>>() {
+        match sign {
+            Sign::Joins => b.queues[line] = b.queues[line].min(agent),
+            Sign::Served => b.queues[line + 3] = b.queues[line + 3].max(1),
+        }
+    }
+}
+
+/// What somebody in or at a line shows, beside the first element of the line.
+enum Sign {
+    /// Wants to be let in.
+    Joins,
+    /// Stands at the counter.
+    Served,
 }
 
 /// All stages, at one step.
 struct Stages<'a> {
+    /// `[queue][8]`
+    lines: &'a [u32],
     now: u32,
     time_step: f32,
     stages: &'a [[f32; 4]],
@@ -71,6 +97,10 @@ impl Stages<'_> {
             let to = [x - at[0], z - at[1]];
             return dot2(to, to) < radius * radius;
         }
+        if kind == QUEUE {
+            let line = self.part(stage, 1)[3] as usize * 8;
+            return *errand > 0 && *errand <= self.lines[line + 1];
+        }
         let inside = in_region(at, [x, z], self.part(stage, 1));
         if kind != WAITING {
             return inside;
@@ -86,16 +116,25 @@ impl Stages<'_> {
     }
 
     /// What an agent on its way to a stage, or in it, walks to.
-    fn aim(&self, (agent, at, errand): (u32, [f32; 2], u32), stage: u32, is_last: bool) -> [f32; 4] {
-        let [x, z, _, kind] = self.part(stage, 0);
+    fn aim(
+        &self,
+        (agent, at, errand): (u32, [f32; 2], u32),
+        stage: u32,
+        is_last: bool,
+    ) -> ([f32; 4], Option<(usize, Sign)>) {
+        let [x, z, radius, kind] = self.part(stage, 0);
         let [field, _, _, number] = self.part(stage, 2);
         if kind == WAYPOINT {
-            return [x, z, if is_last { STOP } else { PASS }, field];
+            return ([x, z, if is_last { STOP } else { PASS }, field], None);
         }
         let axes = self.part(stage, 1);
+        if kind == QUEUE {
+            let ([x, z, how], sign) = self.line_up(errand, [x, z, radius], axes, at);
+            return ([x, z, how, field], sign);
+        }
         if kind == EXIT {
             let [x, z] = nearest_place(at, [x, z], axes);
-            return [x, z, PASS, field];
+            return ([x, z, PASS, field], None);
         }
         let mut how = PASS;
         if is_last || kind == WAITING {
@@ -106,6 +145,31 @@ impl Stages<'_> {
             }
         }
         let [x, z] = own_place(agent, number as u32, [x, z], axes);
-        [x, z, how, field]
+        ([x, z, how, field], None)
+    }
+
+    /// The place in a line that an agent walks to, x, z, and how: its own, or if it has none the one behind the last.
+    fn line_up(
+        &self,
+        ticket: u32,
+        [x, z, radius]: [f32; 3],
+        line: [f32; 4],
+        at: [f32; 2],
+    ) -> ([f32; 3], Option<(usize, Sign)>) {
+        let base = line[3] as usize * 8;
+        let first = self.lines[base + 1];
+        let number = if ticket > 0 {
+            (ticket - 1).wrapping_sub(first)
+        } else {
+            self.lines[base + 2].wrapping_sub(first).min(line[2] as u32 - 1)
+        };
+        let place = [x + number as f32 * line[0], z + number as f32 * line[1]];
+        let to = [place[0] - at[0], place[1] - at[1]];
+        if ticket > 0 {
+            let is_served = number == 0 && dot2(to, to) < AT_COUNTER * AT_COUNTER;
+            return ([place[0], place[1], IN_LINE], is_served.then_some((base, Sign::Served)));
+        }
+        let joins = dot2(to, to) < radius * radius;
+        ([place[0], place[1], 0.5 * radius], joins.then_some((base, Sign::Joins)))
     }
 }

@@ -14,6 +14,13 @@ pub enum StopKind {
     Goal,
     /// To stay in the region for a time, everyone at a place of their own.
     Waiting,
+    /// To line up.
+    Queue {
+        /// Number of the queue.
+        number: u32,
+        /// How many can stand in it, at least 1.
+        places: u32,
+    },
     /// To leave the scene in the region.
     Exit,
 }
@@ -25,11 +32,11 @@ pub struct Stop {
     pub kind: StopKind,
     /// Ground position (x, z) of the waypoint or of the middle of the region, m.
     pub position: Vec2,
-    /// A waypoint is reached once the agent is closer than this, m.
+    /// A waypoint is reached, or a queue joined, once the agent is closer than this, m.
     pub radius: f32,
-    /// Half axes of the region, along it and across it, m.
+    /// Half axes of the region, along it and across it, m; of a queue: the first leads from one place to the next.
     pub half_axes: [Vec2; 2],
-    /// Least time spent waiting, steps.
+    /// Least time spent waiting, or time of being served, steps.
     pub wait: u32,
     /// Step before which nobody who waits goes on.
     pub until: u32,

@@ -21,6 +21,10 @@ const MOST_WAYS: usize = 256;
 const DAY: f32 = 86_400.0;
 /// Radius of a waypoint that says none, m.
 const WAYPOINT_RADIUS: f32 = 1.0;
+/// Distance between two places of a queue that says none, m.
+const SPACING: f32 = 0.8;
+/// Most places of a queue.
+const MOST_PLACES: u32 = 1000;
 
 /// What a stage is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -32,6 +36,9 @@ pub enum StageKind {
     Goal,
     /// A region in which everyone goes to a place of their own and stays for `wait` seconds and at least to the time `until`.
     Waiting,
+    /// A line of places: people stand in it one behind the other in the order in which they came to its end; the first is served for
+    /// `service_time`, then goes on to the next stage, and the others move up. Who finds it full waits behind it.
+    Queue,
     /// A region in which people leave the scene; only as the last stage.
     Exit,
 }
@@ -44,15 +51,15 @@ pub struct Stage {
     pub name: String,
     /// What it is.
     pub kind: StageKind,
-    /// The waypoint, or the middle of the region, m.
+    /// The waypoint, the middle of the region, or the first place of the queue, m.
     pub position: Point,
     /// Width and depth of the region (along x and z before it is turned), m; not for waypoints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<Point>,
-    /// Turn of the region about +y, degrees.
+    /// Turn of the region about +y, degrees; of a queue: where its end is, 0 towards +z, 90 towards +x.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub heading_deg: f32,
-    /// Distance at which a waypoint counts as reached, m; left out: 1.
+    /// Distance at which a waypoint counts as reached, or from the end of a queue at which people join it, m; left out: 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f32>,
     /// Least time in a waiting area, s.
@@ -61,6 +68,15 @@ pub struct Stage {
     /// Time of the simulation before which nobody leaves a waiting area, s.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub until: f32,
+    /// Places in a queue.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub places: Option<u32>,
+    /// Distance from one place of a queue to the next, m; left out: 0.8.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spacing: Option<f32>,
+    /// How long the first in a queue is served once it stands at its place, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub service_time: Option<f32>,
 }
 
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
@@ -201,19 +217,28 @@ impl Stage {
         [(corners[1] - corners[0]) * 0.5, (corners[2] - corners[1]) * 0.5]
     }
 
-    /// The stage as agents meet it.
-    pub(super) fn stop(&self, number: u32, time_step: f32) -> Stop {
+    /// From one place of a queue to the next, m.
+    pub(super) fn to_next_place(&self) -> Vec2 {
+        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        Vec2::new(sin, cos) * self.spacing.unwrap_or(SPACING)
+    }
+
+    /// The stage as agents meet it; `queue` is the number of queues before it.
+    pub(super) fn stop(&self, number: u32, queue: u32, time_step: f32) -> Stop {
+        let is_queue = self.kind == StageKind::Queue;
+        let time = if is_queue { self.service_time.unwrap_or(0.0) } else { self.wait };
         Stop {
             kind: match self.kind {
                 StageKind::Waypoint => StopKind::Waypoint,
                 StageKind::Goal => StopKind::Goal,
                 StageKind::Waiting => StopKind::Waiting,
+                StageKind::Queue => StopKind::Queue { number: queue, places: self.places.unwrap_or(1) },
                 StageKind::Exit => StopKind::Exit,
             },
             position: Vec2::from(self.position),
             radius: self.radius.unwrap_or(WAYPOINT_RADIUS),
-            half_axes: self.half_axes(),
-            wait: steps(f64::from(self.wait), time_step),
+            half_axes: if is_queue { [self.to_next_place(), Vec2::ZERO] } else { self.half_axes() },
+            wait: steps(f64::from(time), time_step),
             until: steps(f64::from(self.until), time_step),
             number,
             field: None,
@@ -338,18 +363,35 @@ fn idle(key: String, is_given: bool, hint: &str) -> Result<(), Error> {
 
 fn stage(key: &str, stage: &Stage) -> Result<(), Error> {
     let of = |field: &str| format!("{key}.{field}");
-    let is_waypoint = stage.kind == StageKind::Waypoint;
+    let queues = stage.kind == StageKind::Queue;
+    let is_region = !queues && stage.kind != StageKind::Waypoint;
     let waits = stage.kind == StageKind::Waiting;
     point(&of("position"), stage.position)?;
-    idle(of("size"), is_waypoint && stage.size.is_some(), "a waypoint has a radius; a goal has a size")?;
-    idle(of("radius"), !is_waypoint && stage.radius.is_some(), "a region has a size = [width, depth]")?;
+    idle(of("size"), !is_region && stage.size.is_some(), "a waypoint has a radius, a queue places")?;
+    idle(of("radius"), is_region && stage.radius.is_some(), "a region has a size = [width, depth]")?;
+    idle(of("places"), !queues && stage.places.is_some(), "kind = \"queue\" has places")?;
+    idle(of("spacing"), !queues && stage.spacing.is_some(), "kind = \"queue\" has places")?;
+    idle(of("service_time"), !queues && stage.service_time.is_some(), "kind = \"queue\" serves")?;
+    if queues {
+        let Some(service) = stage.service_time else {
+            let hint = "seconds for which the first is served";
+            return Err(Error::value(of("service_time"), "none", format!("0 to {DAY} for a queue"), hint));
+        };
+        within(&of("service_time"), service, 0.0, DAY, "seconds; a day is the most")?;
+        let places = stage.places.unwrap_or(0);
+        if !(1..=MOST_PLACES).contains(&places) {
+            let (found, allowed) = (places, format!("1 to {MOST_PLACES} for a queue"));
+            return Err(Error::value(of("places"), found, allowed, "how many people can stand in it"));
+        }
+        within(&of("spacing"), stage.spacing.unwrap_or(SPACING), 0.3, 10.0, "metres; 0.8 is usual")?;
+    }
     idle(of("wait"), !waits && stage.wait != 0.0, "kind = \"waiting\" waits")?;
     idle(of("until"), !waits && stage.until != 0.0, "kind = \"waiting\" waits")?;
     if let Some(radius) = stage.radius {
         within(&of("radius"), radius, 0.1, 50.0, "metres; 1 to 3 is usual")?;
     }
     match stage.size {
-        None if !is_waypoint => {
+        None if is_region => {
             let hint = "metres along x and z, before heading_deg turns it";
             return Err(Error::value(of("size"), "none", "[width, depth]", hint));
         }
@@ -398,6 +440,10 @@ fn journey(
                 let found = format!("{name:?}");
                 let hint = "who has left goes nowhere: put it last, and leave repeat out";
                 return Err(Error::value(key, found, "no exit before the last stage", hint));
+            }
+            if stages[stage].kind == StageKind::Queue && is_last {
+                let hint = "put an exit or a goal behind it";
+                return Err(Error::value(key, format!("{name:?}"), "no queue as the last stage", hint));
             }
             within(&format!("{key}.{name}"), share, 0.0, 1e6, "shares are relative: 1 and 1 is half each")?;
         }

@@ -100,8 +100,11 @@ impl Lanes {
         for (way, share) in journey.ways(names) {
             let start = u32::try_from(self.stages.len()).unwrap_or(u32::MAX);
             for &stage in &way {
-                let number = u32::try_from(stage).unwrap_or(0);
-                self.stages.push(scenario.stages[stage].stop(number, scenario.navigation.time_step));
+                let number = |count: usize| u32::try_from(count).unwrap_or(0);
+                let before = scenario.stages[..stage].iter().filter(|s| s.kind == StageKind::Queue);
+                let (number, queue) = (number(stage), number(before.count()));
+                let stage = &scenario.stages[stage];
+                self.stages.push(stage.stop(number, queue, scenario.navigation.time_step));
             }
             let count = u32::try_from(way.len()).unwrap_or(u32::MAX);
             ways.lanes.push(Lane { start, count, loops: journey.repeat, length: 0.0 });
@@ -191,12 +194,25 @@ fn standable(index: usize, stage: &Stage, free: &Clearance) -> Result<(), Error>
     let reach = if stage.kind == StageKind::Exit { 0.9 } else { 0.0 };
     let somewhere = [-1.0, -0.5, 0.0, 0.5, 1.0].map(|share| share * reach);
     let mut places = somewhere.iter().flat_map(|u| somewhere.map(|v| middle + along * *u + across * v));
+    let line = (0..stage.places.unwrap_or(0)).map(|k| middle + stage.to_next_place() * count(k));
+    let blocked = line.enumerate().find(|(_, place)| !free.walkable(*place));
+    if let Some((place, at)) = blocked {
+        let found = format!("place {place} of the queue at {at}, inside an obstacle or outside the bounds");
+        let hint = "turn it with heading_deg, or give it fewer places";
+        return Err(Error::value(format!("stages[{index}].places"), found, "on walkable ground", hint));
+    }
     if places.any(|place| free.walkable(place)) {
         return Ok(());
     }
     let key = format!("stages[{index}].position");
     let found = format!("{middle}, inside an obstacle or outside the bounds");
     Err(Error::value(key, found, "on walkable ground", "move the stage, or the obstacle"))
+}
+
+/// A small number as f32.
+#[allow(clippy::cast_precision_loss, reason = "places of a queue")]
+const fn count(k: u32) -> f32 {
+    k as f32
 }
 
 /// Segments of a polyline, closed or not.

@@ -117,6 +117,9 @@ pub fn state_hash(store: &Store) -> u64 {
     if errand.iter().any(|word| *word > 0) {
         add(bytemuck::cast_slice(errand));
     }
+    if store.step.queue_count > 0 {
+        add(bytemuck::cast_slice(&store.queues));
+    }
     if store.step.source_count > 0 {
         add(bytemuck::cast_slice(&store.sources));
     }

@@ -42,6 +42,7 @@ pub(crate) const STATE: [BufferId; 10] = [
     BufferId::Phase,
     BufferId::Route,
     BufferId::Errand,
+    BufferId::Queues,
     BufferId::Sources,
     BufferId::Waiting,
     BufferId::Failure,

@@ -18,6 +18,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::LeadAgents, 0, agents),
         pass(KernelId::Teleport, 0, agents),
         pass(KernelId::Journey, 0, agents),
+        pass(KernelId::Queue, 0, Extent::Invocations(step.queue_count)),
         pass(KernelId::GridCount, 0, agents),
         pass(KernelId::GridScan, 0, runs),
         pass(KernelId::GridScan, 1, Extent::Invocations(1)),
@@ -54,6 +55,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         KernelId::Feel | KernelId::Express => step.feels > 0,
         KernelId::Persevere => step.patience > 0.0,
         KernelId::Teleport => step.teleport_count > 0,
+        KernelId::Queue => step.queue_count > 0,
         KernelId::Contain => step.obstacle_count > 0,
         _ => true,
     });

@@ -39,6 +39,7 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
         push_agent(&mut store, agent, &scenario.navigation, cast);
     }
     store.stages = crowd.stages.iter().flat_map(stage).collect();
+    crowd.stages.iter().for_each(|stop| set_queue(&mut store, stop));
     if store.stages.is_empty() {
         store.stages.extend(stages::waypoint(0.0, 0.0, 0.0));
     }
@@ -183,6 +184,7 @@ pub fn scratch(store: &mut Store) {
     store.aim = vec![[0.0; 4]; agents];
     store.errand.resize(agents, 0);
     store.entry.resize(agents, 0);
+    store.queues.resize(store.queues.len().max(8), 0);
     store.sources.resize(store.sources.len().max(8), 0);
     store.source_places.resize(store.source_places.len().max(1), [0.0; 2]);
     store.reaction.resize(agents, 0);
@@ -266,9 +268,13 @@ fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
         StopKind::Waypoint => stages::WAYPOINT,
         StopKind::Goal => stages::GOAL,
         StopKind::Waiting => stages::WAITING,
+        StopKind::Queue { .. } => stages::QUEUE,
         StopKind::Exit => stages::EXIT,
     };
-    let [along, across] = stop.half_axes;
+    let [along, mut across] = stop.half_axes;
+    if let StopKind::Queue { number, places } = stop.kind {
+        across = Vec2::new(places as f32, number as f32);
+    }
     let field = stop.field.map_or(-1.0, |field| field as f32);
     [
         [stop.position.x, stop.position.y, stop.radius, kind],
@@ -276,6 +282,15 @@ fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
         [field, stop.wait as f32, stop.until as f32, stop.number as f32],
         [0.0; 4],
     ]
+}
+
+/// Makes the queue of a stage, if it is one (`shaders/queue.wgsl`); several journeys may lead to the same.
+fn set_queue(store: &mut Store, stop: &Stop) {
+    let StopKind::Queue { number, places } = stop.kind else { return };
+    store.step.queue_count = store.step.queue_count.max(number + 1);
+    store.queues.resize(store.step.queue_count as usize * 8, 0);
+    let queue = [NOBODY, 0, 0, 0, 0, places.max(1), stop.wait, 0];
+    store.queues[number as usize * 8..][..8].copy_from_slice(&queue);
 }
 
 /// A source and its places (`shaders/enter.wgsl`); the bodies must be there.

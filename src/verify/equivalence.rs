@@ -51,6 +51,7 @@ const INTEGERS: &[&str] = &[
     "look",
     "mesh_table",
     "phase",
+    "queues",
     "reaction",
     "route",
     "run_sums",

@@ -72,6 +72,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         | KernelId::GridScatter
         | KernelId::Attend
         | KernelId::Compact
+        | KernelId::Queue
         | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
         KernelId::GaitFeatures => {
             // third differences over a step of 1/80 s: a rounding error of 1e-7 m becomes 0.05 m/s3, and its mean less

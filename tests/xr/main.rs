@@ -101,6 +101,20 @@ fn post(image: &Image, eye: u32) -> Option<f32> {
     (mass > 30.0).then(|| sum / mass)
 }
 
+/// A picture of ours: eight bits, with or without opacity.
+fn picture(path: &Path) -> Image {
+    let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    bytes.truncate(info.buffer_size());
+    let pixels = match info.color_type {
+        png::ColorType::Rgb => bytes.chunks_exact(3).flat_map(|p| [p[0], p[1], p[2], 255]).collect(),
+        _ => bytes,
+    };
+    Image { width: info.width, height: info.height, pixels }
+}
+
 /// The pictures of a folder in the order of their frames.
 fn pictures(folder: &Path) -> Vec<(u64, Image)> {
     let mut found: Vec<(u64, Image)> = std::fs::read_dir(folder)
@@ -108,9 +122,7 @@ fn pictures(folder: &Path) -> Vec<(u64, Image)> {
         .filter_map(|entry| {
             let path = entry.unwrap().path();
             let number = path.file_stem()?.to_str()?.strip_prefix("frame-")?.parse().ok()?;
-            let picture = image::open(&path).unwrap().to_rgba8();
-            let (width, height) = picture.dimensions();
-            Some((number, Image { width, height, pixels: picture.into_raw() }))
+            Some((number, picture(&path)))
         })
         .collect();
     found.sort_by_key(|(number, _)| *number);

@@ -3,11 +3,11 @@
 use super::step::crowd;
 use super::unit;
 use crate::kernels::Store;
-use crate::reference::shared::ABSENT;
-use crate::reference::stages::{EXIT, GOAL, STAGE_STRIDE, WAITING, WAYPOINT};
+use crate::reference::shared::{ABSENT, NOBODY};
+use crate::reference::stages::{EXIT, GOAL, QUEUE, STAGE_STRIDE, WAITING, WAYPOINT};
 
 /// Kinds of the stages, in turn; the last one of every journey may be an exit.
-const KINDS: [f32; 5] = [WAYPOINT, GOAL, WAITING, GOAL, EXIT];
+const KINDS: [f32; 5] = [WAYPOINT, GOAL, WAITING, QUEUE, EXIT];
 /// Sources: two that let people in, one whose time has not come, one that has let everybody in, one without a place.
 const SOURCES: usize = 5;
 
@@ -27,7 +27,37 @@ pub fn journeys(agents: usize, seed: u32) -> Store {
         store.aim[agent] = [0.0; 4];
     }
     sources(&mut store, agents, side, seed);
+    queues(&mut store, agents, seed);
     store
+}
+
+/// A queue for every journey: empty, full, with people in it and without, served and about to be done.
+fn queues(store: &mut Store, agents: usize, seed: u32) {
+    store.step.queue_count = 7;
+    store.queues.clear();
+    for queue in 0..7_usize {
+        let u = |lane: u32| unit(seed, queue, 60 + lane);
+        let (first, places) = ((u(0) * 100.0) as u32, 1 + (u(1) * 6.0) as u32);
+        let (length, service) = ((u(2) * (places + 1) as f32) as u32, (u(3) * 4.0) as u32);
+        let served = (u(4) * (service + 1) as f32) as u32;
+        let joins = if u(5) < 0.5 { NOBODY } else { (u(6) * agents as f32) as u32 };
+        let joins = if agents == 0 { NOBODY } else { joins };
+        let is_served = u32::from(u(7) < 0.5);
+        store.queues.extend([joins, first, first + length, is_served, served, places, service, 0]);
+        let stage = (5 * queue + 3) * STAGE_STRIDE;
+        store.stages[stage + 1] = [u(8) - 0.5, u(9) - 0.5, places as f32, queue as f32];
+        // of those on their way to the queue: some with a ticket behind, some at the counter, some in the line, some without
+        let mine = (0..agents).filter(|agent| agent % 7 == queue && store.route[*agent][2] == 3);
+        let in_line: Vec<usize> = mine.collect();
+        for (k, agent) in in_line.into_iter().enumerate() {
+            store.errand[agent] =
+                if k % 3 == 0 { 0 } else { first + 1 + k as u32 % 4 - u32::from(k % 8 == 7) };
+            if k % 4 == 0 && store.position[agent][0] < 1e8 {
+                let counter = store.stages[stage];
+                store.position[agent] = [counter[0] + 0.05, counter[1]];
+            }
+        }
+    }
 }
 
 /// Seven journeys of five stages.

@@ -208,6 +208,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.aim = vec![[f32::NAN; 4]; spare];
     store.errand = vec![0; spare];
     store.entry = vec![0; spare];
+    store.queues = vec![0; 8];
     store.sources = vec![0; 8];
     store.source_places = vec![[f32::NAN; 2]];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];

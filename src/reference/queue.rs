@@ -1,0 +1,28 @@
+//! Moves the queues on.
+
+use super::shared::NOBODY;
+use crate::kernels::queue::Slices;
+
+/// Twin of `shaders/queue.wgsl`.
+pub fn queue(b: Slices<'_>) {
+    for line in b.queues.chunks_exact_mut(8).take(b.step.queue_count as usize) {
+        let [joins, mut first, next, is_served, served, places, service, _] = *line else { continue };
+        if is_served == 1 {
+            let mut served = served + 1;
+            if served >= service {
+                first += 1;
+                line[1] = first;
+                served = 0;
+            }
+            line[4] = served;
+            line[3] = 0;
+        }
+        if joins != NOBODY {
+            if next - first < places {
+                b.errand[joins as usize] = next + 1;
+                line[2] = next + 1;
+            }
+            line[0] = NOBODY;
+        }
+    }
+}
