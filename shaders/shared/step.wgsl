@@ -45,4 +45,5 @@ struct StepUniforms {
     feels: u32,                  // 1: feelings change
     path_count: u32,             // agents that are led on a path
     teleport_count: u32,         // places where walkers are taken away and put elsewhere
+    unused: u32,
 }

@@ -34,7 +34,7 @@ const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
 #[cfg(feature = "vulkan")]
-pub(crate) const STATE: [BufferId; 10] = [
+pub(crate) const STATE: [BufferId; 11] = [
     BufferId::Elevation,
     BufferId::Position,
     BufferId::Velocity,
