@@ -1,4 +1,4 @@
-// uses: step, exact, absent, stages
+// uses: step, exact, absent, stages, follow
 // The velocity an agent wants before avoidance: towards its aim at the speed of its gait (v_des), slowing only to stop there. A tiny
 // random part, different for every agent and step, breaks exact symmetry (two people head-on would stop for ever); those who stand
 // at a place of their own stand still.
@@ -7,6 +7,8 @@
 @group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                       // [agent] radius, maximum speed, preferred speed, travel per stride
 @group(0) @binding(3) var<storage, read> aim: array<vec4<f32>>;                        // [agent] x, z, how, flow field or -1 (see shared/stages.wgsl)
 @group(0) @binding(4) var<storage, read_write> preferred_velocity: array<vec2<f32>>;   // [agent] m/s
+@group(0) @binding(5) var<uniform> flow_grid: FlowUniforms;
+@group(0) @binding(6) var<storage, read> flow_way: array<u32>;                         // [field][cell] see way.wgsl
 
 // How fast people come to a place where they will stand: this share of the distance a second.
 const APPROACH = 2.0;
@@ -47,7 +49,10 @@ fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
     preferred_velocity[agent] = wanted + noise * step.perturbation;
 }
 
-// The direction from a point towards an aim, of any length: straight.
+// The direction from a point towards an aim, of any length: along its flow field if it has one, else straight.
 fn direction_to(at: vec2<f32>, goal: vec4<f32>) -> vec2<f32> {
-    return goal.xy - at;
+    if goal.w < 0.0 {
+        return goal.xy - at;
+    }
+    return flow_direction(u32(goal.w), at, goal.xy - at);
 }

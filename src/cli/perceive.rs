@@ -162,7 +162,7 @@ fn watch(
     place: &PlaceArguments,
     [warm_up, seconds]: [f64; 2],
 ) -> Result<(Vec<Gait>, Simulation, Report), Error> {
-    let mut store = scene.store();
+    let mut store = scene.store()?;
     bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = start(store, place)?;
     let agents = simulation.store().step.agent_count;

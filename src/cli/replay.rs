@@ -179,7 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         }
         return super::render::draw(scene, &arguments.place, &picture, arguments.json, begin);
     }
-    let mut simulation = start(scene.store(), &arguments.place)?;
+    let mut simulation = start(scene.store()?, &arguments.place)?;
     let steps = scene.steps(seconds.unwrap_or(left).min(left));
     let rate = arguments.out_fps.unwrap_or(recording.frame_rate);
     let sink = arguments.out.as_ref().map(|path| Recording::create(path, rate, &scene)).transpose()?;

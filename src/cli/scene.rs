@@ -8,7 +8,7 @@ use crate::kernels::Store;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
 use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate_from};
-use crate::sim::{Backend, Cast, Simulation, setup};
+use crate::sim::{Backend, Cast, Simulation, flow, setup};
 use clap::{Args, ValueEnum};
 use std::path::{Path, PathBuf};
 
@@ -145,12 +145,13 @@ impl Scene {
     }
 
     /// The buffers of the start.
-    pub(super) fn store(&self) -> Store {
+    pub(super) fn store(&self) -> Result<Store, Error> {
         let mut store = setup::store(&self.scenario, &self.geometry, &self.crowd, &self.cast);
+        flow::equip(&mut store, &self.scenario, &self.geometry, &self.crowd)?;
         if let Some(replay) = &self.replay {
             replay.set_up(&mut store);
         }
-        store
+        Ok(store)
     }
 
     /// Steps of `seconds`.

@@ -93,7 +93,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let seconds = check_seconds("--seconds", arguments.seconds)?;
     let begin = Instant::now();
     let scene = Scene::load(&arguments.scene)?;
-    let mut simulation = start(scene.store(), &arguments.scene.place)?;
+    let mut simulation = start(scene.store()?, &arguments.scene.place)?;
     let steps = scene.steps(seconds);
     let recording = arguments.out.as_ref().map(|path| Recording::create(path, arguments.fps, &scene));
     let mut outcome = simulate(&scene, &mut simulation, steps, recording.transpose()?)?;

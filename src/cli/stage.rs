@@ -85,7 +85,7 @@ impl Stage {
 
     /// The same with other settings.
     pub(super) fn with(scene: Scene, place: &PlaceArguments, settings: Settings) -> Result<Self, Error> {
-        let mut store = scene.store();
+        let mut store = scene.store()?;
         let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
         let mut simulation = start(store, place)?;
         let geometry = &scene.geometry;

@@ -3,7 +3,8 @@
 use super::exact::{dot2, hash_u32, unit_f32};
 use super::shared::is_absent;
 use super::stages::STOP;
-use crate::kernels::layout::StepUniforms;
+use super::way::flow_direction;
+use crate::kernels::layout::{FlowUniforms, StepUniforms};
 use crate::kernels::prefer::Slices;
 use rayon::prelude::*;
 
@@ -18,12 +19,20 @@ pub fn prefer(b: Slices<'_>) {
         *preferred = if is_absent(at) {
             [0.0, 0.0]
         } else {
-            wanted(b.step, agent as u32, at, b.body[agent][2], b.aim[agent])
+            let speed = b.body[agent][2];
+            wanted(b.step, (b.flow_grid, b.flow_way), agent as u32, at, speed, b.aim[agent])
         };
     });
 }
 
-fn wanted(step: &StepUniforms, agent: u32, at: [f32; 2], preferred_speed: f32, goal: [f32; 4]) -> [f32; 2] {
+fn wanted(
+    step: &StepUniforms,
+    fields: (&FlowUniforms, &[u32]),
+    agent: u32,
+    at: [f32; 2],
+    preferred_speed: f32,
+    goal: [f32; 4],
+) -> [f32; 2] {
     let to = [goal[0] - at[0], goal[1] - at[1]];
     let distance = dot2(to, to).sqrt();
     let mut speed = preferred_speed;
@@ -36,7 +45,7 @@ fn wanted(step: &StepUniforms, agent: u32, at: [f32; 2], preferred_speed: f32, g
         }
         speed = speed.min(distance * APPROACH);
     }
-    let direction = direction_to(at, goal);
+    let direction = direction_to(fields, at, goal);
     let length = dot2(direction, direction).sqrt();
     let mut wanted = [0.0, 0.0];
     if length > 1e-6 {
@@ -48,7 +57,11 @@ fn wanted(step: &StepUniforms, agent: u32, at: [f32; 2], preferred_speed: f32, g
     [wanted[0] + noise[0] * step.perturbation, wanted[1] + noise[1] * step.perturbation]
 }
 
-/// The direction from a point towards an aim, of any length: straight.
-fn direction_to(at: [f32; 2], goal: [f32; 4]) -> [f32; 2] {
-    [goal[0] - at[0], goal[1] - at[1]]
+/// The direction from a point towards an aim, of any length: along its flow field if it has one, else straight.
+fn direction_to(fields: (&FlowUniforms, &[u32]), at: [f32; 2], goal: [f32; 4]) -> [f32; 2] {
+    let to = [goal[0] - at[0], goal[1] - at[1]];
+    if goal[3] < 0.0 {
+        return to;
+    }
+    flow_direction(fields.0, fields.1, goal[3] as u32, at, to)
 }

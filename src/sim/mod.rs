@@ -96,14 +96,14 @@ pub struct Simulation {
     /// Why the CPU is used although Vulkan was tried.
     fallback: Option<String>,
     /// Goals that have a field each, and how the flow grid is laid.
-    ways: (Vec<flow::Goal>, flow::Settings),
+    ways: flow::Ways,
 }
 
 impl Simulation {
     /// A simulation of a scenario's crowd.
     ///
     /// # Errors
-    /// When a Vulkan device is demanded but cannot be used.
+    /// When a Vulkan device is demanded but cannot be used, or a goal lies where nobody can stand ([`flow::equip`]).
     pub fn new(
         scenario: &Scenario,
         crowd: &Crowd,
@@ -111,7 +111,12 @@ impl Simulation {
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        Self::from_store(setup::store(scenario, &scenario.geometry(), crowd, cast), backend, device)
+        let geometry = scenario.geometry();
+        let mut store = setup::store(scenario, &geometry, crowd, cast);
+        let ways = flow::equip(&mut store, scenario, &geometry, crowd)?;
+        let mut new = Self::from_store(store, backend, device)?;
+        new.ways = ways;
+        Ok(new)
     }
 
     /// Lays the flow grid with one field for each goal and solves them. `outlines` are those of [`Self::set_obstacles`].
@@ -125,7 +130,7 @@ impl Simulation {
         settings: flow::Settings,
     ) -> Result<(), crate::Error> {
         flow::lay(&mut self.store, outlines, &goals, &settings)?;
-        self.ways = (goals, settings);
+        (self.ways.goals, self.ways.settings) = (goals, settings);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             engine.replace(&self.store, &FLOW)?;
@@ -135,14 +140,14 @@ impl Simulation {
 
     /// Changes what agents must not cross, while they walk: doors open and close, vehicles come and go. All outlines
     /// are given anew, m on the ground: those that run clockwise on (x, z) are walkable inside (the bounds), others
-    /// solid inside, two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so). Agents keep their state; the ways
-    /// to goals are found again. Nothing has changed when it fails.
+    /// solid inside, two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so); those of the scenario that stand at some heights only stay. Agents
+    /// keep their state; the ways to goals are found again. Nothing has changed when it fails.
     ///
     /// # Errors
     /// [`Error::Goal`] when nobody can stand at a goal any more; when the device fails.
     pub fn set_obstacles(&mut self, outlines: &[Vec<[f32; 2]>]) -> Result<(), crate::Error> {
-        flow::lay(&mut self.store, outlines, &self.ways.0, &self.ways.1)?;
-        setup::set_obstacles(&mut self.store, outlines);
+        flow::lay(&mut self.store, outlines, &self.ways.goals, &self.ways.settings)?;
+        setup::set_raised_obstacles(&mut self.store, outlines, &self.ways.raised);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             engine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
@@ -230,7 +235,7 @@ impl Simulation {
                 is_led_anew: false,
                 engine,
                 fallback,
-                ways: Default::default(),
+                ways: flow::Ways::default(),
             };
             new.solve_ways()?;
             return Ok(new);
@@ -246,7 +251,7 @@ impl Simulation {
             #[cfg(feature = "vulkan")]
             engine: None,
             fallback: None,
-            ways: Default::default(),
+            ways: flow::Ways::default(),
         };
         new.solve_ways()?;
         Ok(new)
@@ -531,6 +536,14 @@ pub enum Error {
         x: f32,
         /// Where it is, m.
         z: f32,
+    },
+    /// Too many goals have a field of their own.
+    #[error(
+        "way_finding.way: more than {most} different goals and waypoints; leave it at \"straight\", or let journeys share stages"
+    )]
+    Fields {
+        /// The most there may be.
+        most: usize,
     },
     /// The flow grid would have too many cells.
     #[error(

@@ -2,8 +2,10 @@
 //!
 //! The fields themselves are solved by the kernel `flow`, on either backend; here is what it starts from.
 
+mod goals;
 pub mod raster;
 
+pub use goals::{MOST_FIELDS, Ways, equip};
 pub use raster::Raster;
 
 use crate::kernels::Store;

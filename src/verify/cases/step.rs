@@ -6,8 +6,10 @@ use crate::kernels::{KernelId, Store};
 use crate::reference::elevate::FLOOR_STRIDE;
 use crate::reference::exact::hash_u32;
 use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::reference::stages::waypoint;
+use crate::reference::stages::{STAGE_STRIDE, waypoint};
+use crate::sim::flow::{Goal, Settings, lay};
 use crate::sim::obstacles::{at_heights, cell_lists, segments};
+use crate::sim::order;
 use crate::sim::setup::{join, manners};
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
@@ -61,7 +63,40 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
     obstacles(&mut store, side);
     floors(&mut store, side);
     scratch(&mut store, agents);
+    if agents > 1 {
+        ways(&mut store);
+    }
     store
+}
+
+/// Fields to some of the stages, round the solids.
+fn ways(store: &mut Store) {
+    let at = |stage: usize| store.stages[stage * STAGE_STRIDE];
+    let goals: Vec<Goal> = (0..3)
+        .map(|stage| Goal { center: [at(stage)[0], at(stage)[1]].into(), radius: 5.0, ..Goal::default() })
+        .collect();
+    let mut outlines: Vec<Vec<[f32; 2]>> = solids(store.step.user_position[0] * 2.0).to_vec();
+    // a wall that some have to walk round
+    let side = store.step.user_position[0] * 2.0;
+    outlines.push(vec![[side * 0.2, side * 0.5], [side * 0.7, side * 0.55]]);
+    let settings = Settings { cell: Some(0.5), clearance: 0.2, ..Settings::default() };
+    if lay(store, &outlines, &goals, &settings).is_err() {
+        return;
+    }
+    let grid = store.flow_grid;
+    let turns = (grid.tile_columns * grid.tile_rows).min(400) + 16;
+    let mut passes = order::flow_start(&grid);
+    passes.extend(order::flow_turns(0, turns, false));
+    passes.push(order::flow_solid(&grid));
+    passes.extend(order::flow_turns(0, turns, true));
+    passes.extend(order::flow_end(&grid));
+    for pass in passes {
+        crate::reference::run(pass.kernel, store, pass.level);
+    }
+    for stage in 0..store.stages.len() / STAGE_STRIDE {
+        // the fourth is a field that is not there
+        store.stages[stage * STAGE_STRIDE + 2][0] = (stage % 5) as f32 - 1.0;
+    }
 }
 
 /// [`crowd`] with another model of avoidance (the number in `StepUniforms`).
@@ -173,11 +208,7 @@ fn floors(store: &mut Store, side: f32) {
 
 /// Two solids: a box, and an L with a concave corner.
 fn obstacles(store: &mut Store, side: f32) {
-    let at = |x: f32, z: f32| [side * 0.6 + x, side * 0.3 + z];
-    let solids = [
-        vec![at(0.0, 0.0), at(1.5, 0.0), at(1.5, 1.0), at(0.0, 1.0)],
-        vec![at(-3.0, 1.0), at(-1.0, 1.0), at(-1.0, 2.0), at(-2.0, 2.0), at(-2.0, 3.0), at(-3.0, 3.0)],
-    ];
+    let solids = solids(side);
     let mut segments = segments(&solids);
     // the second stands at some heights only: people walk under it and over it
     segments[4..].iter_mut().for_each(|segment| *segment = at_heights(*segment, 2.1, 3.4));
@@ -220,4 +251,12 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
         store.lead.push([0.0; 4]);
     }
     crate::sim::flow::clear(store);
+}
+
+fn solids(side: f32) -> [Vec<[f32; 2]>; 2] {
+    let at = |x: f32, z: f32| [side * 0.6 + x, side * 0.3 + z];
+    [
+        vec![at(0.0, 0.0), at(1.5, 0.0), at(1.5, 1.0), at(0.0, 1.0)],
+        vec![at(-3.0, 1.0), at(-1.0, 1.0), at(-1.0, 2.0), at(-2.0, 2.0), at(-2.0, 3.0), at(-3.0, 3.0)],
+    ]
 }
