@@ -70,7 +70,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if let Some(path) = &arguments.replay {
         return replay(arguments, &scene, path);
     }
-    let mut store = scene.store();
+    let mut store = scene.store()?;
     let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
     let geometry = &scene.geometry;
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
@@ -177,7 +177,7 @@ struct Replayed {
 fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
     let file = std::fs::File::open(path).map_err(|error| recording(path)(error.into()))?;
     let found = Recording::read(std::io::BufReader::new(file)).map_err(recording(path))?;
-    let mut simulation = start(scene.store(), &arguments.scene.place)?;
+    let mut simulation = start(scene.store()?, &arguments.scene.place)?;
     found.must_be_of(&session(scene, simulation.state()?)).map_err(recording(path))?;
     let mut progress = Progress::new("replaying".to_owned());
     for (step, user) in found.moments.iter().enumerate() {
