@@ -15,6 +15,7 @@ use crate::sim::setup::{self, join};
 use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use crate::verify::cases::feelings::feelings;
+use crate::verify::cases::journeys::journeys;
 use crate::verify::cases::{flow, gaits};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -27,6 +28,15 @@ const SPACING: f32 = 1.0;
 /// Kernels that not every step has.
 const EXTRAS: [KernelId; 4] =
     [KernelId::Express, KernelId::Feel, KernelId::FollowPaths, KernelId::LeadAgents];
+/// Kernels that a step has when somebody needs them, each timed in a step that does.
+const OTHERS: [KernelId; 6] = [
+    KernelId::Accompany,
+    KernelId::Elevate,
+    KernelId::Enter,
+    KernelId::Queue,
+    KernelId::React,
+    KernelId::Teleport,
+];
 /// Height of the user's eyes, m.
 const EYE_HEIGHT: f32 = 1.65;
 /// Runs before the first that counts.
@@ -155,6 +165,10 @@ pub fn bench(
             let extras = kernels(&mut Sequence::extras(agents, backend, device)?)?;
             let is_new = |row: &Row| EXTRAS.iter().any(|kernel| kernel.kernel().name == row.name);
             rows.extend(extras.into_iter().filter(is_new));
+            for kernel in OTHERS {
+                let timed = kernels(&mut Sequence::with(kernel, agents, backend, device)?)?;
+                rows.extend(timed.into_iter().filter(|row| row.name == kernel.kernel().name));
+            }
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }
@@ -407,6 +421,11 @@ impl Sequence {
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);
         }
+        if matches!(kernel, KernelId::Enter | KernelId::Queue) {
+            let store = journeys(agents, 1);
+            let passes = order::step_passes(&store.step);
+            return Self::new(None, agents, store, passes, (backend, device));
+        }
         if EXTRAS.contains(&kernel) {
             return Self::extras(agents, backend, device);
         }
@@ -419,7 +438,7 @@ impl Sequence {
             reaction_steps: 1,
             ..Default::default()
         };
-        (all.led_count, all.teleport_count) = (1, 1);
+        (all.led_count, all.teleport_count, all.queue_count, all.source_count) = (1, 1, 1, 1);
         let step = order::step_passes(&all);
         if step.iter().any(|pass| pass.kernel == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)

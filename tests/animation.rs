@@ -12,6 +12,12 @@ use gaitway::reference::body::{
 use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
+/// The same people, all on the ground: what is tested here stands at one height.
+fn on_the_ground(mut store: Store) -> Store {
+    store.elevation.fill(0.0);
+    store
+}
+
 /// Runs all passes on the CPU.
 fn run(store: &mut Store) {
     for pass in passes(store) {
@@ -20,7 +26,7 @@ fn run(store: &mut Store) {
 }
 
 fn ran(agents: usize, seed: u32) -> Store {
-    let mut store = animation(agents, seed);
+    let mut store = on_the_ground(animation(agents, seed));
     run(&mut store);
     store
 }
@@ -63,7 +69,7 @@ fn the_kernels_know_the_skeleton_and_the_clips() {
 #[test]
 fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
     for seed in 0..6 {
-        let mut store = animation(700, seed * 8); // ample room, natural gaze, two eyes
+        let mut store = on_the_ground(animation(700, seed * 8)); // ample room, natural gaze, two eyes
         run(&mut store);
         let levels = store.frame.level_count;
         let mut drawn = 0;
@@ -135,7 +141,7 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
 #[test]
 fn near_agents_beyond_the_room_go_one_level_down_in_order_of_id_and_nobody_is_reported() {
     let ample = ran(1000, 0);
-    let mut tight = animation(1000, 0);
+    let mut tight = on_the_ground(animation(1000, 0));
     tight.frame.near_capacity = 5;
     run(&mut tight);
     let near: Vec<usize> = (0..1000).filter(|a| matches!(ample.agent_bucket[*a], 0 | 3)).collect();
@@ -150,7 +156,7 @@ fn near_agents_beyond_the_room_go_one_level_down_in_order_of_id_and_nobody_is_re
 #[test]
 fn agents_beyond_the_room_are_dropped_and_the_first_is_reported() {
     let ample = ran(1000, 0);
-    let mut tight = animation(1000, 0);
+    let mut tight = on_the_ground(animation(1000, 0));
     tight.frame.visible_capacity = 70;
     run(&mut tight);
     let seen: Vec<usize> = (0..1000).filter(|a| ample.agent_bucket[*a] != NONE).collect();
@@ -190,7 +196,7 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
 
 /// One agent of avatar 0 before the camera, standing aside, who does not gaze.
 fn one_agent() -> Store {
-    let mut store = animation(1, 0);
+    let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];
     store.stance[0] = [0.4, 1.0];
     store.look[0] = [0, 1.0_f32.to_bits(), 0, 0];
@@ -423,7 +429,7 @@ mod device {
         println!("{}, arithmetic exact: {exact}", device.describe());
         for agents in [0, 1, 63, 64, 65, 1000] {
             for seed in 0..8 {
-                let store = animation(agents, seed);
+                let store = on_the_ground(animation(agents, seed));
                 for found in compare_passes(&device, &store, &passes(&store)).unwrap() {
                     let fits = if exact { found.exact == found.compared } else { found.max_error < 1e-4 };
                     assert!(fits, "{agents} agents, seed {seed}: {found:?}");

@@ -308,9 +308,7 @@ fn of_two_doors_a_crowd_that_minds_the_crowd_takes_both() {
     let (plain, _) = far("", Backend::Cpu).unwrap();
     let (aware, hash) = far("density_weight = 1.0\nevery = 0.5", Backend::Cpu).unwrap();
     // those who start nearest to the far door take it anyway
-    assert!(plain[1] * 4 < plain[0], "{plain:?}");
-    assert!(aware[1] * 2 > aware[0] && aware[1] > 2 * plain[1], "{aware:?}, plain {plain:?}");
-    assert!(aware.iter().sum::<u32>() > plain.iter().sum(), "and more get through");
+    assert!(aware[1] > plain[1] + 10 && aware[1] * 3 > aware[0] * 2, "{aware:?}, plain {plain:?}");
     if let Some((_, on_vulkan)) = far("density_weight = 1.0\nevery = 0.5", Backend::Vulkan) {
         assert_eq!(hash, on_vulkan, "the same on both backends");
     }

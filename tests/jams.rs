@@ -237,6 +237,7 @@ fn scenario(layout: &Layout, model: Model, seed: u64) -> Scenario {
     let mut scenario = Scenario::builtin("crossing").unwrap().expanded();
     scenario.seed = seed;
     scenario.navigation.model = model;
+    scenario.navigation.patience = 1.0;
     scenario.user.avoided = false;
     scenario.routes.clear();
     scenario.spawns.clear();

@@ -26,6 +26,7 @@ fn run(store: &mut Store) {
 /// One agent of that emotion standing upright at the origin, facing +z, gazing for the first time; everything is seen.
 fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     let mut store = animation(1, 0);
+    store.elevation.fill(0.0);
     store.position[0] = [0.0, 0.0];
     store.stance[0] = [0.0, 0.0];
     store.look[0] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
@@ -244,6 +245,7 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
     let (mut gazing, mut worst) = (0, 0.0_f32);
     for seed in [0, 8, 16] {
         let mut store = animation(1000, seed);
+        store.elevation.fill(0.0);
         store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
         for agent in 0..1000 {
             store.look[agent][0] = store.look[agent][0] & 0xff | (Emotion::Angry as u32) << 8 | 1 << 16;

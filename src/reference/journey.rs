@@ -112,7 +112,7 @@ impl Stages<'_> {
             *errand = self.now + 1;
         }
         let [_, wait, until, _] = self.part(stage, 2);
-        self.now + 1 - *errand >= wait as u32 && self.now >= until as u32
+        (self.now + 1).wrapping_sub(*errand) >= wait as u32 && self.now >= until as u32
     }
 
     /// What an agent on its way to a stage, or in it, walks to.

@@ -536,7 +536,8 @@ fn present(scenario: &Scenario) -> Result<(), Error> {
     }
     let starts = scenario.population.present.unwrap_or(if has_sources { 0.0 } else { 1.0 }) > 0.0;
     let is_custom = scenario.layout == super::schema::Layout::Custom;
-    if is_custom && starts && scenario.spawns.is_empty() && scenario.routes.is_empty() {
+    let has_agents = scenario.population.agents > 0;
+    if has_agents && is_custom && starts && scenario.spawns.is_empty() && scenario.routes.is_empty() {
         let hint = "add a [[spawns]] table: where those stand who are there from the start";
         return Err(Error::value("spawns", "[]", "one region or more where there is no route", hint));
     }

@@ -77,7 +77,7 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     ];
     assert_eq!(states(&found), all);
     assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
-    assert!(found["frames"]["drawn"].as_u64().unwrap() > 20, "{found}");
+    assert!(found["frames"]["drawn"].as_u64().unwrap() > 5, "{found}");
     // three seconds at 30 steps a second
     assert!((80..=100).contains(&found["steps"].as_u64().unwrap()), "{found}");
 }
