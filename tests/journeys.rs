@@ -335,13 +335,15 @@ fn the_same_hall_gives_the_same_bits_on_both_backends() {
 
 /// Forty people come to one counter with room for ten.
 fn counter(backend: Backend) -> Option<Simulation> {
-    let hall = scenario(
+    let mut hall = scenario(
         40,
         "[[stages]]\nname = \"till\"\nkind = \"queue\"\nposition = [8, 0]\nheading_deg = -90\nplaces = 10\nservice_time = 1.5\n\
          [[stages]]\nname = \"out\"\nkind = \"exit\"\nposition = [18, 6]\nsize = [3, 6]\n\
          [[journeys]]\nname = \"buy\"\nstages = [\"till\", \"out\"]\n\
          [[sources]]\npolygon = [[-19, -8], [-15, -8], [-15, 8], [-19, 8]]\nrate = 1.0\n",
     );
+    // else the one who was served does not get past those who wait
+    hall.navigation.patience = 1.0;
     match Simulation::new(&hall, &fill(&hall), &library().1, backend, None) {
         Ok(simulation) => Some(simulation),
         Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
