@@ -433,10 +433,9 @@ fn well_known_text_and_a_floor_of_gltf_give_the_field_of_the_polygon() {
     }
 }
 
-/// Distance as colour, directions as arrows; run with `--ignored`, the file is named by `GAITWAY_FIGURE`.
+/// Distance as colour, directions as arrows: written where `GAITWAY_PICTURES` says, to be looked at.
 #[test]
-#[ignore = "a figure"]
-fn figure_of_a_field() {
+fn a_field_as_a_picture() {
     use gaitway::picture::Image;
     let mut outlines = vec![floor(40.0, 30.0)];
     outlines.extend([
@@ -481,69 +480,17 @@ fn figure_of_a_field() {
             }
         }
     }
-    let path = std::env::var("GAITWAY_FIGURE").unwrap();
-    gaitway::export::image::write_png(std::path::Path::new(&path), &image).unwrap();
-}
-
-/// What following costs: whole steps of 100,000 with and without; run with `--ignored --nocapture`, optimised.
-#[test]
-#[ignore = "a measurement"]
-fn time_of_following() {
-    for backend in [Backend::Cpu, Backend::Vulkan] {
-        let mut times = Vec::new();
-        for with in [false, true] {
-            let mut store = gaitway::verify::cases::crossing::crossing(100_000, 1.0);
-            if with {
-                let side = store.step.wrap;
-                let goals = [goal(side - 2.0, side * 0.5), goal(side * 0.5, side - 2.0)];
-                lay(&mut store, &[floor(side, side)], &goals, &Settings::default()).unwrap();
-                for (stage, number) in store.stages.chunks_exact_mut(4).zip([0.0, 1.0]) {
-                    stage[2][0] = number;
-                }
-            }
-            let Ok(mut simulation) = Simulation::from_store(store, backend, None) else { continue };
-            simulation.step(2).unwrap();
-            let mut runs: Vec<f64> = (0..12)
-                .map(|_| {
-                    let begin = std::time::Instant::now();
-                    simulation.step(1).unwrap();
-                    begin.elapsed().as_secs_f64() * 1e3
-                })
-                .collect();
-            runs.sort_by(f64::total_cmp);
-            times.push((runs[0], runs[6]));
-        }
-        println!("{backend:?}: least and median of a step, ms, without and with fields: {times:.2?}");
-    }
-}
-
-/// 500 m by 500 m at 0.5 m with a thousand blocks, timed; run with `--ignored --nocapture`, optimised.
-#[test]
-#[ignore = "a measurement"]
-fn time_of_a_million_cells() {
-    for (name, blocks) in [("open", 0), ("blocks", 1000)] {
-        let mut outlines = vec![floor(500.0, 500.0)];
-        for i in 0..blocks {
-            let (x, z) = ((i % 32) as f32 * 15.5 + 4.0, (i / 32) as f32 * 15.5 + 4.0);
-            outlines.push(block([x, x + 9.0], [z, z + 7.0]));
-        }
-        let settings = Settings { cell: Some(0.5), ..Settings::default() };
-        for backend in [Backend::Cpu, Backend::Vulkan] {
-            let mut store = Store::default();
-            gaitway::sim::setup::scratch(&mut store);
-            let begin = std::time::Instant::now();
-            lay(&mut store, &outlines, &[goal(251.3, 247.9)], &settings).unwrap();
-            let laid = begin.elapsed().as_secs_f64() * 1e3;
-            let Ok(mut simulation) = Simulation::from_store(store, backend, None) else { continue };
-            let mut times: Vec<f64> = (0..7)
-                .map(|_| {
-                    let begin = std::time::Instant::now();
-                    simulation.solve_ways().unwrap();
-                    begin.elapsed().as_secs_f64() * 1e3
-                })
-                .collect();
-            times.sort_by(f64::total_cmp);
-            println!("{name}, {}: laid in {laid:.0} ms, solved in {times:.0?} ms", simulation.device());
-        }
+    // every free cell can be reached here, so all of it is coloured, and everyone outside a wall is led somewhere
+    let led = |x: f32, z: f32| {
+        let (at, goal) = (Vec2::new(x, z), Vec2::new(36.0, 5.0));
+        let way = flow_direction(&grid, &store.flow_way, 0, at.to_array(), (goal - at).to_array());
+        assert!(Vec2::from_array(way).length() > 0.5, "nobody is led from {at}");
+        Vec2::from_array(way)
+    };
+    assert!(led(20.0, 15.0).y.abs() > 0.1, "in the pocket straight on would be into the wall");
+    led(2.0, 2.0);
+    if let Some(folder) = std::env::var_os("GAITWAY_PICTURES") {
+        let path = std::path::PathBuf::from(folder).join("flow.png");
+        gaitway::export::image::write_png(&path, &image).unwrap();
     }
 }
