@@ -8,19 +8,33 @@
 @group(0) @binding(5) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority; of the led, x is their comfort distance, m
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;                // [agent] m
 @group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;  // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(8) var<storage, read_write> agent_slot: array<u32>;         // [agent]
+@group(0) @binding(8) var<storage, read_write> slot_manners: array<vec4<u32>>; // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 @compute @workgroup_size(64)
 fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
-    if slot >= step.agent_count || slot_agent[slot] == NOBODY {
+    if slot >= step.agent_count {
         return;
     }
     let agent = slot_agent[slot];
+    if agent == NOBODY {
+        slot_manners[slot] = vec4<u32>(NOBODY, 0u, 0u, 0u);
+        return;
+    }
     slot_motion[slot * 2u] = vec4<f32>(position[agent], velocity[agent]);
-    let manner = manners[agent];
+    var own = manners[0];
+    if (level & UNLIKE) != 0u {
+        own = manners[agent];
+    }
     // people keep their distance from those who are led from outside, and these avoid nobody
-    let comfort = select(0.0, manner.x, manner.w >= LED);
-    slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].x + comfort, body[agent].y, manner.w, elevation[agent]);
-    agent_slot[agent] = slot;
+    let is_led = own.w >= LED;
+    let comfort = select(0.0, own.x, is_led);
+    slot_manners[slot] =
+        vec4<u32>(agent, bitcast<u32>(own.x), bitcast<u32>(own.y), u32(own.z) | select(0u, LED_BIT, is_led));
+    var height = 0.0;
+    if (level & (STOREYS | WALLS)) != 0u { // some walls stand at some heights only
+        height = elevation[agent];
+    }
+    slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].x + comfort, body[agent].y, own.w, height);
 }

@@ -1,7 +1,8 @@
 // uses: step
 // Exclusive prefix sum of cell_counts into cell_start, in three passes chosen by `level`:
 //   0: each invocation adds up a run of RUN cells into run_sums,
-//   1: one invocation turns run_sums into their exclusive prefix sum and writes the total behind the last cell,
+//   1: one invocation turns run_sums into their exclusive prefix sum and writes the total behind the last cell; it
+//      empties the list of unsolved agents, too,
 //   2: each invocation walks its run again, writes cell_start and clears cell_counts, which grid_scatter uses next.
 // No workgroup barrier anywhere: on software devices a barrier costs more than the sums.
 const RUN: u32 = 64u;
@@ -10,6 +11,7 @@ const RUN: u32 = 64u;
 @group(0) @binding(1) var<storage, read_write> cell_counts: array<u32>; // [cell]
 @group(0) @binding(2) var<storage, read_write> run_sums: array<u32>;    // [cell / RUN, rounded up]
 @group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;  // [cell + 1]
+@group(0) @binding(4) var<storage, read_write> unsolved: array<u32>;    // see velocity_orca
 var<immediate> level: u32;
 
 @compute @workgroup_size(64)
@@ -24,6 +26,11 @@ fn grid_scan(@builtin(global_invocation_id) id: vec3<u32>) {
                 total += sum;
             }
             cell_start[step.cell_count] = total;
+            // nobody has to try again yet
+            unsolved[0] = 0u;
+            unsolved[1] = 1u;
+            unsolved[2] = 1u;
+            unsolved[3] = 0u;
         }
         return;
     }

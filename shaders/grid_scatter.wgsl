@@ -54,5 +54,8 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
             slot_agent[hole] = agent;
         }
     }
+    for (var slot = first; slot < end; slot++) {
+        agent_slot[slot_agent[slot]] = slot;
+    }
     atomicStore(&cell_counts[id.x], 0u);
 }

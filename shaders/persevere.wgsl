@@ -73,7 +73,7 @@ fn persevere(@builtin(global_invocation_id) id: vec3<u32>) {
         let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
         let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
         if dot2(side, ahead) > 0.0 {
-            slot_motion[slot * 2u + 1u].z = traits.z + 1.0;
+            slot_motion[slot * 2u + 1u].z = traits.z + RAISE;
         }
     }
     if step.obstacle_count > 0u && (state.x > step.patience || state.z != 0.0) {

@@ -3,58 +3,105 @@
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
 //
+// Most agents can keep all their lines. The others, one in ten in a crossing, have to try again, which takes longer than
+// all before, and a few need the exact search for neighbours. They are put on a list, and a second pass (AGAIN) does them
+// side by side, since an invocation waits for the slowest beside it.
+//
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
 // SwiftShader, needs more than 20 GiB to compile it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]
+@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(7) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
-@group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-var<immediate> level: u32;                                                     // 1: people walk above one another
+@group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second pass along x, y, z; how many agents it has; their slots
+var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 // An agent slower than this share of its maximum speed is in a jam.
 const JAM_SPEED = 0.45;
 
+// Beside a slot on the list: not even the first attempt was made.
+const UNTRIED = 0x80000000u;
+
 @compute @workgroup_size(64)
 fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
-    if slot >= step.agent_count || slot_agent[slot] == NOBODY {
+    var entry = id.x;
+    if (level & AGAIN) != 0u {
+        if id.x >= atomicLoad(&unsolved[3]) {
+            return;
+        }
+        entry = atomicLoad(&unsolved[4u + id.x]);
+    }
+    let slot = entry & ~UNTRIED;
+    if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
         return;
     }
-    let agent = slot_agent[slot];
+    let own = manners_of(slot);
+    var wanted = preferred_velocity[own.agent];
+    if own.is_led {
+        new_velocity[slot] = wanted;
+        return;
+    }
     let motion = slot_motion[slot * 2u];
-    let own = manners[agent];
-    if own.w >= LED {
-        new_velocity[slot] = preferred_velocity[agent];
+    var count = quick_neighbours(slot, motion.xy, own);
+    if (level & AGAIN) != 0u && count == UNSURE {
+        count = search(slot, motion.xy, own);
+    }
+    let is_sure = count != UNSURE;
+    count = select(0u, count, is_sure);
+    if (level & CROWDED) != 0u && !has_right_of_way(slot) {
+        wanted = crowded(wanted, motion.xy, own.range, own.cap, count);
+    }
+    let traits = slot_motion[slot * 2u + 1u];
+    var hard = 0u;
+    if (level & WALLS) != 0u {
+        hard = obstacle_lines(motion.xy, motion.zw, traits);
+    }
+    var users = 0u;
+    if (level & USER) != 0u {
+        let to_user = step.user_position - motion.xy;
+        users = u32(dot2(to_user, to_user) < own.range * own.range);
+    }
+    let others = Others(slot, motion, traits, hard, users, users + count);
+    if (level & AGAIN) != 0u {
+        // without a shorter horizon the first attempt is all there is
+        let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
+        new_velocity[slot] = try_on(others, own.rate, wanted, first);
     } else {
-        let count = neighbours(slot, motion.xy, own.y, u32(own.z));
-        var wanted = preferred_velocity[agent];
-        if !has_right_of_way(slot, own.w) {
-            wanted = crowded(wanted, motion.xy, own.y, u32(own.z), count);
+        other_lines(others, own.rate);
+        let solved = within(0u, hard + others.count, traits.y, wanted, false);
+        new_velocity[slot] = solved.velocity;
+        if !is_sure || solved.satisfied < hard + others.count {
+            leave(select(slot | UNTRIED, slot, is_sure));
         }
-        new_velocity[slot] = avoid(slot, motion, own, wanted, count);
     }
 }
 
-fn avoid(slot: u32, motion: vec4<f32>, own: vec4<f32>, preferred: vec2<f32>, count: u32) -> vec2<f32> {
-    let traits = slot_motion[slot * 2u + 1u];
-    let hard = obstacle_lines(motion.xy, motion.zw, traits);
-    let to_user = step.user_position - motion.xy;
-    let is_near = dot2(to_user, to_user) < own.y * own.y;
-    let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
-    let made = hard + users + count;
-    let is_slow = dot2(motion.zw, motion.zw) < JAM_SPEED * JAM_SPEED * traits.y * traits.y;
-    var rate = own.x;
-    var solved = Solved(motion.zw, 0u);
+// Leaves an agent to the second pass.
+fn leave(entry: u32) {
+    let place = atomicAdd(&unsolved[3], 1u);
+    atomicStore(&unsolved[4u + place], entry);
+    if place % 64u == 0u {
+        atomicAdd(&unsolved[0], 1u);
+    }
+}
+
+// The attempts from number `first` on. When it is too crowded to plan that far an agent plans less far: what is near then
+// counts for more than what is far.
+fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> vec2<f32> {
+    let max_speed = others.traits.y;
+    let made = others.hard + others.count;
+    let velocity = others.motion.zw;
+    let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
+    var rate = select(step.inverse_time_horizon_dense, own_rate, first == 0u);
+    var solved = Solved(velocity, 0u);
     var again = true;
-    for (var attempt = 0u; attempt < 3u && again; attempt++) {
-        other_lines(hard, users, users + count, slot, motion, traits, rate);
-        solved = within(0u, made, traits.y, preferred, false);
-        // Too crowded to plan that far: plan less far. What is near then counts for more than what is far.
+    for (var attempt = first; attempt < 3u && again; attempt++) {
+        other_lines(others, rate);
+        solved = within(0u, made, max_speed, preferred, false);
         var next = 0.0;
         if attempt == 0u {
             next = step.inverse_time_horizon_dense;
@@ -64,29 +111,41 @@ fn avoid(slot: u32, motion: vec4<f32>, own: vec4<f32>, preferred: vec2<f32>, cou
         again = solved.satisfied < made && next > 0.0;
         rate = next;
     }
-    return least_bad(made, hard, solved.satisfied, traits.y, solved.velocity);
+    return least_bad(made, others.hard, solved.satisfied, max_speed, solved.velocity);
 }
 
-// Lines of the user (if `users` is 1), who takes none of the avoidance, so the agent takes all, and of the neighbours,
-// nearest first, from line `first` on. Of two agents the one of lower priority takes more.
-fn other_lines(first: u32, users: u32, count: u32, slot: u32, motion: vec4<f32>, traits: vec4<f32>, rate: f32) {
-    for (var k = 0u; k < count; k++) {
-        let is_user = k < users;
-        let other = found[max(k, users) - users];
+// Whom an agent avoids: first the user, if `users` is 1, then those in `found`; `count` with the user.
+struct Others {
+    slot: u32,
+    motion: vec4<f32>, // its own
+    traits: vec4<f32>,
+    hard: u32,         // lines of obstacles before theirs
+    users: u32,
+    count: u32,
+}
+
+// Lines of the user, who takes none of the avoidance, so the agent takes all, and of the neighbours, nearest first. Of two
+// agents the one of lower priority takes more.
+fn other_lines(o: Others, rate: f32) {
+    for (var k = 0u; k < o.count; k++) {
+        let is_user = k < o.users;
+        let other = found[max(k, o.users) - o.users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
-        let their_traits = slot_motion[other * 2u + 1u];
-        let their_radius = select(their_traits.x, step.user_radius, is_user);
-        let share = share_of(step.responsibility, traits.z, their_traits.z);
+        let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
+        var share = step.responsibility;
+        if (level & UNLIKE) != 0u {
+            share = share_of(step.responsibility, o.traits.z, slot_motion[other * 2u + 1u].z);
+        }
         let has_way = share <= 0.0 && !is_user;
-        lines[first + k] = agent_line(
-            motion.zw,
-            theirs.xy - motion.xy,
-            motion.zw - theirs.zw,
-            traits.x + their_radius + step.safety_margin,
+        lines[o.hard + k] = agent_line(
+            o.motion.zw,
+            theirs.xy - o.motion.xy,
+            o.motion.zw - theirs.zw,
+            o.traits.x + their_radius + step.safety_margin,
             select(rate, max(rate, RIGHT_OF_WAY), has_way),
             step.inverse_time_step,
             select(share, 1.0, is_user || has_way),
-            select(-1.0, 1.0, slot < other || is_user),
+            select(-1.0, 1.0, o.slot < other || is_user),
         );
     }
 }

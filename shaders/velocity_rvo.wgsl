@@ -10,14 +10,13 @@
 // neighbours begin to count. Discs that overlap already cost what they lack of coming apart in this step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]
+@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(7) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
-@group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-var<immediate> level: u32;                                                     // 1: people walk above one another
+@group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 // Velocities of the pattern: a spiral of the golden angle, which covers a disc evenly.
 const PATTERN = 128u;
@@ -36,27 +35,26 @@ var<private> other_traits: array<vec4<f32>, 11>;
 @compute @workgroup_size(64)
 fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
-    if slot >= step.agent_count || slot_agent[slot] == NOBODY {
+    if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
         return;
     }
-    let agent = slot_agent[slot];
+    let own = manners_of(slot);
     let motion = slot_motion[slot * 2u];
-    let own = manners[agent];
-    if own.w >= LED {
-        new_velocity[slot] = preferred_velocity[agent];
+    if own.is_led {
+        new_velocity[slot] = preferred_velocity[own.agent];
     } else {
-        new_velocity[slot] = choose(slot, motion, own, neighbours(slot, motion.xy, own.y, u32(own.z)));
+        new_velocity[slot] = choose(slot, motion, own, neighbours(slot, motion.xy, own));
     }
 }
 
-fn choose(slot: u32, motion: vec4<f32>, own: vec4<f32>, count: u32) -> vec2<f32> {
+fn choose(slot: u32, motion: vec4<f32>, own: Manners, count: u32) -> vec2<f32> {
     let traits = slot_motion[slot * 2u + 1u];
     let others = look_at_others(slot, motion, own, traits, count);
     let walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
     // shortened where it is crowded ahead
-    var preferred = preferred_velocity[slot_agent[slot]];
-    if !has_right_of_way(slot, own.w) {
-        preferred = crowded(preferred, motion.xy, own.y, u32(own.z), count);
+    var preferred = preferred_velocity[own.agent];
+    if (level & CROWDED) != 0u && !has_right_of_way(slot) {
+        preferred = crowded(preferred, motion.xy, own.range, own.cap, count);
     }
     let most = step.max_acceleration * step.time_step;
     let axis = unit_or(preferred, unit_or(motion.zw, vec2<f32>(1.0, 0.0)));
@@ -133,9 +131,9 @@ fn danger(velocity: vec2<f32>, motion: vec4<f32>, radius: f32, others: u32, wall
 }
 
 // Notes the user and the neighbours, nearest first; returns how many count.
-fn look_at_others(slot: u32, motion: vec4<f32>, own: vec4<f32>, traits: vec4<f32>, count: u32) -> u32 {
+fn look_at_others(slot: u32, motion: vec4<f32>, own: Manners, traits: vec4<f32>, count: u32) -> u32 {
     let to_user = step.user_position - motion.xy;
-    let is_near = dot2(to_user, to_user) < own.y * own.y;
+    let is_near = dot2(to_user, to_user) < own.range * own.range;
     let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
     var made = 0u;
     for (var k = 0u; k < users + count; k++) {
@@ -157,7 +155,7 @@ fn look_at_others(slot: u32, motion: vec4<f32>, own: vec4<f32>, traits: vec4<f32
                 apart = min((radius - distance) * step.inverse_time_step, traits.y);
             }
             other_motion[made] = vec4<f32>(place, offset);
-            other_traits[made] = vec4<f32>(factor, radius, apart, select(own.x, max(own.x, RIGHT_OF_WAY), has_way));
+            other_traits[made] = vec4<f32>(factor, radius, apart, select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way));
             made++;
     }
     return made;

@@ -34,7 +34,7 @@ grid_scatter 0
 barrier
 grid_scatter 1
 barrier
-grid_pack
+grid_pack 31
 prefer
 barrier
 accompany
@@ -45,7 +45,9 @@ lead_agents 1
 barrier
 persevere
 barrier
-velocity_orca 1
+velocity_orca 31
+barrier
+velocity_orca 63
 barrier
 contain
 barrier

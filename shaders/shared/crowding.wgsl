@@ -13,9 +13,9 @@ const LEAST_SHARE = 0.2;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2 = 0.04;
 
-// Who has been given the right of way (a priority above its own) does not slow down for the density.
-fn has_right_of_way(slot: u32, own_priority: f32) -> bool {
-    return slot_motion[slot * 2u + 1u].z > own_priority;
+// Who has been given the right of way (RAISE) does not slow down for the density.
+fn has_right_of_way(slot: u32) -> bool {
+    return slot_motion[slot * 2u + 1u].z >= RAISE;
 }
 
 // What is left of the velocity `wanted` by somebody at `at` with `count` neighbours in `found`, of at most `cap` looked for

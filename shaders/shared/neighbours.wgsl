@@ -5,22 +5,45 @@
 // neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
 // every device.
 //
-// Needs the bindings step, slot_motion, slot_agent, cell_start and the immediate `level`: 1 where people walk above one
-// another, so that those of another storey do not count. (An immediate, not a uniform, since drivers know that all
-// invocations agree about it.)
-const STOREYS = 1u;
+// Needs the bindings step, slot_motion, slot_manners, cell_start and the immediate `level`: with STOREYS those of another
+// storey do not count.
 const KEY_MASK = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES = 255u;          // candidates that the low bits can number
 const NO_KEY = 0xffffffffu;
+const UNSURE = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
 const SAFE = 0.999;
+
+// How an agent behaves.
+struct Manners {
+    agent: u32,
+    rate: f32,  // 1 / horizon, 1/s
+    range: f32, // neighbour distance, m
+    cap: u32,   // most neighbours
+    is_led: bool,
+}
+
+fn manners_of(slot: u32) -> Manners {
+    let own = slot_manners[slot];
+    return Manners(own.x, bitcast<f32>(own.y), bitcast<f32>(own.z), own.w & (LED_BIT - 1u), (own.w & LED_BIT) != 0u);
+}
 
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
 var<private> found_distance2: array<f32, 10>;
 
-// Finds the nearest `cap` (at most NEIGHBOURS) agents nearer than `range`, m; returns how many there are in `found`.
-fn neighbours(slot: u32, at: vec2<f32>, range: f32, wanted_cap: u32) -> u32 {
-    let cap = min(wanted_cap, NEIGHBOURS);
+// Finds the nearest `own.cap` (at most NEIGHBOURS) agents nearer than `own.range`; returns how many there are in `found`.
+fn neighbours(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+    let count = quick_neighbours(slot, at, own);
+    if count == UNSURE {
+        return search(slot, at, own);
+    }
+    return count;
+}
+
+// The same by keys only; UNSURE where the exact search is needed.
+fn quick_neighbours(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+    let cap = min(own.cap, NEIGHBOURS);
+    let range = own.range;
     let range2 = range * range;
     let elevation = slot_motion[slot * 2u + 1u].w;
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
@@ -46,7 +69,7 @@ fn neighbours(slot: u32, at: vec2<f32>, range: f32, wanted_cap: u32) -> u32 {
     let ambiguous = same(k0, k1) || same(k1, k2) || same(k2, k3) || same(k3, k4) || same(k4, k5) || same(k5, k6)
         || same(k6, k7) || same(k7, k8) || same(k8, k9) || same(k9, k10);
     if !fits || !complete || ambiguous {
-        return search(slot, at, centre, range, cap, elevation);
+        return UNSURE;
     }
     found[0] = slot_of(k0, ends, shift, run4.shift);
     found[1] = slot_of(k1, ends, shift, run4.shift);
@@ -110,7 +133,7 @@ fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: 
     let to = slot_motion[candidate * 2u].xy - at;
     let distance2 = dot2(to, to);
     var wanted = place < last && candidate != slot && distance2 < range2;
-    if level == STOREYS {
+    if (level & STOREYS) != 0u {
         wanted = wanted && same_storey(candidate, elevation);
     }
     return select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
@@ -157,7 +180,11 @@ fn slot_of(key: u32, ends: vec4<u32>, shift: vec4<u32>, last_shift: u32) -> u32 
 }
 
 // The exact search: ring by ring of cells, stopping when no farther ring can hold a nearer one. Returns how many.
-fn search(slot: u32, at: vec2<f32>, centre: vec2<i32>, range: f32, cap: u32, elevation: f32) -> u32 {
+fn search(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+    let cap = min(own.cap, NEIGHBOURS);
+    let range = own.range;
+    let elevation = slot_motion[slot * 2u + 1u].w;
+    let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let columns = i32(step.grid_columns);
     let rows = i32(step.grid_rows);
     let rings = max(columns, rows);
@@ -175,7 +202,7 @@ fn search(slot: u32, at: vec2<f32>, centre: vec2<i32>, range: f32, cap: u32, ele
                         let to = slot_motion[other * 2u].xy - at;
                         let distance2 = dot2(to, to);
                         if other != slot && distance2 < range * range
-                            && (level != STOREYS || same_storey(other, elevation)) {
+                            && ((level & STOREYS) == 0u || same_storey(other, elevation)) {
                             count = insert(count, cap, other, distance2);
                         }
                     }
@@ -205,11 +232,11 @@ fn safe_distance(at: vec2<f32>, centre: vec2<i32>, ring: i32) -> f32 {
 // Whether (distance2, id) of a candidate comes before place `i` of the list.
 fn comes_before(i: u32, distance2: f32, id: u32) -> bool {
     let there = found_distance2[i];
-    return distance2 < there || (distance2 == there && id < slot_agent[found[i]]);
+    return distance2 < there || (distance2 == there && id < slot_manners[found[i]].x);
 }
 
 fn insert(count: u32, cap: u32, slot: u32, distance2: f32) -> u32 {
-    let id = slot_agent[slot];
+    let id = slot_manners[slot].x;
     if count == cap && !comes_before(cap - 1u, distance2, id) {
         return count;
     }

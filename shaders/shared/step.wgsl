@@ -1,5 +1,18 @@
 // An agent of this priority is led from outside: it takes its preferred velocity whatever stands in its way.
 const LED = 2.0;
+// So much above its own is the priority of somebody who has been given the right of way for a while (their own is 1 at most).
+const RAISE = 1.5;
+// Beside the neighbour cap in slot_manners: is led from outside.
+const LED_BIT = 256u;
+
+// What there is in a crowd, as bits of the immediate `level` of the kernels that look at neighbours: what there is not
+// costs nothing then. (Immediates, not uniforms, since drivers know that all invocations agree about them.)
+const STOREYS = 1u; // people walk above one another
+const UNLIKE = 2u;  // manners differ between people
+const WALLS = 4u;
+const USER = 8u;
+const CROWDED = 16u; // who sees a crowd ahead walks slower
+const AGAIN = 32u;  // the pass over those whose first attempt failed
 
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).
 struct StepUniforms {
@@ -45,5 +58,5 @@ struct StepUniforms {
     feels: u32,                  // 1: feelings change
     path_count: u32,             // agents that are led on a path
     teleport_count: u32,         // places where walkers are taken away and put elsewhere
-    unused: u32,
+    alike: u32,                  // 1: everyone has the manners of agent 0
 }

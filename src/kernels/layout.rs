@@ -56,7 +56,7 @@ pub struct StepUniforms {
     pub feels: u32,
     pub path_count: u32,
     pub teleport_count: u32,
-    pub unused: u32,
+    pub alike: u32,
 }
 
 /// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.

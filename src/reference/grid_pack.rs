@@ -1,23 +1,28 @@
 //! Copies what neighbours read of each agent to its slot.
 
-use super::shared::{LED, NOBODY};
+use super::shared::{LED, LED_BIT, NOBODY, STOREYS, UNLIKE, WALLS};
 use crate::kernels::grid_pack::Slices;
 use rayon::prelude::*;
 
 /// Twin of `shaders/grid_pack.wgsl`.
 pub fn grid_pack(b: Slices<'_>) {
     let slot_agent = &b.slot_agent[..b.step.agent_count as usize];
-    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(slot_agent).with_min_len(1024);
-    slots.filter(|(_, agent)| **agent != NOBODY).for_each(|(slot, agent)| {
+    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(b.slot_manners).zip(slot_agent).with_min_len(1024);
+    slots.for_each(|((motion, manners), agent)| {
+        if *agent == NOBODY {
+            *manners = [NOBODY, 0, 0, 0];
+            return;
+        }
         let agent = *agent as usize;
+        let [rate, range, cap, priority] = b.manners[if b.level & UNLIKE == 0 { 0 } else { agent }];
+        let is_led = priority >= LED;
+        let led_bit = if is_led { LED_BIT } else { 0 };
+        *manners = [agent as u32, rate.to_bits(), range.to_bits(), cap as u32 | led_bit];
         let ([x, y], [vx, vy], [radius, max_speed, ..]) =
             (b.position[agent], b.velocity[agent], b.body[agent]);
-        slot[0] = [x, y, vx, vy];
-        let [comfort, _, _, priority] = b.manners[agent];
-        let comfort = if priority >= LED { comfort } else { 0.0 };
-        slot[1] = [radius + comfort, max_speed, priority, b.elevation[agent]];
+        motion[0] = [x, y, vx, vy];
+        let comfort = if is_led { rate } else { 0.0 };
+        let height = if b.level & (STOREYS | WALLS) == 0 { 0.0 } else { b.elevation[agent] };
+        motion[1] = [radius + comfort, max_speed, priority, height];
     });
-    for (slot, agent) in slot_agent.iter().enumerate().filter(|(_, agent)| **agent != NOBODY) {
-        b.agent_slot[*agent as usize] = slot as u32;
-    }
 }

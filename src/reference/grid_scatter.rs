@@ -8,7 +8,11 @@ pub fn grid_scatter(b: Slices<'_>) {
     let (agents, cells) = (b.step.agent_count as usize, b.step.cell_count as usize);
     if b.level == 1 {
         b.cell_counts[..cells].fill(0);
-        b.slot_agent[b.cell_start[cells] as usize..agents].fill(NOBODY);
+        let present = b.cell_start[cells] as usize;
+        b.slot_agent[present..agents].fill(NOBODY);
+        for (slot, agent) in b.slot_agent[..present].iter().enumerate() {
+            b.agent_slot[*agent as usize] = slot as u32;
+        }
         return;
     }
     // in order of id, so the cells come out sorted already

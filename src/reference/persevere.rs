@@ -5,7 +5,7 @@ use super::exact::{dot2, hash_u32, unit_f32};
 use super::neighbours::Slots;
 use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
-use super::shared::{LED, NOBODY, grid_cell};
+use super::shared::{LED, NOBODY, RAISE, grid_cell};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::persevere::Slices;
 
@@ -50,12 +50,12 @@ pub fn persevere(b: Slices<'_>) {
         let slots = Slots {
             step: b.step,
             slot_motion: b.slot_motion,
-            slot_agent: &[],
+            slot_manners: &[],
             cell_start: b.cell_start,
             has_storeys: b.step.storey_height > 0.0,
         };
         if waits(&walls, slots, agent as u32, slot, preferred, state) {
-            b.slot_motion[slot * 2 + 1][2] += 1.0;
+            b.slot_motion[slot * 2 + 1][2] += RAISE;
         }
     }
 }

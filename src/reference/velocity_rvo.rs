@@ -3,10 +3,10 @@
 use super::contact::{disc_rate, segment_rate};
 use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
-use super::neighbours::{Nearest, Slots};
+use super::neighbours::{Manners, Nearest, Slots, manners_of};
 use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, share_of, unit_or};
 use super::segments::{NearSegments, Walls};
-use super::shared::{LED, NOBODY};
+use super::shared::{CROWDED, NOBODY, STOREYS};
 use crate::kernels::velocity_rvo::Slices;
 use rayon::prelude::*;
 
@@ -26,19 +26,19 @@ pub fn velocity_rvo(b: Slices<'_>) {
     let slots = Slots {
         step: b.step,
         slot_motion: b.slot_motion,
-        slot_agent: b.slot_agent,
+        slot_manners: b.slot_manners,
         cell_start: b.cell_start,
-        has_storeys: b.level == 1,
+        has_storeys: b.level & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
-    let scene = Scene { slots, walls };
+    let scene = Scene { slots, walls, is_crowded: b.level & CROWDED != 0 };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
-        let agent = b.slot_agent[slot];
-        if agent == NOBODY {
+        if b.slot_manners[slot][0] == NOBODY {
             return;
         }
-        let (own, preferred) = (b.manners[agent as usize], b.preferred_velocity[agent as usize]);
-        *velocity = if own[3] >= LED { preferred } else { scene.choose(slot, own, preferred) };
+        let own = manners_of(b.slot_manners[slot]);
+        let preferred = b.preferred_velocity[own.agent];
+        *velocity = if own.is_led { preferred } else { scene.choose(slot, own, preferred) };
     });
 }
 
@@ -46,6 +46,7 @@ pub fn velocity_rvo(b: Slices<'_>) {
 struct Scene<'a> {
     slots: Slots<'a>,
     walls: Walls<'a>,
+    is_crowded: bool,
 }
 
 /// The user or a neighbour.
@@ -75,17 +76,17 @@ struct View {
 }
 
 impl Scene<'_> {
-    fn choose(&self, slot: usize, own: [f32; 4], preferred: [f32; 2]) -> [f32; 2] {
+    fn choose(&self, slot: usize, own: Manners, preferred: [f32; 2]) -> [f32; 2] {
         let step = self.slots.step;
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
         let [radius, max_speed, _, elevation] = self.slots.slot_motion[slot * 2 + 1];
         let (at, present) = ([x, y], [vx, vy]);
-        let nearest = self.slots.neighbours(slot, at, own[1], own[2] as u32);
+        let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
-        if !has_right_of_way(&self.slots, slot, own[3]) {
-            preferred = crowded(&self.slots, preferred, at, own[1], own[2] as u32, &nearest);
+        if self.is_crowded && !has_right_of_way(&self.slots, slot) {
+            preferred = crowded(&self.slots, preferred, at, own.range, own.cap, &nearest);
         }
-        let (others, count) = self.look_at_others(slot, own[0], own[1], &nearest);
+        let (others, count) = self.look_at_others(slot, own.rate, own.range, &nearest);
         let walls = self.walls.near(at, step.time_horizon_obstacles * max_speed + radius, elevation);
         let view = View { at, radius, others, count, walls };
         let most = step.max_acceleration * step.time_step;

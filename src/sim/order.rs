@@ -3,6 +3,7 @@
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use crate::reference::body::COLUMNS;
+use crate::reference::shared::{AGAIN, CROWDED, STOREYS, UNLIKE, USER, WALLS};
 
 /// Cells that one invocation of `grid_scan` adds up (`RUN` in the shader).
 const RUN: u32 = 64;
@@ -10,7 +11,6 @@ const RUN: u32 = 64;
 /// The launches of one step.
 pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let agents = Extent::Invocations(step.agent_count);
-    let storeys = u32::from(step.storey_height > 0.0);
     let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
     let pass = |kernel, level, extent| Pass { kernel, level, extent };
     let mut passes = vec![
@@ -25,7 +25,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScan, 2, runs),
         pass(KernelId::GridScatter, 0, agents),
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
-        pass(KernelId::GridPack, 0, agents),
+        pass(KernelId::GridPack, contents(step), agents),
         pass(KernelId::Feel, 0, agents),
         pass(KernelId::Express, 0, agents),
     ];
@@ -42,10 +42,14 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
         pass(KernelId::Persevere, 0, agents),
-        pass(velocity_kernel(step.model), storeys, agents),
-        pass(KernelId::Contain, 0, agents),
-        pass(KernelId::Integrate, 0, agents),
+        pass(velocity_kernel(step.model), contents(step), agents),
     ]);
+    if velocity_kernel(step.model) == KernelId::VelocityOrca {
+        let unsolved = Extent::Indirect(BufferId::Unsolved, 0);
+        passes.push(pass(KernelId::VelocityOrca, contents(step) | AGAIN, unsolved));
+    }
+    passes.push(pass(KernelId::Contain, 0, agents));
+    passes.push(pass(KernelId::Integrate, 0, agents));
     if step.floor_count > 0 {
         passes.push(pass(KernelId::Elevate, 0, agents));
     }
@@ -60,6 +64,21 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         _ => true,
     });
     passes
+}
+
+/// What there is in a crowd, as bits of a level.
+fn contents(step: &StepUniforms) -> u32 {
+    [
+        (STOREYS, step.storey_height > 0.0),
+        // with patience some are given the right of way for a while
+        (UNLIKE, step.alike == 0 || step.patience > 0.0),
+        (WALLS, step.obstacle_count > 0),
+        (USER, step.user_radius > 0.0),
+        (CROWDED, step.crowding > 0.0),
+    ]
+    .into_iter()
+    .filter(|(_, is_there)| *is_there)
+    .fold(0, |level, (bit, _)| level | bit)
 }
 
 /// Whether agents must take turns in looking at the user: more might than may.

@@ -54,6 +54,7 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     store.step.group_count = groups(&store);
     set_outsiders(&mut store, scenario, crowd);
     set_feelings(&mut store, scenario, crowd, cast);
+    store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
     store
 }
 
@@ -175,6 +176,8 @@ pub fn scratch(store: &mut Store) {
     store.run_sums = vec![0; cells.div_ceil(RUN)];
     store.slot_agent = vec![0; agents];
     store.agent_slot = vec![0; agents];
+    store.unsolved = vec![0; agents + 4];
+    store.slot_manners = vec![[0; 4]; agents];
     store.slot_motion = vec![[0.0; 4]; agents * 2];
     store.new_velocity = vec![[0.0; 2]; agents];
     store.waiting = vec![[0.0; 4]; agents];
@@ -206,6 +209,7 @@ pub fn set_led(store: &mut Store, agent: u32) {
     if store.step.led_count == 0 {
         store.lead.fill([ABSENT, ABSENT, 0.0, 0.0]);
     }
+    store.step.alike = 0;
     if store.manners[agent][3] < LED {
         store.manners[agent][3] = LED;
         store.manners[agent][0] = 0.0; // of the led: the comfort distance, m

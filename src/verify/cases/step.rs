@@ -49,6 +49,8 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             collision_weight: 1.0,
             max_acceleration: 10.0,
             patience: 0.5,
+            crowding: 0.8,
+            crowding_reach: 2.5,
             storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },
@@ -232,6 +234,8 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.run_sums = vec![0; cell_total.div_ceil(64)];
     store.slot_agent = vec![0; spare];
     store.agent_slot = vec![0; spare];
+    store.unsolved = vec![0; spare + 4];
+    store.slot_manners = vec![[0; 4]; spare];
     store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
