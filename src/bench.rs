@@ -298,6 +298,8 @@ impl Sequence {
         }
         if kernel == Some(KernelId::LeadAgents) {
             (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
+        } else {
+            store.step.alike = 1; // as in a simulation of this crowd
         }
         if kernel == Some(KernelId::Teleport) {
             store.teleport_of.fill(0);

@@ -34,7 +34,7 @@ grid_scatter 0
 barrier
 grid_scatter 1
 barrier
-grid_pack 31
+grid_pack 15
 prefer
 barrier
 accompany
@@ -45,9 +45,9 @@ lead_agents 1
 barrier
 persevere
 barrier
-velocity_orca 31
+velocity_orca 15
 barrier
-velocity_orca 63
+velocity_orca 47
 barrier
 contain
 barrier

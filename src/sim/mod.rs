@@ -214,7 +214,12 @@ impl Simulation {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
-    pub fn from_store(store: Store, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+    pub fn from_store(
+        mut store: Store,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
         #[cfg(feature = "vulkan")]
         if backend != Backend::Cpu {
             let model = order::velocity_kernel(store.step.model);

@@ -54,7 +54,6 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     store.step.group_count = groups(&store);
     set_outsiders(&mut store, scenario, crowd);
     set_feelings(&mut store, scenario, crowd, cast);
-    store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
     store
 }
 
@@ -209,7 +208,6 @@ pub fn set_led(store: &mut Store, agent: u32) {
     if store.step.led_count == 0 {
         store.lead.fill([ABSENT, ABSENT, 0.0, 0.0]);
     }
-    store.step.alike = 0;
     if store.manners[agent][3] < LED {
         store.manners[agent][3] = LED;
         store.manners[agent][0] = 0.0; // of the led: the comfort distance, m

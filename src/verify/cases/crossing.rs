@@ -44,7 +44,6 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             collision_weight: 1.0,
             max_acceleration: 10.0,
             wrap: side,
-            alike: 1,
             ..StepUniforms::default()
         },
         stages: [waypoint(FAR, side * 0.5, 1.0), waypoint(side * 0.5, FAR, 1.0)].concat(),

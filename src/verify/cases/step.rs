@@ -49,8 +49,6 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             collision_weight: 1.0,
             max_acceleration: 10.0,
             patience: 0.5,
-            crowding: 0.8,
-            crowding_reach: 2.5,
             storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
             ..StepUniforms::default()
         },
