@@ -1,27 +1,31 @@
 // uses: step, grid, orca, segments, contact, absent
 // What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
 //
-// Turns: of those who wait, the ones who want to go to one side of a direction drawn anew every TURN seconds have the right
-// of way (priority + 1, so their share of the avoidance of those who have not is 0); the others make room.
+// Turns (level 0): of those who wait and have somebody before them who wants to go the other way, the ones who want to go
+// to one side of a direction drawn anew every TURN seconds have the right of way (their priority is RAISEd, so their share
+// of the avoidance of those who have not is 0); the others make room. Where all want to go the same way nobody gains by it.
 //
-// Walls: who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
+// Walls (level 1): who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
 // slanted, else to the nearer end, else to a side drawn by agent) until it is nearer to where it wants to go than when it began, and nothing is straight ahead:
 // the rule by which Lumelsky and Stepanov's "bug" algorithms (1987) leave an obstacle. How much nearer it is comes from
 // the preferred velocity alone: the sum of the steps along it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
-@group(0) @binding(2) var<storage, read> manners: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;             // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;                // [segment][3], see reference::orca::Segment
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
 @group(0) @binding(6) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 @group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(8) var<storage, read_write> waiting: array<vec4<f32>>;            // [agent] s without progress; along a wall: m lost since, side (0: none); 0
+var<immediate> level: u32;
 
 // Who wants to go slower than this stands by choice, m/s.
 const STANDING = 0.1;
 // Slower than this share of the wanted speed, in the wanted direction, is no progress.
 const PROGRESS = 0.15;
+// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 75 degrees) is in the way, m.
+const OPPOSED = 3.0;
 // How long the right of way lasts, s.
 const TURN = 3.0;
 // A wall ahead is in the way from this distance on when one waits, and until one leaves it, m.
@@ -50,56 +54,88 @@ fn persevere(@builtin(global_invocation_id) id: vec3<u32>) {
         waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
         return;
     }
-    if manners[agent].w >= LED {
+    if (slot_manners[slot].w & LED_BIT) != 0u {
         return;
     }
-    let motion = slot_motion[slot * 2u];
-    let traits = slot_motion[slot * 2u + 1u];
     let preferred = preferred_velocity[agent];
     let speed = sqrt(dot2(preferred, preferred));
     if speed < STANDING {
         waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-        return;
+    } else if level == 0u {
+        take_turns(agent, slot, preferred / speed, speed);
+    } else {
+        follow_walls(agent, slot, preferred / speed, speed);
     }
-    let ahead = preferred / speed;
+}
+
+fn take_turns(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
+    let motion = slot_motion[slot * 2u];
+    let traits = slot_motion[slot * 2u + 1u];
     let progress = dot2(motion.zw, ahead);
     var state = waiting[agent];
     state.x = max(state.x + select(-2.0, 1.0, progress < PROGRESS * speed) * step.time_step, 0.0);
     if state.z != 0.0 {
         state.y = state.y - progress * step.time_step;
     }
-    if state.x > step.patience {
-        let turn = step.step_index / max(u32(TURN * step.inverse_time_step), 1u);
-        let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
-        let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
-        if dot2(side, ahead) > 0.0 {
-            slot_motion[slot * 2u + 1u].z = traits.z + RAISE;
-        }
+    waiting[agent] = state;
+    let turn = step.step_index / max(u32(TURN * step.inverse_time_step), 1u);
+    let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
+    let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
+    if state.x > step.patience && dot2(side, ahead) > 0.0 && is_opposed(slot, motion.xy, ahead, traits.w) {
+        slot_motion[slot * 2u + 1u].z = traits.z + RAISE;
     }
-    if step.obstacle_count > 0u && (state.x > step.patience || state.z != 0.0) {
-        let walls = near_segments(motion.xy, CLEAR + traits.x, traits.w);
-        let is_following = state.z != 0.0;
-        let blocked = way_ahead(walls, motion.xy, ahead, THIN * traits.x);
-        if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * traits.x)
-            && !is_someone_ahead(slot, motion.xy, ahead, traits.w) {
-            let along = dot2(ahead, blocked.along);
-            let is_slanted = abs(along) >= SLANTED;
-            let slide = blocked.along * select(-1.0, 1.0, along > 0.0);
-            let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1u) == 1u;
-            let by_end = select(blocked.nearer_end > 0.0, drawn, abs(blocked.nearer_end) < ONE_OF_TWO);
-            // along a slanted wall everybody slides anyway, up to a corner
-            if !is_slanted || is_cornered(walls, motion.xy, slide, traits.x) {
-                state.z = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
-                state.y = 0.0;
-            }
-        } else if is_following && (walls == 0u || (state.y < -GAINED && blocked.rate < 1.0 / CLEAR)) {
-            state = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+}
+
+fn follow_walls(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
+    var state = waiting[agent];
+    let is_following = state.z != 0.0;
+    if state.x <= step.patience && !is_following {
+        return;
+    }
+    let at = slot_motion[slot * 2u].xy;
+    let traits = slot_motion[slot * 2u + 1u];
+    let walls = near_segments(at, CLEAR + traits.x, traits.w);
+    let blocked = way_ahead(walls, at, ahead, THIN * traits.x);
+    if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * traits.x)
+        && !is_someone_ahead(slot, at, ahead, traits.w) {
+        let along = dot2(ahead, blocked.along);
+        let is_slanted = abs(along) >= SLANTED;
+        let slide = blocked.along * select(-1.0, 1.0, along > 0.0);
+        let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1u) == 1u;
+        let by_end = select(blocked.nearer_end > 0.0, drawn, abs(blocked.nearer_end) < ONE_OF_TWO);
+        // along a slanted wall everybody slides anyway, up to a corner
+        if !is_slanted || is_cornered(walls, at, slide, traits.x) {
+            state.z = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
+            state.y = 0.0;
         }
-        if state.z != 0.0 {
-            preferred_velocity[agent] = beside_wall(walls, motion.xy, state.z, traits.x) * speed;
-        }
+    } else if is_following && (walls == 0u || (state.y < -GAINED && blocked.rate < 1.0 / CLEAR)) {
+        state = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+    }
+    if state.z != 0.0 {
+        preferred_velocity[agent] = beside_wall(walls, at, state.z, traits.x) * speed;
     }
     waiting[agent] = state;
+}
+
+// Whether somebody ahead wants to go the other way.
+fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> bool {
+    let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
+    let columns = i32(step.grid_columns);
+    var is_there = false;
+    for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
+        let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
+        for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
+            let to = slot_motion[other * 2u].xy - at;
+            let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
+            let wanted = preferred_velocity[slot_manners[other].x];
+            let speed2 = dot2(wanted, wanted);
+            let against = -dot2(wanted, ahead);
+            is_there = is_there || (dot2(to, to) < OPPOSED * OPPOSED && dot2(to, ahead) > 0.0
+                && speed2 > STANDING * STANDING && against > 0.0 && 16.0 * against * against > speed2
+                && (step.storey_height <= 0.0 || apart < step.storey_height));
+        }
+    }
+    return is_there;
 }
 
 // Whether there is anybody within a metre and 60 degrees: then it is not the wall that keeps it.

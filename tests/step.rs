@@ -43,7 +43,9 @@ react
 barrier
 lead_agents 1
 barrier
-persevere
+persevere 0
+barrier
+persevere 1
 barrier
 velocity_orca 15
 barrier

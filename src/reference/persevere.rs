@@ -2,10 +2,10 @@
 
 use super::contact::segment_rate;
 use super::exact::{dot2, hash_u32, unit_f32};
-use super::neighbours::Slots;
+use super::neighbours::{Slots, manners_of};
 use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
-use super::shared::{LED, NOBODY, RAISE, grid_cell};
+use super::shared::{NOBODY, RAISE, grid_cell};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::persevere::Slices;
 
@@ -13,6 +13,8 @@ use crate::kernels::persevere::Slices;
 const STANDING: f32 = 0.1;
 /// Slower than this share of the wanted speed, in the wanted direction, is no progress.
 const PROGRESS: f32 = 0.15;
+/// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 75 degrees) is in the way, m.
+const OPPOSED: f32 = 3.0;
 /// How long the right of way lasts, s.
 const TURN: f32 = 3.0;
 /// A wall ahead is in the way from this distance on when one waits, m.
@@ -38,83 +40,122 @@ const NEAREST_RATE: f32 = 1000.0;
 pub fn persevere(b: Slices<'_>) {
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     for agent in 0..b.step.agent_count as usize {
-        if b.agent_slot[agent] == NOBODY {
+        let slot = b.agent_slot[agent];
+        if slot == NOBODY {
             b.waiting[agent] = [0.0; 4];
             continue;
         }
-        if b.manners[agent][3] >= LED {
+        let slot = slot as usize;
+        let preferred = b.preferred_velocity[agent];
+        let speed = dot2(preferred, preferred).sqrt();
+        if manners_of(b.slot_manners[slot]).is_led {
             continue;
         }
-        let slot = b.agent_slot[agent] as usize;
-        let (preferred, state) = (&mut b.preferred_velocity[agent], &mut b.waiting[agent]);
+        if speed < STANDING {
+            b.waiting[agent] = [0.0; 4];
+            continue;
+        }
+        let ahead = [preferred[0] / speed, preferred[1] / speed];
         let slots = Slots {
             step: b.step,
             slot_motion: b.slot_motion,
-            slot_manners: &[],
+            slot_manners: b.slot_manners,
             cell_start: b.cell_start,
             has_storeys: b.step.storey_height > 0.0,
         };
-        if waits(&walls, slots, agent as u32, slot, preferred, state) {
-            b.slot_motion[slot * 2 + 1][2] += RAISE;
+        let state = &mut b.waiting[agent];
+        if b.level == 0 {
+            if take_turns(&slots, b.preferred_velocity, slot, ahead, speed, state) {
+                b.slot_motion[slot * 2 + 1][2] += RAISE;
+            }
+        } else if let Some(direction) = follow_walls(&walls, &slots, agent as u32, slot, ahead, state) {
+            b.preferred_velocity[agent] = [direction[0] * speed, direction[1] * speed];
         }
     }
 }
 
-/// One agent; returns whether it has the right of way.
-fn waits(
-    walls: &Walls<'_>,
-    slots: Slots<'_>,
-    agent: u32,
+/// Whether it has the right of way now.
+fn take_turns(
+    slots: &Slots<'_>,
+    preferred: &[[f32; 2]],
     slot: usize,
-    preferred: &mut [f32; 2],
+    ahead: [f32; 2],
+    speed: f32,
     state: &mut [f32; 4],
 ) -> bool {
-    let step = walls.step;
+    let step = slots.step;
     let [x, y, vx, vy] = slots.slot_motion[slot * 2];
-    let [radius, _, _, elevation] = slots.slot_motion[slot * 2 + 1];
-    let speed = dot2(*preferred, *preferred).sqrt();
-    if speed < STANDING {
-        *state = [0.0; 4];
-        return false;
-    }
-    let ahead = [preferred[0] / speed, preferred[1] / speed];
     let progress = dot2([vx, vy], ahead);
     let pace = if progress < PROGRESS * speed { 1.0 } else { -2.0 };
     state[0] = (state[0] + pace * step.time_step).max(0.0);
     if state[2] != 0.0 {
         state[1] -= progress * step.time_step;
     }
-    let is_impatient = state[0] > step.patience;
-    let has_way = is_impatient && dot2(turn(step), ahead) > 0.0;
-    if step.obstacle_count > 0 && (is_impatient || state[2] != 0.0) {
-        let near = walls.near([x, y], CLEAR + radius, elevation);
-        let is_following = state[2] != 0.0;
-        let (rate, wall, nearer_end) = way_ahead(walls, &near, [x, y], ahead, THIN * radius);
-        if !is_following
-            && rate > 1.0 / (TOUCHED + (1.0 - THIN) * radius)
-            && !is_someone_ahead(&slots, slot, [x, y], ahead)
-        {
-            let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1) == 1;
-            let by_end = if nearer_end.abs() < ONE_OF_TWO { drawn } else { nearer_end > 0.0 };
-            let along = dot2(ahead, wall);
-            let is_slanted = along.abs() >= SLANTED;
-            let way = if along > 0.0 { 1.0 } else { -1.0 };
-            let slide = [wall[0] * way, wall[1] * way];
-            // along a slanted wall everybody slides anyway, up to a corner
-            if !is_slanted || is_cornered(walls, &near, [x, y], slide, radius) {
-                let is_forward = if is_slanted { along > 0.0 } else { by_end };
-                state[2] = if is_forward { 1.0 } else { -1.0 };
-                state[1] = 0.0;
-            }
-        } else if is_following && (near.count == 0 || (state[1] < -GAINED && rate < 1.0 / CLEAR)) {
-            *state = [0.0; 4];
-        }
-        if state[2] != 0.0 {
-            let direction = beside_wall(walls, &near, [x, y], state[2], radius);
-            *preferred = [direction[0] * speed, direction[1] * speed];
-        }
+    state[0] > step.patience
+        && dot2(turn(step), ahead) > 0.0
+        && is_opposed(slots, preferred, slot, [x, y], ahead)
+}
+
+/// The direction in which it follows a wall, if it does.
+fn follow_walls(
+    walls: &Walls<'_>,
+    slots: &Slots<'_>,
+    agent: u32,
+    slot: usize,
+    ahead: [f32; 2],
+    state: &mut [f32; 4],
+) -> Option<[f32; 2]> {
+    let step = walls.step;
+    let [x, y, ..] = slots.slot_motion[slot * 2];
+    let [radius, _, _, elevation] = slots.slot_motion[slot * 2 + 1];
+    let is_following = state[2] != 0.0;
+    if state[0] <= step.patience && !is_following {
+        return None;
     }
-    has_way
+    let near = walls.near([x, y], CLEAR + radius, elevation);
+    let (rate, wall, nearer_end) = way_ahead(walls, &near, [x, y], ahead, THIN * radius);
+    if !is_following
+        && rate > 1.0 / (TOUCHED + (1.0 - THIN) * radius)
+        && !is_someone_ahead(slots, slot, [x, y], ahead)
+    {
+        let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1) == 1;
+        let by_end = if nearer_end.abs() < ONE_OF_TWO { drawn } else { nearer_end > 0.0 };
+        let along = dot2(ahead, wall);
+        let is_slanted = along.abs() >= SLANTED;
+        let way = if along > 0.0 { 1.0 } else { -1.0 };
+        let slide = [wall[0] * way, wall[1] * way];
+        // along a slanted wall everybody slides anyway, up to a corner
+        if !is_slanted || is_cornered(walls, &near, [x, y], slide, radius) {
+            let is_forward = if is_slanted { along > 0.0 } else { by_end };
+            state[2] = if is_forward { 1.0 } else { -1.0 };
+            state[1] = 0.0;
+        }
+    } else if is_following && (near.count == 0 || (state[1] < -GAINED && rate < 1.0 / CLEAR)) {
+        *state = [0.0; 4];
+    }
+    (state[2] != 0.0).then(|| beside_wall(walls, &near, [x, y], state[2], radius))
+}
+
+/// Whether somebody ahead wants to go the other way.
+fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 2], ahead: [f32; 2]) -> bool {
+    let step = slots.step;
+    let [cx, cy] = grid_cell(at, step);
+    let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
+    ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
+        let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
+        (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
+            let [x, y, ..] = slots.slot_motion[other * 2];
+            let to = [x - at[0], y - at[1]];
+            let wanted = preferred[slots.slot_manners[other][0] as usize];
+            let (speed2, against) = (dot2(wanted, wanted), -dot2(wanted, ahead));
+            dot2(to, to) < OPPOSED * OPPOSED
+                && dot2(to, ahead) > 0.0
+                && speed2 > STANDING * STANDING
+                && against > 0.0
+                && 16.0 * against * against > speed2
+                && slots.same_storey(other, slot)
+        })
+    })
 }
 
 /// Who wants to go to this side has the right of way now.

@@ -42,6 +42,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     passes.extend([
         pass(KernelId::LeadAgents, 1, agents),
         pass(KernelId::Persevere, 0, agents),
+        pass(KernelId::Persevere, 1, agents),
         pass(velocity_kernel(step.model), contents(step), agents),
     ]);
     if velocity_kernel(step.model) == KernelId::VelocityOrca {
@@ -57,7 +58,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         KernelId::LeadAgents => step.led_count > 0,
         KernelId::FollowPaths => step.path_count > 0,
         KernelId::Feel | KernelId::Express => step.feels > 0,
-        KernelId::Persevere => step.patience > 0.0,
+        KernelId::Persevere => step.patience > 0.0 && (pass.level == 0 || step.obstacle_count > 0),
         KernelId::Teleport => step.teleport_count > 0,
         KernelId::Queue => step.queue_count > 0,
         KernelId::Contain => step.obstacle_count > 0,

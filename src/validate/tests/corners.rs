@@ -24,27 +24,29 @@ pub(super) const NIST_CORNER: Test = Test {
     has_variants: true,
 };
 
-/// An L: along x, then along z; `width` wide, each leg `leg` long at its outer side.
-fn corner(width: f32, leg: f32, seconds: f32) -> Result<Scene, Error> {
+/// An L: along x, then along z; `width` wide, the legs `leg` and `second` long at their outer sides.
+fn corner(width: f32, leg: f32, second: f32, seconds: f32) -> Result<Scene, Error> {
     let inner = leg - width;
-    let outline = [[0.0, 0.0], [leg, 0.0], [leg, leg], [inner, leg], [inner, width], [0.0, width]];
+    let outline = [[0.0, 0.0], [leg, 0.0], [leg, second], [inner, second], [inner, width], [0.0, width]];
     Scene::new("corner", &outline, seconds)
 }
 
-fn crowd(scene: &mut Scene, width: f32, leg: f32, count: usize, start: Area) {
-    let ends = places(Area::new([leg - width + 0.4, leg - 6.0], [leg - 0.4, leg - 0.4]), count, 7);
+/// They walk to places from `ends[0]` to `ends[1]`, m, of the second leg.
+fn crowd(scene: &mut Scene, width: f32, leg: f32, count: usize, start: Area, ends: [f32; 2]) {
+    let ends = places(Area::new([leg - width + 0.4, ends[0]], [leg - 0.4, ends[1]]), count, 7);
     let middle = leg - 0.5 * width;
     for (place, end) in places(start, count, 3).into_iter().zip(ends) {
         let offset = (place.y / width).clamp(0.1, 0.9);
-        // each on a way as far from the inner side as they start
+        // each on a way as far from the inner side as they start, behind the corner, too
+        let end = Vec2::new(leg - width * offset, end.y);
         let turn = Vec2::new(middle + width * (0.5 - offset) * 0.5, width * offset);
         scene.walkers.push(walker(place, 1.34, vec![(turn, 0.45 * width), (end, 0.5)]));
     }
 }
 
 fn twenty(bench: &Bench<'_>, limit: f64) -> Result<(), Error> {
-    let mut scene = corner(2.0, 16.0, 40.0)?;
-    crowd(&mut scene, 2.0, 16.0, 20, Area::new([0.3, 0.3], [6.0, 1.7]));
+    let mut scene = corner(2.0, 16.0, 16.0, 40.0)?;
+    crowd(&mut scene, 2.0, 16.0, 20, Area::new([0.3, 0.3], [6.0, 1.7]), [10.0, 15.6]);
     let run = bench.run(&scene)?;
     let times = crossings(&run.tracks, Vec2::new(16.1, 8.0), Vec2::new(13.9, 8.0));
     let round = u32::try_from(times.len()).unwrap_or(0);
@@ -73,8 +75,9 @@ fn large(bench: &Bench<'_>) -> Result<(), Error> {
     let mut times = Vec::new();
     let mut outside = 0;
     for count in [most / 3, 2 * most / 3, most] {
-        let mut scene = corner(WIDTH, LEG, 240.0)?;
-        crowd(&mut scene, WIDTH, LEG, count, start);
+        let mut scene = corner(WIDTH, LEG, 80.0, 240.0)?;
+        // far behind, so that those who stand there already are in nobody's way
+        crowd(&mut scene, WIDTH, LEG, count, start, [30.0, 79.0]);
         scene.until = Some(1);
         let run = bench.run(&scene)?;
         let round = crossings(&run.tracks, Vec2::new(LEG + 0.1, 5.0), Vec2::new(LEG - WIDTH - 0.1, 5.0));
