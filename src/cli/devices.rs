@@ -1,4 +1,4 @@
-//! `gaitway devices`: what this machine has for Vulkan, and what is missing.
+//! `gaitway devices`: what this machine has for Vulkan and for a headset, and what is missing.
 
 use super::output::{say, say_json, table};
 use crate::Error;
@@ -36,6 +36,26 @@ struct List {
     /// Why there is none at all.
     missing: Option<String>,
     hint: Option<String>,
+    /// What there is for a headset; null in a build without it.
+    #[cfg(feature = "xr")]
+    openxr: crate::xr::Survey,
+    #[cfg(not(feature = "xr"))]
+    openxr: Option<()>,
+}
+
+/// Longest wait for an OpenXR runtime that hangs.
+#[cfg(feature = "xr")]
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(3);
+
+#[cfg(feature = "xr")]
+fn openxr() -> crate::xr::Survey {
+    crate::xr::hush_loader();
+    crate::xr::survey(PATIENCE)
+}
+
+#[cfg(not(feature = "xr"))]
+fn openxr() -> Option<()> {
+    None
 }
 
 /// Runs the subcommand. No device is no error: the CPU backend needs none.
@@ -62,7 +82,40 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if list.best.is_none() {
         say("The CPU backend works without: --backend cpu. Pictures need a device, if only a software one.");
     }
+    say_openxr(&list.openxr);
     Ok(true)
+}
+
+/// From the loader up to the headset, and what is missing.
+#[cfg(feature = "xr")]
+fn say_openxr(openxr: &crate::xr::Survey) {
+    say("\nHeadset (OpenXR)");
+    let line = |name: &str, text: &str| say(&format!("  {name:<11}{text}"));
+    let yes = |there: bool, yes: &str| if there { yes.to_owned() } else { "no".to_owned() };
+    line("loader", &yes(openxr.loader, "yes"));
+    let manifest = openxr.manifest.as_ref().map(|path| format!("yes, {}", path.display()));
+    line("installed", &yes(openxr.installed, manifest.as_deref().unwrap_or("yes")));
+    line("answers", &yes(openxr.answers, "yes"));
+    if let Some(runtime) = &openxr.runtime {
+        line("runtime", &runtime.runtime);
+        let [width, height] = runtime.eye_size;
+        line("headset", &format!("{}, {width}x{height} pixels an eye", runtime.headset));
+        line("uses", &runtime.extensions.join(", "));
+        if !runtime.absent.is_empty() {
+            line("not offered", &runtime.absent.join(", "));
+        }
+    }
+    if let Some(missing) = &openxr.missing {
+        say(&format!("No headset: {missing}."));
+    }
+    if let Some(hint) = &openxr.hint {
+        say(&format!("hint: {hint}"));
+    }
+}
+
+#[cfg(not(feature = "xr"))]
+fn say_openxr(_: &Option<()>) {
+    say("\nThis build has no headset: build with the feature `xr` (it is on by default).");
 }
 
 impl Row {
@@ -85,7 +138,13 @@ fn list() -> List {
         Ok(devices) => devices,
         Err(error) => {
             let hint = error.hint().map(str::to_owned);
-            return List { devices: Vec::new(), best: None, missing: Some(error.to_string()), hint };
+            return List {
+                devices: Vec::new(),
+                best: None,
+                missing: Some(error.to_string()),
+                hint,
+                openxr: openxr(),
+            };
         }
     };
     let usable = devices.iter().filter(|info| info.unusable.is_none());
@@ -105,12 +164,12 @@ fn list() -> List {
         usable: info.unusable.is_none(),
         reason: info.unusable,
     });
-    List { devices: rows.collect(), best, missing: None, hint }
+    List { devices: rows.collect(), best, missing: None, hint, openxr: openxr() }
 }
 
 #[cfg(not(feature = "vulkan"))]
 fn list() -> List {
     let missing = Some("this build has no Vulkan backend".to_owned());
     let hint = Some("build with the feature `vulkan` (it is on by default)".to_owned());
-    List { devices: Vec::new(), best: None, missing, hint }
+    List { devices: Vec::new(), best: None, missing, hint, openxr: openxr() }
 }

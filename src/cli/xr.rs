@@ -8,15 +8,16 @@ use super::usage;
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::kernels::Store;
-use crate::picture::Image;
 use crate::render::Settings;
 use crate::scenario::Clearance;
 use crate::sim::{bodies, measure};
 use crate::xr::{
-    self, Moment, Observer, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, World,
+    self, Moment, Observer, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, Shot, World,
 };
 use clap::Args;
 use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Texels a side of the shadow map: a headset draws twice.
@@ -41,7 +42,7 @@ pub(super) struct Arguments {
     /// Wait for a runtime or headset that is not there yet
     #[arg(long)]
     wait: bool,
-    /// Write pictures of both eyes into this folder
+    /// Write pictures of both eyes into this folder, and beside each a table of where people look
     #[arg(long, value_name = "FOLDER")]
     shots: Option<PathBuf>,
     /// Every how many frames
@@ -60,6 +61,7 @@ pub(super) struct Arguments {
 
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    xr::hush_loader();
     let seconds = arguments.seconds.map(|seconds| check_seconds("--seconds", seconds)).transpose()?;
     if let Some(folder) = &arguments.shots {
         std::fs::create_dir_all(folder).map_err(|error| {
@@ -96,10 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
         waits: arguments.wait,
         shots: arguments.shots.clone().map(|folder| {
-            let write = move |frame: u64, image: &Image| {
-                Ok(crate::export::image::write_png(&folder.join(format!("frame-{frame:06}.png")), image)
-                    .map_err(crate::export::Error::from)?)
-            };
+            let write = move |shot: &Shot| write_shot(&folder, shot);
             (arguments.every, Box::new(write) as xr::Shots)
         }),
         ..Plan::default()
@@ -112,17 +111,46 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let recorder = Recorder::new(AtomicFile::create(path)?, &session).map_err(recording(path))?;
         observer.record = Some((path.clone(), recorder));
     }
-    let outcome = xr::run(&mut simulation, world, plan, &mut observer)?;
-    if let Some((path, recorder)) = observer.record {
+    xr::listen();
+    let outcome = xr::run(&mut simulation, world, plan, &mut observer);
+    // what the user did is kept even if the session ended in an error
+    if let Some((path, recorder)) = observer.record.filter(|(_, recorder)| recorder.steps() > 0) {
         let hash = measure::state_hash(simulation.state()?);
         recorder.finish(hash).map_err(recording(&path))?.finish()?;
     }
+    let outcome = outcome?;
     if arguments.json {
         say_json(&outcome)?;
     } else {
         print(&outcome, &device);
     }
     Ok(!outcome.hung)
+}
+
+/// Writes a picture, and beside it where everyone in it looks.
+fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
+    let name = folder.join(format!("frame-{:06}", shot.frame));
+    crate::export::image::write_png(&name.with_extension("png"), &shot.image)
+        .map_err(crate::export::Error::from)?;
+    let mut table = String::from(
+        "agent,emotion,eyes_x,eyes_y,eyes_z,face_x,face_y,face_z,turn_deg,rise_deg,distance_m,off_user_deg\n",
+    );
+    for face in &shot.faces {
+        let ([x, y, z], [fx, fy, fz]) = (face.eyes.to_array(), face.forward.to_array());
+        let (turn, rise) = (face.turn.to_degrees(), face.rise.to_degrees());
+        let (away, off) = (face.eyes.distance(shot.user_eyes), face.off(shot.user_eyes).to_degrees());
+        let _ = writeln!(
+            table,
+            "{},{},{x:.4},{y:.4},{z:.4},{fx:.5},{fy:.5},{fz:.5},{turn:.3},{rise:.3},{away:.4},{off:.3}",
+            face.agent,
+            face.emotion.name(),
+        );
+    }
+    let mut file = AtomicFile::create(&name.with_extension("csv"))?;
+    file.write_all(table.as_bytes()).map_err(|error| {
+        usage(format!("{}.csv: {error}", name.display()), "choose a folder that can be written to")
+    })?;
+    Ok(file.finish()?)
 }
 
 /// What a recording of this crowd says of it.
@@ -231,7 +259,5 @@ fn print(outcome: &Outcome, device: &str) {
     for loss in &outcome.losses {
         say(&format!("lost       {loss}"));
     }
-    if outcome.hung {
-        say("the OpenXR runtime did not answer any more at the end");
-    }
+    say(&format!("ended      {}", outcome.ended));
 }

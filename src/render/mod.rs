@@ -8,6 +8,8 @@
 mod atmosphere;
 pub mod camera;
 mod crowd;
+#[cfg(feature = "xr")]
+mod faces;
 mod pipelines;
 mod record;
 mod renderer;
@@ -22,6 +24,8 @@ pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
+#[cfg(feature = "xr")]
+pub use faces::Face;
 pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings};

@@ -24,7 +24,7 @@ const READ: [BufferId; 3] = [BufferId::Position, BufferId::Stance, BufferId::Pha
 pub struct Show {
     renderer: Renderer,
     /// Animates a crowd that is simulated on the CPU.
-    animator: Option<Engine>,
+    pub(super) animator: Option<Engine>,
     /// What does not depend on the camera.
     frame: FrameUniforms,
     time: Option<f64>,
@@ -108,19 +108,26 @@ impl Show {
     /// What a picture needs of a crowd's state.
     #[cfg(feature = "xr")]
     pub(crate) fn moment(store: &Store) -> Store {
-        Store {
+        let mut moment = Store {
             position: store.position.clone(),
             stance: store.stance.clone(),
             phase: store.phase.clone(),
             ..Store::default()
+        };
+        if store.step.feels != 0 {
+            moment.gait_weights.clone_from(&store.gait_weights);
+            moment.look.clone_from(&store.look);
         }
+        moment
     }
 
     /// Takes a moment of the crowd, unless it has that one already; `number` tells them apart.
     #[cfg(feature = "xr")]
     pub(crate) fn take(&mut self, moment: &Store, number: u64) -> Result<(), crate::Error> {
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
-            animator.upload(moment, &READ)?;
+            // the last two are empty, and so stay as they are, in a crowd whose feelings do not change
+            let [position, stance, phase] = READ;
+            animator.upload(moment, &[position, stance, phase, BufferId::GaitWeights, BufferId::Look])?;
             self.taken = number;
         }
         Ok(())

@@ -4,20 +4,19 @@
 //! headset. The other one has everything of OpenXR: it waits for frames, draws the crowd's latest moment on the runtime's
 //! device, and begins anew when the runtime goes away. A runtime that hangs therefore stops the pictures, not the crowd.
 
-use super::pace::{FrameSummary, FrameTimes, Governor};
-use super::recording::{Moment, numbers};
-use super::rig::Rig;
+use super::headset::Headset;
+use super::pace::FrameSummary;
+use super::recording::Moment;
 use super::runtime::Runtime;
-use super::session::{Event, Frame, Session, State};
-use super::{Error, views};
+use super::{Error, stop};
 use crate::gpu::Validation;
 use crate::kernels::Store;
 use crate::picture::Image;
-use crate::render::{Settings, Show};
+use crate::render::{Face, Settings, Show};
 use crate::scenario::EnvironmentMesh;
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -28,15 +27,24 @@ use std::time::{Duration, Instant};
 const LONGEST_ARREARS: f64 = 0.25;
 /// Without a sign of life from the headset's thread for so long, the user is told.
 const SILENCE: Duration = Duration::from_secs(2);
-/// First and longest pause before a lost headset is looked for again.
-const BACK_OFF: [Duration; 2] = [Duration::from_millis(100), Duration::from_millis(800)];
 /// Longest the headset's thread may take to end in good order.
 const FAREWELL: Duration = Duration::from_secs(3);
-/// Steps of time longer than this, or negative, are not believed: a runtime that hung gives display times of long ago.
-const LONGEST_FRAME: f32 = 0.1;
 
-/// Takes the number of a frame and its picture.
-pub type Shots = Box<dyn FnMut(u64, &Image) -> Result<(), crate::Error> + Send>;
+/// What a frame showed.
+#[derive(Debug)]
+pub struct Shot {
+    /// Its number.
+    pub frame: u64,
+    /// Both eyes, left beside right.
+    pub image: Image,
+    /// Midpoint of the user's eyes in the world, m.
+    pub user_eyes: glam::Vec3,
+    /// Where those who were drawn looked.
+    pub faces: Vec<Face>,
+}
+
+/// Takes what a frame showed.
+pub type Shots = Box<dyn FnMut(&Shot) -> Result<(), crate::Error> + Send>;
 
 /// Finds the runtime; called anew after every loss.
 pub type Opener = Box<dyn Fn() -> Result<Runtime, Error> + Send>;
@@ -49,7 +57,7 @@ pub struct Plan {
     pub eye_size: Option<[u32; 2]>,
     /// Whether to wait for a runtime or headset that is not there yet.
     pub waits: bool,
-    /// Who gets pictures of both eyes (left beside right), and every how many frames.
+    /// Who is told what frames show, and every how many frames.
     pub shots: Option<(u64, Shots)>,
     /// Vulkan's validation on the headset's device.
     pub validation: Validation,
@@ -126,16 +134,18 @@ pub struct Outcome {
     pub steps: u32,
     /// Seconds of the crowd that were let pass because stepping it took too long.
     pub time_lost: f64,
+    /// Why it ended, in one line.
+    pub ended: String,
     /// Whether the runtime did not answer any more at the end.
     pub hung: bool,
 }
 
 /// What the two threads tell each other.
-struct Shared {
+pub(super) struct Shared {
     /// The crowd's latest moment and how many there were.
-    moment: Mutex<(Store, u64)>,
+    pub(super) moment: Mutex<(Store, u64)>,
     /// The user at present.
-    user: Mutex<Moment>,
+    pub(super) user: Mutex<Moment>,
     /// Milliseconds since the beginning at the last sign of life.
     beat: AtomicU64,
     begin: Instant,
@@ -144,21 +154,24 @@ struct Shared {
 }
 
 impl Shared {
-    fn live(&self) {
+    /// Gives a sign of life.
+    pub(super) fn live(&self) {
         self.beat
             .store(u64::try_from(self.begin.elapsed().as_millis()).unwrap_or(u64::MAX), Ordering::Relaxed);
     }
 
-    fn note(&self, line: String) {
+    /// Tells the user something, in one line.
+    pub(super) fn note(&self, line: String) {
         lock(&self.notes).push(line);
     }
 
-    fn stops(&self) -> bool {
+    /// Whether the session is to end.
+    pub(super) fn stops(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 }
 
-fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
+pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -206,6 +219,8 @@ pub fn run(
             })?
     };
     let (mut steps, mut passed, mut is_silent) = (0_u32, 0.0, false);
+    let panicked = || "the headset's thread panicked".to_owned();
+    let hung = || "the OpenXR runtime did not answer any more".to_owned();
     let mut stopped_at = None;
     while !headset.is_finished() {
         let now = shared.begin.elapsed();
@@ -221,7 +236,7 @@ pub fn run(
                 "the OpenXR runtime answers again"
             });
         }
-        if seconds.is_some_and(|seconds| now.as_secs_f64() >= seconds) {
+        if stop::asked() || seconds.is_some_and(|seconds| now.as_secs_f64() >= seconds) {
             shared.stop.store(true, Ordering::Relaxed);
         }
         if shared.stops() {
@@ -258,246 +273,11 @@ pub fn run(
     let outcome = if headset.is_finished() {
         match headset.join() {
             Ok(outcome) => outcome?,
-            Err(_) => {
-                Outcome { losses: vec!["the headset's thread panicked".to_owned()], ..Outcome::default() }
-            }
+            Err(_) => Outcome { ended: panicked(), ..Outcome::default() },
         }
     } else {
         // it hangs in a call of the runtime, which nobody can end but the runtime
-        Outcome { hung: true, ..Outcome::default() }
+        Outcome { hung: true, ended: hung(), ..Outcome::default() }
     };
     Ok(Outcome { steps, time_lost: passed, ..outcome })
-}
-
-/// The headset's thread.
-struct Headset<'a> {
-    shared: &'a Shared,
-    world: World,
-    plan: Plan,
-    rig: Rig,
-    times: FrameTimes,
-    governor: Governor,
-    outcome: Outcome,
-    frames: u64,
-}
-
-impl<'a> Headset<'a> {
-    fn new(shared: &'a Shared, world: World, plan: Plan) -> Self {
-        Self {
-            shared,
-            rig: Rig::new(world.start.0, world.start.1),
-            world,
-            plan,
-            times: FrameTimes::default(),
-            governor: Governor::default(),
-            outcome: Outcome { least_quality: 1.0, ..Outcome::default() },
-            frames: 0,
-        }
-    }
-
-    /// Session after session until one ends in good order.
-    fn run(mut self) -> Result<Outcome, crate::Error> {
-        let mut pause = BACK_OFF[0];
-        let mut was_told = false;
-        loop {
-            self.shared.live();
-            let sessions = self.outcome.sessions;
-            match self.session() {
-                Ok(()) => break,
-                Err(Failure::Fatal(error)) => return Err(error),
-                Err(Failure::Headset(error)) => {
-                    let first = self.outcome.sessions == 0;
-                    if !error.is_passing() || (first && !self.plan.waits) {
-                        return Err(error.into());
-                    }
-                    if self.outcome.sessions > sessions || !was_told {
-                        self.shared.note(format!("{error}; looking for it again"));
-                        was_told = true;
-                        if !first {
-                            self.outcome.losses.push(error.to_string());
-                        }
-                        pause = BACK_OFF[0];
-                    }
-                }
-            }
-            if self.shared.stops() {
-                break;
-            }
-            thread::sleep(pause);
-            pause = (pause * 2).min(BACK_OFF[1]);
-        }
-        self.outcome.frames = self.times.summary();
-        Ok(self.outcome)
-    }
-
-    /// One session, from finding the runtime to its end.
-    fn session(&mut self) -> Result<(), Failure> {
-        let runtime = (self.plan.open)()?;
-        let device = runtime.device(self.plan.validation)?;
-        let mut session = Session::new(&runtime, &device, self.plan.eye_size)?;
-        let [width, height] = session.size();
-        let settings = Settings { width, height, eyes: 2, ..self.world.settings };
-        let World { store, meshes, scenery, gaze, .. } = &self.world;
-        let mut show = Show::on_device(&device, store, meshes, scenery, settings, session.format())
-            .map_err(Failure::Fatal)?;
-        show.set_gaze(gaze);
-        self.outcome.runtime = Some(runtime.info().clone());
-        self.outcome.device = show.device();
-        self.outcome.sessions += 1;
-        let mut asked = false;
-        let mut clock = Clock::default();
-        loop {
-            self.shared.live();
-            for event in session.poll()? {
-                match event {
-                    Event::State(state) => {
-                        self.outcome.states.push(state.name());
-                        if state == State::Exiting {
-                            return Ok(());
-                        }
-                    }
-                    Event::Recentred => {}
-                }
-            }
-            if self.shared.stops() && !asked {
-                asked = true;
-                if !session.is_running() {
-                    return Ok(());
-                }
-                session.request_exit()?;
-            }
-            if session.is_running() {
-                self.frame(&mut session, &mut show, &mut clock)?;
-            } else {
-                thread::sleep(Duration::from_millis(5));
-            }
-        }
-    }
-
-    fn frame(&mut self, session: &mut Session, show: &mut Show, clock: &mut Clock) -> Result<(), Failure> {
-        let frame = session.wait()?;
-        self.shared.live();
-        let (seconds, periods) = clock.step(&frame, &mut self.times);
-        let input = session.read_input(&frame)?;
-        let head = session.head(&frame)?;
-        if let Some(head) = head {
-            let hand = input.hands[1].or(input.hands[0]);
-            self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
-            let place = self.rig.user(head);
-            let room = self.rig.world_from_room();
-            let mut user = lock(&self.shared.user);
-            let velocity = (place - user.place) / seconds.max(1e-3);
-            // a teleport or a recentring is no walk
-            let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
-            *user = Moment {
-                place,
-                velocity: user.velocity.lerp(velocity, 0.3),
-                head: Some(numbers(head.within(room))),
-                hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
-                sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
-            };
-        }
-        if !frame.wants_picture {
-            self.times.empty();
-            return Ok(session.end(frame, None)?);
-        }
-        let begin = Instant::now();
-        let target = session.acquire()?;
-        {
-            let latest = lock(&self.shared.moment);
-            show.take(&latest.0, latest.1).map_err(Failure::Fatal)?;
-        }
-        show.set_level_distances(self.governor.distances(self.world.level_distances));
-        // as late as can be: everything but the eyes' place is ready
-        let eyes = session.locate(&frame)?;
-        let picture = match &eyes {
-            None => None,
-            Some(eyes) => {
-                let view = views::view(eyes.placed, self.rig.world_from_room());
-                let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
-                let shot =
-                    self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
-                show.draw_into(&view, middle, seconds, (target.image, target.view), shot)
-                    .map_err(Failure::Fatal)?
-            }
-        };
-        session.release()?;
-        session.end(frame, eyes.as_ref())?;
-        let work = begin.elapsed();
-        self.times.drew(work, periods);
-        self.governor.frame(work, frame.period);
-        self.outcome.least_quality = self.outcome.least_quality.min(self.governor.quality());
-        if let (Some(image), Some((_, shots))) = (picture, &mut self.plan.shots) {
-            shots(self.frames, &image).map_err(Failure::Fatal)?;
-        }
-        self.frames += 1;
-        Ok(())
-    }
-}
-
-/// The time from frame to frame, as far as it can be believed.
-#[derive(Debug, Default)]
-struct Clock {
-    display: Option<i64>,
-    woke: Option<Instant>,
-}
-
-impl Clock {
-    /// Seconds since the frame before, for motion; and periods of the display since then.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        reason = "short times in nanoseconds"
-    )]
-    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> (f32, u64) {
-        let now = Instant::now();
-        if let Some(before) = self.woke.replace(now) {
-            times.woke(now - before);
-        }
-        let display = frame.display.as_nanos();
-        let since = self.display.replace(display).map_or(0, |before| display - before);
-        let period = i64::try_from(frame.period.as_nanos()).unwrap_or(0).max(1);
-        let periods = u64::try_from((since + period / 2) / period).unwrap_or(0).min(1_000);
-        ((since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME), periods)
-    }
-}
-
-/// Why a session ended.
-enum Failure {
-    /// The headset's doing: another session may help.
-    Headset(Error),
-    /// Ours: no session would help.
-    Fatal(crate::Error),
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Headset(error)
-    }
-}
-
-#[cfg(test)]
-#[allow(clippy::float_cmp, reason = "limits are exact")]
-mod tests {
-    use super::*;
-    use openxr as xr;
-
-    #[test]
-    fn display_times_that_cannot_be_are_not_believed() {
-        let mut clock = Clock::default();
-        let mut times = FrameTimes::default();
-        let mut at = |display: i64| {
-            let period = Duration::from_millis(20);
-            clock.step(
-                &Frame { display: xr::Time::from_nanos(display), period, wants_picture: true },
-                &mut times,
-            )
-        };
-        assert_eq!(at(1_000_000_000), (0.0, 0));
-        let (seconds, periods) = at(1_020_000_000);
-        assert!((seconds - 0.02).abs() < 1e-6 && periods == 1);
-        // the service hung: into the past, then three seconds on
-        assert_eq!(at(500_000_000).0, 0.0);
-        assert_eq!(at(3_500_000_000), (LONGEST_FRAME, 150));
-    }
 }

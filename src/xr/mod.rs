@@ -7,20 +7,25 @@
 //! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
 
 mod app;
+mod headset;
 mod input;
 mod pace;
 mod recording;
 mod rig;
 mod runtime;
 mod session;
+mod stop;
+mod survey;
 mod views;
 
-pub use app::{Observer, Opener, Outcome, Plan, Shots, World, run};
+pub use app::{Observer, Opener, Outcome, Plan, Shot, Shots, World, run};
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
 pub use recording::{Moment, Recorder, Recording, RecordingError, Session as RecordedSession};
 pub use rig::{Rig, Walk};
-pub use runtime::{Runtime, RuntimeInfo, probe};
+pub use runtime::{Runtime, RuntimeInfo};
 pub use session::State;
+pub(crate) use stop::listen;
+pub use survey::{Survey, survey};
 
 /// The headset cannot be used, or not any more.
 #[derive(Debug, thiserror::Error)]
@@ -35,6 +40,9 @@ pub enum Error {
     /// A runtime is installed but does not answer.
     #[error("the OpenXR runtime cannot be reached ({0}); its service is not running, or it does not answer")]
     NoService(openxr::sys::Result),
+    /// A runtime is installed but did not return from a call.
+    #[error("the OpenXR runtime does not answer; its service hangs")]
+    Silent,
     /// The runtime lacks something that is needed.
     #[error("the OpenXR runtime {runtime} lacks {what}")]
     Lacks {
@@ -95,10 +103,14 @@ impl Error {
                  SteamVR, Meta and WiVRn bring their own",
             ),
             Self::NoRuntime(_) => Some(
-                "start a runtime (SteamVR, WiVRn, Meta, Monado) and make it the active one; or XR_RUNTIME_JSON names \
-                 its manifest",
+                "start a runtime (SteamVR, WiVRn, Meta) and make it the active one, or XR_RUNTIME_JSON names its \
+                 manifest; Debian/Ubuntu: apt install libopenxr1-monado monado-service; without a headset: \
+                 scripts/setup --xr, and prefix commands with scripts/gpu-env",
             ),
-            Self::NoService(_) => Some("start the runtime first (Monado: monado-service), then try again"),
+            Self::NoService(_) => Some(
+                "start the runtime first (Monado: monado-service, of the Debian package of that name), then try again",
+            ),
+            Self::Silent => Some("end the runtime's service and start it again"),
             Self::NoHeadset(_) => Some("connect the headset and wake it up, then try again"),
             _ => None,
         }
@@ -106,7 +118,7 @@ impl Error {
 
     /// Whether trying again later may help.
     pub fn is_passing(&self) -> bool {
-        matches!(self, Self::Lost(_) | Self::NoService(_) | Self::NoHeadset(_))
+        matches!(self, Self::Lost(_) | Self::NoService(_) | Self::Silent | Self::NoHeadset(_))
     }
 }
 
@@ -117,5 +129,15 @@ fn call(call: &'static str) -> impl FnOnce(openxr::sys::Result) -> Error {
         R::ERROR_INSTANCE_LOST => Error::Lost(Loss::Instance),
         R::ERROR_SESSION_LOST | R::SESSION_LOSS_PENDING => Error::Lost(Loss::Session),
         result => Error::Call { call, result },
+    }
+}
+
+/// Keeps the OpenXR loader from telling on standard error what [`Error`] says in one line; `XR_LOADER_DEBUG` wins. To be
+/// called by a program that has one thread.
+pub(crate) fn hush_loader() {
+    const LEVEL: &str = "XR_LOADER_DEBUG";
+    if std::env::var_os(LEVEL).is_none() {
+        // SAFETY: called by the program before it starts a second thread, so nobody reads the environment meanwhile.
+        unsafe { std::env::set_var(LEVEL, "none") }
     }
 }

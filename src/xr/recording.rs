@@ -119,6 +119,11 @@ impl<W: Write> Recorder<W> {
         Ok(Self { to, step: 0 })
     }
 
+    /// Steps written so far.
+    pub fn steps(&self) -> u32 {
+        self.step
+    }
+
     /// Adds the step that the crowd is about to do.
     ///
     /// # Errors

@@ -34,6 +34,8 @@ pub struct RuntimeInfo {
     pub eye_size: [u32; 2],
     /// Extensions in use.
     pub extensions: Vec<String>,
+    /// Extensions that would be used but are not offered; nothing depends on them.
+    pub absent: Vec<String>,
 }
 
 impl Runtime {
@@ -57,13 +59,10 @@ impl Runtime {
             let (runtime, what) = ("of this machine".to_owned(), "XR_KHR_vulkan_enable2".to_owned());
             return Err(Error::Lacks { runtime, what });
         }
-        let mut wanted = xr::ExtensionSet::default();
-        wanted.khr_vulkan_enable2 = true;
-        wanted.khr_convert_timespec_time = known.khr_convert_timespec_time;
-        wanted.khr_composition_layer_depth = known.khr_composition_layer_depth;
-        wanted.khr_visibility_mask = known.khr_visibility_mask;
-        wanted.fb_display_refresh_rate = known.fb_display_refresh_rate;
-        wanted.ext_local_floor = known.ext_local_floor;
+        let mut useful = xr::ExtensionSet::default();
+        useful.khr_vulkan_enable2 = true;
+        useful.ext_local_floor = true;
+        let wanted = useful.intersection(&known);
         let application = xr::ApplicationInfo {
             application_name: "gaitway",
             application_version: 1,
@@ -96,11 +95,12 @@ impl Runtime {
             return Err(Error::Lacks { runtime, what: "a view for each of two eyes".to_owned() });
         };
         let eye_size = [eye.recommended_image_rect_width, eye.recommended_image_rect_height];
-        let extensions = wanted
-            .names()
-            .into_iter()
-            .map(|name| String::from_utf8_lossy(name).trim_end_matches('\0').to_owned());
-        let info = RuntimeInfo { runtime, headset, eye_size, extensions: extensions.collect() };
+        let names = |set: &xr::ExtensionSet| {
+            let text = |name: &[u8]| String::from_utf8_lossy(name).trim_end_matches('\0').to_owned();
+            set.names().into_iter().map(text).collect()
+        };
+        let (extensions, absent) = (names(&wanted), names(&useful.difference(&known)));
+        let info = RuntimeInfo { runtime, headset, eye_size, extensions, absent };
         Ok(Self { instance, system, info })
     }
 
@@ -121,14 +121,6 @@ impl Runtime {
         let maker = ThroughRuntime { instance: self.instance.clone(), system: self.system };
         Ok(Device::made_by(&maker, None, validation)?)
     }
-}
-
-/// What is there, for `gaitway devices`: the runtime and its headset, or what is missing.
-///
-/// # Errors
-/// What is missing.
-pub fn probe() -> Result<RuntimeInfo, Error> {
-    Runtime::open().map(|runtime| runtime.info)
 }
 
 /// Makes Vulkan's instance and device through the runtime, which adds what it needs.

@@ -9,6 +9,12 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+mod devices;
+mod endurance;
+mod faults;
+mod gaze;
+mod layer;
+mod recording;
 mod service;
 
 use gaitway::picture::Image;
@@ -16,7 +22,6 @@ use serde_json::Value;
 use service::Service;
 use std::path::{Path, PathBuf};
 use std::process::Child;
-use std::time::{Duration, Instant};
 
 /// An empty square with a post straight ahead, ten metres away.
 const POST: &str = r#"
@@ -62,7 +67,14 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     }
     let service = Service::start("states", 4261);
     let run = ["xr", "crossing", "--agents", "60", "--seconds", "3", "--eye-size", "320x320", "--json"];
-    let (found, _) = outcome(service.gaitway(&run).spawn().unwrap());
+    let log = service.folder.join("core-validation.txt");
+    let mut checked = service.gaitway(&run);
+    checked.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation");
+    checked.env("XR_CORE_VALIDATION_EXPORT_TYPE", "text").env("XR_CORE_VALIDATION_FILE_NAME", &log);
+    let (found, _) = outcome(checked.spawn().unwrap());
+    // OpenXR's own rules, beside Vulkan's
+    let log = std::fs::read_to_string(log).unwrap();
+    assert!(!log.contains("VALID_ERROR"), "{log}");
     let all = [
         "idle",
         "ready",
@@ -77,9 +89,11 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     ];
     assert_eq!(states(&found), all);
     assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
-    assert!(found["frames"]["drawn"].as_u64().unwrap() > 5, "{found}");
-    // three seconds at 30 steps a second
-    assert!((80..=100).contains(&found["steps"].as_u64().unwrap()), "{found}");
+    assert_eq!(found["ended"], "the time was up");
+    assert!(found["frames"]["drawn"].as_u64().unwrap() > 2, "{found}");
+    // three seconds at 30 steps a second, and more if the runtime took its time to end
+    let walked = found["steps"].as_f64().unwrap() / 30.0 + found["time_lost"].as_f64().unwrap();
+    assert!((2.7..8.0).contains(&walked), "{found}");
 }
 
 /// Columns of the post's edges in one eye's half of a picture, in fractions of a pixel.
@@ -121,6 +135,7 @@ fn pictures(folder: &Path) -> Vec<(u64, Image)> {
         .unwrap()
         .filter_map(|entry| {
             let path = entry.unwrap().path();
+            path.extension().filter(|kind| *kind == "png")?;
             let number = path.file_stem()?.to_str()?.strip_prefix("frame-")?.parse().ok()?;
             Some((number, picture(&path)))
         })
@@ -177,37 +192,6 @@ fn both_eyes_follow_the_head_with_the_right_parallax() {
     println!("worst: {:.3} deg, parallax {:.3} deg", worst[0], worst[1]);
     assert!(worst[0] < 0.2, "{worst:?}");
     assert!(worst[1] < 0.05, "{worst:?}");
-}
-
-#[test]
-fn a_killed_service_costs_pictures_not_the_crowd() {
-    if !service::is_there() {
-        return;
-    }
-    let mut service = Service::start("kill", 4263);
-    let run = ["xr", "crossing", "--agents", "40", "--seconds", "14", "--eye-size", "160x160", "--json"];
-    let child = service.gaitway(&run).spawn().unwrap();
-    let begin = Instant::now();
-    let at = |second: f32| {
-        let wait = Duration::from_secs_f32(second).saturating_sub(begin.elapsed());
-        std::thread::sleep(wait);
-    };
-    at(3.0);
-    service.kill();
-    at(4.0);
-    service.restart();
-    at(7.0);
-    service.signal("STOP");
-    at(10.0);
-    service.signal("CONT");
-    let (found, notes) = outcome(child);
-    assert_eq!(found["sessions"], 2, "{found}\n{notes}");
-    assert_eq!(states(&found).iter().filter(|state| **state == "focused").count(), 2, "{found}");
-    assert!(notes.contains("looking for it again"), "{notes}");
-    assert!(notes.contains("does not answer") && notes.contains("answers again"), "{notes}");
-    // 14 s of crowd, whatever the runtime did
-    assert!(found["steps"].as_u64().unwrap() >= 400, "{found}");
-    assert_eq!(found["time_lost"].as_f64(), Some(0.0), "{found}");
 }
 
 #[test]

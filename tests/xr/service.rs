@@ -1,9 +1,12 @@
 //! A Monado service without a display, one per test, and its scripted head.
 
-use std::io::{Read, Write};
+use serde_json::Value;
+use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
+use std::sync::OnceLock;
+use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
 /// The script that runs programs on the unpacked drivers and runtime.
@@ -55,7 +58,7 @@ impl Service {
         let mut command = Command::new(GPU_ENV);
         command.arg(env!("CARGO_BIN_EXE_gaitway")).args(arguments);
         command.env("XDG_RUNTIME_DIR", &self.folder).env("XDG_CONFIG_HOME", &self.folder);
-        command.env("GAITWAY_VALIDATION", "sync").stdin(Stdio::null());
+        command.env("GAITWAY_VALIDATION", "sync").env("OXR_NO_PRINTING", "1").stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
         command
     }
@@ -74,10 +77,17 @@ impl Service {
         self.wait_until_started();
     }
 
+    /// A program whose OpenXR calls go through the layer that plants a fault.
+    pub(super) fn faulty(&self, fault: &str, arguments: &[&str]) -> Command {
+        let mut command = self.gaitway(arguments);
+        command.env("XR_API_LAYER_PATH", layer()).env("XR_ENABLE_API_LAYERS", "XR_APILAYER_gaitway_faults");
+        command.env("GAITWAY_FAULT", fault);
+        command
+    }
+
     /// Lets it hang, or go on.
     pub(super) fn signal(&self, name: &str) {
-        let status = Command::new("kill").arg(format!("-{name}")).arg(self.child.id().to_string()).status();
-        assert!(status.unwrap().success());
+        signal(&self.child, name);
     }
 
     /// Its head.
@@ -97,6 +107,103 @@ impl Service {
             );
             std::thread::sleep(Duration::from_millis(20));
         }
+    }
+}
+
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").arg(format!("-{name}")).arg(child.id().to_string()).status();
+    assert!(status.unwrap().success());
+}
+
+/// The folder of the layer that plants faults, compiled on first use.
+fn layer() -> &'static Path {
+    static FOLDER: OnceLock<PathBuf> = OnceLock::new();
+    FOLDER.get_or_init(|| {
+        let folder =
+            PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("xr-layer-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).unwrap();
+        let library = folder.join("libgaitway_faults.so");
+        // `nodelete`: the loader unloads layers with each instance, and the count of calls with them
+        let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
+        let built = Command::new(rustc)
+            .args(["--edition", "2024", "--crate-type", "cdylib", "--crate-name", "gaitway_faults", "-o"])
+            .arg(&library)
+            .args(["-C", "link-arg=-Wl,-z,nodelete"])
+            .arg(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/xr/layer.rs"))
+            .status();
+        assert!(built.unwrap().success(), "the layer does not compile");
+        let manifest = serde_json::json!({
+            "file_format_version": "1.0.0",
+            "api_layer": {
+                "name": "XR_APILAYER_gaitway_faults",
+                "library_path": library,
+                "api_version": "1.0",
+                "implementation_version": "1",
+                "description": "plants faults"
+            }
+        });
+        std::fs::write(folder.join("faults.json"), manifest.to_string()).unwrap();
+        folder
+    })
+}
+
+/// A program that is being listened to.
+pub(super) struct Live {
+    child: Child,
+    notes: Receiver<String>,
+    heard: Vec<String>,
+}
+
+impl Live {
+    pub(super) fn start(mut command: Command) -> Self {
+        let mut child = command.spawn().unwrap();
+        let (tell, notes) = mpsc::channel();
+        let said = BufReader::new(child.stderr.take().unwrap());
+        std::thread::spawn(move || said.lines().map_while(Result::ok).try_for_each(|line| tell.send(line)));
+        Self { child, notes, heard: Vec::new() }
+    }
+
+    /// Waits until it says something; the time that took.
+    pub(super) fn hear(&mut self, words: &str, patience: Duration) -> Duration {
+        let begin = Instant::now();
+        loop {
+            match self.notes.recv_timeout(patience.saturating_sub(begin.elapsed())) {
+                Ok(line) => {
+                    let is_it = line.contains(words);
+                    self.heard.push(line);
+                    if is_it {
+                        return begin.elapsed();
+                    }
+                }
+                Err(_) => {
+                    let _ = self.child.kill();
+                    panic!("no {words:?} within {patience:?}; heard: {:#?}", self.heard);
+                }
+            }
+        }
+    }
+
+    /// Memory in use, MiB.
+    pub(super) fn memory(&self) -> f64 {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
+        let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
+        line.split_whitespace().next().unwrap().parse::<f64>().unwrap() / 1024.0
+    }
+
+    /// Ends it as Ctrl-C would: the JSON object of a run that must end well, and what it noted on the way.
+    pub(super) fn end(self) -> (Value, Vec<String>) {
+        signal(&self.child, "INT");
+        self.wait()
+    }
+
+    /// The same of one that ends by itself.
+    pub(super) fn wait(self) -> (Value, Vec<String>) {
+        let output = self.child.wait_with_output().unwrap();
+        let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
+        let out = String::from_utf8_lossy(&output.stdout);
+        assert!(output.status.success(), "{:?}\n{out}\n{heard:#?}", output.status);
+        assert!(!heard.iter().any(|line| line.contains("validation:")), "{heard:#?}");
+        (serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}\n{heard:#?}")), heard)
     }
 }
 

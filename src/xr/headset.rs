@@ -1,0 +1,309 @@
+//! The headset's thread: session after session, and the frames of each.
+//!
+//! Whatever fails once there was a session is a reason to begin anew, on a device made anew, with pauses that grow. Only
+//! two things end it early: an error that waiting cannot mend and that comes again and again, and one of our own, such as
+//! a full disk.
+
+use super::app::{Outcome, Plan, Shared, Shot, World, lock};
+use super::pace::{FrameTimes, Governor};
+use super::recording::{Moment, numbers};
+use super::rig::Rig;
+use super::session::{Event, Frame, Session, State};
+use super::{Error, stop, views};
+use crate::render::{Settings, Show};
+use glam::{Vec2, Vec3};
+use std::thread;
+use std::time::{Duration, Instant};
+
+/// First and longest pause before a lost headset is looked for again.
+const BACK_OFF: [Duration; 2] = [Duration::from_millis(100), Duration::from_millis(800)];
+/// A session that lasted for so long counts as one that went well.
+const WELL: Duration = Duration::from_secs(5);
+/// Attempts in a row, each shorter than that and ended by an error that waiting does not mend, before it is given up.
+const FRUITLESS: u32 = 12;
+/// Steps of time longer than this, or negative, are not believed: a runtime that hung gives display times of long ago.
+const LONGEST_FRAME: f32 = 0.1;
+
+/// Why a session ended that the runtime ended in good order.
+const RUNTIME_ENDED: &str = "the OpenXR runtime ended the session";
+
+/// Why a session ended that we ended.
+fn our_reason() -> &'static str {
+    if stop::asked() { "interrupted" } else { "the time was up" }
+}
+
+/// The headset's thread.
+pub(super) struct Headset<'a> {
+    shared: &'a Shared,
+    world: World,
+    plan: Plan,
+    rig: Rig,
+    times: FrameTimes,
+    governor: Governor,
+    outcome: Outcome,
+    frames: u64,
+    /// Since when there is no picture.
+    lost: Option<Instant>,
+}
+
+impl<'a> Headset<'a> {
+    pub(super) fn new(shared: &'a Shared, world: World, plan: Plan) -> Self {
+        Self {
+            shared,
+            rig: Rig::new(world.start.0, world.start.1),
+            world,
+            plan,
+            times: FrameTimes::default(),
+            governor: Governor::default(),
+            outcome: Outcome { least_quality: 1.0, ..Outcome::default() },
+            frames: 0,
+            lost: None,
+        }
+    }
+
+    /// Session after session until one ends in good order.
+    pub(super) fn run(mut self) -> Result<Outcome, crate::Error> {
+        let (mut pause, mut fruitless) = (BACK_OFF[0], 0);
+        let mut told = None;
+        loop {
+            self.shared.live();
+            let (begin, sessions) = (Instant::now(), self.outcome.sessions);
+            let error = match self.session() {
+                Ok(ended) => {
+                    ended.clone_into(&mut self.outcome.ended);
+                    break;
+                }
+                Err(Failure::Fatal(error)) => return Err(error),
+                Err(Failure::Headset(error)) => error,
+            };
+            let is_first = self.outcome.sessions == 0;
+            if is_first && !(error.is_passing() && self.plan.waits) {
+                return Err(error.into());
+            }
+            let had_one = self.outcome.sessions > sessions;
+            fruitless = match (begin.elapsed() > WELL, error.is_passing()) {
+                (false, false) => fruitless + 1,
+                (false, true) => fruitless,
+                (true, _) => 0,
+            };
+            if fruitless > FRUITLESS {
+                return Err(error.into());
+            }
+            let line = error.to_string();
+            if had_one {
+                self.outcome.losses.push(line.clone());
+                self.lost.get_or_insert_with(Instant::now);
+                pause = BACK_OFF[0];
+            }
+            if had_one || told.as_ref() != Some(&line) {
+                self.shared.note(format!("{line}; looking for it again"));
+                told = Some(line);
+            }
+            if self.shared.stops() {
+                self.outcome.ended = format!("{} while there was no headset", our_reason());
+                break;
+            }
+            thread::sleep(pause);
+            pause = (pause * 2).min(BACK_OFF[1]);
+        }
+        self.outcome.frames = self.times.summary();
+        Ok(self.outcome)
+    }
+
+    /// One session, from finding the runtime to its end; says why it ended.
+    fn session(&mut self) -> Result<&'static str, Failure> {
+        let runtime = (self.plan.open)()?;
+        let device = runtime.device(self.plan.validation)?;
+        self.shared.live();
+        let mut session = Session::new(&runtime, &device, self.plan.eye_size)?;
+        let [width, height] = session.size();
+        let settings = Settings { width, height, eyes: 2, ..self.world.settings };
+        let World { store, meshes, scenery, gaze, .. } = &self.world;
+        let mut show = Show::on_device(&device, store, meshes, scenery, settings, session.format())?;
+        show.set_gaze(gaze);
+        self.outcome.runtime = Some(runtime.info().clone());
+        self.outcome.device = show.device();
+        self.outcome.sessions += 1;
+        let mut asked = false;
+        let mut clock = Clock::default();
+        loop {
+            self.shared.live();
+            for event in session.poll()? {
+                match event {
+                    Event::State(state) => {
+                        self.outcome.states.push(state.name());
+                        if state == State::Exiting {
+                            return Ok(if asked { our_reason() } else { RUNTIME_ENDED });
+                        }
+                        if state == State::Focused {
+                            self.greet();
+                        }
+                    }
+                    Event::Recentred => {}
+                }
+            }
+            if self.shared.stops() && !asked {
+                asked = true;
+                if !session.is_running() {
+                    return Ok(our_reason());
+                }
+                session.request_exit()?;
+            }
+            if session.is_running() {
+                self.frame(&mut session, &mut show, &mut clock)?;
+            } else {
+                thread::sleep(Duration::from_millis(5));
+            }
+        }
+    }
+
+    /// Tells that the user sees the crowd: for the first time, or again.
+    fn greet(&mut self) {
+        if let Some(since) = self.lost.take() {
+            let seconds = since.elapsed().as_secs_f64();
+            self.shared.note(format!("the headset is back after {seconds:.1} s"));
+        } else if !self.outcome.states.iter().rev().skip(1).any(|state| *state == State::Focused.name()) {
+            self.shared.note("the headset shows the crowd".to_owned());
+        }
+    }
+
+    fn frame(&mut self, session: &mut Session, show: &mut Show, clock: &mut Clock) -> Result<(), Failure> {
+        let frame = session.wait()?;
+        self.shared.live();
+        let (seconds, periods) = clock.step(&frame, &mut self.times);
+        let input = session.read_input(&frame)?;
+        let head = session.head(&frame)?;
+        if let Some(head) = head {
+            let hand = input.hands[1].or(input.hands[0]);
+            self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
+            let place = self.rig.user(head);
+            let room = self.rig.world_from_room();
+            let mut user = lock(&self.shared.user);
+            let velocity = (place - user.place) / seconds.max(1e-3);
+            // a teleport or a recentring is no walk
+            let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
+            *user = Moment {
+                place,
+                velocity: user.velocity.lerp(velocity, 0.3),
+                head: Some(numbers(head.within(room))),
+                hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
+                sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
+            };
+        }
+        if !frame.wants_picture {
+            self.times.empty();
+            return Ok(session.end(frame, None)?);
+        }
+        let begin = Instant::now();
+        let target = session.acquire()?;
+        {
+            let latest = lock(&self.shared.moment);
+            show.take(&latest.0, latest.1)?;
+        }
+        show.set_level_distances(self.governor.distances(self.world.level_distances));
+        // as late as can be: everything but the eyes' place is ready
+        let eyes = session.locate(&frame)?;
+        let mut seen = None;
+        match &eyes {
+            None => {}
+            Some(eyes) => {
+                let view = views::view(eyes.placed, self.rig.world_from_room());
+                let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
+                let shot =
+                    self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
+                let image = show.draw_into(&view, middle, seconds, (target.image, target.view), shot)?;
+                seen = image.map(|image| (image, middle));
+            }
+        }
+        session.release()?;
+        session.end(frame, eyes.as_ref())?;
+        let work = begin.elapsed();
+        self.times.drew(work, periods);
+        self.governor.frame(work, frame.period);
+        self.outcome.least_quality = self.outcome.least_quality.min(self.governor.quality());
+        if let (Some((image, user_eyes)), Some((_, shots))) = (seen, &mut self.plan.shots) {
+            let faces = show.faces(&self.world.store)?;
+            shots(&Shot { frame: self.frames, image, user_eyes, faces }).map_err(Failure::Fatal)?;
+        }
+        self.frames += 1;
+        Ok(())
+    }
+}
+
+/// The time from frame to frame, as far as it can be believed.
+#[derive(Debug, Default)]
+struct Clock {
+    display: Option<i64>,
+    woke: Option<Instant>,
+}
+
+impl Clock {
+    /// Seconds since the frame before, for motion; and periods of the display since then.
+    #[allow(
+        clippy::cast_precision_loss,
+        clippy::cast_possible_truncation,
+        reason = "short times in nanoseconds"
+    )]
+    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> (f32, u64) {
+        let now = Instant::now();
+        if let Some(before) = self.woke.replace(now) {
+            times.woke(now - before);
+        }
+        let display = frame.display.as_nanos();
+        let since = self.display.replace(display).map_or(0, |before| display - before);
+        let period = i64::try_from(frame.period.as_nanos()).unwrap_or(0).max(1);
+        let periods = u64::try_from((since + period / 2) / period).unwrap_or(0).min(1_000);
+        ((since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME), periods)
+    }
+}
+
+/// Why a session was not to be had, or was lost.
+enum Failure {
+    /// The headset's doing: another session may help.
+    Headset(Error),
+    /// Ours: no session would help.
+    Fatal(crate::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Headset(error)
+    }
+}
+
+impl From<crate::Error> for Failure {
+    /// Vulkan's errors may be the runtime's device's, which is made anew; all others are ours.
+    fn from(error: crate::Error) -> Self {
+        match error {
+            crate::Error::Gpu(error) => Self::Headset(error.into()),
+            crate::Error::Render(error) => Self::Headset(error.into()),
+            other => Self::Fatal(other),
+        }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "limits are exact")]
+mod tests {
+    use super::*;
+    use openxr as xr;
+
+    #[test]
+    fn display_times_that_cannot_be_are_not_believed() {
+        let mut clock = Clock::default();
+        let mut times = FrameTimes::default();
+        let mut at = |display: i64| {
+            let period = Duration::from_millis(20);
+            clock.step(
+                &Frame { display: xr::Time::from_nanos(display), period, wants_picture: true },
+                &mut times,
+            )
+        };
+        assert_eq!(at(1_000_000_000), (0.0, 0));
+        let (seconds, periods) = at(1_020_000_000);
+        assert!((seconds - 0.02).abs() < 1e-6 && periods == 1);
+        // the service hung: into the past, then three seconds on
+        assert_eq!(at(500_000_000).0, 0.0);
+        assert_eq!(at(3_500_000_000), (LONGEST_FRAME, 150));
+    }
+}

@@ -1,0 +1,56 @@
+//! What `gaitway devices` says of the headset.
+
+use super::service::{Service, is_there};
+use serde_json::Value;
+use std::process::Command;
+use std::time::Instant;
+
+fn json(command: &mut Command) -> Value {
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{output:?}");
+    let found: Value =
+        serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"));
+    found["openxr"].clone()
+}
+
+fn reached(openxr: &Value) -> [bool; 3] {
+    ["loader", "installed", "answers"].map(|key| openxr[key].as_bool().unwrap())
+}
+
+#[test]
+fn devices_tell_how_far_a_headset_is() {
+    if !is_there() {
+        return;
+    }
+    let mut service = Service::start("devices", 4274);
+    let devices = ["devices", "--json"];
+    let found = json(&mut service.gaitway(&devices));
+    assert_eq!(reached(&found), [true; 3], "{found}");
+    assert!(found["runtime"]["runtime"].as_str().unwrap().starts_with("Monado"), "{found}");
+    assert!(found["manifest"].as_str().unwrap().ends_with("openxr_monado.json"), "{found}");
+    let extensions = found["runtime"]["extensions"].as_array().unwrap();
+    assert!(extensions.iter().any(|name| name == "XR_KHR_vulkan_enable2"), "{found}");
+    assert!(found["missing"].is_null() && found["hint"].is_null(), "{found}");
+
+    service.signal("STOP");
+    let begin = Instant::now();
+    let found = json(&mut service.gaitway(&devices));
+    assert_eq!(reached(&found), [true, true, false], "{found}");
+    assert!(found["missing"].as_str().unwrap().contains("does not answer"), "{found}");
+    assert!(begin.elapsed().as_secs() < 10);
+
+    service.kill();
+    let found = json(&mut service.gaitway(&devices));
+    assert_eq!(reached(&found), [true, true, false], "{found}");
+    assert!(found["hint"].as_str().unwrap().contains("monado-service"), "{found}");
+
+    let found = json(service.gaitway(&devices).env("XR_RUNTIME_JSON", "/nowhere/runtime.json"));
+    assert_eq!(reached(&found), [true, false, false], "{found}");
+    assert!(found["hint"].as_str().unwrap().contains("libopenxr1-monado"), "{found}");
+
+    // by the machine's own libraries, which may or may not have a loader
+    let own = json(Command::new(env!("CARGO_BIN_EXE_gaitway")).args(devices));
+    if !reached(&own)[0] {
+        assert!(own["hint"].as_str().unwrap().contains("libopenxr-loader1"), "{own}");
+    }
+}
