@@ -14,6 +14,10 @@ pub(super) const GPU_ENV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/g
 
 /// Whether the runtime is there; a machine that must have it fails without.
 pub(super) fn is_there() -> bool {
+    if std::env::var_os("GAITWAY_DRIVER").is_some_and(|driver| driver != "lavapipe") {
+        println!("skipped: Monado's service runs on lavapipe alone");
+        return false;
+    }
     let root = std::env::var_os("GAITWAY_VULKAN_ROOT").map_or_else(
         || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cache/gaitway/vulkan-trixie"),
         PathBuf::from,
