@@ -39,6 +39,9 @@ pub(super) struct Arguments {
     /// Pixels of one eye [default: as the runtime recommends]
     #[arg(long, value_name = "WxH", value_parser = size)]
     eye_size: Option<(u32, u32)>,
+    /// Ask for this refresh rate of the display, Hz, or the nearest there is [default: the runtime's]
+    #[arg(long, value_name = "HZ", value_parser = refresh_rate)]
+    rate: Option<f32>,
     /// Wait for a runtime or headset that is not there yet
     #[arg(long)]
     wait: bool,
@@ -57,6 +60,12 @@ pub(super) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+/// A rate in Hz that a display may have.
+fn refresh_rate(text: &str) -> Result<f32, String> {
+    let rate: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    if (1.0..=1000.0).contains(&rate) { Ok(rate) } else { Err("must be 1 to 1000 Hz".to_owned()) }
 }
 
 /// Runs the subcommand.
@@ -96,6 +105,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let plan = Plan {
         seconds,
         eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
+        refresh_rate: arguments.rate,
         waits: arguments.wait,
         shots: arguments.shots.clone().map(|folder| {
             let write = move |shot: &Shot| write_shot(&folder, shot);
@@ -244,6 +254,10 @@ fn print(outcome: &Outcome, device: &str) {
     }
     say(&format!("drawn on   {}", outcome.device));
     say(&format!("simulated  {device}: {} steps, {:.2} s let pass", outcome.steps, outcome.time_lost));
+    if let Some(rate) = outcome.refresh_rate {
+        let offered: Vec<String> = outcome.refresh_rates.iter().map(ToString::to_string).collect();
+        say(&format!("display    {rate} Hz, of {}", offered.join(", ")));
+    }
     let frames = &outcome.frames;
     say(&format!(
         "frames     {} drawn, {} empty, {} periods of the display missed",

@@ -27,6 +27,8 @@ use std::time::{Duration, Instant};
 const LONGEST_ARREARS: f64 = 0.25;
 /// Without a sign of life from the headset's thread for so long, the user is told.
 const SILENCE: Duration = Duration::from_secs(2);
+/// Without a pose of the head for so long, the user is taken to stand.
+const AWAY: Duration = Duration::from_millis(500);
 /// Longest the headset's thread may take to end in good order.
 const FAREWELL: Duration = Duration::from_secs(3);
 
@@ -55,6 +57,8 @@ pub struct Plan {
     pub seconds: Option<f64>,
     /// Pixels of one eye; none: as the runtime recommends.
     pub eye_size: Option<[u32; 2]>,
+    /// Refresh rate of the display to ask for, Hz: the nearest that is offered; none: the runtime's.
+    pub refresh_rate: Option<f32>,
     /// Whether to wait for a runtime or headset that is not there yet.
     pub waits: bool,
     /// Who is told what frames show, and every how many frames.
@@ -79,6 +83,7 @@ impl Default for Plan {
         Self {
             seconds: None,
             eye_size: None,
+            refresh_rate: None,
             waits: false,
             shots: None,
             validation: Validation::from_environment(),
@@ -120,6 +125,10 @@ pub struct Outcome {
     pub runtime: Option<super::RuntimeInfo>,
     /// The device that drew.
     pub device: String,
+    /// Refresh rate of the display, Hz, where the runtime tells.
+    pub refresh_rate: Option<f32>,
+    /// Those that can be asked for, Hz.
+    pub refresh_rates: Vec<f32>,
     /// Frames of all sessions.
     pub frames: FrameSummary,
     /// Sessions that were begun.
@@ -144,8 +153,8 @@ pub struct Outcome {
 pub(super) struct Shared {
     /// The crowd's latest moment and how many there were.
     pub(super) moment: Mutex<(Store, u64)>,
-    /// The user at present.
-    pub(super) user: Mutex<Moment>,
+    /// The user when the headset was found last, and when that was.
+    pub(super) user: Mutex<(Moment, Option<Instant>)>,
     /// Milliseconds since the beginning at the last sign of life.
     beat: AtomicU64,
     begin: Instant,
@@ -175,6 +184,12 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// The user as the crowd sees them at `now`: who has not been heard of for a while stands where they were last.
+fn present((user, seen): &(Moment, Option<Instant>), now: Instant) -> Moment {
+    let is_here = seen.is_some_and(|seen| now.saturating_duration_since(seen) <= AWAY);
+    if is_here { *user } else { Moment { place: user.place, ..Moment::default() } }
+}
+
 /// Who is told what happens.
 pub trait Observer {
     /// One line that the user should know.
@@ -201,7 +216,7 @@ pub fn run(
     let start = Moment { place: world.start.0, ..Moment::default() };
     let shared = Arc::new(Shared {
         moment: Mutex::new((Show::moment(simulation.state()?), 0)),
-        user: Mutex::new(start),
+        user: Mutex::new((start, None)),
         beat: AtomicU64::new(0),
         begin: Instant::now(),
         stop: AtomicBool::new(false),
@@ -251,7 +266,7 @@ pub fn run(
             continue;
         }
         passed += (behind - LONGEST_ARREARS).max(0.0);
-        let user = *lock(&shared.user);
+        let user = present(&lock(&shared.user), Instant::now());
         let done = observer.step(&user).and_then(|()| {
             simulation.set_user(user.place, user.velocity);
             simulation.step(1)
@@ -280,4 +295,25 @@ pub fn run(
         Outcome { hung: true, ended: hung(), ..Outcome::default() }
     };
     Ok(Outcome { steps, time_lost: passed, ..outcome })
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "copies")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_user_whose_headset_is_lost_stands() {
+        let user = Moment {
+            place: Vec2::new(3.0, 4.0),
+            velocity: Vec2::X,
+            head: Some([1.0; 7]),
+            ..Moment::default()
+        };
+        let seen = Instant::now();
+        assert_eq!(present(&(user, Some(seen)), seen + AWAY), user);
+        let stands = Moment { place: user.place, ..Moment::default() };
+        assert_eq!(present(&(user, Some(seen)), seen + 2 * AWAY), stands);
+        assert_eq!(present(&(user, None), seen), stands);
+    }
 }

@@ -116,6 +116,7 @@ impl<'a> Headset<'a> {
         let device = runtime.device(self.plan.validation)?;
         self.shared.live();
         let mut session = Session::new(&runtime, &device, self.plan.eye_size)?;
+        self.shared.live();
         let [width, height] = session.size();
         let settings = Settings { width, height, eyes: 2, ..self.world.settings };
         let World { store, meshes, scenery, gaze, .. } = &self.world;
@@ -135,10 +136,13 @@ impl<'a> Headset<'a> {
                         if state == State::Exiting {
                             return Ok(if asked { our_reason() } else { RUNTIME_ENDED });
                         }
-                        if state == State::Focused {
-                            self.greet();
+                        match state {
+                            State::Ready => self.choose_rate(&session)?,
+                            State::Focused => self.greet(),
+                            _ => {}
                         }
                     }
+                    Event::Rate(rate) => self.outcome.refresh_rate = Some(rate),
                     Event::Recentred => {}
                 }
             }
@@ -155,6 +159,18 @@ impl<'a> Headset<'a> {
                 thread::sleep(Duration::from_millis(5));
             }
         }
+    }
+
+    /// Asks for the refresh rate that is wanted, where the runtime lets us.
+    fn choose_rate(&mut self, session: &Session) -> Result<(), Error> {
+        self.outcome.refresh_rates = session.refresh_rates()?;
+        if let Some(rate) =
+            self.plan.refresh_rate.and_then(|wanted| nearest(&self.outcome.refresh_rates, wanted))
+        {
+            session.ask_refresh_rate(rate)?;
+        }
+        self.outcome.refresh_rate = session.refresh_rate()?;
+        Ok(())
     }
 
     /// Tells that the user sees the crowd: for the first time, or again.
@@ -178,7 +194,9 @@ impl<'a> Headset<'a> {
             self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
             let place = self.rig.user(head);
             let room = self.rig.world_from_room();
-            let mut user = lock(&self.shared.user);
+            let mut latest = lock(&self.shared.user);
+            let (user, seen) = &mut *latest;
+            *seen = Some(Instant::now());
             let velocity = (place - user.place) / seconds.max(1e-3);
             // a teleport or a recentring is no walk
             let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
@@ -228,6 +246,12 @@ impl<'a> Headset<'a> {
         self.frames += 1;
         Ok(())
     }
+}
+
+/// The rate that is offered and nearest to the one that is wanted, Hz.
+fn nearest(offered: &[f32], wanted: f32) -> Option<f32> {
+    let away = |rate: &f32| (rate - wanted).abs();
+    offered.iter().copied().filter(|rate| rate.is_finite()).min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
 /// The time from frame to frame, as far as it can be believed.
@@ -287,6 +311,15 @@ impl From<crate::Error> for Failure {
 mod tests {
     use super::*;
     use openxr as xr;
+
+    #[test]
+    fn the_nearest_rate_on_offer_is_asked_for() {
+        let offered = [72.0, 80.0, 90.0, f32::NAN, 120.0];
+        assert_eq!(nearest(&offered, 90.0), Some(90.0));
+        assert_eq!(nearest(&offered, 1e9), Some(120.0));
+        assert_eq!(nearest(&offered, 75.0), Some(72.0));
+        assert_eq!(nearest(&[], 90.0), None);
+    }
 
     #[test]
     fn display_times_that_cannot_be_are_not_believed() {

@@ -62,6 +62,7 @@ impl Runtime {
         let mut useful = xr::ExtensionSet::default();
         useful.khr_vulkan_enable2 = true;
         useful.ext_local_floor = true;
+        useful.fb_display_refresh_rate = true;
         let wanted = useful.intersection(&known);
         let application = xr::ApplicationInfo {
             application_name: "gaitway",

@@ -54,12 +54,14 @@ impl State {
 }
 
 /// What happened since the last look.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Event {
     /// A new state.
     State(State),
     /// The user asked the runtime to recentre.
     Recentred,
+    /// The display's refresh rate is another one now, Hz.
+    Rate(f32),
 }
 
 /// A frame that was begun and must be ended.
@@ -256,6 +258,9 @@ impl Session {
                 }
                 xr::Event::InstanceLossPending(_) => return Err(Error::Lost(Loss::Instance)),
                 xr::Event::ReferenceSpaceChangePending(_) => events.push(Event::Recentred),
+                xr::Event::DisplayRefreshRateChangedFB(change) => {
+                    events.push(Event::Rate(change.to_display_refresh_rate()));
+                }
                 _ => {}
             }
         }
@@ -282,6 +287,28 @@ impl Session {
             _ => State::Idle,
         };
         Ok(())
+    }
+
+    /// Refresh rates that the display can be asked for, Hz; none where the runtime does not tell.
+    pub(super) fn refresh_rates(&self) -> Result<Vec<f32>, Error> {
+        if self.instance.exts().fb_display_refresh_rate.is_none() {
+            return Ok(Vec::new());
+        }
+        let known = self.session.enumerate_display_refresh_rates();
+        known.map_err(call("xrEnumerateDisplayRefreshRatesFB"))
+    }
+
+    /// The display's refresh rate, Hz, where the runtime tells.
+    pub(super) fn refresh_rate(&self) -> Result<Option<f32>, Error> {
+        if self.instance.exts().fb_display_refresh_rate.is_none() {
+            return Ok(None);
+        }
+        self.session.get_display_refresh_rate().map(Some).map_err(call("xrGetDisplayRefreshRateFB"))
+    }
+
+    /// Asks for one of [`Session::refresh_rates`]; the runtime need not follow.
+    pub(super) fn ask_refresh_rate(&self, rate: f32) -> Result<(), Error> {
+        self.session.request_display_refresh_rate(rate).map_err(call("xrRequestDisplayRefreshRateFB"))
     }
 
     /// Waits until it is time for the next frame and begins it.

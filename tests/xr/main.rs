@@ -12,6 +12,7 @@
 mod devices;
 mod endurance;
 mod faults;
+mod focus;
 mod gaze;
 mod layer;
 mod recording;

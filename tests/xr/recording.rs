@@ -87,3 +87,52 @@ fn a_minute_replays_bit_for_bit_on_the_cpu() {
         recorded_and_replayed(60.0, "minute", 4272);
     }
 }
+
+#[test]
+fn a_user_whose_headset_hangs_stands_until_it_goes_on() {
+    if !is_there() {
+        return;
+    }
+    let service = Service::start("stands", 4275);
+    let path = folder("stands").join("visit.csv");
+    let text = path.to_str().unwrap();
+    let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160", "--record", text, "--json"];
+    let mut head = service.head();
+    let mut live = Live::start(service.gaitway(&run));
+    live.hear("the headset shows the crowd", Duration::from_secs(30));
+    let mut x = 0.0;
+    let mut walk = |seconds: f32| {
+        let begin = Instant::now();
+        while begin.elapsed().as_secs_f32() < seconds {
+            x += 0.02;
+            head.set(0.0, 0.0, [x, 1.6, 0.0]);
+            std::thread::sleep(Duration::from_millis(25));
+        }
+    };
+    walk(1.0);
+    service.signal("STOP");
+    std::thread::sleep(Duration::from_millis(2300));
+    service.signal("CONT");
+    live.hear("answers again", Duration::from_secs(30));
+    walk(1.0);
+    live.end();
+    let table = std::fs::read_to_string(&path).unwrap();
+    let rows = table.lines().filter(|line| line.starts_with(|c: char| c.is_ascii_digit()));
+    // velocity and head of every step: w walks, s stands without a head, . neither
+    let story: String = rows
+        .map(|row| {
+            let fields: Vec<&str> = row.split(',').collect();
+            let speed = fields[3].parse::<f32>().unwrap().hypot(fields[4].parse().unwrap());
+            match (speed > 0.2, fields[5].is_empty()) {
+                (true, false) => 'w',
+                (false, true) if speed == 0.0 => 's',
+                _ => '.',
+            }
+        })
+        .collect();
+    println!("{story}");
+    // two seconds, but for the first half of one in which it might have been a slow frame
+    let stood = "s".repeat(40);
+    let (before, after) = story.split_once(&stood).unwrap_or_else(|| panic!("never stood: {story}"));
+    assert!(before.contains('w') && after.contains('w'), "{story}");
+}

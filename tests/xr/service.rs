@@ -40,19 +40,29 @@ pub(super) struct Service {
     /// Its sockets and its log; short, since a socket's path has 108 bytes at most.
     pub(super) folder: PathBuf,
     port: u16,
+    environment: &'static [(&'static str, &'static str)],
 }
 
 impl Service {
     /// Starts a service with a folder and a port of its own, so that tests run side by side.
     pub(super) fn start(name: &str, port: u16) -> Self {
+        Self::start_with(name, port, &[])
+    }
+
+    /// The same with variables of its own.
+    pub(super) fn start_with(
+        name: &str,
+        port: u16,
+        environment: &'static [(&'static str, &'static str)],
+    ) -> Self {
         let folder = std::env::temp_dir().join(format!("gaitway-xr-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("monado")).unwrap();
         let config =
             format!(r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#);
         std::fs::write(folder.join("monado/config_v0.json"), config).unwrap();
-        let child = spawn(&folder);
-        let service = Self { child, folder, port };
+        let child = spawn(&folder, environment);
+        let service = Self { child, folder, port, environment };
         service.wait_until_started();
         service
     }
@@ -77,7 +87,7 @@ impl Service {
     pub(super) fn restart(&mut self) {
         self.kill();
         let _ = std::fs::remove_file(self.folder.join("service.log"));
-        self.child = spawn(&self.folder);
+        self.child = spawn(&self.folder, self.environment);
         self.wait_until_started();
     }
 
@@ -211,13 +221,14 @@ impl Live {
     }
 }
 
-fn spawn(folder: &Path) -> Child {
+fn spawn(folder: &Path, environment: &[(&str, &str)]) -> Child {
     let log = std::fs::File::create(folder.join("service.log")).unwrap();
     Command::new(GPU_ENV)
         .arg("monado-service")
         .env("XDG_RUNTIME_DIR", folder)
         .env("XDG_CONFIG_HOME", folder)
         .env_remove("GAITWAY_VALIDATION")
+        .envs(environment.iter().copied())
         .stdin(Stdio::null())
         .stdout(log.try_clone().unwrap())
         .stderr(log)
