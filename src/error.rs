@@ -41,6 +41,10 @@ pub enum Error {
     #[cfg(feature = "xr")]
     #[error(transparent)]
     Xr(#[from] crate::xr::Error),
+    /// There can be no window.
+    #[cfg(feature = "view")]
+    #[error(transparent)]
+    View(#[from] crate::view::Error),
     /// A result could not be written.
     #[error(transparent)]
     Export(#[from] crate::export::Error),
@@ -63,6 +67,8 @@ impl Error {
             Self::Replay(error) => error.hint(),
             #[cfg(feature = "xr")]
             Self::Xr(error) => error.hint(),
+            #[cfg(feature = "view")]
+            Self::View(error) => error.hint(),
             Self::Export(crate::export::Error::Picture(error)) => error.hint(),
             Self::Usage { hint, .. } => Some(hint),
             _ => None,

@@ -37,6 +37,9 @@ pub mod scenario;
 pub mod sim;
 pub mod validate;
 pub mod verify;
+#[cfg(feature = "view")]
+#[allow(unsafe_code, reason = "makes a window's surface and swapchain, one SAFETY comment per block")]
+pub mod view;
 #[cfg(feature = "xr")]
 #[allow(unsafe_code, reason = "calls into OpenXR with Vulkan's handles, one SAFETY comment per block")]
 pub mod xr;

@@ -26,6 +26,8 @@ mod stage;
 mod validate;
 #[cfg(feature = "vulkan")]
 mod verify;
+#[cfg(feature = "view")]
+mod view;
 #[cfg(feature = "xr")]
 mod xr;
 
@@ -58,6 +60,9 @@ enum Command {
     /// Draw a crowd into pictures or a video
     #[cfg(feature = "vulkan")]
     Render(render::Arguments),
+    /// Look at a crowd in a window: stop it, ask it, change it, film it
+    #[cfg(feature = "view")]
+    View(view::Arguments),
     /// Walk other people's crowds, recorded or simulated, with bodies, gaits and emotions
     Replay(replay::Arguments),
     /// Walk through a crowd with a headset
@@ -91,6 +96,8 @@ pub fn main() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
+        #[cfg(feature = "view")]
+        Command::View(arguments) => view::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         #[cfg(feature = "xr")]
         Command::Xr(arguments) => xr::run(&arguments),

@@ -99,6 +99,14 @@ impl ConditionName {
 impl Scene {
     /// Reads, checks and populates.
     pub(super) fn load(arguments: &SceneArguments) -> Result<Self, Error> {
+        Self::load_with(arguments, |_| {})
+    }
+
+    /// The same with a last change of the scenario.
+    pub(super) fn load_with(
+        arguments: &SceneArguments,
+        change: impl FnOnce(&mut Scenario),
+    ) -> Result<Self, Error> {
         let mut scenario = scenario_of(&arguments.scene)?;
         if let Some(agents) = arguments.agents {
             scenario.population.agents = agents;
@@ -110,6 +118,7 @@ impl Scene {
             scenario.condition = condition.get();
         }
         arguments.preference.apply(&mut scenario);
+        change(&mut scenario);
         let library = library(arguments.library.as_deref())?;
         let base = Path::new(&arguments.scene).parent();
         let crowd = populate_from(&scenario, &library)?;

@@ -50,6 +50,11 @@ impl Device {
         if let Some(chosen) = chosen {
             devices.retain(|(device, _)| *device == chosen);
         }
+        for (device, info) in &mut devices {
+            if let (None, Some(family)) = (&info.unusable, instance.family(*device)) {
+                info.unusable = maker.refusal(&instance.entry, &instance.raw, *device, family);
+            }
+        }
         let environment = std::env::var("GAITWAY_DEVICE").ok();
         let wanted = wanted.or(environment.as_deref()).filter(|name| !name.is_empty() && chosen.is_none());
         let fits = |info: &DeviceInfo| {
@@ -129,8 +134,14 @@ impl Device {
         self.instance.raw.handle()
     }
 
-    /// Keeps everybody else from the queue: OpenXR calls that use it may overlap with no submission.
-    #[cfg(feature = "xr")]
+    /// The loader and the instance that the device was made from: a window's surface is theirs.
+    #[cfg(feature = "view")]
+    pub(crate) fn parents(&self) -> (&ash::Entry, &ash::Instance) {
+        (&self.instance.entry, &self.instance.raw)
+    }
+
+    /// Keeps everybody else from the queue: OpenXR calls that use it, and presenting, may overlap with no submission.
+    #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn hold_queue(&self) -> std::sync::MutexGuard<'_, vk::Queue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }

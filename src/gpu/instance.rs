@@ -50,8 +50,9 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
 }
 
-/// Who makes the Vulkan instance and device: this program, or an OpenXR runtime, which wants to add what it needs.
-pub(crate) trait Maker: Send + Sync {
+/// Who makes the Vulkan instance and device: this program, or an OpenXR runtime or a window, which want to add what they
+/// need.
+pub(crate) trait Maker {
     /// Makes the instance.
     ///
     /// # Safety
@@ -64,6 +65,17 @@ pub(crate) trait Maker: Send + Sync {
 
     /// The one device that may be used, if the choice is not ours.
     fn physical_device(&self, instance: vk::Instance) -> Result<Option<vk::PhysicalDevice>, Error>;
+
+    /// Why a device cannot be used, though it has what kernels and pictures need.
+    fn refusal(
+        &self,
+        _entry: &ash::Entry,
+        _instance: &ash::Instance,
+        _physical: vk::PhysicalDevice,
+        _family: u32,
+    ) -> Option<String> {
+        None
+    }
 
     /// Makes the device.
     ///

@@ -15,7 +15,7 @@ mod validation;
 pub use buffer::{Buffer, Memory};
 pub use device::Device;
 pub use engine::{Engine, PassTime};
-#[cfg(feature = "xr")]
+#[cfg(any(feature = "xr", feature = "view"))]
 pub(crate) use instance::Maker;
 pub use instance::{DeviceInfo, DeviceKind, list};
 pub use validation::{Validation, validation_messages};

@@ -30,6 +30,8 @@ pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings};
 pub use show::Show;
+#[cfg(feature = "view")]
+pub(crate) use target::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]

@@ -7,7 +7,7 @@ use super::pipelines::{PipelineSpec, Program};
 use super::record::Output;
 use super::scene::{self, Surface};
 use super::settings::{Markers, Settings};
-#[cfg(feature = "xr")]
+#[cfg(any(feature = "xr", feature = "view"))]
 use super::target::Transition;
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec};
 use super::{CrowdBuffers, Error, Image, shadow};
@@ -65,7 +65,7 @@ pub struct Renderer {
     /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
     offscreen: Option<(GpuImage, Buffer)>,
     /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
-    #[cfg(feature = "xr")]
+    #[cfg(any(feature = "xr", feature = "view"))]
     shot: Option<Buffer>,
     pub(crate) shadow_map: GpuImage,
     pub(crate) shadow_size: u32,
@@ -144,7 +144,7 @@ impl Renderer {
         let mut renderer = Self {
             attachments,
             offscreen: None,
-            #[cfg(feature = "xr")]
+            #[cfg(any(feature = "xr", feature = "view"))]
             shot: None,
             shadow_map,
             shadow_size,
@@ -222,6 +222,10 @@ impl Renderer {
         let settings = Settings { width, height, ..self.settings };
         self.attachments = attachments(&self.device, &settings, self.samples, self.color_format)?;
         self.offscreen = None;
+        #[cfg(any(feature = "xr", feature = "view"))]
+        {
+            self.shot = None;
+        }
         self.settings = settings;
         Ok(())
     }
@@ -325,7 +329,7 @@ impl Renderer {
 
     /// Draws into somebody else's image of one layer per eye, which is left in the layout of a colour attachment; copies
     /// it to the host if that is wanted.
-    #[cfg(feature = "xr")]
+    #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn draw_into(
         &mut self,
         view: &View,

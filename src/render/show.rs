@@ -12,6 +12,7 @@ use crate::scenario::{EnvironmentMesh, Gaze};
 use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Seconds between pictures that the gaze is told for the first one.
 const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
@@ -73,16 +74,28 @@ impl Show {
         settings: Settings,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        let (device, animator) = match simulation.engine() {
-            Some(engine) => (engine.device().clone(), None),
-            None => {
-                let device = Device::open(device, Validation::from_environment())?;
-                let store = simulation.state()?;
-                let engine = Engine::new(&device, store, &kernels(&store.frame))?;
-                (device, Some(engine))
-            }
+        let device = match simulation.engine() {
+            Some(engine) => engine.device().clone(),
+            None => Device::open(device, Validation::from_environment())?,
         };
-        let mut renderer = Renderer::new(&device, settings)?;
+        Self::with_device(simulation, meshes, scenery, settings, &device)
+    }
+
+    /// The same on a device that is open already: the simulation's own, if it is on Vulkan.
+    pub(crate) fn with_device(
+        simulation: &mut Simulation,
+        meshes: &MeshBuffers,
+        scenery: &EnvironmentMesh,
+        settings: Settings,
+        device: &Arc<Device>,
+    ) -> Result<Self, crate::Error> {
+        let animator = if simulation.engine().is_some() {
+            None
+        } else {
+            let store = simulation.state()?;
+            Some(Engine::new(device, store, &kernels(&store.frame))?)
+        };
+        let mut renderer = Renderer::new(device, settings)?;
         renderer.set_meshes(meshes)?;
         renderer.set_environment(&[surface(scenery)])?;
         Ok(Self { renderer, animator, frame: simulation.state()?.frame, time: None, taken: 0 })
@@ -91,7 +104,7 @@ impl Show {
     /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
     #[cfg(feature = "xr")]
     pub(crate) fn on_device(
-        device: &std::sync::Arc<Device>,
+        device: &Arc<Device>,
         store: &Store,
         meshes: &MeshBuffers,
         scenery: &EnvironmentMesh,
@@ -183,6 +196,36 @@ impl Show {
         view: &View,
         user_eyes: Vec3,
     ) -> Result<Image, crate::Error> {
+        self.prepare(simulation, view, user_eyes)?;
+        let engine = self.animator.as_ref().or(simulation.engine());
+        let crowd = engine.map(CrowdBuffers::of).transpose()?;
+        Ok(self.renderer.draw(view, crowd.as_ref())?)
+    }
+
+    /// The same into somebody else's image, which is left in the layout of a colour attachment; copies it to the host if
+    /// that is wanted.
+    #[cfg(feature = "view")]
+    pub(crate) fn picture_into(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+        image: (ash::vk::Image, ash::vk::ImageView),
+        is_wanted: bool,
+    ) -> Result<Option<Image>, crate::Error> {
+        self.prepare(simulation, view, user_eyes)?;
+        let engine = self.animator.as_ref().or(simulation.engine());
+        let crowd = engine.map(CrowdBuffers::of).transpose()?;
+        Ok(self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted)?)
+    }
+
+    /// Animates the bodies that a view sees.
+    fn prepare(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+    ) -> Result<(), crate::Error> {
         let frame = self.next_frame(simulation, view, user_eyes)?;
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
@@ -190,13 +233,10 @@ impl Show {
             if store.step.feels != 0 {
                 animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
             }
-            animate(animator, &frame)?;
+            animate(animator, &frame)
         } else {
-            simulation.animate(frame)?;
+            simulation.animate(frame)
         }
-        let engine = self.animator.as_ref().or(simulation.engine());
-        let crowd = engine.map(CrowdBuffers::of).transpose()?;
-        Ok(self.renderer.draw(view, crowd.as_ref())?)
     }
 
     /// Parameters of a picture `seconds` after the one before, at `time`, s.

@@ -97,6 +97,8 @@ pub struct Simulation {
     fallback: Option<String>,
     /// Goals that have a field each, and how the flow grid is laid.
     ways: flow::Ways,
+    /// How long kernels ran since [`Self::take_times`], if that is measured.
+    times: Option<Vec<(KernelId, f64)>>,
 }
 
 impl Simulation {
@@ -219,29 +221,17 @@ impl Simulation {
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
+        find_alike(&mut store);
         #[cfg(feature = "vulkan")]
         if backend != Backend::Cpu {
-            let model = order::velocity_kernel(store.step.model);
-            let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
-            let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
-            let is_of_a_crowd = |kernel: &KernelId| !others.contains(kernel);
-            let kernels: Vec<KernelId> = KernelId::ALL.into_iter().filter(is_of_a_crowd).collect();
             let opened = Device::open(device, Validation::from_environment())
-                .and_then(|device| Engine::new(&device, &store, &kernels));
+                .and_then(|device| Engine::new(&device, &store, &kernels(&store)));
             let (engine, fallback) = match opened {
                 Ok(engine) => (Some(engine), None),
                 Err(error) if backend == Backend::Auto => (None, Some(error.to_string())),
                 Err(error) => return Err(error.into()),
             };
-            let mut new = Self {
-                store,
-                is_current: true,
-                is_led_anew: false,
-                engine,
-                fallback,
-                ways: flow::Ways::default(),
-            };
+            let mut new = Self { engine, fallback, ..Self::unsolved(store) };
             new.solve_ways()?;
             return Ok(new);
         }
@@ -249,7 +239,14 @@ impl Simulation {
         if backend == Backend::Vulkan {
             return Err(Error::NoVulkan.into());
         }
-        let mut new = Self {
+        let mut new = Self::unsolved(store);
+        new.solve_ways()?;
+        Ok(new)
+    }
+
+    /// A simulation on the CPU whose ways are not found yet.
+    fn unsolved(store: Store) -> Self {
+        Self {
             store,
             is_current: true,
             is_led_anew: false,
@@ -257,13 +254,25 @@ impl Simulation {
             engine: None,
             fallback: None,
             ways: flow::Ways::default(),
-        };
+            times: None,
+        }
+    }
+
+    /// A simulation on a Vulkan device that is open already.
+    ///
+    /// # Errors
+    /// When the device fails.
+    #[cfg(feature = "view")]
+    pub(crate) fn on_device(mut store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
+        find_alike(&mut store);
+        let engine = Engine::new(device, &store, &kernels(&store))?;
+        let mut new = Self { engine: Some(engine), ..Self::unsolved(store) };
         new.solve_ways()?;
         Ok(new)
     }
 
-    /// The same on a Vulkan device that is open already, with the kernels of a step alone: for many short runs. It cannot
-    /// be drawn, and has no ways to goals.
+    /// A simulation on a Vulkan device that is open already, with the kernels of a step alone: for many short runs. It
+    /// cannot be drawn, and has no ways to goals.
     ///
     /// # Errors
     /// When the device fails.
@@ -273,14 +282,7 @@ impl Simulation {
         kernels.sort_unstable();
         kernels.dedup();
         let engine = Engine::new(device, &store, &kernels)?;
-        Ok(Self {
-            store,
-            is_current: true,
-            is_led_anew: false,
-            engine: Some(engine),
-            fallback: None,
-            ways: Default::default(),
-        })
+        Ok(Self { engine: Some(engine), ..Self::unsolved(store) })
     }
 
     /// What it runs on, in words.
@@ -394,7 +396,10 @@ impl Simulation {
                     step.step_index += (index / one.len()) as u32;
                     bytemuck::bytes_of(&step).to_vec()
                 };
-                engine.run(&ops, contents, false)?;
+                let times = engine.run(&ops, contents, self.times.is_some())?;
+                if let Some(all) = &mut self.times {
+                    all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+                }
                 self.store.step.step_index += batch;
                 left -= batch;
             }
@@ -402,7 +407,7 @@ impl Simulation {
             return self.check_on_device();
         }
         for _ in 0..count {
-            run_on_cpu(&mut self.store, &passes);
+            self.run_on_cpu(&passes);
             self.store.step.step_index += 1;
         }
         self.check()
@@ -425,6 +430,27 @@ impl Simulation {
             }
         }
         Ok(())
+    }
+
+    /// Measures how long each kernel of steps and pictures runs, or stops measuring.
+    pub fn measure_times(&mut self, is_on: bool) {
+        self.times = is_on.then(Vec::new);
+    }
+
+    /// Kernels that ran since this was last asked and for how long, ms: by the device's timestamps, or on the CPU by the
+    /// clock. A kernel stands there as often as it was launched. Empty unless [`Self::measure_times`] is on.
+    pub fn take_times(&mut self) -> Vec<(KernelId, f64)> {
+        self.times.as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Runs passes of a step or a picture on the reference kernels.
+    fn run_on_cpu(&mut self, passes: &[Pass]) {
+        let Some(times) = &mut self.times else { return run_on_cpu(&mut self.store, passes) };
+        for pass in passes {
+            let begin = std::time::Instant::now();
+            run_on_cpu(&mut self.store, &[*pass]);
+            times.push((pass.kernel, begin.elapsed().as_secs_f64() * 1e3));
+        }
     }
 
     /// The buffers as they were last read; sizes and parameters are always right, the state may be old.
@@ -460,10 +486,13 @@ impl Simulation {
             let ops: Vec<Op> = std::iter::once(Op::Set(BufferId::Frame))
                 .chain(passes.iter().copied().map(Op::Pass))
                 .collect();
-            engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), false)?;
+            let times = engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), self.times.is_some())?;
+            if let Some(all) = &mut self.times {
+                all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+            }
             return self.check_on_device();
         }
-        run_on_cpu(&mut self.store, &passes);
+        self.run_on_cpu(&passes);
         self.check()
     }
 
@@ -479,6 +508,21 @@ impl Simulation {
         let _ = buffers;
         Ok(&self.store)
     }
+}
+
+/// Whether all have the same manners.
+#[allow(clippy::float_cmp, reason = "copies of the same numbers")]
+fn find_alike(store: &mut Store) {
+    store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
+}
+
+/// The kernels of a crowd's steps and pictures.
+#[cfg(feature = "vulkan")]
+fn kernels(store: &Store) -> Vec<KernelId> {
+    let model = order::velocity_kernel(store.step.model);
+    let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
+    let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
+    KernelId::ALL.into_iter().filter(|kernel| !others.contains(kernel)).collect()
 }
 
 /// Runs passes on the reference kernels.

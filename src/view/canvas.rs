@@ -1,0 +1,302 @@
+//! What the window shows before it is shown: the picture, the panel over it, and copies of both.
+
+use super::Error;
+use super::surface::{Slot, Surface};
+use crate::gpu::{self, Buffer, Device, Memory, call};
+use crate::picture::Image;
+use crate::render::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
+use ash::vk;
+use egui_ash_renderer::allocator::DefaultAllocator;
+use egui_ash_renderer::{DynamicRendering, Options, RenderMode, RendererError};
+use std::sync::Arc;
+
+type Stage = vk::PipelineStageFlags2;
+type Access = vk::AccessFlags2;
+type Layout = vk::ImageLayout;
+
+const DRAWN: (Stage, Access, Layout) =
+    (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::COLOR_ATTACHMENT_OPTIMAL);
+const READ: (Stage, Access, Layout) =
+    (Stage::ALL_TRANSFER, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
+
+/// A panel as egui made it.
+pub(super) struct Overlay {
+    pub(super) primitives: Vec<egui::ClippedPrimitive>,
+    pub(super) textures: egui::TexturesDelta,
+    pub(super) pixels_per_point: f32,
+}
+
+/// An image of the window's size, and what draws the panel onto it.
+pub(super) struct Canvas {
+    panel: egui_ash_renderer::Renderer<DefaultAllocator>,
+    image: GpuImage,
+    extent: vk::Extent2D,
+    /// Where the host reads it; made when first needed.
+    readback: Option<Buffer>,
+    commands: vk::CommandBuffer,
+    pool: vk::CommandPool,
+    fence: vk::Fence,
+    device: Arc<Device>,
+}
+
+fn panel_error(error: RendererError) -> crate::Error {
+    match error {
+        RendererError::Vulkan(result) => call("drawing the panel")(result).into(),
+        other => Error::Panel(other.to_string()).into(),
+    }
+}
+
+fn image(device: &Arc<Device>, extent: vk::Extent2D) -> Result<GpuImage, crate::Error> {
+    Ok(GpuImage::new(
+        device,
+        ImageSpec {
+            name: "canvas",
+            extent,
+            layers: 1,
+            format: COLOR_FORMAT,
+            samples: vk::SampleCountFlags::TYPE_1,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+        },
+    )?)
+}
+
+impl Canvas {
+    pub(super) fn new(device: &Arc<Device>, [width, height]: [u32; 2]) -> Result<Self, crate::Error> {
+        let (_, instance) = device.parents();
+        let extent = vk::Extent2D { width, height };
+        let target = DynamicRendering {
+            color_attachment_format: COLOR_FORMAT,
+            depth_attachment_format: None,
+            stencil_attachment_format: None,
+        };
+        let panel = egui_ash_renderer::Renderer::with_default_allocator(
+            instance,
+            device.physical,
+            device.raw.clone(),
+            RenderMode::DynamicRendering(target),
+            Options { srgb_framebuffer: true, ..Options::default() },
+        )
+        .map_err(panel_error)?;
+        let mut canvas = Self {
+            panel,
+            image: image(device, extent)?,
+            extent,
+            readback: None,
+            commands: vk::CommandBuffer::null(),
+            pool: vk::CommandPool::null(),
+            fence: vk::Fence::null(),
+            device: device.clone(),
+        };
+        canvas.make_commands()?;
+        Ok(canvas)
+    }
+
+    fn make_commands(&mut self) -> Result<(), gpu::Error> {
+        let pool = vk::CommandPoolCreateInfo::default()
+            .queue_family_index(self.device.family)
+            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
+        let raw = &self.device.raw;
+        // SAFETY: the create-infos are complete; `Drop` destroys what was made.
+        unsafe {
+            self.pool = raw.create_command_pool(&pool, None).map_err(call("vkCreateCommandPool"))?;
+            let allocate =
+                vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
+            let made = raw.allocate_command_buffers(&allocate).map_err(call("vkAllocateCommandBuffers"))?;
+            self.commands = made.first().copied().unwrap_or_default();
+            self.fence =
+                raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(call("vkCreateFence"))?;
+        }
+        Ok(())
+    }
+
+    /// Takes another size, pixels.
+    pub(super) fn resize(&mut self, [width, height]: [u32; 2]) -> Result<(), crate::Error> {
+        let extent = vk::Extent2D { width, height };
+        if extent != self.extent {
+            self.image = image(&self.device, extent)?;
+            self.readback = None;
+            self.extent = extent;
+        }
+        Ok(())
+    }
+
+    /// What the picture is drawn into.
+    pub(super) const fn target(&self) -> (vk::Image, vk::ImageView) {
+        (self.image.raw, self.image.view)
+    }
+
+    /// Draws the panel over the picture and shows both in the window, if it takes an image just now; hands a copy back if
+    /// that is wanted.
+    pub(super) fn show(
+        &mut self,
+        mut overlay: Overlay,
+        surface: &mut Surface,
+        is_wanted: bool,
+    ) -> Result<(bool, Option<Image>), crate::Error> {
+        self.take_textures(&mut overlay.textures)?;
+        if is_wanted && self.readback.is_none() {
+            let bytes = u64::from(self.extent.width) * u64::from(self.extent.height) * 4;
+            self.readback = Some(Buffer::new(&self.device, "window readback", bytes, Memory::Readback)?);
+        }
+        let slot = surface.acquire([self.extent.width, self.extent.height])?;
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: every submission is waited for, so the command buffer is not in use.
+        unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }
+            .map_err(call("vkBeginCommandBuffer"))?;
+        self.draw_panel(&overlay)?;
+        self.transition(self.image.raw, DRAWN, READ);
+        if let Some(readback) = self.readback.as_ref().filter(|_| is_wanted) {
+            self.copy_out(readback);
+        }
+        if let Some(slot) = &slot {
+            self.copy_to(slot);
+        }
+        // SAFETY: recording has begun.
+        unsafe { self.device.raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
+        self.submit(slot.as_ref())?;
+        for id in std::mem::take(&mut overlay.textures.free) {
+            self.panel.free_texture(id).map_err(panel_error)?;
+        }
+        if let Some(slot) = &slot {
+            surface.show(slot)?;
+        }
+        let copy = self.readback.as_ref().filter(|_| is_wanted).map(|readback| {
+            let mut pixels = readback.bytes().to_vec();
+            pixels.truncate(self.extent.width as usize * self.extent.height as usize * 4);
+            pixels.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
+            Image { width: self.extent.width, height: self.extent.height, pixels }
+        });
+        Ok((slot.is_some(), copy))
+    }
+
+    fn take_textures(&mut self, textures: &mut egui::TexturesDelta) -> Result<(), crate::Error> {
+        for (id, deltas) in std::mem::take(&mut textures.set) {
+            for delta in &deltas {
+                let queue = self.device.hold_queue();
+                self.panel.set_texture(*queue, self.pool, id, delta).map_err(panel_error)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn draw_panel(&mut self, overlay: &Overlay) -> Result<(), crate::Error> {
+        // the picture was drawn by an earlier submission, which was waited for
+        self.transition(
+            self.image.raw,
+            DRAWN,
+            (DRAWN.0, Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE, DRAWN.2),
+        );
+        let targets = [vk::RenderingAttachmentInfo::default()
+            .image_view(self.image.view)
+            .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
+            .load_op(vk::AttachmentLoadOp::LOAD)
+            .store_op(vk::AttachmentStoreOp::STORE)];
+        let rendering = vk::RenderingInfo::default()
+            .render_area(vk::Rect2D { extent: self.extent, ..Default::default() })
+            .layer_count(1)
+            .color_attachments(&targets);
+        // SAFETY: recording has begun and the image is in the layout of an attachment.
+        unsafe { self.device.raw.cmd_begin_rendering(self.commands, &rendering) };
+        let drawn =
+            self.panel.cmd_draw(self.commands, self.extent, overlay.pixels_per_point, &overlay.primitives);
+        // SAFETY: rendering has begun.
+        unsafe { self.device.raw.cmd_end_rendering(self.commands) };
+        drawn.map_err(panel_error)
+    }
+
+    fn copy_out(&self, readback: &Buffer) {
+        let region = [vk::BufferImageCopy::default()
+            .image_extent(vk::Extent3D { width: self.extent.width, height: self.extent.height, depth: 1 })
+            .image_subresource(layer())];
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(Stage::ALL_TRANSFER)
+            .src_access_mask(Access::TRANSFER_WRITE)
+            .dst_stage_mask(Stage::HOST)
+            .dst_access_mask(Access::HOST_READ)];
+        let raw = &self.device.raw;
+        // SAFETY: the image is in the layout of a source; the buffer has room for it; recording has begun.
+        unsafe {
+            raw.cmd_copy_image_to_buffer(self.commands, self.image.raw, READ.2, readback.raw, &region);
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+            raw.cmd_pipeline_barrier2(self.commands, &dependency);
+        }
+    }
+
+    /// Copies everything to an image of the window, which may have another order of colours and, just after a change of
+    /// size, other measures.
+    fn copy_to(&self, slot: &Slot) {
+        let written = (Stage::BLIT, Access::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
+        // the submission waits at this stage for the image to be free
+        self.transition(slot.image, (Stage::BLIT, Access::NONE, Layout::UNDEFINED), written);
+        let corners = |extent: vk::Extent2D| {
+            let side = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
+            [vk::Offset3D::default(), vk::Offset3D { x: side(extent.width), y: side(extent.height), z: 1 }]
+        };
+        let region = [vk::ImageBlit::default()
+            .src_subresource(layer())
+            .src_offsets(corners(self.extent))
+            .dst_subresource(layer())
+            .dst_offsets(corners(slot.extent))];
+        // SAFETY: both images are in the layouts named; recording has begun.
+        unsafe {
+            self.device.raw.cmd_blit_image(
+                self.commands,
+                self.image.raw,
+                READ.2,
+                slot.image,
+                written.2,
+                &region,
+                vk::Filter::NEAREST,
+            );
+        }
+        self.transition(slot.image, written, (Stage::NONE, Access::NONE, Layout::PRESENT_SRC_KHR));
+    }
+
+    fn transition(&self, image: vk::Image, from: (Stage, Access, Layout), to: (Stage, Access, Layout)) {
+        let aspect = vk::ImageAspectFlags::COLOR;
+        let barriers = [Transition { image, aspect, from, to }.barrier()];
+        let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);
+        // SAFETY: recording has begun, outside of rendering; the image is alive.
+        unsafe { self.device.raw.cmd_pipeline_barrier2(self.commands, &dependency) };
+    }
+
+    fn submit(&self, slot: Option<&Slot>) -> Result<(), gpu::Error> {
+        let semaphore =
+            |semaphore, stage| vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stage);
+        let waits: Vec<_> = slot.iter().map(|slot| semaphore(slot.free, Stage::BLIT)).collect();
+        let signals: Vec<_> = slot.iter().map(|slot| semaphore(slot.drawn, Stage::ALL_COMMANDS)).collect();
+        let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
+        let submit = [vk::SubmitInfo2::default()
+            .command_buffer_infos(&infos)
+            .wait_semaphore_infos(&waits)
+            .signal_semaphore_infos(&signals)];
+        let raw = &self.device.raw;
+        let queue = self.device.hold_queue();
+        // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is held.
+        unsafe {
+            raw.queue_submit2(*queue, &submit, self.fence).map_err(call("vkQueueSubmit2"))?;
+            raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
+            raw.reset_fences(&[self.fence]).map_err(call("vkResetFences"))
+        }
+    }
+}
+
+fn layer() -> vk::ImageSubresourceLayers {
+    vk::ImageSubresourceLayers {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        mip_level: 0,
+        base_array_layer: 0,
+        layer_count: 1,
+    }
+}
+
+impl Drop for Canvas {
+    fn drop(&mut self) {
+        let raw = &self.device.raw;
+        // SAFETY: every submission was waited for; null handles are ignored.
+        unsafe {
+            raw.destroy_fence(self.fence, None);
+            raw.destroy_command_pool(self.pool, None);
+        }
+    }
+}

@@ -1,0 +1,459 @@
+//! The crowd in the window: stepped by the clock, drawn, asked, measured, filmed.
+
+use super::pick::{self, Pillar, Ray};
+use super::{Choice, Director, Plan, Start};
+use crate::emotion::Emotion;
+use crate::export::video::Video;
+use crate::gpu::Device;
+use crate::ground::{is_absent, world_from_ground};
+use crate::kernels::Store;
+use crate::picture::Image;
+use crate::reference::stages::{self, STAGE_STRIDE};
+use crate::render::camera::View;
+use crate::render::{Markers, Settings, Show};
+use crate::scenario::{EnvironmentMesh, Gaze, GazeMode};
+use crate::sim::{Backend, Simulation};
+use glam::{Vec2, Vec3};
+use serde::Serialize;
+use std::collections::{BTreeMap, VecDeque};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+/// Longest the crowd may fall behind the clock before it lets time pass, s at the speed of the clock.
+const LONGEST_ARREARS: f64 = 0.25;
+/// Longest that stepping may keep a picture waiting.
+const LONGEST_STEPPING: Duration = Duration::from_millis(80);
+/// Pictures a second of simulated time in videos.
+pub(super) const FILM_RATE: f64 = 30.0;
+/// Most pictures that one is repeated for in a video: the crowd ran faster than could be drawn.
+const MOST_REPEATED: u64 = 30;
+/// Moments that the plot of times goes back.
+const HISTORY: usize = 240;
+
+/// Somebody of the crowd at a moment.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Person {
+    /// Number of the agent.
+    pub id: u32,
+    /// The emotion felt most.
+    pub emotion: &'static str,
+    /// Weights of happy, angry, sad and neutral.
+    pub weights: [f32; 4],
+    /// Ground position (x, z), m.
+    pub position: [f32; 2],
+    /// Height of the floor stood on, m.
+    pub elevation: f32,
+    /// Speed, m/s.
+    pub speed: f32,
+    /// The speed it would like, m/s.
+    pub preferred_speed: f32,
+    /// Heading about +y, degrees; 0 faces +z.
+    pub heading_deg: f32,
+    /// Share of the walk in its posture: 0 stands, 1 walks.
+    pub walking: f32,
+    /// Stage of the way it is on, from 1, and how many there are.
+    pub stage: [u32; 2],
+    /// What that stage is.
+    pub stage_kind: &'static str,
+    /// Where it is (x, z), m.
+    pub goal: [f32; 2],
+    /// How often the whole way was walked.
+    pub rounds: u32,
+}
+
+impl Person {
+    /// An agent as it is now, unless it is not there.
+    pub(super) fn of(store: &Store, emotions: &[[f32; 4]], agent: u32) -> Option<Self> {
+        let i = agent as usize;
+        let position = *store.position.get(i).filter(|_| agent < store.step.agent_count)?;
+        if is_absent(position) {
+            return None;
+        }
+        let own = if store.step.feels > 0 { store.feeling.get(i) } else { emotions.get(i) };
+        let weights = own.copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
+        let emotion = Emotion::ALL.into_iter().max_by(|a, b| {
+            // of two alike the first
+            weights[a.index()].total_cmp(&weights[b.index()]).then(b.index().cmp(&a.index()))
+        });
+        let [heading, walking] = *store.stance.get(i)?;
+        let [first, length, at, rounds] = *store.route.get(i)?;
+        let length = (length & 0x7fff_ffff).max(1);
+        let at = at.min(length - 1);
+        let place = (first + at) as usize * STAGE_STRIDE;
+        let [x, z, _, kind] = store.stages.get(place).copied().unwrap_or([0.0; 4]);
+        Some(Self {
+            id: agent,
+            emotion: emotion.map_or("neutral", Emotion::name),
+            weights,
+            position,
+            elevation: store.elevation.get(i).copied().unwrap_or(0.0),
+            speed: Vec2::from_array(*store.velocity.get(i)?).length(),
+            preferred_speed: store.body.get(i)?[2],
+            heading_deg: heading.to_degrees(),
+            walking,
+            stage: [at + 1, length],
+            stage_kind: kind_name(kind),
+            goal: [x, z],
+            rounds,
+        })
+    }
+}
+
+fn kind_name(kind: f32) -> &'static str {
+    let known = [
+        (stages::WAYPOINT, "waypoint"),
+        (stages::GOAL, "goal"),
+        (stages::WAITING, "waiting area"),
+        (stages::QUEUE, "queue"),
+        (stages::EXIT, "exit"),
+    ];
+    known.into_iter().find(|(value, _)| (value - kind).abs() < 0.5).map_or("place", |(_, name)| name)
+}
+
+/// How long kernels ran, moment by moment: of a step, or of a picture.
+#[derive(Debug, Default)]
+pub(super) struct Times {
+    kernels: BTreeMap<&'static str, VecDeque<f64>>,
+    moments: usize,
+}
+
+impl Times {
+    /// Takes what was measured over `count` steps or pictures, which is one moment.
+    fn take(&mut self, measured: &[(crate::kernels::KernelId, f64)], count: u32) {
+        if measured.is_empty() || count == 0 {
+            return;
+        }
+        let mut sums: BTreeMap<&'static str, f64> = BTreeMap::new();
+        for (kernel, milliseconds) in measured {
+            *sums.entry(kernel.kernel().name).or_default() += milliseconds / f64::from(count);
+        }
+        for name in sums.keys() {
+            let before = self.moments;
+            self.kernels.entry(name).or_insert_with(|| std::iter::repeat_n(0.0, before).collect());
+        }
+        for (name, history) in &mut self.kernels {
+            history.push_back(sums.get(name).copied().unwrap_or(0.0));
+            if history.len() > HISTORY {
+                history.pop_front();
+            }
+        }
+        self.moments = (self.moments + 1).min(HISTORY);
+    }
+
+    /// The kernels, dearest first by their mean over the last moments, which stands beside, ms.
+    pub(super) fn dearest(&self) -> Vec<(&'static str, f64, &VecDeque<f64>)> {
+        let mean = |history: &VecDeque<f64>| {
+            let last: Vec<f64> = history.iter().rev().take(30).copied().collect();
+            #[allow(clippy::cast_precision_loss, reason = "at most 30")]
+            let count = last.len().max(1) as f64;
+            last.iter().sum::<f64>() / count
+        };
+        let mut all: Vec<_> =
+            self.kernels.iter().map(|(name, history)| (*name, mean(history), history)).collect();
+        all.sort_by(|a, b| b.1.total_cmp(&a.1));
+        all
+    }
+}
+
+/// A video that is being made.
+struct Film {
+    video: Video,
+    /// Time of the crowd at its beginning, s.
+    begin: f64,
+}
+
+/// The crowd in the window.
+pub(super) struct Company {
+    simulation: Simulation,
+    show: Show,
+    device: Arc<Device>,
+    backend: Backend,
+    scenery: EnvironmentMesh,
+    settings: Settings,
+    gaze: Gaze,
+    emotions: Vec<[f32; 4]>,
+    height: f32,
+    arrears: f64,
+    film: Option<Film>,
+    /// Times of the kernels of steps, and of pictures.
+    pub(super) times: [Times; 2],
+}
+
+impl Company {
+    pub(super) fn new(
+        device: &Arc<Device>,
+        plan: &Plan,
+        director: &mut dyn Director,
+        [width, height]: [u32; 2],
+    ) -> Result<Self, crate::Error> {
+        let start = director.cast(&plan.choice)?;
+        let settings = Settings { width, height, ..plan.settings };
+        let mut company = {
+            let Staged { simulation, show, emotions, height } =
+                stage(start, device, plan.backend, (&plan.scenery, settings, &plan.gaze))?;
+            Self {
+                simulation,
+                show,
+                device: device.clone(),
+                backend: plan.backend,
+                scenery: plan.scenery.clone(),
+                settings,
+                gaze: plan.gaze,
+                emotions,
+                height,
+                arrears: 0.0,
+                film: None,
+                times: Default::default(),
+            }
+        };
+        company.simulation.measure_times(true);
+        Ok(company)
+    }
+
+    /// Other people in the same places: they go on where those before them were.
+    pub(super) fn recast(
+        &mut self,
+        director: &mut dyn Director,
+        choice: &Choice,
+    ) -> Result<(), crate::Error> {
+        let mut start = director.cast(choice)?;
+        carry_on(self.simulation.state()?, &mut start.store);
+        let made = stage(start, &self.device, self.backend, (&self.scenery, self.settings, &self.gaze))?;
+        (self.simulation, self.show) = (made.simulation, made.show);
+        (self.emotions, self.height) = (made.emotions, made.height);
+        self.simulation.measure_times(true);
+        Ok(())
+    }
+
+    pub(super) fn set_gaze_mode(&mut self, mode: GazeMode) {
+        self.gaze.mode = mode;
+        self.show.set_gaze(&self.gaze);
+    }
+
+    pub(super) fn set_markers(&mut self, are_wanted: bool) {
+        self.settings.markers = are_wanted.then(Markers::default);
+        self.show.renderer().set_markers(self.settings.markers);
+    }
+
+    pub(super) fn resize(&mut self, [width, height]: [u32; 2]) -> Result<(), crate::Error> {
+        if [self.settings.width, self.settings.height] != [width, height] {
+            self.show.renderer().resize(width, height)?;
+            (self.settings.width, self.settings.height) = (width, height);
+        }
+        Ok(())
+    }
+
+    /// Lets `seconds` of the wall's clock pass at `speed` times its rate; how many steps that were.
+    pub(super) fn pass(
+        &mut self,
+        director: &mut dyn Director,
+        seconds: f64,
+        speed: f64,
+    ) -> Result<u32, crate::Error> {
+        let time_step = f64::from(self.simulation.store().step.time_step);
+        self.arrears = (self.arrears + seconds * speed).min((LONGEST_ARREARS * speed).max(time_step));
+        let begin = Instant::now();
+        let mut steps = 0;
+        while self.arrears >= time_step && begin.elapsed() < LONGEST_STEPPING {
+            director.step(&mut self.simulation, 1)?;
+            self.arrears -= time_step;
+            steps += 1;
+        }
+        let measured = self.simulation.take_times();
+        self.times[0].take(&measured, steps);
+        Ok(steps)
+    }
+
+    /// Does one step, whatever the clock says.
+    pub(super) fn step_once(&mut self, director: &mut dyn Director) -> Result<(), crate::Error> {
+        self.arrears = 0.0;
+        director.step(&mut self.simulation, 1)?;
+        let measured = self.simulation.take_times();
+        self.times[0].take(&measured, 1);
+        Ok(())
+    }
+
+    /// Draws the present moment into an image of the window's size; hands a copy back if that is wanted.
+    pub(super) fn draw(
+        &mut self,
+        view: &View,
+        user_eyes: Vec3,
+        image: (ash::vk::Image, ash::vk::ImageView),
+        is_wanted: bool,
+    ) -> Result<Option<Image>, crate::Error> {
+        let is_wanted = is_wanted || self.film.is_some();
+        let picture = self.show.picture_into(&mut self.simulation, view, user_eyes, image, is_wanted)?;
+        let measured = self.simulation.take_times();
+        self.times[1].take(&measured, 1);
+        if let (Some(film), Some(picture)) = (&mut self.film, &picture) {
+            let since = (self.simulation.time() - film.begin) * FILM_RATE;
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of pictures")]
+            let due = since as u64 + 1;
+            let missing = due.saturating_sub(film.video.frames()).min(MOST_REPEATED);
+            for _ in 0..missing {
+                film.video.push(picture).map_err(crate::export::Error::from)?;
+            }
+        }
+        Ok(picture)
+    }
+
+    /// Begins a video of what is seen.
+    pub(super) fn begin_film(&mut self, path: &Path) -> Result<(), crate::Error> {
+        let Settings { width, height, .. } = self.settings;
+        let video = Video::create(path, width, height, FILM_RATE).map_err(crate::export::Error::from)?;
+        self.film = Some(Film { video, begin: self.simulation.time() });
+        Ok(())
+    }
+
+    /// Ends the video, if one is being made; its file and number of pictures.
+    pub(super) fn end_film(&mut self) -> Result<Option<(PathBuf, u64)>, crate::Error> {
+        let Some(film) = self.film.take() else { return Ok(None) };
+        let frames = film.video.frames();
+        Ok(Some((film.video.finish().map_err(crate::export::Error::from)?, frames)))
+    }
+
+    pub(super) const fn is_filmed(&self) -> bool {
+        self.film.is_some()
+    }
+
+    /// Who stands under a ray, before the scenery hides them.
+    pub(super) fn pick(&mut self, ray: &Ray) -> Result<Option<u32>, crate::Error> {
+        let height = self.height;
+        let store = self.simulation.state()?;
+        let agents = store.step.agent_count as usize;
+        let people = store.position.iter().take(agents).enumerate().map(|(i, position)| Pillar {
+            position: *position,
+            foot: store.elevation.get(i).copied().unwrap_or(0.0),
+            radius: store.body.get(i).map_or(0.3, |body| body[0]),
+            height,
+        });
+        let found = pick::first(ray, people, pick::wall(ray, &self.scenery));
+        Ok(found.and_then(|(number, _)| u32::try_from(number).ok()))
+    }
+
+    pub(super) fn person(&mut self, agent: u32) -> Result<Option<Person>, crate::Error> {
+        Ok(Person::of(self.simulation.state()?, &self.emotions, agent))
+    }
+
+    /// Where an agent stands and how tall it is at most, m.
+    pub(super) fn place(person: &Person) -> Vec3 {
+        world_from_ground(Vec2::from_array(person.position), person.elevation)
+    }
+
+    pub(super) const fn height(&self) -> f32 {
+        self.height
+    }
+
+    pub(super) fn time(&self) -> f64 {
+        self.simulation.time()
+    }
+
+    pub(super) fn steps(&self) -> u32 {
+        self.simulation.steps_done()
+    }
+
+    pub(super) fn agents(&self) -> u32 {
+        self.simulation.store().step.agent_count
+    }
+
+    pub(super) fn devices(&self) -> (String, String) {
+        (self.show.device(), self.simulation.device())
+    }
+}
+
+/// A crowd on stage.
+struct Staged {
+    simulation: Simulation,
+    show: Show,
+    emotions: Vec<[f32; 4]>,
+    height: f32,
+}
+
+/// Puts a crowd on stage.
+fn stage(
+    start: Start,
+    device: &Arc<Device>,
+    backend: Backend,
+    (scenery, settings, gaze): (&EnvironmentMesh, Settings, &Gaze),
+) -> Result<Staged, crate::Error> {
+    let height = start.store.frame.agent_height;
+    let mut simulation = if backend == Backend::Cpu {
+        Simulation::from_store(start.store, backend, None)?
+    } else {
+        Simulation::on_device(start.store, device)?
+    };
+    let mut show = Show::with_device(&mut simulation, &start.meshes, scenery, settings, device)?;
+    show.set_gaze(gaze);
+    Ok(Staged { simulation, show, emotions: start.emotions, height })
+}
+
+/// Gives a crowd the places and ways of another one of as many people.
+fn carry_on(before: &Store, after: &mut Store) {
+    if before.step.agent_count != after.step.agent_count || before.stages != after.stages {
+        return;
+    }
+    after.step.step_index = before.step.step_index;
+    macro_rules! copy {
+        ($($field:ident),*) => {
+            $(if before.$field.len() == after.$field.len() { after.$field.clone_from(&before.$field); })*
+        };
+    }
+    copy!(elevation, position, velocity, stance, phase, route, errand, queues, sources, waiting, lead, paths);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::kernels::KernelId;
+
+    fn store() -> Store {
+        let mut store = Store {
+            position: vec![[1.0, 2.0], [crate::ground::ABSENT; 2]],
+            velocity: vec![[3.0, 4.0]; 2],
+            stance: vec![[std::f32::consts::FRAC_PI_2, 1.0]; 2],
+            route: vec![[1, 2 | 1 << 31, 1, 3]; 2],
+            body: vec![[0.3, 2.0, 1.5, 1.0]; 2],
+            stages: (0_u8..12).map(|i| [f32::from(i), 0.5, 0.0, 1.0]).collect(),
+            ..Store::default()
+        };
+        store.step.agent_count = 2;
+        store
+    }
+
+    #[test]
+    fn a_person_is_told_with_emotion_speed_and_goal() {
+        let emotions = [[0.1, 0.4, 0.4, 0.1]; 2];
+        let person = Person::of(&store(), &emotions, 0).unwrap();
+        assert_eq!((person.emotion, person.stage, person.stage_kind), ("angry", [2, 2], "goal"));
+        assert!((person.speed - 5.0).abs() < 1e-6 && (person.heading_deg - 90.0).abs() < 1e-4);
+        assert_eq!((person.goal, person.rounds), ([8.0, 0.5], 3));
+        assert_eq!(Person::of(&store(), &emotions, 1), None, "absent");
+        assert_eq!(Person::of(&store(), &emotions, 2), None, "nobody");
+    }
+
+    #[test]
+    fn a_new_cast_goes_on_where_the_old_one_was_unless_it_is_of_other_people() {
+        let mut before = store();
+        before.step.step_index = 90;
+        let mut after = Store { position: vec![[0.0; 2]; 2], ..store() };
+        carry_on(&before, &mut after);
+        assert_eq!((after.step.step_index, &after.position), (90, &before.position));
+        let mut other = store();
+        other.step.agent_count = 1;
+        carry_on(&before, &mut other);
+        assert_eq!(other.step.step_index, 0);
+    }
+
+    #[test]
+    fn times_are_means_over_steps_and_begin_at_zero_for_kernels_that_come_later() {
+        let mut times = Times::default();
+        times.take(&[(KernelId::Prefer, 4.0), (KernelId::Prefer, 2.0)], 2);
+        times.take(&[(KernelId::Prefer, 1.0), (KernelId::Feel, 9.0)], 1);
+        times.take(&[], 1);
+        let all = times.dearest();
+        assert_eq!(all[0].0, "feel");
+        assert_eq!(all[0].2, &[0.0, 9.0]);
+        assert_eq!(all[1].2, &[3.0, 1.0]);
+    }
+}

@@ -1,0 +1,455 @@
+//! The window itself: its events, and one picture after another.
+
+mod input;
+
+use super::camera::{CameraMode, Push, Rig};
+use super::canvas::{Canvas, Overlay};
+use super::crowd::{Company, Person};
+use super::panel::{self, Asked, Controls, Facts};
+use super::pick::Ray;
+use super::surface::{self, Surface};
+use super::{Director, Error, Outcome, Plan};
+use crate::gpu::Validation;
+use crate::render::camera::View;
+use glam::{Vec2, Vec3};
+use input::Pointer;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::KeyCode;
+use winit::window::{Window, WindowId};
+
+/// Pause while the window is hidden or has no area: the crowd goes on.
+const HIDDEN: Duration = Duration::from_millis(20);
+/// How long a line for the user stays in the panel.
+const SAYING: Duration = Duration::from_secs(6);
+/// Pictures after which [`Plan::click`] comes.
+const CLICK_AFTER: u64 = 3;
+
+/// Opens the window and shows the crowd until it is closed.
+///
+/// # Errors
+/// [`Error::NoDisplay`] and [`Error::NoPresenter`] when there can be no window; when the crowd cannot be cast or the device
+/// fails.
+pub fn run(plan: Plan, director: &mut dyn Director) -> Result<Outcome, crate::Error> {
+    let events = EventLoop::new().map_err(no_display)?;
+    events.set_control_flow(ControlFlow::Poll);
+    let mut app = App { plan, director, scene: None, outcome: Outcome::default(), failure: None };
+    let ended = events.run_app(&mut app);
+    let scene = app.scene.take();
+    if let Some(error) = app.failure {
+        return Err(error);
+    }
+    ended.map_err(no_display)?;
+    drop(scene);
+    Ok(app.outcome)
+}
+
+/// What the system says of a window that cannot be, without the place in the source where it says so.
+fn no_display(error: impl std::fmt::Display) -> Error {
+    let text = error.to_string();
+    let rest = text.split_once(".rs:").map(|(_, rest)| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
+    Error::NoDisplay(rest.map_or(text.as_str(), |rest| rest.trim_start_matches([':', ' '])).to_owned())
+}
+
+struct App<'a> {
+    plan: Plan,
+    director: &'a mut dyn Director,
+    scene: Option<Scene>,
+    outcome: Outcome,
+    failure: Option<crate::Error>,
+}
+
+/// Everything that lives as long as the window. What uses the device goes before the surface, that before the window.
+struct Scene {
+    company: Company,
+    canvas: Canvas,
+    surface: Surface,
+    pen: egui_winit::State,
+    rig: Rig,
+    controls: Controls,
+    pointer: Pointer,
+    keys: BTreeSet<KeyCode>,
+    picked: Option<u32>,
+    click: Option<(u32, u32)>,
+    said: (String, Instant),
+    devices: (String, String),
+    begin: Instant,
+    before: Instant,
+    /// Time between two pictures, smoothed, s; 0 before the second.
+    pace: f64,
+    is_hidden: bool,
+    view: View,
+    size: [u32; 2],
+    window: Window,
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.scene.is_none() && self.failure.is_none() {
+            match Scene::open(&self.plan, self.director, events) {
+                Ok(scene) => self.scene = Some(scene),
+                Err(error) => self.fail(events, error),
+            }
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        let Some(scene) = &mut self.scene else { return };
+        let response = scene.pen.on_window_event(&scene.window, &event);
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(events),
+            WindowEvent::RedrawRequested => self.redraw(events),
+            WindowEvent::Occluded(is_hidden) => scene.is_hidden = is_hidden,
+            other => {
+                if let Err(error) = scene.take(&other, response.consumed) {
+                    self.fail(events, error);
+                }
+            }
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(scene) = &mut self.scene else { return };
+        let size = scene.window.inner_size();
+        if scene.is_hidden || size.width == 0 || size.height == 0 {
+            // nothing can be shown: the crowd goes on, and nobody else is kept waiting
+            events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN));
+            let seconds = scene.seconds_since();
+            if let Err(error) = scene.advance(self.director, seconds) {
+                self.fail(events, error);
+            } else if self.is_over() {
+                self.redraw(events); // a picture that was asked for needs no window
+            }
+        } else {
+            events.set_control_flow(ControlFlow::Poll);
+            scene.window.request_redraw();
+        }
+    }
+}
+
+impl App<'_> {
+    fn is_over(&self) -> bool {
+        let open = self.scene.as_ref().map(|scene| scene.begin.elapsed().as_secs_f64());
+        self.plan.seconds.zip(open).is_some_and(|(most, open)| open >= most)
+    }
+
+    fn redraw(&mut self, events: &ActiveEventLoop) {
+        if self.failure.is_some() || events.exiting() {
+            return;
+        }
+        let is_last = self.is_over();
+        let Some(scene) = &mut self.scene else { return };
+        let shot = self.plan.shot.as_deref().filter(|_| is_last);
+        if let Err(error) = scene.frame(self.director, &self.plan, &mut self.outcome, shot) {
+            self.fail(events, error);
+        } else if is_last {
+            self.end(events);
+        }
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, error: crate::Error) {
+        self.failure.get_or_insert(error);
+        events.exit();
+    }
+
+    /// Ends in good order.
+    fn end(&mut self, events: &ActiveEventLoop) {
+        if let Some(scene) = &mut self.scene
+            && !events.exiting()
+        {
+            match scene.finish(&mut self.outcome) {
+                Ok(()) => {}
+                Err(error) => self.failure = Some(error),
+            }
+        }
+        events.exit();
+    }
+}
+
+impl Scene {
+    fn open(
+        plan: &Plan,
+        director: &mut dyn Director,
+        events: &ActiveEventLoop,
+    ) -> Result<Self, crate::Error> {
+        let attributes = Window::default_attributes()
+            .with_title(format!("{} - gaitway", plan.title))
+            .with_inner_size(PhysicalSize::new(plan.size.0, plan.size.1));
+        let window = events.create_window(attributes).map_err(no_display)?;
+        let device = surface::open(&window, plan.device.as_deref(), Validation::from_environment())?;
+        let size: [u32; 2] = window.inner_size().into();
+        let size = size.map(|side| side.max(1));
+        let surface = Surface::new(&device, &window)?;
+        let canvas = Canvas::new(&device, size)?;
+        let mut company = Company::new(&device, plan, director, size)?;
+        company.set_markers(plan.settings.markers.is_some());
+        if let Some(path) = &plan.record {
+            company.begin_film(path)?;
+        }
+        let context = egui::Context::default();
+        context.set_theme(egui::Theme::Dark);
+        let side = usize::try_from(device.limits.max_image_dimension2_d).ok();
+        let pen = egui_winit::State::new(context, egui::ViewportId::ROOT, &window, None, None, side);
+        let rig = Rig::new(plan.overview.0, plan.overview.1);
+        let now = Instant::now();
+        Ok(Self {
+            devices: company.devices(),
+            company,
+            canvas,
+            surface,
+            pen,
+            view: View::mono(&rig.camera(), size[0], size[1]),
+            rig,
+            controls: Controls {
+                is_open: true,
+                is_paused: plan.is_paused,
+                speed: 1.0,
+                choice: plan.choice,
+                gaze: plan.gaze.mode,
+                has_markers: plan.settings.markers.is_some(),
+                camera: CameraMode::default(),
+                shot_has_panel: true,
+                asked: Asked::default(),
+            },
+            pointer: Pointer::default(),
+            keys: BTreeSet::new(),
+            picked: None,
+            click: plan.click,
+            said: (String::new(), now),
+            begin: now,
+            before: now,
+            pace: 0.0,
+            is_hidden: false,
+            size,
+            window,
+        })
+    }
+
+    /// Picks who stands at a point of the window, pixels from the top left.
+    fn pick(&mut self, at: Vec2) -> Result<(), crate::Error> {
+        let ndc = at / Vec2::new(side(self.size[0]), side(self.size[1])) * 2.0 - 1.0;
+        let ray = Ray { origin: self.view.eyes[0], direction: self.view.ray(0, ndc) };
+        self.picked = self.company.pick(&ray)?;
+        Ok(())
+    }
+
+    /// Seconds since this was last asked.
+    fn seconds_since(&mut self) -> f64 {
+        let now = Instant::now();
+        (now - std::mem::replace(&mut self.before, now)).as_secs_f64()
+    }
+
+    /// Lets the crowd go on.
+    fn advance(&mut self, director: &mut dyn Director, seconds: f64) -> Result<(), crate::Error> {
+        let is_asked = std::mem::take(&mut self.controls.asked.step);
+        if is_asked {
+            self.company.step_once(director)?;
+        } else if !self.controls.is_paused {
+            self.company.pass(director, seconds, self.controls.speed)?;
+        }
+        Ok(())
+    }
+
+    fn say(&mut self, line: String) {
+        self.said = (line, Instant::now());
+    }
+
+    /// One picture.
+    fn frame(
+        &mut self,
+        director: &mut dyn Director,
+        plan: &Plan,
+        outcome: &mut Outcome,
+        shot: Option<&Path>,
+    ) -> Result<(), crate::Error> {
+        let size: [u32; 2] = self.window.inner_size().into();
+        if size.contains(&0) {
+            return Ok(());
+        }
+        if size != self.size {
+            self.take_size(size, outcome)?;
+        }
+        let seconds = self.seconds_since();
+        if outcome.frames > 0 {
+            self.pace += (seconds - self.pace) * if self.pace > 0.0 { 0.1 } else { 1.0 };
+        }
+        self.advance(director, seconds)?;
+        let person = self.steer(seconds)?;
+        let eyes = plan.user_eyes.unwrap_or(self.view.eyes[0]);
+        let asked = self.controls.asked;
+        let overlay = self.lay(person.as_ref());
+        let keeps = asked.shot || shot.is_some();
+        let with_panel = self.controls.shot_has_panel || shot.is_some();
+        let target = self.canvas.target();
+        let bare = self.company.draw(&self.view, eyes, target, keeps && !with_panel)?;
+        let (was_shown, full) = self.canvas.show(overlay, &mut self.surface, keeps && with_panel)?;
+        outcome.frames += u64::from(was_shown);
+        if let Some(image) = full.or(bare.filter(|_| keeps)) {
+            match director.keep(&image, shot) {
+                Ok(file) => {
+                    self.say(format!("written {}", file.display()));
+                    outcome.shots.push(file);
+                }
+                Err(error) if shot.is_some() => return Err(error),
+                Err(error) => self.complain(director, &error),
+            }
+        }
+        self.controls.asked.shot &= !asked.shot;
+        if let Some(at) = self.click.filter(|_| outcome.frames >= CLICK_AFTER) {
+            self.click = None;
+            self.pick(Vec2::new(side(at.0), side(at.1)))?;
+        }
+        self.obey(director, outcome)
+    }
+
+    /// Another size of the window.
+    fn take_size(&mut self, size: [u32; 2], outcome: &mut Outcome) -> Result<(), crate::Error> {
+        if self.company.is_filmed() {
+            self.end_film(outcome)?; // all pictures of a video are of one size
+        }
+        self.company.resize(size)?;
+        self.canvas.resize(size)?;
+        self.surface.forget();
+        self.size = size;
+        Ok(())
+    }
+
+    /// Moves the camera; who is picked, as they are now.
+    fn steer(&mut self, seconds: f64) -> Result<Option<Person>, crate::Error> {
+        let person = match self.picked {
+            Some(agent) => self.company.person(agent)?,
+            None => None,
+        };
+        let held = |code| f32::from(u8::from(self.keys.contains(&code)));
+        let push = Push {
+            right: held(KeyCode::KeyD) - held(KeyCode::KeyA) + held(KeyCode::ArrowRight)
+                - held(KeyCode::ArrowLeft),
+            up: held(KeyCode::KeyE) - held(KeyCode::KeyQ),
+            forward: held(KeyCode::KeyW) - held(KeyCode::KeyS) + held(KeyCode::ArrowUp)
+                - held(KeyCode::ArrowDown),
+            is_fast: self.keys.contains(&KeyCode::ShiftLeft),
+        };
+        #[allow(clippy::cast_possible_truncation, reason = "a short time")]
+        let seconds = seconds.min(0.1) as f32;
+        self.rig.set_mode(self.controls.camera);
+        if push != Push::default() {
+            self.rig.push(push, seconds);
+        }
+        self.rig.follow(person.as_ref().map(Company::place));
+        self.view = View::mono(&self.rig.camera(), self.size[0], self.size[1]);
+        Ok(person)
+    }
+
+    /// The panel of this picture.
+    fn lay(&mut self, person: Option<&Person>) -> Overlay {
+        let input = self.pen.take_egui_input(&self.window);
+        let context = self.pen.egui_ctx().clone();
+        let points = egui_winit::pixels_per_point(&context, &self.window);
+        let place = |at: Vec3| {
+            let pixel = self.view.pixel_from_world(0, at, self.size[0], self.size[1])?;
+            Some(egui::pos2(pixel.x / points, pixel.y / points))
+        };
+        let mark = person.and_then(|person| {
+            let foot = Company::place(person);
+            Some([place(foot)?, place(foot + Vec3::Y * self.company.height())?])
+        });
+        let facts = Facts {
+            time: self.company.time(),
+            agents: self.company.agents(),
+            rate: if self.pace > 0.0 { 1.0 / self.pace } else { 0.0 },
+            device: &self.devices.0,
+            simulated_on: &self.devices.1,
+            picked: person,
+            mark,
+            is_filmed: self.company.is_filmed(),
+            times: &self.company.times,
+            said: if self.said.1.elapsed() < SAYING { &self.said.0 } else { "" },
+        };
+        let controls = &mut self.controls;
+        let output = context.run_ui(input, |ui| panel::lay(ui, controls, &facts));
+        self.pen.handle_platform_output(&self.window, output.platform_output);
+        Overlay {
+            primitives: context.tessellate(output.shapes, output.pixels_per_point),
+            textures: output.textures_delta,
+            pixels_per_point: output.pixels_per_point,
+        }
+    }
+
+    /// Does what was asked for in the panel.
+    fn obey(&mut self, director: &mut dyn Director, outcome: &mut Outcome) -> Result<(), crate::Error> {
+        let asked = std::mem::take(&mut self.controls.asked);
+        self.controls.asked = Asked { shot: asked.shot, step: asked.step, ..Asked::default() };
+        self.company.set_gaze_mode(self.controls.gaze);
+        self.company.set_markers(self.controls.has_markers);
+        if asked.unpick {
+            self.picked = None;
+        }
+        if asked.recast {
+            if let Err(error) = self.company.recast(director, &self.controls.choice) {
+                self.complain(director, &error);
+            }
+            self.before = Instant::now();
+        }
+        if asked.film {
+            if self.company.is_filmed() {
+                self.end_film(outcome)?;
+            } else {
+                let path = director.film();
+                match self.company.begin_film(&path) {
+                    Ok(()) => self.say(format!("filming {}", path.display())),
+                    Err(error) => self.complain(director, &error),
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn complain(&mut self, director: &mut dyn Director, error: &crate::Error) {
+        director.note(&format!("error: {error}"));
+        self.say(error.to_string());
+    }
+
+    fn end_film(&mut self, outcome: &mut Outcome) -> Result<(), crate::Error> {
+        if let Some((path, frames)) = self.company.end_film()? {
+            self.say(format!("written {} ({frames} pictures)", path.display()));
+            outcome.videos.push(path);
+        }
+        Ok(())
+    }
+
+    /// What came of it all.
+    fn finish(&mut self, outcome: &mut Outcome) -> Result<(), crate::Error> {
+        self.end_film(outcome)?;
+        (outcome.device, outcome.simulated_on) = self.devices.clone();
+        outcome.steps = self.company.steps();
+        outcome.swapchains = self.surface.made();
+        outcome.size = self.size;
+        outcome.picked = match self.picked {
+            Some(agent) => self.company.person(agent)?,
+            None => None,
+        };
+        Ok(())
+    }
+}
+
+#[allow(clippy::cast_precision_loss, reason = "sides of windows are far below 2^24")]
+const fn side(pixels: u32) -> f32 {
+    pixels as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_missing_display_is_told_without_the_place_in_a_source_file() {
+        let told = no_display("os error at /home/me/winit/src/mod.rs:765: DISPLAY is not set").to_string();
+        assert_eq!(told, "no window can be opened: DISPLAY is not set");
+        assert_eq!(no_display("no").to_string(), "no window can be opened: no");
+    }
+}
