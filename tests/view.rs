@@ -1,7 +1,7 @@
 //! The window, on a display that nobody sees (Xvfb): it opens, draws, is resized and clicked at, and the validation layer
-//! has nothing to say (with GAITWAY_VALIDATION=sync, as scripts/test has it).
+//! has nothing to say (with `GAITWAY_VALIDATION=sync`, as scripts/test has it).
 //!
-//! Skipped with a line where there is no Xvfb; GAITWAY_REQUIRE_WINDOW=1 demands it. `scripts/setup --view` brings it.
+//! Skipped with a line where there is no Xvfb; `GAITWAY_REQUIRE_WINDOW=1` demands it. `scripts/setup --view` brings it.
 #![cfg(all(feature = "view", target_os = "linux"))]
 #![allow(
     clippy::unwrap_used,
