@@ -199,7 +199,7 @@ fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Person>) {
 
 fn plot(ui: &mut Ui, name: &str, times: &Times) {
     let all = times.dearest();
-    let sum: f64 = all.iter().map(|(_, mean, _)| mean).sum();
+    let sum = all.iter().fold(0.0, |sum, (_, mean, _)| sum + mean);
     egui::CollapsingHeader::new(format!("{name}: {sum:.2}")).id_salt(name).default_open(true).show(
         ui,
         |ui| {
