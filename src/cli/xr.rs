@@ -176,8 +176,8 @@ fn session(scene: &Scene, store: &Store) -> RecordedSession {
 
 fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
     move |error| {
-        let hint =
-            "a recording is written by `gaitway xr --record`; replay it with the same scene, agents and seed";
+        let hint = "a recording is written by `gaitway xr --record`; replay it with the same scene, agents and seed, by \
+             the same version on the same system";
         usage(format!("{}: {error}", path.display()), hint)
     }
 }

@@ -151,8 +151,8 @@ pub struct Outcome {
 
 /// What the two threads tell each other.
 pub(super) struct Shared {
-    /// The crowd's latest moment and how many there were.
-    pub(super) moment: Mutex<(Store, u64)>,
+    /// The crowd's latest moment and how many there were. Shared, so that nobody holds the lock while a device works.
+    pub(super) moment: Mutex<(Arc<Store>, u64)>,
     /// The user when the headset was found last, and when that was.
     pub(super) user: Mutex<(Moment, Option<Instant>)>,
     /// Milliseconds since the beginning at the last sign of life.
@@ -215,7 +215,7 @@ pub fn run(
     let time_step = f64::from(simulation.store().step.time_step);
     let start = Moment { place: world.start.0, ..Moment::default() };
     let shared = Arc::new(Shared {
-        moment: Mutex::new((Show::moment(simulation.state()?), 0)),
+        moment: Mutex::new((Arc::new(Show::moment(simulation.state()?)), 0)),
         user: Mutex::new((start, None)),
         beat: AtomicU64::new(0),
         begin: Instant::now(),
@@ -234,7 +234,6 @@ pub fn run(
             })?
     };
     let (mut steps, mut passed, mut is_silent) = (0_u32, 0.0, false);
-    let panicked = || "the headset's thread panicked".to_owned();
     let hung = || "the OpenXR runtime did not answer any more".to_owned();
     let mut stopped_at = None;
     while !headset.is_finished() {
@@ -278,7 +277,7 @@ pub fn run(
             done?;
         }
         steps += 1;
-        let moment = Show::moment(simulation.state()?);
+        let moment = Arc::new(Show::moment(simulation.state()?));
         let mut latest = lock(&shared.moment);
         *latest = (moment, latest.1 + 1);
     }
@@ -288,7 +287,12 @@ pub fn run(
     let outcome = if headset.is_finished() {
         match headset.join() {
             Ok(outcome) => outcome?,
-            Err(_) => Outcome { ended: panicked(), ..Outcome::default() },
+            Err(_) => {
+                return Err(crate::Error::Usage {
+                    message: "the headset's thread panicked".to_owned(),
+                    hint: "this is a fault of the program: report it with what stands above".to_owned(),
+                });
+            }
         }
     } else {
         // it hangs in a call of the runtime, which nobody can end but the runtime

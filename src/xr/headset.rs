@@ -214,10 +214,8 @@ impl<'a> Headset<'a> {
         }
         let begin = Instant::now();
         let target = session.acquire()?;
-        {
-            let latest = lock(&self.shared.moment);
-            show.take(&latest.0, latest.1)?;
-        }
+        let (moment, number) = lock(&self.shared.moment).clone();
+        show.take(&moment, number)?;
         show.set_level_distances(self.governor.distances(self.world.level_distances));
         // as late as can be: everything but the eyes' place is ready
         let eyes = session.locate(&frame)?;

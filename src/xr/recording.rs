@@ -2,7 +2,8 @@
 //!
 //! The crowd depends on the user through nothing but the place and velocity that it is told before each step, and both
 //! are written with all their bits, so a replay gives the same crowd, bit for bit, on any device whose arithmetic is
-//! exact. Head, hands and sticks are kept beside them.
+//! exact. The crowd's start is made by the host with the sines and logarithms of its C library, whose last bits differ
+//! from one version to another: a replay on such a machine is refused. Head, hands and sticks are kept beside them.
 //!
 //! ```text
 //! # gaitway recording 1
