@@ -30,6 +30,7 @@ pub struct Show {
     frame: FrameUniforms,
     time: Option<f64>,
     /// Number of the moment that the animator has.
+    #[cfg(feature = "xr")]
     taken: u64,
 }
 
@@ -98,7 +99,14 @@ impl Show {
         let mut renderer = Renderer::new(device, settings)?;
         renderer.set_meshes(meshes)?;
         renderer.set_environment(&[surface(scenery)])?;
-        Ok(Self { renderer, animator, frame: simulation.state()?.frame, time: None, taken: 0 })
+        Ok(Self {
+            renderer,
+            animator,
+            frame: simulation.state()?.frame,
+            time: None,
+            #[cfg(feature = "xr")]
+            taken: 0,
+        })
     }
 
     /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
