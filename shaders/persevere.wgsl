@@ -24,7 +24,7 @@ var<immediate> level: u32;
 const STANDING = 0.1;
 // Slower than this share of the wanted speed, in the wanted direction, is no progress.
 const PROGRESS = 0.15;
-// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 75 degrees) is in the way, m.
+// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 73 degrees) is in the way, m.
 const OPPOSED = 3.0;
 // How long the right of way lasts, s.
 const TURN = 3.0;
@@ -131,7 +131,7 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
             let speed2 = dot2(wanted, wanted);
             let against = -dot2(wanted, ahead);
             is_there = is_there || (dot2(to, to) < OPPOSED * OPPOSED && dot2(to, ahead) > 0.0
-                && speed2 > STANDING * STANDING && against > 0.0 && 16.0 * against * against > speed2
+                && speed2 > STANDING * STANDING && against > 0.0 && 12.0 * against * against > speed2
                 && (step.storey_height <= 0.0 || apart < step.storey_height));
         }
     }

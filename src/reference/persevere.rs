@@ -13,7 +13,7 @@ use crate::kernels::persevere::Slices;
 const STANDING: f32 = 0.1;
 /// Slower than this share of the wanted speed, in the wanted direction, is no progress.
 const PROGRESS: f32 = 0.15;
-/// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 75 degrees) is in the way, m.
+/// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 73 degrees) is in the way, m.
 const OPPOSED: f32 = 3.0;
 /// How long the right of way lasts, s.
 const TURN: f32 = 3.0;
@@ -152,7 +152,7 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
                 && dot2(to, ahead) > 0.0
                 && speed2 > STANDING * STANDING
                 && against > 0.0
-                && 16.0 * against * against > speed2
+                && 12.0 * against * against > speed2
                 && slots.same_storey(other, slot)
         })
     })

@@ -442,7 +442,7 @@ impl Default for Navigation {
             perturbation: 0.02,
             collision_weight: 1.0,
             max_acceleration: 10.0,
-            patience: 1.0,
+            patience: 0.0,
         }
     }
 }
