@@ -11,7 +11,7 @@ use egui_plot::{Legend, Line, Plot, PlotPoints};
 /// Kernels that the plot shows by name.
 const PLOTTED: usize = 6;
 /// Width, points.
-const WIDTH: f32 = 290.0;
+pub(super) const WIDTH: f32 = 290.0;
 
 /// What the user has set.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,9 +100,9 @@ fn head(ui: &mut Ui, facts: &Facts<'_>) {
     if facts.device != facts.simulated_on {
         ui.label(RichText::new(format!("drawn on {}", facts.device)).small());
     }
-    if !facts.said.is_empty() {
-        ui.label(RichText::new(facts.said).small().strong());
-    }
+    // there even when nothing is said: what stands below must not jump away from the pointer
+    let said = if facts.said.is_empty() { " " } else { facts.said };
+    ui.add(egui::Label::new(RichText::new(said).small().strong()).truncate());
 }
 
 fn clock(ui: &mut Ui, controls: &mut Controls) {

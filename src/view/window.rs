@@ -100,13 +100,13 @@ impl ApplicationHandler for App<'_> {
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
         let Some(scene) = &mut self.scene else { return };
-        let response = scene.pen.on_window_event(&scene.window, &event);
+        let _ = scene.pen.on_window_event(&scene.window, &event);
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(events),
             WindowEvent::RedrawRequested => self.redraw(events),
             WindowEvent::Occluded(is_hidden) => scene.is_hidden = is_hidden,
             other => {
-                if let Err(error) = scene.take(&other, response.consumed) {
+                if let Err(error) = scene.take(&other) {
                     self.fail(events, error);
                 }
             }

@@ -2,6 +2,7 @@
 
 use super::{Scene, side};
 use crate::view::camera::CameraMode;
+use crate::view::panel;
 use glam::Vec2;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::keyboard::{KeyCode, PhysicalKey};
@@ -21,10 +22,13 @@ pub(super) struct Pointer {
 
 impl Scene {
     /// Takes an event that is not the panel's.
-    pub(super) fn take(&mut self, event: &WindowEvent, is_consumed: bool) -> Result<(), crate::Error> {
+    pub(super) fn take(&mut self, event: &WindowEvent) -> Result<(), crate::Error> {
         let context = self.pen.egui_ctx();
-        let over_panel = is_consumed || context.egui_wants_pointer_input();
         let types = context.egui_wants_keyboard_input();
+        // by its place: egui itself knows only where the pointer was at the picture before
+        let width = panel::WIDTH * egui_winit::pixels_per_point(context, &self.window);
+        let is_over = self.controls.is_open && self.pointer.at.x <= width;
+        let over_panel = is_over || context.egui_is_using_pointer();
         match event {
             WindowEvent::CursorMoved { position, .. } => {
                 #[allow(clippy::cast_possible_truncation, reason = "pixels")]
