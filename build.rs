@@ -74,9 +74,12 @@ fn compile_folder(folder: &Path, spirv: &Path) -> Result<Vec<(Source, Shader)>, 
         match compiled {
             Ok((source, shader)) => {
                 for entry in &shader.entries {
-                    let bytes: Vec<u8> = entry.spirv.iter().flat_map(|word| word.to_le_bytes()).collect();
-                    let path = spirv.join(format!("{}.spv", entry.name));
-                    std::fs::write(&path, bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+                    let one_eye = entry.one_eye.iter().map(|code| (code, ".one_eye"));
+                    for (code, which) in [(&entry.spirv, "")].into_iter().chain(one_eye) {
+                        let bytes: Vec<u8> = code.iter().flat_map(|word| word.to_le_bytes()).collect();
+                        let path = spirv.join(format!("{}{which}.spv", entry.name));
+                        std::fs::write(&path, bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+                    }
                 }
                 shaders.push((source, shader));
             }
@@ -259,7 +262,15 @@ fn draw_shader(source: &Source, shader: &Shader, text: &mut String) -> Result<()
     let entries: String = shader
         .entries
         .iter()
-        .map(|e| format!("DrawEntry {{ name: \"{}\", spirv: &[{}] }},", e.name, words(&e.spirv)))
+        .map(|e| {
+            let one_eye =
+                e.one_eye.as_ref().map_or_else(|| "None".to_owned(), |w| format!("Some(&[{}])", words(w)));
+            format!(
+                "DrawEntry {{ name: \"{}\", spirv: &[{}], one_eye: {one_eye} }},",
+                e.name,
+                words(&e.spirv)
+            )
+        })
         .collect();
     let immediate = shader.entries.iter().filter_map(|e| e.immediate.as_ref()).map(|(_, size)| *size).max();
     let _ = write!(

@@ -21,6 +21,9 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 #[cfg(feature = "vulkan")]
+mod stereo;
+
+#[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Validation, plan::Op};
 
 /// Metres between agents of the crossing: one to a square metre.
@@ -53,6 +56,8 @@ pub enum Workload {
     /// These, the animation of everyone in that crowd, ways over as many cells, the features of as many gaits, and the
     /// arithmetic probe: every kernel.
     All,
+    /// Both eyes of a user who stands before the crowd, in one pass, in two, and as two pictures (see the rows' names).
+    Stereo,
 }
 
 /// One measurement.
@@ -144,6 +149,13 @@ pub fn bench(
     for (number, &agents) in sizes.iter().enumerate() {
         #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
         let share = |part: f64| (number as f64 + part) / sizes.len() as f64;
+        if workload == Workload::Stereo {
+            progress(&format!("both eyes, {agents} agents"), share(0.0));
+            let (timed, device) = both_eyes(agents, backend, device)?;
+            name = device;
+            rows.extend(timed);
+            continue;
+        }
         progress(&format!("step, {agents} agents"), share(0.0));
         let (row, seen, simulation) = whole_step(agents, backend, device)?;
         name = simulation.device();
@@ -176,6 +188,29 @@ pub fn bench(
     let wall_seconds = begin.elapsed().as_secs_f64();
     let optimised = !cfg!(debug_assertions);
     Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, wall_seconds })
+}
+
+/// Times pictures for both eyes.
+#[cfg(feature = "vulkan")]
+fn both_eyes(
+    agents: usize,
+    backend: Backend,
+    device: Option<&str>,
+) -> Result<(Vec<Row>, String), crate::Error> {
+    stereo::stereo(agents, backend, device)
+}
+
+/// Pictures need Vulkan.
+#[cfg(not(feature = "vulkan"))]
+fn both_eyes(
+    _agents: usize,
+    _backend: Backend,
+    _device: Option<&str>,
+) -> Result<(Vec<Row>, String), crate::Error> {
+    Err(crate::Error::Usage {
+        message: "pictures for both eyes need Vulkan, which this program was built without".to_owned(),
+        hint: "build with the feature `vulkan`".to_owned(),
+    })
 }
 
 /// Times whole steps of the crossing.

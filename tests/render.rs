@@ -17,7 +17,9 @@ mod support;
 use gaitway::export::image::{Tile, contact_sheet};
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::pack::pack_avatars;
-use gaitway::render::{Atmosphere, Markers, Renderer, Settings};
+use gaitway::render::{
+    Atmosphere, Hand, HandKind, Image, Markers, Renderer, Settings, Stereo, Teleport, User,
+};
 use glam::{Vec2, Vec3};
 
 use support::*;
@@ -210,6 +212,150 @@ fn two_eyes_in_one_go_see_what_each_would_see_alone() {
             .count();
         assert!(differ < 200, "eye {eye}: {differ} pixels differ");
     }
+    assert_silent();
+}
+
+#[test]
+fn one_pass_for_both_eyes_and_a_pass_for_each_give_the_same_pictures() {
+    let Some(device) = device() else { return };
+    let boxes = tower();
+    let places: Vec<_> =
+        (0..6).map(|i| (Vec2::new(i as f32 * 0.8 - 2.0, i as f32 * 0.3), i % 2 == 0)).collect();
+    let made = HandMade::new(&device, &places, &[COLORS], &[0, 1, 2, 3]);
+    let camera = Camera::look_at(Vec3::new(0.0, 1.7, 4.0), Vec3::Y, Vec3::Y);
+    let view = View::stereo(&camera, 0.3, W, H);
+    for samples in [1, 4] {
+        let draw = |stereo| {
+            let markers = Some(Markers::default());
+            let settings = Settings { eyes: 2, samples, stereo, markers, ..Settings::sized(W, H) };
+            let mut renderer = Renderer::new(&device, settings).unwrap();
+            renderer.set_environment(&[boxes.surface()]).unwrap();
+            renderer.set_meshes(&made.meshes).unwrap();
+            let first = renderer.draw(&view, Some(&made.crowd())).unwrap();
+            // in another size and back: the views of the layers are made anew
+            renderer.resize(W / 2, H / 2).unwrap();
+            renderer.draw(&view, Some(&made.crowd())).unwrap();
+            renderer.resize(W, H).unwrap();
+            assert_eq!(first, renderer.draw(&view, Some(&made.crowd())).unwrap());
+            (first, renderer.settings().stereo)
+        };
+        let (two, ways) = draw(Stereo::TwoPasses);
+        assert_eq!(ways, Stereo::TwoPasses);
+        keep(&format!("two_passes{samples}"), &two);
+        let (one, ways) = draw(Stereo::Auto);
+        assert_eq!(ways, Stereo::OnePass, "this device has multiview");
+        let differ = one.pixels.chunks(4).zip(two.pixels.chunks(4)).filter(|(a, b)| a != b).count();
+        assert_eq!(differ, 0, "{samples} samples");
+        let half = |eye: u32| (0..W).map(move |x| x + eye * W);
+        let differ =
+            half(0).zip(half(1)).filter(|(l, r)| one.pixel(*l, H / 2) != one.pixel(*r, H / 2)).count();
+        assert!(differ > 20, "the eyes see different pictures");
+    }
+    assert_silent();
+}
+
+#[test]
+fn bodies_fade_near_the_eyes_and_both_eyes_miss_the_same_places() {
+    let Some(device) = device() else { return };
+    let eye = Vec3::new(0.0, 1.1, 0.0);
+    let camera = Camera::look_at(eye, eye + Vec3::Z, Vec3::Y);
+    let draw = |distance: f32, stereo| {
+        // the front of the body's shirt is 0.12 m before its middle; the arms' boxes reach beyond the picture
+        let made = HandMade::new(&device, &[(Vec2::new(0.0, distance + 0.12), true)], &[COLORS], &[0]);
+        let settings = Settings { eyes: 2, samples: 1, stereo, atmosphere: flat(), ..Settings::sized(W, H) };
+        let mut renderer = Renderer::new(&device, settings).unwrap();
+        renderer.set_meshes(&made.meshes).unwrap();
+        renderer.draw(&View::stereo(&camera, 0.06, W, H), Some(&made.crowd())).unwrap()
+    };
+    let is_shirt = |image: &Image, x: u32, y: u32| {
+        let [r, g, b, _] = image.pixel(x, y).unwrap();
+        is_color([r, g, b], COLORS[2])
+    };
+    // within the front of the shirt, which spans 0.5 m by 0.6 m
+    let share = |image: &Image, eye: u32| {
+        let places = (60..120).flat_map(|y| (120..200).map(move |x| (x + eye * W, y)));
+        let (shown, all) =
+            places.fold((0, 0), |(s, n), (x, y)| (s + u32::from(is_shirt(image, x, y)), n + 1));
+        f64::from(shown) / f64::from(all)
+    };
+    for (distance, low, high) in [(0.7, 1.0, 1.0), (0.5, 0.6, 0.85), (0.4, 0.3, 0.65), (0.15, 0.0, 0.0)] {
+        let image = draw(distance, Stereo::Auto);
+        keep(&format!("near{}", (distance * 100.0) as u32), &image);
+        for eye in 0..2 {
+            let share = share(&image, eye);
+            assert!((low..=high).contains(&share), "{distance} m, eye {eye}: {share}");
+        }
+        assert_eq!(image, draw(distance, Stereo::TwoPasses));
+    }
+    let image = draw(0.4, Stereo::Auto);
+    let view = View::stereo(&camera, 0.06, W, H);
+    let (mut same, mut all) = (0, 0);
+    // the middles of the pattern's cells, of three pixels as seen from between the eyes
+    let cell = 3.0 * 2.0 * (0.5 * Camera::VERTICAL_FOV).tan() / H as f32;
+    for i in -15..15 {
+        for j in -15..15 {
+            let place = eye + Vec3::new((i as f32 + 0.5) * cell, (j as f32 + 0.5) * cell, 1.0) * 0.4;
+            let seen = [0, 1].map(|eye| {
+                let p = view.pixel_from_world(eye, place, W, H).unwrap();
+                is_shirt(&image, p.x as u32 + eye as u32 * W, p.y as u32)
+            });
+            same += u32::from(seen[0] == seen[1]);
+            all += 1;
+        }
+    }
+    assert!(same * 10 > all * 9, "{same} of {all} places are the same in both eyes");
+    assert_silent();
+}
+
+#[test]
+fn hands_target_and_vignette_of_the_user_are_drawn_where_they_are() {
+    let Some(device) = device() else { return };
+    let mut renderer =
+        Renderer::new(&device, Settings { eyes: 2, atmosphere: flat(), ..Settings::sized(W, H) }).unwrap();
+    let mut boxes = Boxes::default();
+    boxes.add(Vec3::new(-20.0, -1.0, -20.0), Vec3::new(20.0, 0.0, 20.0), Vec3::splat(0.3));
+    renderer.set_environment(&[boxes.surface()]).unwrap();
+    let camera = Camera::user_eyes(Vec3::new(0.0, 1.7, 0.0), 0.0, -0.5).with_fov(1.7);
+    let view = View::stereo(&camera, 0.06, W, H);
+    let bare = renderer.draw(&view, None).unwrap();
+    let turn = camera.rotation;
+    let places = [Vec3::new(0.25, 1.3, 0.45), Vec3::new(-0.25, 1.3, 0.45)];
+    let hand = |i: usize, kind| Some(Hand { place: places[i], turn, kind });
+    let to = Vec3::new(0.0, 0.0, 2.5);
+    let teleport = Some(Teleport { from: places[1], to, is_allowed: true });
+    let hands = [hand(0, HandKind::Hand), hand(1, HandKind::Controller)];
+    renderer.set_user(User { hands, teleport, vignette: 0.0 });
+    let image = renderer.draw(&view, None).unwrap();
+    keep("user", &image);
+    let changed = |image: &Image, eye: usize, place: Vec3| {
+        let p = view.pixel_from_world(eye, place, W, H).unwrap();
+        let (x, y) = (p.x as u32 + eye as u32 * W, p.y as u32);
+        image.pixel(x, y) != bare.pixel(x, y)
+    };
+    for eye in 0..2 {
+        for place in [places[0], places[1], to] {
+            assert!(changed(&image, eye, place), "eye {eye}: {place}");
+        }
+        assert!(!changed(&image, eye, Vec3::new(1.5, 0.0, 2.5)), "nothing beside it");
+    }
+    // blue where one may go, red where not
+    let color = |image: &Image| at(image, &view, to + Vec3::new(0.9 * 0.35, 0.02, 0.0));
+    let [r, _, b] = color(&image);
+    assert!(b > r + 60, "{r} {b}");
+    let forbidden = teleport.map(|aim| Teleport { is_allowed: false, ..aim });
+    renderer.set_user(User { vignette: 1.0, ..User::default() });
+    let image = renderer.draw(&view, None).unwrap();
+    keep("vignette", &image);
+    for eye in 0..2_u32 {
+        assert_eq!(image.pixel(eye * W + 2, H / 2), Some([0, 0, 0, 255]), "dark at the edge");
+        let middle = (eye * W + W / 2, H / 2);
+        assert_eq!(image.pixel(middle.0, middle.1), bare.pixel(middle.0, middle.1), "clear in the middle");
+    }
+    renderer.set_user(User { teleport: forbidden, ..User::default() });
+    let [r, _, b] = color(&renderer.draw(&view, None).unwrap());
+    assert!(r > b + 60, "{r} {b}");
+    renderer.set_user(User::default());
+    assert_eq!(bare, renderer.draw(&view, None).unwrap());
     assert_silent();
 }
 

@@ -98,6 +98,38 @@ fn crowd_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0
     return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
 }
 
+// Bodies nearer to an eye than this begin to dissolve, and are gone, m: nobody is seen from the inside.
+const FADE_BEGINS: f32 = 0.6;
+const FADE_ENDS: f32 = 0.22;
+
+// Whether this place of a near body is left out. A screen door: the share of its cells that is open grows with nearness.
+// Nearness is that to the nearer eye, and the cells are seen from between the eyes, so that both eyes miss the same places.
+fn is_faded(world: vec3<f32>) -> bool {
+    let near = min(distance(world, view.fade[0].xyz), distance(world, view.fade[1].xyz));
+    let whole = (near - FADE_ENDS) / (FADE_BEGINS - FADE_ENDS);
+    if whole >= 1.0 {
+        return false;
+    }
+    let away = world - 0.5 * (view.fade[0].xyz + view.fade[1].xyz);
+    let ahead = max(dot(away, view.fade[4].xyz), 1.0e-3);
+    let cell = floor(vec2<f32>(dot(away, view.fade[2].xyz), dot(away, view.fade[3].xyz)) / ahead);
+    let x = u32(i32(cell.x)) & 3u;
+    let y = u32(i32(cell.y)) & 3u;
+    // Bayer's order of four by four cells: their bits turned round and interleaved
+    let other = x ^ y;
+    let order = ((other & 1u) << 3u) | ((y & 1u) << 2u) | (other & 2u) | (y >> 1u);
+    return whole <= (f32(order) + 0.5) / 16.0;
+}
+
+// For the finest level only: a shader that may leave something out tests depth late.
+@fragment
+fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    if is_faded(in.world) {
+        discard;
+    }
+    return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+}
+
 @vertex
 fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
     return view.shadow_from_world * vec4<f32>(place(vertex, instance).world, 1.0);

@@ -12,6 +12,7 @@ struct ViewUniforms {
     sky_horizon: vec4<f32>,                 // rgb; w: haze, 1/m
     ground_bounce: vec4<f32>,               // rgb: light from below; w: exposure
     emotion_colors: array<vec4<f32>, 4>,    // rgb per emotion; w: opacity
+    fade: array<vec4<f32>, 5>,              // near bodies: both eyes; right, down, ahead between them, the first two in cells
     level_count: u32,
     bucket_count: u32,
     marker_radius: f32,                     // of the ring under an agent, m

@@ -15,7 +15,8 @@ use clap::{Args, ValueEnum};
                         1000,10000 --json\n  gaitway bench --backend cpu\n\nThe crossing: one agent per square metre, \
                         two streams at right angles over a square whose opposite sides are joined.")]
 pub(super) struct Arguments {
-    /// crossing: the kernels of a step; all: those of the animation and the probe, too
+    /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
+    /// a headset, in one pass, in two, and one after the other
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated
@@ -33,6 +34,7 @@ enum WorkloadName {
     #[default]
     Crossing,
     All,
+    Stereo,
 }
 
 /// Runs the subcommand.
@@ -46,6 +48,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let workload = match arguments.workload {
         WorkloadName::Crossing => Workload::Crossing,
         WorkloadName::All => Workload::All,
+        WorkloadName::Stereo => Workload::Stereo,
     };
     let (backend, device) = arguments.place.get()?;
     let mut progress = Progress::new("timing");
@@ -86,6 +89,28 @@ fn print(report: &Report) {
         })
         .collect();
     table(&["name", "agents", "median ms", "min ms", "max ms", "agents/s", "runs"], &rows);
+    for agents in report.rows.iter().filter(|row| row.name == "stereo_one_pass").map(|row| row.agents) {
+        let ms = |name| {
+            report.rows.iter().find(|row| row.agents == agents && row.name == name).map(|row| row.ms_median)
+        };
+        if let (Some(one), Some(two), Some(pictures)) =
+            (ms("stereo_one_pass"), ms("stereo_two_passes"), ms("stereo_two_pictures"))
+        {
+            let agents = thousands(agents as u64);
+            say(&format!(
+                "{agents} agents: one pass takes {:.2} of two passes, {:.2} of two pictures",
+                one / two,
+                one / pictures
+            ));
+        }
+    }
+    if !report.quality.is_empty() {
+        print_quality(report);
+    }
+    say(&format!("wall time  {:.1} s", report.wall_seconds));
+}
+
+fn print_quality(report: &Report) {
     say("\nThe crowds of the rows `step` at their end:");
     let rows: Vec<Vec<String>> = report
         .quality
@@ -105,5 +130,4 @@ fn print(report: &Report) {
     let head =
         ["agents", "steps", "overlaps/agent", "deep/agent", "nearest m", "progress m/s", "bytes/agent"];
     table(&head, &rows);
-    say(&format!("wall time  {:.1} s", report.wall_seconds));
 }

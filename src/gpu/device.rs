@@ -19,6 +19,8 @@ pub struct Device {
     pub(crate) allocator: ManuallyDrop<Mutex<Allocator>>,
     pub(crate) names: Option<ext::debug_utils::Device>,
     pub(crate) limits: vk::PhysicalDeviceLimits,
+    /// Whether one pass can draw both eyes.
+    pub(crate) multiview: bool,
     info: DeviceInfo,
 }
 
@@ -77,7 +79,7 @@ impl Device {
             return Err(Error::NoDevice { wanted: wanted.unwrap_or("any").to_owned(), found });
         };
         let family = instance.family(physical).unwrap_or(0);
-        let raw = open_device(maker, &instance, physical, family)?;
+        let (raw, multiview) = open_device(maker, &instance, physical, family)?;
         // SAFETY: the queue was asked for when the device was made; the device came from the instance.
         let (queue, limits) = unsafe {
             (raw.get_device_queue(family, 0), instance.raw.get_physical_device_properties(physical).limits)
@@ -104,6 +106,7 @@ impl Device {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             names,
             limits,
+            multiview,
             info,
             instance,
         }))
@@ -171,7 +174,7 @@ fn open_device(
     instance: &Instance,
     physical: vk::PhysicalDevice,
     family: u32,
-) -> Result<ash::Device, Error> {
+) -> Result<(ash::Device, bool), Error> {
     // SAFETY: the device came from this instance.
     let known = unsafe { instance.raw.get_physical_device_features(physical) };
     let features = vk::PhysicalDeviceFeatures {
@@ -219,7 +222,7 @@ fn open_device(
     // that of the device just made.
     unsafe {
         let raw = maker.device(&instance.entry, &instance.raw, physical, &create)?;
-        Ok(ash::Device::load(instance.raw.fp_v1_0(), raw))
+        Ok((ash::Device::load(instance.raw.fp_v1_0(), raw), v11.multiview == vk::TRUE))
     }
 }
 

@@ -244,18 +244,14 @@ impl Instance {
         if api < vk::API_VERSION_1_3 {
             return Some("needs Vulkan 1.3".to_owned());
         }
-        let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
         // SAFETY: the device came from this instance and has Vulkan 1.3.
         unsafe {
-            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v13);
+            let mut features = vk::PhysicalDeviceFeatures2::default().push_next(&mut v13);
             self.raw.get_physical_device_features2(device, &mut features);
         }
         if v13.synchronization2 == vk::FALSE || v13.dynamic_rendering == vk::FALSE {
             return Some("lacks synchronization2 or dynamicRendering".to_owned());
-        }
-        if v11.multiview == vk::FALSE {
-            return Some("lacks multiview".to_owned());
         }
         self.family(device).is_none().then(|| "has no queue for graphics and compute".to_owned())
     }

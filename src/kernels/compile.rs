@@ -10,7 +10,10 @@ mod spirv;
 use naga::back::spv;
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy, Layouter};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, Block, Module, ScalarKind, ShaderStage, Statement, Type, TypeInner, VectorSize};
+use naga::{
+    AddressSpace, Block, BuiltIn, Expression, FunctionArgument, Literal, Module, ScalarKind, ShaderStage,
+    Statement, Type, TypeInner, VectorSize,
+};
 use std::path::{Path, PathBuf};
 
 /// Text of one shader with the shared texts it asks for behind it, and where each part came from.
@@ -137,6 +140,8 @@ pub struct Entry {
     pub immediate: Option<(String, u32)>,
     /// The code.
     pub spirv: Vec<u32>,
+    /// The same for one eye a pass, which needs no multiview, where it reads the number of the eye.
+    pub one_eye: Option<Vec<u32>>,
 }
 
 /// A compiled shader file.
@@ -235,6 +240,7 @@ fn entry(
     }
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
     let spirv = emit(module, info, index).map_err(|e| format!("{}: {e}", source.name))?;
+    let one_eye = one_eye(module, index).map_err(|e| format!("{}: {e}", source.name))?;
     Ok(Entry {
         name: point.name.clone(),
         stage: point.stage,
@@ -242,7 +248,35 @@ fn entry(
         bindings,
         immediate,
         spirv,
+        one_eye,
     })
+}
+
+/// The SPIR-V of an entry point that reads `view_index`, with 0 in its place; none for one that does not.
+///
+/// A shader that reads the number of the eye needs a device with multiview, even when it draws one eye only.
+fn one_eye(module: &Module, index: usize) -> Result<Option<Vec<u32>>, String> {
+    let is_eye = |a: &FunctionArgument| a.binding == Some(naga::Binding::BuiltIn(BuiltIn::ViewIndex));
+    let arguments = &module.entry_points[index].function.arguments;
+    let Some(eye) = arguments.iter().position(is_eye) else { return Ok(None) };
+    let mut module = module.clone();
+    let function = &mut module.entry_points[index].function;
+    function.arguments.remove(eye);
+    let eye = u32::try_from(eye).map_err(|error| error.to_string())?;
+    for (_, expression) in function.expressions.iter_mut() {
+        match expression {
+            Expression::FunctionArgument(number) if *number == eye => {
+                *expression = Expression::Literal(Literal::U32(0));
+            }
+            Expression::FunctionArgument(number) if *number > eye => *number -= 1,
+            _ => {}
+        }
+    }
+    // the other entry points may still have it
+    module.entry_points = vec![module.entry_points.swap_remove(index)];
+    let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module);
+    let info = info.map_err(|error| format!("without view_index: {error}"))?;
+    emit(&module, &info, 0).map(Some)
 }
 
 /// The SPIR-V of one entry point, with the choices this project has measured.

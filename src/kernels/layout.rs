@@ -120,6 +120,28 @@ pub struct FrameUniforms {
     pub turn_most: u32,
 }
 
+/// A rounded solid; meaning and units stand in `shaders/draw/user.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct Solid {
+    pub x: [f32; 4],
+    pub y: [f32; 4],
+    pub z: [f32; 4],
+    pub color: [f32; 4],
+}
+
+/// What pictures show of the user; meaning and units stand in `shaders/draw/user.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct UserUniforms {
+    pub solids: [Solid; 32],
+    pub target_place: [f32; 4],
+    pub target_color: [f32; 4],
+    pub vignette: [f32; 4],
+}
+
 /// Parameters of one picture for the draw shaders; units and meaning stand in `shaders/shared/view.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
@@ -136,6 +158,7 @@ pub struct ViewUniforms {
     pub sky_horizon: [f32; 4],
     pub ground_bounce: [f32; 4],
     pub emotion_colors: [[f32; 4]; 4],
+    pub fade: [[f32; 4]; 5],
     pub level_count: u32,
     pub bucket_count: u32,
     pub marker_radius: f32,

@@ -80,6 +80,8 @@ pub struct DrawEntry {
     pub name: &'static str,
     /// The code.
     pub spirv: &'static [u32],
+    /// The same for one eye a pass, where the code reads the number of the eye: needs no multiview.
+    pub one_eye: Option<&'static [u32]>,
 }
 
 /// What kind of thing a draw shader binds.

@@ -10,6 +10,7 @@ pub mod camera;
 mod crowd;
 #[cfg(feature = "xr")]
 mod faces;
+mod parts;
 mod pipelines;
 mod record;
 mod renderer;
@@ -18,6 +19,7 @@ mod settings;
 mod shadow;
 pub mod show;
 mod target;
+mod user;
 
 pub use crate::picture::Image;
 pub use crate::sim::bodies as pack;
@@ -28,10 +30,11 @@ pub use crowd::CrowdBuffers;
 pub use faces::Face;
 pub use renderer::Renderer;
 pub use scene::Surface;
-pub use settings::{Markers, Settings};
+pub use settings::{Markers, Settings, Stereo};
 pub use show::Show;
 #[cfg(feature = "view")]
 pub(crate) use target::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
+pub use user::{Hand, HandKind, Teleport, User};
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]

@@ -21,14 +21,14 @@ pub(crate) enum Resource {
     Sampler(vk::Sampler),
 }
 
-/// A draw shader with its layout and one descriptor set.
+/// A draw shader with its layout and a descriptor set for every pass.
 pub(crate) struct Program {
     device: Arc<Device>,
     shader: &'static DrawShader,
     set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
     pool: vk::DescriptorPool,
-    pub(crate) set: vk::DescriptorSet,
+    pub(crate) sets: Vec<vk::DescriptorSet>,
     pipelines: Vec<vk::Pipeline>,
 }
 
@@ -57,14 +57,19 @@ fn descriptor_type(kind: DrawBindingKind) -> vk::DescriptorType {
 }
 
 impl Program {
-    pub(crate) fn new(device: &Arc<Device>, shader: &'static DrawShader) -> Result<Self, Error> {
+    pub(crate) fn new(
+        device: &Arc<Device>,
+        shader: &'static DrawShader,
+        passes: usize,
+    ) -> Result<Self, Error> {
+        let count = u32::try_from(passes).unwrap_or(1).max(1);
         let mut program = Self {
             device: device.clone(),
             shader,
             set_layout: vk::DescriptorSetLayout::null(),
             layout: vk::PipelineLayout::null(),
             pool: vk::DescriptorPool::null(),
-            set: vk::DescriptorSet::null(),
+            sets: Vec::new(),
             pipelines: Vec::new(),
         };
         let bindings: Vec<_> = shader
@@ -81,7 +86,7 @@ impl Program {
         let sizes: Vec<_> = shader
             .bindings
             .iter()
-            .map(|b| vk::DescriptorPoolSize::default().ty(descriptor_type(b.kind)).descriptor_count(1))
+            .map(|b| vk::DescriptorPoolSize::default().ty(descriptor_type(b.kind)).descriptor_count(count))
             .collect();
         let immediates = [vk::PushConstantRange::default()
             .stage_flags(vk::ShaderStageFlags::VERTEX)
@@ -94,34 +99,41 @@ impl Program {
             program.set_layout = raw
                 .create_descriptor_set_layout(&create, None)
                 .map_err(call("vkCreateDescriptorSetLayout"))?;
-            let layouts = [program.set_layout];
+            let layouts = vec![program.set_layout; count as usize];
             let create = vk::PipelineLayoutCreateInfo::default()
-                .set_layouts(&layouts)
+                .set_layouts(&layouts[..1])
                 .push_constant_ranges(immediates);
             program.layout =
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
-            let create = vk::DescriptorPoolCreateInfo::default().max_sets(1).pool_sizes(&sizes);
+            let create = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
             program.pool =
                 raw.create_descriptor_pool(&create, None).map_err(call("vkCreateDescriptorPool"))?;
             let allocate =
                 vk::DescriptorSetAllocateInfo::default().descriptor_pool(program.pool).set_layouts(&layouts);
-            let sets = raw.allocate_descriptor_sets(&allocate).map_err(call("vkAllocateDescriptorSets"))?;
-            program.set = sets.first().copied().unwrap_or_default();
+            program.sets =
+                raw.allocate_descriptor_sets(&allocate).map_err(call("vkAllocateDescriptorSets"))?;
         }
-        device.name(program.set, shader.name);
+        for set in &program.sets {
+            device.name(*set, shader.name);
+        }
         Ok(program)
     }
 
-    /// Fills every binding with what `resource` gives for its name.
+    /// The set of a pass.
+    pub(crate) fn set(&self, pass: usize) -> vk::DescriptorSet {
+        self.sets.get(pass).copied().unwrap_or_default()
+    }
+
+    /// Fills every binding of a pass with what `resource` gives for its name.
     ///
     /// The set must not be in use: every submission of the renderer is waited for.
-    pub(crate) fn bind(&self, resource: impl Fn(&str) -> Option<Resource>) -> Result<(), Error> {
+    pub(crate) fn bind(&self, pass: usize, resource: impl Fn(&str) -> Option<Resource>) -> Result<(), Error> {
         for binding in self.shader.bindings {
             let Some(resource) = resource(binding.name) else {
                 return Err(Error::NoBuffer { shader: self.shader.name, binding: binding.name });
             };
             let write = vk::WriteDescriptorSet::default()
-                .dst_set(self.set)
+                .dst_set(self.set(pass))
                 .dst_binding(binding.index)
                 .descriptor_type(descriptor_type(binding.kind));
             let (buffer, image);
@@ -145,12 +157,10 @@ impl Program {
         Ok(())
     }
 
-    fn module(&self, entry: &'static str) -> Result<vk::ShaderModule, Error> {
-        let code = self
-            .shader
-            .entry(entry)
-            .ok_or(Error::NoBuffer { shader: self.shader.name, binding: entry })?
-            .spirv;
+    fn module(&self, entry: &'static str, view_mask: u32) -> Result<vk::ShaderModule, Error> {
+        let missing = Error::NoBuffer { shader: self.shader.name, binding: entry };
+        let entry = self.shader.entry(entry).ok_or(missing)?;
+        let code = entry.one_eye.filter(|_| view_mask == 0).unwrap_or(entry.spirv);
         let create = vk::ShaderModuleCreateInfo::default().code(code);
         // SAFETY: the SPIR-V was validated when the crate was built.
         Ok(unsafe { self.device.raw.create_shader_module(&create, None) }
@@ -159,8 +169,8 @@ impl Program {
 
     /// Makes a pipeline, which lives as long as the program.
     pub(crate) fn pipeline(&mut self, spec: &PipelineSpec) -> Result<vk::Pipeline, Error> {
-        let vertex = self.module(spec.vertex)?;
-        let fragment = spec.fragment.map(|entry| self.module(entry)).transpose();
+        let vertex = self.module(spec.vertex, spec.view_mask)?;
+        let fragment = spec.fragment.map(|entry| self.module(entry, spec.view_mask)).transpose();
         let made = match fragment {
             Ok(fragment) => {
                 let made = self.create(spec, vertex, fragment.unwrap_or_default());

@@ -1,11 +1,14 @@
 //! The commands of one picture: shadow map, then everything that is seen.
 
 use super::camera::View;
+use super::parts::view_mask;
 use super::pipelines::{Program, Resource};
 use super::renderer::Renderer;
 use super::target::Transition;
-use super::{CrowdBuffers, Error};
+use super::user::SOLID_VERTICES;
+use super::{CrowdBuffers, Error, User};
 use crate::gpu::Buffer;
+use crate::kernels::layout::ViewUniforms;
 use ash::vk;
 use std::ffi::CStr;
 
@@ -25,11 +28,16 @@ const COLOR_USE: Access =
     Access::from_raw(Access::COLOR_ATTACHMENT_READ.as_raw() | Access::COLOR_ATTACHMENT_WRITE.as_raw());
 const SHADERS: Stage = Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
 
+/// As a colour attachment is used.
+const COLOR_ATTACHMENT: (Stage, Access, Layout) =
+    (Stage::COLOR_ATTACHMENT_OUTPUT, COLOR_USE, Layout::COLOR_ATTACHMENT_OPTIMAL);
+
 /// The image a picture is drawn into, of one layer per eye.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Output {
     pub(crate) image: vk::Image,
-    pub(crate) view: vk::ImageView,
+    /// What each pass draws into: all layers, or one after the other.
+    pub(crate) views: [vk::ImageView; 2],
     /// Stage that used the image last (or waits for it to be there).
     pub(crate) before: Stage,
     /// Who uses it next, how, in which layout.
@@ -39,23 +47,37 @@ pub(crate) struct Output {
 impl Renderer {
     /// Fills the descriptor sets. They must not be in use by the device.
     pub(crate) fn bind(&self, crowd: Option<&CrowdBuffers<'_>>) -> Result<(), Error> {
+        for (pass, uniforms) in self.uniforms.iter().enumerate() {
+            self.bind_pass(pass, uniforms, crowd)?;
+        }
+        Ok(())
+    }
+
+    fn bind_pass(
+        &self,
+        pass: usize,
+        uniforms: &Buffer,
+        crowd: Option<&CrowdBuffers<'_>>,
+    ) -> Result<(), Error> {
         let buffer = |buffer: &Buffer| Some(Resource::Buffer(buffer.raw));
         let resource = |name: &str| match name {
-            "view" => buffer(&self.uniforms),
+            "view" => buffer(uniforms),
+            "user" => buffer(&self.user_uniforms),
             "shadow_map" => Some(Resource::Texture(self.shadow_map.view, Layout::SHADER_READ_ONLY_OPTIMAL)),
             "shadow_sampler" => Some(Resource::Sampler(self.sampler)),
             "environment" => self.environment.as_ref().and_then(|e| buffer(&e.vertices)),
             name => crowd.and_then(|crowd| crowd.buffer(name)).and_then(buffer),
         };
-        self.programs.sky.bind(resource)?;
+        self.programs.sky.bind(pass, resource)?;
+        self.programs.user.bind(pass, resource)?;
         if self.environment.is_some() {
-            self.programs.environment.bind(resource)?;
+            self.programs.environment.bind(pass, resource)?;
         }
         if let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) {
             crowd.check(meshes.bucket_count)?;
-            self.programs.crowd.bind(resource)?;
+            self.programs.crowd.bind(pass, resource)?;
             if self.settings.markers.is_some() {
-                self.programs.marker.bind(resource)?;
+                self.programs.marker.bind(pass, resource)?;
             }
         }
         Ok(())
@@ -71,6 +93,7 @@ impl Renderer {
     ) {
         let crowd = crowd.filter(|_| self.meshes.is_some());
         let uniforms = self.view_uniforms(view);
+        let (user, solids) = self.user.uniforms();
         // what kernels and copies wrote is there for the draws; the uniforms are free of the picture before
         self.barrier(
             commands,
@@ -88,8 +111,15 @@ impl Renderer {
         );
         // SAFETY: recording has begun; the contents are a few hundred bytes, a multiple of four, and fit the buffer.
         unsafe {
-            let bytes = bytemuck::bytes_of(&uniforms);
-            self.device.raw.cmd_update_buffer(commands, self.uniforms.raw, 0, bytes);
+            for (eye, buffer) in self.uniforms.iter().enumerate() {
+                let uniforms = if self.uniforms.len() > 1 { one_eye(&uniforms, eye) } else { uniforms };
+                let bytes = bytemuck::bytes_of(&uniforms);
+                self.device.raw.cmd_update_buffer(commands, buffer.raw, 0, bytes);
+            }
+            if self.user != User::default() {
+                let bytes = bytemuck::bytes_of(&user);
+                self.device.raw.cmd_update_buffer(commands, self.user_uniforms.raw, 0, bytes);
+            }
         }
         self.barrier(
             commands,
@@ -99,9 +129,13 @@ impl Renderer {
         self.label(commands, Some(c"gaitway.shadow"));
         self.record_shadow(commands, crowd);
         self.label(commands, None);
-        self.label(commands, Some(c"gaitway.picture"));
-        self.record_picture(commands, crowd, output);
-        self.label(commands, None);
+        self.begin_output(commands, output);
+        for (pass, target) in output.views.into_iter().enumerate().take(self.uniforms.len()) {
+            self.label(commands, Some(c"gaitway.picture"));
+            self.record_picture(commands, crowd, solids, (pass, target));
+            self.label(commands, None);
+        }
+        self.end_output(commands, output);
         // kernels of the next step may overwrite what was drawn from
         self.barrier(
             commands,
@@ -125,35 +159,51 @@ impl Renderer {
         unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
         if self.settings.shadow_size > 0 {
             self.set_area(commands, area);
-            self.draw_environment(commands, self.pipelines.environment_shadow);
-            self.draw_crowd(commands, self.pipelines.crowd_shadow, crowd);
+            self.draw_environment(commands, self.pipelines.environment_shadow, 0);
+            self.draw_crowd(commands, [self.pipelines.crowd_shadow; 2], crowd, 0);
         }
         // SAFETY: rendering has begun.
         unsafe { self.device.raw.cmd_end_rendering(commands) };
         self.transition(commands, &[Transition { image, aspect, from: attachment, to: sampled }]);
     }
 
-    fn record_picture(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>, output: &Output) {
-        let attachment = (Stage::COLOR_ATTACHMENT_OUTPUT, COLOR_USE, Layout::COLOR_ATTACHMENT_OPTIMAL);
+    fn begin_output(&self, commands: vk::CommandBuffer, output: &Output) {
+        let before = output.before | Stage::COLOR_ATTACHMENT_OUTPUT;
+        let output = Transition {
+            image: output.image,
+            aspect: vk::ImageAspectFlags::COLOR,
+            from: (before, Access::COLOR_ATTACHMENT_WRITE, Layout::UNDEFINED),
+            to: COLOR_ATTACHMENT,
+        };
+        self.transition(commands, &[output]);
+    }
+
+    fn end_output(&self, commands: vk::CommandBuffer, output: &Output) {
+        let from = (
+            Stage::COLOR_ATTACHMENT_OUTPUT,
+            Access::COLOR_ATTACHMENT_WRITE,
+            Layout::COLOR_ATTACHMENT_OPTIMAL,
+        );
         let color = vk::ImageAspectFlags::COLOR;
-        let mut before = vec![
-            Transition {
-                image: self.attachments.depth.raw,
-                aspect: vk::ImageAspectFlags::DEPTH,
-                from: (DEPTH_TESTS, Access::DEPTH_STENCIL_ATTACHMENT_WRITE, Layout::UNDEFINED),
-                to: (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL),
-            },
-            Transition {
-                image: output.image,
-                aspect: color,
-                from: (
-                    output.before | Stage::COLOR_ATTACHMENT_OUTPUT,
-                    Access::COLOR_ATTACHMENT_WRITE,
-                    Layout::UNDEFINED,
-                ),
-                to: attachment,
-            },
-        ];
+        let finished = Transition { image: output.image, aspect: color, from, to: output.after };
+        self.transition(commands, &[finished]);
+    }
+
+    /// One pass: both eyes, or one of them.
+    fn record_picture(
+        &self,
+        commands: vk::CommandBuffer,
+        crowd: Option<&CrowdBuffers<'_>>,
+        solids: u32,
+        (pass, view): (usize, vk::ImageView),
+    ) {
+        // the pass before has finished with them
+        let mut before = vec![Transition {
+            image: self.attachments.depth.raw,
+            aspect: vk::ImageAspectFlags::DEPTH,
+            from: (DEPTH_TESTS, Access::DEPTH_STENCIL_ATTACHMENT_WRITE, Layout::UNDEFINED),
+            to: (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL),
+        }];
         let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } };
         let mut target = vk::RenderingAttachmentInfo::default()
             .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
@@ -163,18 +213,18 @@ impl Renderer {
             Some(multisampled) => {
                 before.push(Transition {
                     image: multisampled.raw,
-                    aspect: color,
+                    aspect: vk::ImageAspectFlags::COLOR,
                     from: (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::UNDEFINED),
-                    to: attachment,
+                    to: COLOR_ATTACHMENT,
                 });
                 target = target
                     .image_view(multisampled.view)
                     .store_op(vk::AttachmentStoreOp::DONT_CARE)
                     .resolve_mode(vk::ResolveModeFlags::AVERAGE)
-                    .resolve_image_view(output.view)
+                    .resolve_image_view(view)
                     .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
             }
-            None => target = target.image_view(output.view).store_op(vk::AttachmentStoreOp::STORE),
+            None => target = target.image_view(view).store_op(vk::AttachmentStoreOp::STORE),
         }
         self.transition(commands, &before);
         let targets = [target];
@@ -183,42 +233,47 @@ impl Renderer {
         let rendering = vk::RenderingInfo::default()
             .render_area(area)
             .layer_count(1)
-            .view_mask(if self.settings.eyes > 1 { 0b11 } else { 0 })
+            .view_mask(view_mask(&self.settings))
             .color_attachments(&targets)
             .depth_attachment(&depth);
         // SAFETY: recording has begun and the images are in the layouts of the attachments.
         unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
         self.set_area(commands, area);
-        // near to far by likelihood: people and buildings hide much of the ground, everything hides the sky
-        self.draw_crowd(commands, self.pipelines.crowd, crowd);
-        self.draw_environment(commands, self.pipelines.environment);
-        self.draw_sky(commands);
-        self.draw_markers(commands, crowd);
+        // near to far by likelihood: hands are nearest, people and buildings hide much of the ground, everything hides the sky
+        self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
+        self.draw_crowd(commands, [self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
+        self.draw_environment(commands, self.pipelines.environment, pass);
+        self.draw_sky(commands, pass);
+        self.draw_markers(commands, crowd, pass);
+        let has_target = u32::from(self.user.teleport.is_some());
+        self.draw_user(commands, self.pipelines.target, (6, has_target), pass);
+        let has_vignette = u32::from(self.user.vignette > 0.0);
+        self.draw_user(commands, self.pipelines.vignette, (3, has_vignette), pass);
         // SAFETY: rendering has begun.
         unsafe { self.device.raw.cmd_end_rendering(commands) };
-        let from = (
-            Stage::COLOR_ATTACHMENT_OUTPUT,
-            Access::COLOR_ATTACHMENT_WRITE,
-            Layout::COLOR_ATTACHMENT_OPTIMAL,
-        );
-        let finished = Transition { image: output.image, aspect: color, from, to: output.after };
-        self.transition(commands, &[finished]);
     }
 
-    /// Binds a pipeline of a program and its set.
-    fn use_program(&self, commands: vk::CommandBuffer, program: &Program, pipeline: vk::Pipeline) {
+    /// Binds a pipeline of a program and the program's set for a pass.
+    fn use_program(
+        &self,
+        commands: vk::CommandBuffer,
+        program: &Program,
+        pipeline: vk::Pipeline,
+        pass: usize,
+    ) {
         let point = vk::PipelineBindPoint::GRAPHICS;
+        let sets = [program.set(pass)];
         // SAFETY: the pipeline and the set were made with the program's layout; recording has begun.
         unsafe {
             self.device.raw.cmd_bind_pipeline(commands, point, pipeline);
-            self.device.raw.cmd_bind_descriptor_sets(commands, point, program.layout, 0, &[program.set], &[]);
+            self.device.raw.cmd_bind_descriptor_sets(commands, point, program.layout, 0, &sets, &[]);
         }
     }
 
-    fn draw_environment(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline) {
+    fn draw_environment(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, pass: usize) {
         let Some(environment) = &self.environment else { return };
         self.label(commands, Some(c"gaitway.environment"));
-        self.use_program(commands, &self.programs.environment, pipeline);
+        self.use_program(commands, &self.programs.environment, pipeline, pass);
         // SAFETY: rendering has begun; every index was checked against the vertices.
         unsafe {
             let raw = &self.device.raw;
@@ -231,19 +286,27 @@ impl Renderer {
     fn draw_crowd(
         &self,
         commands: vk::CommandBuffer,
-        pipeline: vk::Pipeline,
+        [near, far]: [vk::Pipeline; 2],
         crowd: Option<&CrowdBuffers<'_>>,
+        pass: usize,
     ) {
         let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
         self.label(commands, Some(c"gaitway.crowd"));
         let program = &self.programs.crowd;
-        self.use_program(commands, program, pipeline);
+        self.use_program(commands, program, near, pass);
         let raw = &self.device.raw;
         // SAFETY: rendering has begun; `check` has compared the sizes of the buffers with the number of buckets, and
         // what the arguments ask for lies within the meshes, whose table the kernel copied them from.
         unsafe {
             raw.cmd_bind_index_buffer(commands, meshes.indices.raw, 0, vk::IndexType::UINT32);
-            for bucket in 0..meshes.bucket_count {
+            // the finest level of every avatar, then the others: one change of pipelines
+            let is_near = |bucket: &u32| bucket.is_multiple_of(meshes.level_count);
+            let finest = (0..meshes.bucket_count).filter(is_near);
+            let others = (0..meshes.bucket_count).filter(|bucket| !is_near(bucket));
+            for bucket in finest.chain(others) {
+                if bucket == 1 && near != far {
+                    raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, far);
+                }
                 let bytes = bucket.to_ne_bytes();
                 raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::VERTEX, 0, &bytes);
                 let offset = u64::from(bucket) * u64::from(DRAW_ARGS_STRIDE);
@@ -253,18 +316,36 @@ impl Renderer {
         self.label(commands, None);
     }
 
-    fn draw_sky(&self, commands: vk::CommandBuffer) {
+    /// Hands, teleport target or vignette: `count` instances of so many vertices.
+    fn draw_user(
+        &self,
+        commands: vk::CommandBuffer,
+        pipeline: vk::Pipeline,
+        (vertices, count): (u32, u32),
+        pass: usize,
+    ) {
+        if count == 0 {
+            return;
+        }
+        self.label(commands, Some(c"gaitway.user"));
+        self.use_program(commands, &self.programs.user, pipeline, pass);
+        // SAFETY: rendering has begun; the shader makes its own vertices.
+        unsafe { self.device.raw.cmd_draw(commands, vertices, count, 0, 0) };
+        self.label(commands, None);
+    }
+
+    fn draw_sky(&self, commands: vk::CommandBuffer, pass: usize) {
         self.label(commands, Some(c"gaitway.sky"));
-        self.use_program(commands, &self.programs.sky, self.pipelines.sky);
+        self.use_program(commands, &self.programs.sky, self.pipelines.sky, pass);
         // SAFETY: rendering has begun; the shader makes its own three vertices.
         unsafe { self.device.raw.cmd_draw(commands, 3, 1, 0, 0) };
         self.label(commands, None);
     }
 
-    fn draw_markers(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>) {
+    fn draw_markers(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>, pass: usize) {
         let (Some(crowd), Some(_)) = (crowd, self.settings.markers) else { return };
         self.label(commands, Some(c"gaitway.marker"));
-        self.use_program(commands, &self.programs.marker, self.pipelines.marker);
+        self.use_program(commands, &self.programs.marker, self.pipelines.marker, pass);
         // as many as there could be; the shader drops those past the end of the list
         let slots = u32::try_from(crowd.visible.size() / 4).unwrap_or(u32::MAX);
         // SAFETY: rendering has begun; the shader makes its own six vertices.
@@ -322,6 +403,16 @@ impl Renderer {
                 None => loader.cmd_end_debug_utils_label(commands),
             }
         }
+    }
+}
+
+/// The same parameters with one of the eyes as the only one.
+fn one_eye(both: &ViewUniforms, eye: usize) -> ViewUniforms {
+    ViewUniforms {
+        clip_from_world: [both.clip_from_world[eye]; 2],
+        world_from_clip: [both.world_from_clip[eye]; 2],
+        eyes: [both.eyes[eye]; 2],
+        ..*both
     }
 }
 

@@ -3,20 +3,22 @@
 use super::atmosphere::Atmosphere;
 use super::camera::View;
 use super::pack::MeshBuffers;
-use super::pipelines::{PipelineSpec, Program};
+use super::parts::{Attachments, Pipelines, Programs, attachments, pipelines, samples, stereo};
 use super::record::Output;
 use super::scene::{self, Surface};
-use super::settings::{Markers, Settings};
+use super::settings::{Markers, Settings, Stereo};
 #[cfg(any(feature = "xr", feature = "view"))]
 use super::target::Transition;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec};
-use super::{CrowdBuffers, Error, Image, shadow};
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, layer_view};
+use super::{CrowdBuffers, Error, Image, User, shadow};
 use crate::gpu::{Buffer, Device, Memory, call};
-use crate::kernels::draw;
-use crate::kernels::layout::ViewUniforms;
+use crate::kernels::layout::{UserUniforms, ViewUniforms};
 use ash::vk;
 use glam::{Mat4, Vec3, Vec4};
 use std::sync::Arc;
+
+/// Side of a cell of the pattern by which near bodies fade, pixels.
+const FADE_CELL: f32 = 3.0;
 
 /// Vertices and indices on the device.
 #[derive(Debug)]
@@ -34,43 +36,24 @@ pub(crate) struct CrowdMeshes {
     pub(crate) level_count: u32,
 }
 
-pub(crate) struct Programs {
-    pub(crate) sky: Program,
-    pub(crate) environment: Program,
-    pub(crate) crowd: Program,
-    pub(crate) marker: Program,
-}
-
-/// Pipelines; each belongs to the program of its name.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Pipelines {
-    pub(crate) sky: vk::Pipeline,
-    pub(crate) environment: vk::Pipeline,
-    pub(crate) environment_shadow: vk::Pipeline,
-    pub(crate) crowd: vk::Pipeline,
-    pub(crate) crowd_shadow: vk::Pipeline,
-    pub(crate) marker: vk::Pipeline,
-}
-
-/// Images of the picture's size.
-pub(crate) struct Attachments {
-    /// More than one sample a pixel; absent when there is one.
-    pub(crate) multisampled: Option<GpuImage>,
-    pub(crate) depth: GpuImage,
-}
-
 /// Draws a crowd and its environment.
 pub struct Renderer {
     pub(crate) attachments: Attachments,
     /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
     offscreen: Option<(GpuImage, Buffer)>,
+    /// Views of the layers of images that were drawn into one eye after the other.
+    layer_views: Vec<(vk::Image, [vk::ImageView; 2])>,
     /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
     #[cfg(any(feature = "xr", feature = "view"))]
     shot: Option<Buffer>,
     pub(crate) shadow_map: GpuImage,
     pub(crate) shadow_size: u32,
     pub(crate) sampler: vk::Sampler,
-    pub(crate) uniforms: Buffer,
+    /// Parameters of the shaders, of every pass.
+    pub(crate) uniforms: Vec<Buffer>,
+    /// What pictures show of the user.
+    pub(crate) user: User,
+    pub(crate) user_uniforms: Buffer,
     pub(crate) environment: Option<Environment>,
     pub(crate) meshes: Option<CrowdMeshes>,
     pub(crate) programs: Programs,
@@ -88,13 +71,6 @@ impl std::fmt::Debug for Renderer {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Renderer").field("settings", &self.settings).finish_non_exhaustive()
     }
-}
-
-/// The most samples up to `wanted` that the device has for colour and depth.
-fn samples(device: &Device, wanted: u32) -> vk::SampleCountFlags {
-    let both = device.limits.framebuffer_color_sample_counts & device.limits.framebuffer_depth_sample_counts;
-    let four = vk::SampleCountFlags::TYPE_4;
-    if wanted >= 4 && both.contains(four) { four } else { vk::SampleCountFlags::TYPE_1 }
 }
 
 impl Renderer {
@@ -116,6 +92,7 @@ impl Renderer {
         let largest = device.limits.max_image_dimension2_d.min(16_384);
         let settings = Settings {
             eyes: settings.eyes.clamp(1, 2),
+            stereo: stereo(device, &settings),
             samples: samples.as_raw(),
             shadow_size: settings.shadow_size.min(largest),
             ..settings
@@ -133,23 +110,24 @@ impl Renderer {
                 usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
             },
         )?;
-        let mut programs = Programs {
-            sky: Program::new(device, &draw::SKY)?,
-            environment: Program::new(device, &draw::ENVIRONMENT)?,
-            crowd: Program::new(device, &draw::CROWD)?,
-            marker: Program::new(device, &draw::MARKER)?,
-        };
+        let passes = if settings.stereo == Stereo::TwoPasses { settings.eyes } else { 1 };
+        let mut programs = Programs::new(device, passes as usize)?;
         let pipelines = pipelines(&mut programs, &settings, samples, color_format)?;
         let size = size_of::<ViewUniforms>() as u64;
+        let uniforms = (0..passes).map(|_| Buffer::new(device, "view", size, Memory::Device));
+        let uniforms = uniforms.collect::<Result<_, _>>()?;
         let mut renderer = Self {
             attachments,
             offscreen: None,
+            layer_views: Vec::new(),
             #[cfg(any(feature = "xr", feature = "view"))]
             shot: None,
             shadow_map,
             shadow_size,
             sampler: vk::Sampler::null(),
-            uniforms: Buffer::new(device, "view", size, Memory::Device)?,
+            uniforms,
+            user: User::default(),
+            user_uniforms: Buffer::new(device, "user", size_of::<UserUniforms>() as u64, Memory::Device)?,
             environment: None,
             meshes: None,
             programs,
@@ -214,6 +192,11 @@ impl Renderer {
         self.settings.markers = markers;
     }
 
+    /// Shows these hands, this aim and this vignette from the next picture on.
+    pub fn set_user(&mut self, user: User) {
+        self.user = user;
+    }
+
     /// Changes the size of the pictures.
     ///
     /// # Errors
@@ -221,6 +204,7 @@ impl Renderer {
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         let settings = Settings { width, height, ..self.settings };
         self.attachments = attachments(&self.device, &settings, self.samples, self.color_format)?;
+        self.forget_layer_views();
         self.offscreen = None;
         #[cfg(any(feature = "xr", feature = "view"))]
         {
@@ -302,15 +286,28 @@ impl Renderer {
     /// # Errors
     /// When a crowd buffer is too short, memory is short or a call fails.
     pub fn draw(&mut self, view: &View, crowd: Option<&CrowdBuffers<'_>>) -> Result<Image, Error> {
+        let image = self.draw_offscreen(view, crowd, true)?;
+        image.ok_or(Error::NoBuffer { shader: "draw", binding: "offscreen" })
+    }
+
+    /// The same, copied to the host if that is wanted.
+    pub(crate) fn draw_offscreen(
+        &mut self,
+        view: &View,
+        crowd: Option<&CrowdBuffers<'_>>,
+        is_wanted: bool,
+    ) -> Result<Option<Image>, Error> {
         if self.offscreen.is_none() {
             self.offscreen = Some(self.make_offscreen()?);
         }
-        let Some((image, readback)) = &self.offscreen else {
-            return Err(Error::NoBuffer { shader: "draw", binding: "offscreen" });
-        };
+        let missing = || Error::NoBuffer { shader: "draw", binding: "offscreen" };
+        let (raw, view_of_all) =
+            self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
+        let views = self.output_views(raw, view_of_all)?;
+        let (image, readback) = self.offscreen.as_ref().ok_or_else(missing)?;
         let output = Output {
-            image: image.raw,
-            view: image.view,
+            image: raw,
+            views,
             before: vk::PipelineStageFlags2::COPY,
             after: (
                 vk::PipelineStageFlags2::COPY,
@@ -321,10 +318,12 @@ impl Renderer {
         self.bind(crowd)?;
         self.submit(|_, commands| {
             self.record(commands, view, crowd, &output);
-            self.copy_out(commands, image.raw, image.layers, readback);
+            if is_wanted {
+                self.copy_out(commands, image.raw, image.layers, readback);
+            }
             Ok(())
         })?;
-        Ok(self.assemble(readback.bytes()))
+        Ok(is_wanted.then(|| self.assemble(readback.bytes())))
     }
 
     /// Draws into somebody else's image of one layer per eye, which is left in the layout of a colour attachment; copies
@@ -349,9 +348,10 @@ impl Renderer {
             Layout::COLOR_ATTACHMENT_OPTIMAL,
         );
         let copied = (Stage::COPY, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
+        let views = self.output_views(image, image_view)?;
         let shot = self.shot.as_ref().filter(|_| is_wanted);
         let after = if shot.is_some() { copied } else { drawn };
-        let output = Output { image, view: image_view, before: Stage::COLOR_ATTACHMENT_OUTPUT, after };
+        let output = Output { image, views, before: Stage::COLOR_ATTACHMENT_OUTPUT, after };
         self.bind(crowd)?;
         self.submit(|_, commands| {
             self.record(commands, view, crowd, &output);
@@ -364,6 +364,37 @@ impl Renderer {
         })?;
         let shot = self.shot.as_ref().filter(|_| is_wanted);
         Ok(shot.map(|readback| self.assemble(readback.bytes())))
+    }
+
+    /// What each pass draws into, of an image and the view of all its layers.
+    fn output_views(&mut self, image: vk::Image, all: vk::ImageView) -> Result<[vk::ImageView; 2], Error> {
+        if self.uniforms.len() < 2 {
+            return Ok([all; 2]);
+        }
+        if let Some((_, views)) = self.layer_views.iter().find(|(known, _)| *known == image) {
+            return Ok(*views);
+        }
+        let mut views = [vk::ImageView::null(); 2];
+        for (layer, view) in (0..).zip(&mut views) {
+            match layer_view(&self.device, image, self.color_format, layer) {
+                Ok(made) => *view = made,
+                Err(error) => {
+                    self.layer_views.push((image, views)); // what was made goes with the rest
+                    self.forget_layer_views();
+                    return Err(error);
+                }
+            }
+        }
+        self.layer_views.push((image, views));
+        Ok(views)
+    }
+
+    /// Destroys the views of layers: their images go, or may be others under the same names.
+    fn forget_layer_views(&mut self) {
+        for view in self.layer_views.drain(..).flat_map(|(_, views)| views) {
+            // SAFETY: every submission was waited for; null handles are ignored.
+            unsafe { self.device.raw.destroy_image_view(view, None) };
+        }
     }
 
     fn make_offscreen(&self) -> Result<(GpuImage, Buffer), Error> {
@@ -425,6 +456,23 @@ impl Renderer {
         both
     }
 
+    /// From where and how near bodies fade: both eyes; right, down and ahead, the first two in cells at unit distance.
+    fn fade(&self, view: &View) -> [[f32; 4]; 5] {
+        let clip = &view.clip_from_world[0];
+        let [x, y, w] = [0, 1, 3].map(|row| clip.row(row).truncate());
+        let across = w.length().max(1e-6);
+        let ahead = w.try_normalize().unwrap_or(Vec3::Z);
+        #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
+        let sides = [self.settings.width as f32, self.settings.height as f32];
+        // without the shift of a skewed projection; half a picture is one unit of clip space
+        let cells = |row: Vec3, side: f32| {
+            let row = row / across;
+            (row - ahead * row.dot(ahead)) * (0.5 * side / FADE_CELL)
+        };
+        let eyes = if view.eye_count == 2 { view.eyes } else { [view.eyes[0]; 2] };
+        [eyes[0], eyes[1], cells(x, sides[0]), cells(y, sides[1]), ahead].map(|v| v.extend(0.0).to_array())
+    }
+
     /// What the shaders need to know about this picture.
     pub(crate) fn view_uniforms(&self, view: &View) -> ViewUniforms {
         let air = &self.settings.atmosphere;
@@ -448,6 +496,7 @@ impl Renderer {
             sky_horizon: with(air.horizon, air.haze.max(0.0)),
             ground_bounce: with(air.ground_bounce, air.exposure),
             emotion_colors: markers.colors.map(|color| Vec4::from((color, markers.opacity)).to_array()),
+            fade: self.fade(view),
             level_count: self.meshes.as_ref().map_or(1, |meshes| meshes.level_count),
             bucket_count: self.meshes.as_ref().map_or(0, |meshes| meshes.bucket_count),
             marker_radius: markers.radius,
@@ -456,77 +505,9 @@ impl Renderer {
     }
 }
 
-fn attachments(
-    device: &Arc<Device>,
-    settings: &Settings,
-    samples: vk::SampleCountFlags,
-    color_format: vk::Format,
-) -> Result<Attachments, Error> {
-    let Settings { width, height, eyes, .. } = *settings;
-    let limits = &device.limits;
-    let limit =
-        limits.max_image_dimension2_d.min(limits.max_framebuffer_width).min(limits.max_framebuffer_height);
-    if width == 0 || height == 0 || width > limit || height > limit {
-        return Err(Error::Size { width, height, limit });
-    }
-    let image = |name, format, usage| {
-        let extent = vk::Extent2D { width, height };
-        GpuImage::new(device, ImageSpec { name, extent, layers: eyes, format, samples, usage })
-    };
-    let multisampled = (samples != vk::SampleCountFlags::TYPE_1)
-        .then(|| image("multisampled colour", color_format, vk::ImageUsageFlags::COLOR_ATTACHMENT))
-        .transpose()?;
-    let depth = image("depth", DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?;
-    Ok(Attachments { multisampled, depth })
-}
-
-fn pipelines(
-    programs: &mut Programs,
-    settings: &Settings,
-    samples: vk::SampleCountFlags,
-    color_format: vk::Format,
-) -> Result<Pipelines, Error> {
-    let view_mask = if settings.eyes > 1 { 0b11 } else { 0 };
-    let solid = |vertex, fragment| PipelineSpec {
-        vertex,
-        fragment: Some(fragment),
-        samples,
-        color_format,
-        view_mask,
-        cull: vk::CullModeFlags::BACK,
-        compare: vk::CompareOp::GREATER, // reversed depth: nearer is larger
-        write_depth: true,
-        blend: false,
-    };
-    // both sides cast shadows: no surface needs to be closed
-    let shadow = |vertex| PipelineSpec {
-        fragment: None,
-        samples: vk::SampleCountFlags::TYPE_1,
-        view_mask: 0,
-        cull: vk::CullModeFlags::NONE,
-        ..solid(vertex, "")
-    };
-    let flat = |vertex, fragment, compare, blend| PipelineSpec {
-        cull: vk::CullModeFlags::NONE,
-        write_depth: false,
-        compare,
-        blend,
-        ..solid(vertex, fragment)
-    };
-    let behind_all = vk::CompareOp::GREATER_OR_EQUAL; // depth 0 against the cleared 0
-    let near = vk::CompareOp::GREATER;
-    Ok(Pipelines {
-        sky: programs.sky.pipeline(&flat("sky_vertex", "sky_fragment", behind_all, false))?,
-        environment: programs.environment.pipeline(&solid("environment_vertex", "environment_fragment"))?,
-        environment_shadow: programs.environment.pipeline(&shadow("environment_shadow"))?,
-        crowd: programs.crowd.pipeline(&solid("crowd_vertex", "crowd_fragment"))?,
-        crowd_shadow: programs.crowd.pipeline(&shadow("crowd_shadow"))?,
-        marker: programs.marker.pipeline(&flat("marker_vertex", "marker_fragment", near, true))?,
-    })
-}
-
 impl Drop for Renderer {
     fn drop(&mut self) {
+        self.forget_layer_views();
         let raw = &self.device.raw;
         // SAFETY: every submission of the renderer was waited for; null handles are ignored.
         unsafe {

@@ -29,6 +29,18 @@ impl Default for Markers {
     }
 }
 
+/// How both eyes are drawn; the pictures are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Stereo {
+    /// In one pass where the device has multiview.
+    #[default]
+    Auto,
+    /// In one pass (multiview): every draw is submitted once, for both layers. Two passes where the device lacks it.
+    OnePass,
+    /// One eye after the other, each in a pass of its own. The bodies and the shadow map are still made once for both.
+    TwoPasses,
+}
+
 /// How pictures are made.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -40,6 +52,8 @@ pub struct Settings {
     pub samples: u32,
     /// 1, or 2 for both eyes in one go.
     pub eyes: u32,
+    /// How both are drawn.
+    pub stereo: Stereo,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,
     /// Sun, sky and haze.
@@ -55,6 +69,7 @@ impl Default for Settings {
             height: 720,
             samples: 4,
             eyes: 1,
+            stereo: Stereo::Auto,
             shadow_size: 2048,
             atmosphere: Atmosphere::DAY,
             markers: None,

@@ -210,6 +210,20 @@ impl Show {
         Ok(self.renderer.draw(view, crowd.as_ref())?)
     }
 
+    /// Makes a picture and leaves it on the device: for timings.
+    pub(crate) fn make(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+    ) -> Result<(), crate::Error> {
+        self.prepare(simulation, view, user_eyes)?;
+        let engine = self.animator.as_ref().or(simulation.engine());
+        let crowd = engine.map(CrowdBuffers::of).transpose()?;
+        self.renderer.draw_offscreen(view, crowd.as_ref(), false)?;
+        Ok(())
+    }
+
     /// The same into somebody else's image, which is left in the layout of a colour attachment; copies it to the host if
     /// that is wanted.
     #[cfg(feature = "view")]
@@ -228,7 +242,7 @@ impl Show {
     }
 
     /// Animates the bodies that a view sees.
-    fn prepare(
+    pub(crate) fn prepare(
         &mut self,
         simulation: &mut Simulation,
         view: &View,

@@ -107,6 +107,26 @@ impl GpuImage {
     }
 }
 
+/// A view of one layer of somebody else's colour image; whoever asked for it destroys it.
+pub(crate) fn layer_view(
+    device: &Device,
+    image: vk::Image,
+    format: vk::Format,
+    layer: u32,
+) -> Result<vk::ImageView, Error> {
+    let create = vk::ImageViewCreateInfo::default()
+        .image(image)
+        .format(format)
+        .view_type(vk::ImageViewType::TYPE_2D)
+        .subresource_range(vk::ImageSubresourceRange {
+            base_array_layer: layer,
+            layer_count: 1,
+            ..whole(vk::ImageAspectFlags::COLOR)
+        });
+    // SAFETY: the image is alive, bound to memory and has that layer.
+    Ok(unsafe { device.raw.create_image_view(&create, None) }.map_err(call("vkCreateImageView"))?)
+}
+
 impl Drop for GpuImage {
     fn drop(&mut self) {
         // SAFETY: the renderer that owns the image waits for its submissions; null handles are ignored.
