@@ -12,7 +12,7 @@
 //! | crenn-2017 | 40.63 | 57.5 ± 1.2 | 55.5 ± 1.0 | 38.8 |
 //! | daoudi-2017 | 42.52 | 45.4 ± 1.1 | 51.2 ± 1.4 | 37.1 |
 //! | affective-svm (ovr, gamma scale) | 70.04 | 55.7 ± 1.0 | 57.5 ± 1.6 | 35.8 |
-//! | phase-perceiver | - | 66.2 ± 1.5 | 66.7 ± 1.7 | 47.7 |
+//! | phase-perceiver | - | 67.0 ± 1.2 | 67.4 ± 1.4 | 47.0 |
 //! | affective-svm, ovo, gamma auto | | 51.3 ± 1.0 | 52.4 ± 1.0 | 44.0 |
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test fails loudly and says what it skips")]
 

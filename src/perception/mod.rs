@@ -11,6 +11,7 @@ pub mod evaluate;
 pub mod features;
 mod interval;
 pub mod linear;
+pub mod logistic;
 mod memo;
 pub mod model;
 pub mod perceiver;
