@@ -26,6 +26,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "enter",
     "express",
     "feel",
+    "hear",
     "follow_paths",
     "flow",
     "flow_density",

@@ -5,12 +5,11 @@
 const MARGIN = 0.1; // of weight, before the gaze follows another emotion
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> new_feeling: array<vec4<f32>>;          // [agent]
+@group(0) @binding(1) var<storage, read> feeling: array<vec4<f32>>;              // [agent]
 @group(0) @binding(2) var<storage, read> paces: array<vec4<f32>>;                // [agent][3] preferred speed with each gait, m/s; travel per stride, m; maximum speed over preferred (0: shows nothing) and at most, m/s
-@group(0) @binding(3) var<storage, read_write> feeling: array<vec4<f32>>;        // [agent]
-@group(0) @binding(4) var<storage, read_write> gait_weights: array<vec4<f32>>;   // [agent]
-@group(0) @binding(5) var<storage, read_write> body: array<vec4<f32>>;           // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(6) var<storage, read_write> look: array<vec4<u32>>;           // [agent]
+@group(0) @binding(3) var<storage, read_write> gait_weights: array<vec4<f32>>;   // [agent]
+@group(0) @binding(4) var<storage, read_write> body: array<vec4<f32>>;           // [agent] radius, maximum speed, preferred speed, travel per stride
+@group(0) @binding(5) var<storage, read_write> look: array<vec4<u32>>;           // [agent]
 
 fn sum_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
@@ -22,8 +21,7 @@ fn express(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= step.agent_count {
         return;
     }
-    let q = new_feeling[agent];
-    feeling[agent] = q;
+    let q = feeling[agent];
     let limits = paces[agent * 3u + 2u];
     if !(limits.x > 0.0) {
         return;

@@ -145,6 +145,7 @@ fn turn(place: u32) {
     let tx = tile % flow_grid.tile_columns;
     let tz = tile / flow_grid.tile_columns % flow_grid.tile_rows;
     let first = tile / (flow_grid.tile_columns * flow_grid.tile_rows) * flow_grid.cell_count; // of the field
+    let last = flow_grid.field_count * flow_grid.cell_count - 1u;
     let x0 = tx * TILE;
     let z0 = tz * TILE;
     let width = min(TILE, columns - x0);
@@ -155,36 +156,42 @@ fn turn(place: u32) {
         let from_right = (sweep & 1u) != 0u;
         let from_above = (sweep & 2u) != 0u;
         quiet = true;
+        let by = select(1u, 0xffffffffu, from_right); // from cell to cell
+        let behind_bit = select(FROM_LEFT, FROM_RIGHT, from_right);
+        let ahead_bit = select(FROM_RIGHT, FROM_LEFT, from_right);
         for (var j = 0u; j < height; j++) {
             let z = select(j, height - 1u - j, from_above);
+            // along the row what was read ahead is used again
+            var at = first + (z0 + z) * columns + x0 + select(0u, width - 1u, from_right);
+            var behind = flow_distance[min(at - by, last)];
+            var here = flow_distance[at];
             for (var i = 0u; i < width; i++) {
-                let x = select(i, width - 1u - i, from_right);
-                let cell = (z0 + z) * columns + x0 + x;
-                let at = first + cell;
-                let bits = flow_cells[cell];
-                if (bits & left_out()) != 0u {
-                    continue;
+                let ahead = flow_distance[min(at + by, last)];
+                let bits = flow_cells[at - first];
+                if (bits & left_out()) == 0u {
+                    // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
+                    let below = flow_distance[select(at, at - columns, (bits & FROM_BELOW) != 0u)];
+                    let above = flow_distance[select(at, at + columns, (bits & FROM_ABOVE) != 0u)];
+                    let a = min(select(here, behind, (bits & behind_bit) != 0u), select(here, ahead, (bits & ahead_bit) != 0u));
+                    let b = min(below, above);
+                    let size = flow_step[at - first];
+                    let apart = abs(a - b);
+                    var fresh = min(a, b) + size;
+                    if apart < size {
+                        fresh = 0.5 * (a + b + sqrt(2.0 * size * size - apart * apart));
+                    }
+                    if fresh < here - 1e-4 * size {
+                        flow_distance[at] = fresh;
+                        here = fresh;
+                        quiet = false;
+                        let x = select(i, width - 1u - i, from_right);
+                        fell |= select(0u, FROM_RIGHT, x == 0u) | select(0u, FROM_LEFT, x + 1u == width)
+                            | select(0u, FROM_ABOVE, z == 0u) | select(0u, FROM_BELOW, z + 1u == height);
+                    }
                 }
-                let old = flow_distance[at];
-                // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
-                let left = flow_distance[select(at, at - 1u, (bits & FROM_LEFT) != 0u)];
-                let right = flow_distance[select(at, at + 1u, (bits & FROM_RIGHT) != 0u)];
-                let below = flow_distance[select(at, at - columns, (bits & FROM_BELOW) != 0u)];
-                let above = flow_distance[select(at, at + columns, (bits & FROM_ABOVE) != 0u)];
-                let a = min(left, right);
-                let b = min(below, above);
-                let size = flow_step[cell];
-                let apart = abs(a - b);
-                var fresh = min(a, b) + size;
-                if apart < size {
-                    fresh = 0.5 * (a + b + sqrt(2.0 * size * size - apart * apart));
-                }
-                if fresh < old - 1e-4 * size {
-                    flow_distance[at] = fresh;
-                    quiet = false;
-                    fell |= select(0u, FROM_RIGHT, x == 0u) | select(0u, FROM_LEFT, x + 1u == width)
-                        | select(0u, FROM_ABOVE, z == 0u) | select(0u, FROM_BELOW, z + 1u == height);
-                }
+                behind = here;
+                here = ahead;
+                at += by;
             }
         }
     }

@@ -20,6 +20,7 @@ use crate::verify::cases::{flow, gaits};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
+mod field;
 #[cfg(feature = "vulkan")]
 mod stereo;
 
@@ -29,8 +30,8 @@ use crate::gpu::{Device, Engine, Validation, plan::Op};
 /// Metres between agents of the crossing: one to a square metre.
 const SPACING: f32 = 1.0;
 /// Kernels that not every step has.
-const EXTRAS: [KernelId; 4] =
-    [KernelId::Express, KernelId::Feel, KernelId::FollowPaths, KernelId::LeadAgents];
+const EXTRAS: [KernelId; 5] =
+    [KernelId::Express, KernelId::Feel, KernelId::FollowPaths, KernelId::Hear, KernelId::LeadAgents];
 /// Kernels that a step has when somebody needs them, each timed in a step that does.
 const OTHERS: [KernelId; 6] = [
     KernelId::Accompany,
@@ -58,6 +59,8 @@ pub enum Workload {
     All,
     /// Both eyes of a user who stands before the crowd, in one pass, in two, and as two pictures (see the rows' names).
     Stereo,
+    /// The ways to a goal over squares of as many cells of 0.5 m (see the rows' names).
+    Field,
 }
 
 /// One measurement.
@@ -65,7 +68,7 @@ pub enum Workload {
 pub struct Row {
     /// Kernel, `step` for a whole step, or `picture` for all of its animation.
     pub name: &'static str,
-    /// Agents (cells of `flow` and `flow_density`, gaits of `gait_features`, cases of the probe).
+    /// Agents (cells of `flow`, `flow_density` and `field_...`, gaits of `gait_features`, cases of the probe).
     pub agents: usize,
     /// Median, ms.
     pub ms_median: f64,
@@ -152,6 +155,13 @@ pub fn bench(
         if workload == Workload::Stereo {
             progress(&format!("both eyes, {agents} agents"), share(0.0));
             let (timed, device) = both_eyes(agents, backend, device)?;
+            name = device;
+            rows.extend(timed);
+            continue;
+        }
+        if workload == Workload::Field {
+            progress(&format!("ways, {agents} cells"), share(0.0));
+            let (timed, device) = field::field(agents, backend, device)?;
             name = device;
             rows.extend(timed);
             continue;

@@ -43,7 +43,7 @@ fn standing(
         store.look.push([3 << 8, 1.0_f32.to_bits(), 0, 0]);
         store.gait_weights.push(feeling);
     }
-    store.new_feeling = vec![[0.0; 4]; agents];
+    store.heard = vec![[0.0; 4]; agents];
     store
 }
 
@@ -122,6 +122,37 @@ fn one_step_of_two_people_is_the_equation() {
         for e in 0..4 {
             assert!((f64::from(found[who][e]) - want[e]).abs() < 2e-6, "{:?} {want:?}", found[who]);
         }
+    }
+}
+
+#[test]
+fn whom_one_hears_is_less_than_eight_steps_old_and_the_first_step_hears_all() {
+    // one walks past a row of angry people, to and fro over the rows of cells
+    let mut store = standing(20, contagion(3.0), |i| {
+        if i == 0 { (NEUTRAL, NEUTRAL, [0.0, 1.0, 0.0, 0.5]) } else { (ANGRY, ANGRY, [1.0, 0.0, 0.0, 0.5]) }
+    });
+    for i in 1..20 {
+        store.position[i] = [2.0, i as f32];
+    }
+    store.position[0] = [3.5, 1.0];
+    let mut simulation = Simulation::from_store(store, Backend::Cpu, None).unwrap();
+    let voices = |store: &Store| -> f32 {
+        let [x, z] = store.position[0];
+        let distance = |i: usize| (store.position[i][0] - x).hypot(store.position[i][1] - z);
+        (1..20).map(|i| (1.0 - distance(i) / 3.0).max(0.0)).sum()
+    };
+    let mut lately = Vec::new();
+    for step in 0..200 {
+        let mut moved = simulation.state().unwrap().clone();
+        moved.position[0][1] = 1.0 + 17.0 * (step as f32 / 200.0);
+        lately.push(voices(&moved));
+        simulation = Simulation::from_store(moved, Backend::Cpu, None).unwrap();
+        simulation.step(1).unwrap();
+        let heard = simulation.state().unwrap().heard[0];
+        let age = lately.iter().rev().position(|voices| (voices - heard[0]).abs() < 1e-5);
+        assert!(age.is_some_and(|age| age < 8), "step {step}: {heard:?}, lately {lately:?}");
+        assert!(step > 0 || age == Some(0));
+        assert_eq!(heard[2..], [1.0, 0.0]);
     }
 }
 

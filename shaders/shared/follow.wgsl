@@ -26,16 +26,15 @@ fn flow_direction(field: u32, at: vec2<f32>, to: vec2<f32>) -> vec2<f32> {
     let above = off.y >= 0.0;
     let x_open = (own & select(FROM_LEFT, FROM_RIGHT, right)) != 0u;
     let z_open = (own & select(FROM_BELOW, FROM_ABOVE, above)) != 0u;
-    // closed neighbours are read from the cell itself and count nothing
-    let x_cell = select(cell, select(cell - 1u, cell + 1u, right), x_open);
-    let z_cell = select(cell, select(cell - flow_grid.columns, cell + flow_grid.columns, above), z_open);
-    let x_way = flow_way[x_cell];
-    let z_way = flow_way[z_cell];
+    // all are read, whether they can be entered or not, so that no read waits for another
+    let last = flow_grid.field_count * flow_grid.cell_count - 1u;
+    let beside = select(cell - 1u, cell + 1u, right);
+    let beyond = select(cell - flow_grid.columns, cell + flow_grid.columns, above);
+    let x_way = flow_way[min(beside, last)];
+    let z_way = flow_way[min(beyond, last)];
+    let corner_way = flow_way[min(select(beyond - 1u, beyond + 1u, right), last)];
     let round_x = x_open && (x_way & select(FROM_BELOW, FROM_ABOVE, above)) != 0u;
     let round_z = z_open && (z_way & select(FROM_LEFT, FROM_RIGHT, right)) != 0u;
-    let past_x = select(x_cell - flow_grid.columns, x_cell + flow_grid.columns, above);
-    let past_z = select(z_cell - 1u, z_cell + 1u, right);
-    let corner_way = flow_way[select(select(cell, past_z, round_z), past_x, round_x)];
     let u = abs(off.x);
     let v = abs(off.y);
     let wx = select(0.0, u * (1.0 - v), x_open);

@@ -16,7 +16,7 @@ use clap::{Args, ValueEnum};
                         two streams at right angles over a square whose opposite sides are joined.")]
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
-    /// a headset, in one pass, in two, and one after the other
+    /// a headset, in one pass, in two, and one after the other; field: the ways over squares of as many cells of 0.5 m
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated
@@ -35,6 +35,7 @@ enum WorkloadName {
     Crossing,
     All,
     Stereo,
+    Field,
 }
 
 /// Runs the subcommand.
@@ -49,6 +50,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         WorkloadName::Crossing => Workload::Crossing,
         WorkloadName::All => Workload::All,
         WorkloadName::Stereo => Workload::Stereo,
+        WorkloadName::Field => Workload::Field,
     };
     let (backend, device) = arguments.place.get()?;
     let mut progress = Progress::new("timing");

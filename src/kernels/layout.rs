@@ -81,7 +81,7 @@ pub struct FlowUniforms {
     pub unused: u32,
 }
 
-/// How feelings change; units and meaning stand in `shaders/feel.wgsl`.
+/// How feelings change; units and meaning stand in `shaders/shared/mood.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 #[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]

@@ -8,8 +8,7 @@ pub const MARGIN: f32 = 0.1;
 /// Twin of `shaders/express.wgsl`.
 pub fn express(b: Slices<'_>) {
     for agent in 0..b.step.agent_count as usize {
-        let q = b.new_feeling[agent];
-        b.feeling[agent] = q;
+        let q = b.feeling[agent];
         let limits = b.paces[agent * 3 + 2];
         if !(limits[0] > 0.0) {
             continue;

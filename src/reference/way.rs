@@ -38,55 +38,70 @@ pub fn direction(word: u32) -> [f32; 2] {
 
 /// The direction (of any length) in which an agent at `at` walks to its goal, which is `to` away from it (see the shader).
 pub fn flow_direction(grid: &FlowUniforms, ways: &[u32], field: u32, at: [f32; 2], to: [f32; 2]) -> [f32; 2] {
-    if field >= grid.field_count {
-        return to;
+    Around::read(grid, ways, field, at).map_or(to, |around| around.direction(to))
+}
+
+/// What a field says around a place. Reading is apart from using, so that a caller can read for many agents before it uses
+/// the first: the fields do not fit into a processor's caches, and reads that nothing waits for overlap.
+#[derive(Debug, Clone, Copy)]
+pub struct Around {
+    /// Words of the own cell, of its neighbours along x and along z, and of the one across the corner.
+    words: [u32; 4],
+    /// From the cell's middle, cells.
+    off: [f32; 2],
+}
+
+impl Around {
+    /// Reads a field at a place; none if there is no such field.
+    pub fn read(grid: &FlowUniforms, ways: &[u32], field: u32, at: [f32; 2]) -> Option<Self> {
+        if field >= grid.field_count {
+            return None;
+        }
+        let scaled = [0, 1].map(|axis| (at[axis] - grid.origin[axis]) * grid.inverse_cell_size);
+        let column = scaled[0].floor().clamp(0.0, (grid.columns - 1) as f32);
+        let row = scaled[1].floor().clamp(0.0, (grid.rows - 1) as f32);
+        let cell = field * grid.cell_count + row as u32 * grid.columns + column as u32;
+        let off = [scaled[0] - (column + 0.5), scaled[1] - (row + 0.5)].map(|part| part.clamp(-0.5, 0.5));
+        // all are read, whether they can be entered or not, so that no read waits for another
+        let last = grid.field_count * grid.cell_count - 1;
+        let way = |cell: u32| ways[cell.min(last) as usize];
+        let along_x = |cell: u32| cell.wrapping_add(if off[0] >= 0.0 { 1 } else { u32::MAX });
+        let beyond =
+            cell.wrapping_add(if off[1] >= 0.0 { grid.columns } else { grid.columns.wrapping_neg() });
+        Some(Self { words: [way(cell), way(along_x(cell)), way(beyond), way(along_x(beyond))], off })
     }
-    let scaled = [0, 1].map(|axis| (at[axis] - grid.origin[axis]) * grid.inverse_cell_size);
-    let column = scaled[0].floor().clamp(0.0, (grid.columns - 1) as f32);
-    let row = scaled[1].floor().clamp(0.0, (grid.rows - 1) as f32);
-    let columns = grid.columns;
-    let cell = field * grid.cell_count + row as u32 * columns + column as u32;
-    let way = |cell: u32| ways[cell as usize];
-    let own = way(cell);
-    if own & (SEES | LEADS) != LEADS {
-        return to;
+
+    /// The direction in which an agent walks whose goal is `to` away.
+    pub fn direction(&self, to: [f32; 2]) -> [f32; 2] {
+        let [own, x_way, z_way, corner_way] = self.words;
+        if own & (SEES | LEADS) != LEADS {
+            return to;
+        }
+        if own & SOLID != 0 {
+            return direction(own);
+        }
+        let (right, above) = (self.off[0] >= 0.0, self.off[1] >= 0.0);
+        let (beside, beyond) =
+            (if right { FROM_RIGHT } else { FROM_LEFT }, if above { FROM_ABOVE } else { FROM_BELOW });
+        let (x_open, z_open) = (own & beside != 0, own & beyond != 0);
+        let round_x = x_open && x_way & beyond != 0;
+        let round_z = z_open && z_way & beside != 0;
+        let (u, v) = (self.off[0].abs(), self.off[1].abs());
+        let weight = |open: bool, weight: f32| if open { weight } else { 0.0 };
+        let wx = weight(x_open, u * (1.0 - v));
+        let wz = weight(z_open, (1.0 - u) * v);
+        let wc = weight(round_x || round_z, u * v);
+        let w = (1.0 - u) * (1.0 - v);
+        let (own_d, x_d, z_d, c_d) =
+            (direction(own), direction(x_way), direction(z_way), direction(corner_way));
+        let blend = [0, 1].map(|axis| own_d[axis] * w + x_d[axis] * wx + z_d[axis] * wz + c_d[axis] * wc);
+        let length = dot2(blend, blend).sqrt();
+        if length < 0.05 {
+            return own_d;
+        }
+        let scale = 1.0 / length;
+        [blend[0] * scale, blend[1] * scale]
     }
-    if own & SOLID != 0 {
-        return direction(own);
-    }
-    let off = [scaled[0] - (column + 0.5), scaled[1] - (row + 0.5)].map(|part| part.clamp(-0.5, 0.5));
-    let (right, above) = (off[0] >= 0.0, off[1] >= 0.0);
-    let (beside, beyond) =
-        (if right { FROM_RIGHT } else { FROM_LEFT }, if above { FROM_ABOVE } else { FROM_BELOW });
-    let along_x = |cell: u32| if right { cell + 1 } else { cell.wrapping_sub(1) };
-    let along_z = |cell: u32| if above { cell + columns } else { cell.wrapping_sub(columns) };
-    let (x_open, z_open) = (own & beside != 0, own & beyond != 0);
-    let x_cell = if x_open { along_x(cell) } else { cell };
-    let z_cell = if z_open { along_z(cell) } else { cell };
-    let (x_way, z_way) = (way(x_cell), way(z_cell));
-    let round_x = x_open && x_way & beyond != 0;
-    let round_z = z_open && z_way & beside != 0;
-    let corner = if round_x {
-        along_z(x_cell)
-    } else if round_z {
-        along_x(z_cell)
-    } else {
-        cell
-    };
-    let (u, v) = (off[0].abs(), off[1].abs());
-    let weight = |open: bool, weight: f32| if open { weight } else { 0.0 };
-    let wx = weight(x_open, u * (1.0 - v));
-    let wz = weight(z_open, (1.0 - u) * v);
-    let wc = weight(round_x || round_z, u * v);
-    let w = (1.0 - u) * (1.0 - v);
-    let (own_d, x_d, z_d, c_d) = (direction(own), direction(x_way), direction(z_way), direction(way(corner)));
-    let blend = [0, 1].map(|axis| own_d[axis] * w + x_d[axis] * wx + z_d[axis] * wz + c_d[axis] * wc);
-    let length = dot2(blend, blend).sqrt();
-    if length < 0.05 {
-        return own_d;
-    }
-    let scale = 1.0 / length;
-    [blend[0] * scale, blend[1] * scale]
 }
 
 #[cfg(test)]

@@ -43,7 +43,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         store.feeling.push(agent.emotion);
         store.temperament.extend([agent.emotion, character]);
     }
-    store.new_feeling = vec![[0.0; 4]; store.feeling.len()];
+    store.heard = vec![[0.0; 4]; store.feeling.len()];
     for event in &scenario.events {
         let step = |seconds: f32| (seconds / scenario.navigation.time_step).round();
         let [x, z] = event.place;

@@ -125,6 +125,7 @@ pub fn state_hash(store: &Store) -> u64 {
     }
     if store.step.feels != 0 {
         add(bytemuck::cast_slice(&store.feeling[..agents]));
+        add(bytemuck::cast_slice(&store.heard[..agents]));
         let shown: Vec<u32> = store.look[..agents].iter().map(|look| look[0]).collect();
         add(bytemuck::cast_slice(&shown));
     }

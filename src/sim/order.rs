@@ -26,6 +26,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::GridScatter, 0, agents),
         pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
         pass(KernelId::GridPack, contents(step), agents),
+        pass(KernelId::Hear, 0, agents),
         pass(KernelId::Feel, 0, agents),
         pass(KernelId::Express, 0, agents),
     ];
@@ -57,7 +58,7 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     passes.retain(|pass| match pass.kernel {
         KernelId::LeadAgents => step.led_count > 0,
         KernelId::FollowPaths => step.path_count > 0,
-        KernelId::Feel | KernelId::Express => step.feels > 0,
+        KernelId::Hear | KernelId::Feel | KernelId::Express => step.feels > 0,
         KernelId::Persevere => step.patience > 0.0 && (pass.level == 0 || step.obstacle_count > 0),
         KernelId::Teleport => step.teleport_count > 0,
         KernelId::Queue => step.queue_count > 0,

@@ -67,7 +67,9 @@ pub fn feelings(agents: usize, seed: u32) -> Store {
         store.stimuli.push([place[0], place[1], 4.0 + i as f32, 1.0 - 0.2 * i as f32]);
         store.stimuli.push([[1.0, 0.0, 2.0, 1.0, 3.0][i], first, end, 0.0]);
     }
-    store.new_feeling = vec![[f32::NAN; 4]; agents + 3];
+    // those whose row has no turn keep what they heard before
+    store.heard = (0..agents).map(|i| [50, 51, 52, 53].map(|lane| unit(i, lane))).collect();
+    store.heard.extend([[f32::NAN; 4]; 3]);
     for _ in 0..3 {
         store.feeling.push([f32::NAN; 4]);
         store.temperament.extend([[f32::NAN; 4]; 2]);

@@ -1,0 +1,84 @@
+//! Whom people hear, for what they then feel.
+
+use super::exact::dot2;
+use super::shared::grid_cell;
+use crate::kernels::hear::Slices;
+use rayon::prelude::*;
+
+const SHARE: f32 = 1_048_576.0;
+const MOST_HEARD: u32 = 4095;
+const MOST_TURNS: u32 = 32_768;
+const ROWS_BETWEEN: u32 = 4;
+
+/// Twin of `shaders/hear.wgsl`.
+pub fn hear(mut b: Slices<'_>) {
+    let heard = std::mem::take(&mut b.heard);
+    let b = &b;
+    let has_turn = |slot: &usize| {
+        let [x, y, ..] = b.slot_motion[slot * 2];
+        let row = grid_cell([x, y], b.step)[1] as u32;
+        b.step.step_index == 0 || (row + b.step.step_index).is_multiple_of(ROWS_BETWEEN)
+    };
+    let present = b.cell_start[b.step.cell_count as usize] as usize;
+    let slots: Vec<usize> = (0..present).filter(has_turn).collect();
+    let all: Vec<[f32; 4]> = slots.par_iter().with_min_len(64).map(|&slot| of_all(sums(b, slot))).collect();
+    for (slot, found) in slots.into_iter().zip(all) {
+        heard[b.slot_agent[slot] as usize] = found;
+    }
+}
+
+/// How strongly all are heard together, and their mean feelings.
+fn of_all(sums: [u32; 4]) -> [f32; 4] {
+    if sums[0] == 0 {
+        return [0.0; 4];
+    }
+    let voices = total(sums[0]);
+    let mean = |i: usize| (total(sums[i]) / voices).min(1.0);
+    [voices / SHARE, mean(1), mean(2), mean(3)]
+}
+
+fn total(sum: u32) -> f32 {
+    (sum >> 8) as f32 * 256.0 + (sum & 255) as f32
+}
+
+fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
+    let (step, reach) = (b.step, b.mood.radius);
+    let ([x, y, ..], [.., elevation]) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
+    let agent = b.slot_agent[slot] as usize;
+    let mut sums = [0_u32; 4];
+    if !(reach > 0.0 && b.temperament[agent * 2 + 1][1] > 0.0) {
+        return sums;
+    }
+    let low = grid_cell([x - reach, y - reach], step);
+    let high = grid_cell([x + reach, y + reach], step);
+    let (mut count, mut turns) = (0, 0);
+    for row in low[1]..=high[1] {
+        let first = row * step.grid_columns as i32;
+        let end = b.cell_start[(first + high[0] + 1) as usize] as usize;
+        for other in b.cell_start[(first + low[0]) as usize] as usize..end {
+            if turns >= MOST_TURNS {
+                break;
+            }
+            turns += 1;
+            let motion = b.slot_motion[other * 2];
+            let to = [motion[0] - x, motion[1] - y];
+            let distance2 = dot2(to, to);
+            if !(distance2 < reach * reach) || other == slot || count >= MOST_HEARD {
+                continue;
+            }
+            let apart = (b.slot_motion[other * 2 + 1][3] - elevation).abs();
+            if step.storey_height > 0.0 && apart >= step.storey_height {
+                continue;
+            }
+            count += 1;
+            let speaker = b.slot_agent[other] as usize;
+            let voice = b.temperament[speaker * 2 + 1][0] * (1.0 - distance2.sqrt() / reach);
+            let q = b.feeling[speaker];
+            let added = [voice, voice * q[0], voice * q[1], voice * q[2]];
+            for (sum, share) in sums.iter_mut().zip(added) {
+                *sum = sum.wrapping_add((share * SHARE + 0.5) as u32);
+            }
+        }
+    }
+    sums
+}
