@@ -16,7 +16,7 @@ use crate::sim::{Backend, Cast, Simulation, bodies, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use crate::verify::cases::feelings::feelings;
 use crate::verify::cases::journeys::journeys;
-use crate::verify::cases::{flow, gaits};
+use crate::verify::cases::{between, flow, gaits};
 use serde::Serialize;
 use std::time::{Duration, Instant};
 
@@ -191,6 +191,7 @@ pub fn bench(
                 let timed = kernels(&mut Sequence::with(kernel, agents, backend, device)?)?;
                 rows.extend(timed.into_iter().filter(|row| row.name == kernel.kernel().name));
             }
+            rows.extend(kernels(&mut Sequence::between(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }
@@ -424,6 +425,16 @@ impl Sequence {
         Self::new(None, agents, store, passes, (backend, device))
     }
 
+    /// The kernels that show what lies between two moments.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn between(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = between::between(agents, 1);
+        let passes = between::passes(&store);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
     /// The expressive features of so many gaits of about 35 frames.
     ///
     /// # Errors
@@ -464,6 +475,9 @@ impl Sequence {
         }
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Remember | KernelId::Interpolate) {
+            return Self::between(agents, backend, device);
         }
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);

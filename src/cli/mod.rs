@@ -9,6 +9,8 @@ mod demo;
 mod devices;
 mod figures;
 mod gait;
+#[cfg(all(feature = "view", feature = "xr"))]
+mod mirror;
 mod output;
 mod perceive;
 mod place;
@@ -68,6 +70,10 @@ enum Command {
     /// Walk through a crowd with a headset
     #[cfg(feature = "xr")]
     Xr(xr::Arguments),
+    /// The window of `xr --mirror`, which that starts
+    #[cfg(all(feature = "view", feature = "xr"))]
+    #[command(hide = true)]
+    Mirror(mirror::Arguments),
     /// Take scenes of other programs over
     Scene(place::Arguments),
     /// Ask a classifier which emotions the crowd shows
@@ -101,6 +107,8 @@ pub fn main() -> ExitCode {
         Command::Replay(arguments) => replay::run(&arguments),
         #[cfg(feature = "xr")]
         Command::Xr(arguments) => xr::run(&arguments),
+        #[cfg(all(feature = "view", feature = "xr"))]
+        Command::Mirror(arguments) => mirror::run(&arguments),
         Command::Scene(arguments) => place::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),

@@ -1,5 +1,7 @@
 //! `gaitway xr`: a crowd around the user of a headset.
 
+#[cfg(feature = "view")]
+use super::mirror;
 use super::output::{note, say, say_json};
 use super::progress::Progress;
 use super::scene::{Scene, SceneArguments, check_seconds, start};
@@ -19,6 +21,8 @@ use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+#[cfg(feature = "view")]
+use std::sync::Arc;
 
 /// Texels a side of the shadow map: a headset draws twice.
 const SHADOW_SIZE: u32 = 1024;
@@ -42,6 +46,9 @@ pub(super) struct Arguments {
     /// Ask for this refresh rate of the display, Hz, or the nearest there is [default: the runtime's]
     #[arg(long, value_name = "HZ", value_parser = refresh_rate)]
     rate: Option<f32>,
+    /// How far the edge of the view is darkened while a stick moves you, 0 (not at all) to 1
+    #[arg(long, value_name = "STRENGTH", default_value_t = xr::DEFAULT_VIGNETTE, value_parser = strength)]
+    vignette: f32,
     /// Wait for a runtime or headset that is not there yet
     #[arg(long)]
     wait: bool,
@@ -57,6 +64,10 @@ pub(super) struct Arguments {
     /// Replay what a user did, without a headset, and compare the crowd with that of the recording
     #[arg(long, value_name = "FILE.csv")]
     replay: Option<PathBuf>,
+    /// Show what the user sees in a window of this machine, too
+    #[cfg(feature = "view")]
+    #[arg(long, conflicts_with = "replay")]
+    mirror: bool,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -66,6 +77,12 @@ pub(super) struct Arguments {
 fn refresh_rate(text: &str) -> Result<f32, String> {
     let rate: f32 = text.parse().map_err(|error| format!("{error}"))?;
     if (1.0..=1000.0).contains(&rate) { Ok(rate) } else { Err("must be 1 to 1000 Hz".to_owned()) }
+}
+
+/// A strength from nothing to all.
+fn strength(text: &str) -> Result<f32, String> {
+    let strength: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    if (0.0..=1.0).contains(&strength) { Ok(strength) } else { Err("must be 0 to 1".to_owned()) }
 }
 
 /// Runs the subcommand.
@@ -106,13 +123,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         seconds,
         eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
         refresh_rate: arguments.rate,
+        vignette: arguments.vignette,
         waits: arguments.wait,
         shots: arguments.shots.clone().map(|folder| {
             let write = move |shot: &Shot| write_shot(&folder, shot);
             (arguments.every, Box::new(write) as xr::Shots)
         }),
+        #[cfg(feature = "view")]
+        mirror: arguments.mirror.then(|| Arc::new(xr::Mirror::new(mirror::ROWS))),
         ..Plan::default()
     };
+    #[cfg(feature = "view")]
+    let window = plan.mirror.as_ref().map(|mirror| mirror::open(mirror, &scene.scenario.name));
     let mut simulation = start(store, &arguments.scene.place)?;
     let device = simulation.device();
     let session = session(&scene, simulation.state()?);
@@ -123,12 +145,16 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     xr::listen();
     let outcome = xr::run(&mut simulation, world, plan, &mut observer);
+    #[cfg(feature = "view")]
+    let mirrored = window.map(mirror::close);
     // what the user did is kept even if the session ended in an error
     if let Some((path, recorder)) = observer.record.filter(|(_, recorder)| recorder.steps() > 0) {
         let hash = measure::state_hash(simulation.state()?);
         recorder.finish(hash).map_err(recording(&path))?.finish()?;
     }
     let outcome = outcome?;
+    #[cfg(feature = "view")]
+    let outcome = Outcome { mirrored: mirrored.unwrap_or_default(), ..outcome };
     if arguments.json {
         say_json(&outcome)?;
     } else {
@@ -258,6 +284,9 @@ fn print(outcome: &Outcome, device: &str) {
         let offered: Vec<String> = outcome.refresh_rates.iter().map(ToString::to_string).collect();
         say(&format!("display    {rate} Hz, of {}", offered.join(", ")));
     }
+    let [left, right] = outcome.hidden_triangles;
+    let depth = if outcome.takes_depth { "depth handed over" } else { "no depth wanted" };
+    say(&format!("pictures   {depth}; {left} and {right} triangles hidden by the lenses"));
     let frames = &outcome.frames;
     say(&format!(
         "frames     {} drawn, {} empty, {} periods of the display missed",
@@ -267,6 +296,7 @@ fn print(outcome: &Outcome, device: &str) {
         say(&format!("{name}  p50 {:.2}  p95 {:.2}  p99 {:.2} ms", p.p50, p.p95, p.p99));
     };
     line("drawing  ", &frames.work_ms);
+    line("host     ", &frames.host_ms);
     line("wake-ups ", &frames.wake_ms);
     say(&format!("quality    {:.0} % at least", outcome.least_quality * 100.0));
     say(&format!("sessions   {} ({})", outcome.sessions, outcome.states.join(", ")));

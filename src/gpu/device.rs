@@ -7,7 +7,11 @@ use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
+#[cfg(feature = "xr")]
+use std::time::Duration;
+use std::time::Instant;
 
 /// A Vulkan device with one queue for compute, graphics and transfer.
 pub struct Device {
@@ -22,6 +26,8 @@ pub struct Device {
     /// Whether one pass can draw both eyes.
     pub(crate) multiview: bool,
     info: DeviceInfo,
+    /// Nanoseconds that were spent waiting for the device.
+    waited: AtomicU64,
 }
 
 impl std::fmt::Debug for Device {
@@ -108,6 +114,7 @@ impl Device {
             limits,
             multiview,
             info,
+            waited: AtomicU64::new(0),
             instance,
         }))
     }
@@ -163,9 +170,18 @@ impl Device {
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
         unsafe {
             self.raw.queue_submit2(*queue, &submit, fence).map_err(call("vkQueueSubmit2"))?;
+            let begin = Instant::now();
             self.raw.wait_for_fences(&[fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
+            let waited = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(0);
+            self.waited.fetch_add(waited, Ordering::Relaxed);
             self.raw.reset_fences(&[fence]).map_err(call("vkResetFences"))
         }
+    }
+
+    /// How long submissions were waited for so far.
+    #[cfg(feature = "xr")]
+    pub(crate) fn waited(&self) -> Duration {
+        Duration::from_nanos(self.waited.load(Ordering::Relaxed))
     }
 }
 

@@ -14,6 +14,9 @@ const MAX_GROUPS_X: u32 = 65_535;
 /// Most passes that one submission can time.
 const TIMED_PASSES: u32 = 2048;
 
+/// Largest staging buffer that is kept for smaller copies, bytes.
+const STAGING_KEPT: u64 = 4 << 20;
+
 /// How long a pass ran on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PassTime {
@@ -33,7 +36,8 @@ pub struct Engine {
     commands: vk::CommandBuffer,
     fence: vk::Fence,
     queries: vk::QueryPool,
-    staging: Option<Buffer>,
+    /// What goes to the device, and what comes from it: the two want different memory.
+    staging: [Option<Buffer>; 2],
 }
 
 impl std::fmt::Debug for Engine {
@@ -57,7 +61,7 @@ impl Engine {
             commands: vk::CommandBuffer::null(),
             fence: vk::Fence::null(),
             queries: vk::QueryPool::null(),
-            staging: None,
+            staging: [None, None],
         };
         engine.make_commands(kernels.len())?;
         for &kernel in kernels {
@@ -174,7 +178,7 @@ impl Engine {
     pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
         let ids = self.present(ids);
         let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Upload)?;
-        if let Some(staging) = &mut self.staging {
+        if let [Some(staging), _] = &mut self.staging {
             for (id, offset, length) in &copies {
                 staging.bytes_mut()[*offset..offset + length].copy_from_slice(store.bytes(*id));
             }
@@ -190,7 +194,7 @@ impl Engine {
         let ids = self.present(ids);
         let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Readback)?;
         self.copy(&copies, false)?;
-        if let Some(staging) = &self.staging {
+        if let [_, Some(staging)] = &self.staging {
             for (id, offset, length) in copies {
                 store.bytes_mut(id).copy_from_slice(&staging.bytes()[offset..offset + length]);
             }
@@ -202,7 +206,7 @@ impl Engine {
         ids.iter().copied().filter(|id| self.buffers[*id as usize].is_some()).collect()
     }
 
-    /// Lays the buffers out one after another in a staging buffer.
+    /// Lays the buffers out one after another in a staging buffer, which is kept for the next time if it is small.
     fn stage(
         &mut self,
         ids: &[BufferId],
@@ -218,15 +222,22 @@ impl Engine {
                 end += length.next_multiple_of(16);
             }
         }
-        self.staging = None; // the two directions want different memory; on a GPU that matters more than the making
-        if end > 0 {
-            self.staging = Some(Buffer::new(&self.device, "staging", end as u64, memory)?);
+        let staging = &mut self.staging[usize::from(memory == Memory::Readback)];
+        let end = end as u64;
+        if staging.as_ref().is_none_or(|kept| kept.size() < end || kept.size() > STAGING_KEPT.max(end)) {
+            *staging = None; // before the new one is made, so that there is room
+            if end > 0 {
+                *staging = Some(Buffer::new(&self.device, "staging", end, memory)?);
+            }
         }
         Ok(copies)
     }
 
     fn copy(&mut self, copies: &[(BufferId, usize, usize)], to_device: bool) -> Result<(), Error> {
-        let Some(staging) = self.staging.as_ref().map(|buffer| buffer.raw) else { return Ok(()) };
+        let staging = self.staging[usize::from(!to_device)].as_ref();
+        let Some(staging) = staging.filter(|_| !copies.is_empty()).map(|buffer| buffer.raw) else {
+            return Ok(());
+        };
         self.record(|engine, raw, commands| {
             for (id, offset, length) in copies {
                 let Some(buffer) = engine.buffers[*id as usize].as_ref() else { continue };

@@ -92,6 +92,17 @@ pub struct MoodUniforms {
     pub event_count: u32,
 }
 
+/// Two moments of a crowd; units and meaning stand in `shaders/shared/between.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct BetweenUniforms {
+    pub agent_count: u32,
+    pub newest: u32,
+    pub share: f32,
+    pub reach: f32,
+}
+
 /// Parameters of one picture; units and meaning stand in `shaders/shared/frame.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]

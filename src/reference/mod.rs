@@ -13,6 +13,7 @@
     reason = "a twin converts and compares exactly as its shader does"
 )]
 
+pub mod between;
 pub mod body;
 pub mod contact;
 pub mod crowding;

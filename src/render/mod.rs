@@ -10,6 +10,8 @@ pub mod camera;
 mod crowd;
 #[cfg(feature = "xr")]
 mod faces;
+#[cfg(feature = "xr")]
+mod lens;
 mod parts;
 mod pipelines;
 mod record;
@@ -18,6 +20,8 @@ mod scene;
 mod settings;
 mod shadow;
 pub mod show;
+#[cfg(feature = "xr")]
+mod shrink;
 mod target;
 mod user;
 
@@ -32,6 +36,8 @@ pub use renderer::Renderer;
 pub use scene::Surface;
 pub use settings::{Markers, Settings, Stereo};
 pub use show::Show;
+#[cfg(feature = "xr")]
+pub(crate) use target::DEPTH_FORMAT;
 #[cfg(feature = "view")]
 pub(crate) use target::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
 pub use user::{Hand, HandKind, Teleport, User};

@@ -16,6 +16,8 @@ pub(crate) struct Programs {
     pub(crate) crowd: Program,
     pub(crate) marker: Program,
     pub(crate) user: Program,
+    #[cfg(feature = "xr")]
+    pub(crate) mask: Program,
 }
 
 impl Programs {
@@ -26,6 +28,8 @@ impl Programs {
             crowd: Program::new(device, &draw::CROWD, passes)?,
             marker: Program::new(device, &draw::MARKER, passes)?,
             user: Program::new(device, &draw::USER, passes)?,
+            #[cfg(feature = "xr")]
+            mask: Program::new(device, &draw::MASK, passes)?,
         })
     }
 }
@@ -44,6 +48,8 @@ pub(crate) struct Pipelines {
     pub(crate) user: vk::Pipeline,
     pub(crate) target: vk::Pipeline,
     pub(crate) vignette: vk::Pipeline,
+    #[cfg(feature = "xr")]
+    pub(crate) mask: vk::Pipeline,
 }
 
 /// Images of the picture's size, used by one pass after the other.
@@ -153,5 +159,10 @@ pub(crate) fn pipelines(
         })?,
         target: programs.user.pipeline(&flat("target_vertex", "target_fragment", near, true))?,
         vignette: programs.user.pipeline(&flat("vignette_vertex", "vignette_fragment", over_all, true))?,
+        #[cfg(feature = "xr")]
+        mask: programs.mask.pipeline(&PipelineSpec {
+            write_depth: true,
+            ..flat("mask_vertex", "mask_fragment", over_all, false)
+        })?,
     })
 }

@@ -70,6 +70,12 @@ impl Renderer {
         };
         self.programs.sky.bind(pass, resource)?;
         self.programs.user.bind(pass, resource)?;
+        #[cfg(feature = "xr")]
+        if let Some(mask) = &self.mask {
+            self.programs
+                .mask
+                .bind(pass, |name| (name == "mask").then_some(Resource::Buffer(mask.corners.raw)))?;
+        }
         if self.environment.is_some() {
             self.programs.environment.bind(pass, resource)?;
         }
@@ -176,6 +182,8 @@ impl Renderer {
             to: COLOR_ATTACHMENT,
         };
         self.transition(commands, &[output]);
+        #[cfg(feature = "xr")]
+        self.begin_depth_output(commands);
     }
 
     fn end_output(&self, commands: vk::CommandBuffer, output: &Output) {
@@ -229,6 +237,8 @@ impl Renderer {
         self.transition(commands, &before);
         let targets = [target];
         let depth = depth_attachment(self.attachments.depth.view, vk::AttachmentStoreOp::DONT_CARE);
+        #[cfg(feature = "xr")]
+        let depth = self.depth_of_pass(depth, pass);
         let area = area(self.settings.width, self.settings.height);
         let rendering = vk::RenderingInfo::default()
             .render_area(area)
@@ -239,6 +249,8 @@ impl Renderer {
         // SAFETY: recording has begun and the images are in the layouts of the attachments.
         unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
         self.set_area(commands, area);
+        #[cfg(feature = "xr")]
+        self.draw_mask(commands, pass);
         // near to far by likelihood: hands are nearest, people and buildings hide much of the ground, everything hides the sky
         self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
         self.draw_crowd(commands, [self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
@@ -254,7 +266,7 @@ impl Renderer {
     }
 
     /// Binds a pipeline of a program and the program's set for a pass.
-    fn use_program(
+    pub(super) fn use_program(
         &self,
         commands: vk::CommandBuffer,
         program: &Program,
@@ -391,7 +403,7 @@ impl Renderer {
     }
 
     /// Opens (with a name) or closes a label for captures and validation messages.
-    fn label(&self, commands: vk::CommandBuffer, name: Option<&CStr>) {
+    pub(super) fn label(&self, commands: vk::CommandBuffer, name: Option<&CStr>) {
         let Some(loader) = self.device.names.as_ref() else { return };
         // SAFETY: recording has begun; labels are closed in the order they were opened.
         unsafe {

@@ -46,6 +46,18 @@ pub struct Renderer {
     /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
     #[cfg(any(feature = "xr", feature = "view"))]
     shot: Option<Buffer>,
+    /// What the lenses of a headset hide.
+    #[cfg(feature = "xr")]
+    pub(super) mask: Option<super::lens::Mask>,
+    /// Where the next picture's depth goes.
+    #[cfg(feature = "xr")]
+    pub(super) depth_output: Option<super::lens::DepthOutput>,
+    /// Views of such images.
+    #[cfg(feature = "xr")]
+    pub(super) depth_views: Vec<super::lens::DepthOutput>,
+    /// A small copy of the picture; made when first needed.
+    #[cfg(feature = "xr")]
+    pub(super) small: Option<super::shrink::Small>,
     pub(crate) shadow_map: GpuImage,
     pub(crate) shadow_size: u32,
     pub(crate) sampler: vk::Sampler,
@@ -122,6 +134,14 @@ impl Renderer {
             layer_views: Vec::new(),
             #[cfg(any(feature = "xr", feature = "view"))]
             shot: None,
+            #[cfg(feature = "xr")]
+            mask: None,
+            #[cfg(feature = "xr")]
+            depth_output: None,
+            #[cfg(feature = "xr")]
+            depth_views: Vec::new(),
+            #[cfg(feature = "xr")]
+            small: None,
             shadow_map,
             shadow_size,
             sampler: vk::Sampler::null(),
@@ -245,7 +265,7 @@ impl Renderer {
     }
 
     /// A device buffer with these contents.
-    fn upload(&self, name: &'static str, bytes: &[u8]) -> Result<Buffer, Error> {
+    pub(super) fn upload(&self, name: &'static str, bytes: &[u8]) -> Result<Buffer, Error> {
         let limit = u64::from(self.device.limits.max_storage_buffer_range);
         if bytes.len() as u64 > limit {
             return Err(crate::gpu::Error::TooLarge { name, bytes: bytes.len() as u64, limit }.into());
@@ -267,7 +287,7 @@ impl Renderer {
     }
 
     /// Records commands, submits them and waits.
-    fn submit(
+    pub(super) fn submit(
         &self,
         body: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), Error>,
     ) -> Result<(), Error> {
@@ -391,6 +411,8 @@ impl Renderer {
 
     /// Destroys the views of layers: their images go, or may be others under the same names.
     fn forget_layer_views(&mut self) {
+        #[cfg(feature = "xr")]
+        self.forget_depth_views();
         for view in self.layer_views.drain(..).flat_map(|(_, views)| views) {
             // SAFETY: every submission was waited for; null handles are ignored.
             unsafe { self.device.raw.destroy_image_view(view, None) };

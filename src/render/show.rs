@@ -6,10 +6,11 @@
 use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
-use crate::kernels::layout::FrameUniforms;
+use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
 use crate::kernels::{BufferId, KernelId, Store};
 use crate::scenario::{EnvironmentMesh, Gaze};
 use crate::sim::bodies::{self, MeshBuffers};
+use crate::sim::moments::Moments;
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -18,7 +19,7 @@ use std::sync::Arc;
 const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
 
 /// What the animation reads of a crowd's state.
-const READ: [BufferId; 3] = [BufferId::Position, BufferId::Stance, BufferId::Phase];
+const READ: [BufferId; 4] = [BufferId::Position, BufferId::Stance, BufferId::Phase, BufferId::Elevation];
 
 /// Draws a simulation.
 #[derive(Debug)]
@@ -32,12 +33,22 @@ pub struct Show {
     /// Number of the moment that the animator has.
     #[cfg(feature = "xr")]
     taken: u64,
+    /// When the last two moments were that pictures lie between.
+    moments: Moments,
+    /// Where the newest is to be kept with the next picture.
+    keep: Option<u32>,
+    /// Whether there is room for two moments.
+    has_moments: bool,
 }
 
 /// The kernels of a picture.
-fn kernels(frame: &FrameUniforms) -> Vec<KernelId> {
-    let mut kernels: Vec<KernelId> = order::frame_passes(frame).iter().map(|pass| pass.kernel).collect();
+fn kernels(store: &Store) -> Vec<KernelId> {
+    let mut kernels: Vec<KernelId> =
+        order::frame_passes(&store.frame).iter().map(|pass| pass.kernel).collect();
     kernels.push(KernelId::Attend); // agents may have to take turns later
+    if !store.moments.is_empty() {
+        kernels.extend([KernelId::Remember, KernelId::Interpolate]);
+    }
     kernels.sort_unstable();
     kernels.dedup();
     kernels
@@ -52,12 +63,23 @@ fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     }
 }
 
-/// Prepares the bodies for a picture.
-fn animate(animator: &mut Engine, frame: &FrameUniforms) -> Result<(), crate::Error> {
-    let passes = order::frame_passes(frame);
-    let ops: Vec<Op> =
-        std::iter::once(Op::Set(BufferId::Frame)).chain(passes.into_iter().map(Op::Pass)).collect();
-    animator.run(&ops, |_, _| bytemuck::bytes_of(frame).to_vec(), false)?;
+/// Prepares the bodies for a picture: of the moment that the animator has, or of one between two.
+fn animate(
+    animator: &mut Engine,
+    frame: &FrameUniforms,
+    between: Option<(BetweenUniforms, Option<u32>)>,
+) -> Result<(), crate::Error> {
+    let mut ops = vec![Op::Set(BufferId::Frame)];
+    if let Some((between, keep)) = &between {
+        ops.push(Op::Set(BufferId::Between));
+        ops.extend(order::between_passes(between.agent_count, *keep).into_iter().map(Op::Pass));
+    }
+    ops.extend(order::frame_passes(frame).into_iter().map(Op::Pass));
+    let contents = |_, buffer| match (buffer, &between) {
+        (BufferId::Between, Some((between, _))) => bytemuck::bytes_of(between).to_vec(),
+        _ => bytemuck::bytes_of(frame).to_vec(),
+    };
+    animator.run(&ops, contents, false)?;
     check(animator)
 }
 
@@ -94,19 +116,12 @@ impl Show {
             None
         } else {
             let store = simulation.state()?;
-            Some(Engine::new(device, store, &kernels(&store.frame))?)
+            Some(Engine::new(device, store, &kernels(store))?)
         };
         let mut renderer = Renderer::new(device, settings)?;
         renderer.set_meshes(meshes)?;
         renderer.set_environment(&[surface(scenery)])?;
-        Ok(Self {
-            renderer,
-            animator,
-            frame: simulation.state()?.frame,
-            time: None,
-            #[cfg(feature = "xr")]
-            taken: 0,
-        })
+        Ok(Self::joined(renderer, animator, simulation.store()))
     }
 
     /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
@@ -119,11 +134,25 @@ impl Show {
         settings: Settings,
         format: ash::vk::Format,
     ) -> Result<Self, crate::Error> {
-        let animator = Engine::new(device, store, &kernels(&store.frame))?;
+        let animator = Engine::new(device, store, &kernels(store))?;
         let mut renderer = Renderer::with_format(device, settings, format)?;
         renderer.set_meshes(meshes)?;
         renderer.set_environment(&[surface(scenery)])?;
-        Ok(Self { renderer, animator: Some(animator), frame: store.frame, time: None, taken: 0 })
+        Ok(Self::joined(renderer, Some(animator), store))
+    }
+
+    fn joined(renderer: Renderer, animator: Option<Engine>, store: &Store) -> Self {
+        Self {
+            renderer,
+            animator,
+            frame: store.frame,
+            time: None,
+            #[cfg(feature = "xr")]
+            taken: 0,
+            moments: Moments::default(),
+            keep: None,
+            has_moments: !store.moments.is_empty(),
+        }
     }
 
     /// What a picture needs of a crowd's state.
@@ -135,6 +164,9 @@ impl Show {
             phase: store.phase.clone(),
             ..Store::default()
         };
+        if store.step.floor_count != 0 {
+            moment.elevation.clone_from(&store.elevation);
+        }
         if store.step.feels != 0 {
             moment.gait_weights.clone_from(&store.gait_weights);
             moment.look.clone_from(&store.look);
@@ -142,36 +174,46 @@ impl Show {
         moment
     }
 
-    /// Takes a moment of the crowd, unless it has that one already; `number` tells them apart.
+    /// Takes a moment of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
     #[cfg(feature = "xr")]
-    pub(crate) fn take(&mut self, moment: &Store, number: u64) -> Result<(), crate::Error> {
+    pub(crate) fn take(&mut self, moment: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
-            // the last two are empty, and so stay as they are, in a crowd whose feelings do not change
-            let [position, stance, phase] = READ;
-            animator.upload(moment, &[position, stance, phase, BufferId::GaitWeights, BufferId::Look])?;
+            // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
+            let [position, stance, phase, elevation] = READ;
+            let felt = [BufferId::GaitWeights, BufferId::Look];
+            animator.upload(moment, &[position, stance, phase, elevation, felt[0], felt[1]])?;
             self.taken = number;
+            self.keep = self.has_moments.then(|| self.moments.keep(time));
         }
         Ok(())
     }
 
-    /// Draws the moment taken last into an image of one layer per eye, `seconds` after the picture before; copies it to
-    /// the host if that is wanted.
+    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the moments taken last, into an
+    /// image of one layer per eye, `seconds` after the picture before; copies it to the host if that is wanted.
     #[cfg(feature = "xr")]
     pub(crate) fn draw_into(
         &mut self,
         view: &View,
         user_eyes: Vec3,
-        seconds: f32,
+        (shown, seconds): (f64, f32),
         image: (ash::vk::Image, ash::vk::ImageView),
         is_wanted: bool,
     ) -> Result<Option<Image>, crate::Error> {
         let time = self.time.unwrap_or(0.0) + f64::from(seconds);
         self.time = Some(time);
         let frame = self.frame_of(view, user_eyes, seconds, time);
+        let between = self.between(shown);
         let Some(animator) = &mut self.animator else { return Ok(None) };
-        animate(animator, &frame)?;
+        animate(animator, &frame, between)?;
         let crowd = CrowdBuffers::of(animator)?;
         Ok(self.renderer.draw_into(view, Some(&crowd), image, is_wanted)?)
+    }
+
+    /// What lies between the last two moments at a time, and where the newest is to be kept; none without room for them.
+    #[cfg(any(feature = "xr", feature = "view"))]
+    fn between(&mut self, shown: f64) -> Option<(BetweenUniforms, Option<u32>)> {
+        let keep = self.keep.take();
+        self.has_moments.then(|| (self.moments.at(shown, self.frame.agent_count), keep))
     }
 
     /// The device that draws, in words.
@@ -224,21 +266,30 @@ impl Show {
         Ok(())
     }
 
-    /// The same into somebody else's image, which is left in the layout of a colour attachment; copies it to the host if
-    /// that is wanted.
+    /// The same of the crowd as it was at `shown`, s of its time, between the moments that this was called at, into
+    /// somebody else's image, which is left in the layout of a colour attachment; copies it to the host if that is wanted.
     #[cfg(feature = "view")]
     pub(crate) fn picture_into(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        user_eyes: Vec3,
+        (user_eyes, shown): (Vec3, f64),
         image: (ash::vk::Image, ash::vk::ImageView),
         is_wanted: bool,
     ) -> Result<Option<Image>, crate::Error> {
-        self.prepare(simulation, view, user_eyes)?;
+        let time = simulation.time();
+        if self.has_moments && self.moments.newest() != Some(time) {
+            self.keep = Some(self.moments.keep(time));
+        }
+        let between = self.between(shown);
+        self.prepare_between(simulation, view, user_eyes, between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
-        Ok(self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted)?)
+        let image = self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted)?;
+        if let Some((between, _)) = between.filter(|_| self.animator.is_none()) {
+            simulation.restore(between)?;
+        }
+        Ok(image)
     }
 
     /// Animates the bodies that a view sees.
@@ -248,6 +299,17 @@ impl Show {
         view: &View,
         user_eyes: Vec3,
     ) -> Result<(), crate::Error> {
+        self.prepare_between(simulation, view, user_eyes, None)
+    }
+
+    /// The same now, or between two moments.
+    fn prepare_between(
+        &mut self,
+        simulation: &mut Simulation,
+        view: &View,
+        user_eyes: Vec3,
+        between: Option<(BetweenUniforms, Option<u32>)>,
+    ) -> Result<(), crate::Error> {
         let frame = self.next_frame(simulation, view, user_eyes)?;
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
@@ -255,7 +317,9 @@ impl Show {
             if store.step.feels != 0 {
                 animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
             }
-            animate(animator, &frame)
+            animate(animator, &frame, between)
+        } else if let Some((between, keep)) = between {
+            simulation.animate_between(frame, between, keep)
         } else {
             simulation.animate(frame)
         }

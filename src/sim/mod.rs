@@ -12,6 +12,8 @@ mod cast;
 mod company;
 pub mod flow;
 pub mod measure;
+#[cfg(feature = "vulkan")]
+pub mod moments;
 pub mod obstacles;
 pub mod order;
 pub mod setup;
@@ -523,7 +525,12 @@ fn kernels(store: &Store) -> Vec<KernelId> {
     let model = order::velocity_kernel(store.step.model);
     let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
     let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
-    KernelId::ALL.into_iter().filter(|kernel| !others.contains(kernel)).collect()
+    let has_moments = !store.moments.is_empty();
+    let is_wanted = |kernel: &KernelId| {
+        !others.contains(kernel)
+            && (has_moments || !matches!(kernel, KernelId::Remember | KernelId::Interpolate))
+    };
+    KernelId::ALL.into_iter().filter(is_wanted).collect()
 }
 
 /// Runs passes on the reference kernels.

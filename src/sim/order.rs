@@ -145,6 +145,14 @@ fn cells_or_lists(grid: &FlowUniforms) -> u32 {
     (grid.field_count * grid.cell_count.max(4 * grid.tile_columns * grid.tile_rows)).max(4)
 }
 
+/// The launches before a picture that shows what lies between two moments: the present one is kept at a place first, if
+/// it is to be.
+pub fn between_passes(agent_count: u32, keep: Option<u32>) -> Vec<Pass> {
+    let extent = Extent::Invocations(agent_count);
+    let keep = keep.map(|place| Pass { kernel: KernelId::Remember, level: place, extent });
+    keep.into_iter().chain([Pass { kernel: KernelId::Interpolate, level: 0, extent }]).collect()
+}
+
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
     let agents = frame.agent_count;

@@ -50,6 +50,7 @@ const INTEGERS: &[&str] = &[
     "gaze_frame",
     "look",
     "mesh_table",
+    "moments",
     "phase",
     "queues",
     "reaction",

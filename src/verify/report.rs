@@ -1,6 +1,6 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, feelings, flow, gaits, journeys, step};
+use super::cases::{animation, between, feelings, flow, gaits, journeys, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{KernelId, Pass, Store};
@@ -108,6 +108,10 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         }
         KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
         KernelId::React => (0.0, "", "zeros"),
+        KernelId::Remember => (0.0, "", "copies of bits"),
+        KernelId::Interpolate => {
+            (1e-4, "m, rad", "one product and one sum, world coordinates of up to 100 m")
+        }
         KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
         KernelId::Persevere => (
             3.0,
@@ -276,6 +280,15 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
         let store = feelings::feelings(size, seed);
         let passes = order::step_passes(&store.step);
         cases.push(Case { name: format!("feelings, {size} agents, seed {seed}"), store, passes });
+    }
+    for number in 0..if few { 1 } else { 4 } {
+        let store = between::between(size, seed.wrapping_mul(4).wrapping_add(number));
+        let passes = between::passes(&store);
+        cases.push(Case {
+            name: format!("between two moments, {size} agents, kind {number}"),
+            store,
+            passes,
+        });
     }
     // the large case is of the kind in which every gait is usable
     for seed in if few { 0..1 } else { 0..2 } {

@@ -33,6 +33,8 @@ pub(super) struct Canvas {
     extent: vk::Extent2D,
     /// Where the host reads it; made when first needed.
     readback: Option<Buffer>,
+    /// Where the host writes pictures of somebody else's; made when first needed.
+    upload: Option<Buffer>,
     commands: vk::CommandBuffer,
     pool: vk::CommandPool,
     fence: vk::Fence,
@@ -55,7 +57,9 @@ fn image(device: &Arc<Device>, extent: vk::Extent2D) -> Result<GpuImage, crate::
             layers: 1,
             format: COLOR_FORMAT,
             samples: vk::SampleCountFlags::TYPE_1,
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
+            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
+                | vk::ImageUsageFlags::TRANSFER_SRC
+                | vk::ImageUsageFlags::TRANSFER_DST,
         },
     )?)
 }
@@ -82,6 +86,7 @@ impl Canvas {
             image: image(device, extent)?,
             extent,
             readback: None,
+            upload: None,
             commands: vk::CommandBuffer::null(),
             pool: vk::CommandPool::null(),
             fence: vk::Fence::null(),
@@ -114,7 +119,7 @@ impl Canvas {
         let extent = vk::Extent2D { width, height };
         if extent != self.extent {
             self.image = image(&self.device, extent)?;
-            self.readback = None;
+            (self.readback, self.upload) = (None, None);
             self.extent = extent;
         }
         Ok(())
@@ -167,6 +172,47 @@ impl Canvas {
             Image { width: self.extent.width, height: self.extent.height, pixels }
         });
         Ok((slot.is_some(), copy))
+    }
+
+    /// Shows somebody else's picture in the window, `size` pixels large, if it takes an image just now.
+    pub(super) fn paint(
+        &mut self,
+        picture: &Image,
+        surface: &mut Surface,
+        size: [u32; 2],
+    ) -> Result<bool, crate::Error> {
+        self.resize([picture.width, picture.height])?;
+        if self.upload.is_none() {
+            let bytes = picture.pixels.len() as u64;
+            self.upload = Some(Buffer::new(&self.device, "picture", bytes, Memory::Upload)?);
+        }
+        let Some(upload) = &mut self.upload else { return Ok(false) };
+        if let Some(to) = upload.bytes_mut().get_mut(..picture.pixels.len()) {
+            to.copy_from_slice(&picture.pixels);
+        }
+        let upload = upload.raw;
+        let Some(slot) = surface.acquire(size)? else { return Ok(false) };
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: every submission is waited for, so the command buffer is not in use.
+        unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }
+            .map_err(call("vkBeginCommandBuffer"))?;
+        let written = (Stage::COPY, Access::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
+        self.transition(self.image.raw, (Stage::ALL_TRANSFER, Access::NONE, Layout::UNDEFINED), written);
+        let region = [vk::BufferImageCopy::default()
+            .image_extent(vk::Extent3D { width: self.extent.width, height: self.extent.height, depth: 1 })
+            .image_subresource(layer())];
+        // SAFETY: the image is in that layout, the buffer holds all its pixels; recording has begun.
+        unsafe {
+            let raw = &self.device.raw;
+            raw.cmd_copy_buffer_to_image(self.commands, upload, self.image.raw, written.2, &region);
+        }
+        self.transition(self.image.raw, written, READ);
+        self.copy_to(&slot);
+        // SAFETY: recording has begun.
+        unsafe { self.device.raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
+        self.submit(Some(&slot))?;
+        surface.show(&slot)?;
+        Ok(true)
     }
 
     fn take_textures(&mut self, textures: &mut egui::TexturesDelta) -> Result<(), crate::Error> {

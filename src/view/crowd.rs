@@ -12,6 +12,7 @@ use crate::reference::stages::{self, STAGE_STRIDE};
 use crate::render::camera::View;
 use crate::render::{Markers, Settings, Show};
 use crate::scenario::{EnvironmentMesh, Gaze, GazeMode};
+use crate::sim::moments::make_room;
 use crate::sim::{Backend, Simulation};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
@@ -175,6 +176,8 @@ pub(super) struct Company {
     emotions: Vec<[f32; 4]>,
     height: f32,
     arrears: f64,
+    /// Time of the crowd that is shown, s: up to a step ago, so that it is there to be shown.
+    shown: f64,
     film: Option<Film>,
     /// Times of the kernels of steps, and of pictures.
     pub(super) times: [Times; 2],
@@ -203,6 +206,7 @@ impl Company {
                 emotions,
                 height,
                 arrears: 0.0,
+                shown: 0.0,
                 film: None,
                 times: Default::default(),
             }
@@ -260,6 +264,7 @@ impl Company {
             self.arrears -= time_step;
             steps += 1;
         }
+        self.shown = self.simulation.time() + self.arrears - time_step;
         let measured = self.simulation.take_times();
         self.times[0].take(&measured, steps);
         Ok(steps)
@@ -269,6 +274,7 @@ impl Company {
     pub(super) fn step_once(&mut self, director: &mut dyn Director) -> Result<(), crate::Error> {
         self.arrears = 0.0;
         director.step(&mut self.simulation, 1)?;
+        self.shown = self.simulation.time();
         let measured = self.simulation.take_times();
         self.times[0].take(&measured, 1);
         Ok(())
@@ -283,7 +289,8 @@ impl Company {
         is_wanted: bool,
     ) -> Result<Option<Image>, crate::Error> {
         let is_wanted = is_wanted || self.film.is_some();
-        let picture = self.show.picture_into(&mut self.simulation, view, user_eyes, image, is_wanted)?;
+        let picture =
+            self.show.picture_into(&mut self.simulation, view, (user_eyes, self.shown), image, is_wanted)?;
         let measured = self.simulation.take_times();
         self.times[1].take(&measured, 1);
         if let (Some(film), Some(picture)) = (&mut self.film, &picture) {
@@ -372,12 +379,13 @@ struct Staged {
 
 /// Puts a crowd on stage.
 fn stage(
-    start: Start,
+    mut start: Start,
     device: &Arc<Device>,
     backend: Backend,
     (scenery, settings, gaze): (&EnvironmentMesh, Settings, &Gaze),
 ) -> Result<Staged, crate::Error> {
     let height = start.store.frame.agent_height;
+    make_room(&mut start.store);
     let mut simulation = if backend == Backend::Cpu {
         Simulation::from_store(start.store, backend, None)?
     } else {

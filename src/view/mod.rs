@@ -7,6 +7,7 @@
 mod camera;
 mod canvas;
 mod crowd;
+mod mirror;
 mod panel;
 pub mod pick;
 mod surface;
@@ -14,6 +15,7 @@ mod window;
 
 pub use camera::{CameraMode, Rig};
 pub use crowd::Person;
+pub use mirror::{Mirrored, Source, mirror};
 pub use window::run;
 
 use crate::kernels::Store;

@@ -50,7 +50,7 @@ pub fn run(plan: Plan, director: &mut dyn Director) -> Result<Outcome, crate::Er
 }
 
 /// What the system says of a window that cannot be, without the place in the source where it says so.
-fn no_display(error: impl std::fmt::Display) -> Error {
+pub(super) fn no_display(error: impl std::fmt::Display) -> Error {
     let text = error.to_string();
     let rest = text.split_once(".rs:").map(|(_, rest)| rest.trim_start_matches(|c: char| c.is_ascii_digit()));
     Error::NoDisplay(rest.map_or(text.as_str(), |rest| rest.trim_start_matches([':', ' '])).to_owned())

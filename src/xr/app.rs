@@ -5,6 +5,7 @@
 //! device, and begins anew when the runtime goes away. A runtime that hangs therefore stops the pictures, not the crowd.
 
 use super::headset::Headset;
+use super::mirror::Mirror;
 use super::pace::FrameSummary;
 use super::recording::Moment;
 use super::runtime::Runtime;
@@ -16,6 +17,7 @@ use crate::render::{Face, Settings, Show};
 use crate::scenario::EnvironmentMesh;
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
+use crate::sim::moments::make_room;
 use glam::Vec2;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -31,6 +33,9 @@ const SILENCE: Duration = Duration::from_secs(2);
 const AWAY: Duration = Duration::from_millis(500);
 /// Longest the headset's thread may take to end in good order.
 const FAREWELL: Duration = Duration::from_secs(3);
+
+/// How far the edge of the view is darkened while a stick moves the user, unless told otherwise.
+pub const DEFAULT_VIGNETTE: f32 = 0.7;
 
 /// What a frame showed.
 #[derive(Debug)]
@@ -59,10 +64,14 @@ pub struct Plan {
     pub eye_size: Option<[u32; 2]>,
     /// Refresh rate of the display to ask for, Hz: the nearest that is offered; none: the runtime's.
     pub refresh_rate: Option<f32>,
+    /// How far the edge of the view is darkened while a stick moves the user, 0 not at all to 1.
+    pub vignette: f32,
     /// Whether to wait for a runtime or headset that is not there yet.
     pub waits: bool,
     /// Who is told what frames show, and every how many frames.
     pub shots: Option<(u64, Shots)>,
+    /// Where copies of what the user sees go.
+    pub mirror: Option<Arc<Mirror>>,
     /// Vulkan's validation on the headset's device.
     pub validation: Validation,
     /// Finds the runtime.
@@ -84,8 +93,10 @@ impl Default for Plan {
             seconds: None,
             eye_size: None,
             refresh_rate: None,
+            vignette: DEFAULT_VIGNETTE,
             waits: false,
             shots: None,
+            mirror: None,
             validation: Validation::from_environment(),
             open: Box::new(Runtime::open),
         }
@@ -129,6 +140,10 @@ pub struct Outcome {
     pub refresh_rate: Option<f32>,
     /// Those that can be asked for, Hz.
     pub refresh_rates: Vec<f32>,
+    /// Whether the runtime takes the depth of pictures.
+    pub takes_depth: bool,
+    /// Triangles of the pictures that the lenses hide and nothing is drawn in, left and right.
+    pub hidden_triangles: [usize; 2],
     /// Frames of all sessions.
     pub frames: FrameSummary,
     /// Sessions that were begun.
@@ -143,16 +158,33 @@ pub struct Outcome {
     pub steps: u32,
     /// Seconds of the crowd that were let pass because stepping it took too long.
     pub time_lost: f64,
+    /// Pictures that a mirror showed.
+    pub mirrored: u64,
     /// Why it ended, in one line.
     pub ended: String,
     /// Whether the runtime did not answer any more at the end.
     pub hung: bool,
 }
 
+/// A moment of the crowd.
+#[derive(Clone)]
+pub(super) struct Latest {
+    /// What pictures need of it. Shared, so that nobody holds the lock while a device works.
+    pub(super) store: Arc<Store>,
+    /// Which one, from 1.
+    pub(super) number: u64,
+    /// When it was due, s since the beginning.
+    pub(super) due: f64,
+    /// How long after that it was there, s.
+    pub(super) late: f64,
+}
+
 /// What the two threads tell each other.
 pub(super) struct Shared {
-    /// The crowd's latest moment and how many there were. Shared, so that nobody holds the lock while a device works.
-    pub(super) moment: Mutex<(Arc<Store>, u64)>,
+    /// The crowd's latest moment.
+    pub(super) moment: Mutex<Latest>,
+    /// Length of a step, s.
+    pub(super) time_step: f64,
     /// The user when the headset was found last, and when that was.
     pub(super) user: Mutex<(Moment, Option<Instant>)>,
     /// Milliseconds since the beginning at the last sign of life.
@@ -172,6 +204,11 @@ impl Shared {
     /// Tells the user something, in one line.
     pub(super) fn note(&self, line: String) {
         lock(&self.notes).push(line);
+    }
+
+    /// Seconds since the beginning.
+    pub(super) fn now(&self) -> f64 {
+        self.begin.elapsed().as_secs_f64()
     }
 
     /// Whether the session is to end.
@@ -208,21 +245,24 @@ pub trait Observer {
 /// When there is no headset at the beginning (unless the plan waits for one), or the crowd fails.
 pub fn run(
     simulation: &mut Simulation,
-    world: World,
+    mut world: World,
     plan: Plan,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let time_step = f64::from(simulation.store().step.time_step);
     let start = Moment { place: world.start.0, ..Moment::default() };
+    make_room(&mut world.store);
+    let first = Arc::new(Show::moment(simulation.state()?));
     let shared = Arc::new(Shared {
-        moment: Mutex::new((Arc::new(Show::moment(simulation.state()?)), 0)),
+        moment: Mutex::new(Latest { store: first, number: 1, due: 0.0, late: 0.0 }),
+        time_step,
         user: Mutex::new((start, None)),
         beat: AtomicU64::new(0),
         begin: Instant::now(),
         stop: AtomicBool::new(false),
         notes: Mutex::new(Vec::new()),
     });
-    let seconds = plan.seconds;
+    let (seconds, mirror) = (plan.seconds, plan.mirror.clone());
     let headset = {
         let shared = shared.clone();
         thread::Builder::new()
@@ -239,6 +279,9 @@ pub fn run(
     while !headset.is_finished() {
         let now = shared.begin.elapsed();
         for line in std::mem::take(&mut *lock(&shared.notes)) {
+            observer.note(&line);
+        }
+        if let Some(line) = mirror.as_ref().and_then(|mirror| mirror.said()) {
             observer.note(&line);
         }
         let silence = now.saturating_sub(Duration::from_millis(shared.beat.load(Ordering::Relaxed)));
@@ -277,9 +320,10 @@ pub fn run(
             done?;
         }
         steps += 1;
-        let moment = Arc::new(Show::moment(simulation.state()?));
-        let mut latest = lock(&shared.moment);
-        *latest = (moment, latest.1 + 1);
+        let store = Arc::new(Show::moment(simulation.state()?));
+        let due = passed + f64::from(steps) * time_step;
+        let late = (shared.now() - due).max(0.0);
+        *lock(&shared.moment) = Latest { store, number: u64::from(steps) + 1, due, late };
     }
     for line in std::mem::take(&mut *lock(&shared.notes)) {
         observer.note(&line);

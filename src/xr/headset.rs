@@ -5,12 +5,16 @@
 //! a full disk.
 
 use super::app::{Outcome, Plan, Shared, Shot, World, lock};
+use super::input::Reading;
 use super::pace::{FrameTimes, Governor};
 use super::recording::{Moment, numbers};
 use super::rig::Rig;
-use super::session::{Event, Frame, Session, State};
+use super::session::{Event, Eyes, Frame, Session, State, Target};
+use super::shown::{Crowd, Shown};
+use super::views::Pose;
 use super::{Error, stop, views};
-use crate::render::{Settings, Show};
+use crate::picture::Image;
+use crate::render::{Hand, HandKind, Settings, Show, User};
 use glam::{Vec2, Vec3};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -76,6 +80,7 @@ impl<'a> Headset<'a> {
                 Err(Failure::Fatal(error)) => return Err(error),
                 Err(Failure::Headset(error)) => error,
             };
+            give_back();
             let is_first = self.outcome.sessions == 0;
             if is_first && !(error.is_passing() && self.plan.waits) {
                 return Err(error.into());
@@ -124,6 +129,7 @@ impl<'a> Headset<'a> {
         show.set_gaze(gaze);
         self.outcome.runtime = Some(runtime.info().clone());
         self.outcome.device = show.device();
+        self.outcome.takes_depth = session.takes_depth();
         self.outcome.sessions += 1;
         let mut asked = false;
         let mut clock = Clock::default();
@@ -185,28 +191,13 @@ impl<'a> Headset<'a> {
 
     fn frame(&mut self, session: &mut Session, show: &mut Show, clock: &mut Clock) -> Result<(), Failure> {
         let frame = session.wait()?;
+        let (woke, waited) = (Instant::now(), session.waited());
         self.shared.live();
         let (seconds, periods) = clock.step(&frame, &mut self.times);
         let input = session.read_input(&frame)?;
         let head = session.head(&frame)?;
         if let Some(head) = head {
-            let hand = input.hands[1].or(input.hands[0]);
-            self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
-            let place = self.rig.user(head);
-            let room = self.rig.world_from_room();
-            let mut latest = lock(&self.shared.user);
-            let (user, seen) = &mut *latest;
-            *seen = Some(Instant::now());
-            let velocity = (place - user.place) / seconds.max(1e-3);
-            // a teleport or a recentring is no walk
-            let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
-            *user = Moment {
-                place,
-                velocity: user.velocity.lerp(velocity, 0.3),
-                head: Some(numbers(head.within(room))),
-                hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
-                sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
-            };
+            self.follow(head, &input, seconds);
         }
         if !frame.wants_picture {
             self.times.empty();
@@ -214,27 +205,22 @@ impl<'a> Headset<'a> {
         }
         let begin = Instant::now();
         let target = session.acquire()?;
-        let (moment, number) = lock(&self.shared.moment).clone();
-        show.take(&moment, number)?;
+        let moment = lock(&self.shared.moment).clone();
+        show.take(&moment.store, moment.number, moment.due)?;
+        let crowd = Crowd { now: self.shared.now(), step: self.shared.time_step, late: moment.late };
+        let shown = clock.shown.time(frame.display.as_nanos(), &crowd);
         show.set_level_distances(self.governor.distances(self.world.level_distances));
         // as late as can be: everything but the eyes' place is ready
         let eyes = session.locate(&frame)?;
-        let mut seen = None;
-        match &eyes {
-            None => {}
-            Some(eyes) => {
-                let view = views::view(eyes.placed, self.rig.world_from_room());
-                let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
-                let shot =
-                    self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
-                let image = show.draw_into(&view, middle, seconds, (target.image, target.view), shot)?;
-                seen = image.map(|image| (image, middle));
-            }
-        }
+        let seen = match &eyes {
+            Some(eyes) => self.picture(session, show, (&target, eyes), &input, (shown, seconds))?,
+            None => None,
+        };
         session.release()?;
         session.end(frame, eyes.as_ref())?;
         let work = begin.elapsed();
         self.times.drew(work, periods);
+        self.times.prepared(woke.elapsed().saturating_sub(session.waited().saturating_sub(waited)));
         self.governor.frame(work, frame.period);
         self.outcome.least_quality = self.outcome.least_quality.min(self.governor.quality());
         if let (Some((image, user_eyes)), Some((_, shots))) = (seen, &mut self.plan.shots) {
@@ -246,10 +232,98 @@ impl<'a> Headset<'a> {
     }
 }
 
+impl Headset<'_> {
+    /// Moves the user, and tells the crowd where they are.
+    fn follow(&mut self, head: Pose, input: &Reading, seconds: f32) {
+        let hand = input.hands[1].or(input.hands[0]);
+        self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
+        let place = self.rig.user(head);
+        let room = self.rig.world_from_room();
+        let mut latest = lock(&self.shared.user);
+        let (user, seen) = &mut *latest;
+        *seen = Some(Instant::now());
+        let velocity = (place - user.place) / seconds.max(1e-3);
+        // a teleport or a recentring is no walk
+        let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
+        *user = Moment {
+            place,
+            velocity: user.velocity.lerp(velocity, 0.3),
+            head: Some(numbers(head.within(room))),
+            hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
+            sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
+        };
+    }
+
+    /// Draws what the eyes see at a time of the crowd, so long after the picture before; a copy and the midpoint of the eyes
+    /// if somebody wants this frame's.
+    fn picture(
+        &mut self,
+        session: &mut Session,
+        show: &mut Show,
+        (target, eyes): (&Target, &Eyes),
+        input: &Reading,
+        times: (f64, f32),
+    ) -> Result<Option<(Image, Vec3)>, Failure> {
+        let view = views::view(eyes.placed, self.rig.world_from_room());
+        let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
+        let renderer = show.renderer();
+        renderer.set_user(self.user(input));
+        renderer.set_depth_output(target.depth).map_err(Error::from)?;
+        if let Some(corners) = session.hidden().corners(eyes.placed.map(|(_, fov)| fov)) {
+            renderer.set_mask(&corners).map_err(Error::from)?;
+            self.outcome.hidden_triangles = session.hidden().triangles();
+        }
+        let is_wanted = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
+        let image = show.draw_into(&view, middle, times, (target.image, target.view), is_wanted)?;
+        self.reflect(show, target.image, session.size())?;
+        Ok(image.map(|image| (image, middle)))
+    }
+
+    /// What the picture shows of the user.
+    fn user(&self, input: &Reading) -> User {
+        let room = self.rig.world_from_room();
+        let held = |grip: Pose| {
+            let Pose { rotation: turn, position: place } = grip.within(room);
+            Hand { place, turn, kind: HandKind::Controller }
+        };
+        User {
+            hands: input.grips.map(|grip| grip.map(held)),
+            teleport: self.rig.teleport_shown(input.hands[1].or(input.hands[0])),
+            vignette: self.rig.vignette() * self.plan.vignette,
+        }
+    }
+
+    /// Puts a small copy of what was drawn where somebody looks on. Who looks on never costs the user the session: when it
+    /// fails, there are no more copies.
+    fn reflect(&self, show: &mut Show, image: ash::vk::Image, size: [u32; 2]) -> Result<(), Error> {
+        let Some(mirror) = &self.plan.mirror else { return Ok(()) };
+        let Some(small) = mirror.wants(size, Instant::now()) else { return Ok(()) };
+        match show.renderer().shrink(image, small) {
+            Ok(copy) => mirror.keep(copy, Instant::now()),
+            // a device that is lost is the headset's matter; memory that is short is not
+            Err(crate::render::Error::Gpu(error @ crate::gpu::Error::Memory { .. })) => {
+                mirror.close(Some(format!("the mirror is closed: {error}")));
+            }
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
+    }
+}
+
 /// The rate that is offered and nearest to the one that is wanted, Hz.
 fn nearest(offered: &[f32], wanted: f32) -> Option<f32> {
     let away = |rate: &f32| (rate - wanted).abs();
     offered.iter().copied().filter(|rate| rate.is_finite()).min_by(|a, b| away(a).total_cmp(&away(b)))
+}
+
+/// Gives memory that a session has freed back to the system. Runtime, driver and compiler work on threads of their own, and
+/// the C library keeps for each thread what it has freed: after some sessions that would be a lot.
+fn give_back() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: no requirements; what is in use stays.
+    unsafe {
+        libc::malloc_trim(0);
+    }
 }
 
 /// The time from frame to frame, as far as it can be believed.
@@ -257,6 +331,7 @@ fn nearest(offered: &[f32], wanted: f32) -> Option<f32> {
 struct Clock {
     display: Option<i64>,
     woke: Option<Instant>,
+    shown: Shown,
 }
 
 impl Clock {

@@ -10,8 +10,10 @@ use openxr as xr;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Reading {
     pub(super) walk: Walk,
-    /// Left and right, while they are tracked.
+    /// Where the left and the right one point, while they are tracked.
     pub(super) hands: [Option<Pose>; 2],
+    /// How they are held, likewise.
+    pub(super) grips: [Option<Pose>; 2],
 }
 
 /// The actions, bound to whatever controllers the runtime has.
@@ -21,7 +23,8 @@ pub(super) struct Input {
     turn: xr::Action<xr::Vector2f>,
     teleport: xr::Action<bool>,
     recentre: xr::Action<bool>,
-    spaces: [xr::Space; 2],
+    /// Of aiming and of holding; left and right.
+    spaces: [[xr::Space; 2]; 2],
 }
 
 /// Interaction profile; then paths of walking stick, turning stick, teleport button, recentre button.
@@ -75,6 +78,8 @@ impl Input {
             set.create_action("recentre", "Back to the start", &[]).map_err(call("xrCreateAction"))?;
         let aim: xr::Action<xr::Posef> =
             set.create_action("aim", "Point", &hands).map_err(call("xrCreateAction"))?;
+        let grip: xr::Action<xr::Posef> =
+            set.create_action("grip", "Hold", &hands).map_err(call("xrCreateAction"))?;
         for (profile, [walks, turns, teleports, recentres]) in PROFILES {
             let mut bindings = Vec::new();
             let hand = |rest: &str| path(&format!("/user/hand/{rest}"));
@@ -86,14 +91,18 @@ impl Input {
             bindings.push(xr::Binding::new(&recentre, hand(recentres)?));
             bindings.push(xr::Binding::new(&aim, hand("left/input/aim/pose")?));
             bindings.push(xr::Binding::new(&aim, hand("right/input/aim/pose")?));
+            bindings.push(xr::Binding::new(&grip, hand("left/input/grip/pose")?));
+            bindings.push(xr::Binding::new(&grip, hand("right/input/grip/pose")?));
             let profile = path(&format!("/interaction_profiles/{profile}"))?;
             // a runtime may not know a profile; the others still count
             let _ = instance.suggest_interaction_profile_bindings(profile, &bindings);
         }
         session.attach_action_sets(&[&set]).map_err(call("xrAttachSessionActionSets"))?;
-        let space =
-            |hand| aim.create_space(session, hand, xr::Posef::IDENTITY).map_err(call("xrCreateActionSpace"));
-        let spaces = [space(hands[0])?, space(hands[1])?];
+        let space = |action: &xr::Action<xr::Posef>, hand| {
+            action.create_space(session, hand, xr::Posef::IDENTITY).map_err(call("xrCreateActionSpace"))
+        };
+        let both = |action| Ok::<_, Error>([space(action, hands[0])?, space(action, hands[1])?]);
+        let spaces = [both(&aim)?, both(&grip)?];
         Ok(Self { set, walk, turn, teleport, recentre, spaces })
     }
 
@@ -120,12 +129,13 @@ impl Input {
             aims: button(&self.teleport)?.current_state,
             recentres: recentre.current_state && recentre.changed_since_last_sync,
         };
-        let mut hands = [None; 2];
-        for (hand, space) in hands.iter_mut().zip(&self.spaces) {
+        let mut poses = [[None; 2]; 2];
+        for (hand, space) in poses.iter_mut().flatten().zip(self.spaces.iter().flatten()) {
             let found = space.locate(room, time).map_err(call("xrLocateSpace"))?;
             let known = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::POSITION_VALID;
             *hand = found.location_flags.contains(known).then(|| Pose::from_xr(found.pose)).flatten();
         }
-        Ok(Reading { walk, hands })
+        let [hands, grips] = poses;
+        Ok(Reading { walk, hands, grips })
     }
 }

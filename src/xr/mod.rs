@@ -8,17 +8,22 @@
 
 mod app;
 mod headset;
+mod hidden;
 mod input;
+mod mirror;
 mod pace;
 mod recording;
 mod rig;
 mod runtime;
 mod session;
+mod shown;
 mod stop;
 mod survey;
+mod swapchain;
 mod views;
 
-pub use app::{Observer, Opener, Outcome, Plan, Shot, Shots, World, run};
+pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outcome, Plan, Shot, Shots, World, run};
+pub use mirror::Mirror;
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
 pub use recording::{Moment, Recorder, Recording, RecordingError, Session as RecordedSession};
 pub use rig::{Rig, Walk};

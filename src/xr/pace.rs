@@ -11,6 +11,8 @@ const KEPT: usize = 650_000;
 pub struct FrameTimes {
     /// Time from acquiring an image to handing it over, ms, per drawn frame.
     work: Vec<f32>,
+    /// The host's own share of a frame, ms.
+    host: Vec<f32>,
     /// Time between one wake-up and the next, ms.
     wake: Vec<f32>,
     drawn: u64,
@@ -53,6 +55,9 @@ pub struct FrameSummary {
     pub missed: u64,
     /// Time from acquiring an image to handing it over, ms.
     pub work_ms: Percentiles,
+    /// What the host did in a frame from the wake-up on, ms: input, the crowd's moment, recording, submitting, handing over;
+    /// without waiting for the device or for an image.
+    pub host_ms: Percentiles,
     /// Time between wake-ups, ms.
     pub wake_ms: Percentiles,
 }
@@ -63,6 +68,11 @@ impl FrameTimes {
         push(&mut self.work, work);
         self.drawn += 1;
         self.missed += periods.saturating_sub(1);
+    }
+
+    /// The host's own share of a frame with a picture.
+    pub fn prepared(&mut self, host: Duration) {
+        push(&mut self.host, host);
     }
 
     /// A frame for which the runtime wanted no picture.
@@ -82,6 +92,7 @@ impl FrameTimes {
             empty: self.empty,
             missed: self.missed,
             work_ms: Percentiles::of(&self.work),
+            host_ms: Percentiles::of(&self.host),
             wake_ms: Percentiles::of(&self.wake),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::views::Pose;
 use crate::ground::{ground_from_world, heading_from_ground, world_from_ground};
+use crate::render::Teleport;
 use glam::{Quat, Vec2, Vec3};
 
 /// Fastest walk by thumbstick, m/s: a brisk pedestrian.
@@ -14,6 +15,10 @@ const PUSHED: f32 = 0.6;
 const DEAD_ZONE: f32 = 0.15;
 /// Farthest teleport, m.
 const TELEPORT_RANGE: f32 = 12.0;
+/// Farther away nothing is shown of where a hand points, m.
+const SHOWN_RANGE: f32 = 20.0;
+/// How much of the edge of the view is darkened at once by a snap of a turn.
+const SNAP_VIGNETTE: f32 = 0.6;
 
 /// What thumbsticks and buttons say in one frame; each stick -1 to 1, x to the right, y away from the user.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -40,8 +45,8 @@ pub struct Rig {
     /// Where a recentred user stands and faces.
     home: (Vec2, f32),
     has_snapped: bool,
-    /// Place aimed at, taken when the aiming ends.
-    aimed: Option<Vec2>,
+    /// Place aimed at, and whether the user may go there; taken when the aiming ends.
+    aimed: Option<(Vec2, bool)>,
     /// 0 none to 1: how much of the edge of the view is darkened while being moved.
     vignette: f32,
 }
@@ -75,9 +80,16 @@ impl Rig {
         self.vignette
     }
 
-    /// The place that is being pointed at.
-    pub fn aimed(&self) -> Option<Vec2> {
+    /// The place that is being pointed at, and whether the user may go there.
+    pub fn aimed(&self) -> Option<(Vec2, bool)> {
         self.aimed
+    }
+
+    /// The same as it is shown: from the hand, which is in the room, to the floor.
+    pub(super) fn teleport_shown(&self, hand: Option<Pose>) -> Option<Teleport> {
+        let ((place, is_allowed), hand) = self.aimed.zip(hand)?;
+        let from = hand.within(self.world_from_room()).position;
+        Some(Teleport { from, to: world_from_ground(place, self.floor), is_allowed })
     }
 
     /// Moves the room for a frame of `seconds`. `head` and `hand` are in the room; `is_free` tells where the user may be
@@ -120,6 +132,7 @@ impl Rig {
             self.has_snapped = false;
         } else if turn.abs() > PUSHED && !self.has_snapped {
             self.has_snapped = true;
+            self.vignette = self.vignette.max(SNAP_VIGNETTE);
             // about the user, who stays where they are; the stick to the right turns to the right
             let before = self.user(head);
             self.heading -= SNAP * turn.signum();
@@ -153,8 +166,9 @@ impl Rig {
             let user = self.user(head);
             self.aimed = hand
                 .and_then(|hand| ground_hit(hand, self.floor))
-                .filter(|place| place.distance(user) <= TELEPORT_RANGE && is_free(*place));
-        } else if let Some(place) = self.aimed.take() {
+                .filter(|place| place.distance(user) <= SHOWN_RANGE)
+                .map(|place| (place, place.distance(user) <= TELEPORT_RANGE && is_free(place)));
+        } else if let Some((place, true)) = self.aimed.take() {
             self.origin += place - self.user(head);
         }
     }
@@ -206,6 +220,7 @@ mod tests {
             rig.walk(&push, at, None, 0.01, |_| true);
         }
         assert!((rig.user(at) - before).length() < 1e-5);
+        assert!(rig.vignette() > 0.5, "a turn darkens the edge for a moment");
         let turned = facing(&rig, at).angle_to(faced).abs();
         assert!((turned - SNAP).abs() < 1e-5, "{turned}");
         // to the right: seen from above with z down the page, clockwise
@@ -236,12 +251,20 @@ mod tests {
         let down = |pitch: f32| Pose { rotation: Quat::from_rotation_x(-pitch), position: Vec3::Y };
         let aim = Walk { aims: true, ..Walk::default() };
         rig.walk(&aim, at, Some(down(0.3)), 0.01, |_| true);
-        let place = rig.aimed().unwrap();
+        let (place, is_allowed) = rig.aimed().unwrap();
+        let shown = rig.teleport_shown(Some(down(0.3))).unwrap();
+        assert!(is_allowed && shown.is_allowed && (shown.to.x - place.x).abs() < 1e-6 && shown.to.y == 0.0);
+        assert!((shown.from.y - 1.0).abs() < 1e-6 && (shown.from.x - 1.0).abs() < 1e-5);
         rig.walk(&Walk::default(), at, Some(down(0.3)), 0.01, |_| true);
         assert!((rig.user(at) - place).length() < 1e-5 && rig.aimed().is_none());
-        for (hand, free) in [(down(0.06), true), (down(-0.3), true), (down(0.3), false)] {
+        let stays = rig.user(at);
+        for (hand, free, aimed) in
+            [(down(0.06), true, Some(false)), (down(-0.3), true, None), (down(0.3), false, Some(false))]
+        {
             rig.walk(&aim, at, Some(hand), 0.01, |_| free);
-            assert_eq!(rig.aimed(), None);
+            assert_eq!(rig.aimed().map(|(_, is_allowed)| is_allowed), aimed);
+            rig.walk(&Walk::default(), at, Some(hand), 0.01, |_| free);
+            assert_eq!(rig.user(at), stays);
         }
     }
 

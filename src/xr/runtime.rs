@@ -63,6 +63,8 @@ impl Runtime {
         useful.khr_vulkan_enable2 = true;
         useful.ext_local_floor = true;
         useful.fb_display_refresh_rate = true;
+        useful.khr_composition_layer_depth = true;
+        useful.khr_visibility_mask = true;
         let wanted = useful.intersection(&known);
         let application = xr::ApplicationInfo {
             application_name: "gaitway",

@@ -3,18 +3,18 @@
 //! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without a picture. Where the
 //! safe wrapper loses a success code that matters (a timeout, a loss that is pending) the raw call is made instead.
 
+use super::hidden::Hidden;
 use super::input::Input;
 use super::runtime::{Runtime, STEREO, handle};
-use super::views::Pose;
+use super::swapchain::Swapchain;
+use super::views::{NEAR, Pose};
 use super::{Error, Loss, call};
 use crate::gpu::Device;
-use ash::vk::{self, Handle};
+use crate::render::DEPTH_FORMAT;
+use ash::vk;
 use openxr as xr;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// Longest wait for an image of the swapchain. The runtime's compositor gives one back every few periods.
-const IMAGE_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Formats that pictures may have, best first: all with the sRGB curve, since shaders write linear light.
 const FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
@@ -88,13 +88,17 @@ pub(super) struct Eyes {
 pub(super) struct Target {
     pub(super) image: vk::Image,
     pub(super) view: vk::ImageView,
+    /// Where its depth goes, if the runtime takes that.
+    pub(super) depth: Option<vk::Image>,
 }
 
 /// A session; dropping it ends it and gives everything back.
 pub(super) struct Session {
-    // In the order in which they must go: views of images, swapchain, spaces, the session itself.
+    // In the order in which they must go: views of images, swapchains, spaces, the session itself.
     targets: Vec<Target>,
-    swapchain: xr::Swapchain<xr::Vulkan>,
+    color: Swapchain,
+    depth: Option<Swapchain>,
+    hidden: Hidden,
     room: xr::Space,
     head: xr::Space,
     pub(super) input: Option<Input>,
@@ -104,7 +108,6 @@ pub(super) struct Session {
     instance: xr::Instance,
     device: Arc<Device>,
     blend: xr::EnvironmentBlendMode,
-    size: [u32; 2],
     format: vk::Format,
     state: State,
     is_running: bool,
@@ -114,7 +117,7 @@ impl std::fmt::Debug for Session {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("Session")
             .field("state", &self.state)
-            .field("size", &self.size)
+            .field("size", &self.size())
             .finish_non_exhaustive()
     }
 }
@@ -163,29 +166,20 @@ impl Session {
             what: "an sRGB image format of eight bits".to_owned(),
         })?;
         let size = size.unwrap_or(runtime.info().eye_size);
-        let swapchain = {
-            let _queue = device.hold_queue();
-            session
-                .create_swapchain(&xr::SwapchainCreateInfo {
-                    create_flags: xr::SwapchainCreateFlags::EMPTY,
-                    usage_flags: xr::SwapchainUsageFlags::COLOR_ATTACHMENT
-                        | xr::SwapchainUsageFlags::SAMPLED
-                        | xr::SwapchainUsageFlags::TRANSFER_SRC,
-                    format: u32::try_from(format.as_raw()).unwrap_or(0),
-                    sample_count: 1,
-                    width: size[0],
-                    height: size[1],
-                    face_count: 1,
-                    array_size: 2,
-                    mip_count: 1,
-                })
-                .map_err(call("xrCreateSwapchain"))?
-        };
-        let images = swapchain.enumerate_images().map_err(call("xrEnumerateSwapchainImages"))?;
+        let uses = xr::SwapchainUsageFlags::COLOR_ATTACHMENT | xr::SwapchainUsageFlags::TRANSFER_SRC;
+        let color = Swapchain::new(&session, device, format, size, uses)?;
+        // our depth is of one format, and goes along only where the runtime takes it
+        let takes_depth = instance.exts().khr_composition_layer_depth.is_some()
+            && known.contains(&u32::try_from(DEPTH_FORMAT.as_raw()).unwrap_or(0));
+        let uses = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
+        let depth =
+            takes_depth.then(|| Swapchain::new(&session, device, DEPTH_FORMAT, size, uses)).transpose()?;
         let input = Input::new(&instance, &session)?;
         let mut made = Self {
             targets: Vec::new(),
-            swapchain,
+            color,
+            depth,
+            hidden: Hidden::default(),
             room,
             head,
             input: Some(input),
@@ -195,15 +189,15 @@ impl Session {
             instance,
             device: device.clone(),
             blend,
-            size,
             format,
             state: State::Idle,
             is_running: false,
         };
-        for image in images {
-            let target = made.target(vk::Image::from_raw(image))?;
+        for image in made.color.images().to_vec() {
+            let target = made.target(image)?;
             made.targets.push(target);
         }
+        made.look_for_hidden()?;
         Ok(made)
     }
 
@@ -222,12 +216,43 @@ impl Session {
         // SAFETY: the image belongs to the swapchain, which outlives the view.
         let view = unsafe { self.device.raw.create_image_view(&create, None) }
             .map_err(crate::gpu::call("vkCreateImageView"))?;
-        Ok(Target { image, view })
+        Ok(Target { image, view, depth: None })
+    }
+
+    /// How long the device and images of the swapchain were waited for so far.
+    pub(super) fn waited(&self) -> Duration {
+        let depth = self.depth.as_ref().map_or(Duration::ZERO, |depth| depth.waited);
+        self.color.waited + depth + self.device.waited()
     }
 
     /// Pixels of one eye.
     pub(super) fn size(&self) -> [u32; 2] {
-        self.size
+        self.color.size()
+    }
+
+    /// Whether the runtime takes the depth of pictures.
+    pub(super) fn takes_depth(&self) -> bool {
+        self.depth.is_some()
+    }
+
+    /// What the lenses hide.
+    pub(super) fn hidden(&mut self) -> &mut Hidden {
+        &mut self.hidden
+    }
+
+    /// Asks the runtime what the lenses hide.
+    fn look_for_hidden(&mut self) -> Result<(), Error> {
+        if self.instance.exts().khr_visibility_mask.is_none() {
+            return Ok(());
+        }
+        let kind = xr::VisibilityMaskTypeKHR::HIDDEN_TRIANGLE_MESH;
+        let of_eye = |eye| {
+            let mask = self.session.get_visibility_mask_khr(STEREO, eye, kind);
+            mask.map_err(call("xrGetVisibilityMaskKHR"))
+        };
+        let masks = [of_eye(0)?, of_eye(1)?];
+        self.hidden.set(masks);
+        Ok(())
     }
 
     /// The format of the swapchain's images.
@@ -258,6 +283,7 @@ impl Session {
                 }
                 xr::Event::InstanceLossPending(_) => return Err(Error::Lost(Loss::Instance)),
                 xr::Event::ReferenceSpaceChangePending(_) => events.push(Event::Recentred),
+                xr::Event::VisibilityMaskChangedKHR(_) => self.look_for_hidden()?,
                 xr::Event::DisplayRefreshRateChangedFB(change) => {
                     events.push(Event::Rate(change.to_display_refresh_rate()));
                 }
@@ -357,59 +383,49 @@ impl Session {
 
     /// An image to draw into.
     pub(super) fn acquire(&mut self) -> Result<Target, Error> {
-        let _queue = self.device.hold_queue();
-        let raw = self.swapchain.as_raw();
-        let fp = self.instance.fp();
-        let mut index = 0;
-        let wait = xr::sys::SwapchainImageWaitInfo {
-            ty: xr::sys::SwapchainImageWaitInfo::TYPE,
-            next: std::ptr::null(),
-            timeout: xr::Duration::from_nanos(i64::try_from(IMAGE_TIMEOUT.as_nanos()).unwrap_or(i64::MAX)),
+        let index = self.color.acquire()?;
+        let depth = match &mut self.depth {
+            Some(depth) => {
+                let index = depth.acquire()?;
+                depth.images().get(index).copied()
+            }
+            None => None,
         };
-        // SAFETY: the swapchain is alive, and no image of it is held: every `acquire` is followed by `release`, or the
-        // session is given up.
-        unsafe {
-            check(
-                "xrAcquireSwapchainImage",
-                (fp.acquire_swapchain_image)(raw, std::ptr::null(), &raw mut index),
-            )?;
-            check("xrWaitSwapchainImage", (fp.wait_swapchain_image)(raw, &raw const wait))?;
-        }
-        let target = self.targets.get(index as usize).copied();
-        target.ok_or(Error::Call {
-            call: "xrAcquireSwapchainImage",
-            result: xr::sys::Result::ERROR_RUNTIME_FAILURE,
-        })
+        let fault = xr::sys::Result::ERROR_RUNTIME_FAILURE;
+        let target = self.targets.get(index).map(|target| Target { depth, ..*target });
+        target.ok_or(Error::Call { call: "xrAcquireSwapchainImage", result: fault })
     }
 
-    /// Gives the image back that was acquired last; it must be in the layout of a colour attachment.
+    /// Gives the images back that were acquired last; they must be in the layouts of attachments.
     pub(super) fn release(&mut self) -> Result<(), Error> {
-        let _queue = self.device.hold_queue();
-        // SAFETY: an image was acquired and waited for, and the device has finished with it.
-        let result = unsafe {
-            (self.instance.fp().release_swapchain_image)(self.swapchain.as_raw(), std::ptr::null())
-        };
-        check("xrReleaseSwapchainImage", result)
+        self.color.release()?;
+        self.depth.as_mut().map_or(Ok(()), Swapchain::release)
     }
 
     /// Ends the frame: with the picture that was drawn for these eyes, or without one.
     pub(super) fn end(&mut self, frame: Frame, eyes: Option<&Eyes>) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
-        let extent = self.size.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+        // depth is reversed and has no end: 0 is infinitely far, 1 as near as is drawn
+        let depths = self.depth.as_ref().map(|depth| {
+            [0, 1].map(|eye| xr::sys::CompositionLayerDepthInfoKHR {
+                ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
+                next: std::ptr::null(),
+                sub_image: depth.of_eye(eye),
+                min_depth: 0.0,
+                max_depth: 1.0,
+                near_z: f32::INFINITY,
+                far_z: NEAR,
+            })
+        });
+        let depth_of =
+            |eye: usize| depths.as_ref().map_or(std::ptr::null(), |depths| (&raw const depths[eye]).cast());
         let views = |eyes: &Eyes| {
             [0, 1].map(|eye: u8| xr::sys::CompositionLayerProjectionView {
                 ty: xr::sys::CompositionLayerProjectionView::TYPE,
-                next: std::ptr::null(),
+                next: depth_of(usize::from(eye)),
                 pose: eyes.views[usize::from(eye)].pose,
                 fov: eyes.views[usize::from(eye)].fov,
-                sub_image: xr::sys::SwapchainSubImage {
-                    swapchain: self.swapchain.as_raw(),
-                    image_rect: xr::Rect2Di {
-                        offset: xr::Offset2Di { x: 0, y: 0 },
-                        extent: xr::Extent2Di { width: extent[0], height: extent[1] },
-                    },
-                    image_array_index: u32::from(eye),
-                },
+                sub_image: self.color.of_eye(u32::from(eye)),
             })
         };
         let views = eyes.map(views);
@@ -448,7 +464,7 @@ fn room(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space, Error> {
 }
 
 /// Success codes that mean a loss are losses.
-fn check(name: &'static str, result: xr::sys::Result) -> Result<(), Error> {
+pub(super) fn check(name: &'static str, result: xr::sys::Result) -> Result<(), Error> {
     match result {
         xr::sys::Result::TIMEOUT_EXPIRED => Err(Error::Lost(Loss::Image)),
         xr::sys::Result::SESSION_LOSS_PENDING => Err(Error::Lost(Loss::Session)),

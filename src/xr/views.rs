@@ -5,7 +5,7 @@ use glam::{Mat4, Quat, Vec3, Vec4};
 use openxr as xr;
 
 /// Nearest distance that is drawn, m: a hand before the face still is.
-const NEAR: f32 = 0.05;
+pub(super) const NEAR: f32 = 0.05;
 
 /// A pose: rotation and position.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -12,10 +12,7 @@ fn cycles(count: u32, hung: Duration, within: Duration, name: &str, port: u16) {
     let mut service = Service::start(name, port);
     let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160", "--json"];
     let begin = Instant::now();
-    let mut command = service.gaitway(&run);
-    // else the threads of every session may be given a heap of their own, up to eight for each core
-    command.env("MALLOC_ARENA_MAX", "1");
-    let mut live = Live::start(command);
+    let mut live = Live::start(service.gaitway(&run));
     live.hear("the headset shows the crowd", PATIENCE);
     let (mut back, mut memory) = (Vec::new(), Vec::new());
     for cycle in 0..count {

@@ -9,6 +9,7 @@
     non_snake_case,
     clippy::undocumented_unsafe_blocks,
     clippy::unwrap_used,
+    clippy::cast_possible_truncation,
     missing_docs,
     dead_code,
     reason = "the C interface of a loader, which the loader calls as its specification says"
@@ -87,6 +88,8 @@ static END_FRAME: Behind = Behind::new();
 static WAIT_IMAGE: Behind = Behind::new();
 static LOCATE_VIEWS: Behind = Behind::new();
 static REQUEST_EXIT: Behind = Behind::new();
+static MASK: Behind = Behind::new();
+static FORMATS: Behind = Behind::new();
 /// The session, as xrEndFrame was told.
 static SESSION: AtomicU64 = AtomicU64::new(0);
 
@@ -152,6 +155,8 @@ unsafe extern "system" fn get_proc(instance: u64, name: *const c_char, out: *mut
             b"xrEndFrame" => (&END_FRAME, end_frame as *const c_void),
             b"xrWaitSwapchainImage" => (&WAIT_IMAGE, wait_image as *const c_void),
             b"xrLocateViews" => (&LOCATE_VIEWS, locate_views as *const c_void),
+            b"xrGetVisibilityMaskKHR" => (&MASK, mask as *const c_void),
+            b"xrEnumerateSwapchainFormats" => (&FORMATS, formats as *const c_void),
             b"xrRequestExitSession" => {
                 REQUEST_EXIT.0.store(found as *mut c_void, Ordering::Release);
                 return code;
@@ -226,6 +231,7 @@ unsafe extern "system" fn begin_frame(session: u64, info: *const c_void) -> Code
 unsafe extern "system" fn end_frame(session: u64, info: *const c_void) -> Code {
     SESSION.store(session, Ordering::Relaxed);
     unsafe {
+        look_at(info.cast());
         let code =
             END_FRAME.function::<unsafe extern "system" fn(u64, *const c_void) -> Code>()(session, info);
         match code {
@@ -233,6 +239,132 @@ unsafe extern "system" fn end_frame(session: u64, info: *const c_void) -> Code {
             0 if strikes("instance-lost-at-end") => ERROR_INSTANCE_LOST,
             code => code,
         }
+    }
+}
+
+#[repr(C)]
+struct EndInfo {
+    kind: u32,
+    next: *const c_void,
+    time: i64,
+    blend: u32,
+    count: u32,
+    layers: *const *const Projection,
+}
+
+#[repr(C)]
+struct Projection {
+    kind: u32,
+    next: *const c_void,
+    flags: u64,
+    space: u64,
+    count: u32,
+    views: *const View,
+}
+
+#[repr(C)]
+struct SubImage {
+    swapchain: u64,
+    rect: [i32; 4],
+    layer: u32,
+}
+
+#[repr(C)]
+struct View {
+    kind: u32,
+    next: *const Depth,
+    pose: [f32; 7],
+    fov: [f32; 4],
+    image: SubImage,
+}
+
+#[repr(C)]
+struct Depth {
+    kind: u32,
+    next: *const c_void,
+    image: SubImage,
+    min: f32,
+    max: f32,
+    near: f32,
+    far: f32,
+}
+
+/// Type numbers of the layers, as in `openxr.h`.
+const PROJECTION: u32 = 35;
+const DEPTH: u32 = 1_000_010_000;
+
+/// Writes what the first frame with a picture says of its depth into the file that `GAITWAY_SEEN` names.
+unsafe fn look_at(info: *const EndInfo) {
+    static LOOKED: AtomicU64 = AtomicU64::new(0);
+    let Some(file) = std::env::var_os("GAITWAY_SEEN") else { return };
+    unsafe {
+        if (*info).count == 0 || LOOKED.swap(1, Ordering::Relaxed) != 0 {
+            return;
+        }
+        let layer = *(*info).layers;
+        let mut text = String::new();
+        for view in (0..(*layer).count as usize).filter(|_| (*layer).kind == PROJECTION) {
+            let depth = (*(*layer).views.add(view)).next;
+            if depth.is_null() || (*depth).kind != DEPTH {
+                text += "no depth\n";
+                continue;
+            }
+            let Depth { image, min, max, near, far, .. } = &*depth;
+            let [_, _, width, height] = image.rect;
+            text += &format!("depth {min} {max} {near} {far} of layer {}, {width}x{height}\n", image.layer);
+        }
+        let _ = std::fs::write(file, text);
+    }
+}
+
+#[repr(C)]
+struct MaskInfo {
+    kind: u32,
+    next: *const c_void,
+    vertex_capacity: u32,
+    vertex_count: u32,
+    vertices: *mut [f32; 2],
+    index_capacity: u32,
+    index_count: u32,
+    indices: *mut u32,
+}
+
+/// A mask of one triangle that hides the outer part of each eye's picture, from half a metre beside the middle of a plane one
+/// metre away.
+unsafe extern "system" fn mask(session: u64, views: u32, eye: u32, kind: u32, info: *mut MaskInfo) -> Code {
+    type Get = unsafe extern "system" fn(u64, u32, u32, u32, *mut MaskInfo) -> Code;
+    if !strikes("mask") {
+        return unsafe { MASK.function::<Get>()(session, views, eye, kind, info) };
+    }
+    let side = if eye == 0 { -1.0 } else { 1.0 };
+    let corners = [[0.5 * side, 9.0], [0.5 * side, -9.0], [9.0 * side, 0.0]];
+    unsafe {
+        ((*info).vertex_count, (*info).index_count) = (3, 3);
+        if (*info).vertex_capacity >= 3 && (*info).index_capacity >= 3 {
+            for (index, corner) in corners.into_iter().enumerate() {
+                (*info).vertices.add(index).write(corner);
+                (*info).indices.add(index).write(index as u32);
+            }
+        }
+    }
+    0
+}
+
+/// Without the format of our depth.
+unsafe extern "system" fn formats(session: u64, capacity: u32, count: *mut u32, found: *mut i64) -> Code {
+    type Enumerate = unsafe extern "system" fn(u64, u32, *mut u32, *mut i64) -> Code;
+    const D32: i64 = 126;
+    unsafe {
+        let code = FORMATS.function::<Enumerate>()(session, capacity, count, found);
+        if strikes("no-depth-format") && code == 0 && capacity > 0 {
+            for index in 0..*count as usize {
+                let format = found.add(index);
+                if *format == D32 {
+                    *format = 0;
+                }
+            }
+        }
+        code
     }
 }
 

@@ -6,6 +6,8 @@
     clippy::unwrap_used,
     clippy::panic,
     clippy::print_stdout,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     reason = "a test: a failure is a panic that prints"
 )]
 
@@ -14,9 +16,15 @@ mod endurance;
 mod faults;
 mod focus;
 mod gaze;
+mod hands;
 mod layer;
+mod lens;
+#[cfg(feature = "view")]
+mod mirror;
+mod presented;
 mod recording;
 mod service;
+mod smooth;
 
 use gaitway::picture::Image;
 use serde_json::Value;

@@ -40,7 +40,7 @@ pub(super) struct Service {
     /// Its sockets and its log; short, since a socket's path has 108 bytes at most.
     pub(super) folder: PathBuf,
     port: u16,
-    environment: &'static [(&'static str, &'static str)],
+    environment: Vec<(&'static str, String)>,
 }
 
 impl Service {
@@ -50,18 +50,16 @@ impl Service {
     }
 
     /// The same with variables of its own.
-    pub(super) fn start_with(
-        name: &str,
-        port: u16,
-        environment: &'static [(&'static str, &'static str)],
-    ) -> Self {
+    pub(super) fn start_with(name: &str, port: u16, environment: &[(&'static str, &str)]) -> Self {
         let folder = std::env::temp_dir().join(format!("gaitway-xr-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("monado")).unwrap();
         let config =
             format!(r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#);
         std::fs::write(folder.join("monado/config_v0.json"), config).unwrap();
-        let child = spawn(&folder, environment);
+        let environment: Vec<_> =
+            environment.iter().map(|(name, value)| (*name, (*value).to_owned())).collect();
+        let child = spawn(&folder, &environment);
         let service = Self { child, folder, port, environment };
         service.wait_until_started();
         service
@@ -87,7 +85,7 @@ impl Service {
     pub(super) fn restart(&mut self) {
         self.kill();
         let _ = std::fs::remove_file(self.folder.join("service.log"));
-        self.child = spawn(&self.folder, self.environment);
+        self.child = spawn(&self.folder, &self.environment);
         self.wait_until_started();
     }
 
@@ -221,14 +219,14 @@ impl Live {
     }
 }
 
-fn spawn(folder: &Path, environment: &[(&str, &str)]) -> Child {
+fn spawn(folder: &Path, environment: &[(&'static str, String)]) -> Child {
     let log = std::fs::File::create(folder.join("service.log")).unwrap();
     Command::new(GPU_ENV)
         .arg("monado-service")
         .env("XDG_RUNTIME_DIR", folder)
         .env("XDG_CONFIG_HOME", folder)
         .env_remove("GAITWAY_VALIDATION")
-        .envs(environment.iter().copied())
+        .envs(environment.iter().map(|(name, value)| (name, value)))
         .stdin(Stdio::null())
         .stdout(log.try_clone().unwrap())
         .stderr(log)
@@ -249,6 +247,21 @@ pub(super) struct Head {
     state: [u8; 376],
 }
 
+/// What a thumb does on a controller.
+#[derive(Debug, Clone, Copy, Default)]
+pub(super) struct Stick {
+    pub(super) stick: [f32; 2],
+    /// The stick pressed.
+    pub(super) click: bool,
+    /// The button A.
+    pub(super) a: bool,
+}
+
+/// Where the controllers stand in a state, and in a controller its stick and its 13 flags (from "active" on).
+const HANDS: [usize; 2] = [136, 256];
+const STICK: usize = 84;
+const FLAGS: usize = 104;
+
 /// Where the head's pose stands in a state: after the header and the poses of two views.
 const POSE: usize = 104;
 
@@ -261,6 +274,22 @@ impl Head {
         stream.read_exact(&mut state).unwrap();
         stream.read_exact(&mut state).unwrap();
         Self { stream, state }
+    }
+
+    /// Holds a controller (0 the left one) at a place of the room, m, level or pitched upwards; goes with the next
+    /// [`Head::set`].
+    pub(super) fn set_hand(&mut self, hand: usize, position: [f32; 3], pitch_deg: f32, thumb: Stick) {
+        let turn = glam::Quat::from_rotation_x(pitch_deg.to_radians());
+        let at = HANDS[hand];
+        for (place, value) in turn.to_array().into_iter().chain(position).enumerate() {
+            self.state[at + 4 * place..][..4].copy_from_slice(&value.to_le_bytes());
+        }
+        for (place, value) in thumb.stick.into_iter().enumerate() {
+            self.state[at + STICK + 4 * place..][..4].copy_from_slice(&value.to_le_bytes());
+        }
+        let flags = &mut self.state[at + FLAGS..][..13];
+        flags.fill(0);
+        (flags[1], flags[4], flags[10]) = (1, u8::from(thumb.a), u8::from(thumb.click));
     }
 
     /// Turns and moves the head: turn to the left and upwards in degrees, position above the room's floor in m.

@@ -7,6 +7,7 @@
 )]
 
 pub mod animation;
+pub mod between;
 pub mod crossing;
 pub mod feelings;
 pub mod flow;

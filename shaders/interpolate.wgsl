@@ -1,0 +1,50 @@
+// uses: between, exact
+// Puts everyone where they are between the last two moments that `remember` kept: along the straight way, the heading
+// by the shorter turn, the phase of the walk forwards (it wraps by itself). Whoever is farther from where they were
+// than people walk in the time between (set to another place, just come in, gone) is shown as in the newest moment.
+// A share of 1 gives the newest moment bit for bit.
+@group(0) @binding(0) var<uniform> between: BetweenUniforms;
+@group(0) @binding(1) var<storage, read> moments: array<vec4<u32>>;            // [2][agent][3] bits, see shared/between.wgsl
+@group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
+@group(0) @binding(3) var<storage, read_write> stance: array<vec2<f32>>;       // [agent] heading rad, walk weight
+@group(0) @binding(4) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
+@group(0) @binding(5) var<storage, read_write> elevation: array<f32>;          // [agent] m
+@group(0) @binding(6) var<storage, read_write> gait_weights: array<vec4<f32>>; // [agent]
+
+const TURN_LIMIT = 10000.0; // rad; beyond it a float has no direction left
+
+fn on_the_way(a: vec4<f32>, b: vec4<f32>, share: f32) -> vec4<f32> {
+    return select(a + (b - a) * share, b, share >= 1.0);
+}
+
+@compute @workgroup_size(64)
+fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= between.agent_count {
+        return;
+    }
+    let a = moment_start(1u - between.newest, agent);
+    let b = moment_start(between.newest, agent);
+    let stood = bitcast<vec4<f32>>(moments[a]);
+    let stands = bitcast<vec4<f32>>(moments[b]);
+    let way = stands.xy - stood.xy;
+    // a place or a heading that is no number is not on the way
+    let walked = dot2(way, way) <= between.reach * between.reach && abs(stands.z - stood.z) < TURN_LIMIT;
+    let share = select(1.0, between.share, walked);
+
+    let there = on_the_way(stood, stands, share);
+    position[agent] = there.xy;
+    let turned = exact_wrap(stood.z + exact_wrap(stands.z - stood.z) * share);
+    stance[agent] = vec2<f32>(select(turned, stands.z, share >= 1.0), there.w);
+
+    let was = moments[a + 1u];
+    let now = moments[b + 1u];
+    // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
+    let strides = u32(f32((now.x - was.x) >> 8u) * min(share, 0.99999994));
+    phase[agent] = select(was.x + (strides << 8u), now.x, share >= 1.0);
+    let floor_now = vec4<f32>(bitcast<f32>(now.y));
+    elevation[agent] = on_the_way(vec4<f32>(bitcast<f32>(was.y)), floor_now, share).x;
+
+    let showed = bitcast<vec4<f32>>(moments[a + 2u]);
+    gait_weights[agent] = on_the_way(showed, bitcast<vec4<f32>>(moments[b + 2u]), share);
+}

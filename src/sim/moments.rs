@@ -1,0 +1,128 @@
+//! The last two moments of a crowd that pictures were told of, and what lies between them.
+//!
+//! Pictures come at the display's rate, steps at their own. A picture shows the crowd as it was a step ago: between the
+//! last two moments, never beyond the newest, so that nobody is ever shown where they will not have been.
+
+use super::bodies::SMALLEST_STORAGE_RANGE;
+use super::{Simulation, order};
+use crate::gpu::plan::Op;
+use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
+use crate::kernels::{BufferId, Pass, Store};
+use crate::reference::between::MOMENT_STRIDE;
+
+/// Whoever is seen to move faster than this did not walk, m/s: was set to another place, came in, or went.
+const FASTEST: f64 = 10.0;
+
+/// When the two moments were, and where they are kept.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Moments {
+    /// Times of the moments at the two places, s.
+    times: [f64; 2],
+    newest: usize,
+    count: u32,
+}
+
+impl Moments {
+    /// Notes that the present moment is of this time (s) and the newest; the place where `remember` shall keep it.
+    pub fn keep(&mut self, time: f64) -> u32 {
+        self.newest = if self.count == 0 { 0 } else { 1 - self.newest };
+        self.times[self.newest] = time;
+        self.count = (self.count + 1).min(2);
+        self.newest as u32
+    }
+
+    /// Time of the newest moment, s.
+    pub fn newest(&self) -> Option<f64> {
+        (self.count > 0).then(|| self.times[self.newest])
+    }
+
+    /// What `interpolate` needs to show the crowd as it was at `time`, s, or at the nearest time there is.
+    pub fn at(&self, time: f64, agent_count: u32) -> BetweenUniforms {
+        let (newest, before) = (self.times[self.newest], self.times[1 - self.newest]);
+        let span = newest - before;
+        // of one moment, or two at the wrong way round, the newest
+        let is_span = self.count > 1 && span > 0.0 && time.is_finite();
+        let share = if is_span { ((time - before) / span).clamp(0.0, 1.0) } else { 1.0 };
+        let reach = (FASTEST * span.clamp(0.0, 10.0)) as f32;
+        BetweenUniforms { agent_count, newest: self.newest as u32, share: share as f32, reach }
+    }
+}
+
+/// Makes room for two moments; must be done before the engine is made. A crowd whose moments would be larger than every
+/// device can bind gets none: its pictures show the newest moment.
+pub fn make_room(store: &mut Store) {
+    let elements = 2 * store.step.agent_count as usize * MOMENT_STRIDE;
+    if elements as u64 * 16 <= SMALLEST_STORAGE_RANGE {
+        store.moments = vec![[0; 4]; elements];
+    }
+}
+
+impl Simulation {
+    /// Prepares bodies as [`Simulation::animate`] does, between two moments: the present one is kept at a place first, if
+    /// it is to be. [`Simulation::restore`] must follow once the picture is drawn. On Vulkan, of a crowd that there was
+    /// [`make_room`] for; elsewhere nothing happens.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn animate_between(
+        &mut self,
+        frame: FrameUniforms,
+        between: BetweenUniforms,
+        keep: Option<u32>,
+    ) -> Result<(), crate::Error> {
+        self.store.frame = frame;
+        let passes = order::between_passes(between.agent_count, keep);
+        self.run_between(passes.into_iter().chain(order::frame_passes(&frame)), &frame, &between)?;
+        self.check_on_device()
+    }
+
+    /// Puts the present moment back, which is the newest of those that were kept.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn restore(&mut self, between: BetweenUniforms) -> Result<(), crate::Error> {
+        let between = BetweenUniforms { share: 1.0, ..between };
+        let frame = self.store.frame;
+        self.run_between(order::between_passes(between.agent_count, None).into_iter(), &frame, &between)
+    }
+
+    fn run_between(
+        &mut self,
+        passes: impl Iterator<Item = Pass>,
+        frame: &FrameUniforms,
+        between: &BetweenUniforms,
+    ) -> Result<(), crate::Error> {
+        let Some(engine) = &mut self.engine else { return Ok(()) };
+        let sets = [Op::Set(BufferId::Between), Op::Set(BufferId::Frame)];
+        let ops: Vec<Op> = sets.into_iter().chain(passes.map(Op::Pass)).collect();
+        let contents = |_, buffer| match buffer {
+            BufferId::Between => bytemuck::bytes_of(between).to_vec(),
+            _ => bytemuck::bytes_of(frame).to_vec(),
+        };
+        let times = engine.run(&ops, contents, self.times.is_some())?;
+        if let Some(all) = &mut self.times {
+            all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "limits are exact")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_picture_lies_between_the_last_two_moments_and_never_beyond_the_newest() {
+        let mut moments = Moments::default();
+        assert_eq!(moments.at(3.0, 7).share, 1.0);
+        assert_eq!(moments.keep(1.0), 0);
+        assert_eq!(moments.at(0.5, 7).share, 1.0);
+        assert_eq!(moments.keep(1.5), 1);
+        let at = |time| moments.at(time, 7);
+        assert_eq!([0.0, 1.0, 1.25, 1.5, 9.0, f64::NAN].map(|t| at(t).share), [0.0, 0.0, 0.5, 1.0, 1.0, 1.0]);
+        assert_eq!((at(1.25).newest, at(1.25).agent_count, at(1.25).reach), (1, 7, 5.0));
+        assert_eq!(moments.keep(1.4), 0);
+        assert_eq!(moments.at(1.45, 7).share, 1.0);
+    }
+}

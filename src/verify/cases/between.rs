@@ -1,0 +1,65 @@
+//! Inputs for `remember` and `interpolate`: two moments of a crowd of whom some walk, turn across the back, end a
+//! stride, stand, are set to another place, come in, go, or have no place that is a number.
+
+use super::unit;
+use crate::ground::ABSENT;
+use crate::kernels::layout::BetweenUniforms;
+use crate::kernels::{Pass, Store};
+use crate::sim::order::between_passes;
+
+/// Elements behind the last agent that hold NaN.
+const SPARE: usize = 3;
+/// Farthest that the made-up people walk between the moments, m.
+const REACH: f32 = 0.4;
+
+/// A crowd whose moment before is kept and whose newest is not yet. Seeds differ in the share: none of the way, some of
+/// it, nearly all, all; and in the place of the newest moment.
+pub fn between(agents: usize, seed: u32) -> Store {
+    let newest = seed >> 1 & 1;
+    let share = [0.0, 0.37, 0.999_999_94, 1.0][seed as usize % 4];
+    let between = BetweenUniforms { agent_count: agents as u32, newest, share, reach: REACH };
+    let mut store = Store { between, moments: vec![[0xdead_beef; 4]; agents * 6], ..Store::default() };
+    for i in 0..agents {
+        let random = |lane: u32| unit(seed ^ 0x0be7_0000, i, lane);
+        let within = |lane: u32, size: f32| (2.0 * random(lane) - 1.0) * size;
+        let mut stands = [within(0, 50.0), within(1, 50.0)];
+        let mut stood = [stands[0] + within(2, 0.25), stands[1] + within(3, 0.25)];
+        let (mut turned, mut heading) = (within(4, 3.1), within(5, 3.1));
+        let (mut was, mut phase) = ((random(6) * 4e9) as u32, (random(7) * 4e9) as u32);
+        match i % 12 {
+            0 => stood = stands,
+            1 => stood[0] = stands[0] + 2.0 * REACH,
+            2 => stood = [ABSENT; 2],
+            3 => stands = [ABSENT; 2],
+            4 => (stood, stands) = ([ABSENT; 2], [ABSENT; 2]),
+            5 => stands[1] = f32::NAN,
+            6 => (turned, heading) = (3.0, -3.0),
+            7 => (was, phase) = (u32::MAX - 255, 256),
+            8 => (was, phase) = (0, u32::MAX),
+            9 => heading = f32::INFINITY,
+            10 => heading = turned,
+            _ => {}
+        }
+        store.position.push(stands);
+        store.stance.push([heading, random(8)]);
+        store.phase.push(phase);
+        store.elevation.push(within(9, 4.0));
+        store.gait_weights.push([10, 11, 12, 13].map(random));
+        let at = (1 - newest) as usize * agents + i;
+        store.moments[3 * at] = [stood[0], stood[1], turned, random(14)].map(f32::to_bits);
+        store.moments[3 * at + 1] = [was, within(15, 4.0).to_bits(), 0, 0];
+        store.moments[3 * at + 2] = [16, 17, 18, 19].map(|lane| random(lane).to_bits());
+    }
+    store.moments.extend([[0xdead_beef; 4]; SPARE]);
+    store.position.extend([[f32::NAN; 2]; SPARE]);
+    store.stance.extend([[f32::NAN; 2]; SPARE]);
+    store.phase.extend([0xdead_beef; SPARE]);
+    store.elevation.extend([f32::NAN; SPARE]);
+    store.gait_weights.extend([[f32::NAN; 4]; SPARE]);
+    store
+}
+
+/// The launches: the newest moment is kept, then everyone is put between the two.
+pub fn passes(store: &Store) -> Vec<Pass> {
+    between_passes(store.between.agent_count, Some(store.between.newest))
+}

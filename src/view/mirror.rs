@@ -1,0 +1,139 @@
+//! A window that shows pictures which somebody else draws: what the user of a headset sees.
+
+use super::canvas::Canvas;
+use super::surface::{self, Surface};
+use super::window::no_display;
+use crate::gpu::Validation;
+use crate::picture::Image;
+use std::time::{Duration, Instant};
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::WindowEvent;
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// How often a new picture is looked for.
+const LOOK: Duration = Duration::from_millis(10);
+
+/// Who draws the pictures.
+pub trait Source {
+    /// The newest picture, if there is one that was not given yet.
+    fn take(&mut self) -> Option<Image>;
+
+    /// Whether there will be more.
+    fn is_open(&self) -> bool;
+}
+
+/// What a mirror showed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Mirrored {
+    /// Pictures that were shown.
+    pub shown: u64,
+    /// Whether somebody closed the window.
+    pub was_closed: bool,
+}
+
+/// Shows pictures in a window until it is closed or there are no more.
+///
+/// # Errors
+/// [`NoDisplay`](super::Error::NoDisplay) and [`NoPresenter`](super::Error::NoPresenter) when there can be no window; when the
+/// device fails.
+pub fn mirror(title: &str, size: [u32; 2], source: &mut dyn Source) -> Result<Mirrored, crate::Error> {
+    let events = EventLoop::new().map_err(no_display)?;
+    let mut app =
+        App { title, size, source, scene: None, mirrored: Mirrored::default(), failure: None, newest: None };
+    let ended = events.run_app(&mut app);
+    drop(app.scene.take());
+    if let Some(error) = app.failure {
+        return Err(error);
+    }
+    ended.map_err(no_display)?;
+    Ok(app.mirrored)
+}
+
+/// What lives as long as the window. What uses the device goes before the surface, that before the window.
+struct Scene {
+    canvas: Canvas,
+    surface: Surface,
+    window: Window,
+}
+
+struct App<'a> {
+    title: &'a str,
+    size: [u32; 2],
+    source: &'a mut dyn Source,
+    scene: Option<Scene>,
+    newest: Option<Image>,
+    mirrored: Mirrored,
+    failure: Option<crate::Error>,
+}
+
+impl App<'_> {
+    fn open(&self, events: &ActiveEventLoop) -> Result<Scene, crate::Error> {
+        let attributes = Window::default_attributes()
+            .with_title(format!("{} - gaitway", self.title))
+            .with_inner_size(PhysicalSize::new(self.size[0], self.size[1]));
+        let window = events.create_window(attributes).map_err(no_display)?;
+        let device = surface::open(&window, None, Validation::from_environment())?;
+        let surface = Surface::new(&device, &window)?;
+        Ok(Scene { canvas: Canvas::new(&device, self.size)?, surface, window })
+    }
+
+    fn show(&mut self) -> Result<(), crate::Error> {
+        let (Some(scene), Some(newest)) = (&mut self.scene, &self.newest) else { return Ok(()) };
+        let size: [u32; 2] = scene.window.inner_size().into();
+        if !size.contains(&0) && scene.canvas.paint(newest, &mut scene.surface, size)? {
+            self.mirrored.shown += 1;
+        }
+        Ok(())
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, error: crate::Error) {
+        self.failure.get_or_insert(error);
+        events.exit();
+    }
+}
+
+impl ApplicationHandler for App<'_> {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.scene.is_none() && self.failure.is_none() {
+            match self.open(events) {
+                Ok(scene) => self.scene = Some(scene),
+                Err(error) => self.fail(events, error),
+            }
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match event {
+            WindowEvent::CloseRequested | WindowEvent::Destroyed => {
+                self.mirrored.was_closed = true;
+                events.exit();
+            }
+            WindowEvent::Resized(_) => {
+                if let Some(scene) = &mut self.scene {
+                    scene.surface.forget();
+                    scene.window.request_redraw();
+                }
+            }
+            WindowEvent::RedrawRequested => {
+                if let Err(error) = self.show() {
+                    self.fail(events, error);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        if !self.source.is_open() {
+            events.exit();
+            return;
+        }
+        if let (Some(image), Some(scene)) = (self.source.take(), &self.scene) {
+            self.newest = Some(image);
+            scene.window.request_redraw();
+        }
+        events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + LOOK));
+    }
+}

@@ -1,0 +1,98 @@
+//! What the user sees, for somebody else who looks on: small copies of the left eye's picture, now and then.
+//!
+//! The headset's thread puts them here and never waits; whoever shows them takes the newest. Whatever becomes of the one
+//! who shows them, the headset's session goes on.
+
+use super::app::lock;
+use crate::picture::Image;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+/// Shortest time between two copies: looking on must not cost the user frames.
+const PAUSE: Duration = Duration::from_millis(33);
+
+/// The place where copies are handed over.
+#[derive(Debug)]
+pub struct Mirror {
+    rows: u32,
+    is_closed: AtomicBool,
+    latest: Mutex<Latest>,
+}
+
+#[derive(Debug, Default)]
+struct Latest {
+    image: Option<Image>,
+    kept: Option<Instant>,
+    said: Option<String>,
+}
+
+impl Mirror {
+    /// A place for copies of that many rows of pixels, or fewer where the eye has fewer.
+    pub fn new(rows: u32) -> Self {
+        Self { rows: rows.max(1), is_closed: AtomicBool::new(false), latest: Mutex::default() }
+    }
+
+    /// Whether anybody still looks on.
+    pub fn is_open(&self) -> bool {
+        !self.is_closed.load(Ordering::Relaxed)
+    }
+
+    /// Nobody looks on any more; with a reason if it was not by intention.
+    pub fn close(&self, why: Option<String>) {
+        self.is_closed.store(true, Ordering::Relaxed);
+        let mut latest = lock(&self.latest);
+        latest.image = None;
+        latest.said = why;
+    }
+
+    /// The newest copy, unless it was taken already.
+    pub fn take(&self) -> Option<Image> {
+        lock(&self.latest).image.take()
+    }
+
+    /// What there is to say about its end, once.
+    pub(super) fn said(&self) -> Option<String> {
+        lock(&self.latest).said.take()
+    }
+
+    /// Pixels of the copy that is wanted now of an eye's picture, if one is.
+    pub(super) fn wants(&self, [width, height]: [u32; 2], now: Instant) -> Option<[u32; 2]> {
+        let kept = lock(&self.latest).kept;
+        let is_due = kept.is_none_or(|kept| now.saturating_duration_since(kept) >= PAUSE);
+        let rows = self.rows.min(height);
+        (self.is_open() && is_due && height > 0).then(|| [(width * rows).div_ceil(height).max(1), rows])
+    }
+
+    /// Puts a copy here.
+    pub(super) fn keep(&self, image: Image, now: Instant) {
+        let mut latest = lock(&self.latest);
+        if self.is_open() {
+            latest.image = Some(image);
+        }
+        latest.kept = Some(now);
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn copies_are_small_not_too_many_and_end_with_who_looks_on() {
+        let mirror = Mirror::new(600);
+        let now = Instant::now();
+        assert_eq!(mirror.wants([2064, 2208], now), Some([561, 600]));
+        assert_eq!(mirror.wants([320, 240], now), Some([320, 240]));
+        mirror.keep(Image::filled(2, 2, [1; 4]), now);
+        assert_eq!(mirror.wants([320, 240], now + PAUSE / 2), None);
+        assert!(mirror.wants([320, 240], now + PAUSE).is_some());
+        assert_eq!(mirror.take().unwrap().width, 2);
+        assert!(mirror.take().is_none());
+        mirror.close(Some("the window is gone".to_owned()));
+        mirror.keep(Image::filled(2, 2, [1; 4]), now);
+        assert!(mirror.take().is_none() && mirror.wants([320, 240], now + 9 * PAUSE).is_none());
+        assert_eq!((mirror.said(), mirror.said()), (Some("the window is gone".to_owned()), None));
+    }
+}
