@@ -425,3 +425,36 @@ fn what_is_wrong_with_a_queue_is_said() {
         }
     }
 }
+
+#[test]
+fn the_station_of_the_assets_works_as_its_comments_say() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("assets/scenes/station.toml");
+    let scenario = Scenario::load(&path).unwrap();
+    let geometry = scenario.geometry();
+    let mut simulation = simulation(&scenario, Backend::Cpu);
+    let people = 0..scenario.population.agents as usize;
+    let mut served = false;
+    let mut most = 0;
+    for second in 1..=75 {
+        simulation.step(30).unwrap();
+        let store = simulation.state().unwrap();
+        let there: Vec<Vec2> =
+            people.clone().filter(|i| present(store, *i)).map(|i| store.position[i].into()).collect();
+        let inside = |at: &&Vec2| {
+            gaitway::scenario::polygon::contains(&geometry.bounds, **at)
+                && !geometry.obstacles.iter().any(|o| gaitway::scenario::polygon::contains(o, **at))
+        };
+        assert_eq!(there.iter().find(|at| !inside(at)), None, "second {second}");
+        served |= there.iter().any(|at| at.distance(Vec2::new(5.0, 11.0)) < 0.3);
+        most = most.max(there.len());
+        // both trains bring their eighty within a few seconds
+        assert!(second != 20 || there.len() > 80, "{}", there.len());
+        assert!(second != 45 || there.len() < 170, "those of the first train have left: {}", there.len());
+    }
+    assert!(served, "nobody came to the counter");
+    assert!(most > 130, "{most} at most");
+    // the robot goes where its path says: 50, 30 at 40 s, half way back at 60 s
+    let store = simulation.state().unwrap();
+    let robot = store.position[scenario.population.agents as usize];
+    assert!((robot[0] - 15.0).abs() < 0.5 && (robot[1] - 30.0).abs() < 0.01, "{robot:?}");
+}

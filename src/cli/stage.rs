@@ -89,8 +89,7 @@ impl Stage {
         let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
         let mut simulation = start(store, place)?;
         let geometry = &scene.geometry;
-        let mut scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
-        geometry.floors.draw(&mut scenery);
+        let scenery = geometry.scenery();
         let device = place.device.as_deref();
         let mut show = Show::new(&mut simulation, &meshes, &scenery, settings, device)?;
         show.set_gaze(&scene.scenario.gaze);

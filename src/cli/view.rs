@@ -82,8 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let (backend, device) = arguments.scene.place.get()?;
     let scene = Scene::load(&arguments.scene)?;
     let (scenario, geometry) = (&scene.scenario, &scene.geometry);
-    let mut scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
-    geometry.floors.draw(&mut scenery);
+    let scenery = geometry.scenery();
     let Shares { happy, angry, sad, neutral } = scenario.population.emotions;
     let plan = Plan {
         title: scenario.name.clone(),

@@ -107,7 +107,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let full = store.frame.level_distance;
     let world = World {
         meshes,
-        scenery: geometry.environment.mesh(&geometry.bounds, geometry.user),
+        scenery: geometry.scenery(),
         settings: Settings {
             atmosphere: atmosphere(scene.scenario.layout),
             shadow_size: SHADOW_SIZE,

@@ -7,7 +7,7 @@ use crate::emotion::Emotion;
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::scenario::{
-    AgentStart, Condition, Crowd, EmotionMode, Entry, Geometry, Prefer, Scenario, Shares, Stop, populate_from,
+    AgentStart, Condition, Crowd, EmotionMode, Entry, Prefer, Scenario, Shares, Stop, populate_from,
 };
 use crate::sim::{Backend, Cast, Simulation, bodies, setup};
 use glam::{Vec2, Vec3};
@@ -53,15 +53,13 @@ pub fn practice_alone(
     let mut alone = scenario.clone();
     alone.user.avoided = false;
     alone.navigation.perturbation = 0.0;
-    let geometry = Geometry {
-        bounds: [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
-            .map(|corner| (Vec2::from(corner) * 2.0 - 1.0) * (side + 3.0 * ROOM))
-            .to_vec(),
-        obstacles: Vec::new(),
-        spawns: Vec::new(),
-        routes: Vec::new(),
-        ..scenario.geometry()
-    };
+    let mut geometry = scenario.geometry();
+    geometry.bounds = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
+        .map(|corner| (Vec2::from(corner) * 2.0 - 1.0) * (side + 3.0 * ROOM))
+        .to_vec();
+    geometry.obstacles.clear();
+    geometry.spawns.clear();
+    geometry.routes.clear();
     let mut store = setup::store(&alone, &geometry, &crowd, &cast);
     for manners in &mut store.manners {
         manners[2] = 0.0;

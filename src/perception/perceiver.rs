@@ -6,7 +6,10 @@
 //! a few hundred gaits are enough to learn from: by logistic regression ([`logistic`](super::logistic)).
 //!
 //! Its one setting, the ridge, is chosen at every training, on folds of the training gaits that hold people apart: the
-//! one under which those left out are likeliest. So no held-out gait has a say in it. Figures: `tests/perception_compare.rs`.
+//! one under which those left out are likeliest. So no held-out gait has a say in it. The descriptor was drawn up with
+//! E-Gait in view; choosing among the 31 sets of its five parts inside the folds, too, gives 65.7 to 66.1 % there (five
+//! seeds, three ways to choose) where all of it gives 67.4 and the 29 features with the SVM 57.8. Figures:
+//! `tests/perception_compare.rs`.
 
 mod descriptor;
 

@@ -2,9 +2,11 @@
 
 use super::environment::{Environment, Ground, Prop};
 use super::floors::Floors;
+use super::mesh::EnvironmentMesh;
 use super::polygon;
 use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn};
 use super::walkable::Area;
+use super::walls::{self, Wall};
 use super::{crossing, garden, parking, scifi};
 use glam::{Vec2, Vec3};
 
@@ -30,9 +32,21 @@ pub struct Geometry {
     pub user: Vec2,
     /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
     pub overview: (Vec3, Vec3),
+    /// Obstacles that no prop shows.
+    walls: Vec<Wall>,
+    /// Whether bounds are the file's own.
+    is_custom: bool,
 }
 
 impl Geometry {
+    /// The mesh of everything that stands still: ground, props, floors, and the obstacles of the file as low walls.
+    pub fn scenery(&self) -> EnvironmentMesh {
+        let mut mesh = self.environment.mesh(&self.bounds, self.user);
+        self.floors.draw(&mut mesh);
+        walls::draw(&mut mesh, &self.walls, self.is_custom.then_some(self.bounds.as_slice()));
+        mesh
+    }
+
     /// All closed outlines that agents must not cross, bounds first, in the orientation the solver wants.
     pub fn outlines(&self) -> impl Iterator<Item = &[Vec2]> {
         std::iter::once(self.bounds.as_slice()).chain(self.obstacles.iter().map(Vec::as_slice))
@@ -73,6 +87,14 @@ impl Scenario {
         let bounds = polygon::oriented(made.bounds, false);
         made.routes.extend(self.routes.iter().cloned());
         made.props.extend(self.environment.props.iter().cloned());
+        let is_custom = self.layout == Layout::Custom;
+        let holes = made.obstacles.iter().filter(|_| is_custom);
+        let mut walls: Vec<Wall> =
+            holes.map(|hole| Wall { outline: hole.clone(), heights: [None; 2] }).collect();
+        walls.extend(self.obstacles.iter().map(|obstacle| Wall {
+            outline: vectors(&obstacle.polygon),
+            heights: [obstacle.low, obstacle.high],
+        }));
         let whole = self.obstacles.iter().filter(|obstacle| !obstacle.is_raised());
         made.obstacles.extend(whole.map(|obstacle| vectors(&obstacle.polygon)));
         let inside = |prop: &&Prop| polygon::contains(&bounds, Vec2::from(prop.position));
@@ -90,6 +112,8 @@ impl Scenario {
             floors: Floors::new(&self.floors, &self.obstacles),
             user,
             bounds,
+            walls,
+            is_custom,
         }
     }
 

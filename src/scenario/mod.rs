@@ -36,6 +36,7 @@ mod sources;
 mod validate;
 mod walkable;
 mod walkers;
+mod walls;
 mod way_finding;
 
 pub use clearance::Clearance;
