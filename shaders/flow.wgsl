@@ -150,11 +150,20 @@ fn turn(place: u32) {
     let z0 = tz * TILE;
     let width = min(TILE, columns - x0);
     let height = min(TILE, flow_grid.rows - z0);
+    // the first sweep goes with the front: from the side beside which it is nearer to the goal
+    let row = first + (z0 + height / 2u) * columns + x0;
+    let column = first + z0 * columns + x0 + width / 2u;
+    let west = select(FAR, flow_distance[min(row - 1u, last)], x0 > 0u);
+    let east = select(FAR, flow_distance[min(row + width, last)], x0 + width < columns);
+    let south = select(FAR, flow_distance[min(column - columns, last)], z0 > 0u);
+    let north = select(FAR, flow_distance[min(column + height * columns, last)], z0 + height < flow_grid.rows);
+    let nearer_right = east < west;
+    let nearer_above = north < south;
     var fell = 0u; // sides whose cells fell: the bits by which the neighbours there are entered
     var quiet = false;
     for (var sweep = 0u; sweep < SWEEPS && !quiet; sweep++) {
-        let from_right = (sweep & 1u) != 0u;
-        let from_above = (sweep & 2u) != 0u;
+        let from_right = ((sweep & 1u) != 0u) != nearer_right;
+        let from_above = ((sweep & 2u) != 0u) != nearer_above;
         quiet = true;
         let by = select(1u, 0xffffffffu, from_right); // from cell to cell
         let behind_bit = select(FROM_LEFT, FROM_RIGHT, from_right);

@@ -251,8 +251,12 @@ fn sweeps(
     left_out: u32,
 ) -> (u32, bool) {
     let mut fell = 0;
+    // the first sweep goes with the front: from the side beside which it is nearer to the goal
+    let (row, column) = ((height / 2 + 1) * RING, width / 2 + 1);
+    let nearer_right = near[row + width + 1] < near[row];
+    let nearer_above = near[(height + 1) * RING + column] < near[column];
     for sweep in 0..SWEEPS {
-        let (from_right, from_above) = (sweep & 1 != 0, sweep & 2 != 0);
+        let (from_right, from_above) = ((sweep & 1 != 0) != nearer_right, (sweep & 2 != 0) != nearer_above);
         let mut quiet = true;
         for j in 0..height {
             let z = if from_above { height - 1 - j } else { j };
