@@ -100,6 +100,9 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
     assert_eq!(found["ended"], "the time was up");
     assert!(found["frames"]["drawn"].as_u64().unwrap() > 2, "{found}");
+    // the host's share of a frame is there, and waiting for the device no part of it
+    let half = |share: &str| found["frames"][share]["p50"].as_f64().unwrap();
+    assert!(half("host_ms") > 0.0 && half("host_ms") < 0.5 * half("work_ms"), "{found}");
     // three seconds at 30 steps a second, and more if the runtime took its time to end
     let walked = found["steps"].as_f64().unwrap() / 30.0 + found["time_lost"].as_f64().unwrap();
     assert!((2.7..8.0).contains(&walked), "{found}");
