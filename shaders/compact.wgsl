@@ -6,23 +6,25 @@
 //   0 (run):    counts level-0 agents (column 0) and all visible agents (column 1),
 //   1 (column): exclusive prefix sums of these two over the runs,
 //   2 (run):    level-0 agents beyond near_capacity, in order of id, go down to level 1; agents beyond
-//               visible_capacity are dropped and reported; then counts the agents of each bucket,
+//               visible_capacity become far bodies, or, where there are none, are dropped and reported; then counts
+//               the agents of each bucket,
 //   3 (bucket): exclusive prefix sums over the runs, totals,
-//   4 (one):    bucket_start, draw_args, dispatch_args, and NONE behind the end of `visible`,
+//   4 (one):    bucket_start, draw_args, dispatch_args, and NONE behind the posed agents of `visible`,
 //   5 (run):    writes `visible`.
+// Far bodies (buckets from bucket_count on) have no pose: they stand in `visible` behind the room for those that have.
 // dispatch_args: 3 words of groups for kernels of one invocation per visible agent (64 a group), then 3 words per
 // avatar for `skin`: x covers the vertices of its level 0, y its near agents.
 const RUN: u32 = 64u;
-const COLUMNS: u32 = 16u;    // columns of a row of bucket_counts, the most buckets there can be
+const COLUMNS: u32 = 32u;    // columns of a row of bucket_counts, the most buckets there can be
 const MOST_GROUPS: u32 = 65535u; // along one axis, on every device
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read_write> agent_bucket: array<u32>;    // [agent]
-@group(0) @binding(2) var<storage, read_write> bucket_counts: array<u32>;   // [run + 1][16]
-@group(0) @binding(3) var<storage, read_write> bucket_start: array<u32>;    // [bucket + 1], last is the total
-@group(0) @binding(4) var<storage, read_write> visible: array<u32>;         // [(visible_capacity / 64 + 1) * 64] agents, then NONE
+@group(0) @binding(2) var<storage, read_write> bucket_counts: array<u32>;   // [run + 1][32]
+@group(0) @binding(3) var<storage, read_write> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1], each with its end
+@group(0) @binding(4) var<storage, read_write> visible: array<u32>;         // [(visible_capacity / 64 + 1) * 64] agents, then NONE; then far bodies
 @group(0) @binding(5) var<storage, read> mesh_table: array<vec4<u32>>;      // [bucket] first_index, index_count, first_vertex, vertex_count
-@group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [bucket][5] VkDrawIndexedIndirectCommand
+@group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [2][bucket][5] VkDrawIndexedIndirectCommand: of pictures, of shadows
 @group(0) @binding(7) var<storage, read_write> dispatch_args: array<u32>;   // [1 + avatar][3]
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
 var<immediate> level: u32;
@@ -32,7 +34,12 @@ fn run_count() -> u32 {
 }
 
 fn is_near(bucket: u32) -> bool {
-    return bucket != NONE && bucket % frame.level_count == 0u;
+    return bucket < frame.bucket_count && bucket % frame.level_count == 0u;
+}
+
+// Two for each avatar, empty where far bodies are not asked for.
+fn far_buckets() -> u32 {
+    return 2u * (frame.bucket_count / max(frame.level_count, 1u));
 }
 
 fn count_visible(run: u32) {
@@ -41,7 +48,7 @@ fn count_visible(run: u32) {
     for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
         let bucket = agent_bucket[agent];
         near += select(0u, 1u, is_near(bucket));
-        seen += select(0u, 1u, bucket != NONE);
+        seen += select(0u, 1u, bucket < frame.bucket_count);
     }
     bucket_counts[run * COLUMNS] = near;
     bucket_counts[run * COLUMNS + 1u] = seen;
@@ -60,10 +67,14 @@ fn scan_column(column: u32) {
 fn apply_capacities(run: u32) {
     var near = bucket_counts[run * COLUMNS];
     var seen = bucket_counts[run * COLUMNS + 1u];
-    var counts = array<u32, 16>();
+    var counts = array<u32, 32>();
     for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
         var bucket = agent_bucket[agent];
         if bucket == NONE {
+            continue;
+        }
+        if bucket >= frame.bucket_count {
+            counts[bucket] += 1u;
             continue;
         }
         let is_last = seen >= frame.visible_capacity;
@@ -74,6 +85,12 @@ fn apply_capacities(run: u32) {
         }
         seen++;
         if is_last || (demoted && frame.level_count == 1u) {
+            if frame.level_distance.w > 0.0 {
+                bucket = frame.bucket_count + bucket / frame.level_count;
+                agent_bucket[agent] = bucket;
+                counts[bucket] += 1u;
+                continue;
+            }
             agent_bucket[agent] = NONE;
             atomicMin(&failure[KERNEL_ID], agent);
             continue;
@@ -89,21 +106,33 @@ fn apply_capacities(run: u32) {
     }
 }
 
+fn write_command(command: u32, mesh: vec4<u32>, count: u32) {
+    draw_args[command * 5u] = mesh.y;      // index_count
+    draw_args[command * 5u + 1u] = count;  // instance_count
+    draw_args[command * 5u + 2u] = mesh.x; // first_index
+    draw_args[command * 5u + 3u] = mesh.z; // vertex_offset: indices count from the mesh's first vertex
+    draw_args[command * 5u + 4u] = 0u;     // first_instance: the draw shader adds bucket_start
+}
+
+// Writes how the agents of a bucket are drawn, and how their shadows are: one level coarser. How many they are.
+fn write_draw(bucket: u32) -> u32 {
+    let count = bucket_counts[run_count() * COLUMNS + bucket];
+    write_command(bucket, mesh_table[bucket], count);
+    let is_coarsest = bucket >= frame.bucket_count || bucket % frame.level_count == frame.level_count - 1u;
+    let shadow = select(bucket + 1u, bucket, is_coarsest);
+    write_command(frame.bucket_count + far_buckets() + bucket, mesh_table[shadow], count);
+    return count;
+}
+
 fn write_arguments() {
     var start = 0u;
     for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
-        let count = bucket_counts[run_count() * COLUMNS + bucket];
-        let mesh = mesh_table[bucket];
+        let count = write_draw(bucket);
         bucket_start[bucket] = start;
         start += count;
-        draw_args[bucket * 5u] = mesh.y;      // index_count
-        draw_args[bucket * 5u + 1u] = count;  // instance_count
-        draw_args[bucket * 5u + 2u] = mesh.x; // first_index
-        draw_args[bucket * 5u + 3u] = mesh.z; // vertex_offset: indices count from the mesh's first vertex
-        draw_args[bucket * 5u + 4u] = 0u;     // first_instance: the draw shader adds bucket_start
         if bucket % frame.level_count == 0u {
             let at = 3u + bucket / frame.level_count * 3u;
-            dispatch_args[at] = (mesh.w + RUN - 1u) / RUN;
+            dispatch_args[at] = (mesh_table[bucket].w + RUN - 1u) / RUN;
             dispatch_args[at + 1u] = count;
             dispatch_args[at + 2u] = 1u;
         }
@@ -115,12 +144,21 @@ fn write_arguments() {
     for (var slot = start; slot < (start / RUN + 1u) * RUN; slot++) {
         visible[slot] = NONE;
     }
+    var far = (frame.visible_capacity / RUN + 1u) * RUN;
+    for (var bucket = frame.bucket_count; bucket < frame.bucket_count + far_buckets(); bucket++) {
+        bucket_start[bucket + 1u] = far;
+        far += write_draw(bucket);
+    }
+    bucket_start[frame.bucket_count + far_buckets() + 1u] = far;
 }
 
 fn write_visible(run: u32) {
-    var next = array<u32, 16>();
+    var next = array<u32, 32>();
     for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
         next[bucket] = bucket_start[bucket] + bucket_counts[run * COLUMNS + bucket];
+    }
+    for (var bucket = frame.bucket_count; bucket < frame.bucket_count + far_buckets(); bucket++) {
+        next[bucket] = bucket_start[bucket + 1u] + bucket_counts[run * COLUMNS + bucket];
     }
     for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
         let bucket = agent_bucket[agent];

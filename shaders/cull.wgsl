@@ -1,5 +1,6 @@
 // uses: frame, exact, body, absent
-// Which agents may be seen and how finely: each agent's bucket (avatar * levels + level of detail), or NONE.
+// Which agents may be seen and how finely: each agent's bucket (avatar * levels + level of detail; far bodies
+// bucket_count + avatar, specks behind all of these), or NONE.
 // An upright capsule of agent_height and agent_radius, times the agent's scale, is tested against the frusta;
 // the level follows from the camera's distance to its middle. `compact` turns the buckets into lists.
 // All inputs of the animation kernels are judged here: an agent with an impossible one is not drawn and reported.
@@ -88,5 +89,12 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     if frame.level_count > 2u && distance >= frame.level_distance.y {
         level = 2u;
     }
-    agent_bucket[agent] = avatar * frame.level_count + level;
+    var bucket = avatar * frame.level_count + level;
+    if frame.level_distance.w > 0.0 && distance >= frame.level_distance.w {
+        bucket = frame.bucket_count + avatar;
+        if frame.camera.w > 0.0 && distance >= frame.camera.w {
+            bucket += frame.bucket_count / max(frame.level_count, 1u);
+        }
+    }
+    agent_bucket[agent] = bucket;
 }

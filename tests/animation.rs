@@ -7,7 +7,7 @@ use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{
     CLIP_STRIDE, HEAD, NECK, NONE, PALETTE_STRIDE, PARENTS, POSE_STRIDE, SKINNED_STRIDE, SPINE,
-    VERTEX_STRIDE, visible_agents,
+    VERTEX_STRIDE, visible_agents, visible_slots,
 };
 use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
@@ -29,6 +29,12 @@ fn ran(agents: usize, seed: u32) -> Store {
     let mut store = on_the_ground(animation(agents, seed));
     run(&mut store);
     store
+}
+
+/// Buckets of far bodies.
+fn far_buckets(store: &Store) -> std::ops::Range<usize> {
+    let first = store.frame.bucket_count as usize;
+    first..first + 2 * AVATARS
 }
 
 fn avatar_of(store: &Store, agent: usize) -> usize {
@@ -68,6 +74,7 @@ fn the_kernels_know_the_skeleton_and_the_clips() {
 
 #[test]
 fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
+    let (mut seen_far, mut specks) = (0, 0);
     for seed in 0..6 {
         let mut store = on_the_ground(animation(700, seed * 8)); // ample room, natural gaze, two eyes
         run(&mut store);
@@ -93,7 +100,15 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
             let want = if usable && seen && distance <= store.frame.level_distance[2] {
                 let finer = store.frame.level_distance[..2].iter().filter(|d| distance >= **d).count();
                 let level = u32::try_from(finer).unwrap().min(levels - 1);
-                (store.look[agent][0] & 255) * levels + level
+                let (avatar, far) = (store.look[agent][0] & 255, store.frame.level_distance[3]);
+                let is_far = far > 0.0 && distance >= far;
+                seen_far += usize::from(is_far);
+                let is_speck = is_far && distance >= store.frame.camera[3];
+                specks += usize::from(is_speck);
+                let far_bucket = store.frame.bucket_count
+                    + avatar
+                    + if is_speck { u32::try_from(AVATARS).unwrap() } else { 0 };
+                if is_far { far_bucket } else { avatar * levels + level }
             } else {
                 NONE
             };
@@ -102,6 +117,7 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
         }
         assert!((100..600).contains(&drawn), "{drawn} drawn: the case tests little");
     }
+    assert!(specks > 30 && seen_far > specks + 30, "{seen_far} far, {specks} specks: the case tests little");
 }
 
 #[test]
@@ -123,6 +139,10 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
             let mesh = store.mesh_table[b];
             let count32 = u32::try_from(count).unwrap();
             assert_eq!(store.draw_args[b * 5..b * 5 + 5], [mesh[1], count32, mesh[0], mesh[2], 0]);
+            let levels = store.frame.level_count as usize;
+            let coarser = store.mesh_table[if b % levels + 1 < levels { b + 1 } else { b }];
+            let shadow = (store.frame.bucket_count as usize + 2 * AVATARS + b) * 5;
+            assert_eq!(store.draw_args[shadow..shadow + 5], [coarser[1], count32, coarser[0], coarser[2], 0]);
             if bucket % store.frame.level_count == 0 {
                 let args = &store.dispatch_args[3 + 3 * (bucket / store.frame.level_count) as usize..][..3];
                 assert_eq!(args, [mesh[3].div_ceil(64), count32, 1]);
@@ -132,6 +152,21 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
         assert_eq!(store.bucket_start[store.frame.bucket_count as usize] as usize, start);
         assert_eq!(start, visible.len(), "nobody lost, nobody twice");
         assert_eq!(store.dispatch_args[..3], [u32::try_from(start).unwrap().div_ceil(64), 1, 1]);
+        // far bodies: behind the room for those with a pose, likewise sorted
+        let room = visible_slots(store.frame.visible_capacity as usize);
+        let mut far = room;
+        for bucket in far_buckets(&store) {
+            assert_eq!(store.bucket_start[bucket + 1] as usize, far);
+            let of_it = (0..agents).filter(|a| store.agent_bucket[*a] as usize == bucket);
+            let of_it: Vec<u32> = of_it.map(|agent| u32::try_from(agent).unwrap()).collect();
+            assert_eq!(store.visible[far..far + of_it.len()], of_it);
+            let (mesh, count) = (store.mesh_table[bucket], u32::try_from(of_it.len()).unwrap());
+            assert_eq!(store.draw_args[bucket * 5..bucket * 5 + 5], [mesh[1], count, mesh[0], mesh[2], 0]);
+            far += of_it.len();
+        }
+        let drawn = store.agent_bucket[..agents].iter().filter(|bucket| **bucket != NONE).count();
+        assert_eq!(drawn, visible.len() + far - room);
+        assert_eq!(far > room, agents >= 63 && store.frame.level_distance[3] > 0.0, "{agents}, seed {seed}");
         let near: usize =
             (0..store.frame.bucket_count).step_by(store.frame.level_count as usize).map(in_bucket).sum();
         assert!(near <= store.frame.near_capacity as usize, "{near} near agents, seed {seed}");
@@ -163,6 +198,30 @@ fn agents_beyond_the_room_are_dropped_and_the_first_is_reported() {
     assert_eq!(visible_agents(&tight.visible).len(), 70);
     assert_eq!(tight.failure[KernelId::Compact as usize] as usize, seen[70]);
     assert_eq!(ample.failure[KernelId::Compact as usize], u32::MAX);
+}
+
+#[test]
+fn agents_beyond_the_room_become_far_bodies_where_there_are_such() {
+    let ample = ran(1000, 16);
+    for (visible, near, level_count) in [(70, 1000, 3), (1000, 5, 1)] {
+        let mut tight = on_the_ground(animation(1000, 16));
+        tight.frame.visible_capacity = visible;
+        tight.frame.near_capacity = near;
+        if level_count == 1 {
+            tight.mesh_table = [0, 3, 6, 7, 8, 9].map(|mesh| tight.mesh_table[mesh]).to_vec();
+            (tight.frame.level_count, tight.frame.bucket_count) = (1, 2);
+        }
+        run(&mut tight);
+        let posed = visible_agents(&tight.visible).len();
+        assert_eq!(posed, visible.min(near) as usize);
+        assert_eq!(tight.failure[KernelId::Compact as usize], u32::MAX, "nobody is lost");
+        let drawn = |store: &Store| (0..1000).filter(|a| store.agent_bucket[*a] != NONE).count();
+        let far = tight.draw_args[tight.frame.bucket_count as usize * 5..]
+            .chunks(5)
+            .take(2 * AVATARS)
+            .map(|a| a[1]);
+        assert_eq!(posed + far.sum::<u32>() as usize, drawn(&ample));
+    }
 }
 
 #[test]

@@ -431,6 +431,6 @@ fn crowd_buffers_that_are_too_short_are_refused() {
     renderer.set_meshes(&meshes).unwrap();
     let view = View::mono(&Camera::top(Vec2::ZERO, 8.0), W, H);
     let error = renderer.draw(&view, Some(&made.crowd())).unwrap_err().to_string();
-    assert!(error.contains("16 buckets"), "{error}");
+    assert!(error.contains("32 buckets"), "{error}");
     assert_silent();
 }

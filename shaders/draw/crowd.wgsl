@@ -1,4 +1,4 @@
-// uses: view, light
+// uses: view, light, tint
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
@@ -14,8 +14,6 @@
 var<immediate> bucket: u32;
 
 const JOINTS: u32 = 16u;
-const MATERIAL_SKIN: u32 = 1u;
-const MATERIAL_BOTTOM: u32 = 4u;
 
 struct Placed {
     world: vec3<f32>,
@@ -36,6 +34,10 @@ fn place(vertex: u32, instance: u32) -> Placed {
         let at = near_vertex(instance) + vertex - mesh_table[bucket].z; // the vertex index counts from the first mesh
         return Placed(skinned[at][0].xyz, skinned[at][1].xyz);
     }
+    return pose(vertex, instance);
+}
+
+fn pose(vertex: u32, instance: u32) -> Placed {
     let slot = bucket_start[bucket] + instance;
     let position = vec4<f32>(bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz), 1.0);
     let normal = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
@@ -56,23 +58,10 @@ fn place(vertex: u32, instance: u32) -> Placed {
     );
 }
 
-// Linear colour of an RGB565 in sRGB.
-fn linear_from_565(packed: u32) -> vec3<f32> {
-    let srgb = vec3<f32>(f32((packed >> 11u) & 31u) / 31.0, f32((packed >> 5u) & 63u) / 63.0, f32(packed & 31u) / 31.0);
-    return select(pow((srgb + 0.055) / 1.055, vec3<f32>(2.4)), srgb / 12.92, srgb <= vec3<f32>(0.04045));
-}
-
 // The vertex colour, tinted with the agent's colour of its material.
 fn agent_color(vertex: u32, instance: u32) -> vec3<f32> {
     let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
-    let material = mesh_vertices[vertex][0].w;
-    if material < MATERIAL_SKIN || material > MATERIAL_BOTTOM {
-        return color;
-    }
-    let colors = look[visible[bucket_start[bucket] + instance]].zw;
-    let which = material - MATERIAL_SKIN; // skin and hair in z, top and bottom in w
-    let pair = select(colors.x, colors.y, which >= 2u);
-    return color * linear_from_565((pair >> (16u * (which & 1u))) & 0xffffu);
+    return tinted(color, mesh_vertices[vertex][0].w, look[visible[bucket_start[bucket] + instance]].zw);
 }
 
 struct CrowdVertex {
@@ -130,7 +119,8 @@ fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @locat
     return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
 }
 
+// Of a mesh one level coarser than the picture's.
 @vertex
 fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
-    return view.shadow_from_world * vec4<f32>(place(vertex, instance).world, 1.0);
+    return view.shadow_from_world * vec4<f32>(pose(vertex, instance).world, 1.0);
 }

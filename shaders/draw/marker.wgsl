@@ -21,7 +21,11 @@ fn marker_vertex(
     @builtin(instance_index) slot: u32,
     @builtin(view_index) eye: u32,
 ) -> MarkerVertex {
-    if slot >= bucket_start[view.bucket_count] {
+    // agents with a pose, then those without behind the room for the first
+    let far = view.bucket_count + 1u;
+    let is_posed = slot < bucket_start[view.bucket_count];
+    let is_far = slot >= bucket_start[far] && slot < bucket_start[far + view.far_count];
+    if !(is_posed || is_far) {
         return MarkerVertex(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec4<f32>(0.0), vec2<f32>(0.0)); // no area: not drawn
     }
     let agent = visible[slot];

@@ -22,5 +22,5 @@ const PALETTE_STRIDE: u32 = 48u;
 const VERTEX_STRIDE: u32 = 4u;
 const SKINNED_STRIDE: u32 = 2u;
 
-// Ends the list `visible`; in agent_bucket: not drawn.
+// Ends the posed agents of the list `visible`; in agent_bucket: not drawn.
 const NONE: u32 = 0xffffffffu;

@@ -2,13 +2,15 @@
 struct FrameUniforms {
     planes: array<vec4<f32>, 12>, // unit normals; inside is dot(plane.xyz, p) + plane.w >= 0; eye 0 has 0..6, eye 1 has 6..12
     user_eyes: vec4<f32>,         // xyz: midpoint of the user's eyes, which agents look at
-    camera: vec4<f32>,            // xyz: where distances for the level of detail are measured from
-    level_distance: vec4<f32>,    // x, y: nearer than this is level 0, 1; z: farther than this is not drawn, m
+    camera: vec4<f32>,            // xyz: where distances for the level of detail are measured from; w: from here on far
+                                  // bodies are specks, 0 for none, m
+    level_distance: vec4<f32>,    // x, y: nearer than this is level 0, 1; z: farther than this is not drawn; w: from here
+                                  // on agents are far bodies, drawn without a pose, 0 for none; m
     standing_clips: array<vec4<u32>, 4>, // [avatar] clip of the avatar standing still, four to a vector
     agent_count: u32,
     eye_count: u32,               // 1 or 2; an agent is drawn if either eye sees it
     level_count: u32,             // levels of detail, 1 to 3
-    bucket_count: u32,            // avatars * levels, at most 16
+    bucket_count: u32,            // avatars * levels; with two far buckets for each avatar behind them at most 32
     visible_capacity: u32,        // agents that local_rotations and palettes have room for
     near_capacity: u32,           // agents that the skinned vertices have room for
     frame_index: u32,             // counts pictures; a gaze not updated in the picture before starts afresh

@@ -5,9 +5,7 @@
 @group(0) @binding(2) var shadow_sampler: sampler_comparison;
 
 const SUN_DISC: f32 = 0.9995;        // cosine of the radius at which the sun's disc is drawn, larger than the real one
-const SUN_GLOW_POWER: f32 = 24.0;    // how closely the glow gathers about the sun
 const SUN_GLOW: f32 = 0.18;
-const SKY_POWER: f32 = 0.45;         // how fast the horizon's colour gives way to the zenith's
 const SHOULDER: f32 = 0.5;           // brightness from which on highlights are compressed
 const SCATTER: f32 = 0.14;           // share of the sun's light that the air sends from the sun's side of the sky
 const LIFT: f32 = 0.4;               // how far receivers are moved towards the sun, texels of the shadow map
@@ -17,9 +15,12 @@ const SHADOW_EDGE: f32 = 20.0;       // shadows fade out over the outermost 1/20
 // The sky in a unit direction.
 fn sky_color(direction: vec3<f32>) -> vec3<f32> {
     let up = max(direction.y, 0.0);
-    var color = mix(view.sky_horizon.rgb, view.sky_zenith.rgb, pow(up, SKY_POWER));
+    var color = mix(view.sky_horizon.rgb, view.sky_zenith.rgb, sqrt(up));
+    // the glow gathers about the sun with the 24th power
     let sun = max(dot(direction, view.sun_direction.xyz), 0.0);
-    color += view.sun_color.rgb * (SUN_GLOW * pow(sun, SUN_GLOW_POWER));
+    let sun2 = sun * sun;
+    let sun8 = sun2 * sun2 * (sun2 * sun2);
+    color += view.sun_color.rgb * (SUN_GLOW * (sun8 * sun8 * sun8));
     // below the horizon: what lies beyond the end of the ground
     let below = clamp(-direction.y * 8.0, 0.0, 1.0);
     return mix(color, mix(view.sky_horizon.rgb, view.ground_bounce.rgb, 0.5), below * 0.6);
@@ -32,6 +33,10 @@ fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
     let slant = sqrt(max(1.0 - facing * facing, 0.0));
     let lifted = world + (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
     let clip = (view.shadow_from_world * vec4<f32>(lifted, 1.0)).xyz;
+    let from_edge = (1.0 - max(abs(clip.x), abs(clip.y))) * SHADOW_EDGE;
+    if from_edge <= 0.0 {
+        return 1.0;
+    }
     let uv = clip.xy * 0.5 + 0.5;
     let texel = view.sun_color.w;
     var lit = 0.0;
@@ -40,7 +45,6 @@ fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
     lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-1.2, 0.4), clip.z);
     lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(-0.4, -1.2), clip.z);
     lit += textureSampleCompareLevel(shadow_map, shadow_sampler, uv + texel * vec2<f32>(1.2, -0.4), clip.z);
-    let from_edge = (1.0 - max(abs(clip.x), abs(clip.y))) * SHADOW_EDGE;
     return mix(1.0, lit * 0.25, clamp(from_edge, 0.0, 1.0));
 }
 
@@ -70,6 +74,9 @@ fn finish(light: vec3<f32>, world: vec3<f32>, eye: u32) -> vec4<f32> {
 
 // Straight up to the shoulder, then bent so that 1 is reached at infinity: middle tones keep their colours.
 fn tone(light: vec3<f32>) -> vec3<f32> {
+    if all(light <= vec3<f32>(SHOULDER)) {
+        return light;
+    }
     let over = max(light - SHOULDER, vec3<f32>(0.0));
     return min(light, vec3<f32>(SHOULDER)) + (1.0 - SHOULDER) * (1.0 - exp(-over / (1.0 - SHOULDER)));
 }

@@ -6,6 +6,7 @@
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
 
 mod body;
+mod far;
 mod glb;
 mod load;
 mod retarget;
@@ -13,6 +14,7 @@ mod rig_map;
 
 use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
+pub use far::{FarMesh, FarVertex};
 use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
 pub use load::{Loaded, load, load_bytes, load_with_map, triangles};

@@ -4,20 +4,28 @@
 //! - `stereo_two_passes`: bodies and shadow map once, then a pass for each eye: what this engine does without multiview.
 //! - `stereo_two_pictures`: everything twice, culling, bodies, shadow map and pass: what an engine does that knows one eye.
 //!
-//! The three take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
+//! Of what the first one consists tell the first one with less: `stereo_without_shadows`, `stereo_without_far` (only people
+//! who have a pose), `stereo_one_sample` a pixel instead of four, `stereo_few_pixels` (a hundredth: mostly vertices and the
+//! shadow map); and `stereo_bodies`, culling and animation alone, which both eyes share.
+//!
+//! The ways take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
 //! the simulation's state to the picture on the device; nothing is copied to the host.
 
 use super::{EYE_HEIGHT, RUNS, Row, SPACING, WARM_UP, cast, dress};
 use crate::render::camera::{Camera, View};
+use crate::render::show::level_distances;
 use crate::render::{Settings, Show, Stereo};
 use crate::scenario::EnvironmentMesh;
-use crate::sim::{Backend, Simulation, bodies};
+use crate::sim::bodies::{self, LEVEL_DISTANCES};
+use crate::sim::{Backend, Simulation};
 use crate::verify::cases::crossing::crossing;
 use glam::Vec3;
 use std::time::Instant;
 
 /// Pixels of one eye.
 const EYE: (u32, u32) = (640, 720);
+/// A side has so many times fewer pixels where pixels shall not count.
+const FEWER: u32 = 10;
 /// Distance of the eyes, m.
 const INTERPUPILLARY: f32 = 0.063;
 /// Vertical field of view of an eye, radians (100 degrees, as headsets have).
@@ -65,22 +73,30 @@ pub(super) fn stereo(
         eye_count: 1,
         ..both
     });
-    let show = |simulation: &mut Simulation, eyes, stereo, shadow_size| {
-        let settings = Settings { eyes, stereo, shadow_size, ..Settings::sized(EYE.0, EYE.1) };
-        Show::new(simulation, &meshes, &scenery, settings, device)
-    };
-    let shadows = Settings::default().shadow_size;
+    let full = Settings { eyes: 2, stereo: Stereo::OnePass, ..Settings::sized(EYE.0, EYE.1) };
+    let mut show = |settings| Show::new(&mut simulation, &meshes, &scenery, settings, device).map(Box::new);
+    let mut without_far = show(full)?;
+    let [first, second, farthest] = LEVEL_DISTANCES;
+    let ([.., far_begins], _) = level_distances(&both, EYE.1, [first, second, f32::MAX, 0.0]);
+    without_far.set_level_distances([first, second, far_begins]);
+    let mut few_pixels = show(Settings { width: EYE.0 / FEWER, height: EYE.1 / FEWER, ..full })?;
+    #[allow(clippy::cast_precision_loss, reason = "a small number")]
+    let same_levels = [first * FEWER as f32, second * FEWER as f32, farthest];
+    few_pixels.set_level_distances(same_levels);
     let mut ways = [
-        ("stereo_one_pass", show(&mut simulation, 2, Stereo::OnePass, shadows)?, vec![both]),
-        ("stereo_two_passes", show(&mut simulation, 2, Stereo::TwoPasses, shadows)?, vec![both]),
-        ("stereo_two_pictures", show(&mut simulation, 1, Stereo::Auto, shadows)?, alone.to_vec()),
-        ("stereo_without_shadows", show(&mut simulation, 2, Stereo::OnePass, 0)?, vec![both]),
+        ("stereo_one_pass", show(full)?, vec![both]),
+        ("stereo_two_passes", show(Settings { stereo: Stereo::TwoPasses, ..full })?, vec![both]),
+        ("stereo_two_pictures", show(Settings { eyes: 1, ..full })?, alone.to_vec()),
+        ("stereo_without_shadows", show(Settings { shadow_size: 0, ..full })?, vec![both]),
+        ("stereo_without_far", without_far, vec![both]),
+        ("stereo_one_sample", show(Settings { samples: 1, ..full })?, vec![both]),
+        ("stereo_few_pixels", few_pixels, vec![both]),
     ];
     let mut bodies_only = Vec::new();
-    let mut times = [const { Vec::new() }; 4];
+    let mut times = vec![Vec::new(); ways.len()];
     let (begin, (fewest, most, budget)) = (Instant::now(), RUNS);
     let mut round = 0;
-    while round < WARM_UP + fewest || (round < WARM_UP + most && begin.elapsed() < 4 * budget) {
+    while round < WARM_UP + fewest || (round < WARM_UP + most && begin.elapsed() < 5 * budget) {
         for ((_, show, views), times) in ways.iter_mut().zip(&mut times) {
             let begin = Instant::now();
             for view in views.iter() {

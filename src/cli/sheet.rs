@@ -38,7 +38,7 @@ pub(super) fn sheet(place: &PlaceArguments, progress: &mut dyn FnMut(f64)) -> Re
     };
     let mut stage = Stage::with(scene()?, place, settings)?;
     let (distance, fov) = CAMERA;
-    stage.show().set_level_distances([distance * 2.0, distance * 3.0, distance * 1.5]);
+    stage.show().set_level_distances([1e3, 2e3, distance * 1.5]);
     let total = stage.scene.crowd.agents.len();
     let mut pictures = Vec::with_capacity(total);
     for number in 0..total {

@@ -1,8 +1,9 @@
 //! Sorts the visible agents by bucket and id, and writes the arguments of what follows.
 
-use super::body::{COLUMNS, NONE, RUN};
+use super::body::{COLUMNS, NONE, RUN, far_slot};
 use crate::kernels::KernelId;
 use crate::kernels::compact::Slices;
+use crate::kernels::layout::FrameUniforms;
 
 /// Groups along one axis, on every device.
 const MOST_GROUPS: u32 = 65535;
@@ -16,8 +17,8 @@ pub fn compact(mut b: Slices<'_>) {
         0 => {
             for run in 0..runs {
                 let buckets = &b.agent_bucket[run_agents(run)];
-                let near = buckets.iter().filter(|bucket| is_near(**bucket, b.frame.level_count)).count();
-                let seen = buckets.iter().filter(|bucket| **bucket != NONE).count();
+                let near = buckets.iter().filter(|bucket| is_near(**bucket, b.frame)).count();
+                let seen = buckets.iter().filter(|bucket| **bucket < b.frame.bucket_count).count();
                 b.bucket_counts[run * COLUMNS] = near as u32;
                 b.bucket_counts[run * COLUMNS + 1] = seen as u32;
             }
@@ -32,6 +33,9 @@ pub fn compact(mut b: Slices<'_>) {
                 for (bucket, next) in next.iter_mut().enumerate().take(b.frame.bucket_count as usize) {
                     *next = b.bucket_start[bucket] + b.bucket_counts[run * COLUMNS + bucket];
                 }
+                for bucket in far_buckets(b.frame) {
+                    next[bucket] = b.bucket_start[bucket + 1] + b.bucket_counts[run * COLUMNS + bucket];
+                }
                 for agent in run_agents(run) {
                     let bucket = b.agent_bucket[agent];
                     if bucket != NONE {
@@ -44,8 +48,14 @@ pub fn compact(mut b: Slices<'_>) {
     }
 }
 
-fn is_near(bucket: u32, level_count: u32) -> bool {
-    bucket != NONE && bucket.is_multiple_of(level_count)
+fn is_near(bucket: u32, frame: &FrameUniforms) -> bool {
+    bucket < frame.bucket_count && bucket.is_multiple_of(frame.level_count)
+}
+
+/// Two for each avatar, empty where far bodies are not asked for.
+fn far_buckets(frame: &FrameUniforms) -> std::ops::Range<usize> {
+    let avatars = frame.bucket_count / frame.level_count.max(1);
+    frame.bucket_count as usize..(frame.bucket_count + 2 * avatars) as usize
 }
 
 fn scan_column(bucket_counts: &mut [u32], runs: usize, column: usize) {
@@ -67,14 +77,24 @@ fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usiz
         if bucket == NONE {
             continue;
         }
+        if bucket >= b.frame.bucket_count {
+            counts[bucket as usize] += 1;
+            continue;
+        }
         let is_last = seen >= b.frame.visible_capacity;
         let mut demoted = false;
-        if is_near(bucket, b.frame.level_count) {
+        if is_near(bucket, b.frame) {
             demoted = near >= b.frame.near_capacity.min(MOST_GROUPS);
             near += 1;
         }
         seen += 1;
         if is_last || (demoted && b.frame.level_count == 1) {
+            if b.frame.level_distance[3] > 0.0 {
+                bucket = b.frame.bucket_count + bucket / b.frame.level_count;
+                b.agent_bucket[agent] = bucket;
+                counts[bucket as usize] += 1;
+                continue;
+            }
             b.agent_bucket[agent] = NONE;
             let first = &mut b.failure[KernelId::Compact as usize];
             *first = (*first).min(agent as u32);
@@ -89,28 +109,48 @@ fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usiz
     b.bucket_counts[run * COLUMNS..(run + 1) * COLUMNS].copy_from_slice(&counts);
 }
 
+fn write_command(b: &mut Slices<'_>, command: usize, mesh: usize, count: u32) {
+    let [first_index, index_count, first_vertex, _] = b.mesh_table[mesh];
+    let words = [index_count, count, first_index, first_vertex, 0];
+    b.draw_args[command * 5..command * 5 + 5].copy_from_slice(&words);
+}
+
+/// Writes how the agents of a bucket are drawn, and how their shadows are: one level coarser. How many they are.
+fn write_draw(b: &mut Slices<'_>, runs: usize, bucket: usize) -> u32 {
+    let count = b.bucket_counts[runs * COLUMNS + bucket];
+    write_command(b, bucket, bucket, count);
+    let (buckets, levels) = (b.frame.bucket_count as usize, b.frame.level_count as usize);
+    let is_coarsest = bucket >= buckets || bucket % levels == levels - 1;
+    let shadow = if is_coarsest { bucket } else { bucket + 1 };
+    write_command(b, far_buckets(b.frame).end + bucket, shadow, count);
+    count
+}
+
 fn write_arguments(b: &mut Slices<'_>, runs: usize) {
     let mut start = 0;
     for bucket in 0..b.frame.bucket_count as usize {
-        let count = b.bucket_counts[runs * COLUMNS + bucket];
-        let [first_index, index_count, first_vertex, vertex_count] = b.mesh_table[bucket];
+        let count = write_draw(b, runs, bucket);
         b.bucket_start[bucket] = start;
         start += count;
-        b.draw_args[bucket * 5..bucket * 5 + 5].copy_from_slice(&[
-            index_count,
-            count,
-            first_index,
-            first_vertex,
-            0,
-        ]);
         let levels = b.frame.level_count as usize;
         if bucket.is_multiple_of(levels) {
             let at = 3 + bucket / levels * 3;
-            b.dispatch_args[at..at + 3].copy_from_slice(&[vertex_count.div_ceil(RUN as u32), count, 1]);
+            b.dispatch_args[at..at + 3].copy_from_slice(&[
+                b.mesh_table[bucket][3].div_ceil(RUN as u32),
+                count,
+                1,
+            ]);
         }
     }
     b.bucket_start[b.frame.bucket_count as usize] = start;
     b.dispatch_args[..3].copy_from_slice(&[start.div_ceil(RUN as u32), 1, 1]);
     let start = start as usize;
     b.visible[start..(start / RUN + 1) * RUN].fill(NONE);
+    let mut far = far_slot(b.frame.visible_capacity as usize) as u32;
+    let far_buckets = far_buckets(b.frame);
+    for bucket in far_buckets.clone() {
+        b.bucket_start[bucket + 1] = far;
+        far += write_draw(b, runs, bucket);
+    }
+    b.bucket_start[far_buckets.end + 1] = far;
 }

@@ -79,6 +79,13 @@ pub fn cull(b: Slices<'_>) {
         if frame.level_count > 2 && distance >= frame.level_distance[1] {
             level = 2;
         }
-        b.agent_bucket[agent] = avatar * frame.level_count + level;
+        let mut bucket = avatar * frame.level_count + level;
+        if frame.level_distance[3] > 0.0 && distance >= frame.level_distance[3] {
+            bucket = frame.bucket_count + avatar;
+            if frame.camera[3] > 0.0 && distance >= frame.camera[3] {
+                bucket += frame.bucket_count / frame.level_count.max(1);
+            }
+        }
+        b.agent_bucket[agent] = bucket;
     }
 }

@@ -7,11 +7,11 @@ use crate::kernels::BufferId;
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdBuffers<'a> {
-    /// Agent of each slot, sorted by bucket: `u32 [slot]`.
+    /// Agent of each slot, sorted by bucket, far bodies behind the room for the others: `u32 [slot]`.
     pub visible: &'a Buffer,
-    /// First slot of each bucket: `u32 [bucket + 1]`.
+    /// First slot of each bucket and the end of the last: `u32 [bucket + 1]`, then the same for far bodies.
     pub bucket_start: &'a Buffer,
-    /// `VkDrawIndexedIndirectCommand [bucket]`; instances count from 0.
+    /// `VkDrawIndexedIndirectCommand [2][bucket]`, far bodies last, of pictures and of shadows; instances count from 0.
     pub draw_args: &'a Buffer,
     /// `vec4<f32> [vertex][4]`.
     pub mesh_vertices: &'a Buffer,
@@ -27,6 +27,10 @@ pub struct CrowdBuffers<'a> {
     pub position: &'a Buffer,
     /// Height of the floor stood on, m: `f32 [agent]`.
     pub elevation: &'a Buffer,
+    /// Heading, radians, and walk weight: `vec2<f32> [agent]`.
+    pub stance: &'a Buffer,
+    /// Phase of the stride: `u32 [agent]`.
+    pub phase: &'a Buffer,
 }
 
 impl<'a> CrowdBuffers<'a> {
@@ -50,6 +54,8 @@ impl<'a> CrowdBuffers<'a> {
             look: find("look")?,
             position: find("position")?,
             elevation: find("elevation")?,
+            stance: find("stance")?,
+            phase: find("phase")?,
         })
     }
 
@@ -64,15 +70,17 @@ impl<'a> CrowdBuffers<'a> {
             "look" => self.look,
             "position" => self.position,
             "elevation" => self.elevation,
+            "stance" => self.stance,
+            "phase" => self.phase,
             _ => return None,
         })
     }
 
-    /// Whether the buffers are long enough for that many buckets.
+    /// Whether the buffers are long enough for that many buckets, those of far bodies with them.
     pub(crate) fn check(&self, buckets: u32) -> Result<(), Error> {
         let wanted = [
-            ("bucket_start", self.bucket_start, 4 * (u64::from(buckets) + 1)),
-            ("draw_args", self.draw_args, 20 * u64::from(buckets)),
+            ("bucket_start", self.bucket_start, 4 * (u64::from(buckets) + 2)),
+            ("draw_args", self.draw_args, 2 * 20 * u64::from(buckets)),
             ("mesh_table", self.mesh_table, 16 * u64::from(buckets)),
         ];
         for (name, buffer, wanted) in wanted {

@@ -23,6 +23,7 @@ pub mod show;
 #[cfg(feature = "xr")]
 mod shrink;
 mod target;
+mod uniforms;
 mod user;
 
 pub use crate::picture::Image;

@@ -14,6 +14,7 @@ pub(crate) struct Programs {
     pub(crate) sky: Program,
     pub(crate) environment: Program,
     pub(crate) crowd: Program,
+    pub(crate) far: Program,
     pub(crate) marker: Program,
     pub(crate) user: Program,
     #[cfg(feature = "xr")]
@@ -26,6 +27,7 @@ impl Programs {
             sky: Program::new(device, &draw::SKY, passes)?,
             environment: Program::new(device, &draw::ENVIRONMENT, passes)?,
             crowd: Program::new(device, &draw::CROWD, passes)?,
+            far: Program::new(device, &draw::FAR, passes)?,
             marker: Program::new(device, &draw::MARKER, passes)?,
             user: Program::new(device, &draw::USER, passes)?,
             #[cfg(feature = "xr")]
@@ -44,6 +46,8 @@ pub(crate) struct Pipelines {
     /// For the finest level, which fades near the eyes.
     pub(crate) crowd_near: vk::Pipeline,
     pub(crate) crowd_shadow: vk::Pipeline,
+    pub(crate) far: vk::Pipeline,
+    pub(crate) far_shadow: vk::Pipeline,
     pub(crate) marker: vk::Pipeline,
     pub(crate) user: vk::Pipeline,
     pub(crate) target: vk::Pipeline,
@@ -152,6 +156,8 @@ pub(crate) fn pipelines(
         crowd: programs.crowd.pipeline(&solid("crowd_vertex", "crowd_fragment"))?,
         crowd_near: programs.crowd.pipeline(&solid("crowd_vertex", "crowd_near_fragment"))?,
         crowd_shadow: programs.crowd.pipeline(&shadow("crowd_shadow"))?,
+        far: programs.far.pipeline(&solid("far_vertex", "far_fragment"))?,
+        far_shadow: programs.far.pipeline(&shadow("far_shadow"))?,
         marker: programs.marker.pipeline(&flat("marker_vertex", "marker_fragment", near, true))?,
         user: programs.user.pipeline(&PipelineSpec {
             cull: vk::CullModeFlags::NONE,

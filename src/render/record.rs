@@ -3,7 +3,7 @@
 use super::camera::View;
 use super::parts::view_mask;
 use super::pipelines::{Program, Resource};
-use super::renderer::Renderer;
+use super::renderer::{CrowdMeshes, Renderer};
 use super::target::Transition;
 use super::user::SOLID_VERTICES;
 use super::{CrowdBuffers, Error, User};
@@ -80,8 +80,9 @@ impl Renderer {
             self.programs.environment.bind(pass, resource)?;
         }
         if let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) {
-            crowd.check(meshes.bucket_count)?;
+            crowd.check(meshes.bucket_count + meshes.far_count)?;
             self.programs.crowd.bind(pass, resource)?;
+            self.programs.far.bind(pass, resource)?;
             if self.settings.markers.is_some() {
                 self.programs.marker.bind(pass, resource)?;
             }
@@ -166,7 +167,8 @@ impl Renderer {
         if self.settings.shadow_size > 0 {
             self.set_area(commands, area);
             self.draw_environment(commands, self.pipelines.environment_shadow, 0);
-            self.draw_crowd(commands, [self.pipelines.crowd_shadow; 2], crowd, 0);
+            self.draw_crowd(commands, &[self.pipelines.crowd_shadow], crowd, 0);
+            self.draw_far(commands, self.pipelines.far_shadow, crowd, 0);
         }
         // SAFETY: rendering has begun.
         unsafe { self.device.raw.cmd_end_rendering(commands) };
@@ -253,7 +255,8 @@ impl Renderer {
         self.draw_mask(commands, pass);
         // near to far by likelihood: hands are nearest, people and buildings hide much of the ground, everything hides the sky
         self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
-        self.draw_crowd(commands, [self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
+        self.draw_crowd(commands, &[self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
+        self.draw_far(commands, self.pipelines.far, crowd, pass);
         self.draw_environment(commands, self.pipelines.environment, pass);
         self.draw_sky(commands, pass);
         self.draw_markers(commands, crowd, pass);
@@ -295,17 +298,19 @@ impl Renderer {
         self.label(commands, None);
     }
 
+    /// People with a pose: shadows with one pipeline, pictures with one for the finest level and one for the others.
     fn draw_crowd(
         &self,
         commands: vk::CommandBuffer,
-        [near, far]: [vk::Pipeline; 2],
+        pipelines: &[vk::Pipeline],
         crowd: Option<&CrowdBuffers<'_>>,
         pass: usize,
     ) {
         let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
         self.label(commands, Some(c"gaitway.crowd"));
         let program = &self.programs.crowd;
-        self.use_program(commands, program, near, pass);
+        let is_shadow = pipelines.len() == 1;
+        self.use_program(commands, program, pipelines.first().copied().unwrap_or_default(), pass);
         let raw = &self.device.raw;
         // SAFETY: rendering has begun; `check` has compared the sizes of the buffers with the number of buckets, and
         // what the arguments ask for lies within the meshes, whose table the kernel copied them from.
@@ -316,16 +321,60 @@ impl Renderer {
             let finest = (0..meshes.bucket_count).filter(is_near);
             let others = (0..meshes.bucket_count).filter(|bucket| !is_near(bucket));
             for bucket in finest.chain(others) {
-                if bucket == 1 && near != far {
-                    raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, far);
+                if let (1, Some(coarse)) = (bucket, pipelines.get(1)) {
+                    raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, *coarse);
                 }
-                let bytes = bucket.to_ne_bytes();
-                raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::VERTEX, 0, &bytes);
-                let offset = u64::from(bucket) * u64::from(DRAW_ARGS_STRIDE);
-                raw.cmd_draw_indexed_indirect(commands, crowd.draw_args.raw, offset, 1, DRAW_ARGS_STRIDE);
+                self.draw_bucket(commands, program, (crowd, meshes), (bucket, is_shadow));
             }
         }
         self.label(commands, None);
+    }
+
+    /// People far away, an avatar after the other.
+    fn draw_far(
+        &self,
+        commands: vk::CommandBuffer,
+        pipeline: vk::Pipeline,
+        crowd: Option<&CrowdBuffers<'_>>,
+        pass: usize,
+    ) {
+        let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
+        self.label(commands, Some(c"gaitway.far"));
+        let program = &self.programs.far;
+        self.use_program(commands, program, pipeline, pass);
+        let is_shadow = pipeline == self.pipelines.far_shadow;
+        // SAFETY: as in `draw_crowd`.
+        unsafe {
+            let raw = &self.device.raw;
+            raw.cmd_bind_index_buffer(commands, meshes.indices.raw, 0, vk::IndexType::UINT32);
+            for bucket in meshes.bucket_count..meshes.bucket_count + meshes.far_count {
+                self.draw_bucket(commands, program, (crowd, meshes), (bucket, is_shadow));
+            }
+        }
+        self.label(commands, None);
+    }
+
+    /// Draws as many of a bucket as the kernels say, or their shadows.
+    ///
+    /// # Safety
+    /// Rendering has begun, a pipeline of the program and the indices are bound, and the bucket is one that
+    /// [`CrowdBuffers::check`] knows.
+    unsafe fn draw_bucket(
+        &self,
+        commands: vk::CommandBuffer,
+        program: &Program,
+        (crowd, meshes): (&CrowdBuffers<'_>, &CrowdMeshes),
+        (bucket, is_shadow): (u32, bool),
+    ) {
+        let bytes = bucket.to_ne_bytes();
+        let first = if is_shadow { meshes.bucket_count + meshes.far_count } else { 0 };
+        let offset = u64::from(first + bucket) * u64::from(DRAW_ARGS_STRIDE);
+        let raw = &self.device.raw;
+        // SAFETY: the caller's promise.
+        unsafe {
+            raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::VERTEX, 0, &bytes);
+            raw.cmd_draw_indexed_indirect(commands, crowd.draw_args.raw, offset, 1, DRAW_ARGS_STRIDE);
+        }
     }
 
     /// Hands, teleport target or vignette: `count` instances of so many vertices.

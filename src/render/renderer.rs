@@ -10,15 +10,11 @@ use super::settings::{Markers, Settings, Stereo};
 #[cfg(any(feature = "xr", feature = "view"))]
 use super::target::Transition;
 use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, layer_view};
-use super::{CrowdBuffers, Error, Image, User, shadow};
+use super::{CrowdBuffers, Error, Image, User};
 use crate::gpu::{Buffer, Device, Memory, call};
 use crate::kernels::layout::{UserUniforms, ViewUniforms};
 use ash::vk;
-use glam::{Mat4, Vec3, Vec4};
 use std::sync::Arc;
-
-/// Side of a cell of the pattern by which near bodies fade, pixels.
-const FADE_CELL: f32 = 3.0;
 
 /// Vertices and indices on the device.
 #[derive(Debug)]
@@ -34,6 +30,8 @@ pub(crate) struct CrowdMeshes {
     pub(crate) indices: Buffer,
     pub(crate) bucket_count: u32,
     pub(crate) level_count: u32,
+    /// Buckets of far bodies, behind the others.
+    pub(crate) far_count: u32,
 }
 
 /// Draws a crowd and its environment.
@@ -260,7 +258,8 @@ impl Renderer {
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
         let indices = self.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?;
         let (bucket_count, level_count) = (meshes.bucket_count(), meshes.level_count.max(1));
-        self.meshes = Some(CrowdMeshes { indices, bucket_count, level_count });
+        let far_count = meshes.far_count();
+        self.meshes = Some(CrowdMeshes { indices, bucket_count, level_count, far_count });
         Ok(())
     }
 
@@ -476,54 +475,6 @@ impl Renderer {
             both.blit(&image, eye * width, 0);
         }
         both
-    }
-
-    /// From where and how near bodies fade: both eyes; right, down and ahead, the first two in cells at unit distance.
-    fn fade(&self, view: &View) -> [[f32; 4]; 5] {
-        let clip = &view.clip_from_world[0];
-        let [x, y, w] = [0, 1, 3].map(|row| clip.row(row).truncate());
-        let across = w.length().max(1e-6);
-        let ahead = w.try_normalize().unwrap_or(Vec3::Z);
-        #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-        let sides = [self.settings.width as f32, self.settings.height as f32];
-        // without the shift of a skewed projection; half a picture is one unit of clip space
-        let cells = |row: Vec3, side: f32| {
-            let row = row / across;
-            (row - ahead * row.dot(ahead)) * (0.5 * side / FADE_CELL)
-        };
-        let eyes = if view.eye_count == 2 { view.eyes } else { [view.eyes[0]; 2] };
-        [eyes[0], eyes[1], cells(x, sides[0]), cells(y, sides[1]), ahead].map(|v| v.extend(0.0).to_array())
-    }
-
-    /// What the shaders need to know about this picture.
-    pub(crate) fn view_uniforms(&self, view: &View) -> ViewUniforms {
-        let air = &self.settings.atmosphere;
-        let sun = air.sun_direction.try_normalize().unwrap_or(Vec3::Y);
-        let fit = shadow::sun_view(view, sun, self.shadow_size);
-        let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
-        let matrices = |f: &dyn Fn(&Mat4) -> Mat4| view.clip_from_world.map(|m| f(&m).to_cols_array_2d());
-        let haze = if view.parallel { 0.0 } else { 1.0 };
-        let markers = self.settings.markers.unwrap_or_default();
-        #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-        let texels = self.shadow_size as f32;
-        ViewUniforms {
-            clip_from_world: matrices(&|m| *m),
-            world_from_clip: matrices(&Mat4::inverse),
-            eyes: view.eyes.map(|eye| with(eye, haze)),
-            shadow_from_world: fit.shadow_from_world.to_cols_array_2d(),
-            sun_direction: with(sun, fit.texel),
-            sun_color: with(air.sun, 1.0 / texels),
-            sky_zenith: with(air.zenith, 0.0),
-            sky_light: with(air.sky_light, 0.0),
-            sky_horizon: with(air.horizon, air.haze.max(0.0)),
-            ground_bounce: with(air.ground_bounce, air.exposure),
-            emotion_colors: markers.colors.map(|color| Vec4::from((color, markers.opacity)).to_array()),
-            fade: self.fade(view),
-            level_count: self.meshes.as_ref().map_or(1, |meshes| meshes.level_count),
-            bucket_count: self.meshes.as_ref().map_or(0, |meshes| meshes.bucket_count),
-            marker_radius: markers.radius,
-            marker_width: markers.width,
-        }
     }
 }
 

@@ -9,7 +9,7 @@ use crate::gpu::{Device, Engine, Validation};
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
 use crate::kernels::{BufferId, KernelId, Store};
 use crate::scenario::{EnvironmentMesh, Gaze};
-use crate::sim::bodies::{self, MeshBuffers};
+use crate::sim::bodies::{self, FAR_PIXELS, LEVEL_DISTANCES, MeshBuffers, SPECK_PIXELS};
 use crate::sim::moments::Moments;
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
@@ -21,6 +21,13 @@ const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
 /// Pictures from one look at what kernels report to the next, where they are many a second.
 #[cfg(feature = "xr")]
 const CHECK_EVERY: u32 = 16;
+
+/// Height of a person, m.
+const PERSON: f32 = 1.7;
+/// Pixels of a metre at a metre's distance in pictures of 720 rows and 50 degrees, for which the level distances are meant.
+const FULL_FOCAL: f32 = 772.0;
+/// However small a picture, who is nearer than this is drawn in the finest level, which fades near the eyes, m.
+const LEAST: f32 = 2.5;
 
 /// What the animation reads of a crowd's state.
 const READ: [BufferId; 4] = [BufferId::Position, BufferId::Stance, BufferId::Phase, BufferId::Elevation];
@@ -232,7 +239,9 @@ impl Show {
         &mut self.renderer
     }
 
-    /// Where levels of detail end and how far agents are drawn, m.
+    /// Where levels of detail end and how far agents are drawn, m, in a picture of 720 rows and 50 degrees; in smaller ones
+    /// the levels come nearer. The distance at which far bodies begin goes with the second
+    /// (see [`bodies::LEVEL_DISTANCES`]).
     pub fn set_level_distances(&mut self, [first, second, farthest]: [f32; 3]) {
         self.frame.level_distance = [first, second, farthest, 0.0];
     }
@@ -338,10 +347,13 @@ impl Show {
             self.frame.gaze_time = (time * 1e3) as u64 as u32;
         }
         self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
+        let (level_distance, specks) =
+            level_distances(view, self.renderer.settings().height, self.frame.level_distance);
         FrameUniforms {
+            level_distance,
             planes: view.planes(),
             user_eyes: user_eyes.extend(0.0).to_array(),
-            camera: view.center().extend(0.0).to_array(),
+            camera: view.center().extend(specks).to_array(),
             eye_count: view.eye_count,
             frame_time: seconds,
             ..self.frame
@@ -366,13 +378,41 @@ impl Show {
             frame.level_distance[1] += away;
             frame.level_distance[2] += away;
         }
-        if frame.visible_capacity < frame.agent_count {
+        // far bodies have room for everyone
+        if frame.visible_capacity < frame.agent_count && frame.level_distance[3] == 0.0 {
             let store = simulation.state()?;
             let nearest = nearest(store, view.center(), frame.visible_capacity as usize, frame.agent_height);
             frame.level_distance[2] = frame.level_distance[2].min(nearest);
         }
         Ok(frame)
     }
+}
+
+/// Level distances `[first, second, farthest, far]` of a view in a picture of so many rows, and that of specks.
+///
+/// The first two are meant for pictures of [`FULL_FOCAL`]: in smaller ones the levels come nearer, so that people are as
+/// many pixels high where they change. Far bodies begin where people are [`FAR_PIXELS`] high, specks at [`SPECK_PIXELS`];
+/// both come nearer as the second level does. On a map they are nobody (0) or everybody.
+pub(crate) fn level_distances(
+    view: &View,
+    height: u32,
+    [first, second, farthest, _]: [f32; 4],
+) -> ([f32; 4], f32) {
+    let clip = &view.clip_from_world[0];
+    let [up, ahead] = [1, 3].map(|row| clip.row(row).truncate());
+    #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
+    let rows = 0.5 * height as f32;
+    if view.parallel {
+        let all_below = |pixels| if PERSON * rows * up.length() < pixels { f32::MIN_POSITIVE } else { 0.0 };
+        return ([first, second, farthest, all_below(FAR_PIXELS)], all_below(SPECK_PIXELS));
+    }
+    // pixels of a metre at a metre's distance, without the shift of a skewed projection
+    let ahead = ahead.normalize_or_zero();
+    let focal = rows * (up - ahead * up.dot(ahead)).length();
+    let nearer = (focal / FULL_FOCAL).min(1.0);
+    let scaled = [(first * nearer).max(first.min(LEAST)), (second * nearer).max(second.min(LEAST))];
+    let far = (PERSON * focal / FAR_PIXELS * (second / LEVEL_DISTANCES[1])).max(scaled[1]);
+    ([scaled[0], scaled[1], farthest, far], far * (FAR_PIXELS / SPECK_PIXELS))
 }
 
 /// A distance within which no more than `count` agents stand, measured as `cull` does, m.
@@ -407,4 +447,38 @@ fn check(engine: &mut Engine) -> Result<(), crate::Error> {
         }
     }
     Ok(())
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "limits are exact")]
+mod tests {
+    use super::*;
+    use crate::render::Camera;
+
+    #[test]
+    fn levels_change_where_people_have_the_same_height_in_pixels_whatever_the_picture() {
+        let camera = Camera::user_eyes(Vec3::Y, 0.0, 0.0);
+        let full = [12.0, 35.0, 2000.0, 0.0];
+        let at = |height: u32| level_distances(&View::mono(&camera, height, height), height, full).0;
+        let [first, second, farthest, far] = at(720);
+        assert!((first - 12.0).abs() < 0.01 && (second - 35.0).abs() < 0.01 && farthest == 2000.0);
+        assert!((far - 82.0).abs() < 0.5, "{far}: 1.7 m of 772 pixels a metre are 16 there");
+        let half = at(360);
+        assert!((half[0] - 6.0).abs() < 0.01 && (half[3] - far / 2.0).abs() < 0.1, "{half:?}");
+        let large = at(1440);
+        assert_eq!(large[..2], [12.0, 35.0]);
+        assert!((large[3] - far * 2.0).abs() < 0.1);
+        assert_eq!(at(8)[0], LEAST);
+        // the governor brings the far bodies nearer together with the second level
+        let view = View::mono(&camera, 720, 720);
+        let (poor, specks) = level_distances(&view, 720, [6.0, 17.5, 900.0, 0.0]);
+        assert!((specks - poor[3] * 16.0 / 7.0).abs() < 0.1);
+        assert!((poor[3] - far / 2.0).abs() < 0.1);
+        // a map: all or nobody
+        let map =
+            |height| level_distances(&View::mono(&Camera::top(Vec2::ZERO, height), 720, 720), 720, full);
+        let everybody = f32::MIN_POSITIVE;
+        let of = |height| (map(height).0[3], map(height).1);
+        assert_eq!((of(20.0), of(100.0), of(400.0)), ((0.0, 0.0), (everybody, 0.0), (everybody, everybody)));
+    }
 }

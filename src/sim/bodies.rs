@@ -2,29 +2,35 @@
 //! layouts. [`fill`] gives a simulation everything that its pictures need.
 
 use super::cast::Cast;
-use crate::avatar::{Avatar, Clip, LEVELS, Mesh, RestJoint, Vertex};
+use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::layout::FrameUniforms;
 use crate::reference::attend::COUNTS;
 use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, visible_slots,
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
 };
 use crate::scenario::{Budget, Gaze, GazeMode};
 
-/// Most agents that one picture shows.
+/// Most agents that one picture shows with a pose; those beyond are far bodies.
 const MOST_VISIBLE: u64 = 100_000;
 /// Most bytes of skinned vertices; agents beyond are drawn in the second level of detail.
 const MOST_SKINNED: u64 = 96 << 20;
 /// Storage buffers of this size can be bound by every Vulkan device.
 pub const SMALLEST_STORAGE_RANGE: u64 = 128 << 20;
-/// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m.
-pub const LEVEL_DISTANCES: [f32; 3] = [12.0, 35.0, 400.0];
+/// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m. Between the
+/// second and the third lies the distance from which on far bodies are drawn: a person is then [`FAR_PIXELS`] high.
+pub const LEVEL_DISTANCES: [f32; 3] = [12.0, 35.0, 2000.0];
+/// People who are fewer pixels high than this are drawn as far bodies.
+pub const FAR_PIXELS: f32 = 16.0;
+/// Far bodies who are fewer pixels high than this are specks.
+pub const SPECK_PIXELS: f32 = 7.0;
 /// Radius about an agent's axis that limbs in motion stay within, m.
 const REACH: f32 = 0.8;
 /// Room above the standing height for the bounce of a walk, m.
 const HEADROOM: f32 = 0.15;
 
-/// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level.
+/// All meshes of a set of avatars, one after another; bucket = avatar * `level_count` + level, and behind all of these a
+/// far body of each avatar, then a speck of each.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshBuffers {
     /// `mesh_vertices`: `[vertex][4]`. Position and material (bits); normal and four joints of eight bits (bits); weights;
@@ -32,7 +38,7 @@ pub struct MeshBuffers {
     pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
-    /// `mesh_table`: `[bucket]` first index, index count, first vertex, vertex count.
+    /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks: first index, index count, first vertex, vertex count.
     pub mesh_table: Vec<[u32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
@@ -41,7 +47,7 @@ pub struct MeshBuffers {
 impl MeshBuffers {
     /// Vertices of the largest mesh of level 0: `skinned` holds that many for every near agent.
     pub fn most_near_vertices(&self) -> u32 {
-        self.mesh_table
+        self.mesh_table[..self.bucket_count() as usize]
             .iter()
             .step_by(self.level_count.max(1) as usize)
             .map(|mesh| mesh[3])
@@ -49,9 +55,18 @@ impl MeshBuffers {
             .unwrap_or(0)
     }
 
-    /// Number of buckets.
+    fn avatars(&self) -> u32 {
+        u32::try_from(self.mesh_table.len()).unwrap_or(u32::MAX) / (self.level_count + 2)
+    }
+
+    /// Number of buckets of far bodies and specks.
+    pub fn far_count(&self) -> u32 {
+        2 * self.avatars()
+    }
+
+    /// Number of buckets of agents with a pose.
     pub fn bucket_count(&self) -> u32 {
-        u32::try_from(self.mesh_table.len()).unwrap_or(u32::MAX)
+        self.avatars() * self.level_count
     }
 
     /// Triangles of one agent in a bucket.
@@ -71,20 +86,31 @@ pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
         let mut coarsest = [0; 4];
         for level in 0..levels {
             if let Some(mesh) = avatar.levels.get(level) {
-                coarsest = append(mesh, &mut out);
+                coarsest = append(mesh_elements(mesh), &mesh.indices, &mut out);
             }
             out.mesh_table.push(coarsest);
         }
     }
+    let far_meshes = avatars.iter().map(Avatar::far_body).chain(avatars.iter().map(Avatar::speck));
+    for far in far_meshes {
+        let vertices = far.vertices.iter().flat_map(far_elements).collect();
+        let mesh = append(vertices, &far.indices, &mut out);
+        out.mesh_table.push(mesh);
+    }
     out
 }
 
-fn append(mesh: &Mesh, out: &mut MeshBuffers) -> [u32; 4] {
+fn mesh_elements(mesh: &Mesh) -> Vec<[f32; 4]> {
+    mesh.vertices.iter().flat_map(vertex_elements).collect()
+}
+
+/// Adds a mesh; its line of the table.
+fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> [u32; 4] {
     let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let (first_index, first_vertex) = (length(out.indices.len()), length(out.vertices.len() / VERTEX_STRIDE));
-    out.vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
-    let count = length(mesh.vertices.len());
-    let whole = mesh.indices.chunks_exact(3).filter(|triangle| triangle.iter().all(|index| *index < count));
+    let count = length(vertices.len() / VERTEX_STRIDE);
+    out.vertices.extend(vertices);
+    let whole = indices.chunks_exact(3).filter(|triangle| triangle.iter().all(|index| *index < count));
     out.indices.extend(whole.flatten());
     [first_index, length(out.indices.len()) - first_index, first_vertex, count]
 }
@@ -109,6 +135,16 @@ fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
         vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
         vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
         vertex.weights,
+        vertex.color.extend(0.0).to_array(),
+    ]
+}
+
+/// A vertex of a far body as it lies there.
+fn far_elements(vertex: &FarVertex) -> [[f32; 4]; VERTEX_STRIDE] {
+    [
+        vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
+        vertex.normal.extend(0.0).to_array(),
+        vertex.hinge.extend(vertex.swing).to_array(),
         vertex.color.extend(0.0).to_array(),
     ]
 }
@@ -140,9 +176,9 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     store.mesh_table = meshes.mesh_table.clone();
     store.agent_bucket = vec![0; agents];
     store.bucket_counts = vec![0; (agents.div_ceil(RUN) + 1) * COLUMNS];
-    store.bucket_start = vec![0; meshes.mesh_table.len() + 1];
-    store.visible = vec![u32::MAX; visible_slots(visible)];
-    store.draw_args = vec![0; meshes.mesh_table.len() * 5];
+    store.bucket_start = vec![0; meshes.mesh_table.len() + 2];
+    store.visible = vec![u32::MAX; far_slot(visible) + agents];
+    store.draw_args = vec![0; 2 * meshes.mesh_table.len() * 5];
     store.attention_counts = vec![0; COUNTS];
     store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];
     store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];
@@ -222,9 +258,12 @@ mod tests {
         let b = avatar(vec![mesh(5, &[4, 3, 2])]);
         let packed = pack_avatars(&[a, b]);
         assert_eq!(packed.level_count, 2);
-        assert_eq!(packed.mesh_table, [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
+        assert_eq!(packed.mesh_table[..4], [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
         assert_eq!(packed.indices, [0, 1, 2, 2, 1, 3, 0, 1, 2, 4, 3, 2]);
         assert_eq!(packed.vertices.len(), 48);
+        // of meshes without height no far body can be made
+        assert_eq!(packed.mesh_table[4..], [[12, 0, 12, 0]; 4]);
+        assert_eq!(packed.far_count(), 4);
         assert_eq!((packed.most_near_vertices(), packed.bucket_count(), packed.triangles(0)), (5, 4, 2));
         let v = &packed.vertices;
         assert_eq!(v[0][3].to_bits(), 3, "material");

@@ -195,15 +195,25 @@ impl HandMade {
                 }
             }
         }
-        // a free slot as the kernels leave it
+        // a free slot as the kernels leave it, and no far bodies
         let count = visible.len();
         visible.resize(count + 3, u32::MAX);
-        let draws: Vec<[u32; 5]> = (0..2)
+        let draws: Vec<[u32; 5]> = (0..4)
             .map(|b| {
                 let mesh = meshes.mesh_table[b];
-                [mesh[1], starts[b + 1] - starts[b], mesh[0], mesh[2], 0]
+                let agents = if b < 2 { starts[b + 1] - starts[b] } else { 0 };
+                [mesh[1], agents, mesh[0], mesh[2], 0]
             })
             .collect();
+        let shadows: Vec<_> = [1, 1, 2, 3]
+            .into_iter()
+            .zip(&draws)
+            .map(|(b, draw)| {
+                [meshes.mesh_table[b][1], draw[1], meshes.mesh_table[b][0], meshes.mesh_table[b][2], 0]
+            })
+            .collect();
+        let draws = [draws, shadows].concat();
+        starts.extend([visible.len() as u32; 3]);
         let rgb565 = |hex: u32| (hex >> 8 & 0xf800) | (hex >> 5 & 0x7e0) | (hex >> 3 & 0x1f);
         let look: Vec<[u32; 4]> = (0..places.len())
             .map(|i| {
@@ -213,6 +223,8 @@ impl HandMade {
             .collect();
         let position: Vec<[f32; 2]> = places.iter().map(|p| p.0.to_array()).collect();
         let elevation = vec![0.0_f32; position.len()];
+        let stance = vec![[0.0_f32; 2]; position.len()];
+        let phase = vec![0_u32; position.len()];
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
         }
@@ -227,6 +239,8 @@ impl HandMade {
             ("look", bytes(&look)),
             ("position", bytes(&position)),
             ("elevation", bytes(&elevation)),
+            ("stance", bytes(&stance)),
+            ("phase", bytes(&phase)),
         ];
         let buffers = contents
             .map(|(name, bytes)| {
@@ -251,6 +265,8 @@ impl HandMade {
             look: &b[7],
             position: &b[8],
             elevation: &b[9],
+            stance: &b[10],
+            phase: &b[11],
         }
     }
 }

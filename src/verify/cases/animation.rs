@@ -16,8 +16,7 @@ use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{KernelId, Pass, Store};
 use crate::reference::attend::COUNTS;
 use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE,
-    visible_slots,
+    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
 };
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::reference::gaze::{ENGAGED, VALID};
@@ -213,7 +212,7 @@ pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
 ///
 /// Seeds differ in kind, not only in numbers: odd ones have less room than there are visible agents, those with bit 1
 /// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail; in odd ones agents
-/// take turns in looking at the user.
+/// take turns in looking at the user; those one more than a multiple of three have far bodies.
 pub fn animation(agents: usize, seed: u32) -> Store {
     let mut dice = Dice { seed: hash_u32(seed ^ 0x5eed), count: 0 };
     let levels = if seed & 4 == 0 { LEVELS } else { 1 };
@@ -228,8 +227,8 @@ pub fn animation(agents: usize, seed: u32) -> Store {
         frame: FrameUniforms {
             planes: all_planes,
             user_eyes: user_eyes.extend(0.0).to_array(),
-            camera: user_eyes.extend(0.0).to_array(),
-            level_distance: [4.0, 9.0, 25.0, 0.0],
+            camera: user_eyes.extend(if seed % 3 == 1 { 17.0 } else { 0.0 }).to_array(),
+            level_distance: [4.0, 9.0, 25.0, if seed % 3 == 1 { 12.0 } else { 0.0 }],
             standing_clips: [[3, 7, 0, 0], [0; 4], [0; 4], [0; 4]],
             agent_count: agents as u32,
             eye_count: if seed & 4 == 0 { 2 } else { 1 },
@@ -265,6 +264,9 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             first_index += indices;
             store.mesh_vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
         }
+    }
+    for avatar in 0..2 * AVATARS {
+        store.mesh_table.push([first_index, 6, avatar as u32, 4]); // far bodies: any mesh will do
     }
     for agent in 0..agents {
         push_agent(&mut store, &mut dice, agent, user_eyes);
@@ -404,14 +406,14 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
         store.gaze_frame.push(POISON);
         store.attention.push([POISON; 2]);
     }
-    let buckets = store.frame.bucket_count as usize;
+    let buckets = store.mesh_table.len();
     let most_vertices = store.mesh_table.iter().map(|mesh| mesh[3] as usize).max().unwrap_or(0);
     store.agent_bucket = vec![POISON; agents + SPARE];
     store.bucket_counts = vec![POISON; (agents.div_ceil(RUN) + 1) * COLUMNS];
-    store.bucket_start = vec![POISON; buckets + 1];
-    store.visible = vec![POISON; visible_slots(visible_capacity)];
+    store.bucket_start = vec![POISON; buckets + 2];
+    store.visible = vec![POISON; far_slot(visible_capacity) + agents];
     store.attention_counts = vec![0; COUNTS];
-    store.draw_args = vec![POISON; buckets * 5];
+    store.draw_args = vec![POISON; 2 * buckets * 5];
     store.dispatch_args = vec![POISON; 3 + AVATARS * 3];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     store.local_rotations = vec![[NAN; 4]; (visible_capacity + 1) * POSE_STRIDE];

@@ -1,0 +1,116 @@
+//! Crowds drawn by level of detail: nobody is lost, nobody pops.
+#![cfg(feature = "vulkan")]
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    clippy::cast_precision_loss,
+    reason = "a test: a failure is a panic that prints"
+)]
+
+use gaitway::avatar::{self, Sex};
+use gaitway::gpu::validation_messages;
+use gaitway::kernels::BufferId;
+use gaitway::library::GaitLibrary;
+use gaitway::render::camera::{Camera, View};
+use gaitway::render::{Image, Settings, Show};
+use gaitway::scenario::{Scenario, populate_from};
+use gaitway::sim::{Backend, Cast, Simulation, bodies, setup};
+use glam::Vec3;
+
+const W: u32 = 480;
+const H: u32 = 270;
+
+/// The crossing with so many people on the device, and what draws it; none without a device.
+fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
+    let library = GaitLibrary::built_in().unwrap();
+    let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
+    let crowd = populate_from(&scenario, &library).unwrap();
+    let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let geometry = scenario.geometry();
+    let mut store = setup::store(&scenario, &geometry, &crowd, &cast);
+    let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let mut simulation = match Simulation::from_store(store, Backend::Vulkan, None) {
+        Ok(simulation) => simulation,
+        Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
+        Err(error) => {
+            println!("skipped: no Vulkan ({error})");
+            return None;
+        }
+    };
+    let scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
+    let settings = Settings::sized(W, H);
+    let show = Show::new(&mut simulation, &meshes, &scenery, settings, None).unwrap();
+    let user = gaitway::ground::world_from_ground(geometry.user, 1.7);
+    Some((simulation, show, user))
+}
+
+/// Those who were drawn last: with a pose, and as far bodies.
+fn drawn(simulation: &mut Simulation) -> [u32; 2] {
+    let store = simulation.read(&[BufferId::DrawArgs]).unwrap();
+    let buckets = store.mesh_table.len();
+    let counts: Vec<u32> = store.draw_args.chunks(5).take(buckets).map(|args| args[1]).collect();
+    let (posed, far) = counts.split_at(store.frame.bucket_count as usize);
+    [posed.iter().sum(), far.iter().sum()]
+}
+
+fn keep(name: &str, image: &Image) {
+    if let Some(folder) = std::env::var_os("GAITWAY_PICTURES") {
+        let path = std::path::PathBuf::from(folder).join(format!("{name}.png"));
+        gaitway::export::image::write_png(&path, image).unwrap();
+    }
+}
+
+#[test]
+fn all_twenty_thousand_are_drawn_most_of_them_without_a_pose() {
+    let Some((mut simulation, mut show, user)) = crossing(20_000) else { return };
+    // high above the place everybody is in view
+    let camera = Camera::look_at(user + Vec3::new(0.0, 260.0, 260.0), user, Vec3::Y).with_fov(1.4);
+    let image = show.picture(&mut simulation, &View::mono(&camera, W, H), user).unwrap();
+    keep("far_all", &image);
+    assert_eq!(drawn(&mut simulation), [0, 20_000]);
+    // in the middle of it the near ones have a pose, and the user sees about a quarter of all
+    let view = View::mono(&Camera::user_eyes(user, 0.0, 0.0), W, H);
+    let image = show.picture(&mut simulation, &view, user).unwrap();
+    keep("far_eyes", &image);
+    let [posed, far] = drawn(&mut simulation);
+    assert!(posed > 50 && far > 5 * posed, "{posed} {far}");
+    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+}
+
+#[test]
+fn where_far_bodies_begin_the_picture_hardly_changes() {
+    let Some((mut simulation, mut show, user)) = crossing(3_000) else { return };
+    simulation.step(30).unwrap();
+    let camera = Camera::look_at(user + Vec3::new(0.0, 12.0, 25.0), user - Vec3::Z * 15.0, Vec3::Y);
+    let view = View::mono(&camera, W, H);
+    let mut draw = |simulation: &mut Simulation, distances: [f32; 3]| {
+        show.set_level_distances(distances);
+        let image = show.picture(simulation, &view, user).unwrap();
+        (image, drawn(simulation))
+    };
+    let (fine, [all, none]) = draw(&mut simulation, [12.0, 3500.0, 2000.0]);
+    let (mixed, [posed, far]) = draw(&mut simulation, bodies::LEVEL_DISTANCES);
+    let (empty, nobody) = draw(&mut simulation, [0.0; 3]);
+    keep("far_none", &fine);
+    keep("far_mixed", &mixed);
+    assert_eq!((none, nobody, posed + far), (0, [0; 2], all));
+    assert!(far > 300 && posed > 100, "{posed} {far}");
+    // where people are 16 pixels high, the change of level is no more than what two tenths of a second of walking change
+    let difference = |a: &Image, b: &Image| {
+        let each = a.pixels.iter().zip(&b.pixels).map(|(a, b)| f64::from(a.abs_diff(*b)));
+        each.sum::<f64>() / a.pixels.len() as f64
+    };
+    let change = difference(&fine, &mixed);
+    simulation.step(6).unwrap();
+    let later = draw(&mut simulation, [12.0, 3500.0, 2000.0]).0;
+    let walked = difference(&fine, &later);
+    println!("far bodies change the picture by {change:.2}, walking by {walked:.2} of 255");
+    assert!(change < walked && change > 0.0, "{change}, walking {walked}");
+    // and none of their brightness: the mean of the picture stays
+    let mean =
+        |image: &Image| image.pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / image.pixels.len() as f64;
+    let (a, b, bare) = (mean(&fine), mean(&mixed), mean(&empty));
+    assert!((a - b).abs() < 0.2 * (a - bare).abs().max(1.0), "{a} {b} {bare}");
+    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+}
