@@ -10,6 +10,7 @@
 pub mod bodies;
 mod cast;
 mod company;
+mod error;
 pub mod flow;
 pub mod measure;
 #[cfg(feature = "vulkan")]
@@ -17,8 +18,10 @@ pub mod moments;
 pub mod obstacles;
 pub mod order;
 pub mod setup;
+mod ways;
 
 pub use cast::{Cast, MAX_AVATARS};
+pub use error::Error;
 
 use crate::kernels::{BufferId, KernelId, Pass, Store};
 use crate::reference;
@@ -56,23 +59,6 @@ const FELT: [BufferId; 5] =
     [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Look];
 
 const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");
-
-/// What [`flow::lay`] fills.
-#[cfg(feature = "vulkan")]
-const FLOW: [BufferId; 12] = [
-    BufferId::FlowGrid,
-    BufferId::FlowCells,
-    BufferId::FlowStep,
-    BufferId::FlowSeeds,
-    BufferId::FlowDistance,
-    BufferId::FlowWay,
-    BufferId::FlowTiles,
-    BufferId::FlowLists,
-    BufferId::FlowArgs,
-    BufferId::FlowCounts,
-    BufferId::FlowSums,
-    BufferId::FlowRoom,
-];
 
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -122,82 +108,6 @@ impl Simulation {
         let mut new = Self::from_store(store, backend, device)?;
         new.ways = ways;
         Ok(new)
-    }
-
-    /// Lays the flow grid with one field for each goal and solves them. `outlines` are those of [`Self::set_obstacles`].
-    ///
-    /// # Errors
-    /// As [`flow::lay`] and [`Self::solve_ways`].
-    pub fn set_goals(
-        &mut self,
-        outlines: &[Vec<[f32; 2]>],
-        goals: Vec<flow::Goal>,
-        settings: flow::Settings,
-    ) -> Result<(), crate::Error> {
-        flow::lay(&mut self.store, outlines, &goals, &settings)?;
-        (self.ways.goals, self.ways.settings) = (goals, settings);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            engine.replace(&self.store, &FLOW)?;
-        }
-        self.solve_ways()
-    }
-
-    /// Changes what agents must not cross, while they walk: doors open and close, vehicles come and go. All outlines
-    /// are given anew, m on the ground: those that run clockwise on (x, z) are walkable inside (the bounds), others
-    /// solid inside, two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so); those of the scenario that stand at some heights only stay. Agents
-    /// keep their state; the ways to goals are found again. Nothing has changed when it fails.
-    ///
-    /// # Errors
-    /// [`Error::Goal`] when nobody can stand at a goal any more; when the device fails.
-    pub fn set_obstacles(&mut self, outlines: &[Vec<[f32; 2]>]) -> Result<(), crate::Error> {
-        flow::lay(&mut self.store, outlines, &self.ways.goals, &self.ways.settings)?;
-        setup::set_raised_obstacles(&mut self.store, outlines, &self.ways.raised);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            engine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
-            engine.replace(&self.store, &FLOW)?;
-        }
-        self.solve_ways()
-    }
-
-    /// Finds the ways to all goals, by the density of people as they stand now if that matters. [`Self::step`] does it
-    /// by itself every so many steps; the fields of a new simulation are solved already.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub fn solve_ways(&mut self) -> Result<(), crate::Error> {
-        let grid = self.store.flow_grid;
-        if grid.field_count == 0 {
-            return Ok(());
-        }
-        let mut passes =
-            if grid.every > 0 { order::density_passes(&self.store.step, &grid) } else { Vec::new() };
-        passes.extend(order::flow_start(&grid));
-        let tiles = grid.field_count * grid.tile_columns * grid.tile_rows;
-        let most = tiles.saturating_mul(8).saturating_add(1024);
-        for with_solid in [false, true] {
-            if with_solid {
-                passes.push(order::flow_solid(&grid));
-            }
-            // in an open place the front crosses this many tiles; afterwards so many turns at a time
-            let mut batch = if with_solid { 16 } else { grid.tile_columns + grid.tile_rows };
-            let mut turns = 0;
-            loop {
-                passes.extend(order::flow_turns(turns, batch, with_solid));
-                self.run(&passes, &[BufferId::FlowArgs])?;
-                passes.clear();
-                turns += batch;
-                batch = 32;
-                if (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0) {
-                    break;
-                }
-                if turns > most {
-                    return Err(Error::FlowTurns { turns }.into());
-                }
-            }
-        }
-        self.run(&order::flow_end(&grid), &[])
     }
 
     /// Runs passes on whichever backend there is, and reads buffers back.
@@ -538,89 +448,4 @@ fn run_on_cpu(store: &mut Store, passes: &[Pass]) {
     for pass in passes {
         reference::run(pass.kernel, store, pass.level);
     }
-}
-
-/// The simulation refused its input or failed.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The number of avatars is out of range.
-    #[error("{found} avatars; a crowd needs 1 to {most}")]
-    Avatars {
-        /// How many there are.
-        found: usize,
-        /// How many there may be.
-        most: usize,
-    },
-    /// There is no gait to walk with.
-    #[error("the gait library is empty; a crowd needs at least one gait")]
-    NoGaits,
-    /// A kernel met a value that is not finite, or ran out of room.
-    #[error("kernel {kernel} failed first for agent {agent}: a value that is not finite, or a full buffer")]
-    Failure {
-        /// The kernel.
-        kernel: &'static str,
-        /// The first agent.
-        agent: u32,
-    },
-    /// Somebody was to be led who walks by himself, or who is not in the crowd.
-    #[error("agent {agent} cannot be led: set it up with setup::set_led before the simulation begins")]
-    NotLed {
-        /// The agent.
-        agent: u32,
-    },
-    /// Somebody was to be led to nowhere.
-    #[error(
-        "agent {agent} cannot be led to {position} m at {velocity} m/s: both must be finite and below 1e8"
-    )]
-    Lead {
-        /// The agent.
-        agent: u32,
-        /// Where it was to be, m.
-        position: Vec2,
-        /// How fast, m/s.
-        velocity: Vec2,
-    },
-    /// Nobody can stand at a goal.
-    #[error(
-        "goal {name:?} at ({x:.2}, {z:.2}) m lies where nobody can stand (in something solid, too near to a wall, or outside); \
-         move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance"
-    )]
-    Goal {
-        /// Its name.
-        name: String,
-        /// Where it is, m.
-        x: f32,
-        /// Where it is, m.
-        z: f32,
-    },
-    /// Too many goals have a field of their own.
-    #[error(
-        "way_finding.way: more than {most} different goals and waypoints; leave it at \"straight\", or let journeys share stages"
-    )]
-    Fields {
-        /// The most there may be.
-        most: usize,
-    },
-    /// The flow grid would have too many cells.
-    #[error(
-        "way_finding.cell = {size} m: must be at least {least} m for {fields} fields over this area; leave it out"
-    )]
-    FlowGrid {
-        /// Side of a cell, m.
-        size: f32,
-        /// The least there may be, m.
-        least: f32,
-        /// Fields.
-        fields: usize,
-    },
-    /// The solver of the ways did not come to an end.
-    #[error("the ways to the goals are not found after {turns} turns: please report the scenario")]
-    FlowTurns {
-        /// Turns done.
-        turns: u32,
-    },
-    /// The program was built without Vulkan.
-    #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]
-    NoVulkan,
 }

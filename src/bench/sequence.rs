@@ -1,0 +1,300 @@
+//! Kernels in the order of a step, a picture or a case, run again and again, each timed.
+
+use super::{EXTRAS, EYE_HEIGHT, SPACING, cast, dress};
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Engine, Validation, plan::Op};
+#[cfg(feature = "vulkan")]
+use crate::kernels::BufferId;
+use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::reference;
+use crate::reference::elevate::FLOOR_STRIDE;
+use crate::scenario::Gaze;
+use crate::sim::setup::{self, join};
+use crate::sim::{Backend, bodies, order};
+use crate::verify::cases::crossing::crossing;
+use crate::verify::cases::feelings::feelings;
+use crate::verify::cases::journeys::journeys;
+use crate::verify::cases::{between, flow, gaits};
+use std::time::Instant;
+
+/// Passes that are run again and again, each kernel timed.
+#[derive(Debug)]
+pub struct Sequence {
+    pub(super) name: Option<&'static str>,
+    pub(super) agents: usize,
+    store: Store,
+    passes: Vec<Pass>,
+    #[cfg(feature = "vulkan")]
+    engine: Option<Engine>,
+}
+
+impl Sequence {
+    /// The kernels of a simulation step of the crossing.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn step(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        Self::step_with(None, agents, backend, device)
+    }
+
+    /// The same with what `kernel` needs.
+    fn step_with(
+        kernel: Option<KernelId>,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let mut store = crossing(agents, SPACING);
+        if kernel == Some(KernelId::Accompany) {
+            for first in (0..u32::try_from(agents).unwrap_or(0).saturating_sub(2)).step_by(3) {
+                join(&mut store, &[first, first + 1, first + 2]);
+            }
+        }
+        if kernel == Some(KernelId::React) {
+            store.reaction = vec![1; agents];
+            store.step.reaction_steps = u32::MAX;
+        }
+        if kernel == Some(KernelId::Elevate) {
+            store.floors = vec![[0.0, 0.0, 1.0, 0.0]; FLOOR_STRIDE]; // everyone is on it
+            store.step.floor_count = 1;
+        }
+        if kernel == Some(KernelId::LeadAgents) {
+            (0..store.step.agent_count).for_each(|agent| setup::set_led(&mut store, agent));
+        } else {
+            store.step.alike = 1; // as in a simulation of this crowd
+        }
+        if kernel == Some(KernelId::Teleport) {
+            store.teleport_of.fill(0);
+            (store.teleports, store.step.teleport_count) = (vec![[0.0; 4]; 2], 1);
+        }
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
+    /// Kernels of a step that the plain crossing does without.
+    pub(super) const ALTERNATIVES: [KernelId; 3] =
+        [KernelId::Contain, KernelId::Persevere, KernelId::VelocityRvo];
+
+    /// A step of the crossing with one of [`Self::ALTERNATIVES`]; beside every sixteenth agent stands
+    /// a post where the kernel looks at obstacles.
+    fn alternative(
+        kernel: KernelId,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let mut store = crossing(agents, SPACING);
+        if let Some(model) = order::MODELS.into_iter().find(|model| order::velocity_kernel(*model) == kernel)
+        {
+            store.step.model = model;
+        }
+        if kernel == KernelId::Persevere {
+            store.step.patience = 1.0;
+        }
+        if kernel == KernelId::Contain || kernel == KernelId::Persevere {
+            let post = |at: &[f32; 2]| {
+                let [x, z] = [at[0] + 0.5, at[1] + 0.5];
+                vec![[x, z], [x + 0.1, z], [x + 0.1, z + 0.1]]
+            };
+            let posts: Vec<_> = store.position.iter().step_by(16).take(10_000).map(post).collect();
+            setup::set_obstacles(&mut store, &posts);
+        }
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
+    /// The kernels that prepare a picture of everyone in the crossing, from the middle of it.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn picture(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let cast = cast()?;
+        let mut store = crossing(agents, SPACING);
+        dress(&mut store, &cast);
+        let _ = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+        let middle = store.step.wrap * 0.5;
+        store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12]; // everyone is in view
+        store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];
+        store.frame.camera = store.frame.user_eyes;
+        store.frame.frame_time = 1.0 / 72.0;
+        bodies::set_gaze(&mut store.frame, &Gaze::default());
+        let passes = order::frame_passes(&store.frame);
+        Self::new(Some("picture"), agents, store, passes, (backend, device))
+    }
+
+    /// Two fields over so many cells, with walls and a crowd on them.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn flow(cells: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = flow::fields(cells, 0);
+        let passes = flow::passes(&store);
+        Self::new(None, cells, store, passes, (backend, device))
+    }
+
+    /// A step with everything that a crowd need not have: feelings that change, agents that are led.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn extras(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = feelings(agents, 1);
+        let passes = order::step_passes(&store.step);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
+    /// The kernels that show what lies between two moments.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn between(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = between::between(agents, 1);
+        let passes = between::passes(&store);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
+    /// The expressive features of so many gaits of about 35 frames.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn features(count: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = gaits::gaits(count, 0);
+        let passes = gaits::passes(&store);
+        Self::new(None, count, store, passes, (backend, device))
+    }
+
+    /// The arithmetic probe.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn probe(cases: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let count = u32::try_from(cases).unwrap_or(u32::MAX);
+        let store = Store {
+            numerics_in: reference::probe_cases(count),
+            numerics_out: vec![[0.0; 4]; cases * 4],
+            ..Store::default()
+        };
+        let pass = Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(count) };
+        Self::new(None, cases, store, vec![pass], (backend, device))
+    }
+
+    /// The sequence that a kernel is part of.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn with(
+        kernel: KernelId,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        if kernel == KernelId::Numerics {
+            return Self::probe(agents, backend, device);
+        }
+        if kernel == KernelId::GaitFeatures {
+            return Self::features(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Remember | KernelId::Interpolate) {
+            return Self::between(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
+            return Self::flow(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Enter | KernelId::Queue) {
+            let store = journeys(agents, 1);
+            let passes = order::step_passes(&store.step);
+            return Self::new(None, agents, store, passes, (backend, device));
+        }
+        if EXTRAS.contains(&kernel) {
+            return Self::extras(agents, backend, device);
+        }
+        if Self::ALTERNATIVES.contains(&kernel) {
+            return Self::alternative(kernel, agents, backend, device);
+        }
+        let mut all = crate::kernels::layout::StepUniforms {
+            group_count: 1,
+            floor_count: 1,
+            reaction_steps: 1,
+            ..Default::default()
+        };
+        (all.led_count, all.teleport_count, all.queue_count, all.source_count) = (1, 1, 1, 1);
+        let step = order::step_passes(&all);
+        if step.iter().any(|pass| pass.kernel == kernel) {
+            Self::step_with(Some(kernel), agents, backend, device)
+        } else {
+            Self::picture(agents, backend, device)
+        }
+    }
+
+    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
+    fn new(
+        name: Option<&'static str>,
+        agents: usize,
+        store: Store,
+        passes: Vec<Pass>,
+        (backend, device): (Backend, Option<&str>),
+    ) -> Result<Self, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        let engine = match backend {
+            Backend::Cpu => None,
+            Backend::Auto | Backend::Vulkan => {
+                let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+                kernels.dedup();
+                let engine = Device::open(device, Validation::from_environment())
+                    .and_then(|device| Engine::new(&device, &store, &kernels));
+                match engine {
+                    Ok(engine) => Some(engine),
+                    Err(_) if backend == Backend::Auto => None,
+                    Err(error) => return Err(error.into()),
+                }
+            }
+        };
+        Ok(Self {
+            name,
+            agents,
+            store,
+            passes,
+            #[cfg(feature = "vulkan")]
+            engine,
+        })
+    }
+
+    /// Runs all passes once; the time of each kernel, ms.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn run(&mut self) -> Result<Vec<(KernelId, f64)>, crate::Error> {
+        self.store.step.step_index = self.store.step.step_index.wrapping_add(1);
+        self.store.frame.frame_index = self.store.frame.frame_index.wrapping_add(1);
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            let mut ops: Vec<Op> = [BufferId::Step, BufferId::Frame]
+                .into_iter()
+                .filter(|id| engine.buffer(*id).is_some())
+                .map(Op::Set)
+                .collect();
+            ops.extend(self.passes.iter().copied().map(Op::Pass));
+            let store = &self.store;
+            let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
+            return Ok(summed(times.into_iter().map(|time| (time.pass.kernel, time.milliseconds))));
+        }
+        let mut times = Vec::with_capacity(self.passes.len());
+        for pass in &self.passes {
+            let begin = Instant::now();
+            reference::run(pass.kernel, &mut self.store, pass.level);
+            times.push((pass.kernel, begin.elapsed().as_secs_f64() * 1e3));
+        }
+        Ok(summed(times))
+    }
+}
+
+/// One time per kernel: the sum over its passes.
+fn summed(times: impl IntoIterator<Item = (KernelId, f64)>) -> Vec<(KernelId, f64)> {
+    let mut sums: Vec<(KernelId, f64)> = Vec::new();
+    for (kernel, time) in times {
+        match sums.iter_mut().find(|(known, _)| *known == kernel) {
+            Some((_, sum)) => *sum += time,
+            None => sums.push((kernel, time)),
+        }
+    }
+    sums
+}

@@ -1,0 +1,88 @@
+//! Why a simulation cannot begin or go on.
+
+use glam::Vec2;
+
+/// The simulation refused its input or failed.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum Error {
+    /// The number of avatars is out of range.
+    #[error("{found} avatars; a crowd needs 1 to {most}")]
+    Avatars {
+        /// How many there are.
+        found: usize,
+        /// How many there may be.
+        most: usize,
+    },
+    /// There is no gait to walk with.
+    #[error("the gait library is empty; a crowd needs at least one gait")]
+    NoGaits,
+    /// A kernel met a value that is not finite, or ran out of room.
+    #[error("kernel {kernel} failed first for agent {agent}: a value that is not finite, or a full buffer")]
+    Failure {
+        /// The kernel.
+        kernel: &'static str,
+        /// The first agent.
+        agent: u32,
+    },
+    /// Somebody was to be led who walks by himself, or who is not in the crowd.
+    #[error("agent {agent} cannot be led: set it up with setup::set_led before the simulation begins")]
+    NotLed {
+        /// The agent.
+        agent: u32,
+    },
+    /// Somebody was to be led to nowhere.
+    #[error(
+        "agent {agent} cannot be led to {position} m at {velocity} m/s: both must be finite and below 1e8"
+    )]
+    Lead {
+        /// The agent.
+        agent: u32,
+        /// Where it was to be, m.
+        position: Vec2,
+        /// How fast, m/s.
+        velocity: Vec2,
+    },
+    /// Nobody can stand at a goal.
+    #[error(
+        "goal {name:?} at ({x:.2}, {z:.2}) m lies where nobody can stand (in something solid, too near to a wall, or outside); \
+         move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance"
+    )]
+    Goal {
+        /// Its name.
+        name: String,
+        /// Where it is, m.
+        x: f32,
+        /// Where it is, m.
+        z: f32,
+    },
+    /// Too many goals have a field of their own.
+    #[error(
+        "way_finding.way: more than {most} different goals and waypoints; leave it at \"straight\", or let journeys share stages"
+    )]
+    Fields {
+        /// The most there may be.
+        most: usize,
+    },
+    /// The flow grid would have too many cells.
+    #[error(
+        "way_finding.cell = {size} m: must be at least {least} m for {fields} fields over this area; leave it out"
+    )]
+    FlowGrid {
+        /// Side of a cell, m.
+        size: f32,
+        /// The least there may be, m.
+        least: f32,
+        /// Fields.
+        fields: usize,
+    },
+    /// The solver of the ways did not come to an end.
+    #[error("the ways to the goals are not found after {turns} turns: please report the scenario")]
+    FlowTurns {
+        /// Turns done.
+        turns: u32,
+    },
+    /// The program was built without Vulkan.
+    #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]
+    NoVulkan,
+}
