@@ -26,6 +26,8 @@ const CHECK_EVERY: u32 = 16;
 const PERSON: f32 = 1.7;
 /// Pixels of a metre at a metre's distance in pictures of 720 rows and 50 degrees, for which the level distances are meant.
 const FULL_FOCAL: f32 = 772.0;
+/// However small a picture, who is nearer than this has a pose: far bodies look at nobody, m.
+const POSED: f32 = 20.0;
 /// However small a picture, who is nearer than this is drawn in the finest level, which fades near the eyes, m.
 const LEAST: f32 = 2.5;
 
@@ -411,7 +413,7 @@ pub(crate) fn level_distances(
     let focal = rows * (up - ahead * up.dot(ahead)).length();
     let nearer = (focal / FULL_FOCAL).min(1.0);
     let scaled = [(first * nearer).max(first.min(LEAST)), (second * nearer).max(second.min(LEAST))];
-    let far = (PERSON * focal / FAR_PIXELS * (second / LEVEL_DISTANCES[1])).max(scaled[1]);
+    let far = (PERSON * focal / FAR_PIXELS * (second / LEVEL_DISTANCES[1])).max(scaled[1]).max(POSED);
     ([scaled[0], scaled[1], farthest, far], far * (FAR_PIXELS / SPECK_PIXELS))
 }
 
@@ -468,7 +470,7 @@ mod tests {
         let large = at(1440);
         assert_eq!(large[..2], [12.0, 35.0]);
         assert!((large[3] - far * 2.0).abs() < 0.1);
-        assert_eq!(at(8)[0], LEAST);
+        assert_eq!((at(8)[0], at(8)[3]), (LEAST, POSED));
         // the governor brings the far bodies nearer together with the second level
         let view = View::mono(&camera, 720, 720);
         let (poor, specks) = level_distances(&view, 720, [6.0, 17.5, 900.0, 0.0]);
