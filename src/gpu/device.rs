@@ -112,7 +112,7 @@ impl Device {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             names,
             limits,
-            multiview,
+            multiview: multiview && draws_every_view(&info.driver),
             info,
             waited: AtomicU64::new(0),
             instance,
@@ -242,6 +242,13 @@ fn open_device(
     }
 }
 
+/// Whether a driver that has multiview draws it right: lavapipe of Mesa 22.3 claims it and draws one view wrong.
+fn draws_every_view(driver: &str) -> bool {
+    let lavapipe = driver.strip_prefix("llvmpipe Mesa ");
+    let major = lavapipe.and_then(|version| version.split('.').next()?.parse::<u32>().ok());
+    major.is_none_or(|major| major >= 23)
+}
+
 impl Drop for Device {
     fn drop(&mut self) {
         // SAFETY: buffers and pipelines hold an `Arc` of this device, so none is left; the allocator frees its
@@ -252,5 +259,18 @@ impl Drop for Device {
             self.raw.destroy_device(None);
         }
         let _ = &self.instance.entry;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_an_old_lavapipe_is_not_trusted_with_multiview() {
+        assert!(!draws_every_view("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"));
+        for driver in ["llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "NVIDIA 570.1", "llvmpipe Mesa", ""] {
+            assert!(draws_every_view(driver), "{driver}");
+        }
     }
 }
