@@ -32,18 +32,19 @@ pub struct Geometry {
     pub user: Vec2,
     /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
     pub overview: (Vec3, Vec3),
-    /// Obstacles that no prop shows.
+    /// Obstacles, where no props show what is solid.
     walls: Vec<Wall>,
-    /// Whether bounds are the file's own.
-    is_custom: bool,
+    /// Whether there are no props.
+    is_bare: bool,
 }
 
 impl Geometry {
-    /// The mesh of everything that stands still: ground, props, floors, and the obstacles of the file as low walls.
+    /// The mesh of everything that stands still: ground, props and floors; in a place without props its obstacles as low
+    /// walls and a kerb along its bounds.
     pub fn scenery(&self) -> EnvironmentMesh {
         let mut mesh = self.environment.mesh(&self.bounds, self.user);
         self.floors.draw(&mut mesh);
-        walls::draw(&mut mesh, &self.walls, self.is_custom.then_some(self.bounds.as_slice()));
+        walls::draw(&mut mesh, &self.walls, self.is_bare.then_some(self.bounds.as_slice()));
         mesh
     }
 
@@ -87,14 +88,16 @@ impl Scenario {
         let bounds = polygon::oriented(made.bounds, false);
         made.routes.extend(self.routes.iter().cloned());
         made.props.extend(self.environment.props.iter().cloned());
-        let is_custom = self.layout == Layout::Custom;
-        let holes = made.obstacles.iter().filter(|_| is_custom);
-        let mut walls: Vec<Wall> =
-            holes.map(|hole| Wall { outline: hole.clone(), heights: [None; 2] }).collect();
-        walls.extend(self.obstacles.iter().map(|obstacle| Wall {
-            outline: vectors(&obstacle.polygon),
-            heights: [obstacle.low, obstacle.high],
-        }));
+        let is_bare = made.props.is_empty();
+        let mut walls = Vec::new();
+        if is_bare {
+            let holes = made.obstacles.iter();
+            walls.extend(holes.map(|hole| Wall { outline: hole.clone(), heights: [None; 2] }));
+            walls.extend(self.obstacles.iter().map(|obstacle| Wall {
+                outline: vectors(&obstacle.polygon),
+                heights: [obstacle.low, obstacle.high],
+            }));
+        }
         let whole = self.obstacles.iter().filter(|obstacle| !obstacle.is_raised());
         made.obstacles.extend(whole.map(|obstacle| vectors(&obstacle.polygon)));
         let inside = |prop: &&Prop| polygon::contains(&bounds, Vec2::from(prop.position));
@@ -113,7 +116,7 @@ impl Scenario {
             user,
             bounds,
             walls,
-            is_custom,
+            is_bare,
         }
     }
 

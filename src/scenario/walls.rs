@@ -1,5 +1,5 @@
-//! How what a scene file calls an obstacle looks: low walls, so that the crowd behind them is seen; and a kerb along the
-//! bounds of a place that is not generated.
+//! How a place without props looks: its obstacles as low walls, so that the crowd behind them is seen, and a kerb along its
+//! bounds.
 
 use super::environment::MAX_TRIANGLES;
 use super::mesh::{Builder, EnvironmentMesh, srgb};
