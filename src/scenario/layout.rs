@@ -34,17 +34,17 @@ pub struct Geometry {
     pub overview: (Vec3, Vec3),
     /// Obstacles, where no props show what is solid.
     walls: Vec<Wall>,
-    /// Whether there are no props.
-    is_bare: bool,
 }
 
 impl Geometry {
     /// The mesh of everything that stands still: ground, props and floors; in a place without props its obstacles as low
-    /// walls and a kerb along its bounds.
+    /// walls, if it has any, and a kerb along its bounds.
     pub fn scenery(&self) -> EnvironmentMesh {
         let mut mesh = self.environment.mesh(&self.bounds, self.user);
         self.floors.draw(&mut mesh);
-        walls::draw(&mut mesh, &self.walls, self.is_bare.then_some(self.bounds.as_slice()));
+        if !self.walls.is_empty() {
+            walls::draw(&mut mesh, &self.walls, &self.bounds);
+        }
         mesh
     }
 
@@ -88,9 +88,8 @@ impl Scenario {
         let bounds = polygon::oriented(made.bounds, false);
         made.routes.extend(self.routes.iter().cloned());
         made.props.extend(self.environment.props.iter().cloned());
-        let is_bare = made.props.is_empty();
         let mut walls = Vec::new();
-        if is_bare {
+        if made.props.is_empty() {
             let holes = made.obstacles.iter();
             walls.extend(holes.map(|hole| Wall { outline: hole.clone(), heights: [None; 2] }));
             walls.extend(self.obstacles.iter().map(|obstacle| Wall {
@@ -116,7 +115,6 @@ impl Scenario {
             user,
             bounds,
             walls,
-            is_bare,
         }
     }
 

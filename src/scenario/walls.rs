@@ -20,8 +20,8 @@ pub(super) struct Wall {
     pub(super) heights: [Option<f32>; 2],
 }
 
-/// Adds walls to a mesh, and a kerb around `bounds` if there is one, as far as [`MAX_TRIANGLES`] allows.
-pub(super) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: Option<&[Vec2]>) {
+/// Adds walls to a mesh, and a kerb around `bounds`, as far as [`MAX_TRIANGLES`] allows.
+pub(super) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: &[Vec2]) {
     let (stone, edge) = (srgb(0x00a7_9c8c), srgb(0x008d_8a83));
     for wall in walls {
         if mesh.triangle_count() + 4 * wall.outline.len() > MAX_TRIANGLES {
@@ -31,7 +31,7 @@ pub(super) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: Option<&[
         let high = wall.heights[1].unwrap_or(low + HEIGHT).max(low);
         prism(mesh, &polygon::oriented(wall.outline.clone(), true), [low, high], stone);
     }
-    let kerb: Vec<[Vec2; 2]> = polygon::edges(bounds.unwrap_or_default()).map(|(a, b)| [a, b]).collect();
+    let kerb: Vec<[Vec2; 2]> = polygon::edges(bounds).map(|(a, b)| [a, b]).collect();
     if mesh.triangle_count() + 12 * kerb.len() > MAX_TRIANGLES {
         return;
     }
@@ -119,7 +119,7 @@ mod tests {
         let square = [[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].map(Vec2::from).to_vec();
         let mut mesh = EnvironmentMesh::default();
         let wall = |low, high| Wall { outline: square.clone(), heights: [low, high] };
-        draw(&mut mesh, &[wall(None, None), wall(Some(3.0), Some(5.0))], None);
+        draw(&mut mesh, &[wall(None, None), wall(Some(3.0), Some(5.0))], &[]);
         let tops: Vec<f32> = mesh.positions.iter().map(|p| p.y).collect();
         assert!(tops.contains(&HEIGHT) && tops.contains(&3.0) && tops.contains(&5.0));
         assert!(tops.iter().all(|y| (0.0..=5.0).contains(y)));
@@ -129,7 +129,7 @@ mod tests {
         }
         // the kerb lies outside of the bounds
         let mut kerb = EnvironmentMesh::default();
-        draw(&mut kerb, &[], Some(&polygon::oriented(square, false)));
+        draw(&mut kerb, &[], &polygon::oriented(square, false));
         let inside = |p: &&Vec3| (0.01..1.99).contains(&p.x) && (0.01..1.99).contains(&p.z);
         assert!(!kerb.positions.is_empty() && !kerb.positions.iter().any(|p| inside(&p)));
     }
