@@ -11,11 +11,10 @@ const GROUPS_WIDE = 65535u;
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> flow_grid: FlowUniforms;
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;            // [agent] m
-@group(0) @binding(3) var<storage, read> flow_cells: array<u32>;                // [cell] bits, see way.wgsl
+@group(0) @binding(3) var<storage, read_write> flow_cells: array<u32>;          // [cell] bits and step, see way.wgsl
 @group(0) @binding(4) var<storage, read> flow_room: array<f32>;                 // [cell] m2 of free ground in the window around
 @group(0) @binding(5) var<storage, read_write> flow_counts: array<atomic<u32>>; // [cell] agents
 @group(0) @binding(6) var<storage, read_write> flow_sums: array<u32>;           // [cell] agents along the row
-@group(0) @binding(7) var<storage, read_write> flow_step: array<f32>;           // [cell] m: cell size times cost
 var<immediate> level: u32;
 
 fn count(agent: u32) {
@@ -61,6 +60,6 @@ fn flow_density(@builtin(global_invocation_id) id: vec3<u32>) {
         if (flow_cells[index] & SOLID) == 0u {
             size = flow_grid.cell_size * (1.0 + flow_grid.density_weight * (f32(sum) / flow_room[index]));
         }
-        flow_step[index] = size;
+        flow_cells[index] = way_with_step(flow_cells[index], size);
     }
 }

@@ -18,12 +18,24 @@ struct FlowUniforms {
     unused: u32,
 }
 
-// Bits of a cell (flow_cells): it may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.
+// A word of flow_cells. Bits: the cell may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.
 const FROM_LEFT = 1u;
 const FROM_RIGHT = 2u;
 const FROM_BELOW = 4u;
 const FROM_ABOVE = 8u;
 const SOLID = 16u;
+const ALL_BITS = 31u;
+// The upper 24 bits are those of what crossing it costs, a f32: its step, m (its size, times what a metre costs there).
+const STEP_BITS = 0xffffff00u;
+
+fn way_step(word: u32) -> f32 {
+    return bitcast<f32>(word & STEP_BITS);
+}
+
+// The word with another step, to the nearest.
+fn way_with_step(word: u32, step: f32) -> u32 {
+    return (word & ALL_BITS) | ((bitcast<u32>(step) + 0x80u) & STEP_BITS);
+}
 
 // A word of flow_way: the same five bits, then
 const SEES = 32u; // the goal lies in a straight line

@@ -1,6 +1,8 @@
 //! Way-finding: distances to goals over the walkable cells, and the directions in which they fall.
 
-use super::way::{FAR, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, GROUP, LEADS, SEES, SOLID, TILE, pack};
+use super::way::{
+    ALL_BITS, FAR, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, GROUP, LEADS, SOLID, TILE, pack, step,
+};
 use crate::kernels::flow::Slices;
 use crate::kernels::layout::FlowUniforms;
 use rayon::prelude::*;
@@ -19,11 +21,11 @@ pub fn flow(mut b: Slices<'_>) {
         0 => {
             let cells = (b.flow_grid.field_count * b.flow_grid.cell_count) as usize;
             b.flow_distance[..cells].fill(FAR);
-            b.flow_way[..cells].fill(0);
             clear_lists(&mut b, total);
         }
         1 => sow(&mut b, total),
         6 => enlist_solid(&mut b, total),
+        12 => mark(&mut b),
         11 => {
             point(&mut b);
             clear_lists(&mut b, total);
@@ -56,10 +58,9 @@ fn enlist(b: &mut Slices<'_>, total: u32, list: u32, tile: u32) {
 
 fn sow(b: &mut Slices<'_>, total: u32) {
     let grid = b.flow_grid;
-    for &[field, cell, distance, sees] in &b.flow_seeds[..grid.seed_count as usize] {
+    for &[field, cell, distance, _] in &b.flow_seeds[..grid.seed_count as usize] {
         let at = (field * grid.cell_count + cell) as usize;
         b.flow_distance[at] = f32::from_bits(distance);
-        b.flow_way[at] = sees;
         let (column, row) = (cell % grid.columns, cell / grid.columns);
         let (tx, tz) = (column / TILE, row / TILE);
         let tile = (field * grid.tile_rows + tz) * grid.tile_columns + tx;
@@ -112,8 +113,8 @@ fn turn(b: &mut Slices<'_>, total: u32) {
     let count = b.flow_args[4 * list as usize + 3];
     let first = (list * total) as usize;
     let tiles = &b.flow_lists[first..first + count as usize];
-    let (grid, cells, steps, distance) = (b.flow_grid, b.flow_cells, b.flow_step, &*b.flow_distance);
-    let sweep = |tile: &u32| sweep_tile(grid, cells, steps, distance, *tile, left_out);
+    let (grid, cells, distance) = (b.flow_grid, b.flow_cells, &*b.flow_distance);
+    let sweep = |tile: &u32| sweep_tile(grid, cells, distance, *tile, left_out);
     let swept: Vec<Swept> = if tiles.len() < MANY {
         tiles.iter().map(sweep).collect()
     } else {
@@ -178,21 +179,13 @@ impl Place {
 }
 
 /// Sweeps a tile on a copy of it and the cells around it; cells with a bit of `left_out` do not take part.
-fn sweep_tile(
-    grid: &FlowUniforms,
-    cells: &[u32],
-    steps: &[f32],
-    distance: &[f32],
-    tile: u32,
-    left_out: u32,
-) -> Swept {
+fn sweep_tile(grid: &FlowUniforms, cells: &[u32], distance: &[f32], tile: u32, left_out: u32) -> Swept {
     let place = Place::of(grid, tile);
     let (columns, first) = (grid.columns as usize, place.first as usize);
     let (x0, z0) = (place.x0 as usize, place.z0 as usize);
     let (width, height) = (place.width as usize, place.height as usize);
     let mut near = [FAR; RING * RING];
-    let mut bits = [0_u32; (TILE * TILE) as usize];
-    let mut size = [0.0_f32; (TILE * TILE) as usize];
+    let mut words = [0_u32; (TILE * TILE) as usize];
     // columns of the copy from and to: where the grid ends there is no ring
     let (from, to) = (usize::from(x0 == 0), width + 1 + usize::from(x0 + width < columns));
     for j in usize::from(z0 == 0)..height + 1 + usize::from(z0 + height < grid.rows as usize) {
@@ -201,39 +194,12 @@ fn sweep_tile(
     }
     for z in 0..height {
         let (row, at) = ((z0 + z) * columns + x0, z * TILE as usize);
-        bits[at..at + width].copy_from_slice(&cells[row..row + width]);
-        size[at..at + width].copy_from_slice(&steps[row..row + width]);
-    }
-    let (fell, again) = sweeps(&mut near, &bits, &size, [width, height], left_out);
-    // whether the cell at (x, z), just outside, can fall because of the cell at `at` of the copy
-    let could_fall = |x: usize, z: usize, outside: usize, at: usize, bit: u32| {
-        let cell = z * columns + x;
-        cells[cell] & bit != 0 && cells[cell] & left_out == 0 && near[outside] > near[at] + 0.7 * steps[cell]
-    };
-    let mut wake = 0;
-    for z in 0..height {
-        let row = (z + 1) * RING;
-        if fell & FROM_RIGHT != 0 && x0 > 0 && could_fall(x0 - 1, z0 + z, row, row + 1, FROM_RIGHT) {
-            wake |= FROM_RIGHT;
-        }
-        if fell & FROM_LEFT != 0
-            && x0 + width < columns
-            && could_fall(x0 + width, z0 + z, row + width + 1, row + width, FROM_LEFT)
-        {
-            wake |= FROM_LEFT;
+        for (word, cell) in words[at..at + width].iter_mut().zip(&cells[row..row + width]) {
+            *word = if cell & left_out == 0 { *cell } else { 0 };
         }
     }
-    for x in 0..width {
-        if fell & FROM_ABOVE != 0 && z0 > 0 && could_fall(x0 + x, z0 - 1, x + 1, RING + x + 1, FROM_ABOVE) {
-            wake |= FROM_ABOVE;
-        }
-        if fell & FROM_BELOW != 0
-            && z0 + height < grid.rows as usize
-            && could_fall(x0 + x, z0 + height, (height + 1) * RING + x + 1, height * RING + x + 1, FROM_BELOW)
-        {
-            wake |= FROM_BELOW;
-        }
-    }
+    let (fell, again) = sweeps(&mut near, &words, [width, height]);
+    let wake = fell & wakes(grid, &near, &words, &place, left_out == 0);
     let mut swept = Swept { tile, distance: [0.0; (TILE * TILE) as usize], fell: fell != 0, again, wake };
     for z in 0..height {
         let (row, at) = ((z + 1) * RING + 1, z * TILE as usize);
@@ -242,13 +208,48 @@ fn sweep_tile(
     swept
 }
 
+/// The sides (bits by which the neighbours there are entered) beyond which a cell could fall because of one of the tile.
+fn wakes(
+    grid: &FlowUniforms,
+    near: &[f32; RING * RING],
+    words: &[u32; (TILE * TILE) as usize],
+    place: &Place,
+    all: bool,
+) -> u32 {
+    let (width, height) = (place.width as usize, place.height as usize);
+    let any = if all { u32::MAX } else { 0 };
+    let could_fall = |x: usize, z: usize, outside: usize, bit: u32| {
+        let at = (z + 1) * RING + x + 1;
+        near[outside] > near[at] + 0.7 * grid.cell_size && words[z * TILE as usize + x] & (bit | any) != 0
+    };
+    let mut woken = 0;
+    for z in 0..height {
+        let row = (z + 1) * RING;
+        if place.x0 > 0 && could_fall(0, z, row, FROM_LEFT) {
+            woken |= FROM_RIGHT;
+        }
+        if place.x0 + place.width < grid.columns && could_fall(width - 1, z, row + width + 1, FROM_RIGHT) {
+            woken |= FROM_LEFT;
+        }
+    }
+    for x in 0..width {
+        if place.z0 > 0 && could_fall(x, 0, x + 1, FROM_BELOW) {
+            woken |= FROM_ABOVE;
+        }
+        if place.z0 + place.height < grid.rows
+            && could_fall(x, height - 1, (height + 1) * RING + x + 1, FROM_ABOVE)
+        {
+            woken |= FROM_BELOW;
+        }
+    }
+    woken
+}
+
 /// Sweeps until nothing falls; the sides whose cells fell, and whether it is not done yet.
 fn sweeps(
     near: &mut [f32; RING * RING],
-    bits: &[u32; (TILE * TILE) as usize],
-    size: &[f32; (TILE * TILE) as usize],
+    words: &[u32; (TILE * TILE) as usize],
     [width, height]: [usize; 2],
-    left_out: u32,
 ) -> (u32, bool) {
     let mut fell = 0;
     // the first sweep goes with the front: from the side beside which it is nearer to the goal
@@ -263,12 +264,10 @@ fn sweeps(
             for i in 0..width {
                 let x = if from_right { width - 1 - i } else { i };
                 let (at, cell) = ((z + 1) * RING + x + 1, z * TILE as usize + x);
-                let (bits, size, old) = (bits[cell], size[cell], near[at]);
-                if bits & left_out != 0 {
-                    continue;
-                }
+                let (word, old) = (words[cell], near[at]);
                 // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
-                let neighbour = |bit: u32, index: usize| if bits & bit != 0 { near[index] } else { old };
+                let neighbour = |bit: u32, index: usize| if word & bit != 0 { near[index] } else { old };
+                let size = step(word);
                 let a = neighbour(FROM_LEFT, at - 1).min(neighbour(FROM_RIGHT, at + 1));
                 let b = neighbour(FROM_BELOW, at - RING).min(neighbour(FROM_ABOVE, at + RING));
                 let apart = (a - b).abs();
@@ -308,7 +307,7 @@ fn point(b: &mut Slices<'_>) {
     let total = b.flow_grid.field_count as usize * cells;
     let (all_bits, distance) = (b.flow_cells, &*b.flow_distance);
     b.flow_way[..total].par_iter_mut().enumerate().with_min_len(4096).for_each(|(index, way)| {
-        let bits = all_bits[index % cells];
+        let bits = all_bits[index % cells] & ALL_BITS;
         let here = distance[index];
         let from = |bit: u32| bits & bit != 0;
         let neighbour = |bit: u32, at: usize| if from(bit) { distance[at] } else { here };
@@ -322,11 +321,19 @@ fn point(b: &mut Slices<'_>) {
             slope(here, below, above, is_free && from(FROM_BELOW) && from(FROM_ABOVE)),
         ];
         let steep = (fall[0] * fall[0] + fall[1] * fall[1]).sqrt();
-        let mut word = bits | *way & SEES;
+        let mut word = bits;
         if here < 0.5 * FAR && steep > 0.0 {
             let scale = 1.0 / steep;
             word |= LEADS | pack([fall[0] * scale, fall[1] * scale]);
         }
         *way = word;
     });
+}
+
+/// Marks from where the goal is seen.
+fn mark(b: &mut Slices<'_>) {
+    let grid = b.flow_grid;
+    for &[field, cell, _, sees] in &b.flow_seeds[..grid.seed_count as usize] {
+        b.flow_way[(field * grid.cell_count + cell) as usize] |= sees;
+    }
 }

@@ -1,7 +1,7 @@
 //! What a metre costs on each cell of the flow grid.
 
 use super::shared::is_absent;
-use super::way::SOLID;
+use super::way::{SOLID, with_step};
 use crate::kernels::flow_density::Slices;
 use rayon::prelude::*;
 
@@ -31,15 +31,16 @@ pub fn flow_density(b: Slices<'_>) {
         }
         _ => {
             let sums = &*b.flow_sums;
-            b.flow_step[..cells].par_iter_mut().enumerate().with_min_len(4096).for_each(|(cell, size)| {
+            b.flow_cells[..cells].par_iter_mut().enumerate().with_min_len(4096).for_each(|(cell, word)| {
                 let (column, row) = (cell % columns, cell / columns);
                 let (low, high) = (row.saturating_sub(window), (row + window).min(rows - 1));
                 let sum: u32 = (low..=high).map(|z| sums[z * columns + column]).sum();
-                *size = grid.solid_step;
-                if b.flow_cells[cell] & SOLID == 0 {
+                let mut size = grid.solid_step;
+                if *word & SOLID == 0 {
                     let density = sum as f32 / b.flow_room[cell];
-                    *size = grid.cell_size * (1.0 + grid.density_weight * density);
+                    size = grid.cell_size * (1.0 + grid.density_weight * density);
                 }
+                *word = with_step(*word, size);
             });
         }
     }

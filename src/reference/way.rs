@@ -13,6 +13,10 @@ pub const FROM_BELOW: u32 = 4;
 pub const FROM_ABOVE: u32 = 8;
 /// Nobody can stand in a cell.
 pub const SOLID: u32 = 16;
+/// All bits of a cell.
+pub const ALL_BITS: u32 = 31;
+/// The bits of a word of `flow_cells` that are those of the cell's step.
+const STEP_BITS: u32 = 0xffff_ff00;
 /// The goal lies in a straight line from a cell.
 pub const SEES: u32 = 32;
 /// There is a way from a cell to the goal.
@@ -23,6 +27,16 @@ pub const FAR: f32 = 1e30;
 pub const TILE: u32 = 8;
 /// Invocations of a workgroup of `flow`.
 pub const GROUP: u32 = 32;
+
+/// What crossing a cell costs, m: its size, times what a metre costs there.
+pub const fn step(word: u32) -> f32 {
+    f32::from_bits(word & STEP_BITS)
+}
+
+/// The word of a cell with another step, to the nearest of 16 bits.
+pub const fn with_step(word: u32, step: f32) -> u32 {
+    word & ALL_BITS | (step.to_bits() + 0x80) & STEP_BITS
+}
 
 /// A direction (both parts in [-1, 1]) as the upper 24 bits of a word.
 pub fn pack(direction: [f32; 2]) -> u32 {

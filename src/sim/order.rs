@@ -113,7 +113,7 @@ pub fn density_passes(step: &StepUniforms, grid: &FlowUniforms) -> Vec<Pass> {
 
 /// The launches that begin to solve the fields.
 pub fn flow_start(grid: &FlowUniforms) -> Vec<Pass> {
-    vec![flow_pass(0, cells_or_lists(grid)), flow_pass(1, grid.seed_count)]
+    vec![flow_pass(0, tiles_or_lists(grid)), flow_pass(1, grid.seed_count)]
 }
 
 /// The launch after whose turns cells where nobody can stand have a way out, too.
@@ -133,16 +133,16 @@ pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Pass> {
 
 /// The launches that end it.
 pub fn flow_end(grid: &FlowUniforms) -> Vec<Pass> {
-    vec![flow_pass(11, cells_or_lists(grid))]
+    vec![flow_pass(11, tiles_or_lists(grid)), flow_pass(12, grid.seed_count)]
 }
 
 fn flow_pass(level: u32, count: u32) -> Pass {
     Pass { kernel: KernelId::Flow, level, extent: Extent::Invocations(count) }
 }
 
-fn cells_or_lists(grid: &FlowUniforms) -> u32 {
+fn tiles_or_lists(grid: &FlowUniforms) -> u32 {
     // at least the four lists
-    (grid.field_count * grid.cell_count.max(4 * grid.tile_columns * grid.tile_rows)).max(4)
+    (grid.field_count * grid.tile_columns * grid.tile_rows).max(4)
 }
 
 /// The launches before a picture that shows what lies between two moments: the present one is kept at a place first, if

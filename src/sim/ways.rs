@@ -5,10 +5,9 @@ use crate::kernels::BufferId;
 
 /// What [`flow::lay`] fills.
 #[cfg(feature = "vulkan")]
-const FLOW: [BufferId; 12] = [
+const FLOW: [BufferId; 11] = [
     BufferId::FlowGrid,
     BufferId::FlowCells,
-    BufferId::FlowStep,
     BufferId::FlowSeeds,
     BufferId::FlowDistance,
     BufferId::FlowWay,
@@ -73,12 +72,13 @@ impl Simulation {
         passes.extend(order::flow_start(&grid));
         let tiles = grid.field_count * grid.tile_columns * grid.tile_rows;
         let most = tiles.saturating_mul(8).saturating_add(1024);
+        let open = flow::tiles_to_cross(&grid, &self.store.flow_seeds[..grid.seed_count as usize]);
         for with_solid in [false, true] {
             if with_solid {
                 passes.push(order::flow_solid(&grid));
             }
-            // in an open place the front crosses this many tiles; afterwards so many turns at a time
-            let mut batch = if with_solid { 16 } else { grid.tile_columns + grid.tile_rows };
+            // in an open place it takes so many turns and the few that look back; then so many at a time
+            let mut batch = if with_solid { 16 } else { open + 8 };
             let mut turns = 0;
             loop {
                 passes.extend(order::flow_turns(turns, batch, with_solid));

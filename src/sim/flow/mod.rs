@@ -10,7 +10,7 @@ pub use raster::Raster;
 
 use crate::kernels::Store;
 use crate::kernels::layout::FlowUniforms;
-use crate::reference::way::SEES;
+use crate::reference::way::{SEES, TILE, with_step};
 use crate::scenario::polygon;
 use glam::Vec2;
 
@@ -92,9 +92,8 @@ pub fn lay(
     let fields = goals.len();
     let (cells, tiles) = (grid.cell_count as usize, (grid.tile_columns * grid.tile_rows) as usize);
     store.flow_grid = *grid;
-    store.flow_cells.clone_from(&raster.bits);
-    store.flow_step =
-        (0..cells).map(|cell| if raster.is_free(cell) { size } else { SOLID_COST * size }).collect();
+    let step = |cell| if raster.is_free(cell) { size } else { SOLID_COST * size };
+    store.flow_cells = (0..cells).map(|cell| with_step(raster.bits[cell], step(cell))).collect();
     store.flow_seeds = seeds;
     store.flow_distance = vec![0.0; fields * cells];
     store.flow_way = vec![0; fields * cells];
@@ -108,11 +107,24 @@ pub fn lay(
     Ok(Some(raster))
 }
 
+/// Tiles that the front of the field that has the farthest to go crosses in an open place: so many turns it takes at least.
+pub fn tiles_to_cross(grid: &FlowUniforms, seeds: &[[u32; 4]]) -> u32 {
+    let [right, top] = [grid.tile_columns, grid.tile_rows].map(|tiles| tiles.saturating_sub(1));
+    let corners = [[0, 0], [right, 0], [0, top], [right, top]];
+    let mut to_corners = vec![[u32::MAX; 4]; grid.field_count as usize];
+    for [field, cell, ..] in seeds {
+        let [column, row] = [cell % grid.columns / TILE, cell / grid.columns / TILE];
+        for (least, [x, z]) in to_corners[*field as usize].iter_mut().zip(corners) {
+            *least = (*least).min(column.abs_diff(x) + row.abs_diff(z));
+        }
+    }
+    to_corners.into_iter().flatten().filter(|tiles| *tiles < u32::MAX).max().unwrap_or(0)
+}
+
 /// No fields.
 pub fn clear(store: &mut Store) {
     store.flow_grid = FlowUniforms::default();
     store.flow_cells = vec![0];
-    store.flow_step = vec![0.0];
     store.flow_seeds = vec![[0; 4]];
     store.flow_distance = vec![0.0];
     store.flow_way = vec![0];

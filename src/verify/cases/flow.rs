@@ -110,7 +110,7 @@ pub fn passes(store: &Store) -> Vec<Pass> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::way::{FAR, SOLID};
+    use crate::reference::way::{FAR, SOLID, step};
 
     #[test]
     fn the_cases_hold_free_cells_solid_ones_and_a_pocket_and_come_to_an_end() {
@@ -127,6 +127,9 @@ mod tests {
         assert!(count(&|bits, distance| bits & SOLID == 0 && distance < FAR) > 2000);
         assert!(count(&|bits, _| bits & SOLID != 0) > 200);
         assert!(count(&|bits, distance| bits & SOLID == 0 && distance >= FAR) > 3, "the pocket");
-        assert!(store.flow_step.iter().any(|step| *step > 0.6 && *step < 14.0), "density has a price");
+        assert!(
+            store.flow_cells.iter().any(|word| (0.6..14.0).contains(&step(*word))),
+            "density has a price"
+        );
     }
 }
