@@ -1,8 +1,9 @@
 //! How feelings change in time, and events that rouse them.
 
 use super::error::Error;
+use super::population::range;
 use super::random::{Purpose, range as drawn};
-use super::schema::{Point, Scenario, range};
+use super::schema::{Point, Scenario};
 use super::validate::{point, within};
 use crate::emotion::Emotion;
 use serde::{Deserialize, Serialize};

@@ -5,7 +5,8 @@ use super::casting::Cast;
 use super::crowd::{AgentStart, Entry};
 use super::error::Error;
 use super::populate::{Place, chooser};
-use super::schema::{GaitChoice, Scenario};
+use super::population::GaitChoice;
+use super::schema::Scenario;
 use crate::library::GaitLibrary;
 use glam::Vec2;
 

@@ -28,6 +28,7 @@ mod parking;
 pub mod people;
 pub mod polygon;
 mod populate;
+mod population;
 mod props;
 pub mod random;
 mod schema;
@@ -54,9 +55,9 @@ pub use mesh::EnvironmentMesh;
 pub use outsiders::{Outsider, OutsiderKind};
 pub use people::{Class, Manners, Spread};
 pub use populate::{populate, populate_from, populate_with};
+pub use population::{Affect, EmotionMode, GaitChoice, GenderChoice, Groups, Population, Prefer, Shares};
 pub use schema::{
-    Affect, Condition, EmotionMode, GaitChoice, GenderChoice, Groups, Layout, Model, Navigation, Obstacle,
-    Point, Population, Prefer, Route, RouteMode, Scenario, Shares, Spawn, User,
+    Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
 pub use walkable::Area;

@@ -1,8 +1,9 @@
 //! How people differ: classes of the population, their spreads, and personality as parameters of the way they avoid others.
 
 use super::error::Error;
+use super::population::Population;
 use super::random::{Purpose, bits, range, unit};
-use super::schema::{Navigation, Population, Scenario};
+use super::schema::{Navigation, Scenario};
 use super::validate::{MAX_NEIGHBOURS, within};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

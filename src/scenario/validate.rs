@@ -7,10 +7,8 @@ use super::gaze::{Budget, Gaze};
 use super::load::nearest;
 use super::people;
 use super::polygon;
-use super::schema::{
-    EmotionMode, GaitChoice, GenderChoice, Layout, Navigation, Point, Population, Route, RouteMode, Scenario,
-    Spawn, User, route_names,
-};
+use super::population::{EmotionMode, GaitChoice, GenderChoice, Population};
+use super::schema::{Layout, Navigation, Point, Route, RouteMode, Scenario, Spawn, User, route_names};
 use super::walkable::Area;
 use glam::Vec2;
 
