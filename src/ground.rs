@@ -25,7 +25,7 @@ pub fn world_from_ground(ground: Vec2, height: f32) -> Vec3 {
 
 /// Heading in radians about +y of a ground direction: 0 faces +z, +pi/2 faces +x (the walker's left turn).
 pub fn heading_from_ground(direction: Vec2) -> f32 {
-    direction.x.atan2(direction.y)
+    libm::atan2f(direction.x, direction.y)
 }
 
 #[cfg(test)]

@@ -252,7 +252,7 @@ impl Ring {
     /// Position and normal of a corner of the ring at a height.
     fn corner(&self, corner: u16, corners: u16, y: f32) -> (Vec3, Vec3) {
         let turn = std::f32::consts::TAU * (f32::from(corner) + 0.5) / f32::from(corners);
-        let (sin, cos) = turn.sin_cos();
+        let (sin, cos) = libm::sincosf(turn);
         // four corners lie on the diagonals
         let size = if corners == 4 { FOUR * std::f32::consts::SQRT_2 } else { THREE };
         let at = Vec3::new(cos * self.deviation.x, 0.0, sin * self.deviation.z) * size;

@@ -94,7 +94,7 @@ pub fn fit(gait: &Gait, harmonics: usize) -> Result<HarmonicGait, Error> {
     let count = gait.poses.len();
     let mut rows = vec![project(gait, |_| 1.0 / real(count))];
     for harmonic in 1..=harmonics.min(most_harmonics(count)) {
-        for turn in [f64::cos, f64::sin] {
+        for turn in [libm::cos, libm::sin] {
             let scale = 2.0 / real(count);
             rows.push(project(gait, |frame| {
                 scale * turn(TAU * real(harmonic * frame % count) / real(count))
@@ -145,8 +145,8 @@ impl HarmonicGait {
             let angle = TAU * (real(index.div_ceil(2)) * phase).fract();
             let weight = match index {
                 0 => 1.0,
-                odd if odd % 2 == 1 => angle.cos(),
-                _ => angle.sin(),
+                odd if odd % 2 == 1 => libm::cos(angle),
+                _ => libm::sin(angle),
             };
             for (point, stored) in pose.iter_mut().zip(row) {
                 *point += DVec3::from_array(stored.map(f64::from)) * (weight * f64::from(self.unit));

@@ -343,7 +343,7 @@ impl Take {
         }
         // The arc over a chord of the same turn; a straight line where there is no turn.
         let half = turn / 2.0;
-        let travel = chord.length() * if half.abs() > 1e-4 { half / half.sin() } else { 1.0 };
+        let travel = chord.length() * if half.abs() > 1e-4 { half / libm::sinf(half) } else { 1.0 };
         let speed = travel / duration;
         if !SPEED.contains(&speed) {
             return Err(format!("{speed:.2} m/s; {} to {} are used", SPEED.start(), SPEED.end()));
@@ -410,10 +410,10 @@ impl Take {
 /// heading of its chord; from its start, m, on the ground.
 fn along_arc(chord_heading: f32, turn: f32, travel: f32, phase: f32) -> Vec3 {
     if turn.abs() < 1e-4 {
-        return Vec3::new(chord_heading.sin(), 0.0, chord_heading.cos()) * (travel * phase);
+        return Vec3::new(libm::sinf(chord_heading), 0.0, libm::cosf(chord_heading)) * (travel * phase);
     }
     let (from, to) = (chord_heading - turn / 2.0, chord_heading + turn * (phase - 0.5));
-    Vec3::new(from.cos() - to.cos(), 0.0, to.sin() - from.sin()) * (travel / turn)
+    Vec3::new(libm::cosf(from) - libm::cosf(to), 0.0, libm::sinf(to) - libm::sinf(from)) * (travel / turn)
 }
 
 /// Puts the root's mean above the origin and the lowest point of the foot joints at y = 0.

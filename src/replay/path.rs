@@ -123,7 +123,7 @@ fn smoothed(times: &[f64], places: &[DVec2], deviation: f64) -> Vec<DVec2> {
         let (mut p0, mut p1) = (DVec2::ZERO, DVec2::ZERO);
         for k in near {
             let t = times[k] - now;
-            let w = (-0.5 * (t / deviation) * (t / deviation)).exp();
+            let w = libm::exp(-0.5 * (t / deviation) * (t / deviation));
             s0 += w;
             s1 += w * t;
             s2 += w * t * t;

@@ -156,7 +156,7 @@ impl Prop {
         let (center, [width, _, depth]) = (Vec2::from(self.position), self.size);
         // The radius is that of the circle *within* the polygon, so that nothing round sticks out.
         let round = |radius: f32, sides: u32| {
-            let apothem = (std::f32::consts::PI / f32::from(u8::try_from(sides).unwrap_or(8))).cos();
+            let apothem = libm::cosf(std::f32::consts::PI / f32::from(u8::try_from(sides).unwrap_or(8)));
             polygon::regular(center, radius / apothem, sides, 0.0)
         };
         Some(match self.kind {

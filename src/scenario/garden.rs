@@ -45,7 +45,7 @@ fn middle(props: &mut Vec<Prop>, block: f32) {
     props.push(Prop::new(PropKind::Fountain, Vec2::ZERO, Vec3::new(2.0 * fountain, 3.4, 2.0 * fountain)));
     for quarter in 0..4_u8 {
         let heading = f32::from(quarter) * 90.0 + 45.0;
-        let out = Vec2::new(heading.to_radians().sin(), heading.to_radians().cos());
+        let out = Vec2::new(libm::sinf(heading.to_radians()), libm::cosf(heading.to_radians()));
         // A bench looks at the water; the middle block's corners are its place.
         let bench =
             Prop::new(PropKind::Bench, out * (block * 0.5).max(fountain + 2.0), Vec3::new(1.5, 0.9, 0.55));

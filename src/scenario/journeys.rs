@@ -212,7 +212,7 @@ impl Stage {
 
     /// From one place of a queue to the next, m.
     pub(super) fn to_next_place(&self) -> Vec2 {
-        let (sin, cos) = self.heading_deg.to_radians().sin_cos();
+        let (sin, cos) = libm::sincosf(self.heading_deg.to_radians());
         Vec2::new(sin, cos) * self.spacing.unwrap_or(SPACING)
     }
 

@@ -250,7 +250,7 @@ impl Blocks {
     /// `solid` is the share of a block's square that cannot be walked on.
     #[allow(clippy::cast_precision_loss, reason = "up to a million agents")]
     pub(super) fn for_agents(agents: u32, density: f32, block: f32, path: f32, solid: f32) -> Self {
-        let scale = (agents as f32 / 60.0).powf(0.25).clamp(1.0, 6.0);
+        let scale = libm::powf(agents as f32 / 60.0, 0.25).clamp(1.0, 6.0);
         let (block, path) = (block * scale, path * scale);
         let mut count = 3;
         let walkable = |count: u32| {

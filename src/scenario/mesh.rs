@@ -27,7 +27,7 @@ impl EnvironmentMesh {
 pub(super) fn srgb(hex: u32) -> Vec3 {
     let channel = |shift: u32| {
         let c = ((hex >> shift) & 0xff) as f32 / 255.0;
-        if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+        if c <= 0.04045 { c / 12.92 } else { libm::powf((c + 0.055) / 1.055, 2.4) }
     };
     Vec3::new(channel(16), channel(8), channel(0))
 }
@@ -113,7 +113,7 @@ impl<'a> Builder<'a> {
     pub(super) fn turned(&mut self, base: Vec3, profile: &[(f32, f32)], sides: u32, color: Vec3) {
         let direction = |i: u32| {
             let angle = std::f32::consts::TAU * i as f32 / sides as f32;
-            Vec3::new(angle.sin(), 0.0, angle.cos())
+            Vec3::new(libm::sinf(angle), 0.0, libm::cosf(angle))
         };
         for pair in profile.windows(2) {
             let ((r0, y0), (r1, y1)) = (pair[0], pair[1]);
@@ -152,7 +152,11 @@ impl<'a> Builder<'a> {
         let rim: Vec<u32> = (0..=sides)
             .map(|i| {
                 let angle = std::f32::consts::TAU * i as f32 / sides as f32;
-                self.vertex(center + radius * Vec3::new(angle.sin(), 0.0, angle.cos()), Vec3::Y, color)
+                self.vertex(
+                    center + radius * Vec3::new(libm::sinf(angle), 0.0, libm::cosf(angle)),
+                    Vec3::Y,
+                    color,
+                )
             })
             .collect();
         for step in rim.windows(2) {
@@ -165,7 +169,7 @@ impl<'a> Builder<'a> {
     pub(super) fn ring(&mut self, center: Vec3, inner: f32, outer: f32, sides: u32, color: Vec3) {
         let out = |i: u32| {
             let angle = std::f32::consts::TAU * i as f32 / sides as f32;
-            Vec3::new(angle.sin(), 0.0, angle.cos())
+            Vec3::new(libm::sinf(angle), 0.0, libm::cosf(angle))
         };
         for i in 0..sides {
             let (a, b) = (out(i), out(i + 1));
@@ -185,7 +189,11 @@ impl<'a> Builder<'a> {
                 std::f32::consts::PI * j as f32 / rings as f32,
                 std::f32::consts::TAU * i as f32 / sides as f32,
             );
-            Vec3::new(up.sin() * around.sin(), -up.cos(), up.sin() * around.cos())
+            Vec3::new(
+                libm::sinf(up) * libm::sinf(around),
+                -libm::cosf(up),
+                libm::sinf(up) * libm::cosf(around),
+            )
         };
         let mut grid = Vec::new();
         for j in 0..=rings {
@@ -213,7 +221,7 @@ impl<'a> Builder<'a> {
     pub(super) fn wheel(&mut self, center: Vec3, radius: f32, width: f32, sides: u32, color: Vec3) {
         let rim = |i: u32, x: f32| {
             let angle = std::f32::consts::TAU * i as f32 / sides as f32;
-            center + Vec3::new(x, radius * angle.sin(), radius * angle.cos())
+            center + Vec3::new(x, radius * libm::sinf(angle), radius * libm::cosf(angle))
         };
         let (left, right) = (width * 0.5, -width * 0.5);
         for i in 0..sides {

@@ -115,7 +115,7 @@ pub(super) fn validate(scenario: &Scenario) -> Result<(), Error> {
                 ));
             }
             if let Some([t, from_x, from_z]) = before {
-                let speed = (x - from_x).hypot(z - from_z) / (time - t);
+                let speed = libm::hypotf(x - from_x, z - from_z) / (time - t);
                 if speed > MAX_SPEED {
                     let allowed = format!("at most {MAX_SPEED} m/s (this is {speed:.0})");
                     return Err(wrong(allowed, "give it more time"));

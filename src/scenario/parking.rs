@@ -34,7 +34,7 @@ struct Lot {
 impl Lot {
     #[allow(clippy::cast_precision_loss, reason = "up to a million agents")]
     fn for_agents(agents: u32) -> Self {
-        let scale = (agents as f32 / 60.0).powf(0.25).clamp(1.0, 4.0);
+        let scale = libm::powf(agents as f32 / 60.0, 0.25).clamp(1.0, 4.0);
         let bays = if agents > 2000 { 10 } else { 4 };
         let mut lot = Self { columns: 2, rows: 2, bays, aisle: 6.0 * scale, footway: 4.0 * scale };
         while lot.walkable() * DENSITY < agents as f32 && lot.rows < 999 {

@@ -102,7 +102,7 @@ pub fn regular(center: Vec2, radius: f32, sides: u32, turn: f32) -> Vec<Vec2> {
 
 /// Rectangle about `center` with full `size`, turned by `heading` about +y, counter-clockwise.
 pub fn rectangle(center: Vec2, size: Vec2, heading: f32) -> Vec<Vec2> {
-    let (sin, cos) = heading.sin_cos();
+    let (sin, cos) = libm::sincosf(heading);
     // A turn by `heading` about +y takes (x, z) to (x cos + z sin, -x sin + z cos).
     let place = |x: f32, z: f32| center + Vec2::new(x * cos + z * sin, z * cos - x * sin);
     let half = size * 0.5;

@@ -290,7 +290,7 @@ fn fountain(b: &mut Builder<'_>, size: Vec3) {
     b.turned(v(0.0, 2.3, 0.0), &[(0.03, 0.0), (0.1, size.y - 2.3), (0.0, size.y - 2.0)], 8, srgb(0xcfeaf5));
     for i in 0..10_u8 {
         let angle = std::f32::consts::TAU * f32::from(i) / 10.0;
-        let at = v(angle.sin(), 0.0, angle.cos()) * r * 0.5 + Vec3::Y * 0.5;
+        let at = v(libm::sinf(angle), 0.0, libm::cosf(angle)) * r * 0.5 + Vec3::Y * 0.5;
         b.turned(at, &[(0.06, 0.0), (0.03, 1.1)], 4, srgb(0xcfeaf5));
     }
 }
@@ -334,7 +334,7 @@ fn pod(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let profile: Vec<(f32, f32)> = (0..=rings)
         .map(|i| {
             let angle = std::f32::consts::FRAC_PI_2 * i as f32 / rings as f32;
-            (if i == rings { 0.0 } else { r * angle.cos() }, h * 0.34 + h * 0.66 * angle.sin())
+            (if i == rings { 0.0 } else { r * libm::cosf(angle) }, h * 0.34 + h * 0.66 * libm::sinf(angle))
         })
         .collect();
     b.turned(Vec3::ZERO, &profile, sides, shell);
@@ -346,7 +346,7 @@ fn pod(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     }
     for i in 1..8_u8 {
         let angle = std::f32::consts::TAU * f32::from(i) / 8.0;
-        let at = v(angle.sin() * r * 0.93, h * 0.55, angle.cos() * r * 0.93) * v(0.9, 1.0, 0.9);
+        let at = v(libm::sinf(angle) * r * 0.93, h * 0.55, libm::cosf(angle) * r * 0.93) * v(0.9, 1.0, 0.9);
         b.ball(at, v(0.55, 0.55, 0.55), 8, srgb(0x2f4d6b));
     }
 }

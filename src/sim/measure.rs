@@ -37,7 +37,8 @@ pub fn moment(store: &Store) -> Moment {
     let agents = store.step.agent_count as usize;
     let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
     let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
-    let speeds: f64 = store.velocity[..agents].iter().map(|v| f64::from(v[0]).hypot(f64::from(v[1]))).sum();
+    let speeds: f64 =
+        store.velocity[..agents].iter().map(|v| libm::hypot(f64::from(v[0]), f64::from(v[1]))).sum();
     let entry = &store.entry[..agents.min(store.entry.len())];
     let sources = || store.sources.chunks_exact(8).take(store.step.source_count as usize);
     let outside = entry.iter().filter(|step| **step > 0).count();
@@ -78,7 +79,7 @@ fn pairs(position: &[[f32; 2]], radius: impl Fn(usize) -> f32) -> (f32, u32) {
             if apart > 4.0 * reach {
                 continue;
             }
-            let distance = (b[0] - a[0]).hypot(apart);
+            let distance = libm::hypotf(b[0] - a[0], apart);
             let sum = radius(i) + radius(j);
             clearance = clearance.min(distance - sum);
             overlapping += u32::from(distance < OVERLAP * sum);
@@ -162,7 +163,7 @@ mod tests {
         for i in 0..position.len() {
             for j in 0..i {
                 let (a, b) = (position[i], position[j]);
-                let distance = (a[0] - b[0]).hypot(a[1] - b[1]);
+                let distance = libm::hypotf(a[0] - b[0], a[1] - b[1]);
                 clearance = clearance.min(distance - 0.5);
                 overlapping += u32::from(distance < 0.45);
             }

@@ -49,7 +49,7 @@ impl Skull {
     fn face(&self, x: f32, drop: f32, out: f32) -> Vec3 {
         let (half_width, front, back) = Self::section(drop);
         let middle = 0.5 * (front + back);
-        let depth = (1.0 - (x.abs() / half_width).min(1.0).powf(SQUARE)).powf(1.0 / SQUARE);
+        let depth = libm::powf(1.0 - libm::powf((x.abs() / half_width).min(1.0), SQUARE), 1.0 / SQUARE);
         Vec3::new(
             x * self.size,
             self.crown - drop * self.size,
@@ -67,9 +67,9 @@ impl Skull {
             back = nape + (drop - 0.11) * self.nape;
         }
         let middle = 0.5 * (front + back);
-        let rounded = |v: f32| v.signum() * v.abs().powf(2.0 / SQUARE);
-        let x = rounded(angle.sin()) * (half_width + thick);
-        let z = middle + rounded(angle.cos()) * (front - middle + thick);
+        let rounded = |v: f32| v.signum() * libm::powf(v.abs(), 2.0 / SQUARE);
+        let x = rounded(libm::sinf(angle)) * (half_width + thick);
+        let z = middle + rounded(libm::cosf(angle)) * (front - middle + thick);
         Vec3::new(x * self.size, self.crown + (thick * 0.9 - drop) * self.size, z * self.size)
     }
 }
@@ -139,7 +139,7 @@ impl Measures {
                 // Flatter over the forehead, where it would look like a peak.
                 let thickness =
                     thickness * (1.0 - 0.4 * (1.0 - step(0.2, 1.3, angle.min(TAU - angle))) * (1.0 - t));
-                skull.around(angle, hairline(angle) * (1.0 - t).powf(1.35), thickness)
+                skull.around(angle, hairline(angle) * libm::powf(1.0 - t, 1.35), thickness)
             });
             grid.push(ring.collect());
         }

@@ -110,7 +110,7 @@ impl Measures {
             ),
         };
         let out = 13.0_f32.to_radians();
-        let down = Vec3::new(out.sin(), -out.cos(), 0.0);
+        let down = Vec3::new(libm::sinf(out), -libm::cosf(out), 0.0);
         // Elbows bend a little forward at rest, which tells every later step where forward is.
         let fore = (down + Vec3::new(-0.03, 0.0, 0.16)).normalize();
         let elbow = shoulder + down * arm[0];

@@ -56,8 +56,8 @@ pub(super) struct Ring {
 impl Ring {
     /// Point at `angle` (0 is front, a quarter turn is the body's left).
     fn point(&self, angle: f32, swell: f32) -> Vec3 {
-        let rounded = |value: f32| value.signum() * value.abs().powf(2.0 / self.square);
-        let (sine, cosine) = (rounded(angle.sin()), rounded(angle.cos()));
+        let rounded = |value: f32| value.signum() * libm::powf(value.abs(), 2.0 / self.square);
+        let (sine, cosine) = (rounded(libm::sinf(angle)), rounded(libm::cosf(angle)));
         let depth = if cosine < 0.0 { cosine * self.back } else { cosine };
         self.center + (self.side * sine + self.front * depth) * swell
     }
@@ -170,7 +170,7 @@ impl<'a> Builder<'a> {
         let rings: Vec<&Ring> = rings.iter().filter(|ring| ring.keep >= self.level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         // Polygons lie inside their circle; swelling them keeps the silhouette at coarse levels.
-        let swell = (TAU * 0.5 / segments as f32).cos().recip().sqrt();
+        let swell = libm::cosf(TAU * 0.5 / segments as f32).recip().sqrt();
         let circle = |builder: &mut Self, ring: &Ring, paint: Paint| -> Vec<u32> {
             (0..segments)
                 .map(|k| builder.vertex(ring.point(TAU * k as f32 / segments as f32, swell), paint))
@@ -179,7 +179,7 @@ impl<'a> Builder<'a> {
         let mut previous: Option<(Vec<u32>, Paint)> = None;
         for pair in rings.windows(2) {
             let paint = pair[0].paint;
-            let behind = |k: usize| (TAU * (k as f32 + 0.5) / segments as f32).cos() < 0.1;
+            let behind = |k: usize| libm::cosf(TAU * (k as f32 + 0.5) / segments as f32) < 0.1;
             if let Some(back_paint) = pair[0].back_paint {
                 let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint));
                 let [low_back, high_back] = [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint));

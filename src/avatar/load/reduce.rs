@@ -304,7 +304,7 @@ fn orient(source: &mut Source, figure: &mut Figure) -> Result<(), String> {
     };
     let left = across(figure).try_normalize().ok_or("its left and right are in one place")?;
     // The turn about y that brings left to +x.
-    let turn = left.z.atan2(left.x);
+    let turn = libm::atan2f(left.z, left.x);
     figure.turn(Quat::from_rotation_y(turn));
     if turn.abs() > 0.1 {
         source.report.push(format!("facing: turned by {:.0} degrees to +z", turn.to_degrees()));

@@ -84,7 +84,7 @@ impl Texture {
         let channel = |c: usize| {
             let slot = if self.channels < 3 { 0 } else { c };
             let value = f32::from(self.pixels.get(at + slot).copied().unwrap_or(255)) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { ((value + 0.055) / 1.055).powf(2.4) }
+            if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
         };
         Vec3::new(channel(0), channel(1), channel(2))
     }

@@ -247,8 +247,8 @@ impl FootPlan<'_> {
         // Neither toe nor heel may touch the ground on the way.
         let lowest = self.sole.lowest(pitch);
         // A foot leaves and meets the ground steeply: what is low must not move along it.
-        let arch = (PI * t).sin().max(0.0);
-        let clearance = 0.034 * self.leg * arch.powf(0.6);
+        let arch = libm::sinf(PI * t).max(0.0);
+        let clearance = 0.034 * self.leg * libm::powf(arch, 0.6);
         let rounding = 0.02 * self.leg * arch;
         ankle.y = soft_max(ankle.y, clearance - lowest, rounding);
         FootTarget { ankle, pitch, planted: false }

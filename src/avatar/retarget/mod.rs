@@ -146,7 +146,7 @@ fn stand(rig: &Rig) -> Vec<ClipFrame> {
     });
     let postures: Vec<Posture> = (0..CLIP_FRAMES)
         .map(|frame| {
-            let (sway, breath) = (TAU * frame as f32 / CLIP_FRAMES as f32).sin_cos();
+            let (sway, breath) = libm::sincosf(TAU * frame as f32 / CLIP_FRAMES as f32);
             let arms = [1.0, -1.0].map(|side| {
                 let out = spread[usize::from(side < 0.0)] * side;
                 let upper = Vec3::new(out * 1.1, -1.0, -0.04).normalize();
@@ -185,7 +185,7 @@ fn upright(left: Vec3, up: Vec3) -> Quat {
 /// Heading of a turn about the vertical, radians, positive to the left.
 fn heading(turn: Quat) -> f32 {
     let forward = turn * Vec3::Z;
-    forward.x.atan2(forward.z)
+    libm::atan2f(forward.x, forward.z)
 }
 
 /// How far (radians, outward) the arms must be spread so that hands stay clear of a broader body.

@@ -31,7 +31,7 @@ pub(super) struct Sole {
 impl Sole {
     /// Height of the lowest point relative to the foot joint at a pitch (toe up is positive), m.
     pub(super) fn lowest(&self, pitch: f32) -> f32 {
-        let (sine, cosine) = pitch.sin_cos();
+        let (sine, cosine) = libm::sincosf(pitch);
         self.edge.iter().map(|p| p.y * cosine + p.z * sine).fold(f32::MAX, f32::min)
     }
 }
@@ -177,7 +177,7 @@ fn sole(avatar: &Avatar, foot: Joint, ankle: Vec3) -> Sole {
         points = [-0.8, 2.0].map(|z| Vec3::new(0.0, -height, z * length)).to_vec();
     }
     let support = |pitch: f32| {
-        let (sine, cosine) = pitch.sin_cos();
+        let (sine, cosine) = libm::sincosf(pitch);
         let height = |p: &Vec3| p.y * cosine + p.z * sine;
         points.iter().copied().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(Vec3::ZERO)
     };

@@ -77,7 +77,7 @@ fn head_angle(gait: &Gait) -> f32 {
 fn forward_lean(gait: &Gait) -> f32 {
     mean(gait, |pose| {
         let up = pose[Joint::Head as usize] - pose[Joint::Root as usize];
-        up.z.atan2(up.y).to_degrees()
+        libm::atan2f(up.z, up.y).to_degrees()
     })
 }
 
@@ -134,7 +134,7 @@ pub fn compare(sources: &[Vec<Gait>]) -> Result<Vec<Contrast>, Error> {
                 return Err(Error::Unusable { name, message });
             }
             let [recorded, own_error] = moments(&values);
-            let error = own_error.hypot(neutral_error);
+            let error = libm::hypot(own_error, neutral_error);
             let none = f64::from(u8::from(measure.is_ratio));
             let walker = against(measure, walker[emotion.index()], walker[Emotion::Neutral.index()]);
             let verdict = if (recorded - none).abs() < 2.0 * error {

@@ -62,7 +62,7 @@ fn pitch_deg(poses: &[Pose]) -> f32 {
         pose[Joint::Root as usize] - ankles
     };
     let up: Vec3 = poses.iter().map(rise).sum();
-    up.z.atan2(up.y).to_degrees()
+    libm::atan2f(up.z, up.y).to_degrees()
 }
 
 fn root_is_pinned(poses: &[Pose]) -> bool {

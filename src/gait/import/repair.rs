@@ -69,7 +69,7 @@ pub(super) fn finish(mut take: Recording, unit: Unit, options: &Options) -> Resu
 
 /// The nearest known unit if the body is within a factor 1.35 of an adult's in it; else a scale to an adult.
 fn infer_unit(size: f32) -> (f32, String) {
-    let misfit = |metres: f32| (size * metres / BODY_LENGTH).ln().abs();
+    let misfit = |metres: f32| libm::logf(size * metres / BODY_LENGTH).abs();
     let best = UNITS.into_iter().min_by(|a, b| misfit(a.0).total_cmp(&misfit(b.0)));
     match best {
         Some((metres, name)) if misfit(metres) < 0.3 => {

@@ -13,7 +13,7 @@ pub(in crate::gait) fn low_pass(signal: &[f32], rate: f32, cutoff: f32) -> Vec<f
         return signal.to_vec();
     }
     // One second order pass loses 3 dB at the cutoff, two lose 6: widened so that both together lose 3 dB.
-    let k = (PI * cutoff / 0.802 / rate).min(1.4).tan();
+    let k = libm::tanf((PI * cutoff / 0.802 / rate).min(1.4));
     let norm = 1.0 / (1.0 + SQRT_2 * k + k * k);
     let b = [k * k * norm, 2.0 * k * k * norm, k * k * norm];
     let a = [2.0 * (k * k - 1.0) * norm, (1.0 - SQRT_2 * k + k * k) * norm];

@@ -93,7 +93,7 @@ fn forward_speed(poses: &[Pose], rate: f32, joint: Joint, facing: &[Vec3]) -> Ve
 }
 
 fn logistic(x: f32) -> f32 {
-    1.0 / (1.0 + (-x).clamp(-30.0, 30.0).exp())
+    1.0 / (1.0 + libm::expf((-x).clamp(-30.0, 30.0)))
 }
 
 /// Whether the walker stays on the spot: the body travels less than a quarter of the way that its planted feet slide

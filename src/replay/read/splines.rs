@@ -122,7 +122,7 @@ fn control_point(
     let pixel = DVec2::new(x, y);
     let place = homography.ground(pixel);
     // What a small step along the gaze in the picture is on the ground.
-    let ahead = homography.ground(pixel + DVec2::new(-gaze.sin(), gaze.cos())) - place;
+    let ahead = homography.ground(pixel + DVec2::new(-libm::sin(gaze), libm::cos(gaze))) - place;
     let facing = (ahead.is_finite() && ahead.length_squared() > 0.0).then(|| ahead.to_angle());
     if !place.is_finite() {
         return Err(syntax(path, line, format!("({x}, {y}) lies on the horizon of the homography")));

@@ -74,8 +74,8 @@ impl Value {
             Self::Uniform(low, high) => low + (high - low) * u(0),
             // Box and Muller; 1 - u is never 0.
             Self::Normal(mean, deviation) => {
-                let radius = (-2.0 * (1.0 - u(0)).ln()).sqrt();
-                mean + deviation * radius * (std::f32::consts::TAU * u(1)).cos()
+                let radius = (-2.0 * libm::logf(1.0 - u(0))).sqrt();
+                mean + deviation * radius * libm::cosf(std::f32::consts::TAU * u(1))
             }
         }
     }

@@ -179,7 +179,7 @@ fn rings(mut next: BTreeMap<[i64; 2], Vec<I64Vec2>>) -> Vec<Vec<DVec2>> {
         while let Some(ends) = next.get_mut(&at.to_array()) {
             let turn = |to: &I64Vec2| {
                 let go = (*to - at).as_dvec2();
-                came.perp_dot(go).atan2(came.dot(go))
+                libm::atan2(came.perp_dot(go), came.dot(go))
             };
             let Some(best) = (0..ends.len()).max_by(|a, b| turn(&ends[*a]).total_cmp(&turn(&ends[*b])))
             else {

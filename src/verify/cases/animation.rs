@@ -152,12 +152,12 @@ fn clip(avatar: &Avatar, dice: &mut Dice, swing: f32) -> Vec<ClipFrame> {
                     let (axis, start) = motion[joint];
                     // the middle of the body moves less than the limbs do
                     let most = if joint < 4 { 0.12 } else { 0.7 };
-                    let angle = most * swing * (phase + start).sin();
+                    let angle = most * swing * libm::sinf(phase + start);
                     let q = (avatar.joints[joint].rotation * Quat::from_axis_angle(axis, angle)).normalize();
                     if dice.below(8) == 0 { -q } else { q }
                 }),
                 root: avatar.joints[0].translation
-                    + Vec3::new(0.02 * phase.sin(), 0.03 * (2.0 * phase).cos(), 0.0) * swing,
+                    + Vec3::new(0.02 * libm::sinf(phase), 0.03 * libm::cosf(2.0 * phase), 0.0) * swing,
             }
         })
         .collect()
@@ -165,7 +165,7 @@ fn clip(avatar: &Avatar, dice: &mut Dice, swing: f32) -> Vec<ClipFrame> {
 
 /// Frustum planes of an eye at `eye` that looks towards +z, 50 degrees to each side, without a far end.
 fn planes(eye: Vec3) -> [[f32; 4]; 6] {
-    let (sine, cosine) = 50.0_f32.to_radians().sin_cos();
+    let (sine, cosine) = libm::sincosf(50.0_f32.to_radians());
     let plane = |normal: Vec3| normal.extend(-normal.dot(eye)).to_array();
     [
         plane(Vec3::new(cosine, 0.0, sine)),
@@ -283,7 +283,7 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     // the farther half of the crowd is sparse, so that every level of detail has its share
     let (angle, away) = (dice.between(-3.1, 3.1), dice.between(0.3, 5.3));
     let away = away * away;
-    store.position.push([user_eyes.x + away * angle.sin(), user_eyes.z + away * angle.cos()]);
+    store.position.push([user_eyes.x + away * libm::sinf(angle), user_eyes.z + away * libm::cosf(angle)]);
     let walk = [0.0, 1.0, dice.between(0.0, 1.0)][dice.below(3) as usize];
     store.elevation.push(if agent.is_multiple_of(3) {
         unit_f32(hash_u32(agent as u32)) * 6.0 - 2.0

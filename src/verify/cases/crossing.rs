@@ -98,7 +98,7 @@ pub fn crossing_quality(store: &Store) -> CrossingQuality {
         for neighbour in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| (cx + dx, cz + dz))) {
             for &j in cells.get(&neighbour).into_iter().flatten().filter(|&&j| j > i) {
                 let (a, b) = (store.position[i], store.position[j]);
-                let distance = f64::from(a[0] - b[0]).hypot(f64::from(a[1] - b[1]));
+                let distance = libm::hypot(f64::from(a[0] - b[0]), f64::from(a[1] - b[1]));
                 quality.overlapping += f64::from(u8::from(distance < 0.99 * 0.5));
                 quality.deep += f64::from(u8::from(distance < 0.9 * 0.5));
                 quality.min_distance = quality.min_distance.min(distance);

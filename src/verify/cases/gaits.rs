@@ -53,7 +53,7 @@ pub fn gaits(gaits: usize, seed: u32) -> Store {
 fn position(kind: u32, joint: u32, phase: f32, random: &impl Fn(u32) -> f32) -> [f32; 4] {
     let lane = |axis: u32| 16 + joint * 8 + axis;
     let swing = if joint < 4 { 0.02 } else { 0.3 };
-    let turn = |axis: u32| swing * (std::f32::consts::TAU * (phase + random(lane(axis)))).sin();
+    let turn = |axis: u32| swing * libm::sinf(std::f32::consts::TAU * (phase + random(lane(axis))));
     // sides: -1, 0, 1 for the right, the middle and the left
     let side = match joint {
         4..=6 | 10..=12 => 1.0,
