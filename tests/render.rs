@@ -324,7 +324,7 @@ fn hands_target_and_vignette_of_the_user_are_drawn_where_they_are() {
     let to = Vec3::new(0.0, 0.0, 2.5);
     let teleport = Some(Teleport { from: places[1], to, is_allowed: true });
     let hands = [hand(0, HandKind::Hand), hand(1, HandKind::Controller)];
-    renderer.set_user(User { hands, teleport, vignette: 0.0 });
+    renderer.set_user(User { hands, teleport, ..User::default() });
     let image = renderer.draw(&view, None).unwrap();
     keep("user", &image);
     let changed = |image: &Image, eye: usize, place: Vec3| {

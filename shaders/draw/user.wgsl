@@ -1,5 +1,5 @@
 // uses: view, light
-// What pictures show of the user: hands, controllers and a teleport's arc as rounded solids, the place it leads to as a
+// What pictures show of the user: hands, their joints, controllers and a teleport's arc as rounded solids, the place it leads to as a
 // ring on the floor, and a vignette that narrows the view while the user is moved.
 
 // A solid of half lengths 1, as its twin kernels::layout::Solid.
@@ -12,7 +12,7 @@ struct Solid {
 
 // The Rust twin is kernels::layout::UserUniforms.
 struct UserUniforms {
-    solids: array<Solid, 32>,
+    solids: array<Solid, 64>,
     target_place: vec4<f32>,  // xyz: middle of the ring, m; w: its radius, m
     target_color: vec4<f32>,  // rgb linear; w: 1 with a ring
     vignette: vec4<f32>,      // x: strength; y, z: angles from the middle of the view where it begins and is full, rad

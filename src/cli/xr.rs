@@ -297,6 +297,7 @@ fn print(outcome: &Outcome, device: &str) {
     };
     line("drawing  ", &frames.work_ms);
     line("host     ", &frames.host_ms);
+    line("its CPU  ", &frames.host_cpu_ms);
     line("wake-ups ", &frames.wake_ms);
     say(&format!("quality    {:.0} % at least", outcome.least_quality * 100.0));
     say(&format!("sessions   {} ({})", outcome.sessions, outcome.states.join(", ")));

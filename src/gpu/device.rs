@@ -7,11 +7,11 @@ use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
+#[cfg(feature = "xr")]
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 #[cfg(feature = "xr")]
 use std::time::Duration;
-use std::time::Instant;
 
 /// A Vulkan device with one queue for compute, graphics and transfer.
 pub struct Device {
@@ -27,7 +27,10 @@ pub struct Device {
     pub(crate) multiview: bool,
     info: DeviceInfo,
     /// Nanoseconds that were spent waiting for the device.
+    #[cfg(feature = "xr")]
     waited: AtomicU64,
+    #[cfg(feature = "xr")]
+    submissions: AtomicU64,
 }
 
 impl std::fmt::Debug for Device {
@@ -114,7 +117,10 @@ impl Device {
             limits,
             multiview: multiview && draws_every_view(&info.driver),
             info,
+            #[cfg(feature = "xr")]
             waited: AtomicU64::new(0),
+            #[cfg(feature = "xr")]
+            submissions: AtomicU64::new(0),
             instance,
         }))
     }
@@ -167,18 +173,30 @@ impl Device {
         let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
         let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
+        #[cfg(feature = "xr")]
+        let watch = super::Watch::start();
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
         unsafe {
             self.raw.queue_submit2(*queue, &submit, fence).map_err(call("vkQueueSubmit2"))?;
-            let begin = Instant::now();
             self.raw.wait_for_fences(&[fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
-            let waited = u64::try_from(begin.elapsed().as_nanos()).unwrap_or(0);
-            self.waited.fetch_add(waited, Ordering::Relaxed);
-            self.raw.reset_fences(&[fence]).map_err(call("vkResetFences"))
         }
+        #[cfg(feature = "xr")]
+        {
+            let waited = u64::try_from(watch.idle().as_nanos()).unwrap_or(0);
+            self.waited.fetch_add(waited, Ordering::Relaxed);
+            self.submissions.fetch_add(1, Ordering::Relaxed);
+        }
+        // SAFETY: nothing is submitted that would signal the fence.
+        unsafe { self.raw.reset_fences(&[fence]) }.map_err(call("vkResetFences"))
     }
 
-    /// How long submissions were waited for so far.
+    /// Submissions that were waited for so far.
+    #[cfg(all(test, feature = "xr"))]
+    pub(crate) fn submissions(&self) -> u64 {
+        self.submissions.load(Ordering::Relaxed)
+    }
+
+    /// How long submissions were waited for so far: from handing them over to their end, without what this thread did.
     #[cfg(feature = "xr")]
     pub(crate) fn waited(&self) -> Duration {
         Duration::from_nanos(self.waited.load(Ordering::Relaxed))

@@ -1,21 +1,22 @@
 //! One Vulkan buffer per [`BufferId`], one pipeline per kernel, and lists of passes run in one submission.
 
-use super::pipeline::Pipeline;
-use super::plan::{Command, Op, plan};
-use super::{Buffer, Device, Error, Memory, call};
-use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
-use ash::{ext, vk};
-use std::ffi::CString;
-use std::sync::Arc;
+mod encode;
 
-/// Dispatches longer than this along x go on along y.
-const MAX_GROUPS_X: u32 = 65_535;
+use super::pipeline::Pipeline;
+use super::plan::Op;
+use super::{Buffer, Device, Error, Memory, call};
+use crate::kernels::{BufferId, KernelId, Pass, Store};
+use ash::vk;
+use std::sync::Arc;
 
 /// Most passes that one submission can time.
 const TIMED_PASSES: u32 = 2048;
 
 /// Largest staging buffer that is kept for smaller copies, bytes.
 const STAGING_KEPT: u64 = 4 << 20;
+
+/// A buffer, and where its contents stand in staging memory: offset and length, bytes.
+type Copy = (BufferId, usize, usize);
 
 /// How long a pass ran on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,6 +39,10 @@ pub struct Engine {
     queries: vk::QueryPool,
     /// What goes to the device, and what comes from it: the two want different memory.
     staging: [Option<Buffer>; 2],
+    /// What the next command buffer of somebody else's brings to the device first.
+    brought: Vec<Copy>,
+    /// What it leaves for the host at its end.
+    reported: Vec<Copy>,
 }
 
 impl std::fmt::Debug for Engine {
@@ -62,6 +67,8 @@ impl Engine {
             fence: vk::Fence::null(),
             queries: vk::QueryPool::null(),
             staging: [None, None],
+            brought: Vec::new(),
+            reported: Vec::new(),
         };
         engine.make_commands(kernels.len())?;
         for &kernel in kernels {
@@ -176,6 +183,13 @@ impl Engine {
     /// # Errors
     /// When a call fails or memory for staging is short.
     pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        self.bring_to_device()?; // staging memory is wanted for something else
+        let copies = self.fill(store, ids)?;
+        self.copy(&copies, true)
+    }
+
+    /// Puts contents of buffers into staging memory.
+    fn fill(&mut self, store: &Store, ids: &[BufferId]) -> Result<Vec<Copy>, Error> {
         let ids = self.present(ids);
         let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Upload)?;
         if let [Some(staging), _] = &mut self.staging {
@@ -183,7 +197,7 @@ impl Engine {
                 staging.bytes_mut()[*offset..offset + length].copy_from_slice(store.bytes(*id));
             }
         }
-        self.copy(&copies, true)
+        Ok(copies)
     }
 
     /// Copies buffers from the device to the host; the store's buffers keep their lengths.
@@ -212,7 +226,7 @@ impl Engine {
         ids: &[BufferId],
         length: impl Fn(BufferId) -> usize,
         memory: Memory,
-    ) -> Result<Vec<(BufferId, usize, usize)>, Error> {
+    ) -> Result<Vec<Copy>, Error> {
         let mut end = 0;
         let mut copies = Vec::with_capacity(ids.len());
         for &id in ids {
@@ -233,35 +247,12 @@ impl Engine {
         Ok(copies)
     }
 
-    fn copy(&mut self, copies: &[(BufferId, usize, usize)], to_device: bool) -> Result<(), Error> {
-        let staging = self.staging[usize::from(!to_device)].as_ref();
-        let Some(staging) = staging.filter(|_| !copies.is_empty()).map(|buffer| buffer.raw) else {
+    fn copy(&mut self, copies: &[Copy], to_device: bool) -> Result<(), Error> {
+        if copies.is_empty() {
             return Ok(());
-        };
-        self.record(|engine, raw, commands| {
-            for (id, offset, length) in copies {
-                let Some(buffer) = engine.buffers[*id as usize].as_ref() else { continue };
-                let (offset, size) = (*offset as u64, *length as u64);
-                let region = vk::BufferCopy::default().size(size);
-                // SAFETY: both buffers are at least that large; recording has begun.
-                unsafe {
-                    if to_device {
-                        raw.cmd_copy_buffer(commands, staging, buffer.raw, &[region.src_offset(offset)]);
-                    } else {
-                        raw.cmd_copy_buffer(commands, buffer.raw, staging, &[region.dst_offset(offset)]);
-                    }
-                }
-            }
-            // the host reads what was copied only after the fence, and through this dependency
-            let barrier = [vk::MemoryBarrier2::default()
-                .src_stage_mask(vk::PipelineStageFlags2::COPY)
-                .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
-                .dst_stage_mask(vk::PipelineStageFlags2::HOST)
-                .dst_access_mask(vk::AccessFlags2::HOST_READ)];
-            // SAFETY: recording has begun.
-            unsafe {
-                raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
-            }
+        }
+        self.record(|engine, _, commands| {
+            engine.encode_copies(commands, copies, to_device);
             Ok(())
         })
     }
@@ -295,127 +286,9 @@ impl Engine {
     ) -> Result<Vec<PassTime>, Error> {
         let passes = ops.iter().filter(|op| matches!(op, Op::Pass(_))).count();
         let timed = timed && passes <= TIMED_PASSES as usize;
-        let outcome = self.record(|engine, raw, commands| {
-            if timed {
-                // SAFETY: recording has begun and the queries are not in use.
-                unsafe { raw.cmd_reset_query_pool(commands, engine.queries, 0, 2 * TIMED_PASSES) };
-            }
-            let mut query = 0;
-            for command in plan(ops) {
-                match command {
-                    Command::Barrier => engine.barrier(commands),
-                    Command::Op(index, Op::Set(id)) => {
-                        let Some(buffer) = engine.buffer(id) else { continue };
-                        // SAFETY: uniform contents are a few hundred bytes, a multiple of four, within the buffer.
-                        unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents(index, id)) };
-                    }
-                    Command::Op(_, Op::Pass(pass)) => {
-                        engine.dispatch(commands, pass, timed.then_some(query))?;
-                        query += 2;
-                    }
-                }
-            }
-            engine.barrier(commands);
-            Ok(())
-        });
-        match outcome {
-            Err(Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. }) => {
-                let names = ops.iter().filter_map(|op| match op {
-                    Op::Pass(pass) => Some(pass.kernel.kernel().name),
-                    Op::Set(_) => None,
-                });
-                let mut names: Vec<_> = names.collect();
-                names.dedup();
-                names.truncate(16);
-                return Err(Error::DeviceLost { passes: names.join(", ") });
-            }
-            other => other?,
-        }
+        let outcome = self.record(|engine, _, commands| engine.encode_ops(commands, ops, &contents, timed));
+        outcome.map_err(|error| Self::named(error, ops))?;
         if timed { self.times(ops) } else { Ok(Vec::new()) }
-    }
-
-    fn dispatch(&self, commands: vk::CommandBuffer, pass: Pass, query: Option<u32>) -> Result<(), Error> {
-        let kernel = pass.kernel.kernel();
-        let Some(pipeline) = &self.pipelines[pass.kernel as usize] else {
-            return Err(Error::NoKernel(kernel.name));
-        };
-        let raw = &self.device.raw;
-        // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
-        // within what every Vulkan device takes; indirect arguments lie within their buffer.
-        unsafe {
-            self.label(commands, Some(&pipeline.label));
-            if let Some(query) = query {
-                let stage = vk::PipelineStageFlags2::TOP_OF_PIPE;
-                raw.cmd_write_timestamp2(commands, stage, self.queries, query);
-            }
-            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
-            raw.cmd_bind_descriptor_sets(
-                commands,
-                vk::PipelineBindPoint::COMPUTE,
-                pipeline.layout,
-                0,
-                &[pipeline.set],
-                &[],
-            );
-            if kernel.has_level {
-                let level = pass.level.to_ne_bytes();
-                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &level);
-            }
-            match pass.extent {
-                Extent::Invocations(count) => {
-                    let groups = count.div_ceil(kernel.workgroup_size[0]);
-                    if groups > 0 {
-                        raw.cmd_dispatch(
-                            commands,
-                            groups.min(MAX_GROUPS_X),
-                            groups.div_ceil(MAX_GROUPS_X),
-                            1,
-                        );
-                    }
-                }
-                Extent::Indirect(buffer, element) => {
-                    if let Some(buffer) = self.buffer(buffer) {
-                        raw.cmd_dispatch_indirect(commands, buffer.raw, u64::from(element) * 4);
-                    }
-                }
-            }
-            if let Some(query) = query {
-                let stage = vk::PipelineStageFlags2::COMPUTE_SHADER;
-                raw.cmd_write_timestamp2(commands, stage, self.queries, query + 1);
-            }
-            self.label(commands, None);
-        }
-        Ok(())
-    }
-
-    /// Opens (with a name) or closes a debug label.
-    fn label(&self, commands: vk::CommandBuffer, name: Option<&CString>) {
-        let Some(loader): Option<&ext::debug_utils::Device> = self.device.names.as_ref() else { return };
-        // SAFETY: recording has begun; labels are closed in the order they were opened.
-        unsafe {
-            match name {
-                Some(name) => {
-                    let label = vk::DebugUtilsLabelEXT::default().label_name(name);
-                    loader.cmd_begin_debug_utils_label(commands, &label);
-                }
-                None => loader.cmd_end_debug_utils_label(commands),
-            }
-        }
-    }
-
-    fn barrier(&self, commands: vk::CommandBuffer) {
-        let before = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
-        let after = before | vk::PipelineStageFlags2::DRAW_INDIRECT | vk::PipelineStageFlags2::VERTEX_SHADER;
-        let barrier = [vk::MemoryBarrier2::default()
-            .src_stage_mask(before)
-            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
-            .dst_stage_mask(after)
-            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
-        // SAFETY: recording has begun.
-        unsafe {
-            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
-        }
     }
 
     fn times(&self, ops: &[Op]) -> Result<Vec<PassTime>, Error> {

@@ -11,6 +11,8 @@ mod instance;
 mod pipeline;
 pub mod plan;
 mod validation;
+#[cfg(feature = "xr")]
+mod watch;
 
 pub use buffer::{Buffer, Memory};
 pub use device::Device;
@@ -19,6 +21,8 @@ pub use engine::{Engine, PassTime};
 pub(crate) use instance::Maker;
 pub use instance::{DeviceInfo, DeviceKind, list};
 pub use validation::{Validation, validation_messages};
+#[cfg(feature = "xr")]
+pub(crate) use watch::Watch;
 
 /// Vulkan failed.
 #[derive(Debug, thiserror::Error)]

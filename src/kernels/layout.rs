@@ -143,11 +143,11 @@ pub struct Solid {
 }
 
 /// What pictures show of the user; meaning and units stand in `shaders/draw/user.wgsl`.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 #[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
 pub struct UserUniforms {
-    pub solids: [Solid; 32],
+    pub solids: [Solid; 64],
     pub target_place: [f32; 4],
     pub target_color: [f32; 4],
     pub vignette: [f32; 4],

@@ -148,27 +148,22 @@ impl Renderer {
     reason = "a test; 0 and 1 are exact"
 )]
 mod tests {
-    use super::super::target::{COLOR_FORMAT, GpuImage, ImageSpec};
+    use super::super::target::{COLOR_FORMAT, GpuImage, Readback};
     use super::super::{Camera, Settings, Stereo, Surface, View};
     use super::*;
-    use crate::gpu::{Device, Memory, Validation};
+    use crate::gpu::{Device, Validation};
     use glam::Vec3;
     use std::sync::Arc;
 
     const SIDE: u32 = 64;
 
     fn image(device: &Arc<Device>, format: vk::Format, usage: vk::ImageUsageFlags) -> GpuImage {
-        let extent = vk::Extent2D { width: SIDE, height: SIDE };
-        let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC;
-        let samples = vk::SampleCountFlags::TYPE_1;
-        let spec = ImageSpec { name: "test", extent, layers: 2, format, samples, usage };
-        GpuImage::new(device, spec).unwrap()
+        GpuImage::readable(device, "test", ([SIDE; 2], 2), format, usage).unwrap()
     }
 
     /// Depths of both eyes' pictures, row after row.
     fn depths(renderer: &Renderer, depth: &GpuImage) -> Vec<f32> {
-        let bytes = u64::from(SIDE * SIDE) * 4 * 2;
-        let readback = Buffer::new(&renderer.device, "test", bytes, Memory::Readback).unwrap();
+        let readback = Readback::new(&renderer.device, "test", [SIDE, SIDE], 2).unwrap();
         renderer
             .submit(|raw, commands| {
                 let source = (Stage::COPY, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
@@ -176,28 +171,11 @@ mod tests {
                 let aspect = vk::ImageAspectFlags::DEPTH;
                 let ready = Transition { image: depth.raw, aspect, from: written, to: source };
                 renderer.transition(commands, &[ready]);
-                let region = [vk::BufferImageCopy::default()
-                    .image_extent(vk::Extent3D { width: SIDE, height: SIDE, depth: 1 })
-                    .image_subresource(vk::ImageSubresourceLayers {
-                        aspect_mask: aspect,
-                        layer_count: 2,
-                        ..Default::default()
-                    })];
-                let barrier = [vk::MemoryBarrier2::default()
-                    .src_stage_mask(Stage::COPY)
-                    .src_access_mask(Access::TRANSFER_WRITE)
-                    .dst_stage_mask(Stage::HOST)
-                    .dst_access_mask(Access::HOST_READ)];
-                // SAFETY: the image is in that layout, the buffer has room for both layers; recording has begun.
-                unsafe {
-                    raw.cmd_copy_image_to_buffer(commands, depth.raw, source.2, readback.raw, &region);
-                    let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-                    raw.cmd_pipeline_barrier2(commands, &dependency);
-                }
+                readback.copy(raw, commands, depth.raw, aspect);
                 Ok(())
             })
             .unwrap();
-        bytemuck::cast_slice(&readback.bytes()[..SIDE as usize * SIDE as usize * 8]).to_vec()
+        bytemuck::cast_slice(readback.bytes()).to_vec()
     }
 
     #[test]
@@ -232,7 +210,7 @@ mod tests {
             let right = triangle([[-9.0, 0.0], [9.0, 0.0], [0.0, 20.0]]);
             renderer.set_mask(&[left, right].concat()).unwrap();
             renderer.set_depth_output(Some(depth.raw)).unwrap();
-            renderer.draw_into(&view, None, (color.raw, color.view), false).unwrap();
+            renderer.draw_into(&view, None, (color.raw, color.view), false, |_| Ok(())).unwrap();
             let depths = depths(&renderer, &depth);
             let at = |eye: u32, x: u32, y: u32| depths[((eye * SIDE + y) * SIDE + x) as usize];
             let case = format!("{samples} samples, {stereo:?}");

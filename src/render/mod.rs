@@ -12,6 +12,8 @@ mod crowd;
 mod faces;
 #[cfg(feature = "xr")]
 mod lens;
+#[cfg(feature = "xr")]
+mod live;
 mod parts;
 mod pipelines;
 mod record;
@@ -40,8 +42,8 @@ pub use show::Show;
 #[cfg(feature = "xr")]
 pub(crate) use target::DEPTH_FORMAT;
 #[cfg(feature = "view")]
-pub(crate) use target::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
-pub use user::{Hand, HandKind, Teleport, User};
+pub(crate) use target::{COLOR_FORMAT, GpuImage, Readback, Transition, corners, first_layer};
+pub use user::{Hand, HandKind, JOINTS, Joints, Teleport, User};
 
 /// Drawing failed.
 #[derive(Debug, thiserror::Error)]

@@ -9,7 +9,7 @@ use super::scene::{self, Surface};
 use super::settings::{Markers, Settings, Stereo};
 #[cfg(any(feature = "xr", feature = "view"))]
 use super::target::Transition;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, layer_view};
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, Readback, layer_view};
 use super::{CrowdBuffers, Error, Image, User};
 use crate::gpu::{Buffer, Device, Memory, call};
 use crate::kernels::layout::{UserUniforms, ViewUniforms};
@@ -38,12 +38,12 @@ pub(crate) struct CrowdMeshes {
 pub struct Renderer {
     pub(crate) attachments: Attachments,
     /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
-    offscreen: Option<(GpuImage, Buffer)>,
+    offscreen: Option<(GpuImage, Readback)>,
     /// Views of the layers of images that were drawn into one eye after the other.
     layer_views: Vec<(vk::Image, [vk::ImageView; 2])>,
     /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
     #[cfg(any(feature = "xr", feature = "view"))]
-    shot: Option<Buffer>,
+    shot: Option<Readback>,
     /// What the lenses of a headset hide.
     #[cfg(feature = "xr")]
     pub(super) mask: Option<super::lens::Mask>,
@@ -335,10 +335,10 @@ impl Renderer {
             ),
         };
         self.bind(crowd)?;
-        self.submit(|_, commands| {
+        self.submit(|raw, commands| {
             self.record(commands, view, crowd, &output);
             if is_wanted {
-                self.copy_out(commands, image.raw, image.layers, readback);
+                readback.copy(raw, commands, image.raw, vk::ImageAspectFlags::COLOR);
             }
             Ok(())
         })?;
@@ -346,7 +346,7 @@ impl Renderer {
     }
 
     /// Draws into somebody else's image of one layer per eye, which is left in the layout of a colour attachment; copies
-    /// it to the host if that is wanted.
+    /// it to the host if that is wanted. What `before` records comes first, in the same submission.
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn draw_into(
         &mut self,
@@ -354,12 +354,12 @@ impl Renderer {
         crowd: Option<&CrowdBuffers<'_>>,
         (image, image_view): (vk::Image, vk::ImageView),
         is_wanted: bool,
+        before: impl FnOnce(vk::CommandBuffer) -> Result<(), Error>,
     ) -> Result<Option<Image>, Error> {
         use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
         let Settings { width, height, eyes, .. } = self.settings;
         if is_wanted && self.shot.is_none() {
-            let bytes = u64::from(width) * u64::from(height) * 4 * u64::from(eyes);
-            self.shot = Some(Buffer::new(&self.device, "picture readback", bytes, Memory::Readback)?);
+            self.shot = Some(Readback::new(&self.device, "picture readback", [width, height], eyes)?);
         }
         let drawn = (
             Stage::COLOR_ATTACHMENT_OUTPUT,
@@ -372,11 +372,12 @@ impl Renderer {
         let after = if shot.is_some() { copied } else { drawn };
         let output = Output { image, views, before: Stage::COLOR_ATTACHMENT_OUTPUT, after };
         self.bind(crowd)?;
-        self.submit(|_, commands| {
+        self.submit(|raw, commands| {
+            before(commands)?;
             self.record(commands, view, crowd, &output);
             if let Some(readback) = shot {
-                self.copy_out(commands, image, eyes, readback);
                 let aspect = vk::ImageAspectFlags::COLOR;
+                readback.copy(raw, commands, image, aspect);
                 self.transition(commands, &[Transition { image, aspect, from: copied, to: drawn }]);
             }
             Ok(())
@@ -418,44 +419,11 @@ impl Renderer {
         }
     }
 
-    fn make_offscreen(&self) -> Result<(GpuImage, Buffer), Error> {
+    fn make_offscreen(&self) -> Result<(GpuImage, Readback), Error> {
         let Settings { width, height, eyes, .. } = self.settings;
-        let image = GpuImage::new(
-            &self.device,
-            ImageSpec {
-                name: "picture",
-                extent: vk::Extent2D { width, height },
-                layers: eyes,
-                format: self.color_format,
-                samples: vk::SampleCountFlags::TYPE_1,
-                usage: vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_SRC,
-            },
-        )?;
-        let bytes = u64::from(width) * u64::from(height) * 4 * u64::from(eyes);
-        Ok((image, Buffer::new(&self.device, "picture readback", bytes, Memory::Readback)?))
-    }
-
-    fn copy_out(&self, commands: vk::CommandBuffer, image: vk::Image, layers: u32, readback: &Buffer) {
-        let region = [vk::BufferImageCopy::default()
-            .image_extent(vk::Extent3D { width: self.settings.width, height: self.settings.height, depth: 1 })
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: vk::ImageAspectFlags::COLOR,
-                mip_level: 0,
-                base_array_layer: 0,
-                layer_count: layers,
-            })];
-        let barrier = [vk::MemoryBarrier2::default()
-            .src_stage_mask(vk::PipelineStageFlags2::COPY)
-            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
-            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
-            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
-        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        // SAFETY: the image is in that layout; the buffer has room for all layers; recording has begun.
-        unsafe {
-            let raw = &self.device.raw;
-            raw.cmd_copy_image_to_buffer(commands, image, layout, readback.raw, &region);
-            raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
-        }
+        let (size, usage) = ([width, height], vk::ImageUsageFlags::COLOR_ATTACHMENT);
+        let image = GpuImage::readable(&self.device, "picture", (size, eyes), self.color_format, usage)?;
+        Ok((image, Readback::new(&self.device, "picture readback", size, eyes)?))
     }
 
     /// Puts the eyes' pictures side by side.

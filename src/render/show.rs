@@ -18,10 +18,6 @@ use std::sync::Arc;
 /// Seconds between pictures that the gaze is told for the first one.
 const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
 
-/// Pictures from one look at what kernels report to the next, where they are many a second.
-#[cfg(feature = "xr")]
-const CHECK_EVERY: u32 = 16;
-
 /// Height of a person, m.
 const PERSON: f32 = 1.7;
 /// Pixels of a metre at a metre's distance in pictures of 720 rows and 50 degrees, for which the level distances are meant.
@@ -32,30 +28,33 @@ const POSED: f32 = 20.0;
 const LEAST: f32 = 2.5;
 
 /// What the animation reads of a crowd's state.
-const READ: [BufferId; 4] = [BufferId::Position, BufferId::Stance, BufferId::Phase, BufferId::Elevation];
+pub(super) const READ: [BufferId; 4] =
+    [BufferId::Position, BufferId::Stance, BufferId::Phase, BufferId::Elevation];
 
 /// Draws a simulation.
 #[derive(Debug)]
 pub struct Show {
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     /// Animates a crowd that is simulated on the CPU.
     pub(super) animator: Option<Engine>,
     /// What does not depend on the camera.
     frame: FrameUniforms,
-    time: Option<f64>,
+    pub(super) time: Option<f64>,
     /// Number of the moment that the animator has.
     #[cfg(feature = "xr")]
-    taken: u64,
+    pub(super) taken: u64,
     /// When the last two moments were that pictures lie between.
-    moments: Moments,
+    pub(super) moments: Moments,
     /// Where the newest is to be kept with the next picture.
-    keep: Option<u32>,
+    pub(super) keep: Option<u32>,
     /// Whether there is room for two moments.
-    has_moments: bool,
+    pub(super) has_moments: bool,
+    /// How long the animator's kernels ran since that was last asked, if it is measured.
+    times: Option<Vec<(KernelId, f64)>>,
 }
 
 /// The kernels of a picture.
-fn kernels(store: &Store) -> Vec<KernelId> {
+pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
     let mut kernels: Vec<KernelId> =
         order::frame_passes(&store.frame).iter().map(|pass| pass.kernel).collect();
     kernels.push(KernelId::Attend); // agents may have to take turns later
@@ -67,7 +66,7 @@ fn kernels(store: &Store) -> Vec<KernelId> {
     kernels
 }
 
-fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
+pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     Surface {
         positions: &scenery.positions,
         normals: &scenery.normals,
@@ -76,25 +75,23 @@ fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     }
 }
 
-/// Prepares the bodies for a picture: of the moment that the animator has, or of one between two.
-fn animate(
-    animator: &mut Engine,
-    frame: &FrameUniforms,
+/// The kernels that prepare the bodies for a picture, of the moment that the animator has or of one between two, and what
+/// the uniforms among them contain.
+pub(super) fn animation(
+    frame: FrameUniforms,
     between: Option<(BetweenUniforms, Option<u32>)>,
-    is_checked: bool,
-) -> Result<(), crate::Error> {
+) -> (Vec<Op>, impl Fn(usize, BufferId) -> Vec<u8>) {
     let mut ops = vec![Op::Set(BufferId::Frame)];
     if let Some((between, keep)) = &between {
         ops.push(Op::Set(BufferId::Between));
         ops.extend(order::between_passes(between.agent_count, *keep).into_iter().map(Op::Pass));
     }
-    ops.extend(order::frame_passes(frame).into_iter().map(Op::Pass));
-    let contents = |_, buffer| match (buffer, &between) {
+    ops.extend(order::frame_passes(&frame).into_iter().map(Op::Pass));
+    let contents = move |_, buffer| match (buffer, &between) {
         (BufferId::Between, Some((between, _))) => bytemuck::bytes_of(between).to_vec(),
-        _ => bytemuck::bytes_of(frame).to_vec(),
+        _ => bytemuck::bytes_of(&frame).to_vec(),
     };
-    animator.run(&ops, contents, false)?;
-    if is_checked { check(animator) } else { Ok(()) }
+    (ops, contents)
 }
 
 impl Show {
@@ -138,24 +135,7 @@ impl Show {
         Ok(Self::joined(renderer, animator, simulation.store()))
     }
 
-    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
-    #[cfg(feature = "xr")]
-    pub(crate) fn on_device(
-        device: &Arc<Device>,
-        store: &Store,
-        meshes: &MeshBuffers,
-        scenery: &EnvironmentMesh,
-        settings: Settings,
-        format: ash::vk::Format,
-    ) -> Result<Self, crate::Error> {
-        let animator = Engine::new(device, store, &kernels(store))?;
-        let mut renderer = Renderer::with_format(device, settings, format)?;
-        renderer.set_meshes(meshes)?;
-        renderer.set_environment(&[surface(scenery)])?;
-        Ok(Self::joined(renderer, Some(animator), store))
-    }
-
-    fn joined(renderer: Renderer, animator: Option<Engine>, store: &Store) -> Self {
+    pub(super) fn joined(renderer: Renderer, animator: Option<Engine>, store: &Store) -> Self {
         Self {
             renderer,
             animator,
@@ -166,67 +146,13 @@ impl Show {
             moments: Moments::default(),
             keep: None,
             has_moments: !store.moments.is_empty(),
+            times: None,
         }
-    }
-
-    /// What a picture needs of a crowd's state.
-    #[cfg(feature = "xr")]
-    pub(crate) fn moment(store: &Store) -> Store {
-        let mut moment = Store {
-            position: store.position.clone(),
-            stance: store.stance.clone(),
-            phase: store.phase.clone(),
-            ..Store::default()
-        };
-        if store.step.floor_count != 0 {
-            moment.elevation.clone_from(&store.elevation);
-        }
-        if store.step.feels != 0 {
-            moment.gait_weights.clone_from(&store.gait_weights);
-            moment.look.clone_from(&store.look);
-        }
-        moment
-    }
-
-    /// Takes a moment of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
-    #[cfg(feature = "xr")]
-    pub(crate) fn take(&mut self, moment: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
-        if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
-            // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
-            let [position, stance, phase, elevation] = READ;
-            let felt = [BufferId::GaitWeights, BufferId::Look];
-            animator.upload(moment, &[position, stance, phase, elevation, felt[0], felt[1]])?;
-            self.taken = number;
-            self.keep = self.has_moments.then(|| self.moments.keep(time));
-        }
-        Ok(())
-    }
-
-    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the moments taken last, into an
-    /// image of one layer per eye, `seconds` after the picture before; copies it to the host if that is wanted.
-    #[cfg(feature = "xr")]
-    pub(crate) fn draw_into(
-        &mut self,
-        view: &View,
-        user_eyes: Vec3,
-        (shown, seconds): (f64, f32),
-        image: (ash::vk::Image, ash::vk::ImageView),
-        is_wanted: bool,
-    ) -> Result<Option<Image>, crate::Error> {
-        let time = self.time.unwrap_or(0.0) + f64::from(seconds);
-        self.time = Some(time);
-        let frame = self.frame_of(view, user_eyes, seconds, time);
-        let between = self.between(shown);
-        let Some(animator) = &mut self.animator else { return Ok(None) };
-        // what is reported stays, so now and then is enough: reading it waits for the device once more
-        animate(animator, &frame, between, frame.frame_index.is_multiple_of(CHECK_EVERY))?;
-        let crowd = CrowdBuffers::of(animator)?;
-        Ok(self.renderer.draw_into(view, Some(&crowd), image, is_wanted)?)
     }
 
     /// What lies between the last two moments at a time, and where the newest is to be kept; none without room for them.
     #[cfg(any(feature = "xr", feature = "view"))]
-    fn between(&mut self, shown: f64) -> Option<(BetweenUniforms, Option<u32>)> {
+    pub(super) fn between(&mut self, shown: f64) -> Option<(BetweenUniforms, Option<u32>)> {
         let keep = self.keep.take();
         self.has_moments.then(|| (self.moments.at(shown, self.frame.agent_count), keep))
     }
@@ -234,6 +160,19 @@ impl Show {
     /// The device that draws, in words.
     pub fn device(&self) -> String {
         self.renderer.device.describe()
+    }
+
+    /// Measures how long the kernels of pictures run that the show runs itself, or stops measuring: those of a crowd that
+    /// is simulated on the CPU. For others see [`Simulation::measure_times`].
+    #[cfg(feature = "view")]
+    pub(crate) fn measure_times(&mut self, is_on: bool) {
+        self.times = is_on.then(Vec::new);
+    }
+
+    /// Those kernels and how long each ran since this was last asked, ms.
+    #[cfg(feature = "view")]
+    pub(crate) fn take_times(&mut self) -> Vec<(KernelId, f64)> {
+        self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
     /// The renderer, to change its settings.
@@ -302,7 +241,7 @@ impl Show {
         self.prepare_between(simulation, view, user_eyes, between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
-        let image = self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted)?;
+        let image = self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted, |_| Ok(()))?;
         if let Some((between, _)) = between.filter(|_| self.animator.is_none()) {
             simulation.restore(between)?;
         }
@@ -334,7 +273,14 @@ impl Show {
             if store.step.feels != 0 {
                 animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
             }
-            animate(animator, &frame, between, true)
+            let (ops, contents) = animation(frame, between);
+            let measured = animator.run(&ops, contents, self.times.is_some())?;
+            if let Some(times) = &mut self.times {
+                times.extend(measured.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+            }
+            let mut words = no_failures();
+            animator.download(&mut words, &[BufferId::Failure])?;
+            check(&words)
         } else if let Some((between, keep)) = between {
             simulation.animate_between(frame, between, keep)
         } else {
@@ -343,7 +289,13 @@ impl Show {
     }
 
     /// Parameters of a picture `seconds` after the one before, at `time`, s.
-    fn frame_of(&mut self, view: &View, user_eyes: Vec3, seconds: f32, time: f64) -> FrameUniforms {
+    pub(super) fn frame_of(
+        &mut self,
+        view: &View,
+        user_eyes: Vec3,
+        seconds: f32,
+        time: f64,
+    ) -> FrameUniforms {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps after 49 days")]
         {
             self.frame.gaze_time = (time * 1e3) as u64 as u32;
@@ -438,10 +390,13 @@ fn nearest(store: &Store, eye: Vec3, count: usize, height: f32) -> f32 {
     (*first_out - 0.01).max(0.0)
 }
 
-/// Reads the sticky failure words of a picture.
-fn check(engine: &mut Engine) -> Result<(), crate::Error> {
-    let mut words = Store { failure: vec![u32::MAX; KernelId::ALL.len()], ..Store::default() };
-    engine.download(&mut words, &[BufferId::Failure])?;
+/// Room for the sticky failure words of a picture.
+pub(super) fn no_failures() -> Store {
+    Store { failure: vec![u32::MAX; KernelId::ALL.len()], ..Store::default() }
+}
+
+/// What the words say.
+pub(super) fn check(words: &Store) -> Result<(), crate::Error> {
     for kernel in KernelId::ALL {
         let agent = words.failure.get(kernel as usize).copied().unwrap_or(u32::MAX);
         if agent != u32::MAX {

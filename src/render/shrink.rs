@@ -1,16 +1,14 @@
 //! A small copy of a picture that was drawn into somebody else's image: for a window that shows what the headset shows.
 
-use super::target::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
+use super::target::{COLOR_FORMAT, GpuImage, Readback, Transition, corners, first_layer};
 use super::{Error, Image, Renderer};
-use crate::gpu::{Buffer, Memory};
 use ash::vk;
 use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
 
 /// A small image and where the host reads it.
 pub(crate) struct Small {
     image: GpuImage,
-    readback: Buffer,
-    size: [u32; 2],
+    readback: Readback,
 }
 
 impl Renderer {
@@ -20,7 +18,7 @@ impl Renderer {
     /// # Errors
     /// When memory is short or a call fails.
     pub(crate) fn shrink(&mut self, from: vk::Image, [width, height]: [u32; 2]) -> Result<Image, Error> {
-        let small = match self.small.take().filter(|small| small.size == [width, height]) {
+        let small = match self.small.take().filter(|small| small.readback.size() == [width, height]) {
             Some(small) => small,
             None => self.make_small([width, height])?,
         };
@@ -64,58 +62,19 @@ impl Renderer {
                     Transition { image, aspect, from: target, to: copied },
                 ],
             );
-            let region = [vk::BufferImageCopy::default()
-                .image_extent(vk::Extent3D { width, height, depth: 1 })
-                .image_subresource(first_layer())];
-            let barrier = [vk::MemoryBarrier2::default()
-                .src_stage_mask(Stage::COPY)
-                .src_access_mask(Access::TRANSFER_WRITE)
-                .dst_stage_mask(Stage::HOST)
-                .dst_access_mask(Access::HOST_READ)];
-            // SAFETY: the image is in that layout, and the buffer has room for it; recording has begun.
-            unsafe {
-                raw.cmd_copy_image_to_buffer(commands, image, copied.2, small.readback.raw, &region);
-                raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
-            }
+            small.readback.copy(raw, commands, image, aspect);
             Ok(())
         })?;
-        let mut pixels = small.readback.bytes().to_vec();
-        pixels.truncate(width as usize * height as usize * 4);
+        let picture = small.readback.image();
         self.small = Some(small);
-        Ok(Image { width, height, pixels })
+        Ok(picture)
     }
 
-    fn make_small(&self, [width, height]: [u32; 2]) -> Result<Small, Error> {
-        let image = GpuImage::new(
-            &self.device,
-            ImageSpec {
-                name: "small picture",
-                extent: vk::Extent2D { width, height },
-                layers: 1,
-                format: COLOR_FORMAT,
-                samples: vk::SampleCountFlags::TYPE_1,
-                // sampled by nobody, but an image has a view, and a view wants a use
-                usage: vk::ImageUsageFlags::TRANSFER_SRC
-                    | vk::ImageUsageFlags::TRANSFER_DST
-                    | vk::ImageUsageFlags::SAMPLED,
-            },
-        )?;
-        let bytes = u64::from(width) * u64::from(height) * 4;
-        let readback = Buffer::new(&self.device, "small picture readback", bytes, Memory::Readback)?;
-        Ok(Small { image, readback, size: [width, height] })
+    fn make_small(&self, size: [u32; 2]) -> Result<Small, Error> {
+        // sampled by nobody, but an image has a view, and a view wants a use
+        let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED;
+        let image = GpuImage::readable(&self.device, "small picture", (size, 1), COLOR_FORMAT, usage)?;
+        let readback = Readback::new(&self.device, "small picture readback", size, 1)?;
+        Ok(Small { image, readback })
     }
-}
-
-fn first_layer() -> vk::ImageSubresourceLayers {
-    vk::ImageSubresourceLayers {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        mip_level: 0,
-        base_array_layer: 0,
-        layer_count: 1,
-    }
-}
-
-fn corners(size: [u32; 2]) -> [vk::Offset3D; 2] {
-    let side = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
-    [vk::Offset3D::default(), vk::Offset3D { x: side(size[0]), y: side(size[1]), z: 1 }]
 }

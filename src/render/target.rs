@@ -1,7 +1,7 @@
 //! Images on the device.
 
 use super::Error;
-use crate::gpu::{self, Device, call};
+use crate::gpu::{self, Buffer, Device, Memory, call};
 use ash::vk;
 use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
@@ -30,7 +30,6 @@ pub(crate) struct GpuImage {
     pub(crate) raw: vk::Image,
     pub(crate) view: vk::ImageView,
     allocation: Option<Allocation>,
-    pub(crate) layers: u32,
 }
 
 /// The aspect of a format among those used here.
@@ -50,6 +49,20 @@ pub(crate) fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
 }
 
 impl GpuImage {
+    /// An image of one sample a pixel that can be copied from, for the host to read ([`Readback`]) or for somebody else.
+    pub(crate) fn readable(
+        device: &Arc<Device>,
+        name: &str,
+        ([width, height], layers): ([u32; 2], u32),
+        format: vk::Format,
+        usage: vk::ImageUsageFlags,
+    ) -> Result<Self, Error> {
+        let extent = vk::Extent2D { width, height };
+        let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC;
+        let samples = vk::SampleCountFlags::TYPE_1;
+        Self::new(device, ImageSpec { name, extent, layers, format, samples, usage })
+    }
+
     pub(crate) fn new(device: &Arc<Device>, spec: ImageSpec<'_>) -> Result<Self, Error> {
         let create = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
@@ -62,13 +75,7 @@ impl GpuImage {
             .usage(spec.usage);
         // SAFETY: the create-info is complete; size and samples were checked against the device's limits.
         let raw = unsafe { device.raw.create_image(&create, None) }.map_err(call("vkCreateImage"))?;
-        let mut image = Self {
-            device: device.clone(),
-            raw,
-            view: vk::ImageView::null(),
-            allocation: None,
-            layers: spec.layers,
-        };
+        let mut image = Self { device: device.clone(), raw, view: vk::ImageView::null(), allocation: None };
         device.name(raw, spec.name);
         // SAFETY: the image was made by this device.
         let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
@@ -125,6 +132,92 @@ pub(crate) fn layer_view(
         });
     // SAFETY: the image is alive, bound to memory and has that layer.
     Ok(unsafe { device.raw.create_image_view(&create, None) }.map_err(call("vkCreateImageView"))?)
+}
+
+/// The colours of an image's first layer.
+pub(crate) fn first_layer() -> vk::ImageSubresourceLayers {
+    vk::ImageSubresourceLayers {
+        aspect_mask: vk::ImageAspectFlags::COLOR,
+        mip_level: 0,
+        base_array_layer: 0,
+        layer_count: 1,
+    }
+}
+
+/// Two opposite corners of an image, for a blit of all of it.
+#[cfg(any(feature = "xr", feature = "view"))]
+pub(crate) fn corners(size: [u32; 2]) -> [vk::Offset3D; 2] {
+    let side = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
+    [vk::Offset3D::default(), vk::Offset3D { x: side(size[0]), y: side(size[1]), z: 1 }]
+}
+
+/// Where the host reads an image of four bytes a pixel, layer after layer, row after row.
+#[derive(Debug)]
+pub(crate) struct Readback {
+    buffer: Buffer,
+    size: [u32; 2],
+    layers: u32,
+}
+
+impl Readback {
+    pub(crate) fn new(
+        device: &Arc<Device>,
+        name: &'static str,
+        size: [u32; 2],
+        layers: u32,
+    ) -> Result<Self, gpu::Error> {
+        let bytes = u64::from(size[0]) * u64::from(size[1]) * 4 * u64::from(layers);
+        Ok(Self { buffer: Buffer::new(device, name, bytes, Memory::Readback)?, size, layers })
+    }
+
+    #[cfg(feature = "xr")]
+    pub(crate) const fn size(&self) -> [u32; 2] {
+        self.size
+    }
+
+    /// Records the copy of an image of this size and number of layers, which is in the layout of a transfer's source at
+    /// the stage of copies. Once the submission was waited for, [`Readback::bytes`] has it.
+    pub(crate) fn copy(
+        &self,
+        raw: &ash::Device,
+        commands: vk::CommandBuffer,
+        image: vk::Image,
+        aspect: vk::ImageAspectFlags,
+    ) {
+        let [width, height] = self.size;
+        let layers =
+            vk::ImageSubresourceLayers { aspect_mask: aspect, layer_count: self.layers, ..first_layer() };
+        let region = [vk::BufferImageCopy::default()
+            .image_extent(vk::Extent3D { width, height, depth: 1 })
+            .image_subresource(layers)];
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::COPY)
+            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+        let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
+        // SAFETY: the image is in that layout; the buffer has room for all layers; recording has begun.
+        unsafe {
+            raw.cmd_copy_image_to_buffer(commands, image, layout, self.buffer.raw, &region);
+            raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
+        }
+    }
+
+    /// What was copied last.
+    pub(crate) fn bytes(&self) -> &[u8] {
+        let [width, height] = self.size.map(|side| side as usize);
+        let bytes = self.buffer.bytes();
+        bytes.get(..width * height * 4 * self.layers as usize).unwrap_or(bytes)
+    }
+
+    /// The first layer as a picture.
+    #[cfg(any(feature = "xr", feature = "view"))]
+    pub(crate) fn image(&self) -> super::Image {
+        let [width, height] = self.size;
+        let one = width as usize * height as usize * 4;
+        let bytes = self.bytes();
+        super::Image { width, height, pixels: bytes.get(..one).unwrap_or(bytes).to_vec() }
+    }
 }
 
 impl Drop for GpuImage {

@@ -1,10 +1,11 @@
 //! What pictures show of the user: hands or controllers, where a teleport leads, a vignette.
 
 use crate::kernels::layout::{Solid, UserUniforms};
+use bytemuck::Zeroable as _;
 use glam::{Mat4, Quat, Vec3};
 
 /// Most solids of one picture (`shaders/draw/user.wgsl`).
-const SOLIDS: usize = 32;
+const SOLIDS: usize = 64;
 /// Vertices of one solid there: faces around times faces down, of six.
 pub(super) const SOLID_VERTICES: u32 = 12 * 8 * 6;
 /// Beads of a teleport's arc.
@@ -42,6 +43,13 @@ pub struct Hand {
     pub kind: HandKind,
 }
 
+/// Joints of a hand that is seen, in OpenXR's order: palm, wrist, four of the thumb, five of each other finger.
+pub const JOINTS: usize = 26;
+
+/// A hand that is seen, joint by joint: place in the world frame and radius, m.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Joints(pub [(Vec3, f32); JOINTS]);
+
 /// Where a teleport would lead.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Teleport {
@@ -61,6 +69,8 @@ pub struct Teleport {
 pub struct User {
     /// The left and the right hand, where there is one.
     pub hands: [Option<Hand>; 2],
+    /// The same, joint by joint; drawn instead of [`User::hands`].
+    pub joints: [Option<Joints>; 2],
     /// Where a teleport would lead, while the user aims.
     pub teleport: Option<Teleport>,
     /// How far the view is narrowed for comfort while the user is moved: 0 not at all (nothing is drawn) to 1. Grow and
@@ -72,10 +82,13 @@ impl User {
     /// The shapes, and how many solids are among them.
     pub(super) fn uniforms(&self) -> (UserUniforms, u32) {
         let mut solids = Vec::with_capacity(SOLIDS);
-        for (side, hand) in [-1.0, 1.0].into_iter().zip(&self.hands) {
-            solids.extend(hand.iter().flat_map(|hand| hand_solids(hand, side)));
+        for (side, (hand, joints)) in [-1.0, 1.0].into_iter().zip(self.hands.iter().zip(&self.joints)) {
+            match joints {
+                Some(joints) => solids.extend(bones(joints)),
+                None => solids.extend(hand.iter().flat_map(|hand| hand_solids(hand, side))),
+            }
         }
-        let mut uniforms = UserUniforms::default();
+        let mut uniforms = UserUniforms::zeroed();
         if let Some(teleport) = self.teleport {
             let color = if teleport.is_allowed { ALLOWED } else { FORBIDDEN };
             uniforms.target_place = teleport.to.extend(RING).to_array();
@@ -104,13 +117,30 @@ fn solid(world_from_part: &Mat4, middle: [f32; 3], half: [f32; 3], color: Vec3, 
     Solid { x: row(0), y: row(1), z: row(2), color: color.extend(boxy).to_array() }
 }
 
+/// Colour of hands, linear.
+const SKIN: Vec3 = Vec3::new(0.5, 0.3, 0.2);
+
+/// The bones of a hand: from each joint to the next one of its finger, and the palm between the wrist and the knuckles.
+fn bones(Joints(joints): &Joints) -> impl Iterator<Item = Solid> + '_ {
+    const FINGERS: [(usize, usize); 5] = [(2, 5), (6, 10), (11, 15), (16, 20), (21, 25)];
+    let pairs = FINGERS.into_iter().flat_map(|(first, last)| (first..last).map(|joint| (joint, joint + 1)));
+    pairs.chain([(1, 12)]).map(move |(from, to)| {
+        let ((a, near), (b, far)) = (joints[from], joints[to]);
+        let thick = 0.5 * (near + far);
+        let way = b - a;
+        let turn = Quat::from_rotation_arc(Vec3::Z, way.try_normalize().unwrap_or(Vec3::Z));
+        let world = Mat4::from_rotation_translation(turn, 0.5 * (a + b));
+        solid(&world, [0.0; 3], [thick, thick, 0.5 * way.length() + 0.7 * thick], SKIN, 0.2)
+    })
+}
+
 /// A hand or a controller; `side` is −1 for the left one.
 fn hand_solids(hand: &Hand, side: f32) -> Vec<Solid> {
     let world = Mat4::from_rotation_translation(hand.turn.normalize(), hand.place);
     let part = |middle, half, color, boxy| solid(&world, middle, half, color, boxy);
     match hand.kind {
         HandKind::Hand => {
-            let (skin, sleeve) = (Vec3::new(0.5, 0.3, 0.2), Vec3::new(0.05, 0.09, 0.16));
+            let (skin, sleeve) = (SKIN, Vec3::new(0.05, 0.09, 0.16));
             let inwards = -side;
             let mut solids = vec![
                 // the back of the hand looks outwards, the fingers curl in before it
@@ -155,7 +185,7 @@ mod tests {
     fn everything_of_a_user_has_room_and_what_is_not_finite_is_left_out() {
         let hand = |kind| Some(Hand { place: Vec3::Y, turn: Quat::IDENTITY, kind });
         let teleport = Some(Teleport { from: Vec3::Y, to: Vec3::Z, is_allowed: true });
-        let user = User { hands: [hand(HandKind::Hand); 2], teleport, vignette: 2.0 };
+        let user = User { hands: [hand(HandKind::Hand); 2], joints: [None; 2], teleport, vignette: 2.0 };
         let (uniforms, count) = user.uniforms();
         assert_eq!(count, 2 * 7 + u32::from(BEADS), "all have room");
         assert_eq!(uniforms.vignette[0], 1.0);
@@ -165,6 +195,30 @@ mod tests {
         let (uniforms, count) = User { hands: [lost, hand(HandKind::Controller)], ..user }.uniforms();
         assert_eq!(count, 4 + u32::from(BEADS));
         assert!(uniforms.solids.iter().all(|solid| solid.x.iter().all(|v| v.is_finite())));
+    }
+
+    #[test]
+    fn a_hand_that_is_seen_is_drawn_by_its_bones_instead_of_what_it_holds() {
+        // finger after finger beside each other, joints three centimetres apart
+        let place = |joint: u8| Vec3::new(0.02 * f32::from(joint / 5), 1.0, -0.03 * f32::from(joint % 5));
+        let mut number = 0;
+        let joints = Joints([(); JOINTS].map(|()| {
+            number += 1;
+            (place(number), 0.01)
+        }));
+        let held = Some(Hand { place: Vec3::Y, turn: Quat::IDENTITY, kind: HandKind::Controller });
+        let teleport = Some(Teleport { from: Vec3::Y, to: Vec3::Z, is_allowed: true });
+        let user = User { hands: [held; 2], joints: [Some(joints); 2], teleport, vignette: 0.0 };
+        let (uniforms, count) = user.uniforms();
+        assert_eq!(count, 2 * 20 + u32::from(BEADS), "all have room");
+        let index = &uniforms.solids[3]; // from joint 6, number 7, to the next
+        let middle = 0.5 * (place(7) + place(8));
+        let [x, y, z] = [index.x, index.y, index.z];
+        assert!((Vec3::new(x[3], y[3], z[3]) - middle).length() < 1e-6, "{index:?}");
+        let length = Vec3::new(x[2], y[2], z[2]).length();
+        assert!((length - (0.015 + 0.007)).abs() < 1e-6, "{length}");
+        let one = User { joints: [Some(joints), None], ..user };
+        assert_eq!(one.uniforms().1, 20 + 4 + u32::from(BEADS));
     }
 
     #[test]

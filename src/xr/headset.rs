@@ -13,6 +13,7 @@ use super::session::{Event, Eyes, Frame, Session, State, Target};
 use super::shown::{Crowd, Shown};
 use super::views::Pose;
 use super::{Error, stop, views};
+use crate::gpu::Watch;
 use crate::picture::Image;
 use crate::render::{Hand, HandKind, Settings, Show, User};
 use glam::{Vec2, Vec3};
@@ -191,7 +192,7 @@ impl<'a> Headset<'a> {
 
     fn frame(&mut self, session: &mut Session, show: &mut Show, clock: &mut Clock) -> Result<(), Failure> {
         let frame = session.wait()?;
-        let (woke, waited) = (Instant::now(), session.waited());
+        let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
         self.shared.live();
         let (seconds, periods) = clock.step(&frame, &mut self.times);
         let input = session.read_input(&frame)?;
@@ -220,7 +221,8 @@ impl<'a> Headset<'a> {
         session.end(frame, eyes.as_ref())?;
         let work = begin.elapsed();
         self.times.drew(work, periods);
-        self.times.prepared(woke.elapsed().saturating_sub(session.waited().saturating_sub(waited)));
+        let host = woke.elapsed().saturating_sub(session.waited().saturating_sub(waited));
+        self.times.prepared(host, watch.ran());
         self.governor.frame(work, frame.period);
         self.outcome.least_quality = self.outcome.least_quality.min(self.governor.quality());
         if let (Some((image, user_eyes)), Some((_, shots))) = (seen, &mut self.plan.shots) {
@@ -288,6 +290,7 @@ impl Headset<'_> {
         };
         User {
             hands: input.grips.map(|grip| grip.map(held)),
+            joints: input.seen.map(|seen| seen.map(|seen| seen.within(room))),
             teleport: self.rig.teleport_shown(input.hands[1].or(input.hands[0])),
             vignette: self.rig.vignette() * self.plan.vignette,
         }

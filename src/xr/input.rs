@@ -1,5 +1,6 @@
 //! Hands, sticks and buttons.
 
+use super::joints::{Seen, Trackers};
 use super::rig::Walk;
 use super::views::Pose;
 use super::{Error, call};
@@ -10,10 +11,12 @@ use openxr as xr;
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Reading {
     pub(super) walk: Walk,
-    /// Where the left and the right one point, while they are tracked.
+    /// Where the left and the right one point, while they are tracked: controllers, or palms.
     pub(super) hands: [Option<Pose>; 2],
     /// How they are held, likewise.
     pub(super) grips: [Option<Pose>; 2],
+    /// Hands that are seen.
+    pub(super) seen: [Option<Seen>; 2],
 }
 
 /// The actions, bound to whatever controllers the runtime has.
@@ -25,6 +28,7 @@ pub(super) struct Input {
     recentre: xr::Action<bool>,
     /// Of aiming and of holding; left and right.
     spaces: [[xr::Space; 2]; 2],
+    trackers: Option<Trackers>,
 }
 
 /// Interaction profile; then paths of walking stick, turning stick, teleport button, recentre button.
@@ -65,7 +69,11 @@ const PROFILES: [(&str, [&str; 4]); 5] = [
 
 impl Input {
     /// Makes the actions and hands them to the session; once per session.
-    pub(super) fn new(instance: &xr::Instance, session: &xr::Session<xr::Vulkan>) -> Result<Self, Error> {
+    pub(super) fn new(
+        instance: &xr::Instance,
+        system: xr::SystemId,
+        session: &xr::Session<xr::Vulkan>,
+    ) -> Result<Self, Error> {
         let path = |text: &str| instance.string_to_path(text).map_err(call("xrStringToPath"));
         let set = instance
             .create_action_set("walk", "Walking through the crowd", 0)
@@ -103,7 +111,8 @@ impl Input {
         };
         let both = |action| Ok::<_, Error>([space(action, hands[0])?, space(action, hands[1])?]);
         let spaces = [both(&aim)?, both(&grip)?];
-        Ok(Self { set, walk, turn, teleport, recentre, spaces })
+        let trackers = Trackers::new(instance, system, session)?;
+        Ok(Self { set, walk, turn, teleport, recentre, spaces, trackers })
     }
 
     /// What hands and sticks do at `time`.
@@ -135,7 +144,11 @@ impl Input {
             let known = xr::SpaceLocationFlags::ORIENTATION_VALID | xr::SpaceLocationFlags::POSITION_VALID;
             *hand = found.location_flags.contains(known).then(|| Pose::from_xr(found.pose)).flatten();
         }
-        let [hands, grips] = poses;
-        Ok(Reading { walk, hands, grips })
+        let [mut hands, grips] = poses;
+        let seen = self.trackers.as_ref().map_or(Ok([None; 2]), |trackers| trackers.read(room, time))?;
+        for (hand, seen) in hands.iter_mut().zip(&seen) {
+            *hand = hand.or(seen.map(|seen| seen.palm));
+        }
+        Ok(Reading { walk, hands, grips, seen })
     }
 }

@@ -10,6 +10,7 @@ mod app;
 mod headset;
 mod hidden;
 mod input;
+mod joints;
 mod mirror;
 mod pace;
 mod recording;

@@ -11,8 +11,10 @@ const KEPT: usize = 650_000;
 pub struct FrameTimes {
     /// Time from acquiring an image to handing it over, ms, per drawn frame.
     work: Vec<f32>,
-    /// The host's own share of a frame, ms.
+    /// The host's own share of a frame by the clock, ms.
     host: Vec<f32>,
+    /// Processor time of the frame's thread in it, ms.
+    cpu: Vec<f32>,
     /// Time between one wake-up and the next, ms.
     wake: Vec<f32>,
     drawn: u64,
@@ -58,6 +60,9 @@ pub struct FrameSummary {
     /// What the host did in a frame from the wake-up on, ms: input, the crowd's moment, recording, submitting, handing over;
     /// without waiting for the device or for an image.
     pub host_ms: Percentiles,
+    /// Processor time of the frame's thread in that, ms: the rest of it is the runtime's answers, and waiting for a
+    /// processor that others have. 0 where the system does not tell.
+    pub host_cpu_ms: Percentiles,
     /// Time between wake-ups, ms.
     pub wake_ms: Percentiles,
 }
@@ -70,9 +75,12 @@ impl FrameTimes {
         self.missed += periods.saturating_sub(1);
     }
 
-    /// The host's own share of a frame with a picture.
-    pub fn prepared(&mut self, host: Duration) {
+    /// The host's own share of a frame with a picture: by the clock, and the processor time of the thread.
+    pub fn prepared(&mut self, host: Duration, cpu: Option<Duration>) {
         push(&mut self.host, host);
+        if let Some(cpu) = cpu {
+            push(&mut self.cpu, cpu);
+        }
     }
 
     /// A frame for which the runtime wanted no picture.
@@ -93,6 +101,7 @@ impl FrameTimes {
             missed: self.missed,
             work_ms: Percentiles::of(&self.work),
             host_ms: Percentiles::of(&self.host),
+            host_cpu_ms: Percentiles::of(&self.cpu),
             wake_ms: Percentiles::of(&self.wake),
         }
     }

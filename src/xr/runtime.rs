@@ -65,6 +65,7 @@ impl Runtime {
         useful.fb_display_refresh_rate = true;
         useful.khr_composition_layer_depth = true;
         useful.khr_visibility_mask = true;
+        useful.ext_hand_tracking = true;
         let wanted = useful.intersection(&known);
         let application = xr::ApplicationInfo {
             application_name: "gaitway",

@@ -174,7 +174,7 @@ impl Session {
         let uses = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let depth =
             takes_depth.then(|| Swapchain::new(&session, device, DEPTH_FORMAT, size, uses)).transpose()?;
-        let input = Input::new(&instance, &session)?;
+        let input = Input::new(&instance, runtime.system, &session)?;
         let mut made = Self {
             targets: Vec::new(),
             color,

@@ -4,11 +4,11 @@
 
 use super::session::check;
 use super::{Error, call};
-use crate::gpu::Device;
+use crate::gpu::{Device, Watch};
 use ash::vk::{self, Handle as _};
 use openxr as xr;
 use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Longest wait for an image. The runtime's compositor gives one back every few periods.
 const IMAGE_TIMEOUT: Duration = Duration::from_secs(2);
@@ -81,9 +81,9 @@ impl Swapchain {
                 "xrAcquireSwapchainImage",
                 (fp.acquire_swapchain_image)(raw, std::ptr::null(), &raw mut index),
             )?;
-            let begin = Instant::now();
+            let watch = Watch::start();
             check("xrWaitSwapchainImage", (fp.wait_swapchain_image)(raw, &raw const wait))?;
-            self.waited += begin.elapsed();
+            self.waited += watch.idle();
         }
         let index = index as usize;
         let fault = xr::sys::Result::ERROR_RUNTIME_FAILURE;

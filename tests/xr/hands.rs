@@ -140,3 +140,62 @@ fn controllers_are_seen_point_walk_and_recentre() {
     let last = way[way.len() - 1];
     assert!((last[0] - 2.0).abs() < 0.05 && (last[1] - 1.0).abs() < 0.05, "back at the start: {last:?}");
 }
+
+/// How many pixels of a part of the left eye's picture have the colour of hands, which nothing else here has.
+fn skin(image: &Image, [left, top, right, bottom]: [f32; 4]) -> usize {
+    let at = |share: f32| (share * SIZE as f32) as u32;
+    let pixels = (at(top)..at(bottom)).flat_map(|y| (at(left)..at(right)).map(move |x| (x, y)));
+    let is_skin = |p: [u8; 4]| p[0] > p[1].saturating_add(15) && p[1] > p[2].saturating_add(5);
+    pixels.filter(|(x, y)| image.pixel(*x, *y).is_some_and(is_skin)).count()
+}
+
+#[test]
+fn hands_without_controllers_are_seen_and_recorded() {
+    if !is_there() {
+        return;
+    }
+    let service = Service::start("fingers", 4287);
+    let folder = folder("fingers");
+    let (file, record) = (folder.join("empty.toml"), folder.join("visit.csv"));
+    std::fs::write(&file, EMPTY).unwrap();
+    let (scene, shots, kept) = (file.to_str().unwrap(), folder.to_str().unwrap(), record.to_str().unwrap());
+    let size = format!("{SIZE}x{SIZE}");
+    let run =
+        ["xr", scene, "--eye-size", &size, "--shots", shots, "--every", "4", "--record", kept, "--json"];
+    let mut head = service.head();
+    head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
+    let mut live = Live::start(service.gaitway(&run));
+    live.hear("the headset shows the crowd", Duration::from_secs(30));
+    let mut show = |left, right| {
+        head.show_hand(0, left);
+        head.show_hand(1, right);
+        head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
+        look(&folder)
+    };
+    let places = [Some([-0.25, 1.35, -0.45]), Some([0.25, 1.35, -0.45])];
+    let (bare, both) = (show(None, None), show(places[0], places[1]));
+    let (one, none) = (show(None, places[1]), show(None, None));
+    let parts = [[0.0, 0.5, 0.5, 1.0], [0.5, 0.5, 1.0, 1.0]];
+    let seen = [&bare, &both, &one, &none].map(|image| parts.map(|part| skin(image, part)));
+    println!("{seen:?} pixels of skin: none, both hands, the right one, none");
+    assert!(seen[1].iter().all(|count| *count > 150), "{seen:?}");
+    assert!(seen[2][0] == 0 && seen[2][1] > 150, "{seen:?}");
+    assert_eq!([seen[0], seen[3]], [[0; 2]; 2]);
+    let (found, _) = live.end();
+    let extensions = found["runtime"]["extensions"].as_array().unwrap();
+    assert!(extensions.iter().any(|name| name == "XR_EXT_hand_tracking"), "{found}");
+    // the palm of the right hand, as a controller would be: longest of all, and near where it was shown
+    let text = std::fs::read_to_string(&record).unwrap();
+    let rows: Vec<Vec<&str>> = text
+        .lines()
+        .filter(|line| line.starts_with(|c: char| c.is_ascii_digit()))
+        .map(|row| row.split(',').collect())
+        .collect();
+    let count = |column: usize| rows.iter().filter(|row| !row[column].is_empty()).count();
+    assert!(count(12) > 10 && count(19) > count(12) + 10, "{} and {} steps with hands", count(12), count(19));
+    let right = rows.iter().find(|row| !row[19].is_empty()).unwrap();
+    let [x, y, z] = [19, 20, 21].map(|column| right[column].parse::<f32>().unwrap());
+    println!("the right palm at {x} {y} {z}");
+    // the user stands at (2, 1) and faces -z
+    assert!((x - 2.25).abs() < 0.15 && (y - 1.35).abs() < 0.15 && (z - 0.55).abs() < 0.15, "{right:?}");
+}

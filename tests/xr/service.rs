@@ -292,6 +292,14 @@ impl Head {
         (flags[1], flags[4], flags[10]) = (1, u8::from(thumb.a), u8::from(thumb.click));
     }
 
+    /// Shows a hand without a controller (0 the left one) at a place of the room, m, its fingers straight; goes with the
+    /// next [`Head::set`]. No place, no hand.
+    pub(super) fn show_hand(&mut self, hand: usize, position: Option<[f32; 3]>) {
+        self.set_hand(hand, position.unwrap_or_default(), 0.0, Stick::default());
+        let flags = &mut self.state[HANDS[hand] + FLAGS..][..13];
+        (flags[0], flags[1]) = (u8::from(position.is_some()), 0);
+    }
+
     /// Turns and moves the head: turn to the left and upwards in degrees, position above the room's floor in m.
     pub(super) fn set(&mut self, yaw_deg: f32, pitch_deg: f32, position: [f32; 3]) {
         let turn = glam::Quat::from_rotation_y(yaw_deg.to_radians())

@@ -1,0 +1,258 @@
+//! What an engine records: copies, uniforms, passes and the barriers between them, into its own command buffer or into
+//! somebody else's, so that a picture and the kernels before it are one submission.
+
+use super::super::Error;
+use super::super::plan::{Command, Op, plan};
+use super::{Copy, Engine, TIMED_PASSES};
+#[cfg(feature = "xr")]
+use crate::kernels::Store;
+use crate::kernels::{BufferId, Extent, Pass};
+use ash::{ext, vk};
+use std::ffi::CString;
+
+/// Dispatches longer than this along x go on along y.
+const MAX_GROUPS_X: u32 = 65_535;
+
+impl Engine {
+    /// Puts contents of buffers where [`Engine::encode`] takes them from; what was brought before and not yet taken is
+    /// taken first.
+    ///
+    /// # Errors
+    /// When a call fails or memory for staging is short.
+    #[cfg(feature = "xr")]
+    pub(crate) fn bring(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        self.bring_to_device()?;
+        self.brought = self.fill(store, ids)?;
+        Ok(())
+    }
+
+    /// Brings what was brought and not yet taken.
+    pub(super) fn bring_to_device(&mut self) -> Result<(), Error> {
+        let brought = std::mem::take(&mut self.brought);
+        self.copy(&brought, true)
+    }
+
+    /// Bytes that the next [`Engine::encode`] brings.
+    #[cfg(all(test, feature = "xr"))]
+    pub(crate) fn brought_bytes(&self) -> usize {
+        self.brought.iter().map(|(_, _, length)| length).sum()
+    }
+
+    /// Wants the contents of buffers, as long as in `store`, at the end of the next [`Engine::encode`].
+    ///
+    /// # Errors
+    /// When memory for staging is short.
+    #[cfg(feature = "xr")]
+    pub(crate) fn want_report(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        let ids = self.present(ids);
+        self.reported = self.stage(&ids, |id| store.bytes(id).len(), super::Memory::Readback)?;
+        Ok(())
+    }
+
+    /// The contents that are wanted, as the submission left them that was waited for last.
+    #[cfg(feature = "xr")]
+    pub(crate) fn report(&self, store: &mut Store) {
+        if let [_, Some(staging)] = &self.staging {
+            for (id, offset, length) in &self.reported {
+                let bytes = staging.bytes().get(*offset..offset + length);
+                if let (Some(bytes), to) = (bytes, store.bytes_mut(*id))
+                    && bytes.len() == to.len()
+                {
+                    to.copy_from_slice(bytes);
+                }
+            }
+        }
+    }
+
+    /// Records what [`Engine::run`] would submit into a command buffer of somebody else's, who submits it to the same queue
+    /// and waits, then says [`Engine::encoded`]. Draws that stand behind it find everything in place.
+    ///
+    /// # Errors
+    /// When a pass needs a kernel that this engine lacks.
+    #[cfg(feature = "xr")]
+    pub(crate) fn encode(
+        &self,
+        commands: vk::CommandBuffer,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+    ) -> Result<(), Error> {
+        if !self.brought.is_empty() {
+            self.encode_copies(commands, &self.brought, true);
+            self.barrier(commands);
+        }
+        self.encode_ops(commands, ops, &contents, false)?;
+        self.encode_copies(commands, &self.reported, false);
+        Ok(())
+    }
+
+    /// The commands of [`Engine::encode`] are done.
+    #[cfg(feature = "xr")]
+    pub(crate) fn encoded(&mut self) {
+        self.brought.clear();
+    }
+
+    /// The error of a submission with these operations: a lost device says what it was doing.
+    pub(crate) fn named(error: Error, ops: &[Op]) -> Error {
+        match error {
+            Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
+                let names = ops.iter().filter_map(|op| match op {
+                    Op::Pass(pass) => Some(pass.kernel.kernel().name),
+                    Op::Set(_) => None,
+                });
+                let mut names: Vec<_> = names.collect();
+                names.dedup();
+                names.truncate(16);
+                Error::DeviceLost { passes: names.join(", ") }
+            }
+            other => other,
+        }
+    }
+
+    /// Records copies between staging memory and buffers.
+    pub(super) fn encode_copies(&self, commands: vk::CommandBuffer, copies: &[Copy], to_device: bool) {
+        let Some(staging) = self.staging[usize::from(!to_device)].as_ref().filter(|_| !copies.is_empty())
+        else {
+            return;
+        };
+        let raw = &self.device.raw;
+        for (id, offset, length) in copies {
+            let Some(buffer) = self.buffers[*id as usize].as_ref() else { continue };
+            let (offset, size) = (*offset as u64, *length as u64);
+            let region = vk::BufferCopy::default().size(size);
+            // SAFETY: both buffers are at least that large; recording has begun.
+            unsafe {
+                if to_device {
+                    raw.cmd_copy_buffer(commands, staging.raw, buffer.raw, &[region.src_offset(offset)]);
+                } else {
+                    raw.cmd_copy_buffer(commands, buffer.raw, staging.raw, &[region.dst_offset(offset)]);
+                }
+            }
+        }
+        // the host reads what was copied only after the fence, and through this dependency
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(vk::PipelineStageFlags2::COPY)
+            .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
+            .dst_stage_mask(vk::PipelineStageFlags2::HOST)
+            .dst_access_mask(vk::AccessFlags2::HOST_READ)];
+        // SAFETY: recording has begun.
+        unsafe {
+            raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
+        }
+    }
+
+    /// Records operations, barriers between them and after the last.
+    pub(super) fn encode_ops(
+        &self,
+        commands: vk::CommandBuffer,
+        ops: &[Op],
+        contents: &impl Fn(usize, BufferId) -> Vec<u8>,
+        timed: bool,
+    ) -> Result<(), Error> {
+        let raw = &self.device.raw;
+        if timed {
+            // SAFETY: recording has begun and the queries are not in use.
+            unsafe { raw.cmd_reset_query_pool(commands, self.queries, 0, 2 * TIMED_PASSES) };
+        }
+        let mut query = 0;
+        for command in plan(ops) {
+            match command {
+                Command::Barrier => self.barrier(commands),
+                Command::Op(index, Op::Set(id)) => {
+                    let Some(buffer) = self.buffer(id) else { continue };
+                    // SAFETY: uniform contents are a few hundred bytes, a multiple of four, within the buffer.
+                    unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents(index, id)) };
+                }
+                Command::Op(_, Op::Pass(pass)) => {
+                    self.dispatch(commands, pass, timed.then_some(query))?;
+                    query += 2;
+                }
+            }
+        }
+        self.barrier(commands);
+        Ok(())
+    }
+
+    fn dispatch(&self, commands: vk::CommandBuffer, pass: Pass, query: Option<u32>) -> Result<(), Error> {
+        let kernel = pass.kernel.kernel();
+        let Some(pipeline) = &self.pipelines[pass.kernel as usize] else {
+            return Err(Error::NoKernel(kernel.name));
+        };
+        let raw = &self.device.raw;
+        // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
+        // within what every Vulkan device takes; indirect arguments lie within their buffer.
+        unsafe {
+            self.label(commands, Some(&pipeline.label));
+            if let Some(query) = query {
+                let stage = vk::PipelineStageFlags2::TOP_OF_PIPE;
+                raw.cmd_write_timestamp2(commands, stage, self.queries, query);
+            }
+            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
+            raw.cmd_bind_descriptor_sets(
+                commands,
+                vk::PipelineBindPoint::COMPUTE,
+                pipeline.layout,
+                0,
+                &[pipeline.set],
+                &[],
+            );
+            if kernel.has_level {
+                let level = pass.level.to_ne_bytes();
+                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &level);
+            }
+            match pass.extent {
+                Extent::Invocations(count) => {
+                    let groups = count.div_ceil(kernel.workgroup_size[0]);
+                    if groups > 0 {
+                        raw.cmd_dispatch(
+                            commands,
+                            groups.min(MAX_GROUPS_X),
+                            groups.div_ceil(MAX_GROUPS_X),
+                            1,
+                        );
+                    }
+                }
+                Extent::Indirect(buffer, element) => {
+                    if let Some(buffer) = self.buffer(buffer) {
+                        raw.cmd_dispatch_indirect(commands, buffer.raw, u64::from(element) * 4);
+                    }
+                }
+            }
+            if let Some(query) = query {
+                let stage = vk::PipelineStageFlags2::COMPUTE_SHADER;
+                raw.cmd_write_timestamp2(commands, stage, self.queries, query + 1);
+            }
+            self.label(commands, None);
+        }
+        Ok(())
+    }
+
+    /// Opens (with a name) or closes a debug label.
+    fn label(&self, commands: vk::CommandBuffer, name: Option<&CString>) {
+        let Some(loader): Option<&ext::debug_utils::Device> = self.device.names.as_ref() else { return };
+        // SAFETY: recording has begun; labels are closed in the order they were opened.
+        unsafe {
+            match name {
+                Some(name) => {
+                    let label = vk::DebugUtilsLabelEXT::default().label_name(name);
+                    loader.cmd_begin_debug_utils_label(commands, &label);
+                }
+                None => loader.cmd_end_debug_utils_label(commands),
+            }
+        }
+    }
+
+    fn barrier(&self, commands: vk::CommandBuffer) {
+        let before = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let after = before | vk::PipelineStageFlags2::DRAW_INDIRECT | vk::PipelineStageFlags2::VERTEX_SHADER;
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(before)
+            .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
+            .dst_stage_mask(after)
+            .dst_access_mask(vk::AccessFlags2::MEMORY_READ | vk::AccessFlags2::MEMORY_WRITE)];
+        // SAFETY: recording has begun.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+}

@@ -1,0 +1,181 @@
+//! Pictures of a crowd that is simulated elsewhere: its moments come to the device that draws, and everything of a picture
+//! is one submission, from the newest moment to the last pixel.
+
+use super::show::{READ, animation, check, kernels, no_failures, surface};
+use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, View};
+use crate::gpu::{Device, Engine};
+use crate::kernels::{BufferId, Store};
+use crate::scenario::EnvironmentMesh;
+use crate::sim::bodies::MeshBuffers;
+use glam::Vec3;
+use std::sync::Arc;
+
+impl Show {
+    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
+    pub(crate) fn on_device(
+        device: &Arc<Device>,
+        store: &Store,
+        meshes: &MeshBuffers,
+        scenery: &EnvironmentMesh,
+        settings: Settings,
+        format: ash::vk::Format,
+    ) -> Result<Self, crate::Error> {
+        let animator = Engine::new(device, store, &kernels(store))?;
+        let mut renderer = Renderer::with_format(device, settings, format)?;
+        renderer.set_meshes(meshes)?;
+        renderer.set_environment(&[surface(scenery)])?;
+        Ok(Self::joined(renderer, Some(animator), store))
+    }
+
+    /// What a picture needs of a crowd's state.
+    pub(crate) fn moment(store: &Store) -> Store {
+        let mut moment = Store {
+            position: store.position.clone(),
+            stance: store.stance.clone(),
+            phase: store.phase.clone(),
+            ..Store::default()
+        };
+        if store.step.floor_count != 0 {
+            moment.elevation.clone_from(&store.elevation);
+        }
+        if store.step.feels != 0 {
+            moment.gait_weights.clone_from(&store.gait_weights);
+            moment.look.clone_from(&store.look);
+        }
+        moment
+    }
+
+    /// Takes a moment of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
+    pub(crate) fn take(&mut self, moment: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
+        if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
+            // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
+            let [position, stance, phase, elevation] = READ;
+            let felt = [BufferId::GaitWeights, BufferId::Look];
+            animator.bring(moment, &[position, stance, phase, elevation, felt[0], felt[1]])?;
+            self.taken = number;
+            self.keep = self.has_moments.then(|| self.moments.keep(time));
+        }
+        Ok(())
+    }
+
+    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the moments taken last, into an
+    /// image of one layer per eye, `seconds` after the picture before; copies it to the host if that is wanted.
+    pub(crate) fn draw_into(
+        &mut self,
+        view: &View,
+        user_eyes: Vec3,
+        (shown, seconds): (f64, f32),
+        image: (ash::vk::Image, ash::vk::ImageView),
+        is_wanted: bool,
+    ) -> Result<Option<Image>, crate::Error> {
+        let time = self.time.unwrap_or(0.0) + f64::from(seconds);
+        self.time = Some(time);
+        let frame = self.frame_of(view, user_eyes, seconds, time);
+        let between = self.between(shown);
+        let Some(animator) = &mut self.animator else { return Ok(None) };
+        let (ops, contents) = animation(frame, between);
+        let mut words = no_failures();
+        animator.want_report(&words, &[BufferId::Failure])?;
+        let crowd = CrowdBuffers::of(animator)?;
+        let before = |commands| Ok(animator.encode(commands, &ops, contents)?);
+        let image = self.renderer.draw_into(view, Some(&crowd), image, is_wanted, before).map_err(
+            |error| match error {
+                Error::Gpu(error) => Error::Gpu(Engine::named(error, &ops)),
+                other => other,
+            },
+        )?;
+        animator.encoded();
+        animator.report(&mut words);
+        check(&words)?;
+        Ok(image)
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
+mod tests {
+    use super::super::target::{COLOR_FORMAT, GpuImage};
+    use super::super::{Camera, View};
+    use super::*;
+    use crate::avatar::{self, Sex};
+    use crate::gpu::Validation;
+    use crate::library::GaitLibrary;
+    use crate::scenario::{Scenario, populate_from};
+    use crate::sim::moments::make_room;
+    use crate::sim::{Cast, bodies, setup};
+    use ash::vk;
+
+    const SIDE: u32 = 64;
+
+    fn crowd(agents: u32) -> (Store, MeshBuffers, EnvironmentMesh) {
+        let library = GaitLibrary::built_in().unwrap();
+        let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
+        let people = populate_from(&scenario, &library).unwrap();
+        let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+        let geometry = scenario.geometry();
+        let mut store = setup::store(&scenario, &geometry, &people, &cast);
+        let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+        make_room(&mut store);
+        (store, meshes, geometry.environment.mesh(&geometry.bounds, geometry.user))
+    }
+
+    #[test]
+    fn a_picture_is_one_submission_and_brings_a_new_moment_and_nothing_else() {
+        let device = match Device::open(None, Validation::from_environment()) {
+            Ok(device) => device,
+            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
+            Err(error) => return println!("skipped: no Vulkan ({error})"),
+        };
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
+        let camera = Camera::look_at(Vec3::new(0.0, 30.0, 20.0), Vec3::ZERO, Vec3::Y);
+        let view = View { eye_count: 2, ..View::mono(&camera, SIDE, SIDE) };
+        for agents in [30, 300] {
+            let (mut store, meshes, scenery) = crowd(agents);
+            let settings = Settings { eyes: 2, ..Settings::sized(SIDE, SIDE) };
+            let mut show =
+                Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
+            let mut pictures = Vec::new();
+            // a moment, the same again, and one in which everybody is elsewhere
+            for (number, bytes) in [(1_u32, 20 * agents as usize), (1, 0), (2, 20 * agents as usize)] {
+                let before = device.submissions();
+                show.take(&Show::moment(&store), number.into(), number.into()).unwrap();
+                assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), bytes, "{agents}, {number}");
+                let (image, is_wanted) = ((image.raw, image.view), true);
+                let drawn = show.draw_into(&view, Vec3::Y, (9.0, 0.02), image, is_wanted).unwrap();
+                assert_eq!(device.submissions() - before, 1, "{agents}, {number}");
+                assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), 0);
+                pictures.push(drawn.unwrap());
+                if number == 1 && pictures.len() == 2 {
+                    for place in &mut store.position {
+                        place[0] += 500.0;
+                    }
+                }
+            }
+            let [first, same, other] = &pictures[..] else { panic!("three pictures") };
+            let differ =
+                |a: &Image, b: &Image| a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
+            assert!(differ(first, other) > 20 + 4 * differ(first, same), "the new moment is what is seen");
+        }
+        drop((image, device));
+        assert!(crate::gpu::validation_messages().is_empty(), "{:#?}", crate::gpu::validation_messages());
+    }
+
+    #[test]
+    fn failures_that_kernels_report_end_the_show() {
+        let device = match Device::open(None, Validation::from_environment()) {
+            Ok(device) => device,
+            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
+            Err(error) => return println!("skipped: no Vulkan ({error})"),
+        };
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
+        let view = View { eye_count: 2, ..View::mono(&Camera::user_eyes(Vec3::Y, 0.0, 0.0), SIDE, SIDE) };
+        let (mut store, meshes, scenery) = crowd(9);
+        store.failure[crate::kernels::KernelId::Cull as usize] = 7;
+        let settings = Settings { eyes: 2, ..Settings::sized(SIDE, SIDE) };
+        let mut show = Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
+        let error = show.draw_into(&view, Vec3::Y, (0.0, 0.02), (image.raw, image.view), false).unwrap_err();
+        assert!(error.to_string().contains("cull") && error.to_string().contains('7'), "{error}");
+    }
+}
