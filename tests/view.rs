@@ -226,6 +226,26 @@ fn a_real_click_and_a_change_of_size_reach_the_crowd_and_it_is_filmed() {
     assert!(std::fs::metadata(&film).unwrap().len() > 500_000);
 }
 
+#[test]
+fn what_takes_time_is_told_wherever_the_crowd_is_simulated() {
+    let Some(display) = display() else { return };
+    for backend in ["cpu", "vulkan"] {
+        let child = open(&display, &["--seconds", "4", "--backend", backend]);
+        let outcome = outcome(&child.wait_with_output().unwrap());
+        for (what, kernels) in [("step_ms", ["prefer", "integrate"]), ("picture_ms", ["cull", "pose"])] {
+            let whole = outcome[what]["whole"].as_f64().unwrap();
+            let of = |kernel: &str| outcome[what]["kernels"][kernel].as_f64();
+            assert!(
+                kernels.iter().all(|kernel| of(kernel).is_some_and(|ms| ms > 0.0)),
+                "{backend}: {outcome}"
+            );
+            let times = outcome[what]["kernels"].as_object().unwrap().values();
+            let sum: f64 = times.map(|ms| ms.as_f64().unwrap()).sum();
+            assert!(sum < whole, "{backend}, {what}: {sum} of {whole}");
+        }
+    }
+}
+
 /// Copies a picture to where `GAITWAY_PICTURES` says, to be looked at.
 fn keep(file: &Path, name: &str) {
     if let Some(folder) = std::env::var_os("GAITWAY_PICTURES") {

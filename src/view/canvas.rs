@@ -4,7 +4,7 @@ use super::Error;
 use super::surface::{Slot, Surface};
 use crate::gpu::{self, Buffer, Device, Memory, call};
 use crate::picture::Image;
-use crate::render::{COLOR_FORMAT, GpuImage, ImageSpec, Transition};
+use crate::render::{COLOR_FORMAT, GpuImage, Readback, Transition, corners, first_layer};
 use ash::vk;
 use egui_ash_renderer::allocator::DefaultAllocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, RendererError};
@@ -32,7 +32,7 @@ pub(super) struct Canvas {
     image: GpuImage,
     extent: vk::Extent2D,
     /// Where the host reads it; made when first needed.
-    readback: Option<Buffer>,
+    readback: Option<Readback>,
     /// Where the host writes pictures of somebody else's; made when first needed.
     upload: Option<Buffer>,
     commands: vk::CommandBuffer,
@@ -49,19 +49,8 @@ fn panel_error(error: RendererError) -> crate::Error {
 }
 
 fn image(device: &Arc<Device>, extent: vk::Extent2D) -> Result<GpuImage, crate::Error> {
-    Ok(GpuImage::new(
-        device,
-        ImageSpec {
-            name: "canvas",
-            extent,
-            layers: 1,
-            format: COLOR_FORMAT,
-            samples: vk::SampleCountFlags::TYPE_1,
-            usage: vk::ImageUsageFlags::COLOR_ATTACHMENT
-                | vk::ImageUsageFlags::TRANSFER_SRC
-                | vk::ImageUsageFlags::TRANSFER_DST,
-        },
-    )?)
+    let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
+    Ok(GpuImage::readable(device, "canvas", ([extent.width, extent.height], 1), COLOR_FORMAT, usage)?)
 }
 
 impl Canvas {
@@ -140,8 +129,8 @@ impl Canvas {
     ) -> Result<(bool, Option<Image>), crate::Error> {
         self.take_textures(&mut overlay.textures)?;
         if is_wanted && self.readback.is_none() {
-            let bytes = u64::from(self.extent.width) * u64::from(self.extent.height) * 4;
-            self.readback = Some(Buffer::new(&self.device, "window readback", bytes, Memory::Readback)?);
+            let size = [self.extent.width, self.extent.height];
+            self.readback = Some(Readback::new(&self.device, "window readback", size, 1)?);
         }
         let slot = surface.acquire([self.extent.width, self.extent.height])?;
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
@@ -151,7 +140,8 @@ impl Canvas {
         self.draw_panel(&overlay)?;
         self.transition(self.image.raw, DRAWN, READ);
         if let Some(readback) = self.readback.as_ref().filter(|_| is_wanted) {
-            self.copy_out(readback);
+            let aspect = vk::ImageAspectFlags::COLOR;
+            readback.copy(&self.device.raw, self.commands, self.image.raw, aspect);
         }
         if let Some(slot) = &slot {
             self.copy_to(slot);
@@ -166,10 +156,9 @@ impl Canvas {
             surface.show(slot)?;
         }
         let copy = self.readback.as_ref().filter(|_| is_wanted).map(|readback| {
-            let mut pixels = readback.bytes().to_vec();
-            pixels.truncate(self.extent.width as usize * self.extent.height as usize * 4);
-            pixels.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
-            Image { width: self.extent.width, height: self.extent.height, pixels }
+            let mut image = readback.image();
+            image.pixels.chunks_exact_mut(4).for_each(|pixel| pixel[3] = 255);
+            image
         });
         Ok((slot.is_some(), copy))
     }
@@ -200,7 +189,7 @@ impl Canvas {
         self.transition(self.image.raw, (Stage::ALL_TRANSFER, Access::NONE, Layout::UNDEFINED), written);
         let region = [vk::BufferImageCopy::default()
             .image_extent(vk::Extent3D { width: self.extent.width, height: self.extent.height, depth: 1 })
-            .image_subresource(layer())];
+            .image_subresource(first_layer())];
         // SAFETY: the image is in that layout, the buffer holds all its pixels; recording has begun.
         unsafe {
             let raw = &self.device.raw;
@@ -250,39 +239,17 @@ impl Canvas {
         drawn.map_err(panel_error)
     }
 
-    fn copy_out(&self, readback: &Buffer) {
-        let region = [vk::BufferImageCopy::default()
-            .image_extent(vk::Extent3D { width: self.extent.width, height: self.extent.height, depth: 1 })
-            .image_subresource(layer())];
-        let barrier = [vk::MemoryBarrier2::default()
-            .src_stage_mask(Stage::ALL_TRANSFER)
-            .src_access_mask(Access::TRANSFER_WRITE)
-            .dst_stage_mask(Stage::HOST)
-            .dst_access_mask(Access::HOST_READ)];
-        let raw = &self.device.raw;
-        // SAFETY: the image is in the layout of a source; the buffer has room for it; recording has begun.
-        unsafe {
-            raw.cmd_copy_image_to_buffer(self.commands, self.image.raw, READ.2, readback.raw, &region);
-            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
-            raw.cmd_pipeline_barrier2(self.commands, &dependency);
-        }
-    }
-
     /// Copies everything to an image of the window, which may have another order of colours and, just after a change of
     /// size, other measures.
     fn copy_to(&self, slot: &Slot) {
         let written = (Stage::BLIT, Access::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
         // the submission waits at this stage for the image to be free
         self.transition(slot.image, (Stage::BLIT, Access::NONE, Layout::UNDEFINED), written);
-        let corners = |extent: vk::Extent2D| {
-            let side = |pixels: u32| i32::try_from(pixels).unwrap_or(i32::MAX);
-            [vk::Offset3D::default(), vk::Offset3D { x: side(extent.width), y: side(extent.height), z: 1 }]
-        };
         let region = [vk::ImageBlit::default()
-            .src_subresource(layer())
-            .src_offsets(corners(self.extent))
-            .dst_subresource(layer())
-            .dst_offsets(corners(slot.extent))];
+            .src_subresource(first_layer())
+            .src_offsets(corners([self.extent.width, self.extent.height]))
+            .dst_subresource(first_layer())
+            .dst_offsets(corners([slot.extent.width, slot.extent.height]))];
         // SAFETY: both images are in the layouts named; recording has begun.
         unsafe {
             self.device.raw.cmd_blit_image(
@@ -324,15 +291,6 @@ impl Canvas {
             raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
             raw.reset_fences(&[self.fence]).map_err(call("vkResetFences"))
         }
-    }
-}
-
-fn layer() -> vk::ImageSubresourceLayers {
-    vk::ImageSubresourceLayers {
-        aspect_mask: vk::ImageAspectFlags::COLOR,
-        mip_level: 0,
-        base_array_layer: 0,
-        layer_count: 1,
     }
 }
 

@@ -1,6 +1,7 @@
 //! The crowd in the window: stepped by the clock, drawn, asked, measured, filmed.
 
 use super::pick::{self, Pillar, Ray};
+use super::times::Times;
 use super::{Choice, Director, Plan, Start};
 use crate::emotion::Emotion;
 use crate::export::video::Video;
@@ -16,7 +17,6 @@ use crate::sim::moments::make_room;
 use crate::sim::{Backend, Simulation};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
-use std::collections::{BTreeMap, VecDeque};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -29,9 +29,6 @@ const LONGEST_STEPPING: Duration = Duration::from_millis(80);
 pub(super) const FILM_RATE: f64 = 30.0;
 /// Most pictures that one is repeated for in a video: the crowd ran faster than could be drawn.
 const MOST_REPEATED: u64 = 30;
-/// Moments that the plot of times goes back.
-const HISTORY: usize = 240;
-
 /// Somebody of the crowd at a moment.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Person {
@@ -112,51 +109,6 @@ fn kind_name(kind: f32) -> &'static str {
     known.into_iter().find(|(value, _)| (value - kind).abs() < 0.5).map_or("place", |(_, name)| name)
 }
 
-/// How long kernels ran, moment by moment: of a step, or of a picture.
-#[derive(Debug, Default)]
-pub(super) struct Times {
-    kernels: BTreeMap<&'static str, VecDeque<f64>>,
-    moments: usize,
-}
-
-impl Times {
-    /// Takes what was measured over `count` steps or pictures, which is one moment.
-    fn take(&mut self, measured: &[(crate::kernels::KernelId, f64)], count: u32) {
-        if measured.is_empty() || count == 0 {
-            return;
-        }
-        let mut sums: BTreeMap<&'static str, f64> = BTreeMap::new();
-        for (kernel, milliseconds) in measured {
-            *sums.entry(kernel.kernel().name).or_default() += milliseconds / f64::from(count);
-        }
-        for name in sums.keys() {
-            let before = self.moments;
-            self.kernels.entry(name).or_insert_with(|| std::iter::repeat_n(0.0, before).collect());
-        }
-        for (name, history) in &mut self.kernels {
-            history.push_back(sums.get(name).copied().unwrap_or(0.0));
-            if history.len() > HISTORY {
-                history.pop_front();
-            }
-        }
-        self.moments = (self.moments + 1).min(HISTORY);
-    }
-
-    /// The kernels, dearest first by their mean over the last moments, which stands beside, ms.
-    pub(super) fn dearest(&self) -> Vec<(&'static str, f64, &VecDeque<f64>)> {
-        let mean = |history: &VecDeque<f64>| {
-            let last: Vec<f64> = history.iter().rev().take(30).copied().collect();
-            #[allow(clippy::cast_precision_loss, reason = "at most 30")]
-            let count = last.len().max(1) as f64;
-            last.iter().sum::<f64>() / count
-        };
-        let mut all: Vec<_> =
-            self.kernels.iter().map(|(name, history)| (*name, mean(history), history)).collect();
-        all.sort_by(|a, b| b.1.total_cmp(&a.1));
-        all
-    }
-}
-
 /// A video that is being made.
 struct Film {
     video: Video,
@@ -211,7 +163,7 @@ impl Company {
                 times: Default::default(),
             }
         };
-        company.simulation.measure_times(true);
+        company.measure();
         Ok(company)
     }
 
@@ -226,8 +178,13 @@ impl Company {
         let made = stage(start, &self.device, self.backend, (&self.scenery, self.settings, &self.gaze))?;
         (self.simulation, self.show) = (made.simulation, made.show);
         (self.emotions, self.height) = (made.emotions, made.height);
-        self.simulation.measure_times(true);
+        self.measure();
         Ok(())
+    }
+
+    fn measure(&mut self) {
+        self.simulation.measure_times(true);
+        self.show.measure_times(true);
     }
 
     pub(super) fn set_gaze_mode(&mut self, mode: GazeMode) {
@@ -265,19 +222,24 @@ impl Company {
             steps += 1;
         }
         self.shown = self.simulation.time() + self.arrears - time_step;
-        let measured = self.simulation.take_times();
-        self.times[0].take(&measured, steps);
+        self.took_steps(begin, steps);
         Ok(steps)
     }
 
     /// Does one step, whatever the clock says.
     pub(super) fn step_once(&mut self, director: &mut dyn Director) -> Result<(), crate::Error> {
         self.arrears = 0.0;
+        let begin = Instant::now();
         director.step(&mut self.simulation, 1)?;
         self.shown = self.simulation.time();
-        let measured = self.simulation.take_times();
-        self.times[0].take(&measured, 1);
+        self.took_steps(begin, 1);
         Ok(())
+    }
+
+    /// Notes how long steps took.
+    fn took_steps(&mut self, begin: Instant, steps: u32) {
+        let measured = self.simulation.take_times();
+        self.times[0].take(&measured, steps, begin.elapsed());
     }
 
     /// Draws the present moment into an image of the window's size; hands a copy back if that is wanted.
@@ -289,10 +251,13 @@ impl Company {
         is_wanted: bool,
     ) -> Result<Option<Image>, crate::Error> {
         let is_wanted = is_wanted || self.film.is_some();
+        let begin = Instant::now();
         let picture =
             self.show.picture_into(&mut self.simulation, view, (user_eyes, self.shown), image, is_wanted)?;
-        let measured = self.simulation.take_times();
-        self.times[1].take(&measured, 1);
+        // a crowd on the CPU is animated by the show, on the device that draws
+        let mut measured = self.simulation.take_times();
+        measured.extend(self.show.take_times());
+        self.times[1].take(&measured, 1, begin.elapsed());
         if let (Some(film), Some(picture)) = (&mut self.film, &picture) {
             let since = (self.simulation.time() - film.begin) * FILM_RATE;
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of pictures")]
@@ -413,7 +378,6 @@ fn carry_on(before: &Store, after: &mut Store) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::KernelId;
 
     fn store() -> Store {
         let mut store = Store {
@@ -451,17 +415,5 @@ mod tests {
         other.step.agent_count = 1;
         carry_on(&before, &mut other);
         assert_eq!(other.step.step_index, 0);
-    }
-
-    #[test]
-    fn times_are_means_over_steps_and_begin_at_zero_for_kernels_that_come_later() {
-        let mut times = Times::default();
-        times.take(&[(KernelId::Prefer, 4.0), (KernelId::Prefer, 2.0)], 2);
-        times.take(&[(KernelId::Prefer, 1.0), (KernelId::Feel, 9.0)], 1);
-        times.take(&[], 1);
-        let all = times.dearest();
-        assert_eq!(all[0].0, "feel");
-        assert_eq!(all[0].2, &[0.0, 9.0]);
-        assert_eq!(all[1].2, &[3.0, 1.0]);
     }
 }

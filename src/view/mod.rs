@@ -10,12 +10,15 @@ mod crowd;
 mod mirror;
 mod panel;
 pub mod pick;
+mod shares;
 mod surface;
+mod times;
 mod window;
 
 pub use camera::{CameraMode, Rig};
 pub use crowd::Person;
 pub use mirror::{Mirrored, Source, mirror};
+pub use times::MeanTimes;
 pub use window::run;
 
 use crate::kernels::Store;
@@ -155,6 +158,10 @@ pub struct Outcome {
     pub steps: u32,
     /// How often the window's images were made anew (at the beginning, and when its size changed).
     pub swapchains: u32,
+    /// How long steps took lately.
+    pub step_ms: MeanTimes,
+    /// How long pictures took lately.
+    pub picture_ms: MeanTimes,
     /// Pixels of the window at the end.
     pub size: [u32; 2],
     /// Who was picked last.

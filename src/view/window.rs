@@ -8,7 +8,7 @@ use super::crowd::{Company, Person};
 use super::panel::{self, Asked, Controls, Facts};
 use super::pick::Ray;
 use super::surface::{self, Surface};
-use super::{Director, Error, Outcome, Plan};
+use super::{Choice, Director, Error, Outcome, Plan, shares};
 use crate::gpu::Validation;
 use crate::render::camera::View;
 use glam::{Vec2, Vec3};
@@ -209,7 +209,8 @@ impl Scene {
                 is_open: true,
                 is_paused: plan.is_paused,
                 speed: 1.0,
-                choice: plan.choice,
+                choice: Choice { shares: shares::whole(plan.choice.shares), ..plan.choice },
+                held: None,
                 gaze: plan.gaze.mode,
                 has_markers: plan.settings.markers.is_some(),
                 camera: CameraMode::default(),
@@ -427,6 +428,7 @@ impl Scene {
         self.end_film(outcome)?;
         (outcome.device, outcome.simulated_on) = self.devices.clone();
         outcome.steps = self.company.steps();
+        [outcome.step_ms, outcome.picture_ms] = [0, 1].map(|which| self.company.times[which].means());
         outcome.swapchains = self.surface.made();
         outcome.size = self.size;
         outcome.picked = match self.picked {
