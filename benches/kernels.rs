@@ -18,6 +18,7 @@ use std::time::Duration;
 /// The names of all kernels, so that a search finds where each is timed; checked against the kernels there are.
 const NAMES: [&str; KernelId::ALL.len()] = [
     "accompany",
+    "admit",
     "attend",
     "compact",
     "contain",
@@ -41,6 +42,7 @@ const NAMES: [&str; KernelId::ALL.len()] = [
     "journey",
     "lead_agents",
     "numerics",
+    "occlude",
     "palette",
     "persevere",
     "pose",

@@ -14,6 +14,8 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 mod field;
+#[cfg(feature = "vulkan")]
+mod occlusion;
 mod sequence;
 #[cfg(feature = "vulkan")]
 mod stereo;
@@ -52,6 +54,8 @@ pub enum Workload {
     All,
     /// Both eyes of a user who stands before the crowd, in one pass, in two, and as two pictures (see the rows' names).
     Stereo,
+    /// Pictures with and without those whom nobody sees, from within the crowd, before and above it.
+    Occlusion,
     /// The ways to a goal over squares of as many cells of 0.5 m (see the rows' names).
     Field,
 }
@@ -145,9 +149,9 @@ pub fn bench(
     for (number, &agents) in sizes.iter().enumerate() {
         #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
         let share = |part: f64| (number as f64 + part) / sizes.len() as f64;
-        if workload == Workload::Stereo {
-            progress(&format!("both eyes, {agents} agents"), share(0.0));
-            let (timed, device) = both_eyes(agents, backend, device)?;
+        if matches!(workload, Workload::Stereo | Workload::Occlusion) {
+            progress(&format!("pictures, {agents} agents"), share(0.0));
+            let (timed, device) = pictures(workload, agents, backend, device)?;
             name = device;
             rows.extend(timed);
             continue;
@@ -196,17 +200,22 @@ pub fn bench(
 
 /// Times pictures for both eyes.
 #[cfg(feature = "vulkan")]
-fn both_eyes(
+fn pictures(
+    workload: Workload,
     agents: usize,
     backend: Backend,
     device: Option<&str>,
 ) -> Result<(Vec<Row>, String), crate::Error> {
-    stereo::stereo(agents, backend, device)
+    match workload {
+        Workload::Occlusion => occlusion::occlusion(agents, backend, device),
+        _ => stereo::stereo(agents, backend, device),
+    }
 }
 
 /// Pictures need Vulkan.
 #[cfg(not(feature = "vulkan"))]
-fn both_eyes(
+fn pictures(
+    _workload: Workload,
     _agents: usize,
     _backend: Backend,
     _device: Option<&str>,

@@ -13,7 +13,7 @@ use gaitway::gpu::{Device, Validation, validation_messages};
 use gaitway::kernels::{Access, KernelId};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, between, crossing, feelings, flow, gaits, journeys, step};
+use gaitway::verify::cases::{animation, between, crossing, feelings, flow, gaits, hidden, journeys, step};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -114,6 +114,12 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
                     assert_exact(&format!("between two moments of {agents} agents, seed {seed}"), &found);
                     seen.extend(found.iter().map(|c| c.kernel));
                 }
+                for seed in seed..seed + 5 {
+                    let store = hidden::hidden(agents, seed);
+                    let found = compare_passes(device, &store, &hidden::passes(&store)).unwrap();
+                    assert_exact(&format!("who is hidden of {agents} agents, seed {seed}"), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                }
                 let store = flow::fields(agents, seed);
                 let found = compare_passes(device, &store, &flow::passes(&store)).unwrap();
                 assert_exact(&format!("ways over {agents} cells, seed {seed}"), &found);
@@ -137,6 +143,7 @@ fn the_comparison_notices_one_bit() {
             (journeys::journeys(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
         let of_model = |model| step::crowd_with(model, 65, 3);
         let ways = flow::fields(300, 3);
+        let behind = hidden::hidden(300, 3);
         let (moved, moments) = (feelings::feelings(65, 1), between::between(65, 1));
         let stages = vec![
             (order::step_passes(&moved.step), moved),
@@ -144,6 +151,7 @@ fn the_comparison_notices_one_bit() {
             (order::step_passes(&of_model(1).step), of_model(1)),
             (order::frame_passes(&bodies.frame), bodies),
             (gaits::passes(&walks), walks), // gait_features
+            (hidden::passes(&behind), behind),
             (flow::passes(&ways), ways),
             (between::passes(&moments), moments),
         ];

@@ -9,13 +9,17 @@
 )]
 
 use gaitway::avatar::{self, Sex};
+use gaitway::emotion::Emotion;
+use gaitway::gait::walker;
 use gaitway::gpu::validation_messages;
 use gaitway::kernels::BufferId;
 use gaitway::library::GaitLibrary;
+use gaitway::reference::exact::hash_u32;
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Settings, Show};
-use gaitway::scenario::{Scenario, populate_from};
+use gaitway::scenario::{EnvironmentMesh, Scenario, populate_from};
 use gaitway::sim::{Backend, Cast, Simulation, bodies, setup};
+use gaitway::verify::cases::crossing;
 use glam::Vec3;
 
 const W: u32 = 480;
@@ -112,5 +116,60 @@ fn where_far_bodies_begin_the_picture_hardly_changes() {
         |image: &Image| image.pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / image.pixels.len() as f64;
     let (a, b, bare) = (mean(&fine), mean(&mixed), mean(&empty));
     assert!((a - b).abs() < 0.2 * (a - bare).abs().max(1.0), "{a} {b} {bare}");
+    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+}
+
+#[test]
+fn far_bodies_are_held_as_their_emotion_walks() {
+    let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0).unwrap());
+    let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let draw = |emotion: Emotion| {
+        let mut store = crossing::crossing(400, 1.0);
+        for agent in 0..400 {
+            let (avatar, dice) = (agent & 1, hash_u32(agent));
+            store.look.push([avatar | (emotion as u32) << 8, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+            store.gaits.push([cast.clip_index(avatar, emotion as u32); 4]);
+            store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
+            store.gaze_state.push([0.0; 4]);
+            store.gaze_frame.push(u32::MAX);
+            store.attention.push([0; 2]);
+        }
+        store.stance.iter_mut().for_each(|stance| *stance = [1.57, 1.0]); // seen from the side, walking
+        let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+        let middle = 0.5 * store.step.wrap;
+        let mut simulation = match Simulation::from_store(store, Backend::Vulkan, None) {
+            Ok(simulation) => simulation,
+            Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
+            Err(error) => {
+                println!("skipped: no Vulkan ({error})");
+                return None;
+            }
+        };
+        let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 100.0;
+        let plane = EnvironmentMesh {
+            positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
+            normals: vec![Vec3::Y; 4],
+            colors: vec![Vec3::splat(0.35); 4],
+            indices: vec![0, 1, 2, 0, 2, 3],
+        };
+        let mut show = Show::new(&mut simulation, &meshes, &plane, Settings::sized(W, H), None).unwrap();
+        show.set_level_distances([1.0, 4.0, 2000.0]);
+        let eyes = Vec3::new(middle, 6.0, middle + 36.0);
+        let camera = Camera::look_at(eyes, Vec3::new(middle, 1.0, middle), Vec3::Y).with_fov(0.2);
+        let image = show.picture(&mut simulation, &View::mono(&camera, W, H), eyes).unwrap();
+        assert_eq!(drawn(&mut simulation)[0], 0, "nobody has a pose");
+        Some(image)
+    };
+    let Some(sad) = draw(Emotion::Sad) else { return };
+    let happy = draw(Emotion::Happy).unwrap();
+    keep("far_sad", &sad);
+    keep("far_happy", &happy);
+    let differ =
+        |a: &Image, b: &Image| a.pixels.chunks(4).zip(b.pixels.chunks(4)).filter(|(a, b)| a != b).count();
+    assert_eq!(differ(&sad, &draw(Emotion::Sad).unwrap()), 0, "the same crowd again");
+    // places, phases and colours are the same; only how they are held is not
+    let share = differ(&sad, &happy) as f64 / f64::from(W * H);
+    println!("{:.1} % of the pixels differ", 100.0 * share);
+    assert!(share > 0.05, "{share}");
     assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
 }

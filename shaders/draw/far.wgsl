@@ -1,19 +1,28 @@
 // uses: view, light, tint
 // People far away: a body of some fifty triangles without a pose. It is placed and turned, and its limbs swing with the
-// phase; the palettes are not needed. One indirect draw per avatar.
+// phase; the palettes are not needed. Trunk, head and arms are held as in the clips that the agent walks: an emotion is seen
+// from afar by posture. One indirect draw per avatar.
 
 @group(0) @binding(3) var<storage, read> visible: array<u32>;         // agent of each slot
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1]
-@group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits: position, material; normal, -;
-                                                                      // hinge, swing; linear colour, -
+@group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits: position, material; normal, limb;
+                                                                      // hinge, swing; linear colour, height of the hips
 @group(0) @binding(6) var<storage, read> look: array<vec4<u32>>;      // [agent]
 @group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;  // [agent] ground, m
 @group(0) @binding(8) var<storage, read> stance: array<vec2<f32>>;    // [agent] heading rad, walk weight
 @group(0) @binding(9) var<storage, read> phase: array<u32>;           // [agent] the whole range is one stride
 @group(0) @binding(10) var<storage, read> elevation: array<f32>;      // [agent] m
 
-// which bucket is drawn
+@group(0) @binding(11) var<storage, read> shown: array<u32>;          // slots of those who are not hidden, see kernel `admit`
+
+@group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;        // [agent] clip ids
+@group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>; // [agent]
+@group(0) @binding(14) var<storage, read> clip_postures: array<vec4<f32>>; // [clip] lean, nod, spread of the arms, their swing; rad
+
+// which bucket is drawn, and, in the highest bit, whether hidden people are left out
 var<immediate> bucket: u32;
+
+const SIFTED: u32 = 0x80000000u;
 
 struct Placed {
     world: vec3<f32>,
@@ -21,19 +30,68 @@ struct Placed {
 }
 
 fn far_agent(instance: u32) -> u32 {
-    return visible[bucket_start[bucket + 1u] + instance];
+    let slot = bucket_start[(bucket & ~SIFTED) + 1u] + instance;
+    if (bucket & SIFTED) != 0u {
+        return visible[shown[slot]];
+    }
+    return visible[slot];
+}
+
+// Limbs, as avatar::Limb: legs and specks keep out of the posture.
+const LIMB_FIXED: u32 = 0u;
+const LIMB_HEAD: u32 = 2u;
+const LIMB_LEFT_ARM: u32 = 3u;
+const LIMB_RIGHT_ARM: u32 = 4u;
+const ARM_SWING: f32 = 0.32; // what the swing of arms in the mesh is meant for, as avatar::far::ARM_SWING
+
+fn posture(agent: u32) -> vec4<f32> {
+    let weights = gait_weights[agent];
+    let clips = gaits[agent];
+    if weights.y == 0.0 && weights.z == 0.0 && weights.w == 0.0 {
+        return clip_postures[clips.x];
+    }
+    let sum = clip_postures[clips.x] * weights.x + clip_postures[clips.y] * weights.y
+        + clip_postures[clips.z] * weights.z + clip_postures[clips.w] * weights.w;
+    return sum / max(weights.x + weights.y + weights.z + weights.w, 1.0e-6);
+}
+
+// Turned about +x: what is up goes forwards.
+fn about_x(p: vec3<f32>, angle: f32) -> vec3<f32> {
+    let s = sin(angle);
+    let c = cos(angle);
+    return vec3<f32>(p.x, p.y * c - p.z * s, p.y * s + p.z * c);
+}
+
+// Turned about +z: what hangs goes to the left.
+fn about_z(p: vec3<f32>, angle: f32) -> vec3<f32> {
+    let s = sin(angle);
+    let c = cos(angle);
+    return vec3<f32>(p.x * c - p.y * s, p.x * s + p.y * c, p.z);
 }
 
 fn place(vertex: u32, agent: u32) -> Placed {
     let body = stance[agent];
+    let walk = clamp(body.y, 0.0, 1.0);
+    let limb = mesh_vertices[vertex][1].w;
     let swing = bitcast<vec4<f32>>(mesh_vertices[vertex][2]);
     let stride = f32(phase[agent] >> 8u) * (6.2831853 / 16777216.0);
-    let angle = swing.w * clamp(body.y, 0.0, 1.0) * cos(stride);
-    let s = sin(angle);
-    let c = cos(angle);
-    let arm = bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz) - swing.xyz;
-    let local = swing.xyz + vec3<f32>(arm.x, arm.y * c - arm.z * s, arm.y * s + arm.z * c);
-    let out = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
+    let angle = swing.w * walk * cos(stride);
+    var local = bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz) - swing.xyz;
+    var out = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
+    if limb == LIMB_FIXED {
+        local = swing.xyz + about_x(local, angle);
+    } else {
+        let held = posture(agent) * walk;
+        if limb == LIMB_HEAD {
+            local = about_x(local, held.y);
+        } else if limb == LIMB_LEFT_ARM || limb == LIMB_RIGHT_ARM {
+            local = about_x(local, angle / ARM_SWING * (held.w / max(walk, 1.0e-6)));
+            local = about_z(local, select(-held.z, held.z, limb == LIMB_LEFT_ARM));
+        }
+        let hips = vec3<f32>(0.0, bitcast<f32>(mesh_vertices[vertex][3].w), 0.0);
+        local = hips + about_x(local + swing.xyz - hips, held.x);
+        out = about_x(out, held.x);
+    }
     // about +y: 0 faces +z
     let ahead = vec2<f32>(sin(body.x), cos(body.x));
     let scale = bitcast<f32>(look[agent].y);

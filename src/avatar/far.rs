@@ -1,14 +1,16 @@
 //! The bodies that people have far away: some fifty triangles in the colours and proportions of the avatar, whose limbs
 //! swing, and farther still a speck of thirteen. They need no pose, so that thousands of them cost little.
 
-use super::{Avatar, Material};
+use super::{Avatar, Material, Posture};
 use crate::gait::Joint;
 use glam::{Quat, Vec3};
 
 /// Swing of a leg to either side, radians: strides of 1.3 m on legs of 0.85 m.
 const SWING: f32 = 0.39;
 /// Swing of an arm to either side, radians.
-const ARM_SWING: f32 = 0.32;
+pub(super) const ARM_SWING: f32 = 0.32;
+/// Where an arm points that hangs, on the left.
+pub(super) const HANGING: Vec3 = Vec3::new(0.16, -1.0, 0.04);
 /// Points along an edge of a triangle at which it is sampled.
 const SAMPLES: u16 = 5;
 /// Half a side of a ring of four corners over the deviation of what it stands for: a prism then looks, from the sides
@@ -35,6 +37,27 @@ pub struct FarVertex {
     pub hinge: Vec3,
     /// Turn about +x at phase 0 (left foot strike) of a walk, radians; it goes with the cosine of the phase.
     pub swing: f32,
+    /// What of a posture moves it.
+    pub limb: Limb,
+    /// Height of the hips, about which a posture leans, m.
+    pub hips: f32,
+}
+
+/// What of a posture moves a vertex of a far body; the numbers are those of `shaders/draw/far.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[repr(u32)]
+pub enum Limb {
+    /// Nothing: legs, and all of a speck.
+    #[default]
+    Fixed = 0,
+    /// It leans.
+    Trunk = 1,
+    /// It leans, and nods about its hinge.
+    Head = 2,
+    /// It leans, is spread about its hinge to the left, and swings.
+    LeftArm = 3,
+    /// The same to the right.
+    RightArm = 4,
 }
 
 /// A far body.
@@ -44,6 +67,88 @@ pub struct FarMesh {
     pub vertices: Vec<FarVertex>,
     /// Three indices into `vertices` per triangle.
     pub indices: Vec<u32>,
+}
+
+/// Turns within a swing at which the bounds are taken; in between the arc is less than a millimetre farther out.
+const TURNS: i8 = 8;
+/// Room between a far body and its bounds, m.
+const MARGIN: f32 = 0.01;
+/// Where the upper of the two boxes begins, as a share of the height: below the chin.
+const CHIN: f32 = 0.84;
+
+impl FarMesh {
+    /// Two upright boxes that it stays within however it walks and turns in these postures and mixtures of them, the lower and the upper part of the body: half a
+    /// side, bottom, top, 0; m.
+    pub fn bounds(&self, postures: &[Posture]) -> [[f32; 4]; 2] {
+        let heights = self.vertices.iter().map(|vertex| vertex.position.y);
+        let chin = CHIN * heights.fold(0.0, f32::max);
+        let mut parts = [[0.0_f32, chin, chin, 0.0]; 2];
+        let mut take = |part: usize, place: Vec3| {
+            let [side, bottom, top, _] = &mut parts[part];
+            *side = side.max(libm::hypotf(place.x, place.z));
+            (*bottom, *top) = (bottom.min(place.y), top.max(place.y));
+        };
+        let extremes = extremes(postures);
+        let turns = (-TURNS..=TURNS).map(|turn| f32::from(turn) / f32::from(TURNS));
+        let poses = turns.flat_map(|turn| extremes.iter().map(move |posture| (turn, *posture)));
+        for ((turn, posture), triangle) in
+            poses.flat_map(|pose| self.indices.chunks_exact(3).map(move |triangle| (pose, triangle)))
+        {
+            let places = [0, 1, 2].map(|corner| {
+                let vertex = triangle.get(corner).and_then(|index| self.vertices.get(*index as usize));
+                vertex.map_or(Vec3::ZERO, |vertex| vertex.moved(turn, &posture))
+            });
+            for (a, b) in [(0, 1), (1, 2), (2, 0)].map(|(a, b)| (places[a], places[b])) {
+                take(usize::from(a.y > chin), a);
+                if (a.y > chin) != (b.y > chin) {
+                    // the edge goes through the plane between the boxes
+                    let cut = a.lerp(b, (chin - a.y) / (b.y - a.y)).with_y(chin);
+                    take(0, cut);
+                    take(1, cut);
+                }
+            }
+        }
+        parts.map(|[side, bottom, top, _]| [side + MARGIN, bottom - MARGIN, top + MARGIN, 0.0])
+    }
+}
+
+impl FarVertex {
+    /// Where it is after a share, -1 to 1, of its swing in a posture: as `shaders/draw/far.wgsl` has it.
+    fn moved(&self, share: f32, posture: &Posture) -> Vec3 {
+        let arm = self.position - self.hinge;
+        let about = |angle: f32, place: Vec3| Quat::from_rotation_x(angle) * place;
+        let swung = about(self.swing / ARM_SWING * posture.swing * share, arm);
+        let local = match self.limb {
+            Limb::Fixed => return self.hinge + about(self.swing * share, arm),
+            Limb::Trunk => arm,
+            Limb::Head => about(posture.nod, arm),
+            Limb::LeftArm => Quat::from_rotation_z(posture.spread) * swung,
+            Limb::RightArm => Quat::from_rotation_z(-posture.spread) * swung,
+        };
+        let hips = Vec3::Y * self.hips;
+        hips + about(posture.lean, self.hinge + local - hips)
+    }
+}
+
+/// Postures between which, and the one at rest, all mixtures of these lie.
+fn extremes(postures: &[Posture]) -> Vec<Posture> {
+    let range = |of: fn(&Posture) -> f32| {
+        let (low, high) = postures.iter().map(of).fold((0.0_f32, 0.0_f32), |(l, h), x| (l.min(x), h.max(x)));
+        [low, 0.5 * (low + high), high]
+    };
+    let most = range(|posture| posture.swing)[2];
+    let mut all = Vec::new();
+    for lean in range(|posture| posture.lean) {
+        for nod in range(|posture| posture.nod) {
+            all.extend(range(|posture| posture.spread).map(|spread| Posture {
+                lean,
+                nod,
+                spread,
+                swing: most,
+            }));
+        }
+    }
+    all
 }
 
 /// A point of the surface, standing for an area.
@@ -109,14 +214,17 @@ impl Avatar {
             let of_part: Vec<&Sample> =
                 samples.iter().filter(|(of, _)| *of == part).map(|(_, s)| s).collect();
             // arms against legs
-            let (hinge, swing) = match part {
-                Part::LeftArm => (self.rest(Joint::LeftShoulder), ARM_SWING),
-                Part::RightArm => (self.rest(Joint::RightShoulder), -ARM_SWING),
-                Part::LeftLeg => (self.rest(Joint::LeftHip), -SWING),
-                Part::RightLeg => (self.rest(Joint::RightHip), SWING),
-                Part::Trunk | Part::Head | Part::Whole => (Vec3::ZERO, 0.0),
+            let (hinge, swing, limb) = match part {
+                Part::LeftArm => (self.rest(Joint::LeftShoulder), ARM_SWING, Limb::LeftArm),
+                Part::RightArm => (self.rest(Joint::RightShoulder), -ARM_SWING, Limb::RightArm),
+                Part::LeftLeg => (self.rest(Joint::LeftHip), -SWING, Limb::Fixed),
+                Part::RightLeg => (self.rest(Joint::RightHip), SWING, Limb::Fixed),
+                Part::Head => (self.rest(Joint::Neck), 0.0, Limb::Head),
+                Part::Trunk => (Vec3::ZERO, 0.0, Limb::Trunk),
+                Part::Whole => (Vec3::ZERO, 0.0, Limb::Fixed),
             };
-            add_part(&mut mesh, part, &of_part, hinge, swing);
+            let hips = self.rest(Joint::Root).y;
+            add_part(&mut mesh, part, &of_part, &Motion { hinge, swing, limb, hips });
         }
         mesh
     }
@@ -126,7 +234,7 @@ impl Avatar {
         let samples = self.samples();
         let all: Vec<&Sample> = samples.iter().map(|(_, sample)| sample).collect();
         let mut mesh = FarMesh::default();
-        add_part(&mut mesh, Part::Whole, &all, Vec3::ZERO, 0.0);
+        add_part(&mut mesh, Part::Whole, &all, &Motion::default());
         mesh
     }
 
@@ -176,13 +284,23 @@ impl Avatar {
     fn hanging(&self, shoulder: Joint, hand: Joint) -> (Vec3, Quat) {
         let at = self.rest(shoulder);
         let arm = (self.rest(hand) - at).try_normalize().unwrap_or(Vec3::NEG_Y);
-        let down = Vec3::new(0.16 * at.x.signum(), -1.0, 0.04).normalize();
+        let down = Vec3::new(HANGING.x * at.x.signum(), HANGING.y, HANGING.z).normalize();
         (at, Quat::from_rotation_arc(arm, down))
     }
 }
 
+/// How a part moves, see [`FarVertex`].
+#[derive(Debug, Clone, Copy, Default)]
+struct Motion {
+    hinge: Vec3,
+    swing: f32,
+    limb: Limb,
+    hips: f32,
+}
+
 /// Adds a prism around the samples of a part.
-fn add_part(mesh: &mut FarMesh, part: Part, samples: &[&Sample], hinge: Vec3, swing: f32) {
+fn add_part(mesh: &mut FarMesh, part: Part, samples: &[&Sample], motion: &Motion) {
+    let Motion { hinge, swing, limb, hips } = *motion;
     let low = samples.iter().map(|s| s.position.y).fold(f32::INFINITY, f32::min);
     let high = samples.iter().map(|s| s.position.y).fold(f32::NEG_INFINITY, f32::max);
     if high - low <= 1e-3 {
@@ -200,7 +318,7 @@ fn add_part(mesh: &mut FarMesh, part: Part, samples: &[&Sample], hinge: Vec3, sw
             // shoulders and crown catch the light from above
             let normal = if *share > 0.5 { (out + Vec3::Y * UPWARDS).normalize() } else { out };
             let (color, material) = (ring.color, ring.material);
-            mesh.vertices.push(FarVertex { position, normal, color, material, hinge, swing });
+            mesh.vertices.push(FarVertex { position, normal, color, material, hinge, swing, limb, hips });
         }
     }
     let corners = u32::from(corners);
@@ -297,6 +415,40 @@ mod tests {
                 let out = a.normal + b.normal + c.normal;
                 let is_cap = face.normalize().y.abs() > 0.9;
                 assert!(is_cap || face.dot(out) > 0.0, "{triangle:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_two_boxes_hold_the_body_and_the_upper_one_is_as_narrow_as_a_head() {
+        for sex in Sex::ALL {
+            let avatar = generated(sex);
+            for mesh in [avatar.far_body(), avatar.speck()] {
+                let sad = Posture { lean: 0.2, nod: 0.4, spread: 0.05, swing: 0.1 };
+                let [lower, upper] = mesh.bounds(&[]);
+                let [wide, high] = mesh.bounds(&[sad]);
+                assert!(wide[0] >= lower[0] && high[0] >= upper[0] && high[2] >= upper[2]);
+                let mixed = Posture { lean: 0.13, nod: 0.31, spread: 0.02, swing: 0.07 };
+                assert!(lower[1] < 0.1 && lower[2] > upper[1] && (lower[2] - upper[1] - 0.02).abs() < 1e-4);
+                assert!(upper[2] > avatar.height - 0.05 && upper[2] < avatar.height + 0.1, "{upper:?}");
+                assert!(
+                    (0.08..0.21).contains(&upper[0]) && (0.25..0.6).contains(&lower[0]),
+                    "{lower:?} {upper:?}"
+                );
+                for vertex in &mesh.vertices {
+                    for share in [-1.0, -0.37, 0.0, 0.71, 1.0] {
+                        let holds = |boxes: [&[f32; 4]; 2], place: Vec3| {
+                            let is_in = |b: &&[f32; 4]| {
+                                libm::hypotf(place.x, place.z) <= b[0] && (b[1]..=b[2]).contains(&place.y)
+                            };
+                            boxes.iter().any(is_in)
+                        };
+                        let place = vertex.moved(share, &Posture::default());
+                        assert!(holds([&lower, &upper], place), "{place}");
+                        let place = vertex.moved(share, &mixed);
+                        assert!(holds([&wide, &high], place), "{place}");
+                    }
+                }
             }
         }
     }

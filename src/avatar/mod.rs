@@ -9,15 +9,17 @@ mod body;
 mod far;
 mod glb;
 mod load;
+mod posture;
 mod retarget;
 mod rig_map;
 
 use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
-pub use far::{FarMesh, FarVertex};
+pub use far::{FarMesh, FarVertex, Limb};
 use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
 pub use load::{Loaded, load, load_bytes, load_with_map, triangles};
+pub use posture::Posture;
 pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;
 

@@ -23,18 +23,18 @@ use glam::Vec3;
 use std::time::Instant;
 
 /// Pixels of one eye.
-const EYE: (u32, u32) = (640, 720);
+pub(super) const EYE: (u32, u32) = (640, 720);
 /// A side has so many times fewer pixels where pixels shall not count.
 const FEWER: u32 = 10;
 /// Distance of the eyes, m.
-const INTERPUPILLARY: f32 = 0.063;
+pub(super) const INTERPUPILLARY: f32 = 0.063;
 /// Vertical field of view of an eye, radians (100 degrees, as headsets have).
-const FIELD: f32 = 1.745;
+pub(super) const FIELD: f32 = 1.745;
 /// How far in front of the crowd the user stands, m.
-const BEFORE: f32 = 4.0;
+pub(super) const BEFORE: f32 = 4.0;
 
 /// A square of ground under the crowd.
-fn ground(side: f32) -> EnvironmentMesh {
+pub(super) fn ground(side: f32) -> EnvironmentMesh {
     let out = side;
     let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z);
     EnvironmentMesh {

@@ -131,6 +131,27 @@ pub struct FrameUniforms {
     pub turn_most: u32,
 }
 
+/// What hides people in a pass of a picture; units and meaning stand in `shaders/shared/sight.wgsl`.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
+#[repr(C)]
+#[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]
+pub struct SightUniforms {
+    pub clip_from_world: [[[f32; 4]; 4]; 2],
+    pub bounds: [[[f32; 4]; 2]; 32],
+    pub width: f32,
+    pub height: f32,
+    pub eye_count: u32,
+    pub tile_width: u32,
+    pub tile_height: u32,
+    pub tile_columns: u32,
+    pub tile_rows: u32,
+    pub first_bucket: u32,
+    pub bucket_end: u32,
+    pub start_shift: u32,
+    pub fewest: u32,
+    pub eye_height: f32,
+}
+
 /// A rounded solid; meaning and units stand in `shaders/draw/user.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]

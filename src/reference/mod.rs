@@ -23,6 +23,7 @@ pub mod orca;
 pub mod quaternion;
 pub mod segments;
 pub mod shared;
+pub mod sight;
 pub mod stages;
 pub mod way;
 

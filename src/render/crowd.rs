@@ -7,6 +7,8 @@ use crate::kernels::BufferId;
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdBuffers<'a> {
+    /// The engine that can find out who is hidden, if there is one: it has the kernels `occlude` and `admit`.
+    pub engine: Option<&'a Engine>,
     /// Agent of each slot, sorted by bucket, far bodies behind the room for the others: `u32 [slot]`.
     pub visible: &'a Buffer,
     /// First slot of each bucket and the end of the last: `u32 [bucket + 1]`, then the same for far bodies.
@@ -31,6 +33,10 @@ pub struct CrowdBuffers<'a> {
     pub stance: &'a Buffer,
     /// Phase of the stride: `u32 [agent]`.
     pub phase: &'a Buffer,
+    /// Clips: `vec4<u32> [agent]`.
+    pub gaits: &'a Buffer,
+    /// Their weights: `vec4<f32> [agent]`.
+    pub gait_weights: &'a Buffer,
 }
 
 impl<'a> CrowdBuffers<'a> {
@@ -44,6 +50,7 @@ impl<'a> CrowdBuffers<'a> {
             id.and_then(|id| engine.buffer(id)).ok_or(Error::NoBuffer { shader: "crowd", binding: name })
         };
         Ok(Self {
+            engine: Some(engine),
             visible: find("visible")?,
             bucket_start: find("bucket_start")?,
             draw_args: find("draw_args")?,
@@ -56,12 +63,32 @@ impl<'a> CrowdBuffers<'a> {
             elevation: find("elevation")?,
             stance: find("stance")?,
             phase: find("phase")?,
+            gaits: find("gaits")?,
+            gait_weights: find("gait_weights")?,
         })
+    }
+
+    /// A buffer that only an engine has.
+    fn made(&self, name: &str) -> Option<&'a Buffer> {
+        let id = BufferId::ALL.into_iter().find(|id| id.name() == name);
+        id.and_then(|id| self.engine.and_then(|engine| engine.buffer(id)))
+    }
+
+    /// What the draws of those take who are not hidden.
+    pub(crate) fn shown_args(&self) -> &'a Buffer {
+        self.made("shown_args").unwrap_or(self.draw_args)
+    }
+
+    /// At least as many as there are agents.
+    pub(crate) fn most_agents(&self) -> u32 {
+        u32::try_from(self.look.size() / 16).unwrap_or(u32::MAX)
     }
 
     pub(crate) fn buffer(&self, name: &str) -> Option<&'a Buffer> {
         Some(match name {
             "visible" => self.visible,
+            // without an engine nobody asks for it
+            "shown" => self.made("shown").unwrap_or(self.visible),
             "bucket_start" => self.bucket_start,
             "mesh_vertices" => self.mesh_vertices,
             "mesh_table" => self.mesh_table,
@@ -72,6 +99,8 @@ impl<'a> CrowdBuffers<'a> {
             "elevation" => self.elevation,
             "stance" => self.stance,
             "phase" => self.phase,
+            "gaits" => self.gaits,
+            "gait_weights" => self.gait_weights,
             _ => return None,
         })
     }

@@ -8,12 +8,14 @@
 mod atmosphere;
 pub mod camera;
 mod crowd;
+mod draws;
 #[cfg(feature = "xr")]
 mod faces;
 #[cfg(feature = "xr")]
 mod lens;
 #[cfg(feature = "xr")]
 mod live;
+mod occlusion;
 mod parts;
 mod pipelines;
 mod record;

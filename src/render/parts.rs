@@ -61,6 +61,8 @@ pub(crate) struct Attachments {
     /// More than one sample a pixel; absent when there is one.
     pub(crate) multisampled: Option<GpuImage>,
     pub(crate) depth: GpuImage,
+    /// Whether shaders can read its samples.
+    pub(crate) is_depth_read: bool,
 }
 
 /// The most samples up to `wanted` that the device has for colour and depth.
@@ -109,8 +111,10 @@ pub(crate) fn attachments(
     let multisampled = (samples != vk::SampleCountFlags::TYPE_1)
         .then(|| image("multisampled colour", color_format, vk::ImageUsageFlags::COLOR_ATTACHMENT))
         .transpose()?;
-    let depth = image("depth", DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?;
-    Ok(Attachments { multisampled, depth })
+    let is_depth_read = settings.occlusion && limits.sampled_image_depth_sample_counts.contains(samples);
+    let read = if is_depth_read { vk::ImageUsageFlags::SAMPLED } else { vk::ImageUsageFlags::empty() };
+    let depth = image("depth", DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | read)?;
+    Ok(Attachments { multisampled, depth, is_depth_read })
 }
 
 pub(crate) fn pipelines(
@@ -129,6 +133,7 @@ pub(crate) fn pipelines(
         cull: vk::CullModeFlags::BACK,
         compare: vk::CompareOp::GREATER, // reversed depth: nearer is larger
         write_depth: true,
+        has_depth: true,
         blend: false,
     };
     // both sides cast shadows: no surface needs to be closed

@@ -44,6 +44,8 @@ pub(crate) struct PipelineSpec {
     pub(crate) cull: vk::CullModeFlags,
     pub(crate) compare: vk::CompareOp,
     pub(crate) write_depth: bool,
+    /// Whether there is a depth attachment.
+    pub(crate) has_depth: bool,
     pub(crate) blend: bool,
 }
 
@@ -216,7 +218,7 @@ impl Program {
         let multisample =
             vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(spec.samples);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(true)
+            .depth_test_enable(spec.has_depth)
             .depth_write_enable(spec.write_depth)
             .depth_compare_op(spec.compare);
         let attachment = [vk::PipelineColorBlendAttachmentState::default()
@@ -234,7 +236,7 @@ impl Program {
         let formats = if spec.fragment.is_some() { &formats[..] } else { &[] };
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(formats)
-            .depth_attachment_format(DEPTH_FORMAT)
+            .depth_attachment_format(if spec.has_depth { DEPTH_FORMAT } else { vk::Format::UNDEFINED })
             .view_mask(spec.view_mask);
         let create = [vk::GraphicsPipelineCreateInfo::default()
             .stages(stages)

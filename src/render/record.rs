@@ -1,9 +1,11 @@
 //! The commands of one picture: shadow map, then everything that is seen.
 
 use super::camera::View;
+use super::draws::List;
+use super::occlusion::Sifted;
 use super::parts::view_mask;
-use super::pipelines::{Program, Resource};
-use super::renderer::{CrowdMeshes, Renderer};
+use super::pipelines::Resource;
+use super::renderer::Renderer;
 use super::target::Transition;
 use super::user::SOLID_VERTICES;
 use super::{CrowdBuffers, Error, User};
@@ -16,17 +18,15 @@ type Stage = vk::PipelineStageFlags2;
 type Access = vk::AccessFlags2;
 type Layout = vk::ImageLayout;
 
-/// Bytes of a `VkDrawIndexedIndirectCommand`.
-const DRAW_ARGS_STRIDE: u32 = 20;
-
-const DEPTH_TESTS: Stage =
+pub(super) const DEPTH_TESTS: Stage =
     Stage::from_raw(Stage::EARLY_FRAGMENT_TESTS.as_raw() | Stage::LATE_FRAGMENT_TESTS.as_raw());
-const DEPTH_USE: Access = Access::from_raw(
+pub(super) const DEPTH_USE: Access = Access::from_raw(
     Access::DEPTH_STENCIL_ATTACHMENT_READ.as_raw() | Access::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
 );
 const COLOR_USE: Access =
     Access::from_raw(Access::COLOR_ATTACHMENT_READ.as_raw() | Access::COLOR_ATTACHMENT_WRITE.as_raw());
-const SHADERS: Stage = Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
+pub(super) const SHADERS: Stage =
+    Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
 
 /// As a colour attachment is used.
 const COLOR_ATTACHMENT: (Stage, Access, Layout) =
@@ -66,8 +66,12 @@ impl Renderer {
             "shadow_map" => Some(Resource::Texture(self.shadow_map.view, Layout::SHADER_READ_ONLY_OPTIMAL)),
             "shadow_sampler" => Some(Resource::Sampler(self.sampler)),
             "environment" => self.environment.as_ref().and_then(|e| buffer(&e.vertices)),
+            "clip_postures" => self.meshes.as_ref().and_then(|meshes| buffer(&meshes.postures)),
             name => crowd.and_then(|crowd| crowd.buffer(name)).and_then(buffer),
         };
+        if let (Some(occlusion), Some(engine)) = (&self.occlusion, crowd.and_then(|crowd| crowd.engine)) {
+            occlusion.bind(engine)?;
+        }
         self.programs.sky.bind(pass, resource)?;
         self.programs.user.bind(pass, resource)?;
         #[cfg(feature = "xr")]
@@ -97,7 +101,7 @@ impl Renderer {
         view: &View,
         crowd: Option<&CrowdBuffers<'_>>,
         output: &Output,
-    ) {
+    ) -> Result<(), Error> {
         let crowd = crowd.filter(|_| self.meshes.is_some());
         let uniforms = self.view_uniforms(view);
         let (user, solids) = self.user.uniforms();
@@ -139,7 +143,7 @@ impl Renderer {
         self.begin_output(commands, output);
         for (pass, target) in output.views.into_iter().enumerate().take(self.uniforms.len()) {
             self.label(commands, Some(c"gaitway.picture"));
-            self.record_picture(commands, crowd, solids, (pass, target));
+            self.record_picture(commands, view, crowd, (solids, pass, target))?;
             self.label(commands, None);
         }
         self.end_output(commands, output);
@@ -149,6 +153,7 @@ impl Renderer {
             (SHADERS | Stage::DRAW_INDIRECT, Access::NONE),
             (Stage::COMPUTE_SHADER | Stage::ALL_TRANSFER, Access::NONE),
         );
+        Ok(())
     }
 
     fn record_shadow(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>) {
@@ -168,7 +173,7 @@ impl Renderer {
             self.set_area(commands, area);
             self.draw_environment(commands, self.pipelines.environment_shadow, 0);
             self.draw_crowd(commands, &[self.pipelines.crowd_shadow], crowd, 0);
-            self.draw_far(commands, self.pipelines.far_shadow, crowd, 0);
+            self.draw_far(commands, self.pipelines.far_shadow, crowd, (self.far_buckets(), List::Shadow), 0);
         }
         // SAFETY: rendering has begun.
         unsafe { self.device.raw.cmd_end_rendering(commands) };
@@ -203,30 +208,75 @@ impl Renderer {
     fn record_picture(
         &self,
         commands: vk::CommandBuffer,
+        view: &View,
         crowd: Option<&CrowdBuffers<'_>>,
-        solids: u32,
-        (pass, view): (usize, vk::ImageView),
-    ) {
-        // the pass before has finished with them
+        (solids, pass, target): (u32, usize, vk::ImageView),
+    ) -> Result<(), Error> {
+        self.begin_attachments(commands);
+        let sieve = self.sieve(view, crowd);
+        let part = |is_first, is_last| self.begin_part(commands, (pass, target), is_first, is_last);
+        part(true, sieve.is_none());
+        #[cfg(feature = "xr")]
+        self.draw_mask(commands, pass);
+        // near to far by likelihood: hands are nearest, people and buildings hide who is far away, everything hides the sky
+        self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
+        self.draw_crowd(commands, &[self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
+        self.draw_environment(commands, self.pipelines.environment, pass);
+        let far = self.pipelines.far;
+        if let Some(sieve) = sieve {
+            for sifted in [Sifted::FarBodies, Sifted::Specks] {
+                self.end_part(commands);
+                self.sift(commands, sieve, view, sifted, pass)?;
+                part(false, sifted == Sifted::Specks);
+                self.draw_far(commands, far, crowd, (self.sifted_buckets(sifted), List::Sifted), pass);
+            }
+        } else {
+            self.draw_far(commands, far, crowd, (self.far_buckets(), List::Picture), pass);
+        }
+        self.draw_sky(commands, pass);
+        self.draw_markers(commands, crowd, pass);
+        let has_target = u32::from(self.user.teleport.is_some());
+        self.draw_user(commands, self.pipelines.target, (6, has_target), pass);
+        let has_vignette = u32::from(self.user.vignette > 0.0);
+        self.draw_user(commands, self.pipelines.vignette, (3, has_vignette), pass);
+        self.end_part(commands);
+        Ok(())
+    }
+
+    /// Makes depth and samples ready to be drawn: the pass before has finished with them.
+    fn begin_attachments(&self, commands: vk::CommandBuffer) {
         let mut before = vec![Transition {
             image: self.attachments.depth.raw,
             aspect: vk::ImageAspectFlags::DEPTH,
             from: (DEPTH_TESTS, Access::DEPTH_STENCIL_ATTACHMENT_WRITE, Layout::UNDEFINED),
             to: (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL),
         }];
+        before.extend(self.attachments.multisampled.as_ref().map(|multisampled| Transition {
+            image: multisampled.raw,
+            aspect: vk::ImageAspectFlags::COLOR,
+            from: (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::UNDEFINED),
+            to: COLOR_ATTACHMENT,
+        }));
+        self.transition(commands, &before);
+    }
+
+    /// Begins a part of a pass: the first one clears, the last one leaves the picture.
+    fn begin_part(
+        &self,
+        commands: vk::CommandBuffer,
+        (pass, view): (usize, vk::ImageView),
+        is_first: bool,
+        is_last: bool,
+    ) {
+        let load = if is_first { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } };
         let mut target = vk::RenderingAttachmentInfo::default()
             .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
-            .load_op(vk::AttachmentLoadOp::CLEAR)
+            .load_op(load)
+            .store_op(vk::AttachmentStoreOp::STORE)
             .clear_value(clear);
         match &self.attachments.multisampled {
-            Some(multisampled) => {
-                before.push(Transition {
-                    image: multisampled.raw,
-                    aspect: vk::ImageAspectFlags::COLOR,
-                    from: (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::UNDEFINED),
-                    to: COLOR_ATTACHMENT,
-                });
+            Some(multisampled) if is_last => {
                 target = target
                     .image_view(multisampled.view)
                     .store_op(vk::AttachmentStoreOp::DONT_CARE)
@@ -234,13 +284,15 @@ impl Renderer {
                     .resolve_image_view(view)
                     .resolve_image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL);
             }
-            None => target = target.image_view(view).store_op(vk::AttachmentStoreOp::STORE),
+            Some(multisampled) => target = target.image_view(multisampled.view),
+            None => target = target.image_view(view),
         }
-        self.transition(commands, &before);
         let targets = [target];
-        let depth = depth_attachment(self.attachments.depth.view, vk::AttachmentStoreOp::DONT_CARE);
-        #[cfg(feature = "xr")]
-        let depth = self.depth_of_pass(depth, pass);
+        let kept = if is_last { vk::AttachmentStoreOp::DONT_CARE } else { vk::AttachmentStoreOp::STORE };
+        let mut depth = depth_attachment(self.attachments.depth.view, kept).load_op(load);
+        if is_last {
+            depth = self.depth_of_pass(depth, pass);
+        }
         let area = area(self.settings.width, self.settings.height);
         let rendering = vk::RenderingInfo::default()
             .render_area(area)
@@ -251,170 +303,29 @@ impl Renderer {
         // SAFETY: recording has begun and the images are in the layouts of the attachments.
         unsafe { self.device.raw.cmd_begin_rendering(commands, &rendering) };
         self.set_area(commands, area);
-        #[cfg(feature = "xr")]
-        self.draw_mask(commands, pass);
-        // near to far by likelihood: hands are nearest, people and buildings hide much of the ground, everything hides the sky
-        self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
-        self.draw_crowd(commands, &[self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
-        self.draw_far(commands, self.pipelines.far, crowd, pass);
-        self.draw_environment(commands, self.pipelines.environment, pass);
-        self.draw_sky(commands, pass);
-        self.draw_markers(commands, crowd, pass);
-        let has_target = u32::from(self.user.teleport.is_some());
-        self.draw_user(commands, self.pipelines.target, (6, has_target), pass);
-        let has_vignette = u32::from(self.user.vignette > 0.0);
-        self.draw_user(commands, self.pipelines.vignette, (3, has_vignette), pass);
+    }
+
+    fn end_part(&self, commands: vk::CommandBuffer) {
         // SAFETY: rendering has begun.
         unsafe { self.device.raw.cmd_end_rendering(commands) };
     }
 
-    /// Binds a pipeline of a program and the program's set for a pass.
-    pub(super) fn use_program(
+    /// Buckets of all far bodies and specks.
+    fn far_buckets(&self) -> std::ops::Range<u32> {
+        self.sifted_buckets(Sifted::FarBodies).start..self.sifted_buckets(Sifted::Specks).end
+    }
+
+    #[cfg(not(feature = "xr"))]
+    #[allow(clippy::unused_self, reason = "headsets want depth")]
+    fn depth_of_pass(
         &self,
-        commands: vk::CommandBuffer,
-        program: &Program,
-        pipeline: vk::Pipeline,
-        pass: usize,
-    ) {
-        let point = vk::PipelineBindPoint::GRAPHICS;
-        let sets = [program.set(pass)];
-        // SAFETY: the pipeline and the set were made with the program's layout; recording has begun.
-        unsafe {
-            self.device.raw.cmd_bind_pipeline(commands, point, pipeline);
-            self.device.raw.cmd_bind_descriptor_sets(commands, point, program.layout, 0, &sets, &[]);
-        }
+        attachment: vk::RenderingAttachmentInfo<'static>,
+        _pass: usize,
+    ) -> vk::RenderingAttachmentInfo<'static> {
+        attachment
     }
 
-    fn draw_environment(&self, commands: vk::CommandBuffer, pipeline: vk::Pipeline, pass: usize) {
-        let Some(environment) = &self.environment else { return };
-        self.label(commands, Some(c"gaitway.environment"));
-        self.use_program(commands, &self.programs.environment, pipeline, pass);
-        // SAFETY: rendering has begun; every index was checked against the vertices.
-        unsafe {
-            let raw = &self.device.raw;
-            raw.cmd_bind_index_buffer(commands, environment.indices.raw, 0, vk::IndexType::UINT32);
-            raw.cmd_draw_indexed(commands, environment.index_count, 1, 0, 0, 0);
-        }
-        self.label(commands, None);
-    }
-
-    /// People with a pose: shadows with one pipeline, pictures with one for the finest level and one for the others.
-    fn draw_crowd(
-        &self,
-        commands: vk::CommandBuffer,
-        pipelines: &[vk::Pipeline],
-        crowd: Option<&CrowdBuffers<'_>>,
-        pass: usize,
-    ) {
-        let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
-        self.label(commands, Some(c"gaitway.crowd"));
-        let program = &self.programs.crowd;
-        let is_shadow = pipelines.len() == 1;
-        self.use_program(commands, program, pipelines.first().copied().unwrap_or_default(), pass);
-        let raw = &self.device.raw;
-        // SAFETY: rendering has begun; `check` has compared the sizes of the buffers with the number of buckets, and
-        // what the arguments ask for lies within the meshes, whose table the kernel copied them from.
-        unsafe {
-            raw.cmd_bind_index_buffer(commands, meshes.indices.raw, 0, vk::IndexType::UINT32);
-            // the finest level of every avatar, then the others: one change of pipelines
-            let is_near = |bucket: &u32| bucket.is_multiple_of(meshes.level_count);
-            let finest = (0..meshes.bucket_count).filter(is_near);
-            let others = (0..meshes.bucket_count).filter(|bucket| !is_near(bucket));
-            for bucket in finest.chain(others) {
-                if let (1, Some(coarse)) = (bucket, pipelines.get(1)) {
-                    raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::GRAPHICS, *coarse);
-                }
-                self.draw_bucket(commands, program, (crowd, meshes), (bucket, is_shadow));
-            }
-        }
-        self.label(commands, None);
-    }
-
-    /// People far away, an avatar after the other.
-    fn draw_far(
-        &self,
-        commands: vk::CommandBuffer,
-        pipeline: vk::Pipeline,
-        crowd: Option<&CrowdBuffers<'_>>,
-        pass: usize,
-    ) {
-        let (Some(crowd), Some(meshes)) = (crowd, &self.meshes) else { return };
-        self.label(commands, Some(c"gaitway.far"));
-        let program = &self.programs.far;
-        self.use_program(commands, program, pipeline, pass);
-        let is_shadow = pipeline == self.pipelines.far_shadow;
-        // SAFETY: as in `draw_crowd`.
-        unsafe {
-            let raw = &self.device.raw;
-            raw.cmd_bind_index_buffer(commands, meshes.indices.raw, 0, vk::IndexType::UINT32);
-            for bucket in meshes.bucket_count..meshes.bucket_count + meshes.far_count {
-                self.draw_bucket(commands, program, (crowd, meshes), (bucket, is_shadow));
-            }
-        }
-        self.label(commands, None);
-    }
-
-    /// Draws as many of a bucket as the kernels say, or their shadows.
-    ///
-    /// # Safety
-    /// Rendering has begun, a pipeline of the program and the indices are bound, and the bucket is one that
-    /// [`CrowdBuffers::check`] knows.
-    unsafe fn draw_bucket(
-        &self,
-        commands: vk::CommandBuffer,
-        program: &Program,
-        (crowd, meshes): (&CrowdBuffers<'_>, &CrowdMeshes),
-        (bucket, is_shadow): (u32, bool),
-    ) {
-        let bytes = bucket.to_ne_bytes();
-        let first = if is_shadow { meshes.bucket_count + meshes.far_count } else { 0 };
-        let offset = u64::from(first + bucket) * u64::from(DRAW_ARGS_STRIDE);
-        let raw = &self.device.raw;
-        // SAFETY: the caller's promise.
-        unsafe {
-            raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::VERTEX, 0, &bytes);
-            raw.cmd_draw_indexed_indirect(commands, crowd.draw_args.raw, offset, 1, DRAW_ARGS_STRIDE);
-        }
-    }
-
-    /// Hands, teleport target or vignette: `count` instances of so many vertices.
-    fn draw_user(
-        &self,
-        commands: vk::CommandBuffer,
-        pipeline: vk::Pipeline,
-        (vertices, count): (u32, u32),
-        pass: usize,
-    ) {
-        if count == 0 {
-            return;
-        }
-        self.label(commands, Some(c"gaitway.user"));
-        self.use_program(commands, &self.programs.user, pipeline, pass);
-        // SAFETY: rendering has begun; the shader makes its own vertices.
-        unsafe { self.device.raw.cmd_draw(commands, vertices, count, 0, 0) };
-        self.label(commands, None);
-    }
-
-    fn draw_sky(&self, commands: vk::CommandBuffer, pass: usize) {
-        self.label(commands, Some(c"gaitway.sky"));
-        self.use_program(commands, &self.programs.sky, self.pipelines.sky, pass);
-        // SAFETY: rendering has begun; the shader makes its own three vertices.
-        unsafe { self.device.raw.cmd_draw(commands, 3, 1, 0, 0) };
-        self.label(commands, None);
-    }
-
-    fn draw_markers(&self, commands: vk::CommandBuffer, crowd: Option<&CrowdBuffers<'_>>, pass: usize) {
-        let (Some(crowd), Some(_)) = (crowd, self.settings.markers) else { return };
-        self.label(commands, Some(c"gaitway.marker"));
-        self.use_program(commands, &self.programs.marker, self.pipelines.marker, pass);
-        // as many as there could be; the shader drops those past the end of the list
-        let slots = u32::try_from(crowd.visible.size() / 4).unwrap_or(u32::MAX);
-        // SAFETY: rendering has begun; the shader makes its own six vertices.
-        unsafe { self.device.raw.cmd_draw(commands, 6, slots, 0, 0) };
-        self.label(commands, None);
-    }
-
-    fn set_area(&self, commands: vk::CommandBuffer, area: vk::Rect2D) {
+    pub(super) fn set_area(&self, commands: vk::CommandBuffer, area: vk::Rect2D) {
         #[allow(clippy::cast_precision_loss, reason = "sides of images are far below 2^24")]
         let viewport = vk::Viewport {
             width: area.extent.width as f32,
@@ -429,7 +340,7 @@ impl Renderer {
         }
     }
 
-    fn barrier(&self, commands: vk::CommandBuffer, from: (Stage, Access), to: (Stage, Access)) {
+    pub(super) fn barrier(&self, commands: vk::CommandBuffer, from: (Stage, Access), to: (Stage, Access)) {
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(from.0)
             .src_access_mask(from.1)
@@ -491,6 +402,6 @@ fn depth_attachment(
         .clear_value(vk::ClearValue { depth_stencil: far })
 }
 
-fn area(width: u32, height: u32) -> vk::Rect2D {
+pub(super) fn area(width: u32, height: u32) -> vk::Rect2D {
     vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } }
 }

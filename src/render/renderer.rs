@@ -2,6 +2,7 @@
 
 use super::atmosphere::Atmosphere;
 use super::camera::View;
+use super::occlusion::Occlusion;
 use super::pack::MeshBuffers;
 use super::parts::{Attachments, Pipelines, Programs, attachments, pipelines, samples, stereo};
 use super::record::Output;
@@ -28,14 +29,20 @@ pub(crate) struct Environment {
 #[derive(Debug)]
 pub(crate) struct CrowdMeshes {
     pub(crate) indices: Buffer,
+    /// `vec4<f32> [clip]`, see [`MeshBuffers::postures`].
+    pub(crate) postures: Buffer,
     pub(crate) bucket_count: u32,
     pub(crate) level_count: u32,
     /// Buckets of far bodies, behind the others.
     pub(crate) far_count: u32,
+    /// What bodies of each bucket stay within, see [`MeshBuffers::bounds`].
+    pub(crate) bounds: Vec<[[f32; 4]; 2]>,
 }
 
 /// Draws a crowd and its environment.
 pub struct Renderer {
+    /// Leaves out who is hidden, where that is wanted and the device can; goes before the images it reads.
+    pub(crate) occlusion: Option<Occlusion>,
     pub(crate) attachments: Attachments,
     /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
     offscreen: Option<(GpuImage, Readback)>,
@@ -108,6 +115,7 @@ impl Renderer {
             ..settings
         };
         let attachments = attachments(device, &settings, samples, color_format)?;
+        let occlusion = Occlusion::new(device, &settings, &attachments)?;
         let shadow_size = settings.shadow_size.max(1); // without shadows, one texel that is always lit
         let shadow_map = GpuImage::new(
             device,
@@ -127,6 +135,7 @@ impl Renderer {
         let uniforms = (0..passes).map(|_| Buffer::new(device, "view", size, Memory::Device));
         let uniforms = uniforms.collect::<Result<_, _>>()?;
         let mut renderer = Self {
+            occlusion,
             attachments,
             offscreen: None,
             layer_views: Vec::new(),
@@ -221,7 +230,9 @@ impl Renderer {
     /// When the size is beyond the device or memory is short; the old size stays then.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         let settings = Settings { width, height, ..self.settings };
-        self.attachments = attachments(&self.device, &settings, self.samples, self.color_format)?;
+        let attachments = attachments(&self.device, &settings, self.samples, self.color_format)?;
+        self.occlusion = Occlusion::new(&self.device, &settings, &attachments)?;
+        self.attachments = attachments;
         self.forget_layer_views();
         self.offscreen = None;
         #[cfg(any(feature = "xr", feature = "view"))]
@@ -257,9 +268,19 @@ impl Renderer {
     /// When memory is short.
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
         let indices = self.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?;
+        let upright = [[0.0; 4]];
+        let postures = if meshes.postures.is_empty() { &upright } else { &meshes.postures[..] };
+        let postures = self.upload("clip_postures", bytemuck::cast_slice(postures))?;
         let (bucket_count, level_count) = (meshes.bucket_count(), meshes.level_count.max(1));
         let far_count = meshes.far_count();
-        self.meshes = Some(CrowdMeshes { indices, bucket_count, level_count, far_count });
+        self.meshes = Some(CrowdMeshes {
+            indices,
+            postures,
+            bucket_count,
+            level_count,
+            far_count,
+            bounds: meshes.bounds.clone(),
+        });
         Ok(())
     }
 
@@ -336,7 +357,7 @@ impl Renderer {
         };
         self.bind(crowd)?;
         self.submit(|raw, commands| {
-            self.record(commands, view, crowd, &output);
+            self.record(commands, view, crowd, &output)?;
             if is_wanted {
                 readback.copy(raw, commands, image.raw, vk::ImageAspectFlags::COLOR);
             }
@@ -374,7 +395,7 @@ impl Renderer {
         self.bind(crowd)?;
         self.submit(|raw, commands| {
             before(commands)?;
-            self.record(commands, view, crowd, &output);
+            self.record(commands, view, crowd, &output)?;
             if let Some(readback) = shot {
                 let aspect = vk::ImageAspectFlags::COLOR;
                 readback.copy(raw, commands, image, aspect);

@@ -54,6 +54,8 @@ pub struct Settings {
     pub eyes: u32,
     /// How both are drawn.
     pub stereo: Stereo,
+    /// Whether people whom nobody sees, behind others or behind buildings, are left out. The picture is the same.
+    pub occlusion: bool,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,
     /// Sun, sky and haze.
@@ -70,6 +72,7 @@ impl Default for Settings {
             samples: 4,
             eyes: 1,
             stereo: Stereo::Auto,
+            occlusion: true,
             shadow_size: 2048,
             atmosphere: Atmosphere::DAY,
             markers: None,

@@ -58,6 +58,7 @@ pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
     let mut kernels: Vec<KernelId> =
         order::frame_passes(&store.frame).iter().map(|pass| pass.kernel).collect();
     kernels.push(KernelId::Attend); // agents may have to take turns later
+    kernels.extend([KernelId::Occlude, KernelId::Admit]);
     if !store.moments.is_empty() {
         kernels.extend([KernelId::Remember, KernelId::Interpolate]);
     }

@@ -2,13 +2,14 @@
 //! layouts. [`fill`] gives a simulation everything that its pictures need.
 
 use super::cast::Cast;
-use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, RestJoint, Vertex};
+use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::layout::FrameUniforms;
 use crate::reference::attend::COUNTS;
 use crate::reference::body::{
     COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
 };
+use crate::reference::sight::BLOCK;
 use crate::scenario::{Budget, Gaze, GazeMode};
 
 /// Most agents that one picture shows with a pose; those beyond are far bodies.
@@ -24,6 +25,10 @@ pub const LEVEL_DISTANCES: [f32; 3] = [12.0, 35.0, 2000.0];
 pub const FAR_PIXELS: f32 = 16.0;
 /// Far bodies who are fewer pixels high than this are specks.
 pub const SPECK_PIXELS: f32 = 7.0;
+/// Most tiles of the depth of one eye's picture that tell who is hidden.
+pub const MOST_TILES: usize = 1 << 18;
+/// Most blocks of them: even a picture of one column has no more.
+const MOST_BLOCKS: usize = MOST_TILES / BLOCK as usize;
 /// Radius about an agent's axis that limbs in motion stay within, m.
 const REACH: f32 = 0.8;
 /// Room above the standing height for the bounce of a walk, m.
@@ -40,6 +45,10 @@ pub struct MeshBuffers {
     pub indices: Vec<u32>,
     /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks: first index, index count, first vertex, vertex count.
     pub mesh_table: Vec<[u32; 4]>,
+    /// `[bucket]`: what a body of scale 1 stays within, see [`crate::avatar::FarMesh::bounds`]; 0 of buckets with a pose.
+    pub bounds: Vec<[[f32; 4]; 2]>,
+    /// `[clip]`: the posture, see [`Posture`]; empty, all stand upright.
+    pub postures: Vec<[f32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
 }
@@ -80,6 +89,23 @@ impl MeshBuffers {
 /// An index that points past its mesh's vertices, and what is left of a triangle, is left out with its triangle, so that
 /// no draw reads another mesh.
 pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
+    pack(avatars, &[])
+}
+
+/// The same of a cast, whose far bodies take the postures of its clips.
+fn pack_cast(cast: &Cast) -> MeshBuffers {
+    let of_avatar = cast.clips().len() / cast.avatars().len().max(1);
+    let of_clip = |(number, clip)| {
+        cast.avatars().get(number / of_avatar.max(1)).map_or_else(Posture::default, |a| Posture::of(a, clip))
+    };
+    let postures: Vec<Posture> = cast.clips().iter().enumerate().map(of_clip).collect();
+    let mut meshes = pack(cast.avatars(), &postures);
+    meshes.postures = postures.into_iter().map(Posture::to_array).collect();
+    meshes
+}
+
+/// The same with the postures that far bodies may take.
+fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
     let levels = avatars.iter().map(|avatar| avatar.levels.len()).max().unwrap_or(0).clamp(1, LEVELS);
     let mut out = MeshBuffers { level_count: u32::try_from(levels).unwrap_or(1), ..MeshBuffers::default() };
     for avatar in avatars {
@@ -91,8 +117,10 @@ pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
             out.mesh_table.push(coarsest);
         }
     }
+    out.bounds = vec![[[0.0; 4]; 2]; out.mesh_table.len()];
     let far_meshes = avatars.iter().map(Avatar::far_body).chain(avatars.iter().map(Avatar::speck));
     for far in far_meshes {
+        out.bounds.push(far.bounds(postures));
         let vertices = far.vertices.iter().flat_map(far_elements).collect();
         let mesh = append(vertices, &far.indices, &mut out);
         out.mesh_table.push(mesh);
@@ -143,9 +171,9 @@ fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
 fn far_elements(vertex: &FarVertex) -> [[f32; 4]; VERTEX_STRIDE] {
     [
         vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
-        vertex.normal.extend(0.0).to_array(),
+        vertex.normal.extend(f32::from_bits(vertex.limb as u32)).to_array(),
         vertex.hinge.extend(vertex.swing).to_array(),
-        vertex.color.extend(0.0).to_array(),
+        vertex.color.extend(vertex.hips).to_array(),
     ]
 }
 
@@ -164,7 +192,7 @@ pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
 ///
 /// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
 pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
-    let meshes = pack_avatars(cast.avatars());
+    let meshes = pack_cast(cast);
     let agents = store.step.agent_count as usize;
     let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
     let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
@@ -179,6 +207,12 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     store.bucket_start = vec![0; meshes.mesh_table.len() + 2];
     store.visible = vec![u32::MAX; far_slot(visible) + agents];
     store.draw_args = vec![0; 2 * meshes.mesh_table.len() * 5];
+    store.wanted = vec![0; 2 * MOST_BLOCKS];
+    store.farthest = vec![0.0; 2 * MOST_TILES];
+    store.hidden = vec![0; store.visible.len()];
+    store.shown = vec![0; store.visible.len()];
+    store.run_shown = vec![0; agents.div_ceil(RUN) + 1];
+    store.shown_args = vec![0; meshes.mesh_table.len() * 5];
     store.attention_counts = vec![0; COUNTS];
     store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];
     store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];

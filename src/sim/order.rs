@@ -153,6 +153,24 @@ pub fn between_passes(agent_count: u32, keep: Option<u32>) -> Vec<Pass> {
     keep.into_iter().chain([Pass { kernel: KernelId::Interpolate, level: 0, extent }]).collect()
 }
 
+/// The launches that mark where the picture's depth is wanted to see who is hidden.
+pub fn marking_passes(agent_count: u32) -> Vec<Pass> {
+    vec![Pass { kernel: KernelId::Occlude, level: 0, extent: Extent::Invocations(agent_count) }]
+}
+
+/// The launches that leave out who is hidden behind that depth.
+pub fn sifting_passes(agent_count: u32) -> Vec<Pass> {
+    let pass = |kernel, level, count| Pass { kernel, level, extent: Extent::Invocations(count) };
+    // at least as many as there are buckets
+    let runs = agent_count.div_ceil(RUN).max(COLUMNS as u32);
+    vec![
+        pass(KernelId::Occlude, 1, agent_count),
+        pass(KernelId::Admit, 0, runs),
+        pass(KernelId::Admit, 1, 1),
+        pass(KernelId::Admit, 2, runs),
+    ]
+}
+
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
     let agents = frame.agent_count;

@@ -48,6 +48,7 @@ const INTEGERS: &[&str] = &[
     "flow_way",
     "gaits",
     "gaze_frame",
+    "hidden",
     "look",
     "mesh_table",
     "moments",
@@ -55,11 +56,15 @@ const INTEGERS: &[&str] = &[
     "queues",
     "reaction",
     "route",
+    "run_shown",
     "run_sums",
+    "shown",
+    "shown_args",
     "slot_agent",
     "sources",
     "teleport_of",
     "visible",
+    "wanted",
 ];
 
 /// Buffers whose contents have no defined order, and which only the kernel that wrote them reads.

@@ -1,6 +1,6 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, between, feelings, flow, gaits, journeys, step};
+use super::cases::{animation, between, feelings, flow, gaits, hidden, journeys, step};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
 use crate::kernels::{KernelId, Pass, Store};
@@ -71,6 +71,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         | KernelId::GridScan
         | KernelId::GridScatter
         | KernelId::Attend
+        | KernelId::Admit
         | KernelId::Compact
         | KernelId::Queue
         | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
@@ -108,6 +109,7 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         }
         KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
         KernelId::React => (0.0, "", "zeros"),
+        KernelId::Occlude => (0.0, "", "integers: tiles that are marked, who is hidden"),
         KernelId::Remember => (0.0, "", "copies of bits"),
         KernelId::Interpolate => {
             (1e-4, "m, rad", "one product and one sum, world coordinates of up to 100 m")
@@ -268,6 +270,12 @@ fn cases(size: usize, seed: u32) -> Vec<Case> {
         let store = animation::animation(size, seed);
         let passes = animation::passes(&store);
         cases.push(Case { name: format!("picture, {size} agents, seed {seed}"), store, passes });
+    }
+    for number in 0..if few { 1 } else { 5 } {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        let store = hidden::hidden(size, seed);
+        let passes = hidden::passes(&store);
+        cases.push(Case { name: format!("who is hidden of {size} agents, seed {seed}"), store, passes });
     }
     for number in 0..if few { 1 } else { 2 } {
         let seed = seed.wrapping_mul(8).wrapping_add(number);

@@ -225,6 +225,7 @@ impl HandMade {
         let elevation = vec![0.0_f32; position.len()];
         let stance = vec![[0.0_f32; 2]; position.len()];
         let phase = vec![0_u32; position.len()];
+        let (gaits, gait_weights) = (vec![[0_u32; 4]; position.len()], vec![[0.0_f32; 4]; position.len()]);
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
         }
@@ -241,6 +242,8 @@ impl HandMade {
             ("elevation", bytes(&elevation)),
             ("stance", bytes(&stance)),
             ("phase", bytes(&phase)),
+            ("gaits", bytes(&gaits)),
+            ("gait_weights", bytes(&gait_weights)),
         ];
         let buffers = contents
             .map(|(name, bytes)| {
@@ -255,6 +258,7 @@ impl HandMade {
     pub(super) fn crowd(&self) -> CrowdBuffers<'_> {
         let b = &self.buffers;
         CrowdBuffers {
+            engine: None,
             visible: &b[0],
             bucket_start: &b[1],
             draw_args: &b[2],
@@ -267,6 +271,8 @@ impl HandMade {
             elevation: &b[9],
             stance: &b[10],
             phase: &b[11],
+            gaits: &b[12],
+            gait_weights: &b[13],
         }
     }
 }

@@ -6,7 +6,7 @@ use super::super::plan::{Command, Op, plan};
 use super::{Copy, Engine, TIMED_PASSES};
 #[cfg(feature = "xr")]
 use crate::kernels::Store;
-use crate::kernels::{BufferId, Extent, Pass};
+use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use ash::{ext, vk};
 use std::ffi::CString;
 
@@ -138,6 +138,26 @@ impl Engine {
         unsafe {
             raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
         }
+    }
+
+    /// Records operations into somebody else's commands, outside of rendering: everything written before is visible to
+    /// them, and what they write to later passes, draws and their arguments.
+    ///
+    /// # Errors
+    /// When a pass needs a kernel that this engine lacks.
+    pub(crate) fn record_into(
+        &self,
+        commands: vk::CommandBuffer,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+    ) -> Result<(), Error> {
+        self.barrier(commands);
+        self.encode_ops(commands, ops, &contents, false)
+    }
+
+    /// Whether this engine has these kernels.
+    pub(crate) fn has(&self, kernels: &[KernelId]) -> bool {
+        kernels.iter().all(|kernel| self.pipelines[*kernel as usize].is_some())
     }
 
     /// Records operations, barriers between them and after the last.

@@ -12,6 +12,7 @@ pub mod crossing;
 pub mod feelings;
 pub mod flow;
 pub mod gaits;
+pub mod hidden;
 pub mod journeys;
 pub mod step;
 

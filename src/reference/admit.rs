@@ -1,0 +1,67 @@
+//! The list of those who are not hidden, and what their draws take.
+
+use super::body::RUN;
+use super::sight::{bucket_of, start_of};
+use crate::kernels::admit::Slices;
+
+/// Slots that are seen before number `count` of the sifted ones, the first of which is `first`.
+fn seen_before(b: &Slices<'_>, first: u32, count: u32) -> u32 {
+    let run = count as usize / RUN;
+    let of_run = (run * RUN) as u32..count;
+    b.run_shown[run] + of_run.map(|i| 1 - b.hidden[(first + i) as usize]).sum::<u32>()
+}
+
+/// Twin of `shaders/admit.wgsl`.
+pub fn admit(mut b: Slices<'_>) {
+    let sight = b.sight;
+    let first = start_of(sight, b.bucket_start, sight.first_bucket);
+    let end = start_of(sight, b.bucket_start, sight.bucket_end);
+    let runs = ((end - first) as usize).div_ceil(RUN);
+    let slots = |run: usize| first + (run * RUN) as u32..end.min(first + (run * RUN + RUN) as u32);
+    match b.level {
+        0 => {
+            for run in 0..runs {
+                b.run_shown[run] = slots(run).map(|slot| 1 - b.hidden[slot as usize]).sum();
+            }
+        }
+        1 => {
+            let mut total = 0;
+            for run in 0..runs {
+                let seen = b.run_shown[run];
+                b.run_shown[run] = total;
+                total += seen;
+            }
+            b.run_shown[runs] = total;
+        }
+        _ => {
+            (0..runs).for_each(|run| write_shown(&mut b, run, first, slots(run)));
+            for bucket in sight.first_bucket..sight.bucket_end {
+                let at = bucket as usize * 5;
+                let before =
+                    |bucket: u32| seen_before(&b, first, start_of(sight, b.bucket_start, bucket) - first);
+                let count = before(bucket + 1) - before(bucket);
+                b.shown_args[at..at + 5].copy_from_slice(&b.draw_args[at..at + 5]);
+                b.shown_args[at + 1] = count;
+            }
+        }
+    }
+}
+
+fn write_shown(b: &mut Slices<'_>, run: usize, first: u32, slots: std::ops::Range<u32>) {
+    let sight = b.sight;
+    let mut seen = b.run_shown[run];
+    let mut bucket = bucket_of(sight, b.bucket_start, slots.start, sight.first_bucket);
+    let mut before = seen_before(b, first, start_of(sight, b.bucket_start, bucket) - first);
+    for slot in slots {
+        let of_slot = bucket_of(sight, b.bucket_start, slot, bucket);
+        if of_slot != bucket {
+            bucket = of_slot;
+            before = seen;
+        }
+        if b.hidden[slot as usize] == 0 {
+            let at = start_of(sight, b.bucket_start, bucket) + seen - before;
+            b.shown[at as usize] = slot;
+            seen += 1;
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! Inputs for `occlude` and `admit`: the crowd of [`super::animation`] as `cull` and `compact` leave it, and a depth that
+//! hides some of it.
+//!
+//! Hard by design: agents at and behind the eye, far too near or large to be judged, out of one eye's picture, tiles where
+//! nothing is drawn, fewer agents than are worth looking for, and poison in everything that must not be read.
+
+use super::{animation, unit};
+use crate::kernels::layout::SightUniforms;
+use crate::kernels::{KernelId, Pass, Store};
+use crate::reference;
+use crate::reference::body::RUN;
+use crate::reference::sight::BLOCK;
+use crate::sim::order;
+use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
+use glam::{Mat4, Vec3};
+
+const POISON: u32 = 0xdead_beef;
+const WIDTH: u32 = 318;
+const HEIGHT: u32 = 181;
+const TILE: [u32; 2] = [4, 3];
+
+/// Clip from world space of an eye `aside` of the made-up user, who looks towards +z.
+fn clip_from_world(user_eyes: Vec3, aside: f32) -> [[f32; 4]; 4] {
+    let eye = user_eyes + Vec3::X * aside;
+    let view: Mat4 = look_at_mat4(eye, eye + Vec3::Z, Vec3::Y);
+    let aspect = WIDTH as f32 / HEIGHT as f32;
+    (vulkan::perspective_infinite_reverse(1.2, aspect, 0.05) * view).to_cols_array_2d()
+}
+
+/// Every buffer that the kernels touch. Seeds differ in kind: of even ones there is room for a pose for some only, so that
+/// near agents are far bodies; those with bit 1 set see with one eye; one in five of them has too few agents, and of
+/// another one in five the eye looks down on most.
+pub fn hidden(agents: usize, seed: u32) -> Store {
+    let kind = seed.wrapping_mul(3).wrapping_add(1); // with far bodies
+    let mut store = animation::animation(agents, kind);
+    for pass in animation::passes(&store) {
+        if matches!(pass.kernel, KernelId::Cull | KernelId::Compact) {
+            reference::run(pass.kernel, &mut store, pass.level);
+        }
+    }
+    let [x, y, z, _] = store.frame.user_eyes;
+    let (columns, rows) = (WIDTH.div_ceil(TILE[0]), HEIGHT.div_ceil(TILE[1]));
+    let mut bounds = [[[f32::NAN; 4]; 2]; 32];
+    let far = store.frame.bucket_count..store.mesh_table.len() as u32;
+    for bucket in far.clone() {
+        bounds[bucket as usize] =
+            [[0.3 + 0.02 * bucket as f32, -0.03, 1.45, f32::NAN], [0.12, 1.4, 1.75, f32::NAN]];
+    }
+    store.sight = SightUniforms {
+        clip_from_world: [-0.03, 0.03].map(|aside| clip_from_world(Vec3::new(x, y, z), aside)),
+        bounds,
+        width: WIDTH as f32,
+        height: HEIGHT as f32,
+        eye_count: if seed & 2 == 0 { 2 } else { 1 },
+        tile_width: TILE[0],
+        tile_height: TILE[1],
+        tile_columns: columns,
+        tile_rows: rows,
+        first_bucket: far.start,
+        bucket_end: far.end,
+        start_shift: 1,
+        eye_height: y + if seed % 5 == 3 { 1.0 } else { 0.0 },
+        fewest: if seed % 5 == 4 { u32::MAX } else { 2 },
+    };
+    let tiles = (2 * columns * rows) as usize;
+    store.wanted = vec![0; 2 * (columns.div_ceil(BLOCK) * rows.div_ceil(BLOCK)) as usize];
+    // walls before some columns of tiles, nothing before others
+    let wall = |tile: usize| {
+        let column = tile % columns as usize;
+        let depth = unit(kind, column / 6, 0) * 0.02;
+        if unit(kind, tile, 1) < 0.01 { 0.0 } else { depth }
+    };
+    store.farthest = (0..tiles).map(wall).collect();
+    store.hidden = vec![POISON; store.visible.len()];
+    store.shown = vec![POISON; store.visible.len()];
+    store.run_shown = vec![POISON; agents.div_ceil(RUN) + 1];
+    store.shown_args = vec![POISON; store.mesh_table.len() * 5];
+    store
+}
+
+/// The launches of one sifting.
+pub fn passes(store: &Store) -> Vec<Pass> {
+    let agents = store.frame.agent_count;
+    order::marking_passes(agents).into_iter().chain(order::sifting_passes(agents)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn some_are_hidden_and_some_are_not_and_the_list_holds_the_others_in_their_order() {
+        let mut all = [0, 0];
+        for seed in 0..10 {
+            let mut store = hidden(700, seed);
+            for pass in passes(&store) {
+                reference::run(pass.kernel, &mut store, pass.level);
+            }
+            let shift = store.sight.start_shift;
+            for bucket in store.sight.first_bucket..store.sight.bucket_end {
+                let [start, end] =
+                    [bucket, bucket + 1].map(|bucket| store.bucket_start[(bucket + shift) as usize]);
+                let seen: Vec<u32> = (start..end).filter(|slot| store.hidden[*slot as usize] == 0).collect();
+                let count = store.shown_args[bucket as usize * 5 + 1] as usize;
+                assert_eq!(store.shown[start as usize..][..count], seen, "seed {seed}, bucket {bucket}");
+                let hidden = (end - start) as usize - count;
+                assert!(store.sight.fewest < u32::MAX || hidden == 0);
+                all = [all[0] + count, all[1] + hidden];
+            }
+            let marked = store.wanted.iter().filter(|tile| **tile == 1).count();
+            assert!(marked < store.wanted.len() && (marked > 0 || store.sight.fewest == u32::MAX));
+        }
+        assert!(all[0] > 300 && all[1] > 100, "{all:?}");
+    }
+}
