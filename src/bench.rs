@@ -189,6 +189,7 @@ pub fn bench(
                 rows.extend(timed.into_iter().filter(|row| row.name == kernel.kernel().name));
             }
             rows.extend(kernels(&mut Sequence::between(agents, backend, device)?)?);
+            rows.extend(kernels(&mut Sequence::hidden(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
         }

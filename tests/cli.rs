@@ -112,7 +112,8 @@ fn simulating_twice_gives_the_same_hash_and_another_seed_another() {
     let (a, b, c) = (run("5"), run("5"), run("6"));
     assert_eq!(a["state_hash"], b["state_hash"]);
     assert_ne!(a["state_hash"], c["state_hash"]);
-    assert_eq!(a["state_hash"].as_str().map(str::len), Some(16));
+    // the same on every machine; whatever changes it is told as "results:" in CHANGELOG.md
+    assert_eq!(a["state_hash"], "028df69bb1f137f8");
     for key in [
         "device",
         "scene",

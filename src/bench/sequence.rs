@@ -14,7 +14,7 @@ use crate::sim::{Backend, bodies, order};
 use crate::verify::cases::crossing::crossing;
 use crate::verify::cases::feelings::feelings;
 use crate::verify::cases::journeys::journeys;
-use crate::verify::cases::{between, flow, gaits};
+use crate::verify::cases::{between, flow, gaits, hidden};
 use std::time::Instant;
 
 /// Passes that are run again and again, each kernel timed.
@@ -152,6 +152,16 @@ impl Sequence {
         Self::new(None, agents, store, passes, (backend, device))
     }
 
+    /// The kernels that leave out people whom nobody sees.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn hidden(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let store = hidden::hidden(agents, 0);
+        let passes = hidden::passes(&store);
+        Self::new(None, agents, store, passes, (backend, device))
+    }
+
     /// The expressive features of so many gaits of about 35 frames.
     ///
     /// # Errors
@@ -195,6 +205,9 @@ impl Sequence {
         }
         if matches!(kernel, KernelId::Remember | KernelId::Interpolate) {
             return Self::between(agents, backend, device);
+        }
+        if matches!(kernel, KernelId::Occlude | KernelId::Admit) {
+            return Self::hidden(agents, backend, device);
         }
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);

@@ -16,7 +16,8 @@ use clap::{Args, ValueEnum};
                         two streams at right angles over a square whose opposite sides are joined.")]
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
-    /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the ways over squares of as many cells of 0.5 m
+    /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
+    /// ways over squares of as many cells of 0.5 m
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated

@@ -163,7 +163,7 @@ mod tests {
         let mut all: Vec<clap::Command> = command.get_subcommands().cloned().collect();
         while let Some(one) = all.pop() {
             let nested: Vec<_> = one.get_subcommands().cloned().collect();
-            if nested.is_empty() {
+            if nested.is_empty() && !one.is_hide_set() {
                 let help = one.get_after_help().map(ToString::to_string).unwrap_or_default();
                 assert!(help.contains("gaitway "), "{} has no example", one.get_name());
             }
