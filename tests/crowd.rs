@@ -101,6 +101,32 @@ fn two_people_exactly_head_on_pass_each_other() {
 }
 
 #[test]
+fn a_walker_through_the_origin_of_a_custom_scene_stays_on_its_line() {
+    let library = GaitLibrary::built_in().unwrap();
+    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let farthest = |user: &str| {
+        let text = format!(
+            "name = \"line\"\nbounds = [[-12, -5], [12, -5], [12, 5], [-12, 5]]\n{user}[population]\nagents = 0\n\
+             [[walkers]]\nposition = [-10, 0]\nwaypoints = [[10, 0]]\nspeed = 1.3\n"
+        );
+        let scenario = Scenario::parse(&text, "line").unwrap();
+        let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+        let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+        let mut farthest = 0.0_f32;
+        for _ in 0..16 * 30 {
+            simulation.step(1).unwrap();
+            farthest = farthest.max(simulation.state().unwrap().position[0][1].abs());
+        }
+        let [x, _] = simulation.state().unwrap().position[0];
+        assert!(x > 9.0, "it came to x = {x} m");
+        farthest
+    };
+    assert!(farthest("") < 0.01, "it swerves by {} m, round nobody", farthest(""));
+    let around = farthest("[user]\nposition = [0, 0]\n");
+    assert!(around > 0.4, "it passes a user who is there at {around} m");
+}
+
+#[test]
 fn an_agent_walks_around_the_user_who_gives_no_way() {
     let mut store = duel([15.0, 10.0], 0.02);
     store.step.agent_count = 1;

@@ -221,7 +221,7 @@ fn both_backends_feel_the_same_bits() {
     assert!(hashes.windows(2).all(|pair| pair[0] == pair[1]), "{hashes:?}");
 }
 
-const PLACE: &str = "name = \"place\"\nbounds = [[0, 0], [30, 0], [30, 30], [0, 30]]\n[user]\navoided = false\n\
+const PLACE: &str = "name = \"place\"\nbounds = [[0, 0], [30, 0], [30, 30], [0, 30]]\n\
     [[routes]]\nname = \"a\"\nwaypoints = [[2, 15], [28, 15]]\nwidth = 16\n";
 
 fn simulation(text: &str) -> Simulation {

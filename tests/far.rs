@@ -42,10 +42,10 @@ fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
             return None;
         }
     };
-    let scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
+    let scenery = geometry.scenery();
     let settings = Settings::sized(W, H);
     let show = Show::new(&mut simulation, &meshes, &scenery, settings, None).unwrap();
-    let user = gaitway::ground::world_from_ground(geometry.user, 1.7);
+    let user = gaitway::ground::world_from_ground(geometry.focus, 1.7);
     Some((simulation, show, user))
 }
 

@@ -242,7 +242,7 @@ fn scene(agents: u32, solids: &[Vec<[f32; 2]>], way_finding: &str) -> Scenario {
         solids.iter().map(|polygon| format!("[[obstacles]]\npolygon = {polygon:?}\n")).collect();
     let text = format!(
         "name = \"room\"\nbounds = [[0.0, 0.0], [20.0, 0.0], [20.0, 20.0], [0.0, 20.0]]\n[population]\nagents = {agents}\n\
-         [user]\navoided = false\n[navigation]\ncrowding = 0.0\n[way_finding]\n{way_finding}\n{obstacles}\n[[spawns]]\n\
+         [navigation]\ncrowding = 0.0\n[way_finding]\n{way_finding}\n{obstacles}\n[[spawns]]\n\
          polygon = [[1.0, 2.0], [8.0, 2.0], [8.0, 18.0], [1.0, 18.0]]\n[[stages]]\nname = \"out\"\nkind = \"exit\"\n\
          position = [19.0, 9.6]\nsize = [1.5, 3.0]\n[[journeys]]\nname = \"leave\"\nstages = [\"out\"]\n"
     );

@@ -238,7 +238,7 @@ fn scenario(layout: &Layout, model: Model, seed: u64) -> Scenario {
     scenario.seed = seed;
     scenario.navigation.model = model;
     scenario.navigation.patience = 1.0;
-    scenario.user.avoided = false;
+    scenario.user = None;
     scenario.routes.clear();
     scenario.spawns.clear();
     scenario.environment.props.clear();

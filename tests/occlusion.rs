@@ -78,8 +78,8 @@ fn crowd(place: Place, agents: u32, settings: Settings, shrink: f32) -> Option<C
     } else {
         let crowd = populate_from(&scenario, &library).unwrap();
         let store = setup::store(&scenario, &geometry, &crowd, &cast);
-        let scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
-        (store, scenery, gaitway::ground::world_from_ground(geometry.user, 1.65))
+        let scenery = geometry.scenery();
+        (store, scenery, gaitway::ground::world_from_ground(geometry.focus, 1.65))
     };
     let mut meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     for [side, bottom, top, _] in meshes.bounds.iter_mut().flatten() {

@@ -26,7 +26,7 @@ fn on_the_way(time: f32) -> Vec2 {
 /// Smallest gap between agent 300 and anybody else over 21 s, m, and how far it was off its way at most.
 fn drive(comfort: f32) -> (f32, f32, f32) {
     let text = format!(
-        "[user]\navoided = false\n[population]\nagents = 300\n[[outsiders]]\nkind = \"vehicle\"\nradius = 0.9\n\
+        "[population]\nagents = 300\n[[outsiders]]\nkind = \"vehicle\"\nradius = 0.9\n\
          comfort = {comfort}\npath = [[0, 2, 17], [20, 32, 17]]\n"
     );
     let mut simulation = scene(&text, Backend::Cpu).unwrap();

@@ -8,6 +8,7 @@ use gaitway::kernels::Store;
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, POSE_STRIDE, visible_agents};
 use gaitway::reference::gaze::{ENGAGED, RATE_LIMIT, VALID};
+use gaitway::sim::bodies::looking_at;
 use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
@@ -102,6 +103,24 @@ fn neutral_keeps_the_angles_of_the_gait() {
         run(&mut store);
         run(&mut without);
         assert_eq!(store.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
+    }
+}
+
+#[test]
+fn without_a_user_happy_and_angry_heads_keep_the_angles_of_the_gait_in_either_mode() {
+    for (emotion, mode) in
+        [Emotion::Happy, Emotion::Angry].map(|e| [(e, NATURAL), (e, PAPER)]).into_iter().flatten()
+    {
+        let mut alone = standing(emotion, mode, Vec3::new(1.0, 1.6, 2.0));
+        let mut seen = alone.clone();
+        alone.frame = looking_at(alone.frame, None);
+        let mut without = alone.clone();
+        without.look[0][0] &= !(1 << 16);
+        for store in [&mut alone, &mut seen, &mut without] {
+            run(store);
+        }
+        assert_eq!(alone.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
+        assert_ne!(seen.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
     }
 }
 

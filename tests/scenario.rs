@@ -7,8 +7,8 @@
 
 use gaitway::Emotion;
 use gaitway::scenario::{
-    Clearance, Condition, Crowd, EmotionMode, Error, Geometry, Layout, ROUTE_CLEARANCE, Scenario, polygon,
-    populate,
+    Clearance, Condition, Crowd, EmotionMode, Error, Geometry, Layout, ROUTE_CLEARANCE, Scenario, User,
+    polygon, populate,
 };
 use glam::Vec2;
 use std::time::Instant;
@@ -171,11 +171,8 @@ fn everybody_can_walk_its_route_and_nobody_starts_in_anything() {
         routes_are_clear(&scenario, &crowd);
         let geometry = scenario.geometry();
         let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
-        assert!(
-            free.admits(geometry.user, scenario.user.radius),
-            "{}: the user stands free",
-            label(&scenario)
-        );
+        let (user, at) = scenario.user.zip(geometry.user).unwrap();
+        assert!(free.admits(at, user.radius), "{}: the user stands free", label(&scenario));
         let mut sorted: Vec<&_> = crowd.agents.iter().collect();
         sorted.sort_by(|a, b| a.position.x.total_cmp(&b.position.x));
         for (i, a) in sorted.iter().enumerate() {
@@ -185,8 +182,8 @@ fn everybody_can_walk_its_route_and_nobody_starts_in_anything() {
                 label(&scenario),
                 a.position
             );
-            let user = a.position.distance(geometry.user);
-            assert!(user > a.radius + scenario.user.radius, "{}: {user} m from the user", label(&scenario));
+            let away = a.position.distance(at);
+            assert!(away > a.radius + user.radius, "{}: {away} m from the user", label(&scenario));
             for b in sorted[i + 1..].iter().take_while(|b| b.position.x - a.position.x < 1.0) {
                 assert!(
                     a.position.distance(b.position) > a.radius + b.radius,
@@ -439,7 +436,7 @@ fn mutilated_files_are_refused_or_read_but_never_panic() {
 fn scenery_has_a_sane_mesh_at_every_size() {
     for scenario in scenes(&[4, 100, 10_000, 1_000_000]) {
         let geometry = scenario.geometry();
-        let mesh = geometry.environment.mesh(&geometry.bounds, geometry.user);
+        let mesh = geometry.scenery();
         let triangles = mesh.triangle_count();
         println!("{}: {triangles} triangles, {} obstacles", label(&scenario), geometry.obstacles.len());
         assert!((5_000..=60_000).contains(&triangles), "{}: {triangles} triangles", label(&scenario));
@@ -466,4 +463,43 @@ fn a_hundred_thousand_agents_are_populated_in_seconds() {
         println!("{}: {:?}, {} stages", label(&scenario), start.elapsed(), crowd.stages.len());
         assert_eq!(crowd.agents.len(), 100_000);
     }
+}
+
+#[test]
+fn a_user_is_put_in_where_there_is_room_and_only_where_there_is_none() {
+    let place = |more: &str| {
+        let text = format!(
+            "name = \"place\"\nbounds = [[2, 2], [22, 2], [22, 12], [2, 12]]\n{more}\n[population]\nagents = 0\n"
+        );
+        Scenario::parse(&text, "place").unwrap()
+    };
+    let put_in = |mut scenario: Scenario| {
+        assert_eq!(scenario.geometry().user, None, "without [user] there is no user");
+        scenario.put_in(User::default());
+        scenario.geometry().user.unwrap()
+    };
+    assert_eq!(put_in(place("")), Vec2::new(12.0, 7.0), "the middle");
+    let pillar = place("[[obstacles]]\npolygon = [[11, 5], [14, 5], [14, 9], [11, 9]]\n");
+    let at = put_in(pillar.clone());
+    let geometry = pillar.geometry();
+    assert!(Clearance::new(&geometry.bounds, &geometry.obstacles).admits(at, 0.3), "{at} is solid");
+    assert!(at.distance(Vec2::new(12.0, 7.0)) < 2.0, "{at} is farther from the middle than it need be");
+    // a layout has its own place, and whoever is there stays
+    let mut layout = Scenario::builtin("crossing").unwrap();
+    let own = layout.geometry().user;
+    layout.put_in(User { position: Some([1.0, 1.0]), ..User::default() });
+    assert_eq!(layout.geometry().user, own);
+    layout.user = None;
+    layout.put_in(User::default());
+    assert_eq!(layout.geometry().user, own);
+    let there = place("[user]\nposition = [5, 5]\n");
+    assert_eq!((there.geometry().user, there.geometry().focus), (Some(Vec2::splat(5.0)), Vec2::splat(5.0)));
+}
+
+#[test]
+fn the_overview_is_of_the_place_and_not_of_the_origin() {
+    let text = "name = \"far\"\nbounds = [[500, 300], [540, 300], [540, 320], [500, 320]]\n[population]\nagents = 0\n";
+    let (eye, target) = Scenario::parse(text, "far").unwrap().geometry().overview;
+    assert_eq!((target.x, target.z), (520.0, 310.0));
+    assert!(eye.distance(target) < 40.0, "{eye}");
 }

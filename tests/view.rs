@@ -123,7 +123,7 @@ fn somebody() -> (u64, [u32; 2]) {
     let crowd = populate_from(&scenario, &GaitLibrary::built_in().unwrap()).unwrap();
     let camera = Rig::new(geometry.overview.0, geometry.overview.1).camera();
     let view = View::mono(&camera, SIZE[0], SIZE[1]);
-    let scenery = geometry.environment.mesh(&geometry.bounds, geometry.user);
+    let scenery = geometry.scenery();
     let people = || {
         let pillar = |agent: &gaitway::scenario::AgentStart| Pillar {
             position: agent.position.to_array(),

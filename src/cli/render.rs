@@ -28,7 +28,7 @@ const LEAP: u32 = 30;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// eyes (the user's), orbit, top (a map), `follow` or `follow:AGENT`
+    /// eyes (the user's; without one: from near the middle), orbit, top (a map), `follow` or `follow:AGENT`
     #[arg(long, default_value = "orbit", value_name = "CAMERA")]
     camera: CameraName,
     /// Pixels

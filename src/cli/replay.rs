@@ -107,7 +107,7 @@ struct PictureArguments {
     /// FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ for a PNG per frame
     #[arg(long, value_name = "FILE", help_heading = "Pictures")]
     render: Option<PathBuf>,
-    /// eyes (from the middle, or the scene's user), orbit, top (a map), `follow` or `follow:AGENT`
+    /// eyes (the scene's user's, or from near the middle), orbit, top (a map), `follow` or `follow:AGENT`
     #[arg(long, default_value = "orbit", value_name = "CAMERA", help_heading = "Pictures")]
     camera: CameraName,
     /// Pixels

@@ -4,12 +4,14 @@ use super::preference::PreferenceArguments;
 use super::{output::note, usage};
 use crate::Error;
 use crate::avatar::{self, Avatar, Sex};
+use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Crowd, Geometry, Scenario, populate_from};
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, User, populate_from};
 use crate::sim::{Backend, Cast, Simulation, flow, setup};
 use clap::{Args, ValueEnum};
+use glam::Vec3;
 use std::path::{Path, PathBuf};
 
 /// Which crowd.
@@ -138,6 +140,17 @@ impl Scene {
         replay.join(&scenario, &library, &mut crowd)?;
         let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: Some(replay) })
+    }
+
+    /// The eyes of the scene's user (world, m) and their heading, radians. A scene without a user gets an onlooker: agents
+    /// look at them as at a user, and nobody walks round them.
+    pub(super) fn onlooker(&mut self) -> (Vec3, f32) {
+        let onlooker = User { avoided: false, ..User::default() };
+        let user = *self.scenario.user.get_or_insert(onlooker);
+        let geometry = &mut self.geometry;
+        let at = geometry.user.unwrap_or_else(|| geometry.place_for_user(user.radius));
+        geometry.user = Some(at);
+        (world_from_ground(at, user.eye_height), user.heading_deg.to_radians())
     }
 
     /// Does steps, leading recorded people.

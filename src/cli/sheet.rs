@@ -25,7 +25,7 @@ const ROWS: u32 = 2;
 
 /// The place: nothing but ground.
 const PLACE: &str = "name = \"sheet\"\nbounds = [[-20.0, -20.0], [1400.0, -20.0], [1400.0, 20.0], [-20.0, 20.0]]\n\
-                     [user]\navoided = false\nposition = [-10.0, 0.0]\n[population]\nagents = 64\n\
+                     [population]\nagents = 64\n\
                      [[routes]]\nname = \"line\"\nwaypoints = [[0.0, 0.0], [1300.0, 0.0]]\n";
 
 /// Draws the sheet; the device that drew it, too.

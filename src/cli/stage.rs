@@ -22,7 +22,7 @@ const MAP_MARGIN: f32 = 1.04;
 /// Which camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum CameraName {
-    /// The user's eyes.
+    /// The user's eyes, or an onlooker's where the scene has no user.
     Eyes,
     /// The scene at a glance, slowly going round in videos.
     Orbit,
@@ -129,18 +129,13 @@ impl Stage {
         &mut self.show
     }
 
-    /// The user's eyes, m.
-    pub(super) fn user_eyes(&self) -> Vec3 {
-        world_from_ground(self.scene.geometry.user, self.scene.scenario.user.eye_height)
-    }
-
     /// A camera as it stands `since` seconds after the first picture.
     pub(super) fn camera(&mut self, name: CameraName, since: f64) -> Result<Camera, Error> {
         let geometry = &self.scene.geometry;
         Ok(match name {
             CameraName::Eyes => {
-                let heading = self.scene.scenario.user.heading_deg.to_radians();
-                Camera::user_eyes(self.user_eyes(), heading, 0.0)
+                let (eyes, heading) = self.scene.onlooker();
+                Camera::user_eyes(eyes, heading, 0.0)
             }
             CameraName::Orbit => {
                 let (eye, target) = geometry.overview;
@@ -176,7 +171,7 @@ impl Stage {
     /// A picture through a camera.
     pub(super) fn picture(&mut self, camera: &Camera) -> Result<Image, Error> {
         let view = View::mono(camera, self.size.0, self.size.1);
-        let eyes = self.user_eyes();
+        let eyes = self.scene.geometry.eyes(&self.scene.scenario);
         self.show.picture(&mut self.simulation, &view, eyes)
     }
 }

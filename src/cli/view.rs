@@ -6,7 +6,6 @@ use super::stage::{atmosphere, size};
 use super::usage;
 use crate::Error;
 use crate::export::image::write_png;
-use crate::ground::world_from_ground;
 use crate::picture::Image;
 use crate::render::{Markers, Settings};
 use crate::scenario::Shares;
@@ -34,7 +33,7 @@ pub(super) struct Arguments {
     /// Close the window after this time
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
-    /// Whom agents look at: the user where the scenario has them, or the camera
+    /// Whom agents look at: the user where the scenario has them (without one: the middle), or the camera
     #[arg(long, value_enum, default_value_t)]
     eyes: Eyes,
     /// Rings on the ground in the colours of the emotions
@@ -80,7 +79,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         return Err(usage(format!("--shot {}: a picture ends in .png", shot.display()), "use FILE.png"));
     }
     let (backend, device) = arguments.scene.place.get()?;
-    let scene = Scene::load(&arguments.scene)?;
+    let mut scene = Scene::load(&arguments.scene)?;
+    let (eyes, _) = scene.onlooker();
     let (scenario, geometry) = (&scene.scenario, &scene.geometry);
     let scenery = geometry.scenery();
     let Shares { happy, angry, sad, neutral } = scenario.population.emotions;
@@ -98,8 +98,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         gaze: scenario.gaze,
         choice: Choice { condition: scenario.condition, shares: [happy, angry, sad, neutral] },
         overview: geometry.overview,
-        user_eyes: (arguments.eyes == Eyes::User)
-            .then(|| world_from_ground(geometry.user, scenario.user.eye_height)),
+        user_eyes: (arguments.eyes == Eyes::User).then_some(eyes),
         seconds,
         shot: arguments.shot.clone(),
         record: arguments.record.clone(),

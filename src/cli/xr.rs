@@ -11,7 +11,7 @@ use crate::Error;
 use crate::export::AtomicFile;
 use crate::kernels::Store;
 use crate::render::Settings;
-use crate::scenario::Clearance;
+use crate::scenario::{Clearance, User};
 use crate::sim::{bodies, measure};
 use crate::xr::{
     self, Moment, Observer, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, Shot, World,
@@ -32,7 +32,7 @@ const SHADOW_SIZE: u32 = 1024;
     after_help = "Examples:\n  gaitway xr crossing --agents 2000\n  gaitway xr my-place.toml --seconds 600 --wait\n  \
                         gaitway xr garden --seconds 5 --shots out --eye-size 640x640\n  gaitway xr crossing --record visit.csv\n  gaitway xr crossing --replay visit.csv --backend cpu\n\nWalk about in your room; the \
                         left stick walks farther, the right one turns, A points to a place and goes there, the left \
-                        stick pressed brings you back to the start.\n`gaitway devices` says what is missing for a headset."
+                        stick pressed brings you back to the start. A scene without a user gets one, near its middle.\n`gaitway devices` says what is missing for a headset."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -94,7 +94,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             usage(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
         })?;
     }
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = Scene::load_with(&arguments.scene, |scenario| scenario.put_in(User::default()))?;
     if let Some(path) = &arguments.replay {
         return replay(arguments, &scene, path);
     }
@@ -102,8 +102,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
     let geometry = &scene.geometry;
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
-    let user = &scene.scenario.user;
-    let radius = user.radius;
+    let user = scene.scenario.user.unwrap_or_default();
+    let (at, radius) = (geometry.user.unwrap_or_default(), user.radius);
     let full = store.frame.level_distance;
     let world = World {
         meshes,
@@ -115,7 +115,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         },
         gaze: scene.scenario.gaze,
         level_distances: [full[0], full[1], full[2]],
-        start: (geometry.user, user.heading_deg.to_radians()),
+        start: (at, user.heading_deg.to_radians()),
         is_free: Box::new(move |place| free.admits(place, radius)),
         store: store.clone(),
     };

@@ -10,7 +10,7 @@ use crate::scenario::{
     AgentStart, Condition, Crowd, EmotionMode, Entry, Prefer, Scenario, Shares, Stop, populate_from,
 };
 use crate::sim::{Backend, Cast, Simulation, bodies, setup};
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 
 /// Between the tracks, to the side, m: farther than avoidance looks.
 const APART: f32 = 6.0;
@@ -25,8 +25,6 @@ const CROWD_WARM_UP: f32 = 5.0;
 const CROWD: [u32; 2] = [200, 1000];
 /// Added to the scenario's seed: other people on other ways.
 const OTHER: u64 = 0x005e_ed0f_07e5;
-/// Where nobody looks, m.
-const NOWHERE: Vec3 = Vec3::new(-1e5, 1.6, -1e5);
 
 /// What is seen of every labelled gait of `gaits` on every avatar, walked alone and straight in an empty place, with the
 /// gaze of the scenario's condition and nobody to look at or to avoid: labelled strides of the 16 joints as drawn. Bodies have sizes
@@ -51,7 +49,7 @@ pub fn practice_alone(
         .collect();
     let (crowd, side) = crowd(&walks, scenario);
     let mut alone = scenario.clone();
-    alone.user.avoided = false;
+    alone.user = None;
     alone.navigation.perturbation = 0.0;
     let mut geometry = scenario.geometry();
     geometry.bounds = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
@@ -67,7 +65,7 @@ pub fn practice_alone(
     bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = Simulation::from_store(store, backend, device)?;
     let how = Recorder {
-        user_eyes: NOWHERE,
+        user_eyes: None,
         ..Recorder::of(scenario, steps(scenario, WARM_UP), steps(scenario, SECONDS))
     };
     let tracks = record(&mut simulation, &cast, &how, progress)?;

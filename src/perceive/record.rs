@@ -3,12 +3,11 @@
 use super::Track;
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint, Pose, Recording};
-use crate::ground::world_from_ground;
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::{BufferId, Store};
 use crate::reference::body::PALETTE_STRIDE;
 use crate::scenario::{GazeMode, Scenario};
-use crate::sim::{Cast, Simulation};
+use crate::sim::{Cast, Simulation, bodies};
 use glam::{Vec3, Vec4};
 
 /// Frames before the recording in which the gaze settles, s.
@@ -27,8 +26,8 @@ pub struct Recorder {
     pub warm_up: u32,
     /// Steps that are recorded, one frame each.
     pub steps: u32,
-    /// Where the user's eyes are, which agents look at; world, m.
-    pub user_eyes: Vec3,
+    /// Where the user's eyes are, which agents look at; world, m. None: there is nobody to look at.
+    pub user_eyes: Option<Vec3>,
     /// Whether the gaze follows the paper's formulas to the letter.
     pub paper_gaze: bool,
 }
@@ -39,7 +38,7 @@ impl Recorder {
         Self {
             warm_up,
             steps,
-            user_eyes: world_from_ground(scenario.geometry().user, scenario.user.eye_height),
+            user_eyes: scenario.geometry().eyes(scenario),
             paper_gaze: scenario.gaze.mode == GazeMode::Paper,
         }
     }
@@ -87,12 +86,11 @@ fn everyone(frame: FrameUniforms, how: &Recorder) -> FrameUniforms {
     FrameUniforms {
         planes: [[0.0, 0.0, 0.0, 1.0]; 12], // inside everywhere
         eye_count: 1,
-        user_eyes: how.user_eyes.extend(0.0).to_array(),
-        camera: how.user_eyes.extend(0.0).to_array(),
         level_distance: [0.0, 0.0, FAR, 0.0],
         near_capacity: 0,
         gaze_mode: u32::from(how.paper_gaze),
-        ..frame
+        camera: how.user_eyes.unwrap_or_default().extend(0.0).to_array(),
+        ..bodies::looking_at(frame, how.user_eyes)
     }
 }
 

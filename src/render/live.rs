@@ -70,7 +70,7 @@ impl Show {
     ) -> Result<Option<Image>, crate::Error> {
         let time = self.time.unwrap_or(0.0) + f64::from(seconds);
         self.time = Some(time);
-        let frame = self.frame_of(view, user_eyes, seconds, time);
+        let frame = self.frame_of(view, Some(user_eyes), seconds, time);
         let between = self.between(shown);
         let Some(animator) = &mut self.animator else { return Ok(None) };
         let (ops, contents) = animation(frame, between);
@@ -116,7 +116,7 @@ mod tests {
         let mut store = setup::store(&scenario, &geometry, &people, &cast);
         let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
         make_room(&mut store);
-        (store, meshes, geometry.environment.mesh(&geometry.bounds, geometry.user))
+        (store, meshes, geometry.scenery())
     }
 
     #[test]

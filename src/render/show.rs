@@ -193,7 +193,7 @@ impl Show {
         bodies::set_gaze(&mut self.frame, gaze);
     }
 
-    /// A picture of the present moment; agents that gaze look at `user_eyes` (world frame, m).
+    /// A picture of the present moment; agents that gaze look at `user_eyes` (world frame, m), if there are any.
     ///
     /// # Errors
     /// When the device fails.
@@ -201,9 +201,9 @@ impl Show {
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        user_eyes: Vec3,
+        user_eyes: impl Into<Option<Vec3>>,
     ) -> Result<Image, crate::Error> {
-        self.prepare(simulation, view, user_eyes)?;
+        self.prepare_between(simulation, view, user_eyes.into(), None)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
         Ok(self.renderer.draw(view, crowd.as_ref())?)
@@ -239,7 +239,7 @@ impl Show {
             self.keep = Some(self.moments.keep(time));
         }
         let between = self.between(shown);
-        self.prepare_between(simulation, view, user_eyes, between)?;
+        self.prepare_between(simulation, view, Some(user_eyes), between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
         let image = self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted, |_| Ok(()))?;
@@ -256,7 +256,7 @@ impl Show {
         view: &View,
         user_eyes: Vec3,
     ) -> Result<(), crate::Error> {
-        self.prepare_between(simulation, view, user_eyes, None)
+        self.prepare_between(simulation, view, Some(user_eyes), None)
     }
 
     /// The same now, or between two moments.
@@ -264,7 +264,7 @@ impl Show {
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        user_eyes: Vec3,
+        user_eyes: Option<Vec3>,
         between: Option<(BetweenUniforms, Option<u32>)>,
     ) -> Result<(), crate::Error> {
         let frame = self.next_frame(simulation, view, user_eyes)?;
@@ -293,7 +293,7 @@ impl Show {
     pub(super) fn frame_of(
         &mut self,
         view: &View,
-        user_eyes: Vec3,
+        user_eyes: Option<Vec3>,
         seconds: f32,
         time: f64,
     ) -> FrameUniforms {
@@ -307,11 +307,10 @@ impl Show {
         FrameUniforms {
             level_distance,
             planes: view.planes(),
-            user_eyes: user_eyes.extend(0.0).to_array(),
             camera: view.center().extend(specks).to_array(),
             eye_count: view.eye_count,
             frame_time: seconds,
-            ..self.frame
+            ..bodies::looking_at(self.frame, user_eyes)
         }
     }
 
@@ -320,7 +319,7 @@ impl Show {
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        user_eyes: Vec3,
+        user_eyes: Option<Vec3>,
     ) -> Result<FrameUniforms, crate::Error> {
         let time = simulation.time();
         #[allow(clippy::cast_possible_truncation, reason = "a short time")]

@@ -184,8 +184,6 @@ fn facing(moment: Moment) -> f32 {
 impl Trajectories {
     /// A scene for the recording: its walkable area, or the ground under its positions; steps that hit its frames; and
     /// `walkers` who are simulated and go the ways that recorded people went.
-    ///
-    /// The user stands in the middle; nobody minds.
     pub fn scene(&self, name: &str, walkers: u32, seed: u64) -> Scenario {
         let word = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
         let name: String = name.chars().take(64).map(word).collect();
@@ -213,8 +211,6 @@ impl Trajectories {
         #[allow(clippy::cast_possible_truncation, reason = "a time step")]
         let time_step = (1.0 / steps) as f32;
         scenario.navigation.time_step = time_step;
-        scenario.user.position = Some(((low + high) * 0.5).to_array());
-        scenario.user.avoided = false;
         scenario.population.agents = walkers;
         if walkers > 0 {
             scenario.routes = self.ways(&scenario, seed);

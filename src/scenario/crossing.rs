@@ -88,7 +88,7 @@ pub(super) fn generate(agents: u32) -> Generated {
     let city = City::for_agents(agents);
     let mut made = Generated { bounds: city.outline(), ground: Ground::Asphalt, ..Generated::default() };
     // Off the middle, so that no lane of the streets ends in the user.
-    made.user = Vec2::new(0.12 * city.width, 0.16 * city.width);
+    made.user_place = Some(Vec2::new(0.12 * city.width, 0.16 * city.width));
     // Above the near arm: from anywhere else the houses hide the crossing.
     let eye = Vec3::new(0.22 * city.width, 0.42 * city.width, 0.5 * city.width + 0.75 * city.block);
     made.overview = Some((eye, Vec3::new(0.0, 0.0, -0.05 * city.width)));

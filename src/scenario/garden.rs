@@ -15,7 +15,7 @@ pub(super) fn generate(agents: u32) -> Generated {
     let mut made = Generated { bounds: blocks.outline(), ground: Ground::Gravel, ..Generated::default() };
     made.routes = streets.straight();
     made.routes.extend(streets.loops(1.0));
-    made.user = Vec2::new(0.0, blocks.block * 0.5 + blocks.path * 0.4);
+    made.user_place = Some(Vec2::new(0.0, blocks.block * 0.5 + blocks.path * 0.4));
     for (id, center) in (0_u32..).zip(blocks.centers()) {
         let bed = Prop::new(PropKind::Bed, center, Vec3::new(blocks.block, 0.8, blocks.block));
         made.props.push(bed);

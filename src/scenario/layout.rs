@@ -1,17 +1,21 @@
 //! Geometry of a scenario: what its file says, plus what its generated layout adds for that many agents.
 
+use super::clearance::Clearance;
 use super::environment::{Environment, Ground, Prop};
 use super::floors::Floors;
 use super::mesh::EnvironmentMesh;
 use super::polygon;
-use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn};
+use super::schema::{Layout, Point, Route, RouteMode, Scenario, Spawn, User};
 use super::walkable::Area;
 use super::walls::{self, Wall};
 use super::{crossing, garden, parking, scifi};
+use crate::ground::world_from_ground;
 use glam::{Vec2, Vec3};
 
 /// Clear space between the outermost lane of a route and the walls beside it, m.
 pub(super) const LANE_MARGIN: f32 = 0.9;
+/// Rows and columns of places that are tried for a user whom the middle has no room for.
+const SEARCHED: u32 = 64;
 
 /// Everything of a scenario that has a place.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,10 +32,14 @@ pub struct Geometry {
     pub environment: Environment,
     /// Floors above the ground, and what is solid at some heights only.
     pub floors: Floors,
-    /// Where the user starts, m.
-    pub user: Vec2,
+    /// Where the user starts, m; none: there is no user.
+    pub user: Option<Vec2>,
     /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
     pub overview: (Vec3, Vec3),
+    /// What pictures are about, m: the user, the layout's place for one, or else the middle of the bounds.
+    pub focus: Vec2,
+    /// Where the user is, or the place that the layout has for one, m.
+    user_place: Option<Vec2>,
     /// Obstacles, where no props show what is solid.
     walls: Vec<Wall>,
 }
@@ -40,7 +48,7 @@ impl Geometry {
     /// The mesh of everything that stands still: ground, props and floors; in a place without props its obstacles as low
     /// walls, if it has any, and a kerb along its bounds.
     pub fn scenery(&self) -> EnvironmentMesh {
-        let mut mesh = self.environment.mesh(&self.bounds, self.user);
+        let mut mesh = self.environment.mesh(&self.bounds, self.focus);
         self.floors.draw(&mut mesh);
         if !self.walls.is_empty() {
             walls::draw(&mut mesh, &self.walls, &self.bounds);
@@ -58,6 +66,31 @@ impl Geometry {
         let solid: f64 = self.obstacles.iter().map(|p| polygon::signed_area(p)).sum();
         -polygon::signed_area(&self.bounds) - solid
     }
+
+    /// The user's eyes where the user of `scenario` starts, world, m; none: there is no user.
+    pub fn eyes(&self, scenario: &Scenario) -> Option<Vec3> {
+        scenario.user.zip(self.user).map(|(user, at)| world_from_ground(at, user.eye_height))
+    }
+
+    /// Where a user of this radius can be put, m: the place of the layout, or the free one nearest to the middle.
+    pub fn place_for_user(&self, radius: f32) -> Vec2 {
+        if let Some(place) = self.user_place {
+            return place;
+        }
+        let (low, high) = extent(&self.bounds);
+        let middle = (low + high) * 0.5;
+        let free = Clearance::new(&self.bounds, &self.obstacles);
+        if free.admits(middle, radius) {
+            return middle;
+        }
+        let lattice = (0..SEARCHED).flat_map(|i| (0..SEARCHED).map(move |j| (i, j)));
+        lattice
+            .map(|(i, j)| Vec2::new(spaced(i, SEARCHED, 1.0), spaced(j, SEARCHED, 1.0)))
+            .map(|place| middle + place * (high - low) / (SEARCHED as f32))
+            .filter(|&place| free.admits(place, radius))
+            .min_by(|a, b| a.distance_squared(middle).total_cmp(&b.distance_squared(middle)))
+            .unwrap_or(middle)
+    }
 }
 
 /// What a layout makes for a number of agents.
@@ -68,7 +101,8 @@ pub(super) struct Generated {
     pub(super) routes: Vec<Route>,
     pub(super) ground: Ground,
     pub(super) props: Vec<Prop>,
-    pub(super) user: Vec2,
+    /// Where a user stands, m.
+    pub(super) user_place: Option<Vec2>,
     /// Eye and target of the overview; `None`: a raised three-quarter view.
     pub(super) overview: Option<(Vec3, Vec3)>,
 }
@@ -101,9 +135,12 @@ impl Scenario {
         made.obstacles.extend(whole.map(|obstacle| vectors(&obstacle.polygon)));
         let inside = |prop: &&Prop| polygon::contains(&bounds, Vec2::from(prop.position));
         made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
-        let user = self.user.position.map_or(made.user, Vec2::from);
+        let at = |user: &User| user.position.map_or(made.user_place.unwrap_or_default(), Vec2::from);
+        let user = self.user.as_ref().map(at);
+        let (low, high) = extent(&bounds);
+        let focus = user.or(made.user_place).unwrap_or((low + high) * 0.5);
         Geometry {
-            overview: made.overview.unwrap_or_else(|| overview(&bounds, user)),
+            overview: made.overview.unwrap_or_else(|| overview(&bounds, focus)),
             obstacles: made.obstacles.into_iter().map(|p| polygon::oriented(p, true)).collect(),
             spawns: self.spawns.clone(),
             routes: made.routes,
@@ -113,6 +150,8 @@ impl Scenario {
             },
             floors: Floors::new(&self.floors, &self.obstacles),
             user,
+            focus,
+            user_place: user.or(made.user_place),
             bounds,
             walls,
         }
@@ -125,6 +164,15 @@ impl Scenario {
         }
         let area = Area::from_wkt(&self.walkable_wkt).unwrap_or_default();
         Generated { bounds: area.bounds, obstacles: area.holes, ..Generated::default() }
+    }
+
+    /// Puts a user in where there is none ([`Geometry::place_for_user`]).
+    pub fn put_in(&mut self, user: User) {
+        if self.user.is_none() {
+            let position =
+                user.position.unwrap_or_else(|| self.geometry().place_for_user(user.radius).into());
+            self.user = Some(User { position: Some(position), ..user });
+        }
     }
 
     /// The same scenario with its generated geometry written out, to be edited by hand: layout `custom`.
@@ -141,7 +189,9 @@ impl Scenario {
         let mut own = self.clone();
         own.layout = Layout::Custom;
         own.bounds = points(&made.bounds);
-        own.user.position.get_or_insert(made.user.into());
+        if let (Some(user), Some(place)) = (&mut own.user, made.user_place) {
+            user.position.get_or_insert(place.into());
+        }
         own.environment.ground.get_or_insert(made.ground);
         let solid =
             |polygon: &Vec<Vec2>| super::schema::Obstacle { polygon: points(polygon), low: None, high: None };
@@ -160,13 +210,17 @@ fn points(vectors: &[Vec2]) -> Vec<Point> {
     vectors.iter().map(Vec2::to_array).collect()
 }
 
-/// A raised three-quarter view from the south of the user, far enough back to take in at most 150 m.
-fn overview(bounds: &[Vec2], user: Vec2) -> (Vec3, Vec3) {
-    let low = bounds.iter().copied().fold(user, Vec2::min);
-    let high = bounds.iter().copied().fold(user, Vec2::max);
-    let reach = ((high - low).max_element() * 0.5).clamp(8.0, 75.0);
-    let eye = Vec3::new(user.x + 0.45 * reach, 0.62 * reach, user.y + 0.95 * reach);
-    (eye, Vec3::new(user.x, 1.0, user.y))
+/// A raised three-quarter view from the south of the focus, far enough back to take in at most 150 m.
+fn overview(bounds: &[Vec2], focus: Vec2) -> (Vec3, Vec3) {
+    let (low, high) = extent(bounds);
+    let reach = ((high.max(focus) - low.min(focus)).max_element() * 0.5).clamp(8.0, 75.0);
+    let eye = Vec3::new(focus.x + 0.45 * reach, 0.62 * reach, focus.y + 0.95 * reach);
+    (eye, Vec3::new(focus.x, 1.0, focus.y))
+}
+
+/// Least and greatest corner of an outline, m.
+fn extent(outline: &[Vec2]) -> (Vec2, Vec2) {
+    (outline.iter().copied().fold(Vec2::MAX, Vec2::min), outline.iter().copied().fold(Vec2::MIN, Vec2::max))
 }
 
 /// Number `i` of `count` things `pitch` apart, centred on 0.

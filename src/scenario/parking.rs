@@ -95,7 +95,7 @@ pub(super) fn generate(agents: u32) -> Generated {
     let nearest = |lines: &[f32]| {
         lines.iter().copied().fold(f32::INFINITY, |a, b| if b.abs() < a.abs() { b } else { a })
     };
-    made.user = Vec2::new(nearest(&streets.xs) + 0.6, nearest(&streets.zs) + 0.6);
+    made.user_place = Some(Vec2::new(nearest(&streets.xs) + 0.6, nearest(&streets.zs) + 0.6));
     made.routes = streets.straight();
     made.routes.extend(streets.loops(1.0));
     let single = lot.columns * lot.rows <= SINGLE_CARS;

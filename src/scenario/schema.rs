@@ -59,9 +59,9 @@ pub struct Scenario {
     /// How agents find their way past one another.
     #[serde(default)]
     pub navigation: Navigation,
-    /// The person in the headset.
-    #[serde(default)]
-    pub user: User,
+    /// The person in the headset; left out: there is no user, so agents neither avoid nor look at one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub user: Option<User>,
     /// Solid polygons (either orientation), in addition to those of the layout and of solid props.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub obstacles: Vec<Obstacle>,

@@ -15,7 +15,7 @@ pub(super) fn generate(agents: u32) -> Generated {
     let mut made = Generated { bounds: blocks.outline(), ground: Ground::Deck, ..Generated::default() };
     made.routes = streets.straight();
     made.routes.extend(streets.loops(1.0));
-    made.user = Vec2::new(0.4, blocks.block * 0.35);
+    made.user_place = Some(Vec2::new(0.4, blocks.block * 0.35));
     // Domes of an agreeable shape however large their square: no taller than 9 m.
     let height = (blocks.block * 0.62).min(9.0);
     for center in blocks.centers() {

@@ -46,7 +46,7 @@ impl Scenario {
         }
         population(&self.population)?;
         navigation(&self.navigation)?;
-        user(&self.user)?;
+        self.user.as_ref().map_or(Ok(()), user)?;
         gaze(&self.gaze)?;
         super::feelings::validate(self)?;
         super::outsiders::validate(self)?;

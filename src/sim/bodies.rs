@@ -11,6 +11,7 @@ use crate::reference::body::{
 };
 use crate::reference::sight::BLOCK;
 use crate::scenario::{Budget, Gaze, GazeMode};
+use glam::Vec3;
 
 /// Most agents that one picture shows with a pose; those beyond are far bodies.
 const MOST_VISIBLE: u64 = 100_000;
@@ -240,14 +241,27 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     meshes
 }
 
+/// The same picture with the eyes of the user (world, m) to look at, or nobody.
+pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniforms {
+    match user_eyes {
+        Some(eyes) => FrameUniforms { user_eyes: eyes.extend(0.0).to_array(), ..frame },
+        None => FrameUniforms { gaze_limit: limit_of(Budget::Most(0)), ..frame },
+    }
+}
+
 /// Which formulas move the gaze in pictures, how many agents look at the user at a time, and for how long.
 pub fn set_gaze(frame: &mut FrameUniforms, gaze: &Gaze) {
     frame.gaze_mode = u32::from(gaze.mode == GazeMode::Paper);
-    frame.gaze_limit = match gaze.effective_budget() {
+    frame.gaze_limit = limit_of(gaze.effective_budget());
+    [frame.turn_least, frame.turn_most] = gaze.turn.map(|seconds| (seconds * 1e3) as u32);
+}
+
+/// How the kernels are told how many agents may look at the user: 0 is all of them, otherwise one more than may.
+const fn limit_of(budget: Budget) -> u32 {
+    match budget {
         Budget::All => 0,
         Budget::Most(count) => count.saturating_add(1),
-    };
-    [frame.turn_least, frame.turn_most] = gaze.turn.map(|seconds| (seconds * 1e3) as u32);
+    }
 }
 
 #[cfg(test)]

@@ -62,7 +62,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
     let navigation = &scenario.navigation;
     let low = geometry.bounds.iter().copied().fold(Vec2::MAX, Vec2::min);
     let high = geometry.bounds.iter().copied().fold(Vec2::MIN, Vec2::max);
-    let user = &scenario.user;
+    let avoided = scenario.user.filter(|user| user.avoided);
     let mut step = StepUniforms {
         agent_count: (crowd.agents.len() + crowd.outsiders.len()) as u32,
         source_count: crowd.sources.len() as u32,
@@ -74,8 +74,8 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         inverse_time_horizon_dense: inverse_or_none(navigation.time_horizon_dense),
         inverse_time_horizon_jam: inverse_or_none(navigation.time_horizon_jam),
         safety_margin: navigation.safety_margin,
-        user_position: geometry.user.to_array(),
-        user_radius: if user.avoided { user.radius + user.comfort } else { 0.0 },
+        user_position: geometry.user.unwrap_or_default().to_array(),
+        user_radius: avoided.map_or(0.0, |user| user.radius + user.comfort),
         turn_rate: TURN_RATE,
         perturbation: navigation.perturbation,
         walk_speed: WALK_SPEED,

@@ -174,9 +174,7 @@ impl Scene {
     /// # Errors
     /// When the built-in defaults are refused, which would be an error of the program.
     pub fn new(name: &str, bounds: &[[f32; 2]], seconds: f32) -> Result<Self, Error> {
-        let text = format!(
-            "name = \"{name}\"\nbounds = {bounds:?}\n[population]\nagents = 0\n[user]\navoided = false\n"
-        );
+        let text = format!("name = \"{name}\"\nbounds = {bounds:?}\n[population]\nagents = 0\n");
         let scenario = Scenario::parse(&text, name)?;
         Ok(Self { scenario, walkers: Vec::new(), seconds, every: 3, until: None })
     }

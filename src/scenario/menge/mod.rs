@@ -129,10 +129,6 @@ fn assemble(scene: &Source, behaviour: &Source, seed: u64, report: &mut Report) 
     let polygon = |corners: &Vec<Vec2>| corners.iter().map(|corner| ground(*corner)).collect();
     scenario.obstacles =
         walls.iter().map(|corners| Obstacle { polygon: polygon(corners), low: None, high: None }).collect();
-    scenario.user.avoided = false;
-    let low = scenario.bounds.iter().map(|p| Vec2::from(*p)).fold(Vec2::MAX, Vec2::min);
-    let high = scenario.bounds.iter().map(|p| Vec2::from(*p)).fold(Vec2::MIN, Vec2::max);
-    scenario.user.position = Some(((low + high) * 0.5).to_array());
     scenario.walkers = walkers;
     Ok(scenario)
 }

@@ -311,8 +311,8 @@ impl<'a> Places<'a> {
     }
 
     fn apart_from_user(&self, position: Vec2) -> bool {
-        let user = &self.scenario.user;
-        !user.avoided || position.distance(self.geometry.user) >= user.radius + self.body + USER_GAP
+        let Some((user, at)) = self.scenario.user.zip(self.geometry.user) else { return true };
+        !user.avoided || position.distance(at) >= user.radius + self.body + USER_GAP
     }
 
     fn apart_from_outsiders(&self, position: Vec2) -> bool {
