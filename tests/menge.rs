@@ -11,7 +11,7 @@ use gaitway::avatar::{Sex, generated};
 use gaitway::ground::is_absent;
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::menge::{Imported, import};
-use gaitway::scenario::{RouteMode, Scenario, populate_from};
+use gaitway::scenario::{RouteMode, Scenario, Way, populate_from};
 use gaitway::sim::{Backend, Cast, Simulation};
 use glam::Vec2;
 use std::path::{Path, PathBuf};
@@ -153,11 +153,166 @@ fn obstacles_are_solid_open_or_around() {
     let found = project(&(group("one", "Walk", PAIR) + &set), MIRROR, &[]).unwrap();
     assert_eq!(found.report.obstacles, 1 + 2 + 4);
     assert_eq!(found.scenario.obstacles[0].polygon[2], [1.0, -1.0]);
+    let approximated = &found.report.approximated;
+    assert_eq!(approximated.len(), 2, "{approximated:?}");
+    assert!(approximated[1].instead.contains("people start inside"), "{approximated:?}");
+    assert_eq!((approximated[1].file.as_str(), approximated[1].element.as_str()), ("S.xml", "<Obstacle>"));
+}
+
+/// A wall between the start and the goal, longer than the room on either side of it; agents of `one` heed class 1.
+fn wall(closed: u8) -> String {
+    let corners = [[-0.2, -14.0], [0.2, -14.0], [0.2, 14.0], [-0.2, 14.0]];
+    let vertex = |[x, y]: [f32; 2]| format!("<Vertex p_x=\"{x}\" p_y=\"{y}\"/>");
+    let vertices: String = corners.map(vertex).concat();
+    format!(
+        "<ObstacleSet type=\"explicit\" class=\"1\"><Obstacle closed=\"{closed}\">{vertices}</Obstacle></ObstacleSet>"
+    )
+}
+
+const TO_A_BOX: &str = r#"<State name="Walk" final="0"><GoalSelector type="explicit" goal_set="2" goal="5"/>
+    <VelComponent type="vel_field" file_name="field.txt" use_nearest="1"/></State><State name="Stop" final="1"/>
+  <GoalSet id="1"><Goal type="point" id="0" x="-9" y="0"/></GoalSet>
+  <GoalSet id="2"><Goal type="AABB" id="5" min_x="4" min_y="-1" max_x="6" max_y="1"/></GoalSet>
+  <Transition from="Walk" to="Stop"><Condition type="goal_reached" distance="0.25"/></Transition>"#;
+
+#[test]
+fn a_vector_field_becomes_way_finding_to_its_goal_round_the_obstacles() {
+    let scene = group("one", "Walk", PAIR) + &wall(1);
+    let field = "1 2\n4.0\n-4 -2\n0 1\n1 0\n";
+    let found = project(&scene, TO_A_BOX, &[("field.txt", field)]).unwrap();
+    let approximated = found.report.approximated.first().unwrap();
+    assert_eq!((approximated.file.as_str(), approximated.line), ("B.xml", 2), "{approximated:?}");
     assert!(
-        found.report.notes.iter().any(|note| note.contains("people start inside")),
-        "{:?}",
-        found.report.notes
+        approximated.instead.contains("way-finding") && approximated.instead.contains("1 by 2 cells of 4 m")
     );
+    let said = serde_json::to_value(&found.report).unwrap();
+    assert_eq!(said["approximated"][0]["element"], "<VelComponent type=\"vel_field\">");
+    assert_eq!(found.scenario.walkers[0].way, Some(Way::Auto));
+    assert_eq!(found.scenario.walkers[0].waypoints, [[5.0, 0.0]], "one field for all");
+    let time = arrive(&found.scenario, 60.0).unwrap();
+    println!("round a wall of 28 m in {time} s");
+    assert!(time > 20.0, "{time} s: round the wall it is 31 m");
+    let again = Scenario::parse(&found.scenario.to_toml().unwrap(), "again").unwrap();
+    assert_eq!(again, found.scenario);
+    // the file itself is not needed where there is a goal, but read if it is there
+    assert_eq!(project(&scene, TO_A_BOX, &[]).unwrap().scenario.walkers, found.scenario.walkers);
+    let said = project(&scene, TO_A_BOX, &[("field.txt", "1 2\n4.0\n-4 -2\n0 1\nnorth")]).unwrap_err();
+    assert!(said.starts_with("field.txt:5: x of a velocity is \"north\""), "{said}");
+    // without a goal: to the box in which the state ends, or to where the field itself ends
+    let boxed = TO_A_BOX.replace("type=\"explicit\" goal_set=\"2\" goal=\"5\"", "type=\"identity\"").replace(
+        "type=\"goal_reached\" distance=\"0.25\"",
+        "type=\"AABB\" inside=\"1\" min_x=\"4\" min_y=\"-1\" max_x=\"6\" max_y=\"1\"",
+    );
+    let inside = project(&scene, &boxed, &[]).unwrap().scenario;
+    assert_eq!(inside.walkers[0].waypoints, [[5.0, 0.0]]);
+    let followed = TO_A_BOX.replace("type=\"explicit\" goal_set=\"2\" goal=\"5\"", "type=\"identity\"");
+    let ends = project(&scene, &followed, &[("field.txt", field)]).unwrap().scenario.walkers[0].waypoints[0];
+    assert!((-4.0..-3.0).contains(&ends[0]) || ends[1] < -1.0, "up the page is -z: {ends:?}");
+}
+
+#[test]
+fn goal_sets_after_the_states_shared_goals_and_goals_of_every_kind_are_read() {
+    let state = |name: &str, selector: &str| {
+        format!(
+            "<State name=\"{name}\" final=\"0\"><GoalSelector {selector}/><VelComponent type=\"goal\"/></State>"
+        )
+    };
+    let to = |from: &str, to: &str| {
+        format!(
+            "<Transition from=\"{from}\" to=\"{to}\"><Condition type=\"and\"><Condition type=\"timer\" dist=\"c\" value=\"1\"/>\
+                 <Condition type=\"goal_reached\" distance=\"0.2\"/></Condition></Transition>"
+        )
+    };
+    let behaviour = [
+        state("A", "type=\"nearest\" goal_set=\"7\""),
+        state("B", "type=\"second_nearest\" goal_set=\"7\""),
+        state("C", "type=\"explicit\" goal_set=\"9\" goal=\"3\""),
+        state("D", "type=\"shared\" state_name=\"C\""),
+        "<GoalSet id=\"7\"><Goal type=\"point\" id=\"0\" x=\"-2\" y=\"0\"/><Goal type=\"circle\" id=\"4\" x=\"0\" y=\"0\" radius=\"0\"/></GoalSet>".into(),
+        "<GoalSet id=\"9\"><Goal type=\"OBB\" id=\"3\" x=\"8\" y=\"0\" width=\"2\" height=\"2\" angle=\"90\"/>\
+         <Goal type=\"path\" id=\"5\" closed=\"1\"><Point x=\"1\" y=\"1\"/></Goal></GoalSet>".into(),
+        to("A", "B"), to("B", "C"), to("C", "D"),
+    ].concat();
+    let found = project(&group("one", "A", PAIR), &behaviour, &[]).unwrap();
+    let way = &found.scenario.walkers[0].waypoints;
+    assert_eq!(way[0], [-2.0, 0.0], "{way:?}");
+    assert_eq!(way[1], [0.0, 0.0], "the second nearest: {way:?}");
+    assert!((way[2][0] - 6.0).abs() < 1e-4 && way[2] == way[3], "{way:?}");
+    let kinds: Vec<&str> = found.report.approximated.iter().map(|one| one.element.as_str()).collect();
+    assert!(
+        kinds.contains(&"<Goal type=\"path\">") && kinds.contains(&"<Condition type=\"and\">"),
+        "{kinds:?}"
+    );
+    let said =
+        project(&group("one", "A", PAIR), &behaviour.replace("GoalSet id=\"9\"", "GoalSet id=\"8\""), &[]);
+    assert!(said.unwrap_err().contains("no goal set 9, or it is empty; goal sets with goals: 7, 8"));
+}
+
+#[test]
+fn obstacles_whose_edges_cross_or_that_nobody_heeds_are_read() {
+    let obstacle = |corners: &[[f32; 2]]| {
+        let vertex = |[x, y]: &[f32; 2]| format!("<Vertex p_x=\"{x}\" p_y=\"{y}\"/>");
+        format!("<Obstacle closed=\"1\">{}</Obstacle>", corners.iter().map(vertex).collect::<String>())
+    };
+    let set = |class: u32, inner: &str| {
+        format!("<ObstacleSet type=\"explicit\" class=\"{class}\">{inner}</ObstacleSet>")
+    };
+    let bow = obstacle(&[[0.0, 4.0], [4.0, 6.0], [4.0, 4.0], [0.0, 6.0]]);
+    let twice = obstacle(&[[0.0, 8.0], [1.0, 8.0], [1.0, 8.0], [1.0, 9.0], [0.0, 9.0], [0.0, 8.0]]);
+    let line = obstacle(&[[6.0, 8.0], [7.0, 8.0]]);
+    let scene = group("one", "Walk", PAIR) + &set(1, &(bow + &twice + &line));
+    let found = project(&scene, MIRROR, &[]).unwrap();
+    assert_eq!(found.report.obstacles, 2 + 1 + 1, "{:?}", found.report);
+    let crossing = &found.report.approximated[0];
+    assert!(
+        crossing.instead.contains("cross") && crossing.instead.contains("2 solid pieces"),
+        "{crossing:?}"
+    );
+    let library = GaitLibrary::built_in().unwrap();
+    assert_eq!(populate_from(&found.scenario, &library).unwrap().agents.len(), 2);
+    // across their way, in a class that they do not heed
+    let heeding = PROFILES.replace("max_neighbors=\"8\"", "max_neighbors=\"8\" obstacleSet=\"1\"");
+    let scene =
+        group("one", "Walk", PAIR) + &set(2, &obstacle(&[[0.0, -9.0], [0.1, -9.0], [0.1, 9.0], [0.0, 9.0]]));
+    let found =
+        project(&(scene.clone() + &heeding.replace("name=\"one\"", "name=\"three\"")), MIRROR, &[]).unwrap();
+    assert_eq!(found.report.obstacles, 1);
+    let found = project(
+        &(heeding.replace("\"one\"", "\"four\"") + &scene.replace("\"one\"", "\"four\"")),
+        MIRROR,
+        &[],
+    )
+    .unwrap();
+    assert_eq!(found.report.obstacles, 0);
+    assert!(
+        found.report.unsupported[0].contains("class=\"2\"")
+            && found.report.unsupported[0].contains("nobody heeds")
+    );
+}
+
+#[test]
+fn a_mesh_with_walls_after_which_none_follows_is_read() {
+    // two rooms with a door of 2 m between them; one wall follows none, and a screen stands in the second room
+    let mesh = "10\n 0 0\n 4 0\n 4 1\n 4 3\n 4 4\n 0 4\n 8 0\n 8 4\n 6 1\n 6 2\n
+        1\n 2 3 0 1\n
+        9\n 0 1 0 1\n 1 6 1 2\n 6 7 1 3\n 7 4 1 4\n 4 5 0 5\n 5 0 0 0\n 1 2 0 -1\n 3 4 0 -1\n 8 9 1 -1\n
+        rooms\n2\n 2 2\n 6 0 1 2 3 4 5\n 0 0 0\n 1 0\n 1 0\n 6 2\n 6 1 6 7 4 3 2\n 0 0 0\n 1 0\n 1 1\n";
+    let scene = group("one", "Walk", r#"<Generator type="explicit"><Agent p_x="1" p_y="0.6"/></Generator>"#)
+        + "<ObstacleSet type=\"nav_mesh\" file_name=\"rooms.nav\" class=\"1\"/>";
+    let behaviour = r#"<GoalSet id="0"><Goal type="point" id="0" x="7" y="3.4"/></GoalSet>
+      <State name="Walk" final="0"><GoalSelector type="explicit" goal_set="0" goal="0"/><VelComponent type="nav_mesh" file_name="rooms.nav"/></State>
+      <State name="Stop" final="1"/>
+      <Transition from="Walk" to="Stop"><Condition type="goal_reached" distance="0.25"/></Transition>"#;
+    let found = project(&scene, behaviour, &[("rooms.nav", mesh)]).unwrap();
+    assert_eq!((found.scenario.bounds.len(), found.report.obstacles), (6, 3), "{:?}", found.report);
+    assert!(
+        found.report.approximated[0].instead.contains("3 rows of walls"),
+        "{:?}",
+        found.report.approximated
+    );
+    arrive(&found.scenario, 30.0).unwrap();
+    let said = project(&scene, behaviour, &[("rooms.nav", &mesh.replace(" -1\n", " 99\n"))]).unwrap_err();
+    assert!(said.contains("rooms.nav:") && said.contains("-1 where none follows"), "{said}");
 }
 
 #[test]

@@ -27,7 +27,8 @@ enum Command {
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway scene import 4square.xml --out 4square.toml\n  gaitway simulate 4square.toml \
-                  --seconds 40\n\nWhat is not taken over is named with file and line."
+                  --seconds 40\n\nWhat is approximated or not \
+                  taken over is named with file and line; --json has it as fields."
 )]
 struct ImportArguments {
     /// A Menge project: the XML that names scene and behaviour
@@ -82,6 +83,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         report.with_an_end
     ));
     say(&format!("obstacles     {}", thousands(report.obstacles as u64)));
+    for one in &report.approximated {
+        say(&format!("approximated  {one}"));
+    }
     for line in &report.notes {
         say(&format!("note          {line}"));
     }

@@ -2,6 +2,7 @@
 
 use super::people::Manners;
 use super::walkers::Teleport;
+use super::way_finding::Way;
 use glam::Vec2;
 
 /// What a stage of a journey asks of who comes to it.
@@ -44,6 +45,8 @@ pub struct Stop {
     pub number: u32,
     /// Number of the flow field that leads there; none: straight.
     pub field: Option<u32>,
+    /// How the way there is found; none: as the scenario's `way_finding.way` says.
+    pub way: Option<Way>,
 }
 
 impl Stop {

@@ -235,6 +235,7 @@ impl Stage {
             until: steps(f64::from(self.until), time_step),
             number,
             field: None,
+            way: None,
         }
     }
 }

@@ -162,7 +162,7 @@ impl Scenario {
         if self.walkable_wkt.is_empty() {
             return Generated { bounds: vectors(&self.bounds), ..Generated::default() };
         }
-        let area = Area::from_wkt(&self.walkable_wkt).unwrap_or_default();
+        let area = Area::from_wkt_in(self.walkable_plane, &self.walkable_wkt).unwrap_or_default();
         Generated { bounds: area.bounds, obstacles: area.holes, ..Generated::default() }
     }
 

@@ -72,7 +72,8 @@ impl Scenario {
                 return Err(placed(error, text, origin));
             }
             let node = scenario.walkable_node.take();
-            let area = Area::read(&folder.join(&file), node.as_deref()).map_err(|message| {
+            let plane = std::mem::take(&mut scenario.walkable_plane);
+            let area = Area::read(&folder.join(&file), node.as_deref(), plane).map_err(|message| {
                 let allowed = "a .wkt, .txt, .glb or .gltf file with a walkable area";
                 placed(Error::value("walkable_file", format!("{file:?}"), allowed, message), text, origin)
             })?;

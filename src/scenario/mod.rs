@@ -60,6 +60,6 @@ pub use schema::{
     Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn, User,
 };
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
-pub use walkable::Area;
+pub use walkable::{Area, Plane};
 pub use walkers::{Teleport, Walker};
 pub use way_finding::{Way, WayFinding};

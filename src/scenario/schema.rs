@@ -7,6 +7,7 @@ use super::gaze::Gaze;
 use super::journeys::{Journey, Source, Stage};
 use super::outsiders::Outsider;
 use super::population::Population;
+use super::walkable::Plane;
 use super::walkers::Walker;
 use super::way_finding::WayFinding;
 use serde::{Deserialize, Serialize};
@@ -36,12 +37,16 @@ pub struct Scenario {
     /// Outer outline of the walkable area (either orientation). With a generated layout: leave it out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub bounds: Vec<Point>,
-    /// The walkable area as well-known text (POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION; x to the right, y = -z, m) instead of
-    /// `bounds`: outline and holes, to which `obstacles` add.
+    /// The walkable area as well-known text (POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION, m) instead of `bounds`: outline
+    /// and holes, to which `obstacles` add. Its plane is (x, y = -z), as in PedPy's plans and in trajectories, while all other
+    /// coordinates of this file are (x, z): see `walkable_plane`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub walkable_wkt: String,
+    /// The plane of `walkable_wkt` or of the text in `walkable_file`: `xy` has y = -z, `xz` has z as it is.
+    #[serde(default, skip_serializing_if = "Plane::is_default")]
+    pub walkable_plane: Plane,
     /// A file with it, beside the scenario's: well-known text (`.wkt`, `.txt`), or a model (`.glb`, `.gltf`) whose floor it is.
-    /// When the scenario is read it becomes `walkable_wkt`.
+    /// When the scenario is read it becomes `walkable_wkt`, in the plane `xy`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub walkable_file: String,
     /// Name of the node of the model that is the floor, with all below it; left out: the whole model.

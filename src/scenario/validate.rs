@@ -9,7 +9,7 @@ use super::people;
 use super::polygon;
 use super::population::{EmotionMode, GaitChoice, GenderChoice, Population};
 use super::schema::{Layout, Navigation, Point, Route, RouteMode, Scenario, Spawn, User, route_names};
-use super::walkable::Area;
+use super::walkable::{Area, Plane};
 use glam::Vec2;
 
 /// Most agents of one scenario.
@@ -51,7 +51,8 @@ impl Scenario {
         super::feelings::validate(self)?;
         super::outsiders::validate(self)?;
         self.way_finding.validate()?;
-        if walkable(self)? {
+        let area = walkable(self)?;
+        if area.is_some() {
             // outline and holes are in the text
         } else if self.layout == Layout::Custom {
             outline("bounds", &self.bounds, "the corners of the walkable area, in order")?;
@@ -76,12 +77,15 @@ impl Scenario {
         spawns(&self.spawns, &self.routes, self.layout)?;
         super::journeys::validate(self)?;
         super::walkers::validate(self)?;
+        if let Some(area) = area {
+            super::walkable::check(self, &area)?;
+        }
         self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
     }
 }
 
-/// Whether the walkable area is given as text; checks it.
-fn walkable(scenario: &Scenario) -> Result<bool, Error> {
+/// The walkable area, where it is given as text.
+fn walkable(scenario: &Scenario) -> Result<Option<Area>, Error> {
     if !scenario.walkable_file.is_empty() {
         let hint = "read the scenario from a file, or give the area as walkable_wkt";
         let allowed = "the name of a file beside the scenario's";
@@ -89,7 +93,16 @@ fn walkable(scenario: &Scenario) -> Result<bool, Error> {
     }
     if scenario.walkable_wkt.is_empty() {
         return match &scenario.walkable_node {
-            None => Ok(false),
+            None if scenario.walkable_plane != Plane::default() => {
+                let hint = "it is the plane of walkable_wkt; bounds are (x, z) always";
+                Err(Error::value(
+                    "walkable_plane",
+                    "\"xz\"",
+                    "left out without walkable_wkt or walkable_file",
+                    hint,
+                ))
+            }
+            None => Ok(None),
             Some(name) => {
                 let hint = "it names a node of walkable_file";
                 Err(Error::value(
@@ -105,8 +118,8 @@ fn walkable(scenario: &Scenario) -> Result<bool, Error> {
         let hint = "the walkable area is the bounds: leave out bounds and layout";
         return Err(Error::value("walkable_wkt", "..", "left out where bounds or a layout are given", hint));
     }
-    match Area::from_wkt(&scenario.walkable_wkt) {
-        Ok(_) => Ok(true),
+    match Area::from_wkt_in(scenario.walkable_plane, &scenario.walkable_wkt) {
+        Ok(area) => Ok(Some(area)),
         Err(message) => {
             let allowed = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of one area";
             Err(Error::value("walkable_wkt", message, allowed, "such as POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0))"))

@@ -6,6 +6,7 @@ use super::error::Error;
 use super::populate::Place;
 use super::schema::{Point, RouteMode, Scenario};
 use super::validate::{MAX_AGENTS, point, within};
+use super::way_finding::Way;
 use crate::library::choose::Chooser;
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,9 @@ pub struct Walker {
     /// Preferred speed, m/s; left out: that of its gait. Its gait is one near that speed, walked at another cadence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub speed: Option<f32>,
+    /// How it finds the way to its waypoints; left out: as `way_finding.way` says.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub way: Option<Way>,
     /// A place where it is taken away, and where it is put.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub teleport: Option<Teleport>,
@@ -75,6 +79,7 @@ impl Default for Walker {
             goal_arrival: None,
             radius: None,
             speed: None,
+            way: None,
             teleport: None,
         }
     }
@@ -179,7 +184,9 @@ pub(super) fn join(scenario: &Scenario, chooser: &Chooser, crowd: &mut Crowd) ->
         // Who stands has been where it goes.
         let stands = || (walker.position, walker.arrival);
         let way = if way.is_empty() { vec![stands()] } else { way };
-        crowd.stages.extend(way.into_iter().map(|(place, radius)| Stop::waypoint(place.into(), radius)));
+        let stop =
+            |(place, radius): (Point, f32)| Stop { way: walker.way, ..Stop::waypoint(place.into(), radius) };
+        crowd.stages.extend(way.into_iter().map(stop));
         crowd.agents.push(start);
     }
     Ok(())

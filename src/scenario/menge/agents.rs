@@ -34,6 +34,8 @@ pub(super) struct Profile {
     pub(super) neighbour_cap: u32,
     pub(super) horizon: f32,
     pub(super) horizon_obstacles: f32,
+    /// Classes of obstacles that it heeds, as bits.
+    pub(super) obstacle_set: u32,
 }
 
 impl Default for Profile {
@@ -45,6 +47,7 @@ impl Default for Profile {
             neighbour_cap: 10,
             horizon: 2.5,
             horizon_obstacles: 0.15,
+            obstacle_set: u32::MAX,
         }
     }
 }
@@ -220,7 +223,8 @@ fn common(
             }
             "neighbor_dist" => profile.neighbour_distance = number()?,
             "max_neighbors" => profile.neighbour_cap = count(source, node, "max_neighbors", 10_000)?,
-            "class" | "obstacleSet" => {}
+            "class" => {}
+            "obstacleSet" => profile.obstacle_set = count(source, node, "obstacleSet", u32::MAX)?,
             "max_angle_vel" | "max_accel" => {
                 report.note(
                     "max_angle_vel and max_accel are left out: agents here turn and speed up as they walk",
@@ -259,9 +263,7 @@ fn group(
     let (mut profile, mut state) = (None, String::new());
     for part in children(node).filter(|part| matches!(tag(part), "ProfileSelector" | "StateSelector")) {
         if kind(&part) != "const" {
-            let what =
-                format!("<{} type={:?}>: the first name in it is taken for all", tag(&part), kind(&part));
-            report.unsupported(&place(source, &part), &what);
+            report.approximate(source, &part, "the first name in it is taken for all");
         }
         let inner = part.descendants().find_map(|inner| inner.attribute("name")).unwrap_or("");
         if tag(&part) == "StateSelector" {
@@ -365,7 +367,7 @@ fn hex_lattice(source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Res
         "near" => 0.0,
         "far" => (columns - 1) as f32,
         other => {
-            report.unsupported(&place(source, node), &format!("alignment={other:?}: center is taken"));
+            report.approximate(source, node, format!("alignment={other:?} became center"));
             0.5 * (columns - 1) as f32
         }
     };

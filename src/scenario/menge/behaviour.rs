@@ -1,14 +1,16 @@
 //! The behaviour: states with a goal and a way of getting there, transitions between them.
 
 use super::super::error::Error;
-use super::super::random::{Purpose, index};
 use super::super::schema::RouteMode;
 use super::super::walkers::{Teleport, Walker};
+use super::super::way_finding::Way;
 use super::Report;
 use super::agents::Placed;
+use super::field::Field;
+use super::goals::{Goals, Place, Selector, Taken, corners};
 use super::nav::NavMesh;
 use super::roads::Roads;
-use super::xml::{Source, children, kind, maybe, need, place, tag, wrong};
+use super::xml::{Source, children, element, kind, maybe, place, tag};
 use glam::Vec2;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
@@ -16,7 +18,7 @@ use std::collections::BTreeMap;
 /// Most states that one agent's way is followed through.
 const MAX_STATES: usize = 1000;
 /// The corners of a box on our ground, least first.
-fn corners(low: Vec2, high: Vec2) -> [[f32; 2]; 2] {
+fn on_ground(low: Vec2, high: Vec2) -> [[f32; 2]; 2] {
     let (a, b) = (Vec2::from(super::ground(low)), Vec2::from(super::ground(high)));
     [a.min(b).to_array(), a.max(b).to_array()]
 }
@@ -24,49 +26,14 @@ fn corners(low: Vec2, high: Vec2) -> [[f32; 2]; 2] {
 /// How near somebody must come to a place on the way, m: road maps and meshes are made to be followed closely.
 const ON_THE_WAY: f32 = 0.4;
 
-/// Where a goal is, in Menge's plane, m.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Place {
-    Point(Vec2),
-    Circle(Vec2, f32),
-    /// Least and greatest corner.
-    Box(Vec2, Vec2),
-}
-
-impl Place {
-    /// The nearest point of it.
-    fn nearest(self, to: Vec2) -> Vec2 {
-        match self {
-            Self::Point(at) => at,
-            Self::Circle(at, radius) => at + (to - at).clamp_length_max(radius),
-            Self::Box(low, high) => to.clamp(low, high),
-        }
-    }
-
-    fn middle(self) -> Vec2 {
-        match self {
-            Self::Point(at) | Self::Circle(at, _) => at,
-            Self::Box(low, high) => (low + high) * 0.5,
-        }
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Selector {
-    Identity,
-    Mirror(Vec2),
-    Explicit(usize, usize),
-    Nearest(usize),
-    Farthest(usize),
-    Random(usize),
-}
-
 #[derive(Debug, Clone, PartialEq)]
 enum Means {
     Stand,
     Straight,
     Roads(usize),
     Mesh(usize),
+    /// By way-finding; the vector field that stands for, if its file is there.
+    Field(Option<usize>),
 }
 
 #[derive(Debug, Clone, PartialEq)]
@@ -87,6 +54,41 @@ enum Condition {
     Auto,
 }
 
+impl Condition {
+    /// The condition of an element; none if it is unknown.
+    fn read(source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<Option<Self>, Error> {
+        Ok(match kind(node) {
+            _ if tag(node) != "Condition" => None,
+            "goal_reached" => Some(Self::Reached(maybe(source, node, "distance")?.unwrap_or(0.5))),
+            "AABB" if node.attribute("inside") != Some("0") => {
+                let (low, high) = corners(source, node)?;
+                Some(Self::Inside(low, high))
+            }
+            "auto" => Some(Self::Auto),
+            "timer" => {
+                report.approximate(source, node, "they go on at once");
+                Some(Self::Auto)
+            }
+            "and" | "or" => {
+                let mut found = None;
+                for part in children(node) {
+                    let known = Self::read(source, &part, report)?;
+                    // of an agent that walks, a place says more than a time
+                    found = match (found, known) {
+                        (None | Some(Self::Auto), Some(known)) => Some(known),
+                        (found, _) => found,
+                    };
+                }
+                if found.is_some() {
+                    report.approximate(source, node, "one of its conditions alone");
+                }
+                found
+            }
+            _ => None,
+        })
+    }
+}
+
 #[derive(Debug, Clone, PartialEq)]
 struct Transition {
     from: Vec<String>,
@@ -99,48 +101,30 @@ struct Transition {
 pub(super) struct Machine {
     states: BTreeMap<String, State>,
     transitions: Vec<Transition>,
-    /// Goal sets by id: goals by id.
-    goals: BTreeMap<usize, BTreeMap<usize, Place>>,
+    goals: Goals,
     roads: Vec<Roads>,
     meshes: Vec<NavMesh>,
+    fields: Vec<Field>,
     files: BTreeMap<String, usize>,
 }
 
 impl Machine {
     pub(super) fn read(source: &Source, document: &Document<'_>, report: &mut Report) -> Result<Self, Error> {
         let mut machine = Self::default();
-        for node in children(&document.root_element()) {
+        let root = document.root_element();
+        // states may stand before the goal sets that they name
+        for node in children(&root).filter(|node| tag(node) == "GoalSet") {
+            machine.goals.add(source, &node, report)?;
+        }
+        for node in children(&root) {
             match tag(&node) {
-                "GoalSet" => machine.goal_set(source, &node, report)?,
+                "GoalSet" => {}
                 "State" => machine.state(source, &node, report)?,
                 "Transition" => machine.transition(source, &node, report)?,
                 name => report.unsupported(&place(source, &node), &format!("<{name}>")),
             }
         }
         Ok(machine)
-    }
-
-    fn goal_set(&mut self, source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<(), Error> {
-        let set = super::xml::count(source, node, "id", u32::MAX)? as usize;
-        for goal in children(node).filter(|goal| tag(goal) == "Goal") {
-            let id = super::xml::count(source, &goal, "id", u32::MAX)? as usize;
-            let get = |name| need(source, &goal, name);
-            let found = match kind(&goal) {
-                "point" => Place::Point(Vec2::new(get("x")?, get("y")?)),
-                "circle" => Place::Circle(Vec2::new(get("x")?, get("y")?), get("radius")?.max(0.0)),
-                "AABB" => {
-                    let (a, b) =
-                        (Vec2::new(get("min_x")?, get("min_y")?), Vec2::new(get("max_x")?, get("max_y")?));
-                    Place::Box(a.min(b), a.max(b))
-                }
-                other => {
-                    report.unsupported(&place(source, &goal), &format!("<Goal type={other:?}>: left out"));
-                    continue;
-                }
-            };
-            self.goals.entry(set).or_default().insert(id, found);
-        }
-        Ok(())
     }
 
     fn state(&mut self, source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<(), Error> {
@@ -152,13 +136,10 @@ impl Machine {
         };
         for part in children(node) {
             match tag(&part) {
-                "GoalSelector" => state.selector = self.selector(source, &part, report)?,
+                "GoalSelector" => state.selector = self.goals.selector(source, &part, report)?,
                 "VelComponent" => state.means = self.means(source, &part, report)?,
                 "Action" if kind(&part) == "teleport" && part.attribute("dist") == Some("u") => {
-                    let get = |name| need(source, &part, name);
-                    let (a, b) =
-                        (Vec2::new(get("min_x")?, get("min_y")?), Vec2::new(get("max_x")?, get("max_y")?));
-                    state.teleport = Some((a.min(b), a.max(b)));
+                    state.teleport = Some(corners(source, &part)?);
                 }
                 "Action" => {
                     let property = part.attribute("property").unwrap_or("");
@@ -170,42 +151,6 @@ impl Machine {
         }
         self.states.insert(node.attribute("name").unwrap_or("").to_owned(), state);
         Ok(())
-    }
-
-    fn selector(&self, source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<Selector, Error> {
-        let set = || -> Result<usize, Error> {
-            let set = super::xml::count(source, node, "goal_set", u32::MAX)? as usize;
-            if self.goals.get(&set).is_none_or(BTreeMap::is_empty) {
-                return Err(wrong(source, node, format!("there is no goal set {set}, or it is empty")));
-            }
-            Ok(set)
-        };
-        Ok(match kind(node) {
-            "identity" => Selector::Identity,
-            "mirror" => {
-                let sign = |name| if node.attribute(name) == Some("1") { -1.0 } else { 1.0 };
-                Selector::Mirror(Vec2::new(sign("mirror_x"), sign("mirror_y")))
-            }
-            "explicit" => {
-                let (set, goal) = (set()?, super::xml::count(source, node, "goal", u32::MAX)? as usize);
-                if self.goals.get(&set).is_none_or(|goals| !goals.contains_key(&goal)) {
-                    return Err(wrong(source, node, format!("goal set {set} has no goal {goal}")));
-                }
-                Selector::Explicit(set, goal)
-            }
-            "nearest" | "nearest_nav_mesh" => Selector::Nearest(set()?),
-            "farthest" | "farthest_nav_mesh" => Selector::Farthest(set()?),
-            "random" => Selector::Random(set()?),
-            "weighted" => {
-                report.unsupported(&place(source, node), "weights of goals: all are alike");
-                Selector::Random(set()?)
-            }
-            other => {
-                report
-                    .unsupported(&place(source, node), &format!("<GoalSelector type={other:?}>: they stay"));
-                Selector::Identity
-            }
-        })
     }
 
     fn means(&mut self, source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<Means, Error> {
@@ -229,14 +174,40 @@ impl Machine {
                 }
                 Means::Mesh(place)
             }
-            other => {
-                report.unsupported(
-                    &place(source, node),
-                    &format!("<VelComponent type={other:?}>: straight instead"),
-                );
+            "vel_field" => Means::Field(self.field(source, node, &name, report)?),
+            _ => {
+                report.approximate(source, node, "straight");
                 Means::Straight
             }
         })
+    }
+
+    /// A vector field: way-finding stands for it; its file says where it ends, if it is there.
+    fn field(
+        &mut self,
+        source: &Source,
+        node: &Node<'_, '_>,
+        name: &str,
+        report: &mut Report,
+    ) -> Result<Option<usize>, Error> {
+        let path = source.path.with_file_name(name);
+        if name.is_empty() || !path.is_file() {
+            let what = format!("way-finding to the goal round the obstacles; there is no file {name:?}");
+            report.approximate(source, node, what);
+            return Ok(None);
+        }
+        let next = self.fields.len();
+        let number = *self.files.entry(format!("field {name}")).or_insert(next);
+        if number == next {
+            self.fields.push(Field::parse(&Source::read(&path)?)?);
+        }
+        if let Some(field) = self.fields.get(number) {
+            let size = format!("{} by {} cells of {} m", field.rows, field.columns, field.cell);
+            let what =
+                format!("way-finding to the goal round the obstacles, not the vectors of {name} ({size})");
+            report.approximate(source, node, what);
+        }
+        Ok(Some(number))
     }
 
     fn transition(&mut self, source: &Source, node: &Node<'_, '_>, report: &mut Report) -> Result<(), Error> {
@@ -244,31 +215,18 @@ impl Machine {
         let mut to = node.attribute("to").unwrap_or("").to_owned();
         let mut condition = None;
         for part in children(node) {
-            match (tag(&part), kind(&part)) {
-                ("Condition", "goal_reached") => {
-                    condition = Some(Condition::Reached(maybe(source, &part, "distance")?.unwrap_or(0.5)));
-                }
-                ("Condition", "AABB") if part.attribute("inside") != Some("0") => {
-                    let get = |name| need(source, &part, name);
-                    let (a, b) =
-                        (Vec2::new(get("min_x")?, get("min_y")?), Vec2::new(get("max_x")?, get("max_y")?));
-                    condition = Some(Condition::Inside(a.min(b), a.max(b)));
-                }
-                ("Condition", "auto") => condition = Some(Condition::Auto),
-                ("Condition", "timer") => {
-                    report.unsupported(&place(source, &part), "timer: they go on at once");
-                    condition = Some(Condition::Auto);
-                }
-                ("Target", _) => {
-                    let first = part.descendants().find_map(|inner| inner.attribute("name"));
-                    report.unsupported(&place(source, &part), "a choice of targets: the first is taken");
-                    first.unwrap_or("").clone_into(&mut to);
-                }
-                (name, kind) => {
-                    report.unsupported(
-                        &place(source, &part),
-                        &format!("<{name} type={kind:?}> of a transition"),
-                    );
+            if tag(&part) == "Target" {
+                let first = part.descendants().find_map(|inner| inner.attribute("name"));
+                let first = first.unwrap_or("");
+                report.approximate(source, &part, format!("the first target is taken: {first:?}"));
+                first.clone_into(&mut to);
+                continue;
+            }
+            match Condition::read(source, &part, report)? {
+                Some(found) => condition = Some(found),
+                None => {
+                    let what = format!("{} of a transition", element(&part));
+                    report.unsupported(&place(source, &part), &what);
                 }
             }
         }
@@ -289,7 +247,7 @@ impl Machine {
     ) -> Result<Vec<Walker>, Error> {
         let mut walkers = Vec::with_capacity(agents.len());
         let mut takers: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
-        let mut in_boxes: BTreeMap<(usize, usize), u32> = BTreeMap::new();
+        let mut taken = Taken::default();
         for (number, agent) in (0_u32..).zip(agents) {
             let mut walker = Walker {
                 position: super::ground(agent.position),
@@ -298,7 +256,7 @@ impl Machine {
                 speed: Some(agent.speed),
                 ..Walker::default()
             };
-            let way = self.follow(number, agent, walls, seed, &mut in_boxes, &mut walker, report)?;
+            let way = self.follow(number, agent, walls, seed, &mut taken, &mut walker, report)?;
             if walker.mode == RouteMode::Once
                 && let Some(goal) = way.last()
             {
@@ -330,7 +288,7 @@ impl Machine {
         agent: &Placed,
         walls: &[Vec<Vec2>],
         seed: u64,
-        in_boxes: &mut BTreeMap<(usize, usize), u32>,
+        taken: &mut Taken,
         walker: &mut Walker,
         report: &mut Report,
     ) -> Result<Vec<Vec2>, Error> {
@@ -353,21 +311,24 @@ impl Machine {
             seen.push(name.clone());
             let transition = self.transitions.iter().find(|t| t.from.contains(&name));
             let next = transition.and_then(|transition| self.states.get(&transition.to));
-            if state.means != Means::Stand && state.selector != Selector::Identity {
-                let place = self.goal(state.selector, at, (number, seed));
-                let mut goal = match place {
-                    Place::Box(..) => self.spread(state.selector, place, at, agent.radius, in_boxes),
-                    _ => place.nearest(at),
-                };
-                match transition.map(|transition| transition.condition) {
+            let condition = transition.map(|transition| transition.condition);
+            if let Some(place) = self.goal(state, condition, at, (number, seed)) {
+                let finds = matches!(state.means, Means::Field(_));
+                // one field leads all who go there
+                let mut goal = if finds { place.middle() } else { taken.next(place, at, agent.radius) };
+                let reach = if finds { place.reach() } else { 0.0 };
+                walker.way = walker.way.or(finds.then_some(Way::Auto));
+                match condition {
                     Some(Condition::Reached(distance)) => {
-                        walker.goal_arrival = Some(distance.clamp(0.02, 50.0));
+                        walker.goal_arrival = Some((distance + reach).clamp(0.02, 50.0));
                     }
                     Some(Condition::Inside(low, high)) => {
                         let to = next.and_then(|next| next.teleport);
                         walker.teleport =
-                            to.map(|to| Teleport { from: corners(low, high), to: corners(to.0, to.1) });
-                        if to.is_none() {
+                            to.map(|to| Teleport { from: on_ground(low, high), to: on_ground(to.0, to.1) });
+                        if to.is_none() && finds {
+                            walker.goal_arrival = Some(reach.clamp(0.3, 50.0));
+                        } else if to.is_none() {
                             // They turn away at the edge of the box, which lies in all its directions.
                             goal = at.clamp(low, high);
                             walker.goal_arrival = Some(0.3);
@@ -392,61 +353,20 @@ impl Machine {
         Ok(way)
     }
 
-    fn goal(&self, selector: Selector, at: Vec2, (agent, seed): (u32, u64)) -> Place {
-        let goals = |set: usize| self.goals.get(&set).into_iter().flat_map(BTreeMap::values).copied();
-        let distance = |place: &Place| place.nearest(at).distance(at);
-        let found = match selector {
-            Selector::Identity => None,
-            Selector::Mirror(sign) => Some(Place::Point(at * sign)),
-            Selector::Explicit(set, goal) => self.goals.get(&set).and_then(|goals| goals.get(&goal)).copied(),
-            Selector::Nearest(set) => goals(set).min_by(|a, b| distance(a).total_cmp(&distance(b))),
-            Selector::Farthest(set) => goals(set).max_by(|a, b| distance(a).total_cmp(&distance(b))),
-            Selector::Random(set) => {
-                let all: Vec<Place> = goals(set).collect();
-                all.get(index(seed, agent, Purpose::Lane, 0, all.len().max(1))).copied()
+    /// Where somebody in a state goes; nowhere if it stands. A field leads who has no goal of its own to the box in which
+    /// the state ends, or to where the field itself ends.
+    fn goal(&self, state: &State, condition: Option<Condition>, at: Vec2, draw: (u32, u64)) -> Option<Place> {
+        if state.means == Means::Stand {
+            return None;
+        }
+        let of = |name: &str| self.states.get(name).map(|state| &state.selector);
+        self.goals.choose(&state.selector, of, at, draw).or(match (&state.means, condition) {
+            (Means::Field(_), Some(Condition::Inside(low, high))) => Some(Place::Box(low, high)),
+            (Means::Field(Some(field)), _) => {
+                self.fields.get(*field).map(|field| Place::Point(field.end(at)))
             }
-        };
-        found.unwrap_or(Place::Point(at))
-    }
-
-    /// A place of one's own in a box that many go to: one after another, in rows from its middle row on.
-    #[allow(
-        clippy::cast_precision_loss,
-        clippy::cast_possible_truncation,
-        clippy::cast_sign_loss,
-        reason = "places of a box, at most as many as people"
-    )]
-    fn spread(
-        &self,
-        selector: Selector,
-        place: Place,
-        at: Vec2,
-        radius: f32,
-        in_boxes: &mut BTreeMap<(usize, usize), u32>,
-    ) -> Vec2 {
-        let Place::Box(low, high) = place else { return place.nearest(at) };
-        let (set, goal) = match selector {
-            Selector::Explicit(set, goal) => (set, goal),
-            Selector::Nearest(set) | Selector::Farthest(set) | Selector::Random(set) => {
-                let goals = self.goals.get(&set);
-                let found = goals.and_then(|goals| goals.iter().find(|(_, found)| **found == place));
-                (set, found.map_or(0, |(id, _)| *id))
-            }
-            Selector::Identity | Selector::Mirror(_) => return place.middle(),
-        };
-        let taken = in_boxes.entry((set, goal)).or_insert(0);
-        let inner = (high - low - 2.0 * radius).max(Vec2::ZERO);
-        let pitch = 3.0 * radius;
-        let counts = (inner / pitch).floor().max(Vec2::ZERO) + 1.0;
-        let (columns, rows) = (counts.x as u32, counts.y as u32);
-        let number = *taken % (columns * rows).max(1);
-        *taken += 1;
-        // from the far side on, so that the first do not stand in the way of the last
-        let (column, row) = (number % columns, number / columns);
-        let step = inner / Vec2::new((columns.max(2) - 1) as f32, (rows.max(2) - 1) as f32);
-        let from_low = place.middle().y < at.y;
-        let row = if from_low { row } else { rows - 1 - row };
-        low + radius.min(0.5 * (high - low).min_element()) + step * Vec2::new(column as f32, row as f32)
+            _ => None,
+        })
     }
 
     /// Appends the way to a goal.
@@ -464,7 +384,7 @@ impl Machine {
         let found = match state.means {
             Means::Roads(roads) => self.roads.get(roads).and_then(|r| r.way(at, goal, walls, radius)),
             Means::Mesh(mesh) => self.meshes.get(mesh).and_then(|m| m.way(at, goal, radius)),
-            Means::Stand | Means::Straight => Some(vec![goal]),
+            Means::Stand | Means::Straight | Means::Field(_) => Some(vec![goal]),
         };
         match found {
             Some(found) => way.extend(found),

@@ -2,13 +2,16 @@
 //!
 //! A project names a scene (agents, obstacles) and a behaviour (a finite state machine: goals, how they are reached, what
 //! follows). The machine is walked once for every agent, from its first state until a state that ends or comes again,
-//! which gives the agent's waypoints: straight ones, along a road map, or through a navigation mesh. What is not taken
-//! over stands in the [`Report`] with its file and line; nothing is dropped silently.
+//! which gives the agent's waypoints: straight ones, along a road map, or through a navigation mesh. A vector field
+//! becomes way-finding to its goal. What is not taken over or only approximated stands in the [`Report`] with its file
+//! and line; nothing is dropped silently.
 //!
 //! Menge's plane is (x, y) with y up the page; ours is (x, z), so z = -y.
 
 mod agents;
 mod behaviour;
+mod field;
+mod goals;
 mod nav;
 mod obstacles;
 mod roads;
@@ -19,9 +22,11 @@ use super::schema::{Obstacle, Scenario};
 use super::walkers::Walker;
 use super::{MAX_AGENTS, polygon};
 use glam::Vec2;
+use roxmltree::Node;
 use serde::Serialize;
+use std::fmt;
 use std::path::{Path, PathBuf};
-use xml::{Source, wrong};
+use xml::{Source, element, line, wrong};
 
 /// Ground about everything that is walked on, m.
 const MARGIN: f32 = 5.0;
@@ -37,6 +42,25 @@ pub struct Imported {
     pub report: Report,
 }
 
+/// Something of a scene that was taken over as something like it.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Approximation {
+    /// The file that it stands in, without its folder.
+    pub file: String,
+    /// Its line, from 1.
+    pub line: u32,
+    /// The element, such as `<VelComponent type="vel_field">`.
+    pub element: String,
+    /// What stands for it.
+    pub instead: String,
+}
+
+impl fmt::Display for Approximation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}:{}: {}: {}", self.file, self.line, self.element, self.instead)
+    }
+}
+
 /// What was found in a scene.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Report {
@@ -46,6 +70,8 @@ pub struct Report {
     pub obstacles: usize,
     /// Agents whose way ends somewhere; the others walk in circles or stand.
     pub with_an_end: usize,
+    /// What was taken over as something like it.
+    pub approximated: Vec<Approximation>,
     /// What is not taken over, with file and line.
     pub unsupported: Vec<String>,
     /// What was read otherwise than written, or inferred.
@@ -57,6 +83,14 @@ impl Report {
         let line = format!("{place}: {what}");
         if !self.unsupported.contains(&line) {
             self.unsupported.push(line);
+        }
+    }
+
+    fn approximate(&mut self, source: &Source, node: &Node<'_, '_>, instead: impl Into<String>) {
+        let (file, line, element) = (source.name(), line(node), element(node));
+        let found = Approximation { file, line, element, instead: instead.into() };
+        if !self.approximated.contains(&found) {
+            self.approximated.push(found);
         }
     }
 
@@ -112,8 +146,7 @@ fn assemble(scene: &Source, behaviour: &Source, seed: u64, report: &mut Report) 
         let hint = "split the scene";
         return Err(Error::value("walkers", placed.len(), format!("at most {MAX_AGENTS}"), hint));
     }
-    let starts: Vec<Vec2> = placed.iter().map(|agent| agent.position).collect();
-    let solids = obstacles::read(scene, &document, &starts, report)?;
+    let solids = obstacles::read(scene, &document, &placed, report)?;
     let walls: Vec<Vec<Vec2>> = solids.polygons.clone();
     let machine_document = behaviour.parse()?;
     let machine = behaviour::Machine::read(behaviour, &machine_document, report)?;
@@ -124,7 +157,7 @@ fn assemble(scene: &Source, behaviour: &Source, seed: u64, report: &mut Report) 
     report.with_an_end = walkers.iter().filter(|walker| walker.ends()).count();
     scenario.bounds = match solids.bounds {
         Some(bounds) => bounds.iter().map(|corner| ground(*corner)).collect(),
-        None => around(&walkers),
+        None => around(&walkers, &walls),
     };
     let polygon = |corners: &Vec<Vec2>| corners.iter().map(|corner| ground(*corner)).collect();
     scenario.obstacles =
@@ -155,8 +188,11 @@ fn navigation(scenario: &mut Scenario, placed: &[agents::Placed], report: &mut R
     }
 }
 
-/// A rectangle about all that is walked on.
-fn around(walkers: &[Walker]) -> Vec<[f32; 2]> {
+/// A rectangle about all that is walked on; where ways are found, with room to walk round every obstacle.
+fn around(walkers: &[Walker], walls: &[Vec<Vec2>]) -> Vec<[f32; 2]> {
+    let finds = walkers.iter().any(|walker| walker.way.is_some());
+    let corners = walls.iter().filter(|_| finds).flatten().map(|corner| Vec2::from(ground(*corner)));
+    let corners: Vec<Vec2> = corners.collect();
     let points = || {
         let of = |walker: &Walker| {
             std::iter::once(walker.position)
@@ -164,7 +200,7 @@ fn around(walkers: &[Walker]) -> Vec<[f32; 2]> {
                 .map(Vec2::from)
                 .collect::<Vec<_>>()
         };
-        walkers.iter().flat_map(of)
+        walkers.iter().flat_map(of).chain(corners.iter().copied())
     };
     if walkers.is_empty() {
         return polygon::rectangle(Vec2::ZERO, Vec2::splat(2.0 * MARGIN), 0.0)

@@ -3,7 +3,7 @@
 //! ```text
 //! vertices: N, then x y
 //! doors:    N, then vertex vertex node node
-//! walls:    N, then vertex vertex node next-wall
+//! walls:    N, then vertex vertex node next-wall, -1 where none follows
 //! groups:   name, N, then for each node its centre, its vertices (count first), its plane, its doors, its walls
 //! ```
 
@@ -12,9 +12,22 @@ use super::super::polygon;
 use super::xml::{Source, wrong};
 use glam::Vec2;
 use roxmltree::Node;
+use std::collections::BTreeSet;
 
 /// Most elements of each kind.
 const MOST: usize = 1_000_000;
+
+/// In place of the number of the next wall: none follows.
+const NONE: usize = usize::MAX;
+
+/// The walls of a mesh, one joined to the next.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub(super) struct Outlines {
+    /// Outlines that close.
+    pub(super) closed: Vec<Vec<Vec2>>,
+    /// Rows of walls that end somewhere.
+    pub(super) open: Vec<Vec<Vec2>>,
+}
 
 /// A mesh in Menge's plane, m.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -22,7 +35,7 @@ pub(super) struct NavMesh {
     vertices: Vec<Vec2>,
     /// Two vertices, two nodes.
     doors: Vec<[usize; 4]>,
-    /// Two vertices, node, next wall.
+    /// Two vertices, node, next wall or [`NONE`].
     walls: Vec<[usize; 4]>,
     /// Corners of the nodes.
     nodes: Vec<Vec<usize>>,
@@ -50,6 +63,25 @@ impl<'a> Words<'a> {
             _ => {
                 let word: String = word.chars().take(40).collect();
                 Err(self.source.wrong_line(self.line, format!("{what} is {word:?}, not a number")))
+            }
+        }
+    }
+
+    /// The number of the wall that follows one, of `count`.
+    fn next_wall(&mut self, count: usize) -> Result<usize, Error> {
+        let what = "the next wall of a wall";
+        let word =
+            self.next().ok_or_else(|| self.source.wrong_line(self.line, format!("ends before {what}")))?;
+        match word.parse::<i64>() {
+            Ok(..0) => Ok(NONE),
+            Ok(value) if usize::try_from(value).is_ok_and(|value| value < count) => {
+                Ok(usize::try_from(value).unwrap_or(NONE))
+            }
+            _ => {
+                let word: String = word.chars().take(40).collect();
+                let last = count.saturating_sub(1);
+                let message = format!("{what} is {word:?}, not 0 to {last}, or -1 where none follows");
+                Err(self.source.wrong_line(self.line, message))
             }
         }
     }
@@ -88,20 +120,23 @@ impl NavMesh {
             mesh.vertices.push(Vec2::new(words.number("x")?, words.number("y")?));
         }
         let vertices = mesh.vertices.len();
-        let quads = |what: &str, words: &mut Words<'_>| -> Result<Vec<[usize; 4]>, Error> {
-            let mut found = Vec::new();
-            for _ in 0..words.index(&format!("the number of {what}s"), MOST)? {
-                found.push([
-                    words.index(&format!("a vertex of a {what}"), vertices)?,
-                    words.index(&format!("a vertex of a {what}"), vertices)?,
-                    words.index(&format!("a node of a {what}"), MOST)?,
-                    words.index(&format!("the end of a {what}"), MOST)?,
-                ]);
-            }
-            Ok(found)
-        };
-        mesh.doors = quads("door", &mut words)?;
-        mesh.walls = quads("wall", &mut words)?;
+        for _ in 0..words.index("the number of doors", MOST)? {
+            mesh.doors.push([
+                words.index("a vertex of a door", vertices)?,
+                words.index("a vertex of a door", vertices)?,
+                words.index("a node of a door", MOST)?,
+                words.index("the other node of a door", MOST)?,
+            ]);
+        }
+        let walls = words.index("the number of walls", MOST)?;
+        for _ in 0..walls {
+            mesh.walls.push([
+                words.index("a vertex of a wall", vertices)?,
+                words.index("a vertex of a wall", vertices)?,
+                words.index("a node of a wall", MOST)?,
+                words.next_wall(walls)?,
+            ]);
+        }
         while words.next().is_some() {
             for _ in 0..words.index("the number of nodes", MOST)? {
                 mesh.read_node(&mut words)?;
@@ -135,20 +170,40 @@ impl NavMesh {
         Ok(())
     }
 
-    /// Closed outlines of the walls: each wall's end is the beginning of the next.
-    pub(super) fn outlines(&self) -> Vec<Vec<Vec2>> {
-        let mut used = vec![false; self.walls.len()];
-        let mut outlines = Vec::new();
-        for first in 0..self.walls.len() {
+    /// The outlines of the walls: each wall's end is the beginning of the next, as far as there is one.
+    pub(super) fn outlines(&self) -> Outlines {
+        let count = self.walls.len();
+        let follow = |first: usize, used: &mut [bool]| {
             let (mut at, mut outline) = (first, Vec::new());
             while let Some(used) = used.get_mut(at).filter(|used| !**used) {
                 *used = true;
-                outline.push(self.vertices[self.walls[at][0]]);
+                outline.push(at);
                 at = self.walls[at][3];
             }
-            outline.dedup_by(|a, b| a.distance(*b) < 0.002);
-            if outline.len() >= 3 {
-                outlines.push(outline);
+            (outline, at)
+        };
+        let begin = |wall: &usize| self.vertices[self.walls[*wall][0]];
+        let mut outlines = Outlines::default();
+        let (mut seen, mut used) = (vec![false; count], vec![false; count]);
+        for first in 0..count {
+            let (walls, end) = follow(first, &mut seen);
+            if walls.contains(&end) {
+                let mut outline: Vec<Vec2> = follow(end, &mut used).0.iter().map(begin).collect();
+                outline.dedup_by(|a, b| a.distance(*b) < 0.002);
+                if outline.len() >= 3 {
+                    outlines.closed.push(outline);
+                }
+            }
+        }
+        let follows: BTreeSet<usize> = (0..count).filter(|w| !used[*w]).map(|w| self.walls[w][3]).collect();
+        let firsts: Vec<usize> = (0..count).filter(|wall| !used[*wall] && !follows.contains(wall)).collect();
+        for first in firsts {
+            let walls = follow(first, &mut used).0;
+            let end = walls.last().map(|wall| self.vertices[self.walls[*wall][1]]);
+            let mut row: Vec<Vec2> = walls.iter().map(begin).chain(end).collect();
+            row.dedup_by(|a, b| a.distance(*b) < 0.002);
+            if row.len() >= 2 {
+                outlines.open.push(row);
             }
         }
         outlines
@@ -275,7 +330,18 @@ rooms\n2\n 2 2\n 6 0 1 2 3 4 5\n 0 0 0\n 1 0\n 1 0\n 6 2\n 6 1 6 7 4 3 2\n 0 0 0
         assert_eq!(way.len(), 2);
         assert!(way[0].distance(Vec2::new(4.0, 1.3)) < 0.01, "round the edge of the door: {}", way[0]);
         let outlines = mesh.outlines();
-        assert_eq!(outlines[0].len(), 6);
+        assert_eq!(outlines.closed[0].len(), 6);
+    }
+
+    #[test]
+    fn a_wall_after_which_none_follows_ends_a_row_of_walls() {
+        // the last wall of the outline is left open, and one wall stands alone
+        let cut = MESH.replace(" 5 0 0 0\n", " 5 0 0 -1\n").replace(" 1 2 0 0\n", " 1 2 0 -1\n");
+        let outlines = mesh(&cut).unwrap().outlines();
+        assert_eq!(outlines.closed, Vec::<Vec<Vec2>>::new());
+        let lengths: Vec<usize> = outlines.open.iter().map(Vec::len).collect();
+        assert_eq!(lengths, [7, 2, 2], "{outlines:?}");
+        assert_eq!(outlines.open[1], [Vec2::new(4.0, 0.0), Vec2::new(4.0, 1.0)], "{outlines:?}");
     }
 
     #[test]
@@ -286,6 +352,7 @@ rooms\n2\n 2 2\n 6 0 1 2 3 4 5\n 0 0 0\n 1 0\n 1 0\n 6 2\n 6 1 6 7 4 3 2\n 0 0 0
             ("1\n 0 0\n 1\n 0 5 0 0\n", "not 0 to 0"),
             ("9999999999\n", "not 0 to"),
             ("1\n 0 0\n 1\n 0 0 3 3\n 0\n", "there are 0"),
+            ("1\n 0 0\n 0\n 1\n 0 0 0 7\n", "not 0 to 0, or -1"),
         ] {
             let said = mesh(text).unwrap_err().to_string();
             assert!(said.contains(why) && said.contains("a.nav:"), "{text:?}: {said}");

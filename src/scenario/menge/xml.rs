@@ -24,7 +24,15 @@ impl Source {
             let message = format!("{size} bytes; a scene may have up to {MAX_BYTES}");
             return Err(read(std::io::Error::other(message)));
         }
-        let text = std::fs::read_to_string(path).map_err(read)?;
+        let bytes = std::fs::read(path).map_err(read)?;
+        let text = String::from_utf8(bytes).map_err(|error| {
+            let at = error.utf8_error().valid_up_to();
+            let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
+            let message = "not UTF-8 from here on; save the file as UTF-8".to_owned();
+            Error::Syntax { place: format!("{}:{line}", path.display()), message }
+        })?;
+        // a byte order mark says nothing in UTF-8
+        let text = text.strip_prefix('\u{feff}').unwrap_or(&text).to_owned();
         Ok(Self { path: path.to_owned(), text })
     }
 
@@ -43,15 +51,33 @@ impl Source {
     }
 }
 
+impl Source {
+    /// The file's name, without its folder.
+    pub(super) fn name(&self) -> String {
+        self.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned())
+    }
+}
+
+/// The line that an element begins in.
+pub(super) fn line(node: &Node<'_, '_>) -> u32 {
+    node.document().text_pos_at(node.range().start).row
+}
+
 /// `file:line` of an element, with the file's name alone.
 pub(super) fn place(source: &Source, node: &Node<'_, '_>) -> String {
-    let name = source.path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    format!("{name}:{}", node.document().text_pos_at(node.range().start).row)
+    format!("{}:{}", source.name(), line(node))
+}
+
+/// An element as it is written, with its type alone.
+pub(super) fn element(node: &Node<'_, '_>) -> String {
+    match node.attribute("type") {
+        Some(kind) => format!("<{} type={kind:?}>", tag(node)),
+        None => format!("<{}>", tag(node)),
+    }
 }
 
 pub(super) fn wrong(source: &Source, node: &Node<'_, '_>, message: impl Into<String>) -> Error {
-    let line = node.document().text_pos_at(node.range().start).row;
-    Error::Syntax { place: format!("{}:{line}", source.path.display()), message: message.into() }
+    Error::Syntax { place: format!("{}:{}", source.path.display(), line(node)), message: message.into() }
 }
 
 /// A finite number, if the attribute is there.

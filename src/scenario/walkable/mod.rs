@@ -1,13 +1,18 @@
 //! The walkable area from files of others: well-known text as JuPedSim and PedPy write it, or the floor of a glTF model.
 //!
-//! Well-known text has x to the right and y up the page; on the ground that is x and z = -y, as in trajectories.
+//! Well-known text has x to the right and y up the page; on the ground that is x and z = -y, as in trajectories. A
+//! scenario may say that its text has z instead ([`Plane`]).
 
+mod inside;
 mod union;
 mod wkt;
+
+pub(super) use inside::check;
 
 use super::polygon;
 use crate::avatar;
 use glam::{DVec2, Vec2, Vec3};
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -24,6 +29,35 @@ const NEAR_GROUND: f32 = 0.5;
 /// Smallest ring kept, m².
 const SMALLEST: f64 = 1e-3;
 
+/// The outlines of what lies inside a polygon that crosses or touches itself (even-odd): those counter-clockwise are
+/// solid inside, those clockwise are holes in them. In the plane of the polygon, m.
+///
+/// # Errors
+/// When there are too many edges.
+pub(super) fn pieces(polygon: &[Vec2]) -> Result<Vec<Vec<Vec2>>, String> {
+    let ring = polygon.iter().map(|corner| corner.as_dvec2()).collect();
+    let rings = union::union(&[vec![ring]])?;
+    Ok(rings.into_iter().map(|ring| ring.iter().map(|corner| corner.as_vec2()).collect()).collect())
+}
+
+/// What the second coordinate of well-known text is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Plane {
+    /// y = -z, as JuPedSim, PedPy and this program's trajectories have it.
+    #[default]
+    Xy,
+    /// z, as all other coordinates of a scenario.
+    Xz,
+}
+
+impl Plane {
+    #[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+    pub(super) fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+}
+
 /// A walkable area: an outline with holes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Area {
@@ -34,6 +68,19 @@ pub struct Area {
 }
 
 impl Area {
+    /// As [`Self::from_wkt`], with the second coordinate read as `plane` says.
+    ///
+    /// # Errors
+    /// As [`Self::from_wkt`].
+    pub fn from_wkt_in(plane: Plane, text: &str) -> Result<Self, String> {
+        let mut area = Self::from_wkt(text)?;
+        if plane == Plane::Xz {
+            let corners = area.bounds.iter_mut().chain(area.holes.iter_mut().flatten());
+            corners.for_each(|corner| corner.y = 0.0 - corner.y);
+        }
+        Ok(area)
+    }
+
     /// Reads POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION (of these); several polygons are united where they overlap or
     /// come within a millimetre of each other.
     ///
@@ -91,11 +138,11 @@ impl Area {
         Self::of_rings(union::union(&faces)?)
     }
 
-    /// Reads a `.wkt` or `.txt`, or the floor of a `.glb` or `.gltf` (of the nodes with that name and those below them, or all).
+    /// Reads a `.wkt` or `.txt` in a plane, or the floor of a `.glb` or `.gltf` (of the nodes with that name and those below them, or all).
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub fn read(path: &Path, node: Option<&str>) -> Result<Self, String> {
+    pub fn read(path: &Path, node: Option<&str>, plane: Plane) -> Result<Self, String> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         if extension == "glb" || extension == "gltf" {
             let triangles = avatar::triangles(path, node).map_err(|error| error.to_string())?;
@@ -105,7 +152,7 @@ impl Area {
         if size > MOST_BYTES {
             return Err(format!("has {size} bytes; at most {MOST_BYTES} are read"));
         }
-        Self::from_wkt(&std::fs::read_to_string(path).map_err(|error| error.to_string())?)
+        Self::from_wkt_in(plane, &std::fs::read_to_string(path).map_err(|error| error.to_string())?)
     }
 
     /// The area as POLYGON.

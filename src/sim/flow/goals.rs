@@ -36,10 +36,11 @@ pub fn equip(
 ) -> Result<Ways, Error> {
     let wanted = &scenario.way_finding;
     let raised = geometry.floors.raised.clone();
-    let is_asked = match wanted.way {
+    let could_be_blocked = !geometry.obstacles.is_empty() || !is_convex(&geometry.bounds);
+    let is_asked = |stop: &Stop| match stop.way.unwrap_or(wanted.way) {
         Way::Straight => false,
         Way::Field => true,
-        Way::Auto => !geometry.obstacles.is_empty() || !is_convex(&geometry.bounds),
+        Way::Auto => could_be_blocked,
     };
     let radii = store.body.iter().map(|body| body[0]);
     let settings = Settings {
@@ -48,15 +49,16 @@ pub fn equip(
         density_weight: wanted.density_weight,
         every: (wanted.every / scenario.navigation.time_step).round().max(1.0) as u32,
     };
-    if !is_asked {
-        return Ok(Ways { goals: Vec::new(), settings, raised });
-    }
     let mut goals: Vec<Goal> = Vec::new();
     let mut fields = Vec::with_capacity(crowd.stages.len());
     for stop in &crowd.stages {
+        if !is_asked(stop) {
+            fields.push(None);
+            continue;
+        }
         let goal = goal(stop, scenario);
         let known = goals.iter().position(|g| g.center == goal.center && g.region == goal.region);
-        fields.push(known.unwrap_or(goals.len()));
+        fields.push(Some(known.unwrap_or(goals.len())));
         if known.is_none() {
             if goals.len() == MOST_FIELDS {
                 return Err(Error::Fields { most: MOST_FIELDS });
@@ -64,11 +66,14 @@ pub fn equip(
             goals.push(goal);
         }
     }
+    if goals.is_empty() {
+        return Ok(Ways { goals, settings, raised });
+    }
     let outlines: Vec<Vec<[f32; 2]>> =
         geometry.outlines().map(|outline| outline.iter().map(Vec2::to_array).collect()).collect();
     lay(store, &outlines, &goals, &settings)?;
     for (stage, field) in store.stages.chunks_exact_mut(STAGE_STRIDE).zip(fields) {
-        stage[2][0] = field as f32;
+        stage[2][0] = field.map_or(-1.0, |field| field as f32);
     }
     Ok(Ways { goals, settings, raised })
 }
