@@ -1,21 +1,28 @@
 //! Recordings in, gaits out: foot strikes, one stride, phase, speed (S-10, S-19; paper section 3).
 //!
-//! A stride runs from one strike of the left foot to the next. It is turned so that the walker goes towards +z, its
-//! travel is taken out, what is left between its end and its start is spread over the cycle, and the lowest
-//! point of the foot joints is put at y = 0. `v_des` is the horizontal travel over the duration (A-11); walkers on the
+//! A stride runs from one strike of a foot to its next; phase 0 of its gait is the strike of the left foot in it. Both
+//! feet count alike, so that the mirror image of a take gives the mirror images of its gaits. The stride is turned so that
+//! the walker goes towards +z, its travel is taken out, what is left between its end and its start is spread over the
+//! cycle, and the lowest point of the foot joints is put at y = 0. What is no walking is refused ([`Refusal`]); running,
+//! which has the same order of the feet, is not. `v_des` is the horizontal travel over the duration (A-11); walkers on the
 //! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
 //! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
 
 mod course;
+mod cut;
 mod filter;
+mod refusal;
+mod support;
 mod walk;
 
-use super::{Error, Gait, JOINT_COUNT, Joint, Pose, Recording};
-use crate::ground::{ground_from_world, heading_from_ground};
+use super::{Error, Gait, Joint, Recording};
 pub use course::Course;
+use cut::{Cut, Take, prepare};
 pub(super) use filter::{frames, low_pass, pose_at};
-use glam::{Quat, Vec3};
+pub use refusal::Refusal;
 use std::f32::consts::{PI, TAU};
+use support::Feet;
+pub use support::Support;
 
 /// A stride that turns further than this is refused, degrees.
 pub const MAX_TURN_DEG: f32 = 20.0;
@@ -39,8 +46,10 @@ pub const REPEATS: usize = 4;
 pub struct Stride {
     /// The walk cycle.
     pub gait: Gait,
-    /// Left foot strike that begins it, s from the recording's start.
+    /// Strike that begins it, s from the recording's start.
     pub begin: f32,
+    /// The foot that begins and ends it.
+    pub foot: Joint,
     /// Duration, s.
     pub duration: f32,
     /// Turn to the walker's left over the stride, radians.
@@ -49,6 +58,8 @@ pub struct Stride {
     pub mismatch: f32,
     /// Whether the walker stayed on the spot, so that speed and travel are those of the planted foot (A-11).
     pub on_the_spot: bool,
+    /// What makes it a walk; none where only strikes of one foot are known.
+    pub support: Option<Support>,
 }
 
 impl Stride {
@@ -58,7 +69,7 @@ impl Stride {
     }
 }
 
-/// All strides of a recording as gaits, in the order of time; named `NAME` if there is one, else `NAME#1`, ...
+/// All strides of a recording as gaits, as [`strides`]; named `NAME` if there is one, else `NAME#1`, ...
 ///
 /// # Errors
 /// [`Error::Unusable`] when there is no usable stride, with what was found.
@@ -76,13 +87,13 @@ pub fn best(recording: &Recording) -> Result<Gait, Error> {
     gait.ok_or_else(|| survey.none_found(recording))
 }
 
-/// All strides of a recording with their quality, in the order of time.
+/// The most strides of a recording of which no two overlap, with their quality, in the order of time.
 ///
 /// # Errors
 /// [`Error::Unusable`] when there is no usable stride, with what was found.
 pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
     let survey = survey(recording)?;
-    if survey.strides.is_empty() { Err(survey.none_found(recording)) } else { Ok(survey.strides) }
+    if survey.strides.is_empty() { Err(survey.none_found(recording)) } else { Ok(survey.apart()) }
 }
 
 /// The stride between two strikes of the left foot that are known, in frames from the recording's start: for walks whose
@@ -104,7 +115,8 @@ pub fn between(recording: &Recording, [from, to]: [f32; 2], max_turn_deg: f32) -
     }
     let take =
         Take { poses: recording.poses.clone(), rate: recording.frame_rate, on_the_spot: false, cycle: None };
-    take.stride(recording, from, to, max_turn_deg).map_err(|message| unusable(recording, message))
+    let cut = Cut::left(from, to);
+    take.stride(recording, &cut, max_turn_deg, None).map_err(|why| unusable(recording, why.to_string()))
 }
 
 /// What there is in a recording: strikes, strides, what was refused and why.
@@ -117,19 +129,21 @@ pub struct Survey {
     pub by_height: [bool; 2],
     /// Whether the walker stays on the spot: a treadmill, or travel that was taken out.
     pub on_the_spot: bool,
-    /// The usable strides, in the order of time.
+    /// The usable strides in the order of time, from strikes of either foot, so that neighbours overlap by half.
     pub strides: Vec<Stride>,
-    /// The others: from one left strike to the next.
+    /// The others, in the order of time.
     pub refused: Vec<Refused>,
 }
 
 /// A stride that cannot be used.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Refused {
-    /// Left foot strike that begins it, s from the recording's start.
+    /// Strike that begins it, s from the recording's start.
     pub begin: f32,
+    /// The foot that begins it.
+    pub foot: Joint,
     /// Why, with values and allowed range.
-    pub reason: String,
+    pub why: Refusal,
 }
 
 /// Finds strikes and strides; that there are none is no error here.
@@ -150,25 +164,38 @@ pub fn survey(recording: &Recording) -> Result<Survey, Error> {
         return Err(unusable(recording, format!("{count} frames; at least {least} are needed")));
     }
     let take = prepare(recording);
-    let strikes = walk::strikes(&take.poses, rate);
+    let facing = walk::facing(&take.poses, rate);
+    let feet = Feet::of(&take, &facing);
+    let strikes = walk::strikes(&take.poses, rate, &facing);
     let mut found = Survey {
         strikes: strikes.of_foot.each_ref().map(|times| times.iter().map(|frame| frame / rate).collect()),
         by_height: strikes.by_height,
         on_the_spot: take.on_the_spot,
         ..Survey::default()
     };
-    for pair in strikes.of_foot[0].windows(2) {
-        // Of a repeated cycle, the strides that begin in the second repetition.
-        let begin_in = count as f32..2.0 * count as f32;
-        if recording.cyclic && !begin_in.contains(&pair[0]) {
-            continue;
+    for (side, foot) in walk::FEET.into_iter().enumerate() {
+        // All strides of a repeated cycle are the same one: those of the left foot do, if there are any.
+        if recording.cyclic && !found.strides.is_empty() {
+            break;
         }
-        let stride = check_placing(&strikes, [pair[0], pair[1]], rate)
-            .and_then(|()| take.stride(recording, pair[0], pair[1], MAX_TURN_DEG));
-        match stride {
-            Ok(stride) => found.strides.push(stride),
-            Err(reason) => found.refused.push(Refused { begin: pair[0] / rate, reason }),
+        for pair in strikes.of_foot[side].windows(2) {
+            // Of a repeated cycle, the strides that begin in the second repetition.
+            let begin_in = count as f32..2.0 * count as f32;
+            if recording.cyclic && !begin_in.contains(&pair[0]) {
+                continue;
+            }
+            let stride = cut(&strikes, side, [pair[0], pair[1]], rate)
+                .and_then(|cut| take.stride(recording, &cut, MAX_TURN_DEG, Some(&feet)));
+            match stride {
+                Ok(stride) => found.strides.push(stride),
+                Err(why) => found.refused.push(Refused { begin: pair[0] / rate, foot, why }),
+            }
         }
+    }
+    // A treadmill's steady belt is not found in a few strides among many that are something else.
+    let no_walk = found.refused.iter().filter(|refused| refused.why.is_no_walk()).count();
+    if take.on_the_spot && no_walk > found.strides.len() {
+        found.strides.clear();
     }
     if found.strides.is_empty() && recording.cyclic {
         let whole = take.whole_cycle(recording, &strikes);
@@ -176,30 +203,28 @@ pub fn survey(recording: &Recording) -> Result<Survey, Error> {
             whole.map_err(|reason| unusable(recording, format!("the cycle cannot be used: {reason}")))?,
         );
     }
-    name_strides(recording, &mut found);
+    found.strides.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+    found.refused.sort_by(|a, b| a.begin.total_cmp(&b.begin));
+    for stride in &mut found.strides {
+        stride.gait.source = source(recording, stride, &found.by_height);
+    }
     Ok(found)
 }
 
-/// Whether two strikes of the left foot (frames) make a stride, with one of the right foot between; else why not.
-fn check_placing(strikes: &walk::Strikes, [from, to]: [f32; 2], rate: f32) -> Result<(), String> {
+/// The stride between two strikes of one foot (frames), with one of the other foot between; else why it is none.
+fn cut(strikes: &walk::Strikes, side: usize, [from, to]: [f32; 2], rate: f32) -> Result<Cut, Refusal> {
+    let others: Vec<f32> =
+        strikes.of_foot[1 - side].iter().copied().filter(|t| (from..to).contains(t)).collect();
+    let &[between] = others.as_slice() else { return Err(Refusal::Turns { strikes: others.len() }) };
+    let share = (between - from) / (to - from);
+    if !OTHER_FOOT.contains(&share) {
+        return Err(Refusal::Halves { share });
+    }
     let seconds = (to - from) / rate;
     if !STRIDE_S.contains(&seconds) {
-        return Err(format!("{seconds:.2} s long; {} to {} are used", STRIDE_S.start(), STRIDE_S.end()));
+        return Err(Refusal::Duration { seconds });
     }
-    let others: Vec<f32> = strikes.of_foot[1]
-        .iter()
-        .filter(|t| (from..to).contains(*t))
-        .map(|t| (t - from) / (to - from))
-        .collect();
-    match others.as_slice() {
-        [share] if OTHER_FOOT.contains(share) => Ok(()),
-        [share] => Err(format!(
-            "the right foot strikes after {share:.2} of it; {} to {} are used",
-            OTHER_FOOT.start(),
-            OTHER_FOOT.end()
-        )),
-        _ => Err(format!("{} strikes of the right foot between", others.len())),
-    }
+    Ok(Cut { foot: walk::FEET[side], from, to, between: Some(between) })
 }
 
 impl Survey {
@@ -221,209 +246,74 @@ impl Survey {
         self.strides.iter().min_by(|a, b| fault(a).total_cmp(&fault(b)))
     }
 
+    /// The most strides of which no two overlap, in the order of time; numbered if there are several.
+    pub fn apart(&self) -> Vec<Stride> {
+        let mut in_order: Vec<&Stride> = self.strides.iter().collect();
+        let end = |stride: &Stride| stride.begin + stride.duration;
+        in_order.sort_by(|a, b| end(a).total_cmp(&end(b)));
+        let (mut apart, mut free_from) = (Vec::<Stride>::new(), f32::MIN);
+        for stride in in_order {
+            // Neighbours share a strike, up to rounding.
+            if stride.begin > free_from - 0.1 * stride.duration {
+                free_from = end(stride);
+                apart.push(stride.clone());
+            }
+        }
+        if apart.len() > 1 {
+            for (index, stride) in apart.iter_mut().enumerate() {
+                stride.gait.name += &format!("#{}", index + 1);
+            }
+        }
+        apart
+    }
+
+    /// Reasons for refusing strides, the most frequent first: how often, and the first of the kind.
+    pub fn reasons(&self) -> Vec<(usize, Refusal)> {
+        let mut reasons: Vec<(usize, Refusal)> = Vec::new();
+        for Refused { why, .. } in &self.refused {
+            let kind = std::mem::discriminant(why);
+            match reasons.iter_mut().find(|(_, other)| std::mem::discriminant(other) == kind) {
+                Some((count, _)) => *count += 1,
+                None => reasons.push((1, *why)),
+            }
+        }
+        reasons.sort_by_key(|(count, _)| std::cmp::Reverse(*count));
+        reasons
+    }
+
     /// The error of a recording without usable strides: what was found, and why it was refused.
     pub fn none_found(&self, recording: &Recording) -> Error {
         let [left, right] = self.strikes.each_ref().map(Vec::len);
-        let mut message = format!(
-            "no straight stride: {left} strikes of the left foot, {right} of the right; one stride needs 2 of the left \
-             with 1 of the right between"
-        );
-        if let Some(first) = self.refused.first() {
-            message += &format!("; {} strides refused, the first: {}", self.refused.len(), first.reason);
+        let mut message =
+            format!("no straight stride of a walk: {left} strikes of the left foot, {right} of the right");
+        if self.refused.is_empty() {
+            message += "; one stride needs 2 of one foot with 1 of the other between";
+        }
+        for (count, why) in self.reasons() {
+            message += &format!("; {count} refused, because: {why}");
         }
         unusable(recording, message)
     }
 }
 
-fn name_strides(recording: &Recording, survey: &mut Survey) {
-    let many = survey.strides.len() > 1;
-    for (index, stride) in survey.strides.iter_mut().enumerate() {
-        let is_curved = stride.is_curved();
-        let source = &mut stride.gait.source;
-        *source = if recording.source.is_empty() { recording.name.clone() } else { recording.source.clone() };
-        *source += &format!(", {:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration);
-        if is_curved {
-            *source += &format!(", curved by {:.0} degrees", stride.turn.to_degrees());
-        }
-        if survey.on_the_spot {
-            *source += ", on the spot: speed of the planted foot";
-        }
-        if survey.by_height.contains(&true) {
-            *source += ", strikes by lowest foot";
-        }
-        if many {
-            stride.gait.name = format!("{}#{}", recording.name, index + 1);
-        }
+/// Where the gait of a stride comes from, in words.
+fn source(recording: &Recording, stride: &Stride, by_height: &[bool; 2]) -> String {
+    let mut source =
+        if recording.source.is_empty() { recording.name.clone() } else { recording.source.clone() };
+    source += &format!(", {:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration);
+    if stride.is_curved() {
+        source += &format!(", curved by {:.0} degrees", stride.turn.to_degrees());
     }
-}
-
-/// A recording made ready: repeated if cyclic, with travel.
-struct Take {
-    poses: Vec<Pose>,
-    rate: f32,
-    on_the_spot: bool,
-    /// Frames of one cycle, and the mismatch that closing it took away; only if the recording is cyclic.
-    cycle: Option<(usize, f32)>,
-}
-
-fn prepare(recording: &Recording) -> Take {
-    let mut poses = recording.poses.clone();
-    let mut cycle = None;
-    if recording.cyclic {
-        // The step from the last frame to the first is not known; the mean of its neighbours is the best guess.
-        let last = poses.len() - 1;
-        let mut end = poses[0];
-        for (joint, point) in end.iter_mut().enumerate() {
-            let step =
-                (poses[1][joint] - poses[0][joint] + poses[last][joint] - poses[last - 1][joint]) / 2.0;
-            *point = poses[last][joint] + step;
-        }
-        let gap = closing_gap(&poses[0], &end);
-        spread(&mut poses, &gap);
-        cycle = Some((poses.len(), rms(&gap)));
-        poses = std::iter::repeat_n(&poses, REPEATS).flatten().copied().collect();
+    if stride.support.is_some_and(|support| support.is_running()) {
+        source += ", running";
     }
-    let on_the_spot = walk::is_on_the_spot(&poses, recording.frame_rate);
-    if on_the_spot {
-        walk::restore_travel(&mut poses, recording.frame_rate);
+    if stride.on_the_spot {
+        source += ", on the spot: speed of the planted foot";
     }
-    Take { poses, rate: recording.frame_rate, on_the_spot, cycle }
-}
-
-/// From the start of a cycle to its end, per joint.
-fn closing_gap(start: &Pose, end: &Pose) -> Pose {
-    std::array::from_fn(|joint| end[joint] - start[joint])
-}
-
-/// Spreads the gap evenly over the cycle, leaving its middle where it is.
-fn spread(poses: &mut [Pose], gap: &Pose) {
-    let count = poses.len() as f32;
-    for (index, pose) in poses.iter_mut().enumerate() {
-        let share = index as f32 / count - 0.5;
-        for (point, gap) in pose.iter_mut().zip(gap) {
-            *point -= *gap * share;
-        }
+    if by_height.contains(&true) {
+        source += ", strikes by lowest foot";
     }
-}
-
-fn rms(gap: &Pose) -> f32 {
-    (gap.iter().map(|d| d.length_squared()).sum::<f32>() / JOINT_COUNT as f32).sqrt()
-}
-
-impl Take {
-    /// The pose at a fractional frame.
-    fn at(&self, frame: f32) -> Pose {
-        pose_at(&self.poses, frame)
-    }
-
-    /// Mean direction of the body over some frames, as a heading.
-    fn heading(&self, from: f32, to: f32) -> f32 {
-        let (from, to) = (frames(from), frames(to).max(frames(from)) + 1);
-        let end = to.min(self.poses.len());
-        let sum: Vec3 = self.poses[from.min(end)..end].iter().map(walk::facing_now).sum();
-        heading_from_ground(ground_from_world(sum))
-    }
-
-    /// Turn of the body from one frame to a later one of the same phase, radians to the left.
-    fn turn(&self, from: f32, to: f32) -> f32 {
-        // Averaged over a few frames at either end, as far as there are any.
-        let span = (0.05 * self.rate).min(from).min((self.poses.len() - 1) as f32 - to).max(0.0);
-        wrap(self.heading(to - span, to + span) - self.heading(from - span, from + span))
-    }
-
-    /// One stride as a gait; the reason if it cannot be used.
-    fn stride(&self, recording: &Recording, from: f32, to: f32, max_turn_deg: f32) -> Result<Stride, String> {
-        let duration = (to - from) / self.rate;
-        let (start, end) = (self.at(from), self.at(to));
-        let chord = (end[Joint::Root as usize] - start[Joint::Root as usize]).with_y(0.0);
-        let chord_heading = heading_from_ground(ground_from_world(chord));
-        let turn = if self.cycle.is_some() { 0.0 } else { self.turn(from, to) };
-        if turn.abs() > max_turn_deg.to_radians() {
-            return Err(format!("turns by {:.0} degrees; up to {max_turn_deg} are used", turn.to_degrees()));
-        }
-        // The arc over a chord of the same turn; a straight line where there is no turn.
-        let half = turn / 2.0;
-        let travel = chord.length() * if half.abs() > 1e-4 { half / libm::sinf(half) } else { 1.0 };
-        let speed = travel / duration;
-        if !SPEED.contains(&speed) {
-            return Err(format!("{speed:.2} m/s; {} to {} are used", SPEED.start(), SPEED.end()));
-        }
-        let crab = wrap(self.heading(from, to) - chord_heading);
-        if crab.abs() > MAX_CRAB_DEG.to_radians() {
-            return Err(format!("walks {:.0} degrees off the way it faces", crab.to_degrees()));
-        }
-
-        let count = frames((duration * self.rate.min(MAX_RATE)).round()).max(8);
-        let on_the_spot = |pose: Pose, phase: f32| {
-            let heading = chord_heading + turn * (phase - 0.5);
-            let centre =
-                start[Joint::Root as usize].with_y(0.0) + along_arc(chord_heading, turn, travel, phase);
-            pose.map(|point| Quat::from_rotation_y(-heading) * (point - centre))
-        };
-        let mut poses: Vec<Pose> = (0..count)
-            .map(|i| {
-                let phase = i as f32 / count as f32;
-                on_the_spot(self.at(from + phase * (to - from)), phase)
-            })
-            .collect();
-        let gap = closing_gap(&on_the_spot(start, 0.0), &on_the_spot(end, 1.0));
-        spread(&mut poses, &gap);
-        stand_at_origin(&mut poses);
-        let begin = match self.cycle {
-            Some((frames, _)) => (from % frames as f32) / self.rate,
-            None => from / self.rate,
-        };
-        let gait = Gait {
-            name: recording.name.clone(),
-            frame_rate: count as f32 / duration,
-            poses,
-            speed,
-            source: String::new(),
-            subject: recording.subject.clone(),
-            acted: recording.acted.clone(),
-            ratings: None,
-            label: recording.label,
-        };
-        let mismatch = self.cycle.map_or_else(|| rms(&gap), |(_, mismatch)| mismatch);
-        Ok(Stride { gait, begin, duration, turn, mismatch, on_the_spot: self.on_the_spot })
-    }
-
-    /// The whole cycle of a cyclic recording, from the left foot's strike (or, without any, from where the left
-    /// foot is lowest in front).
-    fn whole_cycle(&self, recording: &Recording, strikes: &walk::Strikes) -> Result<Option<Stride>, String> {
-        let Some((count, _)) = self.cycle else { return Ok(None) };
-        let second = count as f32..2.0 * count as f32;
-        let begin = strikes.of_foot[0].iter().copied().find(|t| second.contains(t)).unwrap_or_else(|| {
-            let heading = walk::facing(&self.poses, self.rate);
-            let reach = |i: usize| {
-                let pose = &self.poses[i];
-                (pose[Joint::LeftFoot as usize] - pose[Joint::Root as usize]).dot(heading[i])
-            };
-            let furthest = (count..2 * count).max_by(|&a, &b| reach(a).total_cmp(&reach(b)));
-            furthest.unwrap_or(count) as f32
-        });
-        self.stride(recording, begin, begin + count as f32, MAX_TURN_DEG).map(Some)
-    }
-}
-
-/// Where the walker is at a phase of a stride of `travel` metres whose heading turns evenly by `turn` about the
-/// heading of its chord; from its start, m, on the ground.
-fn along_arc(chord_heading: f32, turn: f32, travel: f32, phase: f32) -> Vec3 {
-    if turn.abs() < 1e-4 {
-        return Vec3::new(libm::sinf(chord_heading), 0.0, libm::cosf(chord_heading)) * (travel * phase);
-    }
-    let (from, to) = (chord_heading - turn / 2.0, chord_heading + turn * (phase - 0.5));
-    Vec3::new(libm::cosf(from) - libm::cosf(to), 0.0, libm::sinf(to) - libm::sinf(from)) * (travel / turn)
-}
-
-/// Puts the root's mean above the origin and the lowest point of the foot joints at y = 0.
-fn stand_at_origin(poses: &mut [Pose]) {
-    let root: Vec3 = poses.iter().map(|pose| pose[Joint::Root as usize]).sum::<Vec3>() / poses.len() as f32;
-    let feet = poses.iter().flat_map(|pose| walk::FEET.map(|foot| pose[foot as usize].y));
-    let ground = feet.fold(f32::MAX, f32::min);
-    for point in poses.iter_mut().flatten() {
-        *point -= Vec3::new(root.x, ground, root.z);
-    }
+    source
 }
 
 /// An angle in (-pi, pi].

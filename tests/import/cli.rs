@@ -1,7 +1,9 @@
 //! `gaitway gait import` as a program: folders, reasons, JSON, the same library however many threads.
 
 use super::containers;
+use super::movements::OTHERS;
 use super::walker::{self, Walker};
+use gaitway::gait::Recording;
 use std::path::Path;
 use std::process::{Command, Output};
 
@@ -101,4 +103,64 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
     std::fs::create_dir(&empty).unwrap();
     let output = gaitway(&["empty"], folder.path(), "1");
     assert!(!output.status.success() && text(&output.stderr).contains("no motion file"));
+}
+
+#[test]
+fn a_refused_take_is_reported_like_the_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let boxer = OTHERS.iter().find(|other| other.name.starts_with("boxing forwards")).unwrap();
+    std::fs::write(folder.path().join("boxer.bvh"), walker::bvh(&boxer.take(6.0, 30.0, 0.002), 100.0))
+        .unwrap();
+    for arguments in [&["boxer.bvh", "--report"][..], &["boxer.bvh", "--report", "--out", "b.glb"]] {
+        let output = gaitway(arguments, folder.path(), "1");
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        let said = text(&output.stderr) + &text(&output.stdout);
+        for line in [
+            "centimetres",
+            "up axis: +y",
+            "frame rate: 30.00 Hz, as the file states",
+            "joint map: gaitway",
+            "heading: ",
+            "strikes: ",
+            "because: not walking: the feet do not pass each other",
+        ] {
+            assert!(said.contains(line), "{arguments:?} should say {line}: {said}");
+        }
+        assert!(!folder.path().join("b.glb").exists());
+    }
+    let output = gaitway(&["boxer.bvh", "--json", "--out", "b.glb"], folder.path(), "1");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["takes"][0]["reason"].as_str().unwrap().contains("not walking"), "{json}");
+}
+
+#[test]
+fn a_given_rate_corrects_what_the_header_states() {
+    let folder = tempfile::tempdir().unwrap();
+    let walk = Walker::default().take(4.0, 60.0);
+    let bvh = walker::bvh(&walk, 100.0);
+    std::fs::write(
+        folder.path().join("slow.bvh"),
+        bvh.replace("Frame Time: 0.016666668", "Frame Time: 0.0416667"),
+    )
+    .unwrap();
+    std::fs::write(folder.path().join("none.bvh"), bvh.replace("Frame Time: 0.016666668", "Frame Time: 0"))
+        .unwrap();
+    let wrong = Recording { frame_rate: 24.0, ..walk };
+    std::fs::write(folder.path().join("slow.c3d"), containers::c3d(&wrong, 84, true, "mm")).unwrap();
+    for name in ["slow.bvh", "none.bvh", "slow.c3d"] {
+        let output = gaitway(&[name, "--rate", "60", "--json"], folder.path(), "1");
+        assert!(output.status.success(), "{name}: {}", text(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let speed = json["gaits"][0]["v_des"].as_f64().unwrap();
+        assert!((speed - 1.2).abs() < 0.02, "{name}: {speed} m/s");
+        assert!(
+            json["takes"][0]["report"].to_string().contains("60 Hz, as given (the file states"),
+            "{json}"
+        );
+    }
+    let output = gaitway(&["slow.bvh", "--json"], folder.path(), "1");
+    let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(json["gaits"][0]["v_des"].as_f64().unwrap() < 0.6, "the header is believed otherwise");
+    let output = gaitway(&["none.bvh"], folder.path(), "1");
+    assert!(text(&output.stderr).contains("1 to 2000 Hz") && text(&output.stderr).contains("none.bvh:"));
 }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// The folder of a data set, if it is at hand.
-fn data_set(name: &str) -> Option<PathBuf> {
+pub(crate) fn data_set(name: &str) -> Option<PathBuf> {
     let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/data");
     let folder = std::env::var_os("GAITWAY_DATA").map_or_else(beside, PathBuf::from).join(name);
     if !folder.is_dir() {
@@ -19,7 +19,7 @@ fn data_set(name: &str) -> Option<PathBuf> {
 }
 
 /// All files with an extension, in the folder and the folders in it, sorted.
-fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
+pub(crate) fn files(folder: &Path, extension: &str) -> Vec<PathBuf> {
     let mut found = Vec::new();
     for entry in std::fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -83,7 +83,8 @@ fn bandai_namco_and_100style_takes_give_straight_strides() {
             let strides = strides_of(&take);
             let class = take.acted.clone().unwrap_or_else(|| take.name.clone());
             let best = stride::best(&take).unwrap();
-            assert!(strides.iter().any(|s| s.gait.poses == best.poses));
+            let survey = stride::survey(&take).unwrap();
+            assert!(survey.strides.iter().any(|s| s.gait.poses == best.poses));
             classes.entry(class).or_default().extend(strides.into_iter().map(|stride| stride.gait));
         }
     }

@@ -9,8 +9,10 @@ mod cli;
 mod containers;
 mod data;
 mod formats;
+mod movements;
 mod strikes;
 mod walker;
+mod walking;
 
 use gaitway::gait::import::{self, JointMap, Options, asf_amc, bvh, csv};
 use gaitway::gait::{Error, Joint, Recording, stride};

@@ -3,6 +3,7 @@
 
 #![allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "frames of takes of seconds")]
 
+use super::movements::Noise;
 use super::walker::Walker;
 use gaitway::Emotion;
 use gaitway::gait::walker::{Sex, WalkerStyle, walk};
@@ -11,20 +12,20 @@ use glam::{Quat, Vec3};
 
 /// How a generated gait is turned into a take.
 #[derive(Debug, Clone, Copy)]
-struct Way {
-    rate: f32,
-    seconds: f32,
+pub(crate) struct Way {
+    pub(crate) rate: f32,
+    pub(crate) seconds: f32,
     /// Phase at the first frame.
-    start: f32,
-    heading: f32,
+    pub(crate) start: f32,
+    pub(crate) heading: f32,
     /// Radius of the circle that is walked to the left; infinite is straight.
-    radius: f32,
-    treadmill: bool,
+    pub(crate) radius: f32,
+    pub(crate) treadmill: bool,
     /// Standard deviation of the noise of every coordinate, m.
-    noise: f32,
+    pub(crate) noise: f32,
 }
 
-const STRAIGHT: Way = Way {
+pub(crate) const STRAIGHT: Way = Way {
     rate: 60.0,
     seconds: 8.0,
     start: 0.3,
@@ -51,18 +52,9 @@ fn pose_at(gait: &Gait, phase: f32) -> Pose {
     std::array::from_fn(|joint| a[joint].lerp(b[joint], t))
 }
 
-/// Noise of standard deviation 1, from four uniform numbers.
-fn noise(seed: &mut u64) -> f32 {
-    let mut uniform = || {
-        *seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (*seed >> 40) as f32 / (1_u64 << 24) as f32 - 0.5
-    };
-    (0..4).map(|_| uniform()).sum::<f32>() * 3.0_f32.sqrt()
-}
-
-fn take(gait: &Gait, way: Way) -> Recording {
+pub(crate) fn take(gait: &Gait, way: Way) -> Recording {
     let cycle = gait.cycle_time();
-    let mut seed = 7;
+    let mut noise = Noise(7);
     let frames = (way.seconds * way.rate) as usize;
     let poses = (0..frames).map(|i| {
         let t = i as f32 / way.rate;
@@ -78,7 +70,7 @@ fn take(gait: &Gait, way: Way) -> Recording {
             let placed = Quat::from_rotation_y(turned) * point + centre;
             Quat::from_rotation_y(way.heading) * placed
         };
-        let mut shake = || Vec3::new(noise(&mut seed), noise(&mut seed), noise(&mut seed)) * way.noise;
+        let mut shake = || Vec3::new(noise.next(), noise.next(), noise.next()) * way.noise;
         pose_at(gait, way.start + t / cycle).map(|point| world(point) + shake())
     });
     Recording::new("generated", way.rate, poses.collect())
@@ -220,7 +212,7 @@ fn a_circle_is_followed_where_it_is_wide_and_refused_where_it_is_tight() {
         let survey = stride::survey(&take(&gait, tight)).unwrap();
         assert!(survey.strides.is_empty() && survey.refused.len() >= 4, "{emotion}: {survey:?}");
         assert!(
-            survey.refused.iter().all(|refused| refused.reason.starts_with("turns by")),
+            survey.refused.iter().all(|refused| matches!(refused.why, stride::Refusal::Turn { .. })),
             "{:?}",
             survey.refused
         );
@@ -231,15 +223,15 @@ fn a_circle_is_followed_where_it_is_wide_and_refused_where_it_is_tight() {
 fn a_walk_between_standing_gives_only_the_strides_of_the_walk() {
     let gait = walk(&WalkerStyle::preset(Emotion::Neutral, Sex::Male), "g").unwrap();
     let walked = take(&gait, STRAIGHT);
-    let still = |pose: &Pose, seed: &mut u64| pose.map(|p| p + Vec3::splat(0.001) * noise(seed));
-    let mut seed = 3;
+    let still = |pose: &Pose, noise: &mut Noise| pose.map(|p| p + Vec3::splat(0.001) * noise.next());
+    let mut noise = Noise(3);
     let (first, last) = (walked.poses[0], walked.poses[walked.poses.len() - 1]);
-    let mut poses: Vec<Pose> = (0..180).map(|_| still(&first, &mut seed)).collect();
+    let mut poses: Vec<Pose> = (0..180).map(|_| still(&first, &mut noise)).collect();
     poses.extend(&walked.poses);
-    poses.extend((0..180).map(|_| still(&last, &mut seed)));
+    poses.extend((0..180).map(|_| still(&last, &mut noise)));
     let survey = stride::survey(&Recording::new("pause", 60.0, poses)).unwrap();
     let expected = (8.0 / gait.cycle_time()) as usize;
-    assert!((expected - 2..=expected + 1).contains(&survey.strides.len()), "{survey:?}");
+    assert!((expected - 2..=expected + 1).contains(&survey.apart().len()), "{survey:?}");
     for found in &survey.strides {
         assert!(found.begin > 2.5 && found.begin < 11.5, "a stride at {} s", found.begin);
     }

@@ -67,25 +67,7 @@ impl Walker {
         let phase = (t - self.first_strike) / self.cycle;
         let (ground, heading) = self.path(t);
         let root = ground + Vec3::Y * (0.9 - 0.02 * (2.0 * TAU * phase).cos());
-        let body = |x: f32, y: f32, z: f32| root + Quat::from_rotation_y(heading) * Vec3::new(x, y, z);
-        let mut pose = [root; JOINT_COUNT];
-        pose[Joint::Spine as usize] = body(0.0, 0.2, 0.0);
-        pose[Joint::Neck as usize] = body(0.0, 0.5, 0.01);
-        pose[Joint::Head as usize] = body(0.0, 0.6, 0.03);
-        for (side, shoulder, hip) in [(1.0, 4, 10), (-1.0, 7, 13)] {
-            let swing = -0.25 * side * (TAU * phase).cos();
-            pose[shoulder] = body(0.18 * side, 0.45, 0.0);
-            pose[shoulder + 1] = body(0.22 * side, 0.17, swing / 2.0);
-            pose[shoulder + 2] = body(0.22 * side, -0.05, 0.1 + swing);
-            let (hip_point, ankle) = (body(0.09 * side, -0.02, 0.0), self.ankle(t, side));
-            let leg = ankle - hip_point;
-            let bend = (0.46_f32.powi(2) - leg.length_squared() / 4.0).max(0.0).sqrt();
-            let front = (Quat::from_rotation_y(heading) * Vec3::Z).reject_from(leg.normalize()).normalize();
-            pose[hip] = hip_point;
-            pose[hip + 1] = (hip_point + ankle) / 2.0 + front * bend;
-            pose[hip + 2] = ankle;
-        }
-        pose
+        figure(root, heading, |side| self.ankle(t, side), -0.25 * (TAU * phase).cos())
     }
 
     /// A take of some seconds.
@@ -93,6 +75,29 @@ impl Walker {
         let frames = (0..).map(|i| i as f32 / rate).take_while(|t| *t < seconds);
         Recording::new("walker", rate, frames.map(|t| self.pose(t)).collect())
     }
+}
+
+/// The 16 joints of a figure with its ankles (+1 left, -1 right) where they are asked for; the left hand swings this far.
+pub(crate) fn figure(root: Vec3, heading: f32, ankle: impl Fn(f32) -> Vec3, left_swing: f32) -> Pose {
+    let body = |x: f32, y: f32, z: f32| root + Quat::from_rotation_y(heading) * Vec3::new(x, y, z);
+    let mut pose = [root; JOINT_COUNT];
+    pose[Joint::Spine as usize] = body(0.0, 0.2, 0.0);
+    pose[Joint::Neck as usize] = body(0.0, 0.5, 0.01);
+    pose[Joint::Head as usize] = body(0.0, 0.6, 0.03);
+    for (side, shoulder, hip) in [(1.0, 4, 10), (-1.0, 7, 13)] {
+        let swing = left_swing * side;
+        pose[shoulder] = body(0.18 * side, 0.45, 0.0);
+        pose[shoulder + 1] = body(0.22 * side, 0.17, swing / 2.0);
+        pose[shoulder + 2] = body(0.22 * side, -0.05, 0.1 + swing);
+        let (hip_point, ankle) = (body(0.09 * side, -0.02, 0.0), ankle(side));
+        let leg = ankle - hip_point;
+        let bend = (0.46_f32.powi(2) - leg.length_squared() / 4.0).max(0.0).sqrt();
+        let front = (Quat::from_rotation_y(heading) * Vec3::Z).reject_from(leg.normalize()).normalize();
+        pose[hip] = hip_point;
+        pose[hip + 1] = (hip_point + ankle) / 2.0 + front * bend;
+        pose[hip + 2] = ankle;
+    }
+    pose
 }
 
 /// Angles of a joint at a frame, degrees: arbitrary, so that any mistake of order or frame shows.

@@ -6,7 +6,7 @@ use super::super::usage;
 use super::{Row, table_of_gaits};
 use crate::Error;
 use crate::gait::import::{JointMap, Options, folder};
-use crate::gait::stride::{self, Stride, Survey};
+use crate::gait::stride::{self, Survey};
 use crate::gait::{Gait, Recording};
 use crate::library::GaitLibrary;
 use clap::Args;
@@ -37,7 +37,7 @@ pub(super) struct Arguments {
     /// Gait library to write
     #[arg(long, value_name = "LIB.glb")]
     out: Option<PathBuf>,
-    /// Frames per second, for files that do not say
+    /// Frames per second, whatever the files say: corrects a wrong header
     #[arg(long, value_name = "HZ")]
     rate: Option<f32>,
     /// Metres per unit of length, for files where it cannot be inferred
@@ -55,7 +55,7 @@ pub(super) struct Arguments {
     /// Every stride, not only the most regular one of each take
     #[arg(long)]
     all: bool,
-    /// Say what was inferred and repaired, however many takes there are
+    /// Say what was inferred, found and refused in each take, also where nothing is taken
     #[arg(long)]
     report: bool,
     /// Print one JSON object
@@ -72,10 +72,12 @@ struct Take {
     rate_hz: f32,
     /// Strikes found, left and right.
     strikes: [usize; 2],
-    /// Strides that could be used, and those refused with the reason.
+    /// Usable strides that do not overlap.
     strides: usize,
+    /// Strides of either foot that were refused, with the reason.
     refused: Vec<String>,
     on_the_spot: bool,
+    running: bool,
     curved: usize,
     taken: usize,
     /// What the importer inferred and repaired.
@@ -157,7 +159,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     if let Some(out) = &arguments.out {
         if gaits.is_empty() {
-            say_reasons(&listing);
+            listing.wall_seconds = begin.elapsed().as_secs_f64();
+            show(&listing, arguments)?;
             return Err(usage("there is no gait to write", "see the reasons above"));
         }
         GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
@@ -165,13 +168,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     listing.wall_seconds = begin.elapsed().as_secs_f64();
     is_good &= !listing.gaits.is_empty();
-    if arguments.json {
-        say_reasons(&listing);
-        say_json(&listing)?;
-    } else {
-        print(&listing, arguments);
-    }
+    show(&listing, arguments)?;
     Ok(is_good)
+}
+
+fn show(listing: &Listing, arguments: &Arguments) -> Result<(), Error> {
+    if arguments.json {
+        say_reasons(listing);
+        say_json(listing)?;
+    } else {
+        print(listing, arguments);
+    }
+    Ok(())
 }
 
 fn options(arguments: &Arguments) -> Result<Options, Error> {
@@ -201,8 +209,36 @@ fn options(arguments: &Arguments) -> Result<Options, Error> {
     })
 }
 
+/// What was found in a take: strikes, strides, what the feet do in the one taken, and what was refused.
+fn findings(survey: &Survey, strides: usize) -> Vec<String> {
+    let [left, right] = survey.strikes.each_ref().map(Vec::len);
+    let rules = survey.by_height.map(|by_height| if by_height { "lowest foot" } else { "furthest reach" });
+    let mut lines = vec![
+        format!("strikes: {left} of the left foot (by {}), {right} of the right (by {})", rules[0], rules[1]),
+        format!("strides: {strides} that do not overlap, of {} from either foot", survey.strides.len()),
+    ];
+    if let Some(support) = survey.best().and_then(|stride| stride.support) {
+        let both = |what: &str, [left, right]: [f32; 2], unit: &str| {
+            format!("{what} {left:.2} {unit} (left) and {right:.2} {unit} (right)")
+        };
+        let kind = if support.is_running() { "running" } else { "walking" };
+        lines.push(format!(
+            "{kind}: {:.2} m/s, {}, {}, {}, {:.0} % in flight",
+            support.speed,
+            both("steps of", support.step, "m"),
+            both("feet lifted by", support.lift, "m"),
+            both("ground under them goes back at", support.ground, "m/s"),
+            100.0 * support.flight
+        ));
+    }
+    lines.extend(
+        survey.reasons().iter().map(|(count, why)| format!("refused: {count} strides, because: {why}")),
+    );
+    lines
+}
+
 /// Strikes and strides of one take.
-fn examine(path: &Path, recording: Recording, all: bool) -> Take {
+fn examine(path: &Path, mut recording: Recording, all: bool) -> Take {
     let (survey, reason) = match stride::survey(&recording) {
         Ok(survey) if survey.strides.is_empty() => {
             let reason = survey.none_found(&recording).to_string();
@@ -211,11 +247,14 @@ fn examine(path: &Path, recording: Recording, all: bool) -> Take {
         Ok(survey) => (survey, None),
         Err(error) => (Survey::default(), Some(error.to_string())),
     };
+    let apart = survey.apart();
+    recording.report.extend(findings(&survey, apart.len()));
+    let curved = apart.iter().filter(|stride| stride.is_curved()).count();
+    let strides = apart.len();
     let gaits: Vec<Gait> = if all {
-        survey.strides.iter().map(|stride| stride.gait.clone()).collect()
+        apart.into_iter().map(|stride| stride.gait).collect()
     } else {
-        let best = survey.best().map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
-        best.into_iter().collect()
+        survey.best().map(|stride| stride.gait.clone()).into_iter().collect()
     };
     // Of a cycle that is repeated, one repetition counts.
     let repeats = if recording.cyclic { stride::REPEATS } else { 1 };
@@ -224,10 +263,15 @@ fn examine(path: &Path, recording: Recording, all: bool) -> Take {
         frames: recording.poses.len(),
         rate_hz: recording.frame_rate,
         strikes: survey.strikes.each_ref().map(|times| times.len() / repeats),
-        strides: survey.strides.len(),
-        refused: survey.refused.iter().map(|r| format!("at {:.2} s: {}", r.begin, r.reason)).collect(),
+        strides,
+        refused: survey
+            .refused
+            .iter()
+            .map(|refused| format!("at {:.2} s, {}: {}", refused.begin, refused.foot.name(), refused.why))
+            .collect(),
         on_the_spot: survey.on_the_spot,
-        curved: survey.strides.iter().filter(|stride| Stride::is_curved(stride)).count(),
+        running: survey.best().and_then(|stride| stride.support).is_some_and(|support| support.is_running()),
+        curved,
         taken: gaits.len(),
         name: recording.name,
         report: recording.report,
@@ -311,6 +355,9 @@ fn words(take: &Take) -> Vec<String> {
     let mut remarks = Vec::new();
     if take.on_the_spot {
         remarks.push("on the spot".to_owned());
+    }
+    if take.running {
+        remarks.push("running".to_owned());
     }
     if take.curved > 0 {
         remarks.push(format!("{} curved", take.curved));

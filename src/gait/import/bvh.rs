@@ -5,8 +5,8 @@
 //! are inferred. Rotations are in degrees and apply in the order listed: `Z X Y` means `Rz Rx Ry`.
 
 use super::joint_map::{self, Sources};
-use super::repair::{Unit, finish};
-use super::text::{count, frame_rate, number, shown, syntax};
+use super::repair::{Unit, finish, rate_stated};
+use super::text::{count, number, shown, syntax};
 use super::{MAX_FRAMES, MAX_JOINTS, Options, file_name, stem};
 use crate::gait::{Error, Pose, Recording};
 use glam::{Quat, Vec3};
@@ -102,9 +102,10 @@ pub fn parse_bvh(text: &str, path: &str, options: &Options) -> Result<Recording,
     let names: Vec<&str> = nodes.iter().map(|node| node.name.as_str()).collect();
     let (rig, joints) =
         joint_map::choose(options.joint_map.as_ref(), &names).map_err(|message| syntax(path, 0, message))?;
-    let (rate, poses) = motion(&mut words, &nodes, &joints)?;
+    let ((rate, rate_line), poses) = motion(&mut words, &nodes, &joints, options)?;
     let report = vec![
-        format!("BVH: {} joints, {} frames at {rate:.2} Hz", nodes.len(), poses.len()),
+        format!("BVH: {} joints, {} frames", nodes.len(), poses.len()),
+        rate_line,
         format!("joint map: {rig}"),
     ];
     let source = format!("{} (BVH)", file_name(path));
@@ -209,15 +210,20 @@ fn channels(words: &mut Words<'_>) -> Result<Vec<Channel>, Error> {
     Ok(channels)
 }
 
-/// Reads the MOTION section: frame rate in Hz and the poses in file units.
-fn motion(words: &mut Words<'_>, nodes: &[Node], joints: &Sources) -> Result<(f32, Vec<Pose>), Error> {
+/// Reads the MOTION section: frame rate in Hz with its line for the report, and the poses in file units.
+fn motion(
+    words: &mut Words<'_>,
+    nodes: &[Node],
+    joints: &Sources,
+    options: &Options,
+) -> Result<((f32, String), Vec<Pose>), Error> {
     words.need_word("Frames:")?;
     let word = words.need("the number of frames")?;
     let frames = count(words.path, words.line, word, "Frames", MAX_FRAMES)?;
     words.need_word("Frame")?;
     words.need_word("Time:")?;
     let seconds = words.need_number("Frame Time")?;
-    let rate = frame_rate(words.path, words.line, 1.0 / seconds)?;
+    let rate = rate_stated(options, words.path, words.line, 1.0 / seconds)?;
     let channel_count: usize = nodes.iter().map(|node| node.channels.len()).sum();
     if channel_count < LEAST_CHANNELS {
         let message =

@@ -13,8 +13,8 @@ mod markers;
 mod parameters;
 
 use super::joint_map::{self, Sources};
-use super::repair::{Unit, finish};
-use super::text::{MAX_MAGNITUDE, frame_rate, syntax};
+use super::repair::{Unit, finish, rate_stated};
+use super::text::{MAX_MAGNITUDE, syntax};
 use super::{MAX_FRAMES, Options, file_name, stem};
 use crate::gait::{Error, Pose, Recording};
 use glam::Vec3;
@@ -94,12 +94,9 @@ pub fn parse_c3d(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Reco
     let parameters = Parameters::read(bytes).map_err(wrong)?;
     let header = bytes.get(..512).ok_or_else(|| wrong("the file ends in its header".to_owned()))?;
     let frames = frames(bytes, header, &parameters).map_err(wrong)?;
-    let hertz = match (options.frame_rate, parameters.float("POINT", "RATE")) {
-        (Some(given), _) => given,
-        (None, Some(stated)) if stated > 0.0 => stated,
-        _ => parameters.number().float(&header[20..]),
-    };
-    let rate = frame_rate(path, 0, hertz)?;
+    let stated = parameters.float("POINT", "RATE").filter(|stated| *stated > 0.0);
+    let stated = stated.unwrap_or_else(|| parameters.number().float(&header[20..]));
+    let (rate, rate_line) = rate_stated(options, path, 0, stated)?;
     let labels = labels(&parameters, options);
     let (unit, unit_name) = unit(&parameters);
     let subjects = subjects(&labels);
@@ -115,11 +112,8 @@ pub fn parse_c3d(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Reco
                 let (poses, gap_line) =
                     gaps::poses(&frames, &way, rate).map_err(|m| wrong(format!("{name}: {m}")))?;
                 let report = vec![
-                    format!(
-                        "C3D: {} points, {} frames at {rate:.2} Hz, {unit_name}",
-                        labels.len(),
-                        frames.count
-                    ),
+                    format!("C3D: {} points, {} frames, {unit_name}", labels.len(), frames.count),
+                    rate_line.clone(),
                     format!("joint map: {rig}"),
                     gap_line,
                 ];

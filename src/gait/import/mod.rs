@@ -42,7 +42,7 @@ pub struct Options {
     pub skeleton: Option<PathBuf>,
     /// Metres per unit of length of the file.
     pub metres_per_unit: Option<f32>,
-    /// Frames per second, for formats that do not carry it (AMC, CSV).
+    /// Frames per second, whatever the file states.
     pub frame_rate: Option<f32>,
     /// Names of the 16 joints in the file.
     pub joint_map: Option<JointMap>,

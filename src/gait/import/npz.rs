@@ -30,8 +30,8 @@ mod amass;
 mod npy;
 
 use super::joint_map::{self, Sources};
-use super::repair::{Unit, finish, rate_or};
-use super::text::{MAX_MAGNITUDE, frame_rate, syntax};
+use super::repair::{Unit, finish, rate_or, rate_stated};
+use super::text::{MAX_MAGNITUDE, syntax};
 use super::{MAX_FRAMES, MAX_JOINTS, Options, egait, file_name, stem};
 use crate::gait::{Error, JOINT_COUNT, Joint, Pose, Recording};
 use glam::Vec3;
@@ -119,11 +119,8 @@ impl<'a> Arrays<'a> {
     fn rate(&self, options: &Options) -> Result<(f32, String), Error> {
         let stated = self.get(&RATE_KEYS).filter(|array| array.len() == 1);
         match stated.and_then(|array| array.number(&vec![0; array.shape.len()])) {
-            Some(hertz) if options.frame_rate.is_none() => {
-                let hertz = frame_rate(self.path, 0, single(hertz))?;
-                Ok((hertz, format!("frame rate: {hertz} Hz, as the file states")))
-            }
-            _ => rate_or(options, self.path, DEFAULT_RATE),
+            Some(hertz) => rate_stated(options, self.path, 0, single(hertz)),
+            None => rate_or(options, self.path, DEFAULT_RATE),
         }
     }
 

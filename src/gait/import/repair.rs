@@ -201,6 +201,25 @@ fn unusable(name: &str, message: impl Into<String>) -> Error {
     Error::Unusable { name: name.to_owned(), message: message.into() }
 }
 
+/// Frame rate from the options or from the file, which states it at a line; with a line for the report.
+pub(super) fn rate_stated(
+    options: &Options,
+    path: &str,
+    line: usize,
+    stated: f32,
+) -> Result<(f32, String), Error> {
+    match options.frame_rate {
+        Some(given) => {
+            let report = format!("frame rate: {given} Hz, as given (the file states {stated:.2} Hz)");
+            Ok((text::frame_rate(path, 0, given)?, report))
+        }
+        None => {
+            let rate = text::frame_rate(path, line, stated)?;
+            Ok((rate, format!("frame rate: {rate:.2} Hz, as the file states")))
+        }
+    }
+}
+
 /// Frame rate from the options or a default, with a line for the report.
 pub(super) fn rate_or(options: &Options, path: &str, default: f32) -> Result<(f32, String), Error> {
     match options.frame_rate {

@@ -6,10 +6,10 @@
 
 use super::filter::{derivative, frames, low_pass, peaks};
 use crate::gait::{Joint, Pose};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// Movements of the feet faster than this are noise, Hz.
-const FOOT_CUTOFF_HZ: f32 = 6.0;
+pub(super) const FOOT_CUTOFF_HZ: f32 = 6.0;
 /// Turns of the body faster than this are the sway of one stride, Hz.
 const FACING_CUTOFF_HZ: f32 = 0.8;
 /// Two strikes of one foot are at least this far apart, s.
@@ -102,13 +102,16 @@ fn logistic(x: f32) -> f32 {
 pub(super) fn is_on_the_spot(poses: &[Pose], rate: f32) -> bool {
     let facing = facing(poses, rate);
     let drift = planted_drift(poses, rate, &facing);
-    // Along the facing, so that sideways sway does not count.
-    let along = |path: &dyn Fn(usize) -> Vec3| -> f32 {
-        (1..poses.len()).map(|i| (path(i) - path(i - 1)).dot(facing[i])).sum()
+    // In the body's own directions, forwards and to the left, so that sway cancels out and turns do not matter.
+    let own = |path: &dyn Fn(usize) -> Vec3| -> Vec2 {
+        let step = |i: usize| path(i) - path(i - 1);
+        (1..poses.len())
+            .map(|i| Vec2::new(step(i).dot(facing[i]), step(i).dot(Vec3::Y.cross(facing[i]))))
+            .sum()
     };
-    let slid = -along(&|i| drift[i]);
-    let travelled = along(&|i| poses[i][Joint::Root as usize]);
-    slid > 0.05 && travelled.abs() < ON_THE_SPOT_SHARE * slid
+    let slid = -own(&|i| drift[i]).x;
+    let travelled = own(&|i| poses[i][Joint::Root as usize]).length();
+    slid > 0.05 && travelled < ON_THE_SPOT_SHARE * slid
 }
 
 /// Gives a walker on the spot its travel: moves all joints so that the foot under weight stands still; where the
@@ -163,8 +166,7 @@ pub(super) struct Strikes {
 }
 
 /// Finds the foot strikes of a walk with travel.
-pub(super) fn strikes(poses: &[Pose], rate: f32) -> Strikes {
-    let facing = facing(poses, rate);
+pub(super) fn strikes(poses: &[Pose], rate: f32, facing: &[Vec3]) -> Strikes {
     let root: [Vec<f32>; 2] = [0, 2].map(|axis| {
         let signal: Vec<f32> = poses.iter().map(|pose| pose[Joint::Root as usize][axis]).collect();
         derivative(&low_pass(&signal, rate, FACING_CUTOFF_HZ), rate)
@@ -173,7 +175,7 @@ pub(super) fn strikes(poses: &[Pose], rate: f32) -> Strikes {
         facing.iter().enumerate().map(|(i, f)| Vec3::new(root[0][i], 0.0, root[1][i]).dot(*f)).collect();
     let mut strikes = Strikes::default();
     for (side, foot) in FEET.into_iter().enumerate() {
-        strikes.of_foot[side] = by_reach(poses, rate, foot, &facing, &walking);
+        strikes.of_foot[side] = by_reach(poses, rate, foot, facing, &walking);
         if strikes.of_foot[side].len() < 2 {
             strikes.of_foot[side] = by_height(poses, rate, foot);
             strikes.by_height[side] = true;
