@@ -41,8 +41,8 @@ use targets::{TARGETS, Target};
 /// An importer may hold so many times the bytes of its input, and so many beside.
 const MEMORY_RATIO: usize = 64;
 const MEMORY_FREE: usize = 16 << 20;
-/// An answer that takes longer is a hang (unoptimised builds, slow machines).
-const SLOW: Duration = Duration::from_secs(5);
+/// An answer that takes longer is a hang (unoptimised builds, slow machines, others at work on them).
+const SLOW: Duration = Duration::from_secs(60);
 /// Largest input that is kept for further mutation.
 const LARGEST: usize = 1 << 16;
 /// Largest input that `GAITWAY_FUZZ_KEEP` stores.

@@ -249,9 +249,9 @@ fn a_model_comes_back_from_its_file_with_the_same_bits_and_no_other_version_is_r
     assert!(error(&text.replacen("\"classes\":[0,", "\"classes\":[7,", 1)).contains("classes"));
 }
 
-/// Optimised builds must stay below a second on two cores; others only say how long it took.
+/// How long it takes is said, not asserted: that is the machine's. (Below a second on two cores, optimised.)
 #[test]
-fn ten_thousand_gaits_are_judged_within_a_second() {
+fn ten_thousand_gaits_are_judged_side_by_side_as_one_by_one() {
     // labels without any sense make nearly every training gait a support vector: as many as E-Gait's 223 and more
     let library = GaitLibrary::generated(9, 30).unwrap();
     let train: Vec<&Gait> = library.gaits().iter().collect();
@@ -265,6 +265,7 @@ fn ten_thousand_gaits_are_judged_within_a_second() {
         gait.poses.extend_from_within(..60 - gait.poses.len());
         gait.frame_rate = 30.0;
     }
+    let count = gaits.len();
     let gaits: Vec<&Gait> = gaits.iter().cycle().take(10_000).collect();
     assert!(gaits.iter().all(|gait| gait.poses.len() == 60));
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().unwrap();
@@ -273,5 +274,11 @@ fn ten_thousand_gaits_are_judged_within_a_second() {
     let seconds = begin.elapsed().as_secs_f64();
     println!("{} gaits, {} support vectors: {seconds:.3} s", predictions.len(), model.svm().support_count());
     assert_eq!(predictions.len(), 10_000);
-    assert!(cfg!(debug_assertions) || seconds < 1.0, "{seconds} s");
+    let one_by_one: Vec<_> = gaits[..count].iter().map(|gait| model.predict(gait).probabilities).collect();
+    assert!(
+        predictions
+            .iter()
+            .zip(one_by_one.iter().cycle())
+            .all(|(a, b)| a.probabilities.map(f64::to_bits) == b.map(f64::to_bits))
+    );
 }
