@@ -1,4 +1,4 @@
-// uses: step, grid, absent, exact
+// uses: step, storey, grid, absent, exact
 // Lets people in: of every source at most one agent a step, the next by number once its time has come, at a random free place of the source.
 // While there is none it waits outside, and everyone after it. Who comes in is in the grid from the next step on, and stands still until then.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
@@ -48,7 +48,8 @@ fn enter(@builtin(global_invocation_id) id: vec3<u32>) {
 
 // Whether nobody is too near a place for somebody of that radius and elevation.
 fn is_free(place: vec2<f32>, radius: f32, widest: f32, height: f32) -> bool {
-    if step.user_radius > 0.0 && is_near(place, step.user_position, radius + step.user_radius + GAP) {
+    let meets_user = step.user_radius > 0.0 && on_storey(height, step.user_elevation);
+    if meets_user && is_near(place, step.user_position, radius + step.user_radius + GAP) {
         return false;
     }
     let reach = radius + widest + GAP;
@@ -64,8 +65,7 @@ fn is_free(place: vec2<f32>, radius: f32, widest: f32, height: f32) -> bool {
         }
         for (var slot = first; slot < end; slot++) {
             let traits = slot_motion[slot * 2u + 1u];
-            let same_storey = step.storey_height <= 0.0 || abs(traits.w - height) < step.storey_height;
-            if same_storey && is_near(place, slot_motion[slot * 2u].xy, radius + traits.x + GAP) {
+            if on_storey(traits.w, height) && is_near(place, slot_motion[slot * 2u].xy, radius + traits.x + GAP) {
                 return false;
             }
         }

@@ -1,4 +1,4 @@
-// uses: step, grid, orca, segments, neighbours, crowding, absent
+// uses: step, storey, grid, orca, segments, neighbours, crowding, absent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
@@ -63,7 +63,7 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
     var users = 0u;
     if (level & USER) != 0u {
         let to_user = step.user_position - motion.xy;
-        users = u32(dot2(to_user, to_user) < own.range * own.range);
+        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(traits.w, step.user_elevation));
     }
     let others = Others(slot, motion, traits, hard, users, users + count);
     if (level & AGAIN) != 0u {

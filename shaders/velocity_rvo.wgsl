@@ -1,4 +1,4 @@
-// uses: step, grid, orca, segments, contact, neighbours, crowding, absent
+// uses: step, storey, grid, orca, segments, contact, neighbours, crowding, absent
 // A new velocity by reciprocal velocity obstacles, after van den Berg, Lin, Manocha, "Reciprocal Velocity Obstacles for
 // Real-Time Multi-Agent Navigation" (2008): of a fixed pattern of velocities v' that the agent can reach in this step
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
@@ -133,7 +133,7 @@ fn danger(velocity: vec2<f32>, motion: vec4<f32>, radius: f32, others: u32, wall
 // Notes the user and the neighbours, nearest first; returns how many count.
 fn look_at_others(slot: u32, motion: vec4<f32>, own: Manners, traits: vec4<f32>, count: u32) -> u32 {
     let to_user = step.user_position - motion.xy;
-    let is_near = dot2(to_user, to_user) < own.range * own.range;
+    let is_near = dot2(to_user, to_user) < own.range * own.range && on_storey(traits.w, step.user_elevation);
     let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
     var made = 0u;
     for (var k = 0u; k < users + count; k++) {

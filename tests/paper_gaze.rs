@@ -107,6 +107,24 @@ fn neutral_keeps_the_angles_of_the_gait() {
 }
 
 #[test]
+fn the_height_of_the_floor_that_an_agent_stands_on_counts() {
+    // a user on the ground, 6 m before an agent whose eyes are 3 m higher on a bridge; and the other way round
+    for (elevation, eyes) in [(3.0, 1.6), (0.0, 4.6)] {
+        let user = Vec3::new(0.0, eyes, NECK.z + 6.0);
+        let mut store = standing(Emotion::Angry, PAPER, user);
+        store.elevation.fill(elevation);
+        let rise = EYES.y + elevation - eyes;
+        close(neck_of(store).0, (rise / 6.0).asin().to_degrees());
+        let mut store = standing(Emotion::Angry, NATURAL, user);
+        store.elevation.fill(elevation);
+        run(&mut store);
+        let (eyes, face) = eyes_and_face(&store, 0, &avatar(0, 0));
+        let off = face.angle_between(user - eyes).to_degrees();
+        assert!(off < 1.0 && face.y.abs() > 0.4, "{off} degrees off, face {face}");
+    }
+}
+
+#[test]
 fn without_a_user_happy_and_angry_heads_keep_the_angles_of_the_gait_in_either_mode() {
     for (emotion, mode) in
         [Emotion::Happy, Emotion::Angry].map(|e| [(e, NATURAL), (e, PAPER)]).into_iter().flatten()

@@ -332,6 +332,68 @@ fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
 }
 
 #[test]
+fn a_user_is_walked_round_on_their_storey_and_by_nobody_on_another() {
+    let library = GaitLibrary::built_in().unwrap();
+    let cast = cast_of(&library);
+    // one over the bridge, one under it; the user in the way of both, upstairs, below, or nowhere
+    let way = "[[walkers]]\nposition = [-24, 0]\nwaypoints = [[12, 0]]\nspeed = 1.3\n\
+               [[walkers]]\nposition = [0, -16]\nwaypoints = [[0, 16]]\nspeed = 1.3\n";
+    let aside = |model: &str, user: &str| {
+        let scene = BRIDGE.replace("agents = 60", "agents = 0");
+        let text = format!("{scene}{way}[navigation]\nmodel = \"{model}\"\nperturbation = 0.0\n{user}");
+        let scenario = Scenario::parse(&text, "bridge").unwrap();
+        let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+        let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+        let mut farthest = [0.0_f32; 2];
+        for _ in 0..30 * 29 {
+            simulation.step(1).unwrap();
+            let store = simulation.state().unwrap();
+            farthest[0] = farthest[0].max(store.position[0][1].abs());
+            farthest[1] = farthest[1].max(store.position[1][0].abs());
+        }
+        let store = simulation.state().unwrap();
+        assert!(store.position[0][0] > 8.0 && store.position[1][1] > 14.0, "{model}: {:?}", store.position);
+        farthest
+    };
+    for model in ["orca", "rvo"] {
+        let [over, under] = aside(model, "[user]\nposition = [0.1, 0.1]\n");
+        assert!(
+            over < 0.05 && under > 0.3,
+            "{model}, below: {over} m aside on the bridge, {under} m under it"
+        );
+        let [over, under] = aside(model, "[user]\nposition = [0.1, 0.1]\nelevation = 3.2\n");
+        assert!(
+            over > 0.3 && under < 0.05,
+            "{model}, above: {over} m aside on the bridge, {under} m under it"
+        );
+    }
+}
+
+#[test]
+fn the_user_stands_on_the_floor_that_the_scenario_says() {
+    let place = |user: &str| Scenario::parse(&format!("{BRIDGE}[user]\n{user}"), "bridge");
+    let eyes = |user: &str| {
+        let scenario = place(user).unwrap();
+        scenario.geometry().eyes(&scenario).unwrap().y
+    };
+    assert!((eyes("position = [0, 0]") - 1.65).abs() < 1e-5);
+    assert!((eyes("position = [0, 0]\nelevation = 2.6") - 4.65).abs() < 1e-5);
+    // on the ramp, half way up
+    assert!((eyes("position = [-13, 0]\nelevation = 1.5\neye_height = 1.2") - 2.7).abs() < 1e-5);
+    for (wrong, says) in [
+        (
+            "position = [0, 0]\nelevation = 2",
+            "user.elevation = 2: must be within a step of 0.6 m of a floor at (0, 0): 0.00, 3.00",
+        ),
+        ("position = [0, 9]\nelevation = 3", "of a floor at (0, 9): 0.00"),
+        ("elevation = nan", "user.elevation"),
+    ] {
+        let text = place(wrong).unwrap_err().to_string();
+        assert!(text.contains(says), "{text}");
+    }
+}
+
+#[test]
 fn everyone_begins_to_walk_after_their_own_reaction_time() {
     // RiMEA's test 5: ten people in a room, reaction times from 1 to 10 s (there: 10 to 100)
     let text = r#"

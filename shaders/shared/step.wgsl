@@ -59,4 +59,6 @@ struct StepUniforms {
     path_count: u32,             // agents that are led on a path
     teleport_count: u32,         // places where walkers are taken away and put elsewhere
     alike: u32,                  // 1: everyone has the manners of agent 0
+    user_elevation: f32,         // m: height of the floor that the user stands on
+    padding: u32,
 }

@@ -45,7 +45,7 @@ struct List {
 
 /// Longest wait for an OpenXR runtime that hangs.
 #[cfg(feature = "xr")]
-const PATIENCE: std::time::Duration = std::time::Duration::from_secs(3);
+const PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
 
 #[cfg(feature = "xr")]
 fn openxr() -> crate::xr::Survey {

@@ -150,7 +150,8 @@ impl Scene {
         let geometry = &mut self.geometry;
         let at = geometry.user.unwrap_or_else(|| geometry.place_for_user(user.radius));
         geometry.user = Some(at);
-        (world_from_ground(at, user.eye_height), user.heading_deg.to_radians())
+        geometry.user_elevation = geometry.floors.height(at, user.elevation);
+        (world_from_ground(at, geometry.user_elevation + user.eye_height), user.heading_deg.to_radians())
     }
 
     /// Does steps, leading recorded people.

@@ -4,21 +4,23 @@
 use super::mirror;
 use super::output::{note, say, say_json};
 use super::progress::Progress;
-use super::scene::{Scene, SceneArguments, check_seconds, start};
+use super::scene::{Scene, SceneArguments, check_seconds, library, start};
 use super::stage::{atmosphere, size};
 use super::usage;
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::kernels::Store;
 use crate::render::Settings;
-use crate::scenario::{Clearance, User};
+use crate::scenario::{Clearance, Condition, GazeMode, User};
 use crate::sim::{bodies, measure};
 use crate::xr::{
-    self, Moment, Observer, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, Shot, World,
+    self, Moment, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError,
+    SessionHash, Shot, Way, World,
 };
 use clap::Args;
 use serde::Serialize;
 use std::fmt::Write as _;
+use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 #[cfg(feature = "view")]
@@ -102,6 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
     let geometry = &scene.geometry;
     let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
+    let floors = geometry.floors.clone();
     let user = scene.scenario.user.unwrap_or_default();
     let (at, radius) = (geometry.user.unwrap_or_default(), user.radius);
     let full = store.frame.level_distance;
@@ -115,8 +118,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         },
         gaze: scene.scenario.gaze,
         level_distances: [full[0], full[1], full[2]],
-        start: (at, user.heading_deg.to_radians()),
-        is_free: Box::new(move |place| free.admits(place, radius)),
+        start: xr::Stand {
+            position: at,
+            elevation: geometry.user_elevation,
+            heading: user.heading_deg.to_radians(),
+        },
+        floors: geometry.floors.clone(),
+        is_free: Box::new(move |place, height| {
+            free.admits(place, radius) && floors.admits(place, radius, height)
+        }),
         store: store.clone(),
     };
     let plan = Plan {
@@ -137,10 +147,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let window = plan.mirror.as_ref().map(|mirror| mirror::open(mirror, &scene.scenario.name));
     let mut simulation = start(store, &arguments.scene.place)?;
     let device = simulation.device();
-    let session = session(&scene, simulation.state()?);
     let mut observer = Keeper { record: None };
     if let Some(path) = &arguments.record {
-        let recorder = Recorder::new(AtomicFile::create(path)?, &session).map_err(recording(path))?;
+        let session = session(&arguments.scene, &scene, simulation.state()?)?;
+        let Way { file, note: kept } = xr::make_way(path).map_err(recording(path))?;
+        if let Some(kept) = kept {
+            note(&format!("note: {}: {kept}", path.display()));
+        }
+        let recorder = Recorder::new(file, &session).map_err(recording(path))?;
         observer.record = Some((path.clone(), recorder));
     }
     xr::listen();
@@ -148,9 +162,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     #[cfg(feature = "view")]
     let mirrored = window.map(mirror::close);
     // what the user did is kept even if the session ended in an error
-    if let Some((path, recorder)) = observer.record.filter(|(_, recorder)| recorder.steps() > 0) {
-        let hash = measure::state_hash(simulation.state()?);
-        recorder.finish(hash).map_err(recording(&path))?.finish()?;
+    match observer.record {
+        Some((path, recorder)) if recorder.steps() > 0 => {
+            recorder.finish(simulation.state()?).map_err(recording(&path))?;
+        }
+        Some((path, recorder)) => {
+            drop(recorder.into_inner());
+            let _ = std::fs::remove_file(path); // a header alone is harmless
+        }
+        None => {}
     }
     let outcome = outcome?;
     #[cfg(feature = "view")]
@@ -189,28 +209,49 @@ fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
     Ok(file.finish()?)
 }
 
-/// What a recording of this crowd says of it.
-fn session(scene: &Scene, store: &Store) -> RecordedSession {
-    RecordedSession {
-        scene: scene.scenario.name.clone(),
+/// What a recording of this session says of it.
+fn session(arguments: &SceneArguments, scene: &Scene, store: &Store) -> Result<RecordedSession, Error> {
+    let scenario = &scene.scenario;
+    Ok(RecordedSession {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        scene: scenario.name.clone(),
+        condition: match scenario.condition {
+            Condition::Baseline => "baseline",
+            Condition::EvaO => "eva-o",
+            Condition::EvaG => "eva-g",
+        }
+        .to_owned(),
+        gaze: match scenario.gaze.mode {
+            GazeMode::Natural => "natural",
+            GazeMode::Paper => "paper",
+        }
+        .to_owned(),
         agents: store.step.agent_count,
-        seed: scene.scenario.seed,
+        seed: scenario.seed,
         time_step: store.step.time_step,
-        start: measure::state_hash(store),
-    }
+        scenario: xr::hash_scenario(scenario),
+        library: xr::hash_library(&library(arguments.library.as_deref())?),
+        avatars: xr::hash_avatars(scene.cast.avatars()),
+        start: xr::hash_start(store),
+    })
 }
 
 fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
     move |error| {
-        let hint = "a recording is written by `gaitway xr --record`; replay it with the same scene, agents and seed, by \
-             the same version on the same system";
+        let hint = match error {
+            RecordingError::Taken(_) => "choose another name, or move the file away",
+            _ => {
+                "a recording is written by `gaitway xr --record`; replay it with the same scene, condition, agents, seed \
+                 and library, by the same version"
+            }
+        };
         usage(format!("{}: {error}", path.display()), hint)
     }
 }
 
 /// Prints notes and keeps what the user did.
 struct Keeper {
-    record: Option<(PathBuf, Recorder<AtomicFile>)>,
+    record: Option<(PathBuf, Recorder<File>)>,
 }
 
 impl Observer for Keeper {
@@ -218,9 +259,9 @@ impl Observer for Keeper {
         note(&format!("note: {line}"));
     }
 
-    fn step(&mut self, user: &Moment) -> Result<(), Error> {
+    fn step(&mut self, user: &Moment, crowd: &Store) -> Result<(), Error> {
         match &mut self.record {
-            Some((path, recorder)) => recorder.step(user).map_err(recording(path)),
+            Some((path, recorder)) => recorder.step(user, crowd).map_err(recording(path)),
             None => Ok(()),
         }
     }
@@ -231,47 +272,102 @@ impl Observer for Keeper {
 struct Replayed {
     device: String,
     steps: usize,
+    /// Of the crowd after the last step.
     state_hash: String,
+    /// Of the session: [`SessionHash`].
+    session_hash: String,
     recorded_hash: Option<String>,
-    /// Whether the crowd is that of the recording, bit for bit; null if the recording broke off.
+    /// Steps up to which the recording has hashes to compare with.
+    compared_steps: usize,
+    /// Whether all of these are equal; null if there is none.
     equal: Option<bool>,
+    /// Steps after which the first hash is another.
+    differs_after: Option<usize>,
+}
+
+/// Reads a recording; one that broke off is repaired first.
+fn read(path: &Path) -> Result<Recording, Error> {
+    let wrong = recording(path);
+    match xr::repair(path) {
+        Ok(0) => {}
+        Ok(_) => note(&format!("note: {} broke off in a step: cut at its last whole one", path.display())),
+        // one that cannot be written is still read
+        Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => {}
+        Err(error) => return Err(wrong(error.into())),
+    }
+    let file = File::open(path).map_err(|error| wrong(error.into()))?;
+    Recording::read(std::io::BufReader::new(file)).map_err(wrong)
 }
 
 /// Does the steps of a recording again, with the user as they were.
 fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
-    let file = std::fs::File::open(path).map_err(|error| recording(path)(error.into()))?;
-    let found = Recording::read(std::io::BufReader::new(file)).map_err(recording(path))?;
+    let found = read(path)?;
     let mut simulation = start(scene.store()?, &arguments.scene.place)?;
-    found.must_be_of(&session(scene, simulation.state()?)).map_err(recording(path))?;
+    let session = session(&arguments.scene, scene, simulation.state()?)?;
+    found.must_be_of(&session).map_err(recording(path))?;
     let mut progress = Progress::new("replaying".to_owned());
+    let mut hash = SessionHash::new(&session);
+    let steps = found.moments.len();
+    let mut recorded = found.hashes.iter().peekable();
+    let (mut compared_steps, mut differs_after) = (0, None);
     for (step, user) in found.moments.iter().enumerate() {
-        simulation.set_user(user.place, user.velocity);
+        simulation.set_user(user.place, user.elevation, user.velocity);
         simulation.step(1)?;
+        let crowd = simulation.state()?;
+        hash.step(user, crowd);
+        if let Some((after, is)) = recorded.next_if(|(after, _)| *after as usize == step + 1) {
+            compared_steps = *after as usize;
+            if hash.with(crowd) != *is {
+                differs_after.get_or_insert(compared_steps);
+            }
+        }
         #[allow(clippy::cast_precision_loss, reason = "a share of a few million")]
-        let share = step as f64 / found.moments.len() as f64;
-        progress.at(&format!("step {step} of {}", found.moments.len()), share);
+        let share = step as f64 / steps as f64;
+        progress.at(&format!("step {step} of {steps}"), share);
     }
-    let hash = measure::state_hash(simulation.state()?);
+    let device = simulation.device();
+    let crowd = simulation.state()?;
+    let now = hash.with(crowd);
+    if let Some(end) = found.end {
+        compared_steps = steps;
+        if end != now {
+            differs_after.get_or_insert(steps);
+        }
+    }
     let hex = |hash: u64| format!("{hash:016x}");
+    let is_compared = found.end.is_some() || compared_steps > 0;
     let replayed = Replayed {
-        device: simulation.device(),
-        steps: found.moments.len(),
-        state_hash: hex(hash),
+        device,
+        steps,
+        state_hash: hex(measure::state_hash(crowd)),
+        session_hash: hex(now),
         recorded_hash: found.end.map(hex),
-        equal: found.end.map(|end| end == hash),
+        compared_steps,
+        equal: is_compared.then_some(differs_after.is_none()),
+        differs_after,
     };
     if arguments.json {
         say_json(&replayed)?;
     } else {
-        say(&format!("replayed   {} steps on {}", replayed.steps, replayed.device));
-        say(&format!("state hash {}", replayed.state_hash));
-        say(match replayed.equal {
-            Some(true) => "the crowd is that of the recording, bit for bit",
-            Some(false) => "the crowd is NOT that of the recording",
-            None => "the recording broke off, so there is nothing to compare with",
-        });
+        print_replayed(&replayed);
     }
     Ok(replayed.equal != Some(false))
+}
+
+fn print_replayed(replayed: &Replayed) {
+    say(&format!("replayed   {} steps on {}", replayed.steps, replayed.device));
+    say(&format!("state hash {}", replayed.state_hash));
+    say(&format!("session    {}", replayed.session_hash));
+    if replayed.recorded_hash.is_none() {
+        say(&format!("the recording broke off; it can be compared up to step {}", replayed.compared_steps));
+    }
+    match (replayed.equal, replayed.differs_after) {
+        (Some(true), _) => say("the session is that of the recording, bit for bit"),
+        (_, Some(after)) => {
+            say(&format!("the session is NOT that of the recording: it differs after {after} steps"));
+        }
+        _ => say("there is nothing to compare with"),
+    }
 }
 
 fn print(outcome: &Outcome, device: &str) {
@@ -302,7 +398,8 @@ fn print(outcome: &Outcome, device: &str) {
     say(&format!("quality    {:.0} % at least", outcome.least_quality * 100.0));
     say(&format!("sessions   {} ({})", outcome.sessions, outcome.states.join(", ")));
     for loss in &outcome.losses {
-        say(&format!("lost       {loss}"));
+        let Outage { reason, seconds, steps } = loss;
+        say(&format!("lost       {reason}; for {seconds:.1} s, in which the crowd did {steps} steps"));
     }
     say(&format!("ended      {}", outcome.ended));
 }

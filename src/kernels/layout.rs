@@ -57,6 +57,8 @@ pub struct StepUniforms {
     pub path_count: u32,
     pub teleport_count: u32,
     pub alike: u32,
+    pub user_elevation: f32,
+    pub padding: u32,
 }
 
 /// The flow grid; units and meaning stand in `shaders/shared/way.wgsl`.

@@ -1,7 +1,7 @@
 //! Lets people in.
 
 use super::exact::{dot2, hash_u32};
-use super::shared::grid_cell;
+use super::shared::{grid_cell, on_storey};
 use crate::kernels::enter::Slices;
 
 /// Places tried in one step.
@@ -38,7 +38,8 @@ pub fn enter(b: Slices<'_>) {
 /// Whether nobody is too near a place for somebody of that radius and elevation.
 fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f32) -> bool {
     let step = b.step;
-    if step.user_radius > 0.0 && is_near(place, step.user_position, radius + step.user_radius + GAP) {
+    let meets_user = step.user_radius > 0.0 && on_storey(step, height, step.user_elevation);
+    if meets_user && is_near(place, step.user_position, radius + step.user_radius + GAP) {
         return false;
     }
     let reach = radius + widest + GAP;
@@ -54,8 +55,7 @@ fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f3
         }
         for slot in first as usize..end as usize {
             let (motion, traits) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
-            let same_storey = step.storey_height <= 0.0 || (traits[3] - height).abs() < step.storey_height;
-            if same_storey && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP) {
+            if on_storey(step, traits[3], height) && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP) {
                 return false;
             }
         }

@@ -63,11 +63,12 @@ pub fn gaze(mut b: Slices<'_>) {
     }
 }
 
-fn user_in_model(b: &Slices<'_>, agent: usize, scale: f32) -> [f32; 3] {
-    let [sine, cosine] = sin_cos(b.stance[agent][0]);
-    let x = b.frame.user_eyes[0] - b.position[agent][0];
-    let z = b.frame.user_eyes[2] - b.position[agent][1];
-    [(cosine * x - sine * z) / scale, b.frame.user_eyes[1] / scale, (sine * x + cosine * z) / scale]
+/// The user's eyes (world, m) in the model space of an agent that stands at `position` on the ground and faces `heading`.
+pub fn user_in_model(eyes: [f32; 3], position: [f32; 2], heading: f32, scale: f32) -> [f32; 3] {
+    let [sine, cosine] = sin_cos(heading);
+    let x = eyes[0] - position[0];
+    let z = eyes[2] - position[1];
+    [(cosine * x - sine * z) / scale, eyes[1] / scale, (sine * x + cosine * z) / scale]
 }
 
 fn within_reach(rotation: f32, torso: f32) -> f32 {
@@ -149,7 +150,8 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
 
     let forward = quat_rotate(spine, joint_forward(b.rig, avatar, SPINE));
     let torso = atan2(forward[0], forward[2]);
-    let user = user_in_model(b, agent, scale);
+    let eyes = std::array::from_fn(|axis| b.frame.user_eyes[axis]);
+    let user = user_in_model(eyes, b.position[agent], b.stance[agent][0], scale);
     let to_user = sub3(user, neck_at);
     let ground = (to_user[0] * to_user[0] + to_user[2] * to_user[2]).sqrt();
     let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);

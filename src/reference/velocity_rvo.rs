@@ -6,7 +6,7 @@ use super::exact::dot2;
 use super::neighbours::{Manners, Nearest, Slots, manners_of};
 use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, share_of, unit_or};
 use super::segments::{NearSegments, Walls};
-use super::shared::{CROWDED, NOBODY, STOREYS};
+use super::shared::{CROWDED, NOBODY, STOREYS, on_storey};
 use crate::kernels::velocity_rvo::Slices;
 use rayon::prelude::*;
 
@@ -167,7 +167,7 @@ impl Scene<'_> {
     ) -> ([Other; NEIGHBOURS + 1], usize) {
         let step = self.slots.step;
         let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
-        let [own_radius, max_speed, own_priority, _] = self.slots.slot_motion[slot * 2 + 1];
+        let [own_radius, max_speed, own_priority, elevation] = self.slots.slot_motion[slot * 2 + 1];
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
         let mut look = |theirs: [f32; 4], their_radius: f32, share: f32, side: f32| {
@@ -188,7 +188,8 @@ impl Scene<'_> {
         };
         let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
         let to_user = [ux - x, uy - y];
-        if step.user_radius > 0.0 && dot2(to_user, to_user) < range * range {
+        let is_near = dot2(to_user, to_user) < range * range && on_storey(step, elevation, step.user_elevation);
+        if step.user_radius > 0.0 && is_near {
             look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0);
         }
         for other in &nearest.slots[..nearest.count] {

@@ -19,6 +19,8 @@ pub const FLOOR_STRIDE: usize = 1 + MAX_FLOOR_CORNERS;
 /// Nobody climbs more at once, m, and what a floor reaches beyond its edges, m: as in `shaders/elevate.wgsl`.
 const STEP: f32 = 0.6;
 const EDGE: f32 = 0.02;
+/// Nobody is taller, m: as in `shaders/shared/orca.wgsl`.
+const TALL: f32 = 1.8;
 /// Thickness of what is drawn, m.
 const SLAB: f32 = 0.25;
 
@@ -125,6 +127,16 @@ pub struct Raised {
     pub high: f32,
 }
 
+/// Whether a point is on a floor, seen from above.
+fn is_on(floor: &[[f32; 4]], at: Vec2) -> bool {
+    floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -EDGE)
+}
+
+/// The height of a floor's plane at a point, m.
+fn height_on(floor: &[[f32; 4]], at: Vec2) -> f32 {
+    floor[0][0] * at.x + floor[0][1] * at.y + floor[0][2]
+}
+
 /// All floors of a scene, and what stands on them.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Floors {
@@ -165,14 +177,59 @@ impl Floors {
     pub fn height(&self, at: Vec2, present: f32) -> f32 {
         let (mut nearest, mut height) = (STEP, 0.0);
         for floor in self.elements.chunks_exact(FLOOR_STRIDE) {
-            if floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -EDGE) {
-                let here = floor[0][0] * at.x + floor[0][1] * at.y + floor[0][2];
+            if is_on(floor, at) {
+                let here = height_on(floor, at);
                 if (here - present).abs() < nearest {
                     (nearest, height) = ((here - present).abs(), here);
                 }
             }
         }
         height
+    }
+
+    /// How high somebody stands who came to a point from the height `present` m: on the floor, or the ground, that is no
+    /// farther than a step up or down. None: there is nothing to stand on.
+    pub fn footing(&self, at: Vec2, present: f32) -> Option<f32> {
+        let height = self.height(at, present);
+        ((height - present).abs() < STEP).then_some(height)
+    }
+
+    /// Heights that somebody can stand at at a point, m: those of all floors there, and the ground's.
+    pub(super) fn heights(&self, at: Vec2) -> Vec<f32> {
+        let floors = self.elements.chunks_exact(FLOOR_STRIDE);
+        let on = floors.filter(|floor| is_on(floor, at)).map(|floor| height_on(floor, at));
+        std::iter::once(0.0).chain(on).collect()
+    }
+
+    /// Where a ray meets a floor, or the ground, from above: the place and its height, m. None where it meets a floor from
+    /// below first, or nothing at all.
+    pub fn hit(&self, from: Vec3, direction: Vec3) -> Option<(Vec2, f32)> {
+        const FLAT: f32 = 0.05;
+        let ahead = |t: f32| {
+            let point = from + direction * t;
+            Vec2::new(point.x, point.z)
+        };
+        let ground = (direction.y < -FLAT && from.y > 0.0).then(|| (from.y / -direction.y, true));
+        let floors = self.elements.chunks_exact(FLOOR_STRIDE).filter_map(|floor| {
+            let above = from.y - height_on(floor, ahead(0.0));
+            let sinks = floor[0][0] * direction.x + floor[0][1] * direction.z - direction.y;
+            let t = above / sinks;
+            (sinks.abs() > FLAT && t > 0.0 && is_on(floor, ahead(t))).then_some((t, above > 0.0))
+        });
+        let (t, is_from_above) = floors.chain(ground).min_by(|a, b| a.0.total_cmp(&b.0))?;
+        is_from_above.then(|| (ahead(t), from.y + t * direction.y))
+    }
+
+    /// Whether a disc of `radius` m on a floor `height` m high keeps clear of railings and of what is solid there.
+    pub fn admits(&self, at: Vec2, radius: f32, height: f32) -> bool {
+        let is_in_the_way = |solid: &Raised| {
+            let mut edges = polygon::edges(&solid.outline);
+            height + TALL > solid.low
+                && height < solid.high
+                && (edges.any(|(a, b)| polygon::point_segment_distance(at, a, b) < radius)
+                    || (solid.outline.len() > 2 && polygon::contains(&solid.outline, at)))
+        };
+        !self.raised.iter().any(is_in_the_way)
     }
 
     /// How high somebody stands at the end of a straight walk begun at height `present`.
@@ -247,6 +304,24 @@ fn rail(builder: &mut Builder<'_>, floor: &Floor, [a, b]: [Vec2; 2], color: Vec3
         }
         builder.quad([p - side + high, p + side + high, q + side + high, q - side + high], color);
     }
+}
+
+/// Checks that there is a floor where the user is to stand.
+pub(super) fn validate_user(floors: &Floors, at: Vec2, elevation: f32) -> Result<(), Error> {
+    if floors.footing(at, elevation).is_some() {
+        return Ok(());
+    }
+    let mut heights = floors.heights(at);
+    heights.sort_by(f32::total_cmp);
+    let heights: Vec<String> = heights.iter().map(|height| format!("{height:.2}")).collect();
+    let allowed =
+        format!("within a step of {STEP} m of a floor at ({}, {}): {}", at.x, at.y, heights.join(", "));
+    Err(Error::value(
+        "user.elevation",
+        elevation,
+        allowed,
+        "choose one of these heights, or another user.position",
+    ))
 }
 
 /// Checks floors, and the heights of obstacles.

@@ -34,6 +34,8 @@ pub struct Geometry {
     pub floors: Floors,
     /// Where the user starts, m; none: there is no user.
     pub user: Option<Vec2>,
+    /// Height of the floor that the user starts on, m.
+    pub user_elevation: f32,
     /// A camera that shows the place at a glance: eye, and the point looked at, m, world.
     pub overview: (Vec3, Vec3),
     /// What pictures are about, m: the user, the layout's place for one, or else the middle of the bounds.
@@ -69,7 +71,10 @@ impl Geometry {
 
     /// The user's eyes where the user of `scenario` starts, world, m; none: there is no user.
     pub fn eyes(&self, scenario: &Scenario) -> Option<Vec3> {
-        scenario.user.zip(self.user).map(|(user, at)| world_from_ground(at, user.eye_height))
+        scenario
+            .user
+            .zip(self.user)
+            .map(|(user, at)| world_from_ground(at, self.user_elevation + user.eye_height))
     }
 
     /// Where a user of this radius can be put, m: the place of the layout, or the free one nearest to the middle.
@@ -137,6 +142,7 @@ impl Scenario {
         made.obstacles.extend(made.props.iter().filter(inside).filter_map(Prop::footprint));
         let at = |user: &User| user.position.map_or(made.user_place.unwrap_or_default(), Vec2::from);
         let user = self.user.as_ref().map(at);
+        let floors = Floors::new(&self.floors, &self.obstacles);
         let (low, high) = extent(&bounds);
         let focus = user.or(made.user_place).unwrap_or((low + high) * 0.5);
         Geometry {
@@ -148,7 +154,8 @@ impl Scenario {
                 ground: Some(self.environment.ground.unwrap_or(made.ground)),
                 props: made.props,
             },
-            floors: Floors::new(&self.floors, &self.obstacles),
+            user_elevation: user.zip(self.user).map_or(0.0, |(at, user)| floors.height(at, user.elevation)),
+            floors,
             user,
             focus,
             user_place: user.or(made.user_place),

@@ -80,7 +80,14 @@ impl Scenario {
         if let Some(area) = area {
             super::walkable::check(self, &area)?;
         }
-        self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))
+        self.environment.props.iter().enumerate().try_for_each(|(index, item)| prop(index, item))?;
+        match self.user {
+            Some(user) if user.elevation.abs() > 0.0 => {
+                let geometry = self.geometry();
+                floors::validate_user(&geometry.floors, geometry.user.unwrap_or_default(), user.elevation)
+            }
+            _ => Ok(()),
+        }
     }
 }
 
@@ -320,6 +327,7 @@ fn user(user: &User) -> Result<(), Error> {
         point("user.position", position)?;
     }
     within("user.heading_deg", user.heading_deg, -360.0, 360.0, "degrees; 0 looks along +z")?;
+    within("user.elevation", user.elevation, -100.0, 100.0, "metres above the ground; 0 is the ground")?;
     within("user.eye_height", user.eye_height, 0.3, 2.5, "metres; 1.65 is usual")?;
     within("user.radius", user.radius, 0.05, 5.0, "metres; 0.3 is usual")?;
     within("user.comfort", user.comfort, 0.0, 5.0, "metres; 0.5 is usual")

@@ -229,8 +229,9 @@ impl Simulation {
         f64::from(self.steps_done()) * f64::from(self.store.step.time_step)
     }
 
-    /// Moves the user: ground position (m) and velocity (m/s).
-    pub fn set_user(&mut self, position: Vec2, velocity: Vec2) {
+    /// Moves the user: ground position (m), height of the floor they stand on (m) and velocity (m/s).
+    pub fn set_user(&mut self, position: Vec2, elevation: f32, velocity: Vec2) {
+        self.store.step.user_elevation = elevation;
         self.store.step.user_position = position.to_array();
         self.store.step.user_velocity = velocity.to_array();
     }

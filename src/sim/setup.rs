@@ -75,6 +75,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
         inverse_time_horizon_jam: inverse_or_none(navigation.time_horizon_jam),
         safety_margin: navigation.safety_margin,
         user_position: geometry.user.unwrap_or_default().to_array(),
+        user_elevation: geometry.user_elevation,
         user_radius: avoided.map_or(0.0, |user| user.radius + user.comfort),
         turn_rate: TURN_RATE,
         perturbation: navigation.perturbation,

@@ -8,13 +8,14 @@ use super::headset::Headset;
 use super::mirror::Mirror;
 use super::pace::FrameSummary;
 use super::recording::Moment;
+use super::rig::Stand;
 use super::runtime::Runtime;
 use super::{Error, stop};
 use crate::gpu::Validation;
 use crate::kernels::Store;
 use crate::picture::Image;
 use crate::render::{Face, Settings, Show};
-use crate::scenario::EnvironmentMesh;
+use crate::scenario::{EnvironmentMesh, Floors};
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
 use crate::sim::moments::make_room;
@@ -31,8 +32,10 @@ const LONGEST_ARREARS: f64 = 0.25;
 const SILENCE: Duration = Duration::from_secs(2);
 /// Without a pose of the head for so long, the user is taken to stand.
 const AWAY: Duration = Duration::from_millis(500);
-/// Longest the headset's thread may take to end in good order.
-const FAREWELL: Duration = Duration::from_secs(3);
+/// Longest the headset's thread may take to end in good order: a device that is busy with something else takes its time.
+const FAREWELL: Duration = Duration::from_secs(10);
+/// What it gets for that when the crowd has failed.
+const FAILED_FAREWELL: Duration = Duration::from_millis(500);
 
 /// How far the edge of the view is darkened while a stick moves the user, unless told otherwise.
 pub const DEFAULT_VIGNETTE: f32 = 0.7;
@@ -117,16 +120,29 @@ pub struct World {
     pub gaze: crate::scenario::Gaze,
     /// Levels of detail end here, and the crowd, m.
     pub level_distances: [f32; 3],
-    /// Where the user begins, and their heading about +y, radians.
-    pub start: (Vec2, f32),
-    /// Whether the user may be moved to a place by stick or teleport.
-    pub is_free: Box<dyn Fn(Vec2) -> bool + Send>,
+    /// Where the user begins.
+    pub start: Stand,
+    /// What the user may stand on.
+    pub floors: Floors,
+    /// Whether the user may be moved to a place by stick or teleport, on a floor of some height, m.
+    pub is_free: Box<dyn Fn(Vec2, f32) -> bool + Send>,
 }
 
 impl std::fmt::Debug for World {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.debug_struct("World").field("start", &self.start).finish_non_exhaustive()
     }
+}
+
+/// A time without pictures.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct Outage {
+    /// Why the session was lost, in one line.
+    pub reason: String,
+    /// Until the user saw the crowd again, or the next loss, or the end, s.
+    pub seconds: f64,
+    /// Steps that the crowd did meanwhile.
+    pub steps: u64,
 }
 
 /// What came of it.
@@ -148,14 +164,16 @@ pub struct Outcome {
     pub frames: FrameSummary,
     /// Sessions that were begun.
     pub sessions: u32,
-    /// Why sessions were lost, one line each.
-    pub losses: Vec<String>,
+    /// The sessions that were lost.
+    pub losses: Vec<Outage>,
     /// States that sessions went through, in order.
     pub states: Vec<&'static str>,
     /// Least quality that the governor went down to, 0 to 1.
     pub least_quality: f32,
     /// Steps of the crowd.
     pub steps: u32,
+    /// When the last of them was begun, s after the crowd set off.
+    pub seconds: f64,
     /// Seconds of the crowd that were let pass because stepping it took too long.
     pub time_lost: f64,
     /// Pictures that a mirror showed.
@@ -224,7 +242,7 @@ pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
 /// The user as the crowd sees them at `now`: who has not been heard of for a while stands where they were last.
 fn present((user, seen): &(Moment, Option<Instant>), now: Instant) -> Moment {
     let is_here = seen.is_some_and(|seen| now.saturating_duration_since(seen) <= AWAY);
-    if is_here { *user } else { Moment { place: user.place, ..Moment::default() } }
+    if is_here { *user } else { Moment { place: user.place, elevation: user.elevation, ..Moment::default() } }
 }
 
 /// Who is told what happens.
@@ -232,11 +250,11 @@ pub trait Observer {
     /// One line that the user should know.
     fn note(&mut self, line: &str);
 
-    /// The user as the crowd will see them in the step that comes.
+    /// A step that was done: the user as the crowd saw them in it, and the crowd after it.
     ///
     /// # Errors
     /// When the observer cannot go on; the session is then ended.
-    fn step(&mut self, user: &Moment) -> Result<(), crate::Error>;
+    fn step(&mut self, user: &Moment, crowd: &Store) -> Result<(), crate::Error>;
 }
 
 /// Shows a crowd on the headset.
@@ -250,7 +268,8 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let time_step = f64::from(simulation.store().step.time_step);
-    let start = Moment { place: world.start.0, ..Moment::default() };
+    let Stand { position: place, elevation, .. } = world.start;
+    let start = Moment { place, elevation, ..Moment::default() };
     make_room(&mut world.store);
     let first = Arc::new(Show::moment(simulation.state()?));
     let shared = Arc::new(Shared {
@@ -273,7 +292,7 @@ pub fn run(
                 hint: "close other programs, then try again".to_owned(),
             })?
     };
-    let (mut steps, mut passed, mut is_silent) = (0_u32, 0.0, false);
+    let (mut steps, mut begun, mut passed, mut is_silent) = (0_u32, 0.0, 0.0, false);
     let hung = || "the OpenXR runtime did not answer any more".to_owned();
     let mut stopped_at = None;
     while !headset.is_finished() {
@@ -308,15 +327,14 @@ pub fn run(
             continue;
         }
         passed += (behind - LONGEST_ARREARS).max(0.0);
+        begun = now.as_secs_f64();
         let user = present(&lock(&shared.user), Instant::now());
-        let done = observer.step(&user).and_then(|()| {
-            simulation.set_user(user.place, user.velocity);
-            simulation.step(1)
-        });
+        simulation.set_user(user.place, user.elevation, user.velocity);
+        let done = simulation.step(1).and_then(|()| observer.step(&user, simulation.state()?));
         if done.is_err() {
             // the headset's thread ends its session, as far as the runtime lets it
             shared.stop.store(true, Ordering::Relaxed);
-            thread::sleep(FAREWELL / 6);
+            thread::sleep(FAILED_FAREWELL);
             done?;
         }
         steps += 1;
@@ -342,7 +360,7 @@ pub fn run(
         // it hangs in a call of the runtime, which nobody can end but the runtime
         Outcome { hung: true, ended: hung(), ..Outcome::default() }
     };
-    Ok(Outcome { steps, time_lost: passed, ..outcome })
+    Ok(Outcome { steps, seconds: begun, time_lost: passed, ..outcome })
 }
 
 #[cfg(test)]
@@ -354,13 +372,14 @@ mod tests {
     fn a_user_whose_headset_is_lost_stands() {
         let user = Moment {
             place: Vec2::new(3.0, 4.0),
+            elevation: 2.5,
             velocity: Vec2::X,
             head: Some([1.0; 7]),
             ..Moment::default()
         };
         let seen = Instant::now();
         assert_eq!(present(&(user, Some(seen)), seen + AWAY), user);
-        let stands = Moment { place: user.place, ..Moment::default() };
+        let stands = Moment { place: user.place, elevation: 2.5, ..Moment::default() };
         assert_eq!(present(&(user, Some(seen)), seen + 2 * AWAY), stands);
         assert_eq!(present(&(user, None), seen), stands);
     }

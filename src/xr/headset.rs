@@ -4,11 +4,11 @@
 //! two things end it early: an error that waiting cannot mend and that comes again and again, and one of our own, such as
 //! a full disk.
 
-use super::app::{Outcome, Plan, Shared, Shot, World, lock};
+use super::app::{Outage, Outcome, Plan, Shared, Shot, World, lock};
 use super::input::Reading;
 use super::pace::{FrameTimes, Governor};
 use super::recording::{Moment, numbers};
-use super::rig::Rig;
+use super::rig::{Rig, Terrain};
 use super::session::{Event, Eyes, Frame, Session, State, Target};
 use super::shown::{Crowd, Shown};
 use super::views::Pose;
@@ -49,13 +49,15 @@ pub(super) struct Headset<'a> {
     frames: u64,
     /// Since when there is no picture.
     lost: Option<Instant>,
+    /// Since when the last loss lasts, and the crowd's moment then.
+    outage: Option<(Instant, u64)>,
 }
 
 impl<'a> Headset<'a> {
     pub(super) fn new(shared: &'a Shared, world: World, plan: Plan) -> Self {
         Self {
             shared,
-            rig: Rig::new(world.start.0, world.start.1),
+            rig: Rig::new(world.start),
             world,
             plan,
             times: FrameTimes::default(),
@@ -63,6 +65,7 @@ impl<'a> Headset<'a> {
             outcome: Outcome { least_quality: 1.0, ..Outcome::default() },
             frames: 0,
             lost: None,
+            outage: None,
         }
     }
 
@@ -97,7 +100,9 @@ impl<'a> Headset<'a> {
             }
             let line = error.to_string();
             if had_one {
-                self.outcome.losses.push(line.clone());
+                self.end_outage();
+                self.outcome.losses.push(Outage { reason: line.clone(), ..Outage::default() });
+                self.outage = Some((Instant::now(), lock(&self.shared.moment).number));
                 self.lost.get_or_insert_with(Instant::now);
                 pause = BACK_OFF[0];
             }
@@ -112,8 +117,17 @@ impl<'a> Headset<'a> {
             thread::sleep(pause);
             pause = (pause * 2).min(BACK_OFF[1]);
         }
+        self.end_outage();
         self.outcome.frames = self.times.summary();
         Ok(self.outcome)
+    }
+
+    /// Notes how long the last loss has lasted, and what the crowd did meanwhile.
+    fn end_outage(&mut self) {
+        if let (Some((since, number)), Some(loss)) = (self.outage.take(), self.outcome.losses.last_mut()) {
+            loss.seconds = since.elapsed().as_secs_f64();
+            loss.steps = lock(&self.shared.moment).number - number;
+        }
     }
 
     /// One session, from finding the runtime to its end; says why it ended.
@@ -182,6 +196,7 @@ impl<'a> Headset<'a> {
 
     /// Tells that the user sees the crowd: for the first time, or again.
     fn greet(&mut self) {
+        self.end_outage();
         if let Some(since) = self.lost.take() {
             let seconds = since.elapsed().as_secs_f64();
             self.shared.note(format!("the headset is back after {seconds:.1} s"));
@@ -238,7 +253,8 @@ impl Headset<'_> {
     /// Moves the user, and tells the crowd where they are.
     fn follow(&mut self, head: Pose, input: &Reading, seconds: f32) {
         let hand = input.hands[1].or(input.hands[0]);
-        self.rig.walk(&input.walk, head, hand, seconds, &self.world.is_free);
+        let terrain = Terrain { floors: &self.world.floors, is_free: &*self.world.is_free };
+        self.rig.walk(&input.walk, head, hand, seconds, &terrain);
         let place = self.rig.user(head);
         let room = self.rig.world_from_room();
         let mut latest = lock(&self.shared.user);
@@ -249,6 +265,7 @@ impl Headset<'_> {
         let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
         *user = Moment {
             place,
+            elevation: self.rig.elevation(),
             velocity: user.velocity.lerp(velocity, 0.3),
             head: Some(numbers(head.within(room))),
             hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),

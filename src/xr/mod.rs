@@ -23,11 +23,14 @@ mod survey;
 mod swapchain;
 mod views;
 
-pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outcome, Plan, Shot, Shots, World, run};
+pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outage, Outcome, Plan, Shot, Shots, World, run};
 pub use mirror::Mirror;
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
-pub use recording::{Moment, Recorder, Recording, RecordingError, Session as RecordedSession};
-pub use rig::{Rig, Walk};
+pub use recording::{
+    Moment, Recorder, Recording, RecordingError, Session as RecordedSession, SessionHash, Way, hash_avatars,
+    hash_library, hash_scenario, hash_start, make_way, repair,
+};
+pub use rig::{Rig, Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
 pub use session::State;
 pub(crate) use stop::listen;

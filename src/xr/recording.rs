@@ -1,44 +1,122 @@
 //! What the user did, step by step, in a text file: to audit a study, or to meet a fault again.
 //!
-//! The crowd depends on the user through nothing but the place and velocity that it is told before each step, and both
-//! are written with all their bits, so a replay gives the same crowd, bit for bit, on any device whose arithmetic is
-//! exact. The crowd's start is made by the host with the sines and logarithms of its C library, whose last bits differ
-//! from one version to another: a replay on such a machine is refused. Head, hands and sticks are kept beside them.
+//! The crowd depends on the user through nothing but the place, height and velocity that it is told before each step, and
+//! these are written with all their bits, so a replay gives the same crowd, bit for bit, on any device whose arithmetic is
+//! exact. Head, hands and sticks are kept beside them. The header holds everything else that a session depends on;
+//! a replay of something else is refused with what differs.
 //!
 //! ```text
-//! # gaitway recording 1
+//! # gaitway recording 2
+//! # version 0.1.0
 //! # scene crossing
+//! # condition eva-g
+//! # gaze natural
 //! # agents 2000
 //! # seed 1
 //! # time_step 0.033333335
-//! # start 5f0c2a9bd1e37744          (hash of the crowd before the first step)
-//! step,x_m,z_m,vx,vz,head_x,...
-//! 0,0.1,-2,0,0,...
-//! # end 9c0d...                     (hash after the last step; missing if the session broke off)
+//! # scenario 3c1f...              (hash of the scenario as it runs, with what the command line changed)
+//! # library 90ab...               (hash of the gaits)
+//! # avatars 77de...               (hash of the bodies)
+//! # start 5f0c2a9bd1e37744        (hash of the crowd before the first step)
+//! step,x_m,z_m,y_m,vx,vz,head_x,...
+//! 0,0.1,-2,0,0,0,...
+//! # hash 30 81c4...               (hash of the session after so many steps: see [`SessionHash`])
+//! # end 9c0d...                   (the same after the last step; missing if the session broke off)
 //! ```
+//!
+//! Each line is written when its step is done: a program that is killed leaves all steps but the one it was doing. The
+//! next start cuts a line that was not completed ([`repair`]).
+
+mod hash;
+mod place;
+
+pub use hash::{SessionHash, hash_avatars, hash_library, hash_scenario, hash_start};
+pub use place::{Way, make_way, repair};
 
 use super::views::Pose;
+use crate::kernels::Store;
 use glam::{Quat, Vec2, Vec3};
 use std::io::{BufRead, Write};
 
 /// Version of the format.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
+/// How every recording begins, of whatever version.
+const FIRST: &str = "gaitway recording";
 /// Most steps of one recording: twelve hours at 100 steps a second.
 const MOST_STEPS: u32 = 4_320_000;
+/// Seconds of the crowd between two hashes in the file.
+const HASH_EVERY: f32 = 1.0;
 
 /// What a recording was made of.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Session {
+    /// Version of gaitway.
+    pub version: String,
     /// The scenario's name.
     pub scene: String,
+    /// The condition of the study.
+    pub condition: String,
+    /// The formulas of the gaze.
+    pub gaze: String,
     /// Agents.
     pub agents: u32,
     /// Seed.
     pub seed: u64,
     /// Length of a step, s.
     pub time_step: f32,
-    /// Hash of the crowd before the first step.
+    /// [`hash_scenario`].
+    pub scenario: u64,
+    /// [`hash_library`].
+    pub library: u64,
+    /// [`hash_avatars`].
+    pub avatars: u64,
+    /// [`hash_start`].
     pub start: u64,
+}
+
+/// Fields of the header, after the first line.
+const KEYS: [&str; 11] = [
+    "version",
+    "scene",
+    "condition",
+    "gaze",
+    "agents",
+    "seed",
+    "time_step",
+    "scenario",
+    "library",
+    "avatars",
+    "start",
+];
+
+impl Session {
+    /// The values of [`KEYS`] as they are written.
+    fn values(&self) -> [String; 11] {
+        let hex = |hash: u64| format!("{hash:016x}");
+        [
+            self.version.clone(),
+            self.scene.clone(),
+            self.condition.clone(),
+            self.gaze.clone(),
+            self.agents.to_string(),
+            self.seed.to_string(),
+            self.time_step.to_string(),
+            hex(self.scenario),
+            hex(self.library),
+            hex(self.avatars),
+            hex(self.start),
+        ]
+    }
+
+    /// Steps between two hashes in the file.
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "a second of steps of a millisecond or more"
+    )]
+    pub fn hash_every(&self) -> u32 {
+        ((HASH_EVERY / self.time_step).round() as u32).max(1)
+    }
 }
 
 /// The user in one step.
@@ -46,6 +124,8 @@ pub struct Session {
 pub struct Moment {
     /// Place on the ground, m.
     pub place: Vec2,
+    /// Height of the floor that the user stands on, m.
+    pub elevation: f32,
     /// Velocity, m/s.
     pub velocity: Vec2,
     /// Head in the world: position, m, and rotation x, y, z, w; none while it is not tracked.
@@ -84,25 +164,28 @@ pub enum RecordingError {
         /// What is wrong.
         message: String,
     },
-    /// The recording is of another crowd.
-    #[error("the recording is of {recorded}, not of {wanted}")]
+    /// The recording is of another session.
+    #[error("the recording is of another session: {}", .differences.join("; "))]
     Other {
-        /// What it is of.
-        recorded: String,
-        /// What it should be of.
-        wanted: String,
+        /// What differs, one line each: its name, as recorded, as it is now.
+        differences: Vec<String>,
     },
+    /// There is something at the recording's place that must not be lost.
+    #[error("{0}")]
+    Taken(&'static str),
 }
 
-const COLUMNS: &str = "step,x_m,z_m,vx,vz,head_x,head_y,head_z,head_qx,head_qy,head_qz,head_qw,left_x,left_y,left_z,\
+const COLUMNS: &str = "step,x_m,z_m,y_m,vx,vz,head_x,head_y,head_z,head_qx,head_qy,head_qz,head_qw,left_x,left_y,left_z,\
                        left_qx,left_qy,left_qz,left_qw,right_x,right_y,right_z,right_qx,right_qy,right_qz,right_qw,\
                        walk_x,walk_y,turn";
 
-/// Writes a recording, step by step, to wherever it shall go.
+/// Writes a recording, step by step, to wherever it shall go: each line at once.
 #[derive(Debug)]
 pub struct Recorder<W: Write> {
     to: W,
     step: u32,
+    every: u32,
+    hash: SessionHash,
 }
 
 impl<W: Write> Recorder<W> {
@@ -111,13 +194,13 @@ impl<W: Write> Recorder<W> {
     /// # Errors
     /// When it cannot be written.
     pub fn new(mut to: W, session: &Session) -> Result<Self, RecordingError> {
-        let Session { scene, agents, seed, time_step, start } = session;
-        write!(
-            to,
-            "# gaitway recording {VERSION}\n# scene {scene}\n# agents {agents}\n# seed {seed}\n# time_step {time_step}\n\
-             # start {start:016x}\n{COLUMNS}\n"
-        )?;
-        Ok(Self { to, step: 0 })
+        let mut head = format!("# {FIRST} {VERSION}\n");
+        for (key, value) in KEYS.iter().zip(session.values()) {
+            head += &format!("# {key} {value}\n");
+        }
+        to.write_all(format!("{head}{COLUMNS}\n").as_bytes())?;
+        to.flush()?;
+        Ok(Self { to, step: 0, every: session.hash_every(), hash: SessionHash::new(session) })
     }
 
     /// Steps written so far.
@@ -125,33 +208,47 @@ impl<W: Write> Recorder<W> {
         self.step
     }
 
-    /// Adds the step that the crowd is about to do.
+    /// Adds a step that the crowd has done with the user as they were, and the crowd after it.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn step(&mut self, moment: &Moment) -> Result<(), RecordingError> {
+    pub fn step(&mut self, moment: &Moment, crowd: &Store) -> Result<(), RecordingError> {
+        self.hash.step(moment, crowd);
+        let mut line = self.step.to_string();
         let ([x, z], [vx, vz]) = (moment.place.to_array(), moment.velocity.to_array());
-        write!(self.to, "{},{x},{z},{vx},{vz}", self.step)?;
+        for value in [x, z, moment.elevation, vx, vz] {
+            line += &format!(",{value}");
+        }
         for pose in [moment.head, moment.hands[0], moment.hands[1]] {
             match pose {
-                Some(pose) => pose.iter().try_for_each(|value| write!(self.to, ",{value}"))?,
-                None => write!(self.to, ",,,,,,,")?,
+                Some(pose) => pose.iter().for_each(|value| line += &format!(",{value}")),
+                None => line += ",,,,,,,",
             }
         }
-        moment.sticks.iter().try_for_each(|value| write!(self.to, ",{value}"))?;
-        writeln!(self.to)?;
+        moment.sticks.iter().for_each(|value| line += &format!(",{value}"));
+        line += "\n";
         self.step += 1;
-        Ok(())
+        if self.step.is_multiple_of(self.every) {
+            line += &format!("# hash {} {:016x}\n", self.step, self.hash.with(crowd));
+        }
+        // one call for the line, or a program that is killed would leave a part of it
+        self.to.write_all(line.as_bytes())?;
+        Ok(self.to.flush()?)
     }
 
-    /// Completes the recording with the hash of the crowd after the last step.
+    /// Completes the recording with the hash of the session, of which this is the crowd after the last step.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn finish(mut self, end: u64) -> Result<W, RecordingError> {
-        writeln!(self.to, "# end {end:016x}")?;
+    pub fn finish(mut self, crowd: &Store) -> Result<W, RecordingError> {
+        self.to.write_all(format!("# end {:016x}\n", self.hash.with(crowd)).as_bytes())?;
         self.to.flush()?;
         Ok(self.to)
+    }
+
+    /// What it is written to, of a recording that is given up.
+    pub fn into_inner(self) -> W {
+        self.to
     }
 }
 
@@ -162,81 +259,117 @@ pub struct Recording {
     pub session: Session,
     /// The user, step by step.
     pub moments: Vec<Moment>,
-    /// Hash of the crowd after the last step; none if the session broke off.
+    /// Hashes of the session after so many steps.
+    pub hashes: Vec<(u32, u64)>,
+    /// Hash of the session after the last step; none if it broke off.
     pub end: Option<u64>,
 }
 
 impl Recording {
-    /// Reads a recording.
+    /// Reads a recording. A last line that was not completed does not count.
     ///
     /// # Errors
     /// When it cannot be read, or a line is not as it should be: which, and what is wrong.
-    pub fn read(from: impl BufRead) -> Result<Self, RecordingError> {
-        let mut head: [Option<String>; 6] = Default::default();
-        const KEYS: [&str; 6] = ["gaitway recording", "scene", "agents", "seed", "time_step", "start"];
-        let (mut moments, mut end) = (Vec::new(), None);
-        for (index, line) in from.lines().enumerate() {
-            let (line, number) = (line?, index + 1);
+    pub fn read(mut from: impl BufRead) -> Result<Self, RecordingError> {
+        let mut head: [Option<String>; 11] = Default::default();
+        let (mut moments, mut hashes, mut end) = (Vec::new(), Vec::new(), None);
+        let (mut line, mut number) = (String::new(), 0);
+        while from.read_line(&mut line)? > 0 && line.ends_with('\n') {
+            number += 1;
             let wrong = |message: String| RecordingError::Line { line: number, message };
-            if let Some(comment) = line.strip_prefix("# ") {
-                if let Some(hash) = comment.strip_prefix("end ") {
-                    let hash = u64::from_str_radix(hash.trim(), 16);
-                    end = Some(hash.map_err(|error| wrong(format!("end: {error}")))?);
-                }
-                for (key, value) in KEYS.iter().zip(&mut head) {
-                    if let Some(found) = comment.strip_prefix(key).and_then(|rest| rest.strip_prefix(' ')) {
-                        *value = Some(found.trim().to_owned());
+            let text = line.trim_end();
+            if number == 1 {
+                version(text).map_err(wrong)?;
+            } else if let Some((key, value)) = text.strip_prefix("# ").and_then(|text| text.split_once(' ')) {
+                match key {
+                    "end" => end = Some(hex(value).map_err(|message| wrong(format!("end: {message}")))?),
+                    "hash" => hashes.push(hash_after(value, moments.len()).map_err(wrong)?),
+                    key => {
+                        if let Some(place) = KEYS.iter().position(|known| *known == key) {
+                            head[place] = Some(value.to_owned());
+                        }
                     }
                 }
-            } else if !line.starts_with("step,") && !line.trim().is_empty() {
+            } else if !text.starts_with("step,") && !text.is_empty() {
                 if moments.len() >= MOST_STEPS as usize {
                     return Err(wrong(format!("more than {MOST_STEPS} steps")));
                 }
-                moments.push(moment(&line, moments.len()).map_err(wrong)?);
+                moments.push(moment(text, moments.len()).map_err(wrong)?);
             }
+            line.clear();
         }
-        let missing = |key: usize| RecordingError::Line { line: 1, message: format!("no `# {}`", KEYS[key]) };
-        let value = |key: usize| head[key].as_deref().ok_or_else(|| missing(key));
-        let bad = |key: usize, found: &str| RecordingError::Line {
-            line: key + 1,
-            message: format!("{} {found:?} is not a number that it may be", KEYS[key]),
-        };
-        let version = value(0)?;
-        if version.parse() != Ok(VERSION) {
-            let message = format!("format version {version:?}; this program reads {VERSION}");
-            return Err(RecordingError::Line { line: 1, message });
+        if number == 0 {
+            version("").map_err(|message| RecordingError::Line { line: 1, message })?;
         }
-        let time_step: f32 = value(4)?.parse().map_err(|_error| bad(4, head[4].as_deref().unwrap_or("")))?;
-        if !(time_step > 0.0 && time_step <= 1.0) {
-            return Err(bad(4, value(4)?));
-        }
-        let session = Session {
-            scene: value(1)?.to_owned(),
-            agents: value(2)?.parse().map_err(|_error| bad(2, head[2].as_deref().unwrap_or("")))?,
-            seed: value(3)?.parse().map_err(|_error| bad(3, head[3].as_deref().unwrap_or("")))?,
-            time_step,
-            start: u64::from_str_radix(value(5)?, 16)
-                .map_err(|_error| bad(5, head[5].as_deref().unwrap_or("")))?,
-        };
-        Ok(Self { session, moments, end })
+        Ok(Self { session: session(&head)?, moments, hashes, end })
     }
 
-    /// Whether it is of this crowd.
+    /// Whether it is of this session.
     ///
     /// # Errors
-    /// [`RecordingError::Other`] says what it is of instead.
+    /// [`RecordingError::Other`] says what differs.
     pub fn must_be_of(&self, session: &Session) -> Result<(), RecordingError> {
-        if self.session == *session {
-            return Ok(());
-        }
-        let words = |s: &Session| {
-            format!(
-                "{}, {} agents, seed {}, steps of {} s, start {:016x}",
-                s.scene, s.agents, s.seed, s.time_step, s.start
-            )
-        };
-        Err(RecordingError::Other { recorded: words(&self.session), wanted: words(session) })
+        let pairs = self.session.values().into_iter().zip(session.values());
+        let differences: Vec<String> = KEYS
+            .iter()
+            .zip(pairs)
+            .filter(|(_, (recorded, now))| recorded != now)
+            .map(|(key, (recorded, now))| format!("{key} {recorded} was recorded, this is {now}"))
+            .collect();
+        if differences.is_empty() { Ok(()) } else { Err(RecordingError::Other { differences }) }
     }
+}
+
+/// Checks the first line.
+fn version(line: &str) -> Result<(), String> {
+    let found = line.strip_prefix("# ").and_then(|line| line.strip_prefix(FIRST)).map(str::trim);
+    match found {
+        Some(version) if version.parse() == Ok(VERSION) => Ok(()),
+        Some("1") => Err(format!(
+            "format version 1, which holds neither condition nor gaze; this program reads {VERSION}. Replay it with the \
+             version of gaitway that recorded it"
+        )),
+        Some(version) => Err(format!("format version {version:?}; this program reads {VERSION}")),
+        None => Err(format!("does not begin with `# {FIRST} {VERSION}`")),
+    }
+}
+
+fn hex(text: &str) -> Result<u64, String> {
+    u64::from_str_radix(text, 16).map_err(|error| format!("{text:?}: {error}"))
+}
+
+/// `STEPS HASH`, which stands after that many lines of the table.
+fn hash_after(text: &str, steps: usize) -> Result<(u32, u64), String> {
+    let (after, hash) =
+        text.split_once(' ').ok_or_else(|| format!("hash {text:?}: must be steps and a hash"))?;
+    match after.parse::<u32>() {
+        Ok(after) if after as usize == steps => Ok((after, hex(hash)?)),
+        _ => Err(format!("hash after {after:?} steps; it stands after {steps}")),
+    }
+}
+
+/// What the header says.
+fn session(head: &[Option<String>; 11]) -> Result<Session, RecordingError> {
+    let at = |key: usize, message: String| RecordingError::Line { line: key + 2, message };
+    let value = |key: usize| head[key].as_deref().ok_or_else(|| at(key, format!("no `# {}`", KEYS[key])));
+    let bad =
+        |key: usize, found: &str| at(key, format!("{} {found:?} is not a number that it may be", KEYS[key]));
+    let word = |key: usize| Ok::<_, RecordingError>(value(key)?.to_owned());
+    let hash = |key: usize| hex(value(key)?).map_err(|message| at(key, format!("{}: {message}", KEYS[key])));
+    let time_step = value(6)?.parse().ok().filter(|time_step: &f32| *time_step > 0.0 && *time_step <= 1.0);
+    Ok(Session {
+        version: word(0)?,
+        scene: word(1)?,
+        condition: word(2)?,
+        gaze: word(3)?,
+        agents: value(4)?.parse().map_err(|_error| bad(4, head[4].as_deref().unwrap_or("")))?,
+        seed: value(5)?.parse().map_err(|_error| bad(5, head[5].as_deref().unwrap_or("")))?,
+        time_step: time_step.ok_or_else(|| bad(6, head[6].as_deref().unwrap_or("")))?,
+        scenario: hash(7)?,
+        library: hash(8)?,
+        avatars: hash(9)?,
+        start: hash(10)?,
+    })
 }
 
 /// One line of the table, which must be that of step `step`.
@@ -265,71 +398,13 @@ fn moment(line: &str, step: usize) -> Result<Moment, String> {
     };
     Ok(Moment {
         place: Vec2::new(number(1)?, number(2)?),
-        velocity: Vec2::new(number(3)?, number(4)?),
-        head: pose(5)?,
-        hands: [pose(12)?, pose(19)?],
-        sticks: [number(26)?, number(27)?, number(28)?],
+        elevation: number(3)?,
+        velocity: Vec2::new(number(4)?, number(5)?),
+        head: pose(6)?,
+        hands: [pose(13)?, pose(20)?],
+        sticks: [number(27)?, number(28)?, number(29)?],
     })
 }
 
 #[cfg(test)]
-#[allow(clippy::unwrap_used, reason = "a test")]
-mod tests {
-    use super::*;
-
-    fn session() -> Session {
-        Session { scene: "crossing".into(), agents: 7, seed: u64::MAX, time_step: 1.0 / 30.0, start: 0x0123 }
-    }
-
-    fn written() -> (Vec<Moment>, String) {
-        let odd = |i: u32| f32::from_bits(0x3f80_0000 + i * 7919);
-        let moments: Vec<Moment> = (0..40)
-            .map(|i| Moment {
-                place: Vec2::new(odd(i), -odd(i + 1) * 1e-3),
-                velocity: Vec2::new(odd(2 * i) - 1.0, 1e-30),
-                head: (i % 3 > 0).then(|| [odd(i), 1.6, -0.0, 0.0, odd(i), 0.0, 1.0]),
-                hands: [None, (i % 2 == 0).then_some([0.1; 7])],
-                sticks: [0.0, odd(i), -1.0],
-            })
-            .collect();
-        let mut recorder = Recorder::new(Vec::new(), &session()).unwrap();
-        for moment in &moments {
-            recorder.step(moment).unwrap();
-        }
-        (moments, String::from_utf8(recorder.finish(0xfeed).unwrap()).unwrap())
-    }
-
-    #[test]
-    fn what_is_written_is_read_back_with_all_its_bits() {
-        let (moments, text) = written();
-        let read = Recording::read(text.as_bytes()).unwrap();
-        assert_eq!((read.session.clone(), read.end), (session(), Some(0xfeed)));
-        assert_eq!(read.moments.len(), moments.len());
-        for (a, b) in read.moments.iter().zip(&moments) {
-            let bits = |m: &Moment| [m.place.x, m.place.y, m.velocity.x, m.velocity.y].map(f32::to_bits);
-            assert_eq!(bits(a), bits(b));
-            assert_eq!(a, b);
-        }
-        read.must_be_of(&session()).unwrap();
-        let other = Session { seed: 2, ..session() };
-        assert!(read.must_be_of(&other).unwrap_err().to_string().contains("seed 2"));
-    }
-
-    #[test]
-    fn a_broken_file_is_refused_at_its_line() {
-        let (_, text) = written();
-        let refused = |text: String, want: &str| {
-            let error = Recording::read(text.as_bytes()).unwrap_err().to_string();
-            assert!(error.contains(want), "{error}");
-        };
-        refused(text.replace("recording 1", "recording 9"), "version \"9\"");
-        refused(text.replace("# seed", "# sead"), "no `# seed`");
-        refused(text.replace("\n5,", "\n6,"), "line 13: step \"6\"; it should be 5");
-        refused(text.replace(",1.6,", ",NaN,"), "not a finite number");
-        refused(text.replace("\n3,", "\n3,0,"), "fields");
-        // cut off: what there is counts, without an end
-        let cut: String = text.lines().take(20).map(|line| format!("{line}\n")).collect();
-        let read = Recording::read(cut.as_bytes()).unwrap();
-        assert_eq!((read.moments.len(), read.end), (13, None));
-    }
-}
+mod tests;

@@ -3,7 +3,6 @@
 use super::service::{Service, is_there};
 use serde_json::Value;
 use std::process::Command;
-use std::time::Instant;
 
 fn json(command: &mut Command) -> Value {
     let output = command.output().unwrap();
@@ -35,11 +34,9 @@ fn devices_tell_how_far_a_headset_is() {
     assert!(found["missing"].is_null() && found["hint"].is_null(), "{found}");
 
     service.signal("STOP");
-    let begin = Instant::now();
     let found = json(&mut service.gaitway(&devices));
     assert_eq!(reached(&found), [true, true, false], "{found}");
     assert!(found["missing"].as_str().unwrap().contains("does not answer"), "{found}");
-    assert!(begin.elapsed().as_secs() < 10);
 
     service.kill();
     let found = json(&mut service.gaitway(&devices));

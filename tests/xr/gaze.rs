@@ -1,10 +1,9 @@
 //! Whose head follows the user's: measured on the joints of those who are drawn, and kept as pictures.
 
-use super::folder;
 use super::service::{Live, Service, is_there};
+use super::{after, folder};
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::time::Duration;
 
 /// Where people stand, in two rows, and face the user.
 const STANDING: &str = r#"
@@ -73,10 +72,11 @@ fn happy_and_angry_heads_follow_the_user_and_sad_ones_do_not() {
     let mut found = Vec::new();
     head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
     let mut live = Live::start(service.gaitway(&run));
-    live.hear("the headset shows the crowd", Duration::from_secs(30));
+    live.hear("the headset shows the crowd");
     for x in [-1.2_f32, 1.2] {
         head.set(0.0, 0.0, [x, 1.6, 0.0]);
-        std::thread::sleep(Duration::from_millis(2500));
+        // heads turn within a second or two of pictures, which have a tenth of a second each at most
+        after(&folder, 15);
         // the user faces -z, so the room's x is the world's
         found.push(looks(&folder, [x, 0.0]));
     }

@@ -1,8 +1,7 @@
 //! What a headset's compositor and lenses want of pictures: depth, and nothing where it cannot be seen.
 
 use super::service::{Live, Service, is_there};
-use super::{POST, folder, outcome, pictures};
-use std::time::Duration;
+use super::{POST, after, folder, pictures};
 
 const SIZE: u32 = 320;
 
@@ -12,11 +11,12 @@ fn run(service: &Service, fault: &str, name: &str) -> (serde_json::Value, String
     let (file, seen) = (folder.join("post.toml"), folder.join("seen.txt"));
     std::fs::write(&file, POST).unwrap();
     let (scene, shots, size) = (file.to_str().unwrap(), folder.to_str().unwrap(), format!("{SIZE}x{SIZE}"));
-    let run =
-        ["xr", scene, "--seconds", "2", "--eye-size", &size, "--shots", shots, "--every", "5", "--json"];
+    let run = ["xr", scene, "--eye-size", &size, "--shots", shots, "--every", "5", "--json"];
     let mut command = service.faulty(fault, &run);
     command.env("GAITWAY_SEEN", &seen);
-    let (found, _) = outcome(command.spawn().unwrap());
+    let live = Live::start(command);
+    after(&folder, 2);
+    let (found, _) = live.end();
     (found, std::fs::read_to_string(seen).unwrap(), folder)
 }
 
@@ -75,8 +75,7 @@ fn the_lenses_of_monado_are_asked_for() {
         "160x160",
         "--json",
     ]));
-    live.hear("the headset shows the crowd", Duration::from_secs(30));
-    std::thread::sleep(Duration::from_secs(1));
+    live.hear("the headset shows the crowd");
     let (found, _) = live.end();
     let extensions = found["runtime"]["extensions"].as_array().unwrap();
     for name in ["XR_KHR_visibility_mask", "XR_KHR_composition_layer_depth"] {

@@ -28,7 +28,7 @@ mod smooth;
 
 use gaitway::picture::Image;
 use serde_json::Value;
-use service::Service;
+use service::{Live, Service, until};
 use std::path::{Path, PathBuf};
 use std::process::Child;
 
@@ -75,12 +75,28 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
         return;
     }
     let service = Service::start("states", 4261);
-    let run = ["xr", "crossing", "--agents", "60", "--seconds", "3", "--eye-size", "320x320", "--json"];
+    let shots = folder("states");
+    let shots = shots.to_str().unwrap();
+    let run = [
+        "xr",
+        "crossing",
+        "--agents",
+        "60",
+        "--eye-size",
+        "320x320",
+        "--shots",
+        shots,
+        "--every",
+        "1",
+        "--json",
+    ];
     let log = service.folder.join("core-validation.txt");
     let mut checked = service.gaitway(&run);
     checked.env("XR_ENABLE_API_LAYERS", "XR_APILAYER_LUNARG_core_validation");
     checked.env("XR_CORE_VALIDATION_EXPORT_TYPE", "text").env("XR_CORE_VALIDATION_FILE_NAME", &log);
-    let (found, _) = outcome(checked.spawn().unwrap());
+    let live = Live::start(checked);
+    after(Path::new(shots), 12);
+    let (found, _) = live.end();
     // OpenXR's own rules, beside Vulkan's
     let log = std::fs::read_to_string(log).unwrap();
     assert!(!log.contains("VALID_ERROR"), "{log}");
@@ -98,14 +114,37 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     ];
     assert_eq!(states(&found), all);
     assert_eq!((found["sessions"].as_u64(), found["hung"].as_bool()), (Some(1), Some(false)));
-    assert_eq!(found["ended"], "the time was up");
+    assert_eq!(found["ended"], "interrupted");
     assert!(found["frames"]["drawn"].as_u64().unwrap() > 2, "{found}");
     // the host's share of a frame is there, and waiting for the device no part of it
     let half = |share: &str| found["frames"][share]["p50"].as_f64().unwrap();
-    assert!(half("host_ms") > 0.0 && half("host_ms") < 0.5 * half("work_ms"), "{found}");
-    // three seconds at 30 steps a second, and more if the runtime took its time to end
-    let walked = found["steps"].as_f64().unwrap() / 30.0 + found["time_lost"].as_f64().unwrap();
-    assert!((2.7..8.0).contains(&walked), "{found}");
+    // by the processor's time: the clock also counts waiting for a processor that others have
+    let host = half("host_cpu_ms");
+    assert!(host > 0.0 && half("host_ms") > 0.0 && host < 0.5 * half("work_ms"), "{found}");
+    walked_all_the_time(&found);
+}
+
+/// Asserts that the crowd was stepped, or let time pass where the machine was too slow, from when it set off to its last
+/// step: by the program's own clock.
+fn walked_all_the_time(outcome: &Value) {
+    let walked = outcome["steps"].as_f64().unwrap() / 30.0 + outcome["time_lost"].as_f64().unwrap();
+    let seconds = outcome["seconds"].as_f64().unwrap();
+    // at most a quarter of a second may be made up for later
+    assert!((-0.05..0.3).contains(&(seconds - walked)), "{walked} of {seconds} s: {outcome}");
+}
+
+#[test]
+fn the_time_that_is_given_ends_the_session() {
+    if !service::is_there() {
+        return;
+    }
+    let service = Service::start("time", 4288);
+    let run = ["xr", "crossing", "--agents", "20", "--seconds", "1.5", "--eye-size", "160x160", "--json"];
+    let (found, _) = outcome(service.gaitway(&run).spawn().unwrap());
+    // on a busy machine before the first picture
+    assert!(found["ended"].as_str().unwrap().starts_with("the time was up"), "{found}");
+    assert!(found["seconds"].as_f64().unwrap() > 1.5 - 1.0 / 30.0, "{found}");
+    walked_all_the_time(&found);
 }
 
 /// Columns of the post's edges in one eye's half of a picture, in fractions of a pixel.
@@ -141,6 +180,59 @@ fn picture(path: &Path) -> Image {
     Image { width: info.width, height: info.height, pixels }
 }
 
+/// The frames of which there are pictures in a folder, in order.
+fn frames(folder: &Path) -> Vec<u64> {
+    let number = |path: PathBuf| {
+        path.extension().filter(|kind| *kind == "png")?;
+        path.file_stem()?.to_str()?.strip_prefix("frame-")?.parse().ok()
+    };
+    let entries = std::fs::read_dir(folder).unwrap();
+    let mut found: Vec<u64> = entries.filter_map(|entry| number(entry.unwrap().path())).collect();
+    found.sort_unstable();
+    found
+}
+
+/// The newest picture of a folder, once there are so many more than now.
+fn after(folder: &Path, more: usize) -> Image {
+    let before = frames(folder).len();
+    until(|| {
+        let found = frames(folder);
+        match found.last() {
+            Some(last) if found.len() >= before + more => {
+                Ok(picture(&folder.join(format!("frame-{last:06}.png"))))
+            }
+            _ => Err(format!("{} pictures, {more} more than {before} are wanted", found.len())),
+        }
+    })
+}
+
+/// The newest picture of a folder, as soon as it shows what it should; `look` says what it lacks.
+fn shows<T>(folder: &Path, mut look: impl FnMut(&Image) -> Result<T, String>) -> (Image, T) {
+    until(|| {
+        let found = frames(folder);
+        let last = found.last().ok_or("no picture yet")?;
+        let image = picture(&folder.join(format!("frame-{last:06}.png")));
+        look(&image).map(|found| (image, found))
+    })
+}
+
+/// The steps of a recording that is being written: the fields of its whole lines.
+fn steps(recording: &Path) -> Vec<Vec<String>> {
+    let text = std::fs::read_to_string(recording).unwrap_or_default();
+    let rows =
+        text.split_inclusive('\n').filter(|line| line.ends_with('\n') && line.as_bytes()[0].is_ascii_digit());
+    rows.map(|row| row.trim_end().split(',').map(str::to_owned).collect()).collect()
+}
+
+/// Waits until a recording has so many more steps than now that are as they should be.
+fn recorded(recording: &Path, more: usize, is_it: impl Fn(&[String]) -> bool) {
+    let before = steps(recording).len();
+    until(|| match steps(recording).iter().skip(before).filter(|step| is_it(step)).count() {
+        found if found >= more => Ok(()),
+        found => Err(format!("{found} such steps, {more} are wanted")),
+    });
+}
+
 /// The pictures of a folder in the order of their frames.
 fn pictures(folder: &Path) -> Vec<(u64, Image)> {
     let mut found: Vec<(u64, Image)> = std::fs::read_dir(folder)
@@ -168,39 +260,34 @@ fn both_eyes_follow_the_head_with_the_right_parallax() {
     std::fs::write(&scene, POST).unwrap();
     let (scene, shots) = (scene.to_str().unwrap(), folder.to_str().unwrap());
     let mut head = service.head();
+    let eye = format!("{SIZE}x{SIZE}");
+    let run = ["xr", scene, "--eye-size", &eye, "--shots", shots, "--every", "2", "--json"];
+    let live = Live::start(service.gaitway(&run));
     // half the height above the floor is the row that is looked at
     let script: [(f32, f32); 5] = [(0.0, 0.0), (12.0, 0.0), (-20.0, 0.0), (25.0, 0.4), (-3.0, -0.3)];
     let mut worst = [0.0_f32; 2];
     for (turn, aside) in script {
         head.set(turn, 0.0, [aside, 1.6, 0.0]);
-        let eye = format!("{SIZE}x{SIZE}");
-        let run =
-            ["xr", scene, "--seconds", "1.5", "--eye-size", &eye, "--shots", shots, "--every", "5", "--json"];
-        outcome(service.gaitway(&run).spawn().unwrap());
-        let (_, picture) = pictures(&folder).pop().unwrap();
         let focal = 0.5 * SIZE as f32 / 0.7418_f32.tan();
-        let seen = [0, 1].map(|eye| {
-            let column = post(&picture, eye).unwrap_or_else(|| panic!("no post at {turn} deg, eye {eye}"));
-            ((column - 0.5 * SIZE as f32) / focal).atan().to_degrees()
-        });
         let want = [-0.0315_f32, 0.0315].map(|eye_aside| {
             // the eye in the room, the post's middle from there, and the head's turn to the left
             let turned = turn.to_radians();
             let (x, z) = (aside + eye_aside * turned.cos(), -eye_aside * turned.sin());
             (-x).atan2(10.0 - 0.25 + z).to_degrees() + turn
         });
-        for eye in 0..2 {
-            worst[0] = worst[0].max((seen[eye] - want[eye]).abs());
-        }
-        worst[1] = worst[1].max(((seen[0] - seen[1]) - (want[0] - want[1])).abs());
-        for entry in std::fs::read_dir(&folder)
-            .unwrap()
-            .flatten()
-            .filter(|e| e.path().extension().is_some_and(|x| x == "png"))
-        {
-            std::fs::remove_file(entry.path()).unwrap();
-        }
+        // frames that were begun before show the head as it was
+        after(&folder, 2);
+        let (_, off) = shows(&folder, |picture| {
+            let column = |eye| post(picture, eye).ok_or_else(|| format!("no post at {turn} deg, eye {eye}"));
+            let seen =
+                [column(0)?, column(1)?].map(|at| ((at - 0.5 * SIZE as f32) / focal).atan().to_degrees());
+            let off = (seen[0] - want[0]).abs().max((seen[1] - want[1]).abs());
+            let parallax = ((seen[0] - seen[1]) - (want[0] - want[1])).abs();
+            if off < 0.2 { Ok([off, parallax]) } else { Err(format!("{seen:?} degrees, not {want:?}")) }
+        });
+        worst = [worst[0].max(off[0]), worst[1].max(off[1])];
     }
+    live.end();
     println!("worst: {:.3} deg, parallax {:.3} deg", worst[0], worst[1]);
     assert!(worst[0] < 0.2, "{worst:?}");
     assert!(worst[1] < 0.05, "{worst:?}");

@@ -1,12 +1,11 @@
 //! What the runtime's compositor shows: Monado's own, in a window on a display that nobody sees.
 
 use super::service::{Live, Service, is_there};
-use super::{POST, folder, pictures, post};
+use super::{POST, after, folder, post, shows};
 use gaitway::picture::Image;
 use std::io::{BufRead as _, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
 
 /// Pixels of one eye in the compositor's window: half of Monado's remote headset.
 const EYE: [u32; 2] = [480, 540];
@@ -105,18 +104,23 @@ fn the_compositor_presents_our_pictures_to_both_eyes() {
     let mut head = service.head();
     head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
     let mut live = Live::start(service.gaitway(&run));
-    live.hear("the headset shows the crowd", Duration::from_secs(30));
+    live.hear("the headset shows the crowd");
     let mut columns = Vec::new();
     for turn in [0.0, 14.0] {
         head.set(turn, 0.0, [0.0, 1.6, 0.0]);
-        std::thread::sleep(Duration::from_secs(2));
-        let shown = screen.shows([2 * EYE[0], EYE[1]]);
-        let (_, ours) = pictures(&folder).pop().unwrap();
-        gaitway::export::image::write_png(&folder.join(format!("presented-{turn}.png")), &shown).unwrap();
-        let off = differs(&shown, &ours);
-        println!("turned by {turn}: {off:.4?} of the pixels differ in each eye");
+        after(&folder, 2);
         // a sky of many tones, a ground, a post: all where and as we drew them
-        assert!(off.iter().all(|share| *share < 0.01), "{off:?}");
+        let (_, (shown, off)) = shows(&folder, |ours| {
+            let shown = screen.shows([2 * EYE[0], EYE[1]]);
+            let off = differs(&shown, ours);
+            if off.iter().all(|share| *share < 0.01) {
+                Ok((shown, off))
+            } else {
+                Err(format!("{off:?} differ"))
+            }
+        });
+        gaitway::export::image::write_png(&folder.join(format!("presented-{turn}.png")), &shown).unwrap();
+        println!("turned by {turn}: {off:.4?} of the pixels differ in each eye");
         columns.push([0, 1].map(|eye| post(&shown, eye).unwrap()));
     }
     // the post is in the middle of both halves, then right of it; a swapped pair of eyes would have the parallax reversed

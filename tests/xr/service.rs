@@ -9,6 +9,21 @@ use std::sync::OnceLock;
 use std::sync::mpsc::{self, Receiver};
 use std::time::{Duration, Instant};
 
+/// Longest wait for anything: only a guard against hanging, on machines with other work to do.
+pub(super) const PATIENCE: Duration = Duration::from_secs(240);
+
+/// Waits for something: looks until it is there. `look` says what is missing still.
+pub(super) fn until<T>(mut look: impl FnMut() -> Result<T, String>) -> T {
+    let begin = Instant::now();
+    loop {
+        match look() {
+            Ok(found) => return found,
+            Err(missing) => assert!(begin.elapsed() < PATIENCE, "after {PATIENCE:?}: {missing}"),
+        }
+        std::thread::sleep(Duration::from_millis(50));
+    }
+}
+
 /// The script that runs programs on the unpacked drivers and runtime.
 pub(super) const GPU_ENV: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scripts/gpu-env");
 
@@ -109,16 +124,15 @@ impl Service {
 
     // A trial connection would count as a client, so the log it is.
     fn wait_until_started(&self) {
-        let begin = Instant::now();
         let log = self.folder.join("service.log");
-        while !std::fs::read_to_string(&log).unwrap_or_default().contains("service has started") {
-            assert!(
-                begin.elapsed() < Duration::from_secs(30),
-                "the service did not start: {}",
-                log.display()
-            );
-            std::thread::sleep(Duration::from_millis(20));
-        }
+        until(|| {
+            let said = std::fs::read_to_string(&log).unwrap_or_default();
+            if said.contains("service has started") {
+                Ok(())
+            } else {
+                Err(format!("the service did not start: {said}"))
+            }
+        });
     }
 }
 
@@ -176,10 +190,10 @@ impl Live {
     }
 
     /// Waits until it says something; the time that took.
-    pub(super) fn hear(&mut self, words: &str, patience: Duration) -> Duration {
+    pub(super) fn hear(&mut self, words: &str) -> Duration {
         let begin = Instant::now();
         loop {
-            match self.notes.recv_timeout(patience.saturating_sub(begin.elapsed())) {
+            match self.notes.recv_timeout(PATIENCE.saturating_sub(begin.elapsed())) {
                 Ok(line) => {
                     let is_it = line.contains(words);
                     self.heard.push(line);
@@ -189,7 +203,7 @@ impl Live {
                 }
                 Err(_) => {
                     let _ = self.child.kill();
-                    panic!("no {words:?} within {patience:?}; heard: {:#?}", self.heard);
+                    panic!("no {words:?} within {PATIENCE:?}; heard: {:#?}", self.heard);
                 }
             }
         }
@@ -200,6 +214,13 @@ impl Live {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();
         let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:")).unwrap();
         line.split_whitespace().next().unwrap().parse::<f64>().unwrap() / 1024.0
+    }
+
+    /// Kills it, as a crash would.
+    pub(super) fn kill(mut self) {
+        // the script that starts it has become the program itself
+        self.child.kill().unwrap();
+        self.child.wait().unwrap();
     }
 
     /// Ends it as Ctrl-C would: the JSON object of a run that must end well, and what it noted on the way.

@@ -39,6 +39,7 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
             user_position: [side * 0.5, side * 0.5],
             user_velocity: [0.5, 0.0],
             user_radius: 0.3,
+            user_elevation: if seed & 2 == 2 { 3.4 } else { 0.4 },
             turn_rate: 4.0,
             perturbation: 1e-4,
             walk_speed: 0.1,

@@ -1,0 +1,125 @@
+//! What a session is known by.
+
+use super::{Moment, Session};
+use crate::avatar::Avatar;
+use crate::kernels::Store;
+use crate::library::GaitLibrary;
+use crate::reference::gaze::{RANGE, RANGE_HYSTERESIS, user_in_model};
+use crate::scenario::Scenario;
+use crate::sim::measure::{Hash, state_hash};
+
+/// In `look`: the agent looks at the user at times.
+const GAZES: u32 = 1 << 16;
+
+/// A hash of a session: of everything in the header, of what the user did in every step, of what the gaze of the crowd is
+/// made from in every step, and of the crowd's state.
+///
+/// The angles that heads were shown at depend on when the display showed pictures, and no replay could repeat that. What
+/// they are made from is fixed by the steps: where the user's head is, as each agent within reach sees it that looks at
+/// the user at times, and that agent's emotion. So another condition, another mode of the gaze or another way of holding
+/// the head is another hash, though everyone walks as before.
+#[derive(Debug, Clone)]
+pub struct SessionHash {
+    hash: Hash,
+    sees_far: bool,
+}
+
+impl SessionHash {
+    /// Of a session before its first step.
+    pub fn new(session: &Session) -> Self {
+        let mut hash = Hash::default();
+        session.values().iter().for_each(|value| hash.add_text(value));
+        Self { hash, sees_far: session.gaze != "natural" }
+    }
+
+    /// Adds a step: the user in it, and the crowd after it.
+    pub fn step(&mut self, user: &Moment, crowd: &Store) {
+        let numbers = [user.place.x, user.place.y, user.elevation, user.velocity.x, user.velocity.y];
+        self.hash.add(bytemuck::cast_slice(&numbers));
+        for pose in [user.head, user.hands[0], user.hands[1]] {
+            self.hash.add(&u32::from(pose.is_some()).to_le_bytes());
+            self.hash.add(bytemuck::cast_slice(&pose.unwrap_or_default()));
+        }
+        self.hash.add(bytemuck::cast_slice(&user.sticks));
+        if let Some([x, y, z, ..]) = user.head {
+            self.gaze([x, y, z], crowd);
+        }
+    }
+
+    /// Adds the user's head as those see it who look at the user at times.
+    fn gaze(&mut self, head: [f32; 3], crowd: &Store) {
+        let range = RANGE + RANGE_HYSTERESIS;
+        for agent in 0..crowd.step.agent_count as usize {
+            let (look, [x, z]) = (crowd.look[agent], crowd.position[agent]);
+            let away = [head[0] - x, head[2] - z];
+            let is_near = self.sees_far || away[0] * away[0] + away[1] * away[1] < range * range;
+            if look[0] & GAZES != 0 && is_near {
+                let scale = f32::from_bits(look[1]);
+                let mut seen = user_in_model(head, [x, z], crowd.stance[agent][0], scale);
+                seen[1] -= crowd.elevation[agent] / scale;
+                #[allow(clippy::cast_possible_truncation, reason = "at most a million agents")]
+                self.hash.add(bytemuck::cast_slice(&[agent as u32, look[0]]));
+                self.hash.add(bytemuck::cast_slice(&seen));
+            }
+        }
+    }
+
+    /// The hash so far, with the state of the crowd after the step that was added last.
+    pub fn with(&self, crowd: &Store) -> u64 {
+        let mut hash = self.hash;
+        hash.add(&state_hash(crowd).to_le_bytes());
+        hash.value()
+    }
+}
+
+/// A hash of a crowd before its first step: its state, its bodies and how they look and walk.
+pub fn hash_start(crowd: &Store) -> u64 {
+    let mut hash = Hash::default();
+    hash.add(&state_hash(crowd).to_le_bytes());
+    hash.add(bytemuck::cast_slice(&crowd.body));
+    hash.add(bytemuck::cast_slice(&crowd.manners));
+    hash.add(bytemuck::cast_slice(&crowd.look));
+    hash.add(bytemuck::cast_slice(&crowd.gaits));
+    hash.add(bytemuck::cast_slice(&crowd.gait_weights));
+    hash.value()
+}
+
+/// A hash of a scenario as it runs: of every key, with what the command line changed.
+pub fn hash_scenario(scenario: &Scenario) -> u64 {
+    let mut hash = Hash::default();
+    // a scenario that was read or made can be written
+    hash.add_text(&serde_json::to_string(scenario).unwrap_or_default());
+    hash.value()
+}
+
+/// A hash of all gaits of a library, with their labels.
+pub fn hash_library(library: &GaitLibrary) -> u64 {
+    let mut hash = Hash::default();
+    hash.add_bytes(&library.to_glb_bytes());
+    hash.value()
+}
+
+/// A hash of bodies: names, joints, meshes.
+pub fn hash_avatars(avatars: &[Avatar]) -> u64 {
+    let mut hash = Hash::default();
+    for avatar in avatars {
+        hash.add_text(&avatar.name);
+        hash.add(bytemuck::cast_slice(&avatar.eyes_in_head.to_array()));
+        hash.add(bytemuck::bytes_of(&avatar.height));
+        for joint in &avatar.joints {
+            hash.add_text(&format!("{joint:?}"));
+        }
+        for mesh in &avatar.levels {
+            hash.add(bytemuck::cast_slice(&mesh.indices));
+            for vertex in &mesh.vertices {
+                for numbers in [vertex.position, vertex.normal, vertex.color] {
+                    hash.add(bytemuck::cast_slice(&numbers.to_array()));
+                }
+                hash.add(&(vertex.material as u32).to_le_bytes());
+                hash.add(&vertex.joints);
+                hash.add(bytemuck::cast_slice(&vertex.weights));
+            }
+        }
+    }
+    hash.value()
+}

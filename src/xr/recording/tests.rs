@@ -1,0 +1,187 @@
+#![allow(clippy::unwrap_used, reason = "a test")]
+
+use super::*;
+use crate::kernels::layout::StepUniforms;
+
+fn session() -> Session {
+    Session {
+        version: "0.1.0".into(),
+        scene: "crossing".into(),
+        condition: "eva-g".into(),
+        gaze: "natural".into(),
+        agents: 7,
+        seed: u64::MAX,
+        time_step: 1.0 / 30.0,
+        scenario: 1,
+        library: 2,
+        avatars: 3,
+        start: 0x0123,
+    }
+}
+
+/// One agent who looks at the user at times, or does not.
+fn crowd(gazes: bool) -> Store {
+    Store {
+        step: StepUniforms { agent_count: 1, ..StepUniforms::default() },
+        position: vec![[1.0, 2.0]],
+        velocity: vec![[0.0; 2]],
+        stance: vec![[0.5, 1.0]],
+        phase: vec![0],
+        route: vec![[0; 4]],
+        waiting: vec![[0.0; 4]],
+        elevation: vec![0.0],
+        look: vec![[u32::from(gazes) << 16, 1.0_f32.to_bits(), 0, 0]],
+        ..Store::default()
+    }
+}
+
+fn moments() -> Vec<Moment> {
+    let odd = |i: u32| f32::from_bits(0x3f80_0000 + i * 7919);
+    (0..40)
+        .map(|i| Moment {
+            place: Vec2::new(odd(i), -odd(i + 1) * 1e-3),
+            elevation: odd(3 * i),
+            velocity: Vec2::new(odd(2 * i) - 1.0, 1e-30),
+            head: (i % 3 > 0).then(|| [odd(i), 1.6, -0.0, 0.0, odd(i), 0.0, 1.0]),
+            hands: [None, (i % 2 == 0).then_some([0.1; 7])],
+            sticks: [0.0, odd(i), -1.0],
+        })
+        .collect()
+}
+
+fn written() -> String {
+    let mut recorder = Recorder::new(Vec::new(), &session()).unwrap();
+    for moment in &moments() {
+        recorder.step(moment, &crowd(true)).unwrap();
+    }
+    String::from_utf8(recorder.finish(&crowd(true)).unwrap()).unwrap()
+}
+
+#[test]
+fn what_is_written_is_read_back_with_all_its_bits() {
+    let (moments, text) = (moments(), written());
+    let read = Recording::read(text.as_bytes()).unwrap();
+    assert_eq!(read.session, session());
+    assert!(read.end.is_some() && read.hashes.len() == 1 && read.hashes[0].0 == 30);
+    assert_eq!(read.moments.len(), moments.len());
+    for (a, b) in read.moments.iter().zip(&moments) {
+        let bits =
+            |m: &Moment| [m.place.x, m.place.y, m.elevation, m.velocity.x, m.velocity.y].map(f32::to_bits);
+        assert_eq!(bits(a), bits(b));
+        assert_eq!(a, b);
+    }
+}
+
+#[test]
+fn a_recording_of_another_session_is_refused_with_what_differs() {
+    let read = Recording::read(written().as_bytes()).unwrap();
+    read.must_be_of(&session()).unwrap();
+    let refused = |other: Session| read.must_be_of(&other).unwrap_err().to_string();
+    assert!(
+        refused(Session { condition: "eva-o".into(), ..session() })
+            .ends_with("condition eva-g was recorded, this is eva-o")
+    );
+    assert!(
+        refused(Session { gaze: "paper".into(), ..session() })
+            .contains("gaze natural was recorded, this is paper")
+    );
+    let text = refused(Session { seed: 2, library: 9, ..session() });
+    assert!(text.contains("seed 18446744073709551615 was recorded, this is 2; library "), "{text}");
+    for (other, key) in [
+        (Session { version: "9".into(), ..session() }, "version"),
+        (Session { scene: "garden".into(), ..session() }, "scene"),
+        (Session { agents: 8, ..session() }, "agents"),
+        (Session { time_step: 0.1, ..session() }, "time_step"),
+        (Session { scenario: 9, ..session() }, "scenario"),
+        (Session { avatars: 9, ..session() }, "avatars"),
+        (Session { start: 9, ..session() }, "start"),
+    ] {
+        assert!(refused(other).contains(&format!("session: {key} ")));
+    }
+}
+
+#[test]
+fn the_hash_of_a_session_covers_what_the_gaze_is_made_from() {
+    let of = |session: &Session, moment: &Moment, gazes: bool| {
+        let mut hash = SessionHash::new(session);
+        hash.step(moment, &crowd(gazes));
+        hash.with(&crowd(gazes))
+    };
+    let user = Moment { head: Some([0.5, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..Moment::default() };
+    let one = of(&session(), &user, true);
+    assert_eq!(one, of(&session(), &user, true));
+    // everyone walks alike in all of these
+    let lower = Moment { head: Some([0.5, 1.2, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
+    assert_ne!(one, of(&session(), &lower, true));
+    assert_ne!(one, of(&session(), &user, false), "who is looked at and who is not");
+    assert_ne!(one, of(&Session { condition: "eva-o".into(), ..session() }, &user, true));
+    assert_ne!(one, of(&session(), &Moment { elevation: 3.0, ..user }, true));
+    // beyond everybody's reach only the user differs, not the gaze
+    let mut far = (SessionHash::new(&session()), SessionHash::new(&session()));
+    let away = Moment { head: Some([50.0, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
+    far.0.step(&away, &crowd(true));
+    far.1.step(&away, &crowd(false));
+    assert_eq!(far.0.with(&crowd(true)), far.1.with(&crowd(false)));
+}
+
+#[test]
+fn a_broken_file_is_refused_at_its_line() {
+    let text = written();
+    let refused = |text: String, want: &str| {
+        let error = Recording::read(text.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(want), "{error}");
+    };
+    refused(text.replace("recording 2", "recording 9"), "version \"9\"");
+    refused(text.replace("recording 2", "recording 1"), "neither condition nor gaze");
+    refused(String::new(), "line 1: does not begin with `# gaitway recording 2`");
+    refused("frame id x y\n".into(), "line 1: does not begin");
+    refused(text.replace("# seed", "# sead"), "line 7: no `# seed`");
+    refused(text.replace("\n5,", "\n6,"), "line 19: step \"6\"; it should be 5");
+    refused(text.replace(",1.6,", ",NaN,"), "not a finite number");
+    refused(text.replace("\n3,", "\n3,0,"), "fields");
+    refused(text.replace("# hash 30", "# hash 29"), "hash after \"29\" steps; it stands after 30");
+}
+
+#[test]
+fn a_recording_that_is_cut_off_anywhere_is_read_up_to_its_last_whole_line() {
+    let text = written();
+    let table = text.find("\n0,").unwrap() + 1;
+    for cut in (table..text.len()).step_by(61) {
+        let read = Recording::read(&text.as_bytes()[..cut]).unwrap();
+        let rows = text[table..cut]
+            .split_inclusive('\n')
+            .filter(|line| line.ends_with('\n') && !line.starts_with('#'));
+        assert_eq!((read.moments.len(), read.end), (rows.count(), None), "cut at {cut}");
+    }
+}
+
+#[test]
+fn the_next_start_repairs_a_recording_that_broke_off_and_loses_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("visit.csv");
+    let text = written();
+    let torn = text.find("\n20,").unwrap() + 9;
+    std::fs::write(&path, &text[..torn]).unwrap();
+    assert_eq!(repair(&path).unwrap(), 8);
+    let whole = std::fs::read_to_string(&path).unwrap();
+    assert_eq!(whole, text[..torn - 8]);
+    assert_eq!(repair(&path).unwrap(), 0);
+
+    // a new one at the same place
+    std::fs::write(&path, &text[..torn]).unwrap();
+    for name in ["visit.broken-off.csv", "visit.broken-off-2.csv"] {
+        let way = make_way(&path).unwrap();
+        assert!(way.note.unwrap().contains(name));
+        assert_eq!(std::fs::read_to_string(folder.path().join(name)).unwrap(), whole);
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "");
+        std::fs::write(&path, &whole).unwrap();
+    }
+    // without a step there is nothing to keep
+    std::fs::write(&path, &text[..text.find("\n0,").unwrap() + 1]).unwrap();
+    assert!(make_way(&path).unwrap().note.is_none());
+    for (content, says) in [(text.as_str(), "a complete recording"), ("a,b\n1,2\n", "no recording")] {
+        std::fs::write(&path, content).unwrap();
+        assert!(make_way(&path).unwrap_err().to_string().contains(says));
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), content);
+    }
+}
