@@ -55,7 +55,9 @@ fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f3
         }
         for slot in first as usize..end as usize {
             let (motion, traits) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
-            if on_storey(step, traits[3], height) && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP) {
+            if on_storey(step, traits[3], height)
+                && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP)
+            {
                 return false;
             }
         }

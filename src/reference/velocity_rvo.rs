@@ -188,7 +188,8 @@ impl Scene<'_> {
         };
         let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
         let to_user = [ux - x, uy - y];
-        let is_near = dot2(to_user, to_user) < range * range && on_storey(step, elevation, step.user_elevation);
+        let is_near =
+            dot2(to_user, to_user) < range * range && on_storey(step, elevation, step.user_elevation);
         if step.user_radius > 0.0 && is_near {
             look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0);
         }
