@@ -64,6 +64,7 @@ impl Error {
         match self {
             #[cfg(feature = "vulkan")]
             Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
+            Self::Avatar(error) => error.hint(),
             Self::Replay(error) => error.hint(),
             #[cfg(feature = "xr")]
             Self::Xr(error) => error.hint(),

@@ -442,6 +442,7 @@ fn a_bent_elbow_moves_each_vertex_by_its_weights() {
             position: elbow + Vec3::X * 0.1,
             normal: Vec3::Y,
             color: Vec3::ONE,
+            alpha: 1.0,
             material: Material::Skin,
             joints: [upper, lower, 0, 0],
             weights: [1.0 - share, share, 0.0, 0.0],

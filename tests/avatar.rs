@@ -9,6 +9,8 @@
     reason = "test helpers"
 )]
 
+#[path = "avatar/foreign.rs"]
+mod foreign;
 #[path = "avatar/loading.rs"]
 mod loading;
 #[path = "avatar/raster.rs"]

@@ -304,3 +304,70 @@ fn bench_times_the_step_and_says_what_the_crowd_looked_like() {
     }
     assert!(report["quality"][0]["progress"].as_f64().unwrap() > 0.5, "{report}");
 }
+
+/// A man whose hands are folded before him and whose joints are called "Bone 0" and so on: nothing tells which is which.
+fn nameless_man() -> Vec<u8> {
+    use gaitway::gait::Joint;
+    let mut avatar = gaitway::avatar::generated(gaitway::avatar::Sex::Male);
+    let rest = avatar.joints.map(|joint| joint.joint_from_mesh.inverse().w_axis.truncate());
+    for hand in [Joint::LeftHand as usize, Joint::RightHand as usize] {
+        let place = glam::Vec3::new(0.04 * rest[hand].x.signum(), 1.0, 0.2);
+        avatar.joints[hand].translation = place - rest[Joint::PARENT[hand]];
+        avatar.joints[hand].joint_from_mesh = glam::Mat4::from_translation(-place);
+    }
+    let file = gaitway::avatar::glb(&avatar);
+    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
+    let mut json: Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+    for (number, node) in json["nodes"].as_array_mut().unwrap().iter_mut().enumerate() {
+        node["name"] = format!("Bone {number}").into();
+    }
+    let mut text = json.to_string().into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut out = file[..8].to_vec();
+    out.extend(u32::try_from(text.len() + file.len() - length).unwrap().to_le_bytes());
+    out.extend(u32::try_from(text.len()).unwrap().to_le_bytes());
+    out.extend(b"JSON");
+    out.extend(text);
+    out.extend(&file[20 + length..]);
+    out
+}
+
+#[test]
+fn a_rig_map_is_printed_filled_in_and_taken_from_the_command_line_or_the_scenario() {
+    let folder = std::env::temp_dir().join(format!("gaitway-rig-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name).display().to_string();
+    std::fs::write(file("hero.glb"), nameless_man()).unwrap();
+    let scene = |name: &str, rig_maps: &str| {
+        let text = format!(
+            "name = \"place\"\nbounds = [[0, 0], [9, 0], [9, 9], [0, 9]]\n[[routes]]\nname = \"a\"\nwaypoints = [[2, 2], [7, 7]]\n\
+             [population]\nagents = 2\navatars = [\"hero.glb\", \"female\"]\navatar_genders = [\"male\", \"female\"]\n{rig_maps}\n"
+        );
+        std::fs::write(file(name), text).unwrap();
+        file(name)
+    };
+    let simulate = |scene: &str, more: &[&str]| {
+        gaitway(&[&["simulate", scene, "--seconds", "0.5", "--backend", "cpu"], more].concat())
+    };
+    let plain = scene("plain.toml", "");
+    let output = simulate(&plain, &[]);
+    assert_eq!(output.status.code(), Some(1));
+    let error = String::from_utf8(output.stderr).unwrap();
+    assert!(error.contains("no humanoid") && error.contains("--rig-map"), "{error}");
+    let mut map = String::from_utf8(output.stdout).unwrap();
+    for joint in gaitway::gait::Joint::ALL {
+        let filled = format!("\n{} = \"Bone {}\"", joint.name(), joint as usize);
+        map = map.replace(&format!("\n{} = \"\"", joint.name()), &filled);
+    }
+    std::fs::write(file("hero.rig.toml"), &map).unwrap();
+    let output = simulate(&plain, &["--rig-map", &file("hero.rig.toml")]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let own = scene("own.toml", "rig_maps = [\"hero.rig.toml\"]");
+    assert!(simulate(&own, &[]).status.success());
+    // a map for somebody else
+    std::fs::write(file("other.toml"), map.replace("avatar = \"hero\"", "avatar = \"heroine\"")).unwrap();
+    let error = simulate(&plain, &["--rig-map", &file("other.toml")]).stderr;
+    let error = String::from_utf8(error).unwrap();
+    assert!(error.contains("heroine") && error.contains("hero, female"), "{error}");
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -150,6 +150,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
             positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
             normals: vec![Vec3::Y; 4],
             colors: vec![Vec3::splat(0.35); 4],
+            layers: vec![1; 4],
             indices: vec![0, 1, 2, 0, 2, 3],
         };
         let mut show = Show::new(&mut simulation, &meshes, &plane, Settings::sized(W, H), None).unwrap();

@@ -61,6 +61,7 @@ fn ground() -> EnvironmentMesh {
         positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
         normals: vec![Vec3::Y; 4],
         colors: vec![Vec3::splat(0.35); 4],
+        layers: vec![1; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
     }
 }

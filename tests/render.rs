@@ -11,6 +11,8 @@
     reason = "helpers of tests; small made-up numbers"
 )]
 
+#[path = "render/bodies.rs"]
+mod bodies;
 #[path = "render/support.rs"]
 mod support;
 

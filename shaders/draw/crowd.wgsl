@@ -58,17 +58,18 @@ fn pose(vertex: u32, instance: u32) -> Placed {
     );
 }
 
-// The vertex colour, tinted with the agent's colour of its material.
-fn agent_color(vertex: u32, instance: u32) -> vec3<f32> {
-    let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
-    return tinted(color, mesh_vertices[vertex][0].w, look[visible[bucket_start[bucket] + instance]].zw);
+// The vertex colour, tinted with the agent's colour of its material, and its alpha.
+fn agent_color(vertex: u32, instance: u32) -> vec4<f32> {
+    let color = bitcast<vec4<f32>>(mesh_vertices[vertex][3]);
+    let colors = look[visible[bucket_start[bucket] + instance]].zw;
+    return vec4<f32>(tinted(color.rgb, mesh_vertices[vertex][0].w, colors), color.a);
 }
 
 struct CrowdVertex {
     @builtin(position) clip: vec4<f32>,
     @location(0) world: vec3<f32>,
     @location(1) normal: vec3<f32>,
-    @location(2) color: vec3<f32>,
+    @location(2) color: vec4<f32>,
 }
 
 @vertex
@@ -84,7 +85,7 @@ fn crowd_vertex(
 
 @fragment
 fn crowd_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
-    return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+    return finish(shade(in.world, normalize(in.normal), in.color.rgb), in.world, eye);
 }
 
 // Bodies nearer to an eye than this begin to dissolve, and are gone, m: nobody is seen from the inside.
@@ -110,13 +111,25 @@ fn is_faded(world: vec3<f32>) -> bool {
     return whole <= (f32(order) + 0.5) / 16.0;
 }
 
+// How many of a pixel's samples glass covers, as a share: what its alpha says, dithered over two by two pixels. The
+// pipeline turns whole samples into coverage. Blending proper would need the surfaces of the whole crowd from back to front;
+// this needs no order, so that pictures do not depend on one, and depth stays true for what is drawn later.
+fn coverage(alpha: f32, place: vec4<f32>) -> f32 {
+    let x = u32(place.x) & 1u;
+    let y = u32(place.y) & 1u;
+    let order = ((x ^ y) << 1u) | y; // Bayer's
+    let samples = f32(view.samples);
+    return min(floor(alpha * samples + (f32(order) + 0.5) * 0.25) / samples, 1.0);
+}
+
 // For the finest level only: a shader that may leave something out tests depth late.
 @fragment
 fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
-    if is_faded(in.world) {
+    let cover = select(coverage(in.color.a, in.clip), 1.0, in.color.a >= 1.0);
+    if cover <= 0.0 || is_faded(in.world) {
         discard;
     }
-    return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+    return vec4<f32>(finish(shade(in.world, normalize(in.normal), in.color.rgb), in.world, eye).rgb, cover);
 }
 
 // Of a mesh one level coarser than the picture's.

@@ -26,12 +26,13 @@ fn sky_color(direction: vec3<f32>) -> vec3<f32> {
     return mix(color, mix(view.sky_horizon.rgb, view.ground_bounce.rgb, 0.5), below * 0.6);
 }
 
-// 1 in the sun, 0 in the shadow.
-fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
+// 1 in the sun, 0 in the shadow. `lift`: 1 of what casts shadows, 0 of what casts none.
+fn sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
     // moved off the surface, so that it does not shade itself
     let facing = dot(normal, view.sun_direction.xyz);
     let slant = sqrt(max(1.0 - facing * facing, 0.0));
-    let lifted = world + (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
+    let off = (normal * (LIFT_SLANTED * slant) + view.sun_direction.xyz * LIFT) * view.sun_direction.w;
+    let lifted = world + off * lift;
     let clip = (view.shadow_from_world * vec4<f32>(lifted, 1.0)).xyz;
     let from_edge = (1.0 - max(abs(clip.x), abs(clip.y))) * SHADOW_EDGE;
     if from_edge <= 0.0 {
@@ -50,10 +51,15 @@ fn sunlight(world: vec3<f32>, normal: vec3<f32>) -> f32 {
 
 // Light that a matt surface sends to the eye, before haze and tone. What of its colour is above 1 glows.
 fn shade(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>) -> vec3<f32> {
+    return shade_lifted(world, normal, color, 1.0);
+}
+
+// The same of a surface that may not be in the shadow map.
+fn shade_lifted(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>, lift: f32) -> vec3<f32> {
     let facing = dot(normal, view.sun_direction.xyz);
     var sun = 0.0;
     if facing > 0.0 {
-        sun = facing * sunlight(world, normal);
+        sun = facing * sunlight(world, normal, lift);
     }
     let up = 0.5 + 0.5 * normal.y;
     let scattered = view.sun_color.rgb * (SCATTER * (0.5 + 0.5 * facing));

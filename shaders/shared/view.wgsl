@@ -18,7 +18,7 @@ struct ViewUniforms {
     marker_radius: f32,                     // of the ring under an agent, m
     marker_width: f32,                      // of the ring's line, m
     far_count: u32,                         // buckets of far bodies
-    pad0: u32,
+    samples: u32,                           // a pixel
     pad1: u32,
     pad2: u32,
 }

@@ -1,7 +1,7 @@
 //! Writes an avatar as binary glTF, readable by any viewer and, without loss, by [`super::load()`].
 //!
 //! One skinned mesh (level 0) with one primitive per [`Material`], named `gaitway.skin` and so on: the base colour
-//! of the material is an example, the vertex colours are the avatar's.
+//! of the material is an example, the vertex colours are the avatar's. Glass has a primitive and a material of its own.
 
 use super::{Avatar, Error, Material, Mesh};
 use crate::gait::{JOINT_COUNT, Joint};
@@ -67,14 +67,18 @@ pub fn glb(avatar: &Avatar) -> Vec<u8> {
     let primitives = primitives(&mut buffer, avatar.levels.first().unwrap_or(&empty));
     let mut nodes: Vec<Value> = Joint::ALL.iter().map(|&joint| node(avatar, joint)).collect();
     nodes.push(json!({ "name": avatar.name, "mesh": 0, "skin": 0 }));
-    let materials: Vec<Value> = MATERIALS
-        .iter()
-        .map(|(_, name, [r, g, b])| {
-            let surface =
-                json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 });
-            json!({ "name": name, "pbrMetallicRoughness": surface })
-        })
-        .collect();
+    let material = |(_, name, [r, g, b]): &(Material, &str, [f32; 3])| {
+        let surface =
+            json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 });
+        json!({ "name": name, "pbrMetallicRoughness": surface })
+    };
+    let mut materials: Vec<Value> = MATERIALS.iter().map(material).collect();
+    if primitives.iter().any(|primitive| primitive["material"].as_u64() >= Some(materials.len() as u64)) {
+        materials.extend(MATERIALS.iter().map(material).map(|mut glass| {
+            glass["alphaMode"] = json!("BLEND");
+            glass
+        }));
+    }
     let joints: Vec<usize> = (0..JOINT_COUNT).collect();
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("gaitway ", env!("CARGO_PKG_VERSION")), "copyright": "CC0 1.0" },
@@ -118,11 +122,17 @@ fn node(avatar: &Avatar, joint: Joint) -> Value {
     node
 }
 
-/// One primitive per material that has triangles; each has its own vertices.
+/// One primitive per material that has triangles, and one of its glass; each has its own vertices.
 fn primitives(buffer: &mut Buffer, mesh: &Mesh) -> Vec<Value> {
     let mut primitives = Vec::new();
-    for (index, (material, ..)) in MATERIALS.iter().enumerate() {
-        let own = |t: &&[u32]| mesh.vertices.get(t[0] as usize).is_some_and(|v| v.material == *material);
+    let glass = MATERIALS.iter().map(|material| (material, true));
+    let all = MATERIALS.iter().map(|material| (material, false)).chain(glass);
+    for (index, ((material, ..), is_glass)) in all.enumerate() {
+        let vertex = |corner: &u32| mesh.vertices.get(*corner as usize);
+        let own = |t: &&[u32]| {
+            let has_alpha = t.iter().filter_map(vertex).any(|v| v.alpha < 1.0);
+            has_alpha == is_glass && vertex(&t[0]).is_some_and(|v| v.material == *material)
+        };
         let mut renamed = vec![u32::MAX; mesh.vertices.len()];
         let mut vertices = Vec::new();
         let mut indices: Vec<u32> = Vec::new();
@@ -146,7 +156,12 @@ fn primitives(buffer: &mut Buffer, mesh: &Mesh) -> Vec<Value> {
         let (least, most) = (json!(bound(Vec3::min)), json!(bound(Vec3::max)));
         let positions = buffer.floats(&vectors(|v| v.position), 3, "VEC3", &[("min", least), ("max", most)]);
         let normals = buffer.floats(&vectors(|v| v.normal), 3, "VEC3", &[]);
-        let colors = buffer.floats(&vectors(|v| v.color), 3, "VEC3", &[]);
+        let colors = if is_glass {
+            let colors: Vec<f32> = vertices.iter().flat_map(|v| v.color.extend(v.alpha).to_array()).collect();
+            buffer.floats(&colors, 4, "VEC4", &[])
+        } else {
+            buffer.floats(&vectors(|v| v.color), 3, "VEC3", &[])
+        };
         let joints: Vec<u8> = vertices.iter().flat_map(|v| v.joints).collect();
         let joints = buffer.add(&joints, vertices.len(), BYTE, "VEC4", &[]);
         let weights: Vec<f32> = vertices.iter().flat_map(|v| v.weights).collect();

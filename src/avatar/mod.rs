@@ -18,7 +18,7 @@ pub use body::{Sex, generated};
 pub use far::{FarMesh, FarVertex, Limb};
 use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
-pub use load::{Loaded, load, load_bytes, load_with_map, triangles};
+pub use load::{Loaded, Model, load, load_bytes, load_with_map, model, triangles};
 pub use posture::Posture;
 pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;
@@ -49,6 +49,8 @@ pub struct Vertex {
     pub normal: Vec3,
     /// Linear colour, 0 to 1; the renderer multiplies it with the agent's colour of `material`.
     pub color: Vec3,
+    /// How much of what is behind it the surface hides, 0 to 1; 1 of everything but glass.
+    pub alpha: f32,
     /// Which of the agent's colours tints this vertex.
     pub material: Material,
     /// Up to four driven joints, as [`Joint`] indices.
@@ -94,7 +96,7 @@ pub struct Avatar {
     pub levels: Vec<Mesh>,
     /// Midpoint of the eyes in the head joint's space, m.
     pub eyes_in_head: Vec3,
-    /// Standing height, m.
+    /// Standing height from sole to crown, m: headwear does not count.
     pub height: f32,
 }
 
@@ -120,6 +122,12 @@ pub struct Clip {
 }
 
 impl Avatar {
+    /// The highest point at rest, m: [`Self::height`] and what is worn on the head.
+    pub fn top(&self) -> f32 {
+        let vertices = self.levels.iter().flat_map(|mesh| &mesh.vertices);
+        vertices.map(|vertex| vertex.position.y).fold(self.height, f32::max)
+    }
+
     /// Model-space transform of each joint for the given local rotations and root position.
     pub fn model_from_joint(&self, rotations: &[Quat; JOINT_COUNT], root: Vec3) -> [Mat4; JOINT_COUNT] {
         let mut model = [Mat4::IDENTITY; JOINT_COUNT];
@@ -154,11 +162,45 @@ pub enum Error {
         source: std::io::Error,
     },
     /// The file cannot be used as a character.
-    #[error("character {name:?}: {message}")]
+    #[error("{name:?}: {message}")]
     Unusable {
         /// File or avatar.
         name: String,
         /// Why, with what was found and what was expected.
         message: String,
     },
+    /// The file is packed in a way that is not read.
+    #[error("{name:?} needs the glTF extension {extension}, which is not read")]
+    Packed {
+        /// File or avatar.
+        name: String,
+        /// The extension, as the file names it.
+        extension: String,
+        /// What to do; a command line where there is one.
+        hint: &'static str,
+    },
+    /// The joints of a character were not recognised.
+    #[error("character {name:?}: {message}")]
+    Rig {
+        /// File or avatar.
+        name: String,
+        /// Which joints are missing, or what is wrong with the rig map.
+        message: String,
+        /// A [`RigMap`] to fill in, as TOML: what was found, and the file's joints as comments.
+        map: String,
+    },
+}
+
+impl Error {
+    /// What the user can do about it, where the message does not say so itself.
+    pub fn hint(&self) -> Option<&str> {
+        match self {
+            Self::Packed { hint, .. } => Some(hint),
+            Self::Rig { .. } => Some(
+                "fill in the rig map on standard output (`gaitway ... > rig.toml` keeps it) and give it with \
+                 --rig-map rig.toml, or in the scenario: population.rig_maps = [\"rig.toml\"]",
+            ),
+            _ => None,
+        }
+    }
 }

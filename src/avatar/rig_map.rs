@@ -15,20 +15,35 @@ use std::path::Path;
 /// As TOML, keys are the names of [`Joint::name`], values the node names of the file:
 ///
 /// ```toml
+/// avatar = "hero"  # whom it is for: the file's name without its ending; left out: every file
+/// height = 1.7     # m, from sole to crown; left out: measured
+///
 /// [joints]
 /// root = "Bone"
 /// left_hip = "Bone.012"
+/// neck = ""        # empty: as if left out
+/// left_knee = "#7" # a node without a name, by its number
 /// ```
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
+///
+/// A rig that is not recognised is refused with such a map to fill in ([`Error::Rig`]).
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct RigMap {
+    avatar: Option<String>,
+    height: Option<f32>,
     names: [Option<String>; JOINT_COUNT],
 }
 
 #[derive(serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 struct RigMapFile {
+    avatar: Option<String>,
+    height: Option<f32>,
+    #[serde(default)]
     joints: BTreeMap<String, String>,
 }
+
+/// Heights that a map may give, m.
+const HEIGHTS: std::ops::RangeInclusive<f32> = 0.3..=5.0;
 
 impl RigMap {
     /// Reads a map from TOML text; `name` is what errors call it.
@@ -38,13 +53,17 @@ impl RigMap {
     pub fn from_toml(name: &str, text: &str) -> Result<Self, Error> {
         let unusable = |message: String| Error::Unusable { name: name.to_owned(), message };
         let file: RigMapFile = toml::from_str(text).map_err(|error| unusable(format!("rig map: {error}")))?;
-        let mut map = Self::default();
+        if let Some(height) = file.height.filter(|height| !HEIGHTS.contains(height)) {
+            let (least, most) = (HEIGHTS.start(), HEIGHTS.end());
+            return Err(unusable(format!("rig map: height = {height}: must be {least} to {most} m")));
+        }
+        let mut map = Self { avatar: file.avatar, height: file.height, ..Self::default() };
         for (key, node) in file.joints {
             let joint = Joint::ALL.into_iter().find(|joint| joint.name() == key).ok_or_else(|| {
                 let known = Joint::ALL.map(Joint::name).join(", ");
                 unusable(format!("rig map: no joint is called {key:?}; use one of {known}"))
             })?;
-            map.names[joint as usize] = Some(node);
+            map.names[joint as usize] = Some(node).filter(|node| !node.is_empty());
         }
         Ok(map)
     }
@@ -57,6 +76,16 @@ impl RigMap {
         let text =
             std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
         Self::from_toml(&path.display().to_string(), &text)
+    }
+
+    /// Whom it is for, by the name of the file without its ending; none: every file.
+    pub fn avatar(&self) -> Option<&str> {
+        self.avatar.as_deref()
+    }
+
+    /// The height from sole to crown that it gives, m.
+    pub const fn height(&self) -> Option<f32> {
+        self.height
     }
 
     /// Node name given for a joint.
@@ -105,9 +134,9 @@ const NOISE: [&str; 21] = [
 ];
 
 /// Splits at separators, case changes and digits; lower case.
-fn tokens(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let letters: Vec<char> = name.chars().collect();
-    let mut tokens: Vec<String> = Vec::new();
+    let mut words: Vec<String> = Vec::new();
     let mut fresh = true;
     for (i, &c) in letters.iter().enumerate() {
         if !c.is_alphanumeric() {
@@ -121,14 +150,14 @@ fn tokens(name: &str) -> Vec<String> {
                 || (c.is_uppercase() && (b.is_lowercase() || after.is_some_and(|a| a.is_lowercase())))
         });
         if fresh || starts {
-            tokens.push(String::new());
+            words.push(String::new());
         }
         fresh = false;
-        if let Some(last) = tokens.last_mut() {
+        if let Some(last) = words.last_mut() {
             last.extend(c.to_lowercase());
         }
     }
-    tokens
+    words
 }
 
 /// Side and body part of a node name.
@@ -137,7 +166,7 @@ pub(super) fn normalise(name: &str) -> (Option<Side>, String) {
     let mut side = None;
     let mut part = String::new();
     let mut after_noise = false;
-    for token in tokens(name) {
+    for token in words(name) {
         let number = token.chars().all(char::is_numeric);
         match token.as_str() {
             "l" | "left" => side = side.or(Some(Side::Left)),
@@ -150,8 +179,9 @@ pub(super) fn normalise(name: &str) -> (Option<Side>, String) {
         }
     }
     if side.is_none() {
-        // CMU: lfemur, rradius.
-        for (prefix, found) in [("l", Side::Left), ("r", Side::Right)] {
+        // lefthand; CMU: lfemur, rradius.
+        let prefixes = [("left", Side::Left), ("right", Side::Right), ("l", Side::Left), ("r", Side::Right)];
+        for (prefix, found) in prefixes {
             if let Some(rest) = part.strip_prefix(prefix).filter(|rest| known_part(rest)) {
                 return (Some(found), rest.to_owned());
             }
@@ -180,7 +210,7 @@ pub(super) fn parts(joint: Joint) -> &'static [&'static str] {
         Joint::LeftElbow | Joint::RightElbow => {
             &["lowerarm", "forearm", "lowarm", "lowerarm1", "radius", "elbow"]
         }
-        Joint::LeftHand | Joint::RightHand => &["wrist", "hand", "palm", "fist"],
+        Joint::LeftHand | Joint::RightHand => &["wrist", "hand", "palm", "fist", "wrist1", "hand1", "palm1"],
         Joint::LeftHip | Joint::RightHip => {
             &["upperleg", "upleg", "thigh", "femur", "upperleg1", "hip", "leg"]
         }
@@ -245,6 +275,11 @@ mod tests {
             ("Left knee", Some(Left), "knee"),
             ("LowerBack", None, "lowerback"),
             ("radius", None, "radius"),
+            ("Palm.L", Some(Left), "palm"),
+            ("PalmR", Some(Right), "palm"),
+            ("palm_01_l", Some(Left), "palm1"),
+            ("leftpalm", Some(Left), "palm"),
+            ("rpalm", Some(Right), "palm"),
         ] {
             assert_eq!(normalise(name), (side, part.to_owned()), "{name}");
         }
@@ -257,6 +292,10 @@ mod tests {
         assert_eq!(map, RigMap::default().with(Joint::Root, "Bone").with(Joint::LeftHip, "Bone.012"));
         let message = RigMap::from_toml("map", "[joints]\ntail = \"Bone\"").unwrap_err().to_string();
         assert!(message.contains("\"tail\"") && message.contains("left_hip"), "{message}");
+        let map = RigMap::from_toml("map", "avatar = \"a\"\nheight = 1.8\n[joints]\nneck = \"\"").unwrap();
+        assert_eq!((map.avatar(), map.height(), map.name(Joint::Neck)), (Some("a"), Some(1.8), None));
+        let message = RigMap::from_toml("map", "height = 170").unwrap_err().to_string();
+        assert!(message.contains("0.3 to 5 m"), "{message}");
         let message = RigMap::from_toml("map", "[joints]\nroot = 3").unwrap_err().to_string();
         assert!(message.contains("line 2"), "{message}");
     }

@@ -46,6 +46,7 @@ pub(super) fn ground(side: f32) -> EnvironmentMesh {
         ],
         normals: vec![Vec3::Y; 4],
         colors: vec![Vec3::splat(0.35); 4],
+        layers: vec![1; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
     }
 }

@@ -113,6 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         seed: Some(arguments.seed),
         condition: None,
         library: None,
+        rigs: super::avatars::RigArguments::default(),
         preference: super::preference::PreferenceArguments::default(),
         place: arguments.place.clone(),
     })?;

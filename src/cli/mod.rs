@@ -3,6 +3,7 @@
 //! Results go to standard output (one JSON object and nothing else with `--json`), progress and errors to standard
 //! error. Exit codes: 0 done, 1 it went wrong (`error: …`, `hint: …`), 2 the command line is wrong.
 
+mod avatars;
 mod bench;
 #[cfg(feature = "vulkan")]
 mod demo;

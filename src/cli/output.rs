@@ -33,6 +33,9 @@ pub(super) fn complain(error: &Error) {
     if let Some(hint) = hint {
         note(&format!("hint: {hint}"));
     }
+    if let Error::Avatar(crate::avatar::Error::Rig { map, .. }) = error {
+        say(map.trim_end());
+    }
 }
 
 /// Prints the one JSON object of `--json`.

@@ -1,5 +1,6 @@
 //! `gaitway replay`: other people's crowds, recorded or simulated, with bodies, gaits and emotions.
 
+use super::avatars::RigArguments;
 use super::output::{note, say, say_json, thousands};
 use super::preference::PreferenceArguments;
 use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, scenario_of, start};
@@ -47,6 +48,8 @@ pub(super) struct Arguments {
     /// Gaits to walk with [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     library: Option<PathBuf>,
+    #[command(flatten)]
+    rigs: RigArguments,
     #[command(flatten)]
     preference: PreferenceArguments,
     #[command(flatten)]
@@ -259,7 +262,8 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     arguments.preference.apply(&mut scenario);
     let replay = Replay::new(&recording, ReplayOptions { smooth: reading.smooth, from });
     let base = arguments.scene.as_ref().and_then(|scene| Path::new(scene).parent());
-    let scene = Scene::with_replay(scenario, arguments.library.as_deref(), base, replay)?;
+    let places = (base, &arguments.rigs);
+    let scene = Scene::with_replay(scenario, arguments.library.as_deref(), places, replay)?;
     Ok((scene, recording.report))
 }
 

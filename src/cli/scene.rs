@@ -1,9 +1,9 @@
 //! What `simulate`, `render` and `demo` have in common: which crowd, where, on which backend.
 
+use super::avatars::{RigArguments, avatars_of};
 use super::preference::PreferenceArguments;
 use super::{output::note, usage};
 use crate::Error;
-use crate::avatar::{self, Avatar, Sex};
 use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
@@ -32,6 +32,8 @@ pub(super) struct SceneArguments {
     /// Gaits to walk with [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     pub(super) library: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) rigs: RigArguments,
     #[command(flatten)]
     pub(super) preference: PreferenceArguments,
     #[command(flatten)]
@@ -124,7 +126,7 @@ impl Scene {
         let library = library(arguments.library.as_deref())?;
         let base = Path::new(&arguments.scene).parent();
         let crowd = populate_from(&scenario, &library)?;
-        let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
+        let cast = cast_of(&scenario, &library, base, &arguments.rigs)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: None })
     }
 
@@ -132,13 +134,13 @@ impl Scene {
     pub(super) fn with_replay(
         scenario: Scenario,
         library: Option<&Path>,
-        base: Option<&Path>,
+        (base, rigs): (Option<&Path>, &RigArguments),
         mut replay: Replay,
     ) -> Result<Self, Error> {
         let library = self::library(library)?;
         let mut crowd = populate_from(&scenario, &library)?;
         replay.join(&scenario, &library, &mut crowd)?;
-        let cast = Cast::new(library.gaits(), avatars_of(&scenario, base)?)?;
+        let cast = cast_of(&scenario, &library, base, rigs)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: Some(replay) })
     }
 
@@ -227,23 +229,12 @@ pub(super) fn library(path: Option<&Path>) -> Result<GaitLibrary, Error> {
     })
 }
 
-/// The avatars of a scenario; files are looked for beside the scenario's own, `base`.
-pub(super) fn avatars_of(scenario: &Scenario, base: Option<&Path>) -> Result<Vec<Avatar>, Error> {
-    scenario.population.avatars.iter().map(|name| character(name, base)).collect()
-}
-
-/// An avatar by name: a generated body, or a glTF or VRM file.
-fn character(name: &str, base: Option<&Path>) -> Result<Avatar, Error> {
-    if let Some(sex) = Sex::ALL.into_iter().find(|sex| sex.name() == name) {
-        return Ok(avatar::generated(sex));
-    }
-    let path = Path::new(name);
-    let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
-    if !matches!(ending.as_deref(), Some("glb" | "gltf" | "vrm")) {
-        return Err(usage(
-            format!("population.avatars: there is no avatar {name:?}"),
-            "use \"female\", \"male\", or the path of a .glb, .gltf or .vrm file",
-        ));
-    }
-    Ok(avatar::load(&base.map_or_else(|| path.to_owned(), |base| base.join(path)))?)
+/// Everyone who can appear in a scene; files are looked for in `base`.
+fn cast_of(
+    scenario: &Scenario,
+    library: &GaitLibrary,
+    base: Option<&Path>,
+    rigs: &RigArguments,
+) -> Result<Cast, Error> {
+    Cast::new(library.gaits(), avatars_of(scenario, base, rigs)?)
 }

@@ -1,6 +1,7 @@
 //! A contact sheet of the two bodies walking as each emotion, drawn by the renderer.
 
-use super::scene::{PlaceArguments, Scene, avatars_of, library};
+use super::avatars::{RigArguments, avatars_of};
+use super::scene::{PlaceArguments, Scene, library};
 use super::stage::Stage;
 use crate::Error;
 use crate::emotion::Emotion;
@@ -69,7 +70,7 @@ fn caption(number: usize) -> String {
 fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
     let library = library(None)?;
-    let cast = Cast::new(library.gaits(), avatars_of(&scenario, None)?)?;
+    let cast = Cast::new(library.gaits(), avatars_of(&scenario, None, &RigArguments::default())?)?;
     let mut crowd = Crowd { stages: vec![Stop::waypoint(Vec2::ZERO, 1.0)], ..Crowd::default() };
     for emotion in Emotion::ALL {
         for (row, sex) in (0..ROWS).zip(Sex::ALL) {

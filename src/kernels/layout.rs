@@ -198,7 +198,7 @@ pub struct ViewUniforms {
     pub marker_radius: f32,
     pub marker_width: f32,
     pub far_count: u32,
-    pub pad0: u32,
+    pub samples: u32,
     pub pad1: u32,
     pub pad2: u32,
 }

@@ -98,6 +98,7 @@ impl Occlusion {
             write_depth: false,
             has_depth: false,
             blend: false,
+            covers: false,
         })?;
         let tiles = GpuImage::new(
             device,

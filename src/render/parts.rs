@@ -135,6 +135,7 @@ pub(crate) fn pipelines(
         write_depth: true,
         has_depth: true,
         blend: false,
+        covers: false,
     };
     // both sides cast shadows: no surface needs to be closed
     let shadow = |vertex| PipelineSpec {
@@ -159,7 +160,9 @@ pub(crate) fn pipelines(
         environment: programs.environment.pipeline(&solid("environment_vertex", "environment_fragment"))?,
         environment_shadow: programs.environment.pipeline(&shadow("environment_shadow"))?,
         crowd: programs.crowd.pipeline(&solid("crowd_vertex", "crowd_fragment"))?,
-        crowd_near: programs.crowd.pipeline(&solid("crowd_vertex", "crowd_near_fragment"))?,
+        crowd_near: programs
+            .crowd
+            .pipeline(&PipelineSpec { covers: true, ..solid("crowd_vertex", "crowd_near_fragment") })?,
         crowd_shadow: programs.crowd.pipeline(&shadow("crowd_shadow"))?,
         far: programs.far.pipeline(&solid("far_vertex", "far_fragment"))?,
         far_shadow: programs.far.pipeline(&shadow("far_shadow"))?,

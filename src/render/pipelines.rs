@@ -47,6 +47,8 @@ pub(crate) struct PipelineSpec {
     /// Whether there is a depth attachment.
     pub(crate) has_depth: bool,
     pub(crate) blend: bool,
+    /// Whether alpha says how many of a pixel's samples are covered.
+    pub(crate) covers: bool,
 }
 
 fn descriptor_type(kind: DrawBindingKind) -> vk::DescriptorType {
@@ -215,19 +217,22 @@ impl Program {
             .cull_mode(spec.cull)
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
-        let multisample =
-            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(spec.samples);
+        let multisample = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(spec.samples)
+            .alpha_to_coverage_enable(spec.covers && spec.samples != vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(spec.has_depth)
             .depth_write_enable(spec.write_depth)
             .depth_compare_op(spec.compare);
+        let rgb = vk::ColorComponentFlags::R | vk::ColorComponentFlags::G | vk::ColorComponentFlags::B;
+        let written = if spec.covers { rgb } else { vk::ColorComponentFlags::RGBA };
         let attachment = [vk::PipelineColorBlendAttachmentState::default()
             .blend_enable(spec.blend)
             .src_color_blend_factor(vk::BlendFactor::SRC_ALPHA)
             .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
-            .color_write_mask(vk::ColorComponentFlags::RGBA)];
+            .color_write_mask(written)];
         let attachment = if spec.fragment.is_some() { &attachment[..] } else { &[] };
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(attachment);
         let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];

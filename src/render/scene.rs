@@ -12,11 +12,13 @@ pub struct Surface<'a> {
     pub normals: &'a [Vec3],
     /// Linear colour of each vertex, 0 to 1; what is above 1 glows.
     pub colors: &'a [Vec3],
+    /// Of what lies flat, the layer of each vertex, see [`crate::scenario::EnvironmentMesh::layers`]; empty: nothing does.
+    pub layers: &'a [u8],
     /// Three indices per triangle.
     pub indices: &'a [u32],
 }
 
-/// Position, normal and colour of a vertex, as `shaders/draw/environment.wgsl` reads them.
+/// Position with layer, normal and colour of a vertex, as `shaders/draw/environment.wgsl` reads them.
 pub(crate) type PackedVertex = [[f32; 4]; 3];
 
 /// One list of vertices and one of indices for several surfaces.
@@ -27,6 +29,11 @@ pub(crate) fn pack(surfaces: &[Surface<'_>]) -> Result<(Vec<PackedVertex>, Vec<u
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     for (number, surface) in surfaces.iter().enumerate() {
         let count = surface.positions.len();
+        let is_layered = !surface.layers.is_empty();
+        if is_layered && surface.layers.len() != count {
+            let found = surface.layers.len();
+            return Err(Error::Mesh(format!("surface {number} has {count} positions, but {found} layers")));
+        }
         if surface.normals.len() != count || surface.colors.len() != count {
             return Err(Error::Mesh(format!(
                 "surface {number} has {count} positions, {} normals and {} colours; it needs one of each per vertex",
@@ -45,8 +52,11 @@ pub(crate) fn pack(surfaces: &[Surface<'_>]) -> Result<(Vec<PackedVertex>, Vec<u
         }
         let first = u32::try_from(vertices.len())
             .map_err(|error| Error::Mesh(format!("{} vertices: {error}", vertices.len())))?;
-        let parts = surface.positions.iter().zip(surface.normals).zip(surface.colors);
-        vertices.extend(parts.map(|((p, n), c)| [*p, *n, *c].map(|v| v.extend(0.0).to_array())));
+        let layers = surface.layers.iter().copied().chain(std::iter::repeat(0));
+        let parts = surface.positions.iter().zip(surface.normals).zip(surface.colors).zip(layers);
+        vertices.extend(parts.map(|(((p, n), c), layer)| {
+            [p.extend(f32::from(layer)), n.extend(0.0), c.extend(0.0)].map(|v| v.to_array())
+        }));
         indices.extend(surface.indices.iter().map(|index| first + index));
     }
     Ok((vertices, indices))
@@ -59,8 +69,9 @@ mod tests {
     #[test]
     fn surfaces_are_joined_and_wrong_ones_refused_with_the_place() {
         let (three, four) = ([Vec3::X, Vec3::Y, Vec3::Z], [Vec3::ONE; 4]);
-        let good = Surface { positions: &three, normals: &three, colors: &three, indices: &[0, 1, 2] };
-        let (vertices, indices) = pack(&[good, good]).unwrap();
+        let good =
+            Surface { positions: &three, normals: &three, colors: &three, layers: &[], indices: &[0, 1, 2] };
+        let (vertices, indices) = pack(&[good, Surface { layers: &[0, 0, 0], ..good }]).unwrap();
         assert_eq!(indices, [0, 1, 2, 3, 4, 5]);
         assert_eq!(vertices[4], [[0.0, 1.0, 0.0, 0.0]; 3]);
         let message = |surface| pack(&[good, surface]).unwrap_err().to_string();
@@ -69,6 +80,9 @@ mod tests {
         );
         assert!(message(Surface { indices: &[0, 1], ..good }).contains("2 indices"));
         assert!(message(Surface { indices: &[0, 1, 3], ..good }).contains("index 3"));
+        assert!(message(Surface { layers: &[1], ..good }).contains("1 layers"));
+        let (flat, _) = pack(&[Surface { layers: &[2, 2, 2], ..good }]).unwrap();
+        assert_eq!(flat[0][0].map(f32::to_bits), [1.0_f32, 0.0, 0.0, 2.0].map(f32::to_bits));
         assert!(pack(&[]).unwrap().0.is_empty());
     }
 }

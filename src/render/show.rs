@@ -72,6 +72,7 @@ pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
         positions: &scenery.positions,
         normals: &scenery.normals,
         colors: &scenery.colors,
+        layers: &scenery.layers,
         indices: &scenery.indices,
     }
 }

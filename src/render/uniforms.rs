@@ -56,6 +56,7 @@ impl Renderer {
             marker_radius: markers.radius,
             marker_width: markers.width,
             far_count: self.meshes.as_ref().map_or(0, |meshes| meshes.far_count),
+            samples: self.settings.samples,
             ..ViewUniforms::default()
         }
     }

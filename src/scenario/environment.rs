@@ -181,7 +181,7 @@ impl Environment {
         let (middle, size) = ((low + high) * 0.5, high - low + margin * 2.0);
         let ground = self.ground.unwrap_or_default();
         let mut builder = Builder::new(&mut mesh, Vec3::ZERO, 0.0);
-        builder.sheet(Vec3::new(middle.x, props::GROUND, middle.y), size.x, size.y, ground.color());
+        builder.on(props::GROUND).sheet(Vec3::new(middle.x, 0.0, middle.y), size.x, size.y, ground.color());
         let mut order: Vec<(f32, usize)> =
             self.props.iter().enumerate().map(|(i, prop)| (nearness(prop, focus), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -215,6 +215,7 @@ impl EnvironmentMesh {
         self.positions.clear();
         self.normals.clear();
         self.colors.clear();
+        self.layers.clear();
         self.indices.clear();
     }
 
@@ -223,6 +224,7 @@ impl EnvironmentMesh {
         self.positions.extend(&part.positions);
         self.normals.extend(&part.normals);
         self.colors.extend(&part.colors);
+        self.layers.extend(&part.layers);
         self.indices.extend(part.indices.iter().map(|index| base.saturating_add(*index)));
     }
 }

@@ -260,8 +260,8 @@ impl Floors {
             for i in 1..corners.len() - 1 {
                 // seen from above, (x, z) is left-handed: counter-clockwise there is clockwise from above
                 let [a, b, c] = [corners[0], corners[i], corners[i + 1]];
-                builder.triangle([c, b, a].map(|p| at(p, 0.0)), concrete);
-                builder.triangle([a, b, c].map(|p| at(p, SLAB)), concrete * 0.6);
+                builder.on(1).triangle([c, b, a].map(|p| at(p, 0.0)), concrete);
+                builder.on(0).triangle([a, b, c].map(|p| at(p, SLAB)), concrete * 0.6);
             }
             for (a, b) in polygon::edges(&corners) {
                 builder.quad([at(a, 0.0), at(b, 0.0), at(b, SLAB), at(a, SLAB)], concrete * 0.8);

@@ -11,6 +11,9 @@ pub struct EnvironmentMesh {
     pub normals: Vec<Vec3>,
     /// Linear colour of each vertex, 0 to 1; above 1 the surface glows.
     pub colors: Vec<Vec3>,
+    /// Of what lies flat and casts no shadow, the layer of each vertex: 1 is what people stand on, the ones below are seen
+    /// where nothing lies above them. 0 of everything else. Empty: 0 everywhere.
+    pub layers: Vec<u8>,
     /// Three indices per triangle.
     pub indices: Vec<u32>,
 }
@@ -38,11 +41,18 @@ pub(super) struct Builder<'a> {
     mesh: &'a mut EnvironmentMesh,
     origin: Vec3,
     turn: Quat,
+    layer: u8,
 }
 
 impl<'a> Builder<'a> {
     pub(super) fn new(mesh: &'a mut EnvironmentMesh, origin: Vec3, heading: f32) -> Self {
-        Self { mesh, origin, turn: Quat::from_rotation_y(heading) }
+        Self { mesh, origin, turn: Quat::from_rotation_y(heading), layer: 0 }
+    }
+
+    /// What follows lies flat in this layer; 0: it does not.
+    pub(super) fn on(&mut self, layer: u8) -> &mut Self {
+        self.layer = layer;
+        self
     }
 
     fn vertex(&mut self, position: Vec3, normal: Vec3, color: Vec3) -> u32 {
@@ -50,6 +60,7 @@ impl<'a> Builder<'a> {
         self.mesh.positions.push(self.origin + self.turn * position);
         self.mesh.normals.push(self.turn * normal);
         self.mesh.colors.push(color);
+        self.mesh.layers.push(self.layer);
         index
     }
 

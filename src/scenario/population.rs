@@ -151,6 +151,10 @@ pub struct Population {
     pub scale: [f32; 2],
     /// Names of the avatars in use; `AgentStart::avatar` is an index into this list.
     pub avatars: Vec<String>,
+    /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised, see
+    /// [`crate::avatar::RigMap`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rig_maps: Vec<String>,
     /// Gender of each avatar, in their order; left out: that of the built-in ones is known, that of files is not.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub avatar_genders: Vec<Sex>,
@@ -209,6 +213,7 @@ impl Default for Population {
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
             avatars: vec!["female".into(), "male".into()],
+            rig_maps: Vec::new(),
             avatar_genders: Vec::new(),
             emotions: Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 },
             affect: None,

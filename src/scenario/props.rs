@@ -1,15 +1,15 @@
-//! How each prop is drawn. Flat things lie in layers 1 cm apart, so that none flickers through another.
+//! How each prop is drawn. Flat things lie in layers, see [`EnvironmentMesh::layers`]: none flickers through another.
 
 use super::environment::{Prop, PropKind};
 use super::mesh::{Builder, EnvironmentMesh, srgb};
 use super::random::{Purpose, index, unit};
 use glam::Vec3;
 
-/// Height of the ground, m: 3 cm below the feet, so that all layers fit beneath them.
-pub(super) const GROUND: f32 = -0.03;
-const PAINT: f32 = -0.02;
-const PAINT_ABOVE: f32 = -0.01;
-const PAVED: f32 = 0.0;
+/// Layer of the ground, below all others.
+pub(super) const GROUND: u8 = 4;
+const PAINT: u8 = 3;
+const PAINT_ABOVE: u8 = 2;
+const PAVED: u8 = 1;
 
 /// How finely a prop is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -47,9 +47,9 @@ pub(super) fn draw(mesh: &mut EnvironmentMesh, prop: &Prop, id: u32, detail: Det
     match prop.kind {
         PropKind::Pavement => pavement(&mut b, size),
         PropKind::Zebra => zebra(&mut b, size, detail),
-        PropKind::Line => b.sheet(v(0.0, PAINT, 0.0), size.x, size.z, srgb(0xe8e8e0)),
-        PropKind::Lawn => b.sheet(v(0.0, PAINT, 0.0), size.x, size.z, srgb(0x6f9a4b)),
-        PropKind::Strip => b.sheet(v(0.0, PAINT_ABOVE, 0.0), size.x, size.z, v(0.15, 1.6, 1.9)),
+        PropKind::Line => b.on(PAINT).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xe8e8e0)),
+        PropKind::Lawn => b.on(PAINT).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0x6f9a4b)),
+        PropKind::Strip => b.on(PAINT_ABOVE).sheet(v(0.0, 0.0, 0.0), size.x, size.z, v(0.15, 1.6, 1.9)),
         PropKind::LandingPad => landing_pad(&mut b, size),
         _ if detail == Detail::Box => far(&mut b, prop.kind, size, id),
         PropKind::Building => building(&mut b, size, id, detail),
@@ -93,16 +93,16 @@ fn pavement(b: &mut Builder<'_>, size: Vec3) {
     const KERB: f32 = 0.15;
     let (w, d) = (size.x - 2.0 * KERB, size.z - 2.0 * KERB);
     if w <= 0.0 || d <= 0.0 {
-        b.sheet(v(0.0, PAVED, 0.0), size.x, size.z, srgb(0xb9b6ae));
+        b.on(PAVED).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xb9b6ae));
         return;
     }
-    b.sheet(v(0.0, PAVED, 0.0), w, d, srgb(0xaeaaa0));
+    b.on(PAVED).sheet(v(0.0, 0.0, 0.0), w, d, srgb(0xaeaaa0));
     let kerb = srgb(0xd5d2ca);
     let (x, z) = ((size.x - KERB) * 0.5, (size.z - KERB) * 0.5);
-    b.sheet(v(-x, PAVED, 0.0), KERB, size.z, kerb);
-    b.sheet(v(x, PAVED, 0.0), KERB, size.z, kerb);
-    b.sheet(v(0.0, PAVED, -z), w, KERB, kerb);
-    b.sheet(v(0.0, PAVED, z), w, KERB, kerb);
+    b.on(PAVED).sheet(v(-x, 0.0, 0.0), KERB, size.z, kerb);
+    b.on(PAVED).sheet(v(x, 0.0, 0.0), KERB, size.z, kerb);
+    b.on(PAVED).sheet(v(0.0, 0.0, -z), w, KERB, kerb);
+    b.on(PAVED).sheet(v(0.0, 0.0, z), w, KERB, kerb);
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few hundred stripes")]
@@ -113,18 +113,18 @@ fn zebra(b: &mut Builder<'_>, size: Vec3, detail: Detail) {
     let layer = if size.y > 0.015 { PAINT_ABOVE } else { PAINT };
     for i in 0..stripes {
         let x = (i as f32 + 0.5) * pitch - size.x * 0.5;
-        b.sheet(v(x, layer, 0.0), pitch * 0.55, size.z, srgb(0xeeeee8));
+        b.on(layer).sheet(v(x, 0.0, 0.0), pitch * 0.55, size.z, srgb(0xeeeee8));
     }
 }
 
 fn landing_pad(b: &mut Builder<'_>, size: Vec3) {
     let r = size.x * 0.5;
-    b.disc(v(0.0, PAINT, 0.0), r, 48, srgb(0x5b6575));
-    b.ring(v(0.0, PAINT_ABOVE, 0.0), r * 0.94, r, 48, v(0.15, 1.6, 1.9));
-    b.ring(v(0.0, PAINT_ABOVE, 0.0), r * 0.55, r * 0.62, 48, v(1.8, 0.7, 0.15));
-    b.sheet(v(0.0, PAVED, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
-    b.sheet(v(-r * 0.2, PAVED, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
-    b.sheet(v(r * 0.2, PAVED, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
+    b.on(PAINT).disc(v(0.0, 0.0, 0.0), r, 48, srgb(0x5b6575));
+    b.on(PAINT_ABOVE).ring(v(0.0, 0.0, 0.0), r * 0.94, r, 48, v(0.15, 1.6, 1.9));
+    b.on(PAINT_ABOVE).ring(v(0.0, 0.0, 0.0), r * 0.55, r * 0.62, 48, v(1.8, 0.7, 0.15));
+    b.on(PAVED).sheet(v(0.0, 0.0, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
+    b.on(PAVED).sheet(v(-r * 0.2, 0.0, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
+    b.on(PAVED).sheet(v(r * 0.2, 0.0, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
 }
 
 const WALLS: [u32; 7] = [0xb9a58c, 0x9c5f48, 0x8d99a6, 0xc9c2b2, 0x6f7d8c, 0xa88a6a, 0xd0b89a];

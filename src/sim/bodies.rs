@@ -40,7 +40,7 @@ const HEADROOM: f32 = 0.15;
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct MeshBuffers {
     /// `mesh_vertices`: `[vertex][4]`. Position and material (bits); normal and four joints of eight bits (bits); weights;
-    /// linear colour and 0.
+    /// linear colour and alpha.
     pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
@@ -164,7 +164,7 @@ fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
         vertex.position.extend(f32::from_bits(vertex.material as u32)).to_array(),
         vertex.normal.extend(f32::from_bits(u32::from_le_bytes(vertex.joints))).to_array(),
         vertex.weights,
-        vertex.color.extend(0.0).to_array(),
+        vertex.color.extend(vertex.alpha).to_array(),
     ]
 }
 
@@ -233,7 +233,7 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
         bucket_count: meshes.bucket_count(),
         visible_capacity: visible as u32,
         near_capacity: near as u32,
-        agent_height: cast.avatars().iter().map(|a| a.height).fold(0.0, f32::max) + HEADROOM,
+        agent_height: cast.avatars().iter().map(Avatar::top).fold(0.0, f32::max) + HEADROOM,
         agent_radius: REACH,
         clip_count: cast.clips().len() as u32,
         ..FrameUniforms::default()
@@ -278,6 +278,7 @@ mod tests {
             position: Vec3::new(1.0, 2.0, 3.0),
             normal: Vec3::Y,
             color: Vec3::splat(0.5),
+            alpha: 0.75,
             material: Material::Top,
             joints: [1, 2, 3, 4],
             weights: [0.4, 0.3, 0.2, 0.1],
@@ -316,7 +317,7 @@ mod tests {
         let v = &packed.vertices;
         assert_eq!(v[0][3].to_bits(), 3, "material");
         assert_eq!(v[1][3].to_bits(), 0x0403_0201, "joints");
-        assert_eq!((v[0][2], v[2], v[3]), (3.0, [0.4, 0.3, 0.2, 0.1], [0.5, 0.5, 0.5, 0.0]));
+        assert_eq!((v[0][2], v[2], v[3]), (3.0, [0.4, 0.3, 0.2, 0.1], [0.5, 0.5, 0.5, 0.75]));
     }
 
     #[test]

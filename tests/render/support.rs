@@ -63,6 +63,8 @@ pub(super) struct Boxes {
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Vec<Vec3>,
     pub(super) colors: Vec<Vec3>,
+    /// Layers of what lies flat, none unless all have one.
+    pub(super) layers: Vec<u8>,
     pub(super) indices: Vec<u32>,
 }
 
@@ -90,6 +92,7 @@ impl Boxes {
             positions: &self.positions,
             normals: &self.normals,
             colors: &self.colors,
+            layers: &self.layers,
             indices: &self.indices,
         }
     }
@@ -135,6 +138,7 @@ pub(super) fn box_person() -> Avatar {
                     position: *position,
                     normal: *normal,
                     color: Vec3::ONE,
+                    alpha: 1.0,
                     material: *material,
                     joints: [*joint; 4],
                     weights: [1.0, 0.0, 0.0, 0.0],
@@ -174,7 +178,18 @@ impl HandMade {
         colors: &[[u32; 4]],
         emotions: &[u32],
     ) -> Self {
-        let meshes = pack_avatars(&[box_person()]);
+        Self::of(device, &box_person(), places, colors, emotions)
+    }
+
+    /// The same with another body.
+    pub(super) fn of(
+        device: &Arc<Device>,
+        body: &Avatar,
+        places: &[(Vec2, bool)],
+        colors: &[[u32; 4]],
+        emotions: &[u32],
+    ) -> Self {
+        let meshes = pack_avatars(std::slice::from_ref(body));
         let mut visible: Vec<u32> = Vec::new();
         let mut starts = vec![0_u32];
         for near in [true, false] {
@@ -253,6 +268,19 @@ impl HandMade {
             })
             .into();
         Self { meshes, buffers }
+    }
+
+    /// Turns an agent, and puts it on another floor; for what is drawn from these alone.
+    pub(super) fn turn(&mut self, agent: usize, heading: f32, elevation: f32) {
+        let stances = bytemuck::cast_slice_mut::<u8, f32>(self.buffers[10].bytes_mut());
+        stances[2 * agent] = heading;
+        bytemuck::cast_slice_mut::<u8, f32>(self.buffers[9].bytes_mut())[agent] = elevation;
+    }
+
+    /// Moves an agent, likewise.
+    pub(super) fn put(&mut self, agent: usize, place: [f32; 2]) {
+        bytemuck::cast_slice_mut::<u8, f32>(self.buffers[8].bytes_mut())[2 * agent..2 * agent + 2]
+            .copy_from_slice(&place);
     }
 
     pub(super) fn crowd(&self) -> CrowdBuffers<'_> {

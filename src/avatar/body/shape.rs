@@ -111,6 +111,7 @@ impl<'a> Builder<'a> {
             position,
             normal: Vec3::Y,
             color: paint.color,
+            alpha: 1.0,
             material: paint.material,
             joints,
             weights,

@@ -1,6 +1,6 @@
 //! Reading accessors with every range checked: a file's numbers are claims, not facts.
 
-use glam::{Mat4, Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::Accessor;
 use gltf::accessor::DataType;
 use gltf::buffer::Data;
@@ -107,6 +107,14 @@ pub(super) fn vec2(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec2
 
 pub(super) fn vec3(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec3>, String> {
     Ok(floats(accessor, buffers, 3)?.iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect())
+}
+
+/// Colours; those without alpha have 1.
+pub(super) fn color(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec4>, String> {
+    if accessor.dimensions().multiplicity() < 4 {
+        return Ok(vec3(accessor, buffers)?.into_iter().map(|color| color.extend(1.0)).collect());
+    }
+    Ok(floats(accessor, buffers, 4)?.iter().map(|v| Vec4::new(v[0], v[1], v[2], v[3])).collect())
 }
 
 pub(super) fn vec4(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<[f32; 4]>, String> {

@@ -5,17 +5,57 @@
 //! What was inferred on the way is reported line by line (U-04).
 
 mod accessor;
+mod guess;
+mod model;
+mod packed;
+mod paint;
 mod reduce;
 mod rig;
 mod simplify;
 mod source;
+mod stature;
 
 use super::rig_map::RigMap;
 use super::{Avatar, Error};
+pub use model::{Model, model, triangles};
 use std::path::Path;
 
 /// Largest file read, bytes.
 const MOST_BYTES: u64 = 512 << 20;
+
+/// Why a file is refused, before its name is known.
+enum Fault {
+    /// What is wrong, with what was found and what was expected.
+    Plain(String),
+    /// It is packed by an extension that is not read.
+    Packed { extension: String, hint: &'static str },
+    /// Its joints were not recognised: which, and a map to fill in.
+    Rig { message: String, map: String },
+}
+
+impl From<String> for Fault {
+    fn from(message: String) -> Self {
+        Self::Plain(message)
+    }
+}
+
+impl From<&str> for Fault {
+    fn from(message: &str) -> Self {
+        Self::Plain(message.to_owned())
+    }
+}
+
+impl Fault {
+    /// The error of the file of that name.
+    fn of(self, name: &str) -> Error {
+        let name = name.to_owned();
+        match self {
+            Self::Plain(message) => Error::Unusable { name, message },
+            Self::Packed { extension, hint } => Error::Packed { name, extension, hint },
+            Self::Rig { message, map } => Error::Rig { name, message, map },
+        }
+    }
+}
 
 /// A loaded character and what was inferred about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -29,8 +69,8 @@ pub struct Loaded {
 /// Loads a character from a `.glb`, `.gltf` or `.vrm` file.
 ///
 /// # Errors
-/// [`Error::Read`] when the file cannot be read; [`Error::Unusable`] when it is malformed or no humanoid, with
-/// the reason and the way out.
+/// [`Error::Read`] when the file cannot be read; [`Error::Unusable`] when it is malformed; [`Error::Packed`] when an
+/// extension packs it; [`Error::Rig`], with a map to fill in, when its joints are not recognised.
 pub fn load(path: &Path) -> Result<Avatar, Error> {
     load_with_map(path, &RigMap::default()).map(|loaded| loaded.avatar)
 }
@@ -54,59 +94,12 @@ pub fn load_with_map(path: &Path, map: &RigMap) -> Result<Loaded, Error> {
     load_bytes(&name, &bytes, path.parent(), map)
 }
 
-/// All triangles of a model, or those of the nodes with that name and below them, where they stand in the scene: metres, y
-/// up, front faces counter-clockwise.
-///
-/// # Errors
-/// [`Error::Read`] when the file cannot be read; [`Error::Unusable`] when it is malformed or has no such node.
-pub fn triangles(path: &Path, node: Option<&str>) -> Result<Vec<[glam::Vec3; 3]>, Error> {
-    let read_error = |source| Error::Read { path: path.to_owned(), source };
-    let name = path.display().to_string();
-    let unusable = |message: String| Error::Unusable { name: name.clone(), message };
-    let length = std::fs::metadata(path).map_err(read_error)?.len();
-    if length > MOST_BYTES {
-        return Err(unusable(format!(
-            "the file has {length} bytes; models of up to {MOST_BYTES} bytes are read"
-        )));
-    }
-    let bytes = std::fs::read(path).map_err(read_error)?;
-    let source = source::Source::read(&bytes, path.parent()).map_err(unusable)?;
-    let is_wanted = |start: usize| {
-        let mut above = Some(start);
-        node.is_none_or(|wanted| {
-            while let Some(at) = above {
-                if source.nodes[at].name == wanted {
-                    return true;
-                }
-                above = source.nodes[at].parent; // no loops: the reader has refused them
-            }
-            false
-        })
-    };
-    if let Some(wanted) = node.filter(|wanted| !source.nodes.iter().any(|node| node.name == **wanted)) {
-        let names: Vec<&str> = source.nodes.iter().map(|node| node.name.as_str()).take(12).collect();
-        return Err(unusable(format!("has no node {wanted:?}; there are {}", names.join(", "))));
-    }
-    let mut all = Vec::new();
-    for part in source.parts.iter().filter(|part| is_wanted(part.node)) {
-        let world = source.nodes[part.node].world;
-        let corner = |index: u32| world.transform_point3(part.positions[index as usize]);
-        let turns = world.determinant() < 0.0; // a mirrored node turns its faces round
-        all.extend(part.indices.chunks_exact(3).map(|t| {
-            let [a, b, c] = [corner(t[0]), corner(t[1]), corner(t[2])];
-            if turns { [a, c, b] } else { [a, b, c] }
-        }));
-    }
-    Ok(all)
-}
-
 /// Loads a character from the bytes of a file; `base` is where files that it names lie.
 ///
 /// # Errors
 /// [`Error::Unusable`], as [`load`].
 pub fn load_bytes(name: &str, bytes: &[u8], base: Option<&Path>, map: &RigMap) -> Result<Loaded, Error> {
-    let unusable = |message: String| Error::Unusable { name: name.to_owned(), message };
-    let mut source = source::Source::read(bytes, base).map_err(unusable)?;
-    let avatar = reduce::reduce(name, &mut source, map).map_err(unusable)?;
+    let mut source = source::Source::read(bytes, base).map_err(|fault| fault.of(name))?;
+    let avatar = reduce::reduce(name, &mut source, map).map_err(|fault| fault.of(name))?;
     Ok(Loaded { avatar, report: source.report })
 }

@@ -1,16 +1,21 @@
 //! From a file's skeleton to ours: rest pose, orientation, unit, merged weights.
 
 use super::super::body::pack;
-use super::super::rig_map::RigMap;
+use super::super::rig_map::{RigMap, words};
 use super::super::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
+use super::Fault;
 use super::rig::{Driven, find, upward};
 use super::simplify::simplify;
 use super::source::{Part, Source};
+use super::stature::crown;
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat3, Mat4, Quat, Vec3};
 
 /// Heights of people that need no explanation, m.
-const PEOPLE: std::ops::RangeInclusive<f32> = 1.0..=2.6;
+const PEOPLE: std::ops::RangeInclusive<f32> = 1.0..=2.2;
+
+/// Height of a character whose unit is not known, m.
+const USUAL: f32 = 1.7;
 
 /// Metres per unit of the units that files come in.
 const UNITS: [(f32, &str); 4] =
@@ -24,29 +29,30 @@ struct Figure {
     joints: [Vec3; JOINT_COUNT],
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
+    /// Triangles that are not worn on the head.
+    bare: Vec<[u32; 3]>,
 }
 
 /// Builds the avatar.
 ///
 /// # Errors
-/// A message that says why the file is no usable humanoid.
-pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Avatar, String> {
+/// What says why the file is no usable humanoid.
+pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Avatar, Fault> {
     if source.skins.is_empty() {
-        return Err("has no skin: it is not rigged; export it with its armature".to_owned());
+        return Err("has no skin: it is not rigged; export it with its armature".into());
     }
     if source.parts.iter().all(|part| part.indices.is_empty()) {
-        return Err("has no triangles".to_owned());
+        return Err("has no triangles".into());
     }
     let node_pose: Vec<Mat4> = source.nodes.iter().map(|node| node.world).collect();
     let bind_pose = bind_pose(source);
     let place = |pose: &[Mat4]| -> Vec<Vec3> { pose.iter().map(|m| m.w_axis.truncate()).collect() };
-    let driven = find(source, map, &place(bind_pose.as_deref().unwrap_or(&node_pose)))?;
+    let driven = find(name, source, map, &place(bind_pose.as_deref().unwrap_or(&node_pose)))?;
     let pose = choose_pose(source, &driven, node_pose, bind_pose);
     let mut figure = gather(source, &driven, &pose)?;
     orient(source, &mut figure)?;
-    scale(source, &mut figure)?;
-    let height = figure.vertices.iter().map(|v| v.position.y).fold(0.0, f32::max);
-    let eyes = eyes(source, &figure);
+    let height = scale(source, &mut figure, map.height())?;
+    let eyes = eyes(source, &figure, height);
     let joints = std::array::from_fn(|joint| {
         let position = figure.joints[joint];
         let parent = if joint == 0 { Vec3::ZERO } else { figure.joints[Joint::PARENT[joint]] };
@@ -176,7 +182,7 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
             source.report.push(format!("{}: the rig has none, a place for it was inferred", joint.name()));
         }
     }
-    let mut figure = Figure { joints, vertices: Vec::new(), indices: Vec::new() };
+    let mut figure = Figure { joints, vertices: Vec::new(), indices: Vec::new(), bare: Vec::new() };
     let mut unbound = 0;
     let mut left_out = Vec::new();
     for part in &source.parts {
@@ -186,7 +192,13 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
             left_out.push(format!("{:?}", source.nodes[part.node].name));
             continue;
         }
+        let first = figure.indices.len();
         unbound += add_part(&mut figure, source, driven, pose, part);
+        let on_head = part.skin.is_none() && carrier == Some(Joint::Head);
+        if !on_head && !is_headwear(&source.nodes[part.node].name) {
+            let own = figure.indices[first..].chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+            figure.bare.extend(own);
+        }
     }
     if !left_out.is_empty() {
         source.report.push(format!("left out, held or loose objects: {}", left_out.join(", ")));
@@ -204,6 +216,13 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
 fn is_prop(name: &str) -> bool {
     let name = name.to_lowercase();
     ["handslot", "weapon", "holder", "prop_"].iter().any(|word| name.contains(word))
+}
+
+/// Parts that are worn on the head.
+fn is_headwear(name: &str) -> bool {
+    const WORN: [&str; 10] =
+        ["hat", "helmet", "helm", "cap", "hood", "crown", "headgear", "headwear", "horns", "antenna"];
+    words(name).iter().any(|word| WORN.contains(&word.as_str()))
 }
 
 /// Adds a part; returns how many of its vertices had no weights.
@@ -241,7 +260,8 @@ fn add_part(figure: &mut Figure, source: &Source, driven: &Driven, pose: &[Mat4]
         figure.vertices.push(Vertex {
             position: matrix.transform_point3(position),
             normal: normal.normalize_or_zero(),
-            color: part.colors[i],
+            color: part.colors[i].truncate(),
+            alpha: part.colors[i].w,
             material: part.material,
             joints,
             weights,
@@ -323,25 +343,34 @@ fn orient(source: &mut Source, figure: &mut Figure) -> Result<(), String> {
     Ok(())
 }
 
-/// Brings the figure to metres, onto the ground and over the origin.
-fn scale(source: &mut Source, figure: &mut Figure) -> Result<(), String> {
-    let bounds = |figure: &Figure| {
-        let heights = figure.vertices.iter().map(|v| v.position.y);
-        heights.fold((f32::MAX, f32::MIN), |(low, high), y| (low.min(y), high.max(y)))
-    };
-    let (low, high) = bounds(figure);
-    let tall = high - low;
+/// The crown of the body without what it wears; of one that is nothing but rigid objects, of all of it.
+fn bare_crown(figure: &Figure) -> f32 {
+    let head = figure.joint(Joint::Head);
+    let all: Vec<[u32; 3]> = figure.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let has_head = figure.bare.iter().flatten().any(|&corner| {
+        let v = &figure.vertices[corner as usize];
+        usize::from(v.joints[0]) == Joint::Head as usize && v.position.y > head.y
+    });
+    crown(&figure.vertices, if has_head { &figure.bare } else { &all }, head)
+}
+
+/// Brings the figure to metres, onto the ground and over the origin; its height from sole to crown, which may be given, m.
+fn scale(source: &mut Source, figure: &mut Figure, wanted: Option<f32>) -> Result<f32, String> {
+    let low = figure.vertices.iter().map(|v| v.position.y).fold(f32::MAX, f32::min);
+    let tall = bare_crown(figure) - low;
     if !(tall.is_finite() && tall > 1e-9) {
         return Err(format!("is {tall} units high"));
     }
-    let (factor, unit) = if PEOPLE.contains(&tall) {
+    let (factor, unit) = if let Some(height) = wanted {
+        (height / tall, format!("{} m, as the rig map says", height / tall))
+    } else if PEOPLE.contains(&tall) {
         (1.0, "metres".to_owned())
     } else if let Some((factor, unit)) =
         UNITS.into_iter().find(|(factor, _)| PEOPLE.contains(&(tall * factor)))
     {
         (factor, unit.to_owned())
     } else {
-        (1.7 / tall, format!("no known unit ({tall} high), made 1.7 m"))
+        (USUAL / tall, format!("no known unit ({tall} high), made {USUAL} m"))
     };
     let middle = figure.joint(Joint::LeftHip).midpoint(figure.joint(Joint::RightHip));
     let ground = Vec3::new(middle.x, low, middle.z);
@@ -357,7 +386,7 @@ fn scale(source: &mut Source, figure: &mut Figure) -> Result<(), String> {
         smooth_normals(figure);
         source.report.push("normals: missing, computed".to_owned());
     }
-    Ok(())
+    Ok(tall * factor)
 }
 
 /// Area-weighted normals for vertices that have none.
@@ -376,7 +405,7 @@ fn smooth_normals(figure: &mut Figure) {
 }
 
 /// Midpoint of the eyes in the head joint's space: VRM's own, else where eyes are in a head of that size.
-fn eyes(source: &Source, figure: &Figure) -> Vec3 {
+fn eyes(source: &Source, figure: &Figure, height: f32) -> Vec3 {
     let head = figure.joint(Joint::Head);
     if let Some(offset) = source.eyes {
         // VRM 0.x faces -z, VRM 1.0 faces +z; eyes are in front.
@@ -384,11 +413,12 @@ fn eyes(source: &Source, figure: &Figure) -> Vec3 {
     }
     let own = |v: &&Vertex| usize::from(v.joints[0]) == Joint::Head as usize;
     let vertices = || figure.vertices.iter().filter(own).map(|v| v.position - head);
-    let top = vertices().map(|p| p.y).fold(0.0, f32::max).min(0.35);
+    let top = vertices().map(|p| p.y).fold(0.0, f32::max).min((height - head.y).max(0.0));
     let level = 0.45 * top;
     let front = vertices()
         .filter(|p| (p.y - level).abs() < 0.15 * top && p.x.abs() < 0.3 * top)
         .map(|p| p.z)
         .fold(0.0, f32::max);
-    Vec3::new(0.0, level, front.min(0.25) * 0.85)
+    // no face is deeper; the brim of a hat is
+    Vec3::new(0.0, level, front.min(0.55 * top) * 0.85)
 }

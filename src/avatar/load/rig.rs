@@ -2,6 +2,7 @@
 
 use super::super::rig_map::{RigMap, normalise, parts, side, vrm_bone};
 use super::source::Source;
+use super::{Fault, guess};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::Vec3;
 
@@ -9,7 +10,7 @@ use glam::Vec3;
 pub(super) type Driven = [Option<usize>; JOINT_COUNT];
 
 /// Joints a rig cannot do without.
-fn needed(joint: Joint) -> bool {
+pub(super) fn needed(joint: Joint) -> bool {
     !matches!(joint, Joint::Neck | Joint::Spine)
 }
 
@@ -19,7 +20,7 @@ pub(super) fn upward(source: &Source, node: usize) -> impl Iterator<Item = usize
 }
 
 /// Lowest common ancestor.
-fn common(source: &Source, nodes: &[usize]) -> Option<usize> {
+pub(super) fn common(source: &Source, nodes: &[usize]) -> Option<usize> {
     let (&first, others) = nodes.split_first()?;
     upward(source, first).find(|&above| others.iter().all(|&node| upward(source, node).any(|n| n == above)))
 }
@@ -27,15 +28,25 @@ fn common(source: &Source, nodes: &[usize]) -> Option<usize> {
 /// Finds the driven joints. `place`: position of every node in the chosen pose.
 ///
 /// # Errors
-/// A message naming the joints that were not found.
-pub(super) fn find(source: &mut Source, map: &RigMap, place: &[Vec3]) -> Result<Driven, String> {
+/// A message naming the joints that were not found, and a rig map to fill in.
+pub(super) fn find(name: &str, source: &mut Source, map: &RigMap, place: &[Vec3]) -> Result<Driven, Fault> {
     let mut driven: Driven = [None; JOINT_COUNT];
+    let fault = |source: &Source, driven: &Driven, message| Fault::Rig {
+        message,
+        map: guess::map(name, source, driven, place),
+    };
+    let mut unknown = None;
     for joint in Joint::ALL {
-        let Some(name) = map.name(joint) else { continue };
-        let found = source.nodes.iter().position(|node| node.name == name);
-        driven[joint as usize] = Some(found.ok_or_else(|| {
-            format!("the rig map calls {} {name:?}, but no node has that name", joint.name())
-        })?);
+        let Some(given) = map.name(joint) else { continue };
+        driven[joint as usize] = source.node(given);
+        if driven[joint as usize].is_none() {
+            unknown.get_or_insert((joint, given));
+        }
+    }
+    if let Some((joint, given)) = unknown {
+        let message =
+            format!("the rig map calls {} {given:?}, but no node of the file has that name", joint.name());
+        return Err(fault(source, &driven, message));
     }
     for joint in Joint::ALL {
         let humanoid =
@@ -61,11 +72,12 @@ pub(super) fn find(source: &mut Source, map: &RigMap, place: &[Vec3]) -> Result<
                 driven = std::array::from_fn(|joint| mapped[joint].or(found[joint]));
             }
             None => {
-                return Err(format!(
+                let message = format!(
                     "no humanoid: found no joint for {names} among the names of its {} skin joints, nor two legs, two \
-                     arms and a head in its skeleton; give the names in a rig map ([joints] in TOML)",
+                     arms and a head in its skeleton",
                     source.skins.iter().map(|skin| skin.joints.len()).max().unwrap_or(0)
-                ));
+                );
+                return Err(fault(source, &driven, message));
             }
         }
     }
@@ -74,11 +86,9 @@ pub(super) fn find(source: &mut Source, map: &RigMap, place: &[Vec3]) -> Result<
     for joint in Joint::ALL {
         let Some(node) = driven[joint as usize] else { continue };
         if seen.contains(&node) {
-            return Err(format!(
-                "{} and another joint are both the node {:?}",
-                joint.name(),
-                source.nodes[node].name
-            ));
+            let message =
+                format!("{} and another joint are both the node {}", joint.name(), source.label(node));
+            return Err(fault(source, &driven, message));
         }
         seen.push(node);
     }

@@ -1,9 +1,9 @@
 //! A glTF or VRM file as plain data: nodes, skins and triangles in file space, everything checked.
 
 use super::super::Material;
-use super::super::glb::MATERIALS;
-use super::accessor;
-use glam::{Mat4, Vec2, Vec3};
+use super::paint::{Paint, Texture, tint};
+use super::{Fault, accessor, packed};
+use glam::{Mat4, Vec3, Vec4};
 use gltf::buffer::Data as Buffer;
 use gltf::mesh::Mode;
 use std::path::Path;
@@ -39,8 +39,8 @@ pub(super) struct Part {
     pub(super) skin: Option<usize>,
     pub(super) positions: Vec<Vec3>,
     pub(super) normals: Option<Vec<Vec3>>,
-    /// Linear colour per vertex.
-    pub(super) colors: Vec<Vec3>,
+    /// Linear colour and alpha per vertex.
+    pub(super) colors: Vec<Vec4>,
     /// (index into the skin's joints, weight) per vertex.
     pub(super) influences: Vec<Vec<(usize, f32)>>,
     pub(super) indices: Vec<u32>,
@@ -61,43 +61,14 @@ pub(super) struct Source {
     pub(super) report: Vec<String>,
 }
 
-/// Texture turned to linear RGB lookups.
-struct Texture {
-    width: u32,
-    height: u32,
-    channels: usize,
-    pixels: Vec<u8>,
-}
-
-impl Texture {
-    fn linear(&self, uv: Vec2) -> Vec3 {
-        let wrap = |v: f32, size: u32| {
-            #[allow(
-                clippy::cast_possible_truncation,
-                clippy::cast_sign_loss,
-                reason = "0 <= v < size, then clamped"
-            )]
-            let texel = (v.rem_euclid(1.0) * size as f32) as usize;
-            texel.min(size as usize - 1)
-        };
-        let at = (wrap(uv.y, self.height) * self.width as usize + wrap(uv.x, self.width)) * self.channels;
-        let channel = |c: usize| {
-            let slot = if self.channels < 3 { 0 } else { c };
-            let value = f32::from(self.pixels.get(at + slot).copied().unwrap_or(255)) / 255.0;
-            if value <= 0.04045 { value / 12.92 } else { libm::powf((value + 0.055) / 1.055, 2.4) }
-        };
-        Vec3::new(channel(0), channel(1), channel(2))
-    }
-}
-
 impl Source {
     /// Reads `bytes`; files named by the document are looked for beside `base`.
     ///
     /// # Errors
     /// A message that says what is wrong and where in the file.
-    pub(super) fn read(bytes: &[u8], base: Option<&Path>) -> Result<Self, String> {
+    pub(super) fn read(bytes: &[u8], base: Option<&Path>) -> Result<Self, Fault> {
         let json = json_of(bytes)?;
-        check_json(&json)?;
+        packed::check(&json)?;
         let gltf =
             gltf::Gltf::from_slice(bytes).map_err(|error| format!("not a usable glTF 2.0 file: {error}"))?;
         let buffers = read_buffers(&gltf, base)?;
@@ -117,6 +88,20 @@ impl Source {
             .collect();
         source.read_parts(&gltf, &buffers, &textures)?;
         Ok(source)
+    }
+
+    /// What a rig map calls a node, quoted: its name, or `#` and its number if it has none.
+    pub(super) fn label(&self, node: usize) -> String {
+        let name = self.nodes.get(node).map_or("", |node| node.name.as_str());
+        let name = if name.is_empty() { format!("#{node}") } else { name.to_owned() };
+        toml::Value::String(name).to_string()
+    }
+
+    /// The node that a rig map calls so.
+    pub(super) fn node(&self, label: &str) -> Option<usize> {
+        let by_name = self.nodes.iter().position(|node| node.name == label);
+        let number = || label.strip_prefix('#')?.parse().ok().filter(|node| *node < self.nodes.len());
+        by_name.or_else(number)
     }
 
     fn read_nodes(&mut self, gltf: &gltf::Gltf) -> Result<(), String> {
@@ -326,8 +311,9 @@ impl Source {
         if let Some(bad) = indices.iter().find(|&&index| index as usize >= count) {
             return Err(format!("index {bad} points past its {count} vertices"));
         }
-        let colors = vertex_colors(primitive, count, buffers, textures)?;
-        checked("colours or texture coordinates", colors.len())?;
+        let paint = Paint::of(primitive, count, buffers, textures)?;
+        let indices = paint.visible(indices, primitive);
+        let colors = paint.colors(primitive);
         let mut influences = vec![Vec::new(); count];
         if let Some(skin) = skin {
             let joints = self.skins.get(skin).map_or(0, |skin| skin.joints.len());
@@ -359,45 +345,6 @@ impl Source {
     }
 }
 
-/// Vertex colour x base colour factor x base colour texture at the vertex, linear.
-fn vertex_colors(
-    primitive: &gltf::Primitive<'_>,
-    count: usize,
-    buffers: &[Buffer],
-    textures: &[Option<Texture>],
-) -> Result<Vec<Vec3>, String> {
-    use gltf::Semantic;
-    let surface = primitive.material().pbr_metallic_roughness();
-    // The base colour of a tinted material is only an example of an agent's colour.
-    let factor = if tint(primitive) == Material::Fixed { surface.base_color_factor() } else { [1.0; 4] };
-    let mut colors = vec![Vec3::new(factor[0], factor[1], factor[2]).clamp(Vec3::ZERO, Vec3::ONE); count];
-    if let Some(found) = primitive.get(&Semantic::Colors(0)) {
-        let found = accessor::vec3(&found, buffers)?;
-        if found.len() != count {
-            return Err(format!("has {count} positions but {} colours", found.len()));
-        }
-        colors.iter_mut().zip(found).for_each(|(color, own)| *color *= own.clamp(Vec3::ZERO, Vec3::ONE));
-    }
-    let Some(info) = surface.base_color_texture() else { return Ok(colors) };
-    let image = info.texture().source().index();
-    let Some(Some(texture)) = textures.get(image) else { return Ok(colors) };
-    if let Some(uv) = primitive.get(&Semantic::TexCoords(info.tex_coord())) {
-        let uv = accessor::vec2(&uv, buffers)?;
-        if uv.len() != count {
-            return Err(format!("has {count} positions but {} texture coordinates", uv.len()));
-        }
-        colors.iter_mut().zip(uv).for_each(|(color, uv)| *color *= texture.linear(uv));
-    }
-    Ok(colors)
-}
-
-/// Materials named by [`mod@super::super::glb`] take the agent's colours.
-fn tint(primitive: &gltf::Primitive<'_>) -> Material {
-    let material = primitive.material();
-    let known = MATERIALS.iter().find(|(_, name, _)| material.name() == Some(name));
-    known.map_or(Material::Fixed, |(material, ..)| *material)
-}
-
 /// The JSON of a `.glb` or `.gltf`, for extensions that the glTF crate does not know.
 fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
     let word = |at: usize| -> Option<usize> {
@@ -415,36 +362,6 @@ fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
     };
     serde_json::from_slice(text)
         .map_err(|error| format!("is neither GLB nor glTF: its JSON is wrong ({error})"))
-}
-
-/// Refuses what the glTF crate does not: other versions, extensions that pack the geometry, and positions that
-/// point past the accessors (the crate would index with them).
-fn check_json(json: &serde_json::Value) -> Result<(), String> {
-    let version = json["asset"]["version"].as_str().unwrap_or("none");
-    if !version.starts_with("2.") {
-        return Err(format!("is glTF version {version}, expected 2.0"));
-    }
-    let accessors = json["accessors"].as_array().map_or(0, Vec::len);
-    for (index, mesh) in json["meshes"].as_array().into_iter().flatten().enumerate() {
-        for primitive in mesh["primitives"].as_array().into_iter().flatten() {
-            for (name, accessor) in primitive["attributes"].as_object().into_iter().flatten() {
-                let found = accessor.as_u64().and_then(|found| usize::try_from(found).ok());
-                if found.is_none_or(|found| found >= accessors) {
-                    return Err(format!("mesh {index}: {name} is accessor {accessor} of {accessors}"));
-                }
-            }
-        }
-    }
-    for name in
-        json["extensionsRequired"].as_array().into_iter().flatten().filter_map(serde_json::Value::as_str)
-    {
-        if name.contains("draco") || name.contains("meshopt") || name.contains("quantization") {
-            return Err(format!(
-                "needs the extension {name}, which is not supported; export it uncompressed"
-            ));
-        }
-    }
-    Ok(())
 }
 
 /// Refuses URIs that leave the file's folder or go to the network.

@@ -127,6 +127,7 @@ fn mesh(dice: &mut Dice, vertex_count: usize, size: f32) -> Mesh {
                 position: Vec3::from(REST[usize::from(joints[0])]) * size + dice.vector(0.1),
                 normal: dice.vector(1.0).try_normalize().unwrap_or(Vec3::Y),
                 color: dice.vector(0.5) + 0.5,
+                alpha: 1.0,
                 material: [Material::Fixed, Material::Skin, Material::Hair, Material::Top, Material::Bottom]
                     [dice.below(5) as usize],
                 joints,
