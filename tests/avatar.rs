@@ -2,6 +2,7 @@
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
+    clippy::panic,
     clippy::print_stdout,
     clippy::unwrap_used,
     missing_debug_implementations,

@@ -371,3 +371,49 @@ fn a_rig_map_is_printed_filled_in_and_taken_from_the_command_line_or_the_scenari
     assert!(error.contains("heroine") && error.contains("hero, female"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
+
+#[test]
+fn a_robot_looks_like_a_model_of_the_scenes_and_a_wrong_one_is_named() {
+    let folder = std::env::temp_dir().join(format!("gaitway-model-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let file = |name: &str| folder.join(name).display().to_string();
+    let cart = gaitway::avatar::glb(&gaitway::avatar::generated(gaitway::avatar::Sex::Male));
+    std::fs::write(file("cart.glb"), &cart).unwrap();
+    std::fs::write(file("broken.glb"), &cart[..cart.len() / 2]).unwrap();
+    let simulate = |outsider: &str| {
+        let text = format!(
+            "name = \"place\"\nbounds = [[0, 0], [9, 0], [9, 9], [0, 9]]\n[population]\nagents = 0\n\
+             [[outsiders]]\n{outsider}\npath = [[0, 1, 1], [9, 8, 8]]\n"
+        );
+        std::fs::write(file("scene.toml"), text).unwrap();
+        gaitway(&["simulate", &file("scene.toml"), "--seconds", "0.5", "--backend", "cpu"])
+    };
+    for good in [
+        "kind = \"robot\"",
+        "kind = \"robot\"\nmodel = \"cart.glb\"",
+        "kind = \"vehicle\"\nmodel = \"cart.glb\"\nsize = [1, 1, 2]",
+    ] {
+        let output = simulate(good);
+        assert!(output.status.success(), "{good}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+    for (wrong, words) in [
+        ("kind = \"robot\"\nmodel = \"lost.glb\"", ["outsiders[0].model", "lost.glb", "cannot read"]),
+        (
+            "kind = \"robot\"\nmodel = \"broken.glb\"",
+            ["outsiders[0].model", "broken.glb", "not a usable glTF"],
+        ),
+        ("kind = \"robot\"\nmodel = \"\"", ["scene.toml:", "outsiders[0].model", "a .glb or .gltf"]),
+        (
+            "kind = \"person\"\nmodel = \"cart.glb\"",
+            ["scene.toml:", "outsiders[0].model", "population.avatars"],
+        ),
+        ("kind = \"robot\"\nsize = [1, 1, 1]", ["outsiders[0].size", "without a model", "radius"]),
+        ("kind = \"robot\"\nmodel = \"cart.glb\"\nsize = [1, 0, 1]", ["outsiders[0].size", "0.05", "height"]),
+    ] {
+        let output = simulate(wrong);
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(1), "{error}");
+        assert!(words.iter().all(|word| error.contains(word)), "{wrong}: {error}");
+    }
+    std::fs::remove_dir_all(&folder).unwrap();
+}

@@ -8,7 +8,7 @@ use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Crowd, Geometry, Scenario, User, populate_from};
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, User, outsider_bodies, populate_from};
 use crate::sim::{Backend, Cast, Simulation, flow, setup};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
@@ -229,12 +229,13 @@ pub(super) fn library(path: Option<&Path>) -> Result<GaitLibrary, Error> {
     })
 }
 
-/// Everyone who can appear in a scene; files are looked for in `base`.
+/// Everyone who can appear in a scene, people, robots and vehicles; files are looked for in `base`.
 fn cast_of(
     scenario: &Scenario,
     library: &GaitLibrary,
     base: Option<&Path>,
     rigs: &RigArguments,
 ) -> Result<Cast, Error> {
-    Cast::new(library.gaits(), avatars_of(scenario, base, rigs)?)
+    let outsiders = outsider_bodies(scenario, base)?;
+    Ok(Cast::new(library.gaits(), avatars_of(scenario, base, rigs)?)?.with_outsiders(outsiders))
 }

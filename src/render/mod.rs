@@ -16,6 +16,7 @@ mod lens;
 #[cfg(feature = "xr")]
 mod live;
 mod occlusion;
+mod outsiders;
 mod parts;
 mod pipelines;
 mod record;

@@ -17,6 +17,7 @@ pub(crate) struct Programs {
     pub(crate) far: Program,
     pub(crate) marker: Program,
     pub(crate) user: Program,
+    pub(crate) outsider: Program,
     #[cfg(feature = "xr")]
     pub(crate) mask: Program,
 }
@@ -30,6 +31,7 @@ impl Programs {
             far: Program::new(device, &draw::FAR, passes)?,
             marker: Program::new(device, &draw::MARKER, passes)?,
             user: Program::new(device, &draw::USER, passes)?,
+            outsider: Program::new(device, &draw::OUTSIDER, passes)?,
             #[cfg(feature = "xr")]
             mask: Program::new(device, &draw::MASK, passes)?,
         })
@@ -50,6 +52,8 @@ pub(crate) struct Pipelines {
     pub(crate) far_shadow: vk::Pipeline,
     pub(crate) marker: vk::Pipeline,
     pub(crate) user: vk::Pipeline,
+    pub(crate) outsider: vk::Pipeline,
+    pub(crate) outsider_shadow: vk::Pipeline,
     pub(crate) target: vk::Pipeline,
     pub(crate) vignette: vk::Pipeline,
     #[cfg(feature = "xr")]
@@ -171,6 +175,11 @@ pub(crate) fn pipelines(
             cull: vk::CullModeFlags::NONE,
             ..solid("user_vertex", "user_fragment")
         })?,
+        outsider: programs.outsider.pipeline(&PipelineSpec {
+            cull: vk::CullModeFlags::NONE,
+            ..solid("outsider_vertex", "outsider_fragment")
+        })?,
+        outsider_shadow: programs.outsider.pipeline(&shadow("outsider_shadow"))?,
         target: programs.user.pipeline(&flat("target_vertex", "target_fragment", near, true))?,
         vignette: programs.user.pipeline(&flat("vignette_vertex", "vignette_fragment", over_all, true))?,
         #[cfg(feature = "xr")]

@@ -66,6 +66,7 @@ impl Renderer {
             "shadow_map" => Some(Resource::Texture(self.shadow_map.view, Layout::SHADER_READ_ONLY_OPTIMAL)),
             "shadow_sampler" => Some(Resource::Sampler(self.sampler)),
             "environment" => self.environment.as_ref().and_then(|e| buffer(&e.vertices)),
+            "outsiders" => self.outsiders.as_ref().and_then(|o| buffer(&o.vertices)),
             "clip_postures" => self.meshes.as_ref().and_then(|meshes| buffer(&meshes.postures)),
             name => crowd.and_then(|crowd| crowd.buffer(name)).and_then(buffer),
         };
@@ -87,6 +88,9 @@ impl Renderer {
             crowd.check(meshes.bucket_count + meshes.far_count)?;
             self.programs.crowd.bind(pass, resource)?;
             self.programs.far.bind(pass, resource)?;
+            if self.outsiders.is_some() {
+                self.programs.outsider.bind(pass, resource)?;
+            }
             if self.settings.markers.is_some() {
                 self.programs.marker.bind(pass, resource)?;
             }
@@ -173,6 +177,7 @@ impl Renderer {
             self.set_area(commands, area);
             self.draw_environment(commands, self.pipelines.environment_shadow, 0);
             self.draw_crowd(commands, &[self.pipelines.crowd_shadow], crowd, 0);
+            self.draw_outsiders(commands, self.pipelines.outsider_shadow, crowd, 0);
             self.draw_far(commands, self.pipelines.far_shadow, crowd, (self.far_buckets(), List::Shadow), 0);
         }
         // SAFETY: rendering has begun.
@@ -221,6 +226,7 @@ impl Renderer {
         // near to far by likelihood: hands are nearest, people and buildings hide who is far away, everything hides the sky
         self.draw_user(commands, self.pipelines.user, (SOLID_VERTICES, solids), pass);
         self.draw_crowd(commands, &[self.pipelines.crowd_near, self.pipelines.crowd], crowd, pass);
+        self.draw_outsiders(commands, self.pipelines.outsider, crowd, pass);
         self.draw_environment(commands, self.pipelines.environment, pass);
         let far = self.pipelines.far;
         if let Some(sieve) = sieve {

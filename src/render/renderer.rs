@@ -3,6 +3,7 @@
 use super::atmosphere::Atmosphere;
 use super::camera::View;
 use super::occlusion::Occlusion;
+use super::outsiders::Outsiders;
 use super::pack::MeshBuffers;
 use super::parts::{Attachments, Pipelines, Programs, attachments, pipelines, samples, stereo};
 use super::record::Output;
@@ -72,6 +73,7 @@ pub struct Renderer {
     pub(crate) user: User,
     pub(crate) user_uniforms: Buffer,
     pub(crate) environment: Option<Environment>,
+    pub(super) outsiders: Option<Outsiders>,
     pub(crate) meshes: Option<CrowdMeshes>,
     pub(crate) programs: Programs,
     pub(crate) pipelines: Pipelines,
@@ -156,6 +158,7 @@ impl Renderer {
             user: User::default(),
             user_uniforms: Buffer::new(device, "user", size_of::<UserUniforms>() as u64, Memory::Device)?,
             environment: None,
+            outsiders: None,
             meshes: None,
             programs,
             pipelines,
@@ -273,6 +276,7 @@ impl Renderer {
         let postures = self.upload("clip_postures", bytemuck::cast_slice(postures))?;
         let (bucket_count, level_count) = (meshes.bucket_count(), meshes.level_count.max(1));
         let far_count = meshes.far_count();
+        self.outsiders = self.upload_outsiders(&meshes.outsiders)?;
         self.meshes = Some(CrowdMeshes {
             indices,
             postures,

@@ -21,9 +21,9 @@ const MAX_SPEED: f32 = 60.0;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OutsiderKind {
-    /// Radius 0.4 m unless said otherwise. It has no body in pictures.
+    /// Radius 0.4 m unless said otherwise; a cart.
     Robot,
-    /// Radius 1 m unless said otherwise. It has no body in pictures.
+    /// Radius 1 m unless said otherwise; a small car.
     Vehicle,
     /// A person, tracked or played: the crowd's radius, walks with a neutral gait.
     Person,
@@ -41,6 +41,14 @@ pub struct Outsider {
     /// How much farther away than the radius the crowd stays if it can, m.
     #[serde(default)]
     pub comfort: f32,
+    /// What a robot or vehicle looks like: a glTF model beside the scenario, in metres, its front towards +z, standing on
+    /// y = 0 about the origin. Left out: as its kind has it, as large as its radius.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+    /// Width (x), height (y), length (z) that the model is scaled to, and put on the ground about its middle, m; left out:
+    /// as it is in its file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f32; 3]>,
     /// Where it is when: `[time, x, z]`, s and m, times rising; straight in between, at rest before the first and after the
     /// last. Left out: it is not there until `Simulation::lead` says where it is.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -90,6 +98,21 @@ pub(super) fn validate(scenario: &Scenario) -> Result<(), Error> {
         let key = |name: &str| format!("outsiders[{index}].{name}");
         within(&key("radius"), outsider.radius(scenario), 0.05, 5.0, "metres; a car is 1 wide each side")?;
         within(&key("comfort"), outsider.comfort, 0.0, 5.0, "metres; 0.5 is usual")?;
+        let is_person = outsider.kind == OutsiderKind::Person;
+        if let Some(file) = outsider.model.as_ref().filter(|file| is_person || file.trim().is_empty()) {
+            let allowed = "left out, or for a robot or vehicle the name of a .glb or .gltf file";
+            let hint = "people have bodies of their own: population.avatars";
+            return Err(Error::value(key("model"), format!("{file:?}"), allowed, hint));
+        }
+        if let Some(size) = outsider.size {
+            for (axis, metres) in ["width", "height", "length"].iter().zip(size) {
+                within(&key("size"), metres, 0.05, 50.0, &format!("metres: {axis}"))?;
+            }
+            if outsider.model.is_none() {
+                let hint = "without a model it is as large as its radius";
+                return Err(Error::value(key("size"), format!("{size:?}"), "left out without a model", hint));
+            }
+        }
         if outsider.path.len() > MAX_KEYFRAMES {
             let found = format!("{} keyframes", outsider.path.len());
             return Err(Error::value(key("path"), found, format!("at most {MAX_KEYFRAMES}"), "thin it out"));

@@ -10,7 +10,7 @@ use crate::reference::body::{
     COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
 };
 use crate::reference::sight::BLOCK;
-use crate::scenario::{Budget, Gaze, GazeMode};
+use crate::scenario::{Budget, EnvironmentMesh, Gaze, GazeMode};
 use glam::Vec3;
 
 /// Most agents that one picture shows with a pose; those beyond are far bodies.
@@ -52,6 +52,17 @@ pub struct MeshBuffers {
     pub postures: Vec<[f32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
+    /// Robots and vehicles.
+    pub outsiders: Vec<OutsiderMesh>,
+}
+
+/// A mesh and the agents that are drawn as it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OutsiderMesh {
+    /// About the origin, standing on y = 0, front towards +z, m.
+    pub mesh: EnvironmentMesh,
+    /// Agents.
+    pub agents: Vec<u32>,
 }
 
 impl MeshBuffers {
@@ -193,8 +204,9 @@ pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
 ///
 /// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
 pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
-    let meshes = pack_cast(cast);
+    let mut meshes = pack_cast(cast);
     let agents = store.step.agent_count as usize;
+    meshes.outsiders = outsiders(cast, agents);
     let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
     let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
     let near_vertices = meshes.most_near_vertices() as usize;
@@ -247,6 +259,22 @@ pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniform
         Some(eyes) => FrameUniforms { user_eyes: eyes.extend(0.0).to_array(), ..frame },
         None => FrameUniforms { gaze_limit: limit_of(Budget::Most(0)), ..frame },
     }
+}
+
+/// Robots and vehicles: outsiders are the last agents.
+fn outsiders(cast: &Cast, agents: usize) -> Vec<OutsiderMesh> {
+    let bodies = cast.outsiders();
+    let first = agents.saturating_sub(bodies.mesh_of.len());
+    let drawn_as = |number: usize| {
+        let of = (first..).zip(&bodies.mesh_of).filter(move |(_, mesh)| **mesh == Some(number));
+        of.map(|(agent, _)| agent as u32).collect()
+    };
+    bodies
+        .meshes
+        .iter()
+        .enumerate()
+        .map(|(number, mesh)| OutsiderMesh { mesh: mesh.clone(), agents: drawn_as(number) })
+        .collect()
 }
 
 /// Which formulas move the gaze in pictures, how many agents look at the user at a time, and for how long.

@@ -3,6 +3,7 @@
 use super::Error;
 use crate::avatar::{Avatar, Clip, retarget, standing};
 use crate::gait::Gait;
+use crate::scenario::OutsiderBodies;
 use rayon::prelude::*;
 
 /// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clip after its gaits.
@@ -11,6 +12,7 @@ pub struct Cast {
     avatars: Vec<Avatar>,
     clips: Vec<Clip>,
     clips_per_avatar: usize,
+    outsiders: OutsiderBodies,
 }
 
 impl Cast {
@@ -31,7 +33,20 @@ impl Cast {
             None => Ok(standing(avatar)),
         });
         let clips = clips.collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1 })
+        let outsiders = OutsiderBodies::default();
+        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1, outsiders })
+    }
+
+    /// The same with robots and vehicles.
+    #[must_use]
+    pub fn with_outsiders(mut self, outsiders: OutsiderBodies) -> Self {
+        self.outsiders = outsiders;
+        self
+    }
+
+    /// What robots and vehicles look like.
+    pub const fn outsiders(&self) -> &OutsiderBodies {
+        &self.outsiders
     }
 
     /// The avatars.

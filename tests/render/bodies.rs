@@ -1,9 +1,12 @@
-//! Glass, and where shadows begin.
+//! Glass, robots and vehicles, and where shadows begin.
 
 use crate::support::*;
 use gaitway::avatar::{Avatar, Material, Vertex};
+use gaitway::ground::ABSENT;
 use gaitway::render::camera::{Camera, View};
+use gaitway::render::pack::OutsiderMesh;
 use gaitway::render::{Atmosphere, Image, Renderer, Settings, Stereo};
+use gaitway::scenario::EnvironmentMesh;
 use glam::{Vec2, Vec3};
 
 const SHIRT: [u32; 4] = [0xc0_8060, 0x20_2020, 0x20_20b0, 0x20_20b0];
@@ -94,6 +97,49 @@ fn both_ways_of_drawing_both_eyes_show_the_same_glass() {
     assert_silent();
 }
 
+/// A block whose front is green and whose back is red.
+fn block() -> EnvironmentMesh {
+    let mut boxes = Boxes::default();
+    boxes.add(Vec3::new(-0.4, 0.0, 0.0), Vec3::new(0.4, 0.6, 0.7), Vec3::new(0.0, 0.5, 0.0));
+    boxes.add(Vec3::new(-0.4, 0.0, -0.7), Vec3::new(0.4, 0.6, 0.0), Vec3::new(0.5, 0.0, 0.0));
+    let Boxes { positions, normals, colors, indices, .. } = boxes;
+    EnvironmentMesh { positions, normals, colors, indices, ..EnvironmentMesh::default() }
+}
+
+#[test]
+fn robots_are_drawn_where_their_agents_are_turned_as_they_are_on_their_floor_and_not_when_absent() {
+    let Some(device) = device() else { return };
+    let places = [(Vec2::new(-2.0, 0.0), true), (Vec2::new(0.5, 0.5), true), (Vec2::new(2.0, 0.0), true)];
+    let mut made = HandMade::new(&device, &places, &[SHIRT], &[0]);
+    made.meshes.outsiders = vec![OutsiderMesh { mesh: block(), agents: vec![1] }];
+    made.turn(1, std::f32::consts::FRAC_PI_2, 0.0);
+    let view = View::mono(&Camera::look_at(Vec3::new(0.0, 4.0, 5.0), Vec3::Y * 0.5, Vec3::Y), W, H);
+    let (green, red) = ([0, srgb(0.5), 0], [srgb(0.5), 0, 0]);
+    for stereo in [Stereo::Auto, Stereo::TwoPasses] {
+        let settings = Settings { atmosphere: flat(), stereo, ..Settings::sized(W, H) };
+        let mut renderer = Renderer::new(&device, settings).unwrap();
+        renderer.set_meshes(&made.meshes).unwrap();
+        let image = renderer.draw(&view, Some(&made.crowd())).unwrap();
+        keep("robot", &image);
+        // a heading of 90 degrees faces +x
+        assert!(near(at(&image, &view, Vec3::new(0.85, 0.6, 0.5)), green), "its front");
+        assert!(near(at(&image, &view, Vec3::new(0.15, 0.6, 0.5)), red), "its back");
+    }
+    let mut renderer =
+        Renderer::new(&device, Settings { atmosphere: flat(), ..Settings::sized(W, H) }).unwrap();
+    renderer.set_meshes(&made.meshes).unwrap();
+    made.turn(1, std::f32::consts::PI, 1.0);
+    let image = renderer.draw(&view, Some(&made.crowd())).unwrap();
+    assert!(near(at(&image, &view, Vec3::new(0.5, 1.6, 0.85)), red), "turned about, on the floor above");
+    assert!(near(at(&image, &view, Vec3::new(0.5, 1.6, 0.15)), green), "turned about, on the floor above");
+    made.put(1, [ABSENT, ABSENT]);
+    let gone = renderer.draw(&view, Some(&made.crowd())).unwrap();
+    made.meshes.outsiders.clear();
+    renderer.set_meshes(&made.meshes).unwrap();
+    assert_eq!(gone.pixels, renderer.draw(&view, Some(&made.crowd())).unwrap().pixels, "nobody there");
+    assert_silent();
+}
+
 /// Darkness of the ground, 0 in the sun to 1 in the middle of the shadow, so far from what stands on it, m.
 fn darkness(made: &HandMade, edge: f32, distances: &[f32]) -> Option<Vec<f32>> {
     let device = device()?;
@@ -125,12 +171,19 @@ fn darkness(made: &HandMade, edge: f32, distances: &[f32]) -> Option<Vec<f32>> {
 }
 
 #[test]
-fn shadows_begin_at_the_feet_of_people() {
+fn shadows_begin_at_the_feet_of_people_and_at_the_wheels_of_robots() {
     let Some(device) = device() else { return };
     let places = [(Vec2::ZERO, true)];
-    let person = HandMade::new(&device, &places, &[SHIRT], &[0]);
+    let mut person = HandMade::new(&device, &places, &[SHIRT], &[0]);
     // the box of level 1, which casts the shadow, is a little wider than the legs
     let found = darkness(&person, -0.25, &[0.03, 0.06, 0.1]).unwrap();
     println!("person {found:?}");
+    assert!(found[0] > 0.5 && found[1] > 0.8 && found[2] > 0.9, "{found:?}");
+    person.meshes.outsiders = vec![OutsiderMesh { mesh: block(), agents: vec![0] }];
+    for draw in person.meshes.mesh_table.iter_mut() {
+        draw[1] = 0;
+    }
+    let found = darkness(&person, -0.4, &[0.03, 0.06, 0.1]).unwrap();
+    println!("robot {found:?}");
     assert!(found[0] > 0.5 && found[1] > 0.8 && found[2] > 0.9, "{found:?}");
 }
