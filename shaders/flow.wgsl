@@ -11,7 +11,9 @@
 //   6 (tile):     those with cells where nobody can stand on the lists: so far these were left out, which is quicker,
 //   7..10 (place): the same turns with them,
 //   11 (tile):    directions; clears the lists, whose order is arbitrary,
-//   12 (seed):    marks from where the goal is seen.
+//   12 (seed):    marks from where the goal is seen,
+//   13 (joint):   after the turns of 2..5: cells that are one place on several sheets are as far as the nearest of them,
+//                 and tiles that can fall because of it are on lists 0 and 1: the turns go on with list 0.
 // A cell may be entered only from the neighbours that its bits name: a free cell from free cells to which a body fits
 // through, others from all, so that the field leads back whoever is outside.
 // flow_args: for each list groups along x, 1, 1, and its length.
@@ -28,6 +30,7 @@ const FAR = 1e30;         // m: not reached
 @group(0) @binding(5) var<storage, read_write> flow_lists: array<u32>;        // [4][field * tile]
 @group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>; // [4][4] arguments of the launches
 @group(0) @binding(7) var<storage, read_write> flow_way: array<u32>;          // [field][cell] see way.wgsl
+@group(0) @binding(8) var<storage, read> flow_joints: array<vec2<u32>>;       // [joint] cell of sheet 0, bits of the sheets
 var<immediate> level: u32;
 
 fn tile_total() -> u32 {
@@ -77,13 +80,17 @@ fn sow(index: u32) {
         return;
     }
     let seed = flow_seeds[index];
-    let at = seed.x * flow_grid.cell_count + seed.y;
-    flow_distance[at] = bitcast<f32>(seed.z);
-    let column = seed.y % flow_grid.columns;
-    let row = seed.y / flow_grid.columns;
+    set_distance(seed.x, seed.y, bitcast<f32>(seed.z));
+}
+
+// Sets the distance of a cell of a field; puts the tiles that can fall because of it on lists 0 and 1.
+fn set_distance(field: u32, cell: u32, distance: f32) {
+    flow_distance[field * flow_grid.cell_count + cell] = distance;
+    let column = cell % flow_grid.columns;
+    let row = cell / flow_grid.columns;
     let tx = column / TILE;
     let tz = row / TILE;
-    let tile = (seed.x * flow_grid.tile_rows + tz) * flow_grid.tile_columns + tx;
+    let tile = (field * flow_grid.tile_rows + tz) * flow_grid.tile_columns + tx;
     let colour = (tx + tz) & 1u;
     enlist(colour, tile);
     if column % TILE == 0u && column > 0u {
@@ -97,6 +104,27 @@ fn sow(index: u32) {
     }
     if row % TILE == TILE - 1u && row + 1u < flow_grid.rows {
         enlist(1u - colour, tile + flow_grid.tile_columns);
+    }
+}
+
+fn join_sheets(index: u32) {
+    if index >= flow_grid.joint_count * flow_grid.field_count {
+        return;
+    }
+    let field = index / flow_grid.joint_count;
+    let joint = flow_joints[index % flow_grid.joint_count];
+    let sheet_cells = flow_grid.sheet_rows * flow_grid.columns;
+    let first = field * flow_grid.cell_count + joint.x;
+    var least = FAR;
+    for (var sheet = 0u; sheet < 32u; sheet++) {
+        if (joint.y >> sheet & 1u) != 0u {
+            least = min(least, flow_distance[first + sheet * sheet_cells]);
+        }
+    }
+    for (var sheet = 0u; sheet < 32u; sheet++) {
+        if (joint.y >> sheet & 1u) != 0u && flow_distance[first + sheet * sheet_cells] > least {
+            set_distance(field, joint.x + sheet * sheet_cells, least);
+        }
     }
 }
 
@@ -249,6 +277,8 @@ fn flow(@builtin(global_invocation_id) id: vec3<u32>) {
         point(index);
     } else if level == 12u {
         mark(index);
+    } else if level == 13u {
+        join_sheets(index);
     } else {
         turn(index);
     }

@@ -1,4 +1,4 @@
-// uses: step, way, absent
+// uses: step, exact, way, absent, floors
 // What a metre costs on each cell of the flow grid: 1 + density_weight times the density of people around, agents/m2 of
 // free ground, so that the emptier of two ways is the shorter (after Treuille, Cooper and Popovic, Continuum crowds,
 // 2006, without their flow speed). Density is a mean over 2 window + 1 cells each way. Passes chosen by `level`:
@@ -15,6 +15,8 @@ const GROUPS_WIDE = 65535u;
 @group(0) @binding(4) var<storage, read> flow_room: array<f32>;                 // [cell] m2 of free ground in the window around
 @group(0) @binding(5) var<storage, read_write> flow_counts: array<atomic<u32>>; // [cell] agents
 @group(0) @binding(6) var<storage, read_write> flow_sums: array<u32>;           // [cell] agents along the row
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;                 // [agent] m
+@group(0) @binding(8) var<storage, read> floors: array<vec4<f32>>;              // [floor][9] see floors.wgsl
 var<immediate> level: u32;
 
 fn count(agent: u32) {
@@ -22,8 +24,13 @@ fn count(agent: u32) {
         return;
     }
     let scaled = (position[agent] - flow_grid.origin) * flow_grid.inverse_cell_size;
-    if scaled.x >= 0.0 && scaled.y >= 0.0 && scaled.x < f32(flow_grid.columns) && scaled.y < f32(flow_grid.rows) {
-        atomicAdd(&flow_counts[u32(scaled.y) * flow_grid.columns + u32(scaled.x)], 1u);
+    if scaled.x >= 0.0 && scaled.y >= 0.0 && scaled.x < f32(flow_grid.columns) && scaled.y < f32(flow_grid.sheet_rows) {
+        var first = 0u;
+        if flow_grid.sheet_rows < flow_grid.rows {
+            let sheet = u32(standing(position[agent], elevation[agent]).sheet);
+            first = min(sheet * flow_grid.sheet_rows, flow_grid.rows - flow_grid.sheet_rows);
+        }
+        atomicAdd(&flow_counts[(first + u32(scaled.y)) * flow_grid.columns + u32(scaled.x)], 1u);
     }
 }
 

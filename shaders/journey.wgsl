@@ -8,6 +8,7 @@
 @group(0) @binding(4) var<storage, read_write> errand: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
 @group(0) @binding(5) var<storage, read_write> aim: array<vec4<f32>>;          // [agent] x, z, how, flow field or -1
 @group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>;     // [queue][8] see queue.wgsl
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;                // [agent] m
 
 // A place in a region counts as taken within this distance, m,
 const STANDING = 0.3;
@@ -15,6 +16,8 @@ const STANDING = 0.3;
 // in the end.
 const PATIENCE = 0.1;
 const TRYING = 20.0;
+// A stage on a floor is not that of somebody this much higher or lower, m.
+const STEP = 0.6;
 // People in a line stand this near to their place, and are served from this near to the counter, m.
 const IN_LINE = 0.1;
 const AT_COUNTER = 0.25;
@@ -50,18 +53,25 @@ fn journey(@builtin(global_invocation_id) id: vec3<u32>) {
     aim[agent] = aim_at(agent, stage, at, !loops && way.z + 1u >= length);
 }
 
+// Whether the agent is on the floor of a stage.
+fn is_level(agent: u32, stage: u32) -> bool {
+    let floor = stages[stage * STAGE_STRIDE + 3u];
+    return floor.y == 0.0 || abs(elevation[agent] - floor.x) < STEP;
+}
+
 // Whether the agent is done with a stage; begins its wait where it has one.
 fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
     let place = stages[stage * STAGE_STRIDE];
+    let is_here = is_level(agent, stage);
     if place.w == WAYPOINT {
         let to = place.xy - at;
-        return dot2(to, to) < place.z * place.z;
+        return is_here && dot2(to, to) < place.z * place.z;
     }
     if place.w == QUEUE {
         let line = u32(stages[stage * STAGE_STRIDE + 1u].w) * 8u;
         return errand[agent] > 0u && errand[agent] <= atomicLoad(&queues[line + 1u]);
     }
-    let inside = in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
+    let inside = is_here && in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
     if place.w != WAITING {
         return inside;
     }
@@ -86,7 +96,7 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
     }
     let axes = stages[stage * STAGE_STRIDE + 1u];
     if place.w == QUEUE {
-        return vec4<f32>(line_up(agent, place, axes, at), terms.x);
+        return vec4<f32>(line_up(agent, place, axes, at, is_level(agent, stage)), terms.x);
     }
     if place.w == EXIT {
         return vec4<f32>(nearest_place(at, place.xy, axes), PASS, terms.x);
@@ -103,8 +113,8 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
 }
 
 // The place in a line that an agent walks to, x, z, and how: its own, or if it has none the one behind the last, where it asks to be let in. Says
-// so when the agent stands at the counter.
-fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>) -> vec3<f32> {
+// so when the agent stands at the counter. Neither is said by who is on another floor.
+fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>, is_here: bool) -> vec3<f32> {
     let base = u32(line.w) * 8u;
     let first = atomicLoad(&queues[base + 1u]);
     let ticket = errand[agent];
@@ -112,7 +122,7 @@ fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>) -
         let number = ticket - 1u - first;
         let place = first_place.xy + f32(number) * line.xy;
         let to = place - at;
-        if number == 0u && dot2(to, to) < AT_COUNTER * AT_COUNTER {
+        if is_here && number == 0u && dot2(to, to) < AT_COUNTER * AT_COUNTER {
             atomicMax(&queues[base + 3u], 1u);
         }
         return vec3<f32>(place, IN_LINE);
@@ -120,7 +130,7 @@ fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>) -
     let last = min(atomicLoad(&queues[base + 2u]) - first, u32(line.z) - 1u);
     let end = first_place.xy + f32(last) * line.xy;
     let to = end - at;
-    if dot2(to, to) < first_place.z * first_place.z {
+    if is_here && dot2(to, to) < first_place.z * first_place.z {
         atomicMin(&queues[base], agent);
     }
     return vec3<f32>(end, 0.5 * first_place.z);

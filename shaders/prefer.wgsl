@@ -1,4 +1,4 @@
-// uses: step, exact, absent, stages, follow
+// uses: step, exact, absent, stages, follow, floors
 // The velocity an agent wants before avoidance: towards its aim at the speed of its gait (v_des), slowing only to stop there. A tiny
 // random part, different for every agent and step, breaks exact symmetry (two people head-on would stop for ever); those who stand
 // at a place of their own stand still.
@@ -9,6 +9,8 @@
 @group(0) @binding(4) var<storage, read_write> preferred_velocity: array<vec2<f32>>;   // [agent] m/s
 @group(0) @binding(5) var<uniform> flow_grid: FlowUniforms;
 @group(0) @binding(6) var<storage, read> flow_way: array<u32>;                         // [field][cell] see way.wgsl
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;                        // [agent] m
+@group(0) @binding(8) var<storage, read> floors: array<vec4<f32>>;                     // [floor][9] see floors.wgsl
 
 // How fast people come to a place where they will stand: this share of the distance a second.
 const APPROACH = 2.0;
@@ -38,7 +40,7 @@ fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         speed = min(speed, distance * APPROACH);
     }
-    let direction = direction_to(at, goal);
+    let direction = direction_to(agent, at, goal);
     let length = sqrt(dot2(direction, direction));
     var wanted = vec2<f32>(0.0, 0.0);
     if length > 1e-6 {
@@ -50,9 +52,13 @@ fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // The direction from a point towards an aim, of any length: along its flow field if it has one, else straight.
-fn direction_to(at: vec2<f32>, goal: vec4<f32>) -> vec2<f32> {
+fn direction_to(agent: u32, at: vec2<f32>, goal: vec4<f32>) -> vec2<f32> {
     if goal.w < 0.0 {
         return goal.xy - at;
     }
-    return flow_direction(u32(goal.w), at, goal.xy - at);
+    var sheet = 0u;
+    if flow_grid.sheet_rows < flow_grid.rows {
+        sheet = u32(standing(at, elevation[agent]).sheet);
+    }
+    return flow_direction(u32(goal.w), sheet, at, goal.xy - at);
 }

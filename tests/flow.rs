@@ -10,6 +10,9 @@
     reason = "a test: a failure is a panic"
 )]
 
+#[path = "flow/storeys.rs"]
+mod storeys;
+
 use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
@@ -32,7 +35,7 @@ fn block(x: [f32; 2], z: [f32; 2]) -> Vec<[f32; 2]> {
 }
 
 fn goal(x: f32, z: f32) -> Goal {
-    Goal { name: "there".into(), center: Vec2::new(x, z), radius: 0.5, region: Vec::new() }
+    Goal { name: "there".into(), center: Vec2::new(x, z), radius: 0.5, ..Goal::default() }
 }
 
 fn solved(outlines: &Outlines, goals: &[Goal], settings: &Settings, backend: Backend) -> Store {

@@ -2,17 +2,18 @@
 // Following a field. Needs the bindings flow_grid and flow_way. Twin: reference::way.
 
 // The direction (of any length) in which an agent at `at` walks to its goal, `to` away from it: along `field`, blended
-// between the four cells around it; `to` itself where the goal is in sight of its cell, there is no way or no such field.
+// between the four cells around it, of the sheet it stands on; `to` itself where the goal is in sight of its cell, there is no way or no such field.
 // Whoever stands where nobody can stand is led out. Cells behind a wall do not count: from cell to cell only links that
 // can be walked are crossed.
-fn flow_direction(field: u32, at: vec2<f32>, to: vec2<f32>) -> vec2<f32> {
+fn flow_direction(field: u32, sheet: u32, at: vec2<f32>, to: vec2<f32>) -> vec2<f32> {
     if field >= flow_grid.field_count {
         return to;
     }
     let scaled = (at - flow_grid.origin) * flow_grid.inverse_cell_size;
     let column = clamp(floor(scaled.x), 0.0, f32(flow_grid.columns - 1u));
-    let row = clamp(floor(scaled.y), 0.0, f32(flow_grid.rows - 1u));
-    let cell = field * flow_grid.cell_count + u32(row) * flow_grid.columns + u32(column);
+    let row = clamp(floor(scaled.y), 0.0, f32(flow_grid.sheet_rows - 1u));
+    let first = min(sheet * flow_grid.sheet_rows, flow_grid.rows - flow_grid.sheet_rows);
+    let cell = field * flow_grid.cell_count + (first + u32(row)) * flow_grid.columns + u32(column);
     let own = flow_way[cell];
     if (own & (SEES | LEADS)) != LEADS {
         return to;

@@ -2,7 +2,7 @@
 //   x, z, radius (m), kind
 //   half axis along the region (x, z, m), half axis across it (x, z, m); of a queue: from one place to the next (x, z, m), places, number of the queue
 //   number of the flow field that leads there or -1, least wait (steps), step before which nobody leaves, number of the stage in its file
-//   elevation (m), three free
+//   elevation (m), 1 if it has one else 0 (then it is on whichever floor), two free
 // Kinds: a waypoint is passed within its radius. A goal is a region with a place of its own for everyone, passed on entering it. In a waiting area
 // everyone goes to a place of their own and stays for a time. Who enters an exit is gone. In a queue people stand one behind the other.
 const STAGE_STRIDE: u32 = 4u;

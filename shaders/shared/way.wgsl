@@ -1,11 +1,13 @@
 // The flow grid: square cells over the walkable area, and for every field (one goal) which way leads on from each cell.
-// Twin: reference::way.
+// Where there are floors it has several sheets of cells over the same area, one behind the other along z: that of the
+// ground, and as many as floors lie above one another. Near a place where floors or ground meet both sheets have the same
+// cells; these are joined: both are as far from the goal. Twin: reference::way.
 struct FlowUniforms {
     origin: vec2<f32>,        // corner of cell 0, m
     cell_size: f32,           // m
     inverse_cell_size: f32,   // 1/m
     columns: u32,
-    rows: u32,
+    rows: u32,                // of all sheets
     cell_count: u32,          // columns * rows
     tile_columns: u32,        // tiles of TILE by TILE cells
     tile_rows: u32,
@@ -15,7 +17,11 @@ struct FlowUniforms {
     density_weight: f32,      // m2: cost of a metre is 1 + density_weight * density; 0: density does not matter
     solid_step: f32,          // m: what a cell costs where nobody can stand
     every: u32,               // steps between two counts of people; 0: never
-    unused: u32,
+    sheet_rows: u32,          // of one sheet
+    joint_count: u32,         // of flow_joints
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }
 
 // A word of flow_cells. Bits: the cell may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.

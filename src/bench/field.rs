@@ -31,8 +31,12 @@ pub(super) fn field(
     for (row, houses) in [("field_open", 0), ("field_blocks", cells / CELLS_A_HOUSE)] {
         let mut outlines = vec![vec![[0.0, 0.0], [0.0, side], [side, side], [side, 0.0]]];
         outlines.extend((0..).take(houses).map(|i| house(i, side)));
-        let goal =
-            Goal { name: "middle".to_owned(), center: Vec2::splat(0.5 * side), radius: 12.0, region: vec![] };
+        let goal = Goal {
+            name: "middle".to_owned(),
+            center: Vec2::splat(0.5 * side),
+            radius: 12.0,
+            ..Goal::default()
+        };
         let mut store = Store::default();
         setup::scratch(&mut store);
         lay(&mut store, &outlines, &[goal], &Settings { cell: Some(CELL), ..Settings::default() })?;

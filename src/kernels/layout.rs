@@ -80,7 +80,11 @@ pub struct FlowUniforms {
     pub density_weight: f32,
     pub solid_step: f32,
     pub every: u32,
-    pub unused: u32,
+    pub sheet_rows: u32,
+    pub joint_count: u32,
+    pub unused_a: u32,
+    pub unused_b: u32,
+    pub unused_c: u32,
 }
 
 /// How feelings change; units and meaning stand in `shaders/shared/mood.wgsl`.

@@ -26,6 +26,7 @@ pub fn flow(mut b: Slices<'_>) {
         1 => sow(&mut b, total),
         6 => enlist_solid(&mut b, total),
         12 => mark(&mut b),
+        13 => join_sheets(&mut b, total),
         11 => {
             point(&mut b);
             clear_lists(&mut b, total);
@@ -57,26 +58,50 @@ fn enlist(b: &mut Slices<'_>, total: u32, list: u32, tile: u32) {
 }
 
 fn sow(b: &mut Slices<'_>, total: u32) {
+    let seeds = b.flow_seeds;
+    for &[field, cell, distance, _] in &seeds[..b.flow_grid.seed_count as usize] {
+        set_distance(b, total, [field, cell], f32::from_bits(distance));
+    }
+}
+
+/// Sets the distance of a cell of a field; puts the tiles that can fall because of it on lists 0 and 1.
+fn set_distance(b: &mut Slices<'_>, total: u32, [field, cell]: [u32; 2], distance: f32) {
     let grid = b.flow_grid;
-    for &[field, cell, distance, _] in &b.flow_seeds[..grid.seed_count as usize] {
-        let at = (field * grid.cell_count + cell) as usize;
-        b.flow_distance[at] = f32::from_bits(distance);
-        let (column, row) = (cell % grid.columns, cell / grid.columns);
-        let (tx, tz) = (column / TILE, row / TILE);
-        let tile = (field * grid.tile_rows + tz) * grid.tile_columns + tx;
-        let colour = (tx + tz) & 1;
-        enlist(b, total, colour, tile);
-        if column % TILE == 0 && column > 0 {
-            enlist(b, total, 1 - colour, tile - 1);
-        }
-        if column % TILE == TILE - 1 && column + 1 < grid.columns {
-            enlist(b, total, 1 - colour, tile + 1);
-        }
-        if row % TILE == 0 && row > 0 {
-            enlist(b, total, 1 - colour, tile - grid.tile_columns);
-        }
-        if row % TILE == TILE - 1 && row + 1 < grid.rows {
-            enlist(b, total, 1 - colour, tile + grid.tile_columns);
+    b.flow_distance[(field * grid.cell_count + cell) as usize] = distance;
+    let (column, row) = (cell % grid.columns, cell / grid.columns);
+    let (tx, tz) = (column / TILE, row / TILE);
+    let tile = (field * grid.tile_rows + tz) * grid.tile_columns + tx;
+    let colour = (tx + tz) & 1;
+    enlist(b, total, colour, tile);
+    if column % TILE == 0 && column > 0 {
+        enlist(b, total, 1 - colour, tile - 1);
+    }
+    if column % TILE == TILE - 1 && column + 1 < grid.columns {
+        enlist(b, total, 1 - colour, tile + 1);
+    }
+    if row % TILE == 0 && row > 0 {
+        enlist(b, total, 1 - colour, tile - grid.tile_columns);
+    }
+    if row % TILE == TILE - 1 && row + 1 < grid.rows {
+        enlist(b, total, 1 - colour, tile + grid.tile_columns);
+    }
+}
+
+/// Cells that are one place on several sheets are as far as the nearest of them.
+fn join_sheets(b: &mut Slices<'_>, total: u32) {
+    let (grid, joints) = (b.flow_grid, b.flow_joints);
+    let sheet_cells = grid.sheet_rows * grid.columns;
+    for field in 0..grid.field_count {
+        for &[cell, sheets] in &joints[..grid.joint_count as usize] {
+            let first = field * grid.cell_count + cell;
+            let on = || (0..32).filter(|sheet| sheets >> sheet & 1 != 0);
+            let distance = |sheet: u32| (first + sheet * sheet_cells) as usize;
+            let least = on().map(|sheet| b.flow_distance[distance(sheet)]).fold(FAR, f32::min);
+            for sheet in on() {
+                if b.flow_distance[distance(sheet)] > least {
+                    set_distance(b, total, [field, cell + sheet * sheet_cells], least);
+                }
+            }
         }
     }
 }

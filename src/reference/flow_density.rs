@@ -1,7 +1,8 @@
 //! What a metre costs on each cell of the flow grid.
 
+use super::elevate::{FLOOR_STRIDE, standing};
 use super::shared::is_absent;
-use super::way::{SOLID, with_step};
+use super::way::{SOLID, first_row, with_step};
 use crate::kernels::flow_density::Slices;
 use rayon::prelude::*;
 
@@ -13,10 +14,16 @@ pub fn flow_density(b: Slices<'_>) {
     match b.level {
         0 => b.flow_counts[..cells].fill(0),
         1 => {
-            for at in b.position[..b.step.agent_count as usize].iter().filter(|at| !is_absent(**at)) {
+            let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
+            let agents = b.position[..b.step.agent_count as usize].iter().enumerate();
+            for (agent, at) in agents.filter(|(_, at)| !is_absent(**at)) {
                 let [x, z] = [0, 1].map(|axis| (at[axis] - grid.origin[axis]) * grid.inverse_cell_size);
-                if x >= 0.0 && z >= 0.0 && x < columns as f32 && z < rows as f32 {
-                    b.flow_counts[z as usize * columns + x as usize] += 1;
+                if x >= 0.0 && z >= 0.0 && x < columns as f32 && z < grid.sheet_rows as f32 {
+                    let mut first = 0;
+                    if grid.sheet_rows < grid.rows {
+                        first = first_row(grid, standing(floors, *at, b.elevation[agent])[1] as u32) as usize;
+                    }
+                    b.flow_counts[(first + z as usize) * columns + x as usize] += 1;
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! Where each agent is on its journey.
 
+use super::elevate::STEP;
 use super::exact::dot2;
 use super::shared::{ABSENT, is_absent};
 use super::stages::{
@@ -28,6 +29,7 @@ pub fn journey(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let lines: &[u32] = b.queues;
     let stages = Stages { lines, now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
+    let elevation = b.elevation;
     let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
     let state = state.zip(&mut b.errand[..agents]).zip(&mut b.aim[..agents]);
     let state = state.enumerate().with_min_len(1024);
@@ -39,7 +41,8 @@ pub fn journey(b: Slices<'_>) {
         let length = way[1] & 0x7fff_ffff;
         let loops = way[1] >> 31 == 1;
         let mut stage = way[0] + way[2].min(length - 1);
-        if way[2] < length && stages.is_done(stage, at, errand) {
+        let height = elevation[agent];
+        if way[2] < length && stages.is_done(stage, (at, height), errand) {
             way[2] += 1;
             if way[2] == length {
                 way[3] = way[3].wrapping_add(1);
@@ -56,7 +59,8 @@ pub fn journey(b: Slices<'_>) {
             stage = way[0] + way[2].min(length - 1);
         }
         let is_last = !loops && way[2] + 1 >= length;
-        let (goal, sign) = stages.aim((agent as u32, at, *errand), stage, is_last);
+        let is_level = stages.is_level(stage, height);
+        let (goal, sign) = stages.aim((agent as u32, at, *errand), stage, (is_last, is_level));
         *aim = goal;
         sign.map(|(line, sign)| (agent as u32, line, sign))
     });
@@ -90,18 +94,25 @@ impl Stages<'_> {
         self.stages[stage as usize * STAGE_STRIDE + part]
     }
 
+    /// Whether somebody at a height, m, is on the floor of a stage.
+    fn is_level(&self, stage: u32, height: f32) -> bool {
+        let [elevation, has_one, ..] = self.part(stage, 3);
+        has_one == 0.0 || (height - elevation).abs() < STEP
+    }
+
     /// Whether the agent is done with a stage; begins its wait where it has one.
-    fn is_done(&self, stage: u32, at: [f32; 2], errand: &mut u32) -> bool {
+    fn is_done(&self, stage: u32, (at, height): ([f32; 2], f32), errand: &mut u32) -> bool {
         let [x, z, radius, kind] = self.part(stage, 0);
+        let is_level = self.is_level(stage, height);
         if kind == WAYPOINT {
             let to = [x - at[0], z - at[1]];
-            return dot2(to, to) < radius * radius;
+            return is_level && dot2(to, to) < radius * radius;
         }
         if kind == QUEUE {
             let line = self.part(stage, 1)[3] as usize * 8;
             return *errand > 0 && *errand <= self.lines[line + 1];
         }
-        let inside = in_region(at, [x, z], self.part(stage, 1));
+        let inside = is_level && in_region(at, [x, z], self.part(stage, 1));
         if kind != WAITING {
             return inside;
         }
@@ -120,7 +131,7 @@ impl Stages<'_> {
         &self,
         (agent, at, errand): (u32, [f32; 2], u32),
         stage: u32,
-        is_last: bool,
+        (is_last, is_level): (bool, bool),
     ) -> ([f32; 4], Option<(usize, Sign)>) {
         let [x, z, radius, kind] = self.part(stage, 0);
         let [field, _, _, number] = self.part(stage, 2);
@@ -130,7 +141,8 @@ impl Stages<'_> {
         let axes = self.part(stage, 1);
         if kind == QUEUE {
             let ([x, z, how], sign) = self.line_up(errand, [x, z, radius], axes, at);
-            return ([x, z, how, field], sign);
+            // who is on another floor neither joins nor is served
+            return ([x, z, how, field], sign.filter(|_| is_level));
         }
         if kind == EXIT {
             let [x, z] = nearest_place(at, [x, z], axes);

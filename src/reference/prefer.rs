@@ -1,5 +1,6 @@
 //! The velocity an agent wants before avoidance.
 
+use super::elevate::{FLOOR_STRIDE, standing};
 use super::exact::{dot2, hash_u32, unit_f32};
 use super::shared::is_absent;
 use super::stages::STOP;
@@ -16,6 +17,8 @@ const TOGETHER: usize = 32;
 
 /// Twin of `shaders/prefer.wgsl`.
 pub fn prefer(b: Slices<'_>) {
+    let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
+    let has_sheets = b.flow_grid.sheet_rows < b.flow_grid.rows;
     let preferred = b.preferred_velocity[..b.step.agent_count as usize].par_chunks_mut(TOGETHER);
     preferred.enumerate().with_min_len(32).for_each(|(chunk, preferred)| {
         let first = chunk * TOGETHER;
@@ -23,7 +26,12 @@ pub fn prefer(b: Slices<'_>) {
         for (agent, around) in (first..first + preferred.len()).zip(&mut around) {
             let field = b.aim[agent][3];
             if field >= 0.0 {
-                *around = Around::read(b.flow_grid, b.flow_way, field as u32, b.position[agent]);
+                let at = b.position[agent];
+                let mut sheet = 0;
+                if has_sheets {
+                    sheet = standing(floors, at, b.elevation[agent])[1] as u32;
+                }
+                *around = Around::read(b.flow_grid, b.flow_way, (field as u32, sheet), at);
             }
         }
         for ((agent, preferred), around) in (first..).zip(preferred).zip(around) {

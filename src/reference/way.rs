@@ -51,8 +51,14 @@ pub fn direction(word: u32) -> [f32; 2] {
 }
 
 /// The direction (of any length) in which an agent at `at` walks to its goal, which is `to` away from it (see the shader).
+/// On the ground.
 pub fn flow_direction(grid: &FlowUniforms, ways: &[u32], field: u32, at: [f32; 2], to: [f32; 2]) -> [f32; 2] {
-    Around::read(grid, ways, field, at).map_or(to, |around| around.direction(to))
+    Around::read(grid, ways, (field, 0), at).map_or(to, |around| around.direction(to))
+}
+
+/// The first row of a sheet.
+pub fn first_row(grid: &FlowUniforms, sheet: u32) -> u32 {
+    (sheet * grid.sheet_rows).min(grid.rows - grid.sheet_rows)
 }
 
 /// What a field says around a place. Reading is apart from using, so that a caller can read for many agents before it uses
@@ -66,15 +72,16 @@ pub struct Around {
 }
 
 impl Around {
-    /// Reads a field at a place; none if there is no such field.
-    pub fn read(grid: &FlowUniforms, ways: &[u32], field: u32, at: [f32; 2]) -> Option<Self> {
+    /// Reads a field at a place on a sheet; none if there is no such field.
+    pub fn read(grid: &FlowUniforms, ways: &[u32], (field, sheet): (u32, u32), at: [f32; 2]) -> Option<Self> {
         if field >= grid.field_count {
             return None;
         }
         let scaled = [0, 1].map(|axis| (at[axis] - grid.origin[axis]) * grid.inverse_cell_size);
         let column = scaled[0].floor().clamp(0.0, (grid.columns - 1) as f32);
-        let row = scaled[1].floor().clamp(0.0, (grid.rows - 1) as f32);
-        let cell = field * grid.cell_count + row as u32 * grid.columns + column as u32;
+        let row = scaled[1].floor().clamp(0.0, (grid.sheet_rows - 1) as f32);
+        let first = first_row(grid, sheet);
+        let cell = field * grid.cell_count + (first + row as u32) * grid.columns + column as u32;
         let off = [scaled[0] - (column + 0.5), scaled[1] - (row + 0.5)].map(|part| part.clamp(-0.5, 0.5));
         // all are read, whether they can be entered or not, so that no read waits for another
         let last = grid.field_count * grid.cell_count - 1;

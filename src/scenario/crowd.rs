@@ -45,6 +45,8 @@ pub struct Stop {
     pub number: u32,
     /// Number of the flow field that leads there; none: straight.
     pub field: Option<u32>,
+    /// Height of the floor that it lies on, m; none: whichever floor somebody comes to it on.
+    pub elevation: Option<f32>,
     /// How the way there is found; none: as the scenario's `way_finding.way` says.
     pub way: Option<Way>,
 }

@@ -3,7 +3,7 @@
 use super::error::Error;
 use super::mesh::{Builder, EnvironmentMesh, srgb};
 use super::polygon;
-use super::schema::{Obstacle, Point};
+use super::schema::{Obstacle, Point, Scenario};
 use super::validate::{point, within};
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
@@ -129,7 +129,12 @@ pub struct Raised {
 
 /// Whether a point is on a floor, seen from above.
 fn is_on(floor: &[[f32; 4]], at: Vec2) -> bool {
-    floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -EDGE)
+    is_within(floor, at, EDGE)
+}
+
+/// Whether a point lies inside the edges of a floor moved out by `margin` m.
+fn is_within(floor: &[[f32; 4]], at: Vec2, margin: f32) -> bool {
+    floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -margin)
 }
 
 /// The height of a floor's plane at a point, m.
@@ -148,7 +153,8 @@ pub struct Floors {
 }
 
 impl Floors {
-    pub(super) fn new(floors: &[Floor], obstacles: &[Obstacle]) -> Self {
+    /// Floors with their railings, and those obstacles that stand at some heights only.
+    pub fn new(floors: &[Floor], obstacles: &[Obstacle]) -> Self {
         let railing = |floor: &Floor, edge: u32| {
             let (corners, count) = (floor.corners(), floor.polygon.len());
             let outline = vec![corners[edge as usize % count], corners[(edge as usize + 1) % count]];
@@ -175,16 +181,39 @@ impl Floors {
 
     /// How high somebody stands at a point who stood at `present` m just before: the rule of `elevate`.
     pub fn height(&self, at: Vec2, present: f32) -> f32 {
-        let (mut nearest, mut height) = (STEP, 0.0);
-        for floor in self.elements.chunks_exact(FLOOR_STRIDE) {
-            if is_on(floor, at) {
-                let here = height_on(floor, at);
-                if (here - present).abs() < nearest {
-                    (nearest, height) = ((here - present).abs(), here);
-                }
+        self.on(at, present).map_or(0.0, |floor| self.level(floor, at))
+    }
+
+    /// The floor on which somebody stands at a point who stood at `present` m just before; none: on the ground.
+    pub fn on(&self, at: Vec2, present: f32) -> Option<usize> {
+        let (mut nearest, mut found) = (STEP, None);
+        for floor in (0..self.count()).filter(|floor| self.covers(*floor, at)) {
+            let off = (self.level(floor, at) - present).abs();
+            if off < nearest {
+                (nearest, found) = (off, Some(floor));
             }
         }
-        height
+        found
+    }
+
+    /// Corners of a floor, counter-clockwise.
+    pub fn outline(&self, floor: usize) -> Vec<Vec2> {
+        polygon::oriented(self.floors[floor].corners(), true)
+    }
+
+    /// Height of the plane of a floor at a point, m.
+    pub fn level(&self, floor: usize, at: Vec2) -> f32 {
+        height_on(&self.elements[floor * FLOOR_STRIDE..], at)
+    }
+
+    /// Whether a floor reaches over or under a point, as `elevate` sees it.
+    pub fn covers(&self, floor: usize, at: Vec2) -> bool {
+        self.is_within(floor, at, EDGE)
+    }
+
+    /// Whether a point lies inside the edges of a floor moved out by `margin` m.
+    pub fn is_within(&self, floor: usize, at: Vec2, margin: f32) -> bool {
+        is_within(&self.elements[floor * FLOOR_STRIDE..][..FLOOR_STRIDE], at, margin)
     }
 
     /// How high somebody stands who came to a point from the height `present` m: on the floor, or the ground, that is no
@@ -308,6 +337,32 @@ fn rail(builder: &mut Builder<'_>, floor: &Floor, [a, b]: [Vec2; 2], color: Vec3
 
 /// Checks that there is a floor where the user is to stand.
 pub(super) fn validate_user(floors: &Floors, at: Vec2, elevation: f32) -> Result<(), Error> {
+    stands(floors, "user.elevation", at, elevation, "choose one of these heights, or another user.position")
+}
+
+/// Checks that there is a floor, or the ground, where stages, spawn regions and sources say that they are.
+pub(super) fn validate_places(scenario: &Scenario) -> Result<(), Error> {
+    let floors = Floors::new(&scenario.floors, &[]);
+    let middle = |corners: &[Point]| {
+        let sum = corners.iter().copied().map(Vec2::from).sum::<Vec2>();
+        #[allow(clippy::cast_precision_loss, reason = "a few corners")]
+        let count = corners.len().max(1) as f32;
+        sum / count
+    };
+    let stages = scenario.stages.iter().map(|s| ("stages", Vec2::from(s.position), s.elevation)).enumerate();
+    let spawns = scenario.spawns.iter().map(|s| ("spawns", middle(&s.polygon), s.elevation)).enumerate();
+    let sources = scenario.sources.iter().map(|s| ("sources", middle(&s.polygon), s.elevation)).enumerate();
+    for (index, (name, at, elevation)) in stages.chain(spawns).chain(sources) {
+        if let Some(elevation) = elevation {
+            let hint = "choose one of these heights, or leave elevation out";
+            stands(&floors, &format!("{name}[{index}].elevation"), at, elevation, hint)?;
+        }
+    }
+    Ok(())
+}
+
+/// Whether somebody can stand at a height, m.
+fn stands(floors: &Floors, key: &str, at: Vec2, elevation: f32, hint: &str) -> Result<(), Error> {
     if floors.footing(at, elevation).is_some() {
         return Ok(());
     }
@@ -316,12 +371,7 @@ pub(super) fn validate_user(floors: &Floors, at: Vec2, elevation: f32) -> Result
     let heights: Vec<String> = heights.iter().map(|height| format!("{height:.2}")).collect();
     let allowed =
         format!("within a step of {STEP} m of a floor at ({}, {}): {}", at.x, at.y, heights.join(", "));
-    Err(Error::value(
-        "user.elevation",
-        elevation,
-        allowed,
-        "choose one of these heights, or another user.position",
-    ))
+    Err(Error::value(key, elevation, allowed, hint))
 }
 
 /// Checks floors, and the heights of obstacles.

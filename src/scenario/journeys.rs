@@ -46,6 +46,9 @@ pub struct Stage {
     pub kind: StageKind,
     /// The waypoint, the middle of the region, or the first place of the queue, m.
     pub position: Point,
+    /// Height of the floor that it lies on, m; left out: whichever floor people come to it on.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elevation: Option<f32>,
     /// Width and depth of the region (along x and z before it is turned), m; not for waypoints.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<Point>,
@@ -179,6 +182,9 @@ pub struct Arrivals {
 pub struct Source {
     /// Corners in order, at least 3: they appear somewhere in it, where there is room.
     pub polygon: Vec<Point>,
+    /// Height of the floor that people appear on, m; left out: the ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elevation: Option<f32>,
     /// Names of the journeys that begin here; none here and in `routes`: any journey, or any route if there is no journey.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub journeys: Vec<String>,
@@ -235,6 +241,7 @@ impl Stage {
             until: steps(f64::from(self.until), time_step),
             number,
             field: None,
+            elevation: self.elevation,
             way: None,
         }
     }

@@ -106,13 +106,16 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let mut starts = Vec::with_capacity(split.sources.len());
     for (index, (source, count)) in scenario.sources.iter().zip(split.sources).enumerate() {
         let key = format!("sources[{index}]");
-        let inside = sources::places(&key, source, &free, places.body + 0.05)?;
+        let elevation = source.elevation.unwrap_or(0.0);
+        let bears = |at: Vec2| geometry.floors.footing(at, elevation).is_some();
+        let inside = sources::places(&key, source, &free, places.body + 0.05, bears)?;
         let ways = places.ways(&format!("{key}.routes"), &source.routes, &source.journeys, false)?;
         let first_agent = next_id(&agents);
         while let Some(members) = next_group(scenario, &agents, first_agent + count) {
             let first = members.start;
-            let place =
-                places.entrance(first, inside[0], &ways).ok_or_else(|| places.full(first, u32::MAX))?;
+            let place = places
+                .entrance(first, (inside[0], elevation), &ways)
+                .ok_or_else(|| places.full(first, u32::MAX))?;
             for agent in members.clone() {
                 let companions = companions::others(&members, agent);
                 let step = sources::entry_step(source, agent - first_agent, scenario.navigation.time_step);

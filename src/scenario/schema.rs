@@ -289,6 +289,9 @@ impl Obstacle {
 pub struct Spawn {
     /// Corners in order, at least 3.
     pub polygon: Vec<Point>,
+    /// Height of the floor that people start on, m; left out: the ground.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub elevation: Option<f32>,
     /// Share of the agents, relative to the other regions; left out: the region's area in m².
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub weight: Option<f32>,

@@ -97,11 +97,18 @@ pub(super) fn entry_step(source: &Source, k: u32, time_step: f32) -> u32 {
     steps(time, time_step)
 }
 
-/// Places of a source in which a disc of `body` fits, spread evenly over it; neighbours in the list are far apart.
+/// Places of a source in which a disc of `body` fits and that bear people at its height, spread evenly over it; neighbours
+/// in the list are far apart.
 ///
 /// # Errors
 /// [`Error::Value`] when there is none.
-pub(super) fn places(key: &str, source: &Source, free: &Clearance, body: f32) -> Result<Vec<Vec2>, Error> {
+pub(super) fn places(
+    key: &str,
+    source: &Source,
+    free: &Clearance,
+    body: f32,
+    bears: impl Fn(Vec2) -> bool,
+) -> Result<Vec<Vec2>, Error> {
     let corners: Vec<Vec2> = source.polygon.iter().copied().map(Vec2::from).collect();
     let low = corners.iter().copied().fold(Vec2::MAX, Vec2::min);
     let high = corners.iter().copied().fold(Vec2::MIN, Vec2::max);
@@ -116,7 +123,8 @@ pub(super) fn places(key: &str, source: &Source, free: &Clearance, body: f32) ->
         // Roberts' sequence R2 in 32 bits, as in shaders/shared/stages.wgsl.
         let unit = |factor: u32| super::random::fraction(i.wrapping_mul(factor).wrapping_add(1 << 31));
         let place = low + (high - low) * Vec2::new(unit(3_242_174_889), unit(2_447_445_414));
-        if polygon::contains(&corners, place) && edge(place) >= body && free.admits(place, body) {
+        let is_inside = polygon::contains(&corners, place) && edge(place) >= body;
+        if is_inside && free.admits(place, body) && bears(place) {
             found.push(place);
         }
         #[allow(clippy::cast_precision_loss, reason = "at most 65,536")]

@@ -73,6 +73,7 @@ impl Scenario {
             )?;
         }
         floors::validate(&self.floors, &self.obstacles)?;
+        floors::validate_places(self)?;
         routes(&self.routes)?;
         spawns(&self.spawns, &self.routes, self.layout)?;
         super::journeys::validate(self)?;

@@ -45,8 +45,9 @@ pub enum Error {
     },
     /// Nobody can stand at a goal.
     #[error(
-        "goal {name:?} at ({x:.2}, {z:.2}) m lies where nobody can stand (in something solid, too near to a wall, or outside); \
-         move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance"
+        "goal {name:?} at ({x:.2}, {z:.2}) m{} lies where nobody can stand (in something solid, too near to a wall, or outside); \
+         move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance",
+        high(*.elevation)
     )]
     Goal {
         /// Its name.
@@ -55,6 +56,35 @@ pub enum Error {
         x: f32,
         /// Where it is, m.
         z: f32,
+        /// Height of the floor that it is on, m.
+        elevation: f32,
+    },
+    /// No way leads from one storey to another.
+    #[error(
+        "goal {name:?} at ({:.2}, {:.2}) m{} cannot be reached from ({:.2}, {:.2}) m{}: no ramp or stairs lead there; \
+         floors and the ground are joined where their edges meet less than 0.6 m above one another, without a railing or \
+         obstacle, and wide enough for way_finding.clearance",
+        .to.x, .to.y, high(*.to_elevation), .from.x, .from.y, high(*.from_elevation)
+    )]
+    Unreachable {
+        /// Name of the goal.
+        name: String,
+        /// Where it is, m.
+        to: Vec2,
+        /// Height of the floor that it is on, m.
+        to_elevation: f32,
+        /// Where somebody sets out for it, m.
+        from: Vec2,
+        /// Height of the floor there, m.
+        from_elevation: f32,
+    },
+    /// Too many floors lie above one another.
+    #[error(
+        "floors: more than {most} lie above one another, which way_finding cannot tell apart; leave it at \"straight\""
+    )]
+    Sheets {
+        /// The most there may be.
+        most: usize,
     },
     /// Too many goals have a field of their own.
     #[error(
@@ -85,4 +115,9 @@ pub enum Error {
     /// The program was built without Vulkan.
     #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]
     NoVulkan,
+}
+
+/// How high something is, if it is not on the ground.
+fn high(elevation: f32) -> String {
+    if elevation == 0.0 { String::new() } else { format!(" ({elevation:.2} m high)") }
 }

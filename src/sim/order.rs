@@ -131,6 +131,12 @@ pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Pass> {
     (first..first + count).map(turn).collect()
 }
 
+/// The launch that joins sheets, where there are several: if it puts tiles on lists, the turns go on from one whose number
+/// is a multiple of four.
+pub fn flow_joint(grid: &FlowUniforms) -> Pass {
+    flow_pass(13, grid.field_count * grid.joint_count)
+}
+
 /// The launches that end it.
 pub fn flow_end(grid: &FlowUniforms) -> Vec<Pass> {
     vec![flow_pass(11, tiles_or_lists(grid)), flow_pass(12, grid.seed_count)]

@@ -283,7 +283,7 @@ fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
         [stop.position.x, stop.position.y, stop.radius, kind],
         [along.x, along.y, across.x, across.y],
         [field, stop.wait as f32, stop.until as f32, stop.number as f32],
-        [0.0; 4],
+        [stop.elevation.unwrap_or(0.0), f32::from(u8::from(stop.elevation.is_some())), 0.0, 0.0],
     ]
 }
 

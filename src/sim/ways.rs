@@ -5,10 +5,12 @@ use crate::kernels::BufferId;
 
 /// What [`flow::lay`] fills.
 #[cfg(feature = "vulkan")]
-const FLOW: [BufferId; 11] = [
+const FLOW: [BufferId; 13] = [
     BufferId::FlowGrid,
     BufferId::FlowCells,
     BufferId::FlowSeeds,
+    BufferId::FlowJoints,
+    BufferId::Floors,
     BufferId::FlowDistance,
     BufferId::FlowWay,
     BufferId::FlowTiles,
@@ -30,7 +32,7 @@ impl Simulation {
         goals: Vec<flow::Goal>,
         settings: flow::Settings,
     ) -> Result<(), crate::Error> {
-        flow::lay(&mut self.store, outlines, &goals, &settings)?;
+        flow::lay_on(&mut self.store, outlines, &self.ways.floors, &goals, &settings)?;
         (self.ways.goals, self.ways.settings) = (goals, settings);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
@@ -47,8 +49,9 @@ impl Simulation {
     /// # Errors
     /// [`Error::Goal`] when nobody can stand at a goal any more; when the device fails.
     pub fn set_obstacles(&mut self, outlines: &[Vec<[f32; 2]>]) -> Result<(), crate::Error> {
-        flow::lay(&mut self.store, outlines, &self.ways.goals, &self.ways.settings)?;
-        setup::set_raised_obstacles(&mut self.store, outlines, &self.ways.raised);
+        let ways = &self.ways;
+        flow::lay_on(&mut self.store, outlines, &ways.floors, &ways.goals, &ways.settings)?;
+        setup::set_raised_obstacles(&mut self.store, outlines, &ways.floors.raised);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             engine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
@@ -86,7 +89,13 @@ impl Simulation {
                 passes.clear();
                 turns += batch;
                 batch = 32;
-                if (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0) {
+                let mut is_done = self.lists_are_empty();
+                if is_done && grid.joint_count > 0 && !with_solid {
+                    self.run(&[order::flow_joint(&grid)], &[BufferId::FlowArgs])?;
+                    turns = turns.next_multiple_of(4);
+                    is_done = self.lists_are_empty();
+                }
+                if is_done {
                     break;
                 }
                 if turns > most {
@@ -95,5 +104,10 @@ impl Simulation {
             }
         }
         self.run(&order::flow_end(&grid), &[])
+    }
+
+    /// Whether no tile waits for its turn.
+    fn lists_are_empty(&self) -> bool {
+        (0..4).all(|list| self.store.flow_args[4 * list + 3] == 0)
     }
 }

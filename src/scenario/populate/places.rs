@@ -63,8 +63,8 @@ pub(super) struct Places<'a> {
     floors: &'a Floors,
     lanes: &'a Lanes,
     geometry: &'a Geometry,
-    /// Corners of each spawn region, and what is walked from it.
-    regions: Vec<(Vec<Vec2>, Walked)>,
+    /// Corners of each spawn region, what is walked from it, and the height of its floor, m.
+    regions: Vec<(Vec<Vec2>, Walked, f32)>,
     region_ends: Vec<f32>,
     route_ends: Vec<f32>,
     /// The largest radius, m.
@@ -94,10 +94,11 @@ impl<'a> Places<'a> {
         };
         for (i, spawn) in geometry.spawns.iter().enumerate() {
             let ways = made.ways(&format!("spawns[{i}].routes"), &spawn.routes, &spawn.journeys, true)?;
-            made.regions.push((spawn.polygon.iter().copied().map(Vec2::from).collect::<Vec<_>>(), ways));
+            let corners: Vec<Vec2> = spawn.polygon.iter().copied().map(Vec2::from).collect();
+            made.regions.push((corners, ways, spawn.elevation.unwrap_or(0.0)));
         }
         #[allow(clippy::cast_possible_truncation, reason = "an area in m² as a share")]
-        let share = |(spawn, (corners, _)): (&Spawn, &(Vec<Vec2>, Walked))| {
+        let share = |(spawn, (corners, ..)): (&Spawn, &(Vec<Vec2>, Walked, f32))| {
             spawn.weight.unwrap_or(polygon::signed_area(corners).abs() as f32)
         };
         made.region_ends = cumulate(geometry.spawns.iter().zip(&made.regions).map(share));
@@ -154,8 +155,10 @@ impl<'a> Places<'a> {
                 Some(self.on_a_lane(&draw))
             } else {
                 let position = self.in_a_region(&draw);
-                let seen = position
-                    .map(|(region, position)| self.set_out(agent, &self.regions[region].1, position, &draw));
+                let seen = position.map(|(region, position)| {
+                    let (_, ways, elevation) = &self.regions[region];
+                    self.set_out(agent, ways, (position, *elevation), &draw)
+                });
                 unseen += u32::from(matches!(seen, Some(None)));
                 seen.flatten()
             };
@@ -236,33 +239,34 @@ impl<'a> Places<'a> {
     /// A point in a spawn region where the agent fits.
     fn in_a_region(&self, draw: &impl Fn(u32) -> f32) -> Option<(usize, Vec2)> {
         let region = weighted(&self.region_ends, draw(0));
-        let corners = &self.regions.get(region)?.0;
+        let (corners, _, elevation) = self.regions.get(region)?;
         let low = corners.iter().copied().reduce(Vec2::min)?;
         let high = corners.iter().copied().reduce(Vec2::max)?;
         let position = low + (high - low) * Vec2::new(draw(1), draw(2));
         let body = self.body + 0.05;
-        (polygon::contains(corners, position) && self.free.admits(position, body))
-            .then_some((region, position))
+        let is_free = polygon::contains(corners, position) && self.free.admits(position, body);
+        (is_free && self.floors.footing(position, *elevation).is_some()).then_some((region, position))
     }
 
-    /// Where those of a source set out for once they are in, near `inside`.
-    pub(super) fn entrance(&self, agent: u32, inside: Vec2, ways: &Walked) -> Option<Place> {
+    /// Where those of a source set out for once they are in, near `inside` and its height, m.
+    pub(super) fn entrance(&self, agent: u32, inside: (Vec2, f32), ways: &Walked) -> Option<Place> {
         let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Start, k);
         self.set_out(agent, ways, inside, &draw)
     }
 
-    /// On a route or a journey of those that may be walked.
+    /// On a route or a journey of those that may be walked, from a place and the height of its floor, m.
     fn set_out(
         &self,
         agent: u32,
         ways: &Walked,
-        position: Vec2,
+        (position, elevation): (Vec2, f32),
         draw: &impl Fn(u32) -> f32,
     ) -> Option<Place> {
-        match ways {
+        let place = match ways {
             Walked::Routes(routes) => self.to_a_lane(routes, position, draw),
             Walked::Journeys(journeys) => self.on_a_journey(agent, journeys, position),
-        }
+        };
+        place.map(|place| Place { elevation: self.floors.height(position, elevation), ..place })
     }
 
     /// At the first stage of a journey; which journey and which way through it depends on the agent alone.
@@ -274,7 +278,7 @@ impl<'a> Places<'a> {
         let first = self.lanes.points(*lane).first()?.position;
         Some(Place {
             position,
-            elevation: self.floors.height(position, 0.0),
+            elevation: 0.0,
             direction: (first - position).normalize_or(Vec2::Y),
             route_start: lane.start,
             route_length: lane.count,
@@ -301,7 +305,7 @@ impl<'a> Places<'a> {
         let direction = (points[nearest].position - position).normalize_or(Vec2::Y);
         Some(Place {
             position,
-            elevation: self.floors.height(position, 0.0),
+            elevation: 0.0,
             direction,
             route_start: lane.start,
             route_length: lane.count,

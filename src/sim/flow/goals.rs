@@ -1,11 +1,13 @@
 //! Which stages of a scenario's crowd have a field, and how the flow grid is laid for it.
 
-use super::{Goal, Settings, lay};
+use super::{Goal, Settings, Sheets, lay_on};
 use crate::kernels::Store;
+use crate::reference::elevate::STEP;
 use crate::reference::stages::STAGE_STRIDE;
-use crate::scenario::{Crowd, Geometry, Raised, Scenario, Stop, StopKind, Way};
+use crate::scenario::{AgentStart, Crowd, Entry, Floors, Geometry, Scenario, Stop, StopKind, Way};
 use crate::sim::Error;
 use glam::Vec2;
+use std::collections::BTreeMap;
 
 /// Most fields of one scenario.
 pub const MOST_FIELDS: usize = 256;
@@ -17,17 +19,16 @@ pub struct Ways {
     pub goals: Vec<Goal>,
     /// How the grid is laid.
     pub settings: Settings,
-    /// Solids that stand at some heights only: they are not on the grid, but stay where they are.
-    pub raised: Vec<Raised>,
+    /// Floors, and solids that stand at some heights only: they stay where they are.
+    pub floors: Floors,
 }
 
 /// Gives the stages of a crowd their fields as `scenario.way_finding` says: lays the flow grid into a store in which the
 /// crowd is already. The fields are solved by [`crate::sim::Simulation::from_store`].
 ///
-/// Solids that stand at some heights only, ramps and bridges are not on the grid: it is that of the ground.
-///
 /// # Errors
-/// As [`lay`]; [`Error::Fields`] when there are too many goals.
+/// As [`lay_on`]; [`Error::Fields`] when there are too many goals; [`Error::Unreachable`] when somebody is to go to another
+/// storey and no way leads there.
 pub fn equip(
     store: &mut Store,
     scenario: &Scenario,
@@ -35,8 +36,9 @@ pub fn equip(
     crowd: &Crowd,
 ) -> Result<Ways, Error> {
     let wanted = &scenario.way_finding;
-    let raised = geometry.floors.raised.clone();
-    let could_be_blocked = !geometry.obstacles.is_empty() || !is_convex(&geometry.bounds);
+    let floors = geometry.floors.clone();
+    let could_be_blocked =
+        !geometry.obstacles.is_empty() || floors.count() > 0 || !is_convex(&geometry.bounds);
     let is_asked = |stop: &Stop| match stop.way.unwrap_or(wanted.way) {
         Way::Straight => false,
         Way::Field => true,
@@ -57,7 +59,9 @@ pub fn equip(
             continue;
         }
         let goal = goal(stop, scenario);
-        let known = goals.iter().position(|g| g.center == goal.center && g.region == goal.region);
+        let is_same =
+            |g: &Goal| (g.center, g.elevation) == (goal.center, goal.elevation) && g.region == goal.region;
+        let known = goals.iter().position(is_same);
         fields.push(Some(known.unwrap_or(goals.len())));
         if known.is_none() {
             if goals.len() == MOST_FIELDS {
@@ -67,15 +71,18 @@ pub fn equip(
         }
     }
     if goals.is_empty() {
-        return Ok(Ways { goals, settings, raised });
+        return Ok(Ways { goals, settings, floors });
     }
     let outlines: Vec<Vec<[f32; 2]>> =
         geometry.outlines().map(|outline| outline.iter().map(Vec2::to_array).collect()).collect();
-    lay(store, &outlines, &goals, &settings)?;
+    if let Some(sheets) = lay_on(store, &outlines, &floors, &goals, &settings)?.filter(|_| floors.count() > 0)
+    {
+        check_reach(&sheets, store, crowd, &goals, &fields)?;
+    }
     for (stage, field) in store.stages.chunks_exact_mut(STAGE_STRIDE).zip(fields) {
         stage[2][0] = field.map_or(-1.0, |field| field as f32);
     }
-    Ok(Ways { goals, settings, raised })
+    Ok(Ways { goals, settings, floors })
 }
 
 /// What a stage asks the way to.
@@ -84,11 +91,59 @@ fn goal(stop: &Stop, scenario: &Scenario) -> Goal {
     let c = stop.position;
     if stop.kind == StopKind::Waypoint {
         let name = format!("waypoint ({:.1}, {:.1})", c.x, c.y);
-        return Goal { name, center: c, radius: stop.radius, region: Vec::new() };
+        return Goal { name, center: c, radius: stop.radius, region: Vec::new(), elevation: stop.elevation };
     }
     let name = scenario.stages.get(stop.number as usize).map_or_else(String::new, |stage| stage.name.clone());
     let region = vec![c - along - across, c + along - across, c + along + across, c - along + across];
-    Goal { name, center: c, radius: stop.radius, region }
+    Goal { name, center: c, radius: stop.radius, region, elevation: stop.elevation }
+}
+
+/// Whether everybody can come to each of their goals from where they set out for it, if it lies on another storey.
+fn check_reach(
+    sheets: &Sheets,
+    store: &Store,
+    crowd: &Crowd,
+    goals: &[Goal],
+    fields: &[Option<usize>],
+) -> Result<(), Error> {
+    // by field and cell: a place from where somebody sets out
+    let mut legs: BTreeMap<(usize, usize), (Vec2, f32)> = BTreeMap::new();
+    for agent in crowd.agents.iter().filter(|agent| agent.entry != Entry::Never) {
+        for (stop, at, elevation) in places(agent, &crowd.stages) {
+            if let (Some(field), Some(cell)) = (fields[stop], sheets.cell(at, elevation)) {
+                legs.entry((field, cell)).or_insert((at, elevation));
+            }
+        }
+    }
+    let seeds = &store.flow_seeds[..store.flow_grid.seed_count as usize];
+    for (field, goal) in goals.iter().enumerate() {
+        let mut own = legs.range((field, 0)..(field + 1, 0)).peekable();
+        if own.peek().is_none() {
+            continue;
+        }
+        let of = seeds.iter().filter(|seed| seed[0] as usize == field).map(|seed| seed[1] as usize);
+        let reached = sheets.reached_from(of);
+        let to_elevation = goal.elevation.unwrap_or(0.0);
+        for ((_, cell), &(from, from_elevation)) in own {
+            if !reached[*cell] && (from_elevation - to_elevation).abs() >= STEP {
+                let (name, to) = (goal.name.clone(), goal.center);
+                return Err(Error::Unreachable { name, to, to_elevation, from, from_elevation });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The stages that an agent goes to, each with where it sets out for it and how high that is, m, as far as that is known.
+fn places<'a>(agent: &'a AgentStart, stages: &'a [Stop]) -> impl Iterator<Item = (usize, Vec2, f32)> + 'a {
+    let first = agent.route_start as usize;
+    let end = (first + agent.route_length as usize).min(stages.len());
+    let mut from = Some((agent.position, agent.elevation));
+    (first + agent.waypoint as usize..end).filter_map(move |stop| {
+        let before = from;
+        from = stages[stop].elevation.map(|elevation| (stages[stop].position, elevation));
+        before.map(|(at, elevation)| (stop, at, elevation))
+    })
 }
 
 fn is_convex(outline: &[Vec2]) -> bool {

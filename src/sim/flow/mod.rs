@@ -4,14 +4,17 @@
 
 mod goals;
 pub mod raster;
+pub mod sheets;
 
 pub use goals::{MOST_FIELDS, Ways, equip};
 pub use raster::Raster;
+pub use sheets::Sheets;
 
 use crate::kernels::Store;
 use crate::kernels::layout::FlowUniforms;
+use crate::reference::elevate::{FLOOR_STRIDE, STEP};
 use crate::reference::way::{SEES, TILE, with_step};
-use crate::scenario::polygon;
+use crate::scenario::{Floors, polygon};
 use glam::Vec2;
 
 /// Cell side where little ground is to be covered, and elsewhere, m.
@@ -40,6 +43,8 @@ pub struct Goal {
     pub radius: f32,
     /// Its outline, if it is a region: all of it is the goal, and distances are those to the outline. Empty: the middle.
     pub region: Vec<Vec2>,
+    /// Height of the floor that it lies on, m; none: on any floor there, or on the ground.
+    pub elevation: Option<f32>,
 }
 
 /// How the flow grid is laid.
@@ -71,40 +76,102 @@ pub fn lay(
     outlines: &[Vec<[f32; 2]>],
     goals: &[Goal],
     settings: &Settings,
-) -> Result<Option<Raster>, super::Error> {
+) -> Result<Option<Sheets>, super::Error> {
+    lay_on(store, outlines, &Floors::default(), goals, settings)
+}
+
+/// The same over the ground and floors, which must be in the store already: they are told their sheets.
+///
+/// # Errors
+/// As [`lay`]; [`super::Error::Sheets`] when too many floors lie above one another.
+pub fn lay_on(
+    store: &mut Store,
+    outlines: &[Vec<[f32; 2]>],
+    floors: &Floors,
+    goals: &[Goal],
+    settings: &Settings,
+) -> Result<Option<Sheets>, super::Error> {
     if goals.is_empty() {
         clear(store);
         return Ok(None);
     }
-    let size = cell_size(outlines, goals.len(), settings.cell)?;
-    let mut raster = Raster::new(outlines, size, settings.clearance);
+    let homes = sheets::homes(floors)?;
+    let layers = 1 + homes.iter().copied().max().unwrap_or(0);
+    let size = cell_size(outlines, goals.len() * layers as usize, settings.cell)?;
+    let window = (WINDOW / size).round().clamp(1.0, 8.0) as u32;
+    let sheets = Sheets::new(outlines, floors, homes, [size, settings.clearance], window);
     let mut seeds = Vec::new();
     for (field, goal) in goals.iter().enumerate() {
-        sow(&raster, goal, field as u32, &mut seeds)?;
+        sow_on(&sheets, goal, field as u32, &mut seeds)?;
     }
-    let grid = &mut raster.grid;
+    let mut stacked = *sheets.grid();
+    stacked.rows *= layers;
+    stacked.cell_count *= layers;
+    stacked.tile_rows = stacked.rows.div_ceil(TILE);
+    let grid = &mut stacked;
     grid.field_count = goals.len() as u32;
     grid.seed_count = seeds.len() as u32;
-    grid.window = (WINDOW / size).round().clamp(1.0, 8.0) as u32;
+    grid.joint_count = sheets.joints.len() as u32;
+    grid.window = window;
     grid.density_weight = settings.density_weight;
     grid.every = if settings.density_weight > 0.0 { settings.every.max(1) } else { 0 };
     grid.solid_step = SOLID_COST * size;
     let fields = goals.len();
     let (cells, tiles) = (grid.cell_count as usize, (grid.tile_columns * grid.tile_rows) as usize);
     store.flow_grid = *grid;
-    let step = |cell| if raster.is_free(cell) { size } else { SOLID_COST * size };
-    store.flow_cells = (0..cells).map(|cell| with_step(raster.bits[cell], step(cell))).collect();
+    let words = |raster: &Raster| -> Vec<u32> {
+        let step = |cell| if raster.is_free(cell) { size } else { SOLID_COST * size };
+        (0..raster.bits.len()).map(|cell| with_step(raster.bits[cell], step(cell))).collect()
+    };
+    store.flow_cells = sheets.rasters.iter().flat_map(words).collect();
     store.flow_seeds = seeds;
+    store.flow_joints =
+        sheets.joints.iter().copied().chain(sheets.joints.is_empty().then_some([0; 2])).collect();
+    for (floor, home) in store.floors.chunks_exact_mut(FLOOR_STRIDE).zip(&sheets.homes) {
+        floor[0][3] = *home as f32;
+    }
     store.flow_distance = vec![0.0; fields * cells];
     store.flow_way = vec![0; fields * cells];
     store.flow_tiles = vec![0; fields * tiles];
     store.flow_lists = vec![0; 4 * fields * tiles];
     store.flow_args = vec![0; 16];
-    let counted = if raster.grid.every > 0 { cells } else { 1 };
+    let counted = if stacked.every > 0 { cells } else { 1 };
     store.flow_counts = vec![0; counted];
     store.flow_sums = vec![0; counted];
-    store.flow_room = if raster.grid.every > 0 { room(&raster) } else { vec![0.0] };
-    Ok(Some(raster))
+    store.flow_room = vec![0.0];
+    if stacked.every > 0 {
+        store.flow_room = sheets.rasters.iter().flat_map(|raster| room(raster, window as usize)).collect();
+    }
+    Ok(Some(sheets))
+}
+
+/// Sows a goal on the sheets on which it lies.
+fn sow_on(sheets: &Sheets, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -> Result<(), super::Error> {
+    let before = seeds.len();
+    for sheet in sheets.of_goal(goal.center, goal.elevation) {
+        let first = seeds.len();
+        sow(&sheets.rasters[sheet], goal, field, seeds);
+        // the parts of a region that lie at another height are not it
+        let is_there = |cell: u32| {
+            goal.elevation
+                .is_none_or(|elevation| (sheets.height(sheet, cell as usize) - elevation).abs() < STEP)
+        };
+        let mut sown = seeds.split_off(first);
+        sown.retain(|seed| goal.region.is_empty() || is_there(seed[1]));
+        seeds.extend(sown.into_iter().map(|[field, cell, distance, sees]| {
+            [field, cell + (sheet * sheets.sheet_cells()) as u32, distance, sees]
+        }));
+    }
+    if seeds.len() == before {
+        let Goal { name, center, elevation, .. } = goal.clone();
+        return Err(super::Error::Goal {
+            name,
+            x: center.x,
+            z: center.y,
+            elevation: elevation.unwrap_or(0.0),
+        });
+    }
+    Ok(())
 }
 
 /// Tiles that the front of the field that has the farthest to go crosses in an open place: so many turns it takes at least.
@@ -126,6 +193,7 @@ pub fn clear(store: &mut Store) {
     store.flow_grid = FlowUniforms::default();
     store.flow_cells = vec![0];
     store.flow_seeds = vec![[0; 4]];
+    store.flow_joints = vec![[0; 2]];
     store.flow_distance = vec![0.0];
     store.flow_way = vec![0];
     store.flow_tiles = vec![0];
@@ -151,8 +219,8 @@ fn cell_size(outlines: &[Vec<[f32; 2]>], fields: usize, asked: Option<f32>) -> R
     Ok(size.max(smallest))
 }
 
-/// Cells whose distance to a goal is known: those of its region or around its middle, as far as it can be seen.
-fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -> Result<(), super::Error> {
+/// Cells of a sheet whose distance to a goal is known: those of its region or around its middle, as far as it can be seen.
+fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) {
     let size = raster.grid.cell_size;
     let sight = (SIGHT.0 / size).clamp(SIGHT.1, SIGHT.2) * size;
     let before = seeds.len();
@@ -190,10 +258,6 @@ fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -> R
             seeds.push([field, cell as u32, 0.0_f32.to_bits(), 0]);
         }
     }
-    if seeds.len() == before {
-        return Err(super::Error::Goal { name: goal.name.clone(), x: goal.center.x, z: goal.center.y });
-    }
-    Ok(())
 }
 
 /// The middle of a goal if a person can be there, or the nearest place within its radius.
@@ -235,9 +299,8 @@ fn cells_in(raster: &Raster, low: Vec2, high: Vec2) -> Vec<usize> {
 }
 
 /// Free ground in the window around each cell, m², at least that of one cell.
-fn room(raster: &Raster) -> Vec<f32> {
+fn room(raster: &Raster, window: usize) -> Vec<f32> {
     let (columns, rows) = (raster.grid.columns as usize, raster.grid.rows as usize);
-    let window = raster.grid.window as usize;
     let one = raster.grid.cell_size * raster.grid.cell_size;
     let along: Vec<u32> = (0..columns * rows)
         .map(|cell| {

@@ -36,6 +36,46 @@ impl Raster {
     /// solid inside, as the solver has them; two corners are a wall. `clearance` is the distance in m that a person's
     /// centre keeps from walls.
     pub fn new(outlines: &[Vec<[f32; 2]>], size: f32, clearance: f32) -> Self {
+        let grid = Self::lay(outlines, size);
+        let solid = solid_samples(&grid, outlines);
+        let (samples, open) = clear_samples(&grid, outlines, &solid, f64::from(clearance));
+        let bits = links(&grid, &samples, &open);
+        Self { grid, bits, samples }
+    }
+
+    /// The same on cells that are laid already, of which some are kept and others solid; from one free cell to the next
+    /// one walks only where `leads` says so.
+    pub fn of_sheet(
+        grid: &FlowUniforms,
+        outlines: &[Vec<[f32; 2]>],
+        clearance: f32,
+        keeps: impl Fn(usize) -> bool,
+        leads: impl Fn(usize, usize) -> bool,
+    ) -> Self {
+        let mut solid = solid_samples(grid, outlines);
+        for (_, samples) in solid.iter_mut().enumerate().filter(|(cell, _)| !keeps(*cell)) {
+            *samples = u64::MAX;
+        }
+        let (samples, open) = clear_samples(grid, outlines, &solid, f64::from(clearance));
+        let mut bits = links(grid, &samples, &open);
+        let columns = grid.columns as usize;
+        for (cell, bits) in bits.iter_mut().enumerate().filter(|(_, bits)| **bits & SOLID == 0) {
+            for (bit, other) in [
+                (FROM_LEFT, cell.wrapping_sub(1)),
+                (FROM_RIGHT, cell + 1),
+                (FROM_BELOW, cell.wrapping_sub(columns)),
+                (FROM_ABOVE, cell + columns),
+            ] {
+                if *bits & bit != 0 && !leads(cell, other) {
+                    *bits &= !bit;
+                }
+            }
+        }
+        Self { grid: *grid, bits, samples }
+    }
+
+    /// Cells of `size` m over the corners of `outlines`.
+    pub fn lay(outlines: &[Vec<[f32; 2]>], size: f32) -> FlowUniforms {
         let corners = || outlines.iter().flatten().map(|c| Vec2::from_array(*c).as_dvec2());
         let low = corners().fold(DVec2::INFINITY, DVec2::min);
         let high = corners().fold(DVec2::NEG_INFINITY, DVec2::max);
@@ -44,7 +84,7 @@ impl Raster {
         let origin = (low - DVec2::splat(MARGIN * cell)).as_vec2();
         let extent = (high - origin.as_dvec2()) / cell;
         let [columns, rows] = (extent + DVec2::splat(MARGIN)).ceil().to_array().map(|n| (n as u32).max(1));
-        let grid = FlowUniforms {
+        FlowUniforms {
             origin: origin.to_array(),
             cell_size: size,
             inverse_cell_size: 1.0 / size,
@@ -53,12 +93,9 @@ impl Raster {
             cell_count: columns * rows,
             tile_columns: columns.div_ceil(TILE),
             tile_rows: rows.div_ceil(TILE),
+            sheet_rows: rows,
             ..FlowUniforms::default()
-        };
-        let solid = solid_samples(&grid, outlines);
-        let (samples, open) = clear_samples(&grid, outlines, &solid, f64::from(clearance));
-        let bits = links(&grid, &samples, &open);
-        Self { grid, bits, samples }
+        }
     }
 
     /// The cell of a ground position, if it is on the grid.

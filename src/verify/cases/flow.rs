@@ -3,18 +3,21 @@
 use super::unit;
 use crate::kernels::layout::{FlowUniforms, StepUniforms};
 use crate::kernels::{Pass, Store};
-use crate::sim::flow::{Goal, Settings, lay};
+use crate::scenario::{Floor, Floors};
+use crate::sim::flow::{Goal, Settings, lay_on};
 use crate::sim::order;
 use glam::Vec2;
 
-/// Two fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, and a crowd whose
-/// density counts; `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
+/// Three fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, and a crowd whose
+/// density counts; from a thousand cells on with a ramp that leads up to a floor above the ground. `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
 pub fn fields(cells: usize, seed: u32) -> Store {
     let mut store = Store {
         step: StepUniforms { agent_count: cells as u32, ..StepUniforms::default() },
         ..Store::default()
     };
     crate::sim::flow::clear(&mut store);
+    store.floors = vec![[0.0; 4]];
+    store.elevation = vec![0.0; cells.max(1)];
     if cells == 0 {
         return store;
     }
@@ -47,16 +50,29 @@ pub fn fields(cells: usize, seed: u32) -> Store {
         center,
         radius: width.max(depth),
         region,
+        elevation: None,
     };
+    let storeys = if cells >= 1000 { ramp_and_floor(width, depth) } else { Floors::default() };
+    if storeys.count() > 0 {
+        store.step.floor_count = storeys.count() as u32;
+        store.floors.clone_from(&storeys.elements);
+        store.elevation = (0..cells).map(|i| if i % 3 == 0 { HIGH } else { 0.0 }).collect();
+    }
     let middle = Vec2::new(width, depth) * 0.4;
     let region =
         [(0.0, 0.0), (0.3, 0.0), (0.3, 0.2), (0.0, 0.2)].map(|(x, z)| Vec2::new(x * width, z * depth));
-    let goals = [goal("middle", middle, Vec::new()), goal("corner", region[2] * 0.5, region.to_vec())];
+    let above =
+        Goal { elevation: Some(HIGH), ..goal("above", Vec2::new(width * 0.65, depth * 0.5), Vec::new()) };
+    let mut goals =
+        vec![goal("middle", middle, Vec::new()), goal("corner", region[2] * 0.5, region.to_vec())];
+    goals.extend((storeys.count() > 0).then_some(above));
     let settings = Settings { cell: Some(0.5), density_weight: 0.7, clearance: 0.2, every: 1 };
-    let laid = (1..=2).rev().find(|count| lay(&mut store, &outlines, &goals[..*count], &settings).is_ok());
+    let mut lay =
+        |outlines: &[Vec<[f32; 2]>], goals: &[Goal]| lay_on(&mut store, outlines, &storeys, goals, &settings);
+    let laid = (1..=goals.len()).rev().find(|count| lay(&outlines, &goals[..*count]).is_ok());
     if laid.is_none() {
         // so small a place has no room for a goal: one cell, which is the goal, all round solid
-        let _ = lay(&mut store, &[], &goals[..1], &settings);
+        let _ = lay(&[], &goals[..1]);
     }
     for i in 0..cells {
         let absent = i % 9 == 4;
@@ -71,6 +87,21 @@ pub fn fields(cells: usize, seed: u32) -> Store {
     store
 }
 
+/// Height of the floor, m.
+const HIGH: f32 = 2.5;
+
+/// A ramp along x, and the floor that it leads up to.
+fn ramp_and_floor(width: f32, depth: f32) -> Floors {
+    let floor = |from: f32, to: f32, heights: &[f32]| Floor {
+        polygon: [[from, 0.4], [to, 0.4], [to, 0.6], [from, 0.6]]
+            .map(|[x, z]| [x * width, z * depth])
+            .to_vec(),
+        heights: heights.to_vec(),
+        railings: vec![0],
+    };
+    Floors::new(&[floor(0.2, 0.5, &[0.0, HIGH, HIGH]), floor(0.5, 0.8, &[HIGH])], &[])
+}
+
 /// A grid of a single cell, the goal.
 fn one_cell(store: &mut Store) {
     store.flow_grid = FlowUniforms {
@@ -78,6 +109,7 @@ fn one_cell(store: &mut Store) {
         inverse_cell_size: 2.0,
         columns: 1,
         rows: 1,
+        sheet_rows: 1,
         cell_count: 1,
         tile_columns: 1,
         tile_rows: 1,
@@ -101,6 +133,10 @@ pub fn passes(store: &Store) -> Vec<Pass> {
     // enough for any of these cases: the lists are empty long before
     let turns = (grid.tile_columns * grid.tile_rows).min(600) + 16;
     passes.extend(order::flow_turns(0, turns, false));
+    for _ in 0..if grid.joint_count > 0 { 4 } else { 0 } {
+        passes.push(order::flow_joint(grid));
+        passes.extend(order::flow_turns(0, turns, false));
+    }
     passes.push(order::flow_solid(grid));
     passes.extend(order::flow_turns(0, turns, true));
     passes.extend(order::flow_end(grid));
@@ -127,6 +163,13 @@ mod tests {
         assert!(count(&|bits, distance| bits & SOLID == 0 && distance < FAR) > 2000);
         assert!(count(&|bits, _| bits & SOLID != 0) > 200);
         assert!(count(&|bits, distance| bits & SOLID == 0 && distance >= FAR) > 3, "the pocket");
+        let grid = &store.flow_grid;
+        assert_eq!(
+            (grid.rows, grid.field_count),
+            (2 * grid.sheet_rows, 3),
+            "a storey above the ground, and a goal on it"
+        );
+        assert!(grid.joint_count > 10, "{} joints", grid.joint_count);
         assert!(
             store.flow_cells.iter().any(|word| (0.6..14.0).contains(&step(*word))),
             "density has a price"

@@ -73,7 +73,8 @@ fn stages(store: &mut Store, side: f32, seed: u32) {
             [u(0) * side, u(1) * side, 1.0, kind],
             [long * turn, long * (1.0 - turn), wide * (turn - 1.0), wide * turn],
             [-1.0, wait, until.max(0.0), stage as f32],
-            [0.0; 4],
+            // some on a floor, and those on another storey do not come to them
+            [3.0, (u(10) * 1.5).floor(), 0.0, 0.0],
         ];
         store.stages.extend(parts);
     }

@@ -94,6 +94,10 @@ fn ways(store: &mut Store) {
     for pass in passes {
         crate::reference::run(pass.kernel, store, pass.level);
     }
+    // what the fields say of the upper half of the area is taken as that of a second storey
+    if grid.rows > 1 && store.step.agent_count % 2 == 1 {
+        store.flow_grid.sheet_rows = grid.rows / 2;
+    }
     for stage in 0..store.stages.len() / STAGE_STRIDE {
         // the fourth is a field that is not there
         store.stages[stage * STAGE_STRIDE + 2][0] = (stage % 5) as f32 - 1.0;
@@ -198,7 +202,8 @@ fn floors(store: &mut Store, side: f32) {
         let [x, z] = [u(0) * side, u(1) * side];
         let (width, depth) = (side * (0.2 + 0.4 * u(2)), side * (0.2 + 0.4 * u(3)));
         let slope = if number % 2 == 0 { [0.0, 0.0] } else { [u(4) - 0.5, u(5) - 0.5] };
-        store.floors.push([slope[0], slope[1], u(6) * 4.0 - slope[0] * x - slope[1] * z, 0.0]);
+        let sheet = (number % 2) as f32;
+        store.floors.push([slope[0], slope[1], u(6) * 4.0 - slope[0] * x - slope[1] * z, sheet]);
         let edges =
             [[1.0, 0.0, width - x], [-1.0, 0.0, width + x], [0.0, 1.0, depth - z], [0.0, -1.0, depth + z]];
         store.floors.extend(edges.map(|[n, m, d]| [n, m, d, 0.0]));

@@ -1,0 +1,38 @@
+// uses: step, exact
+// Which floor somebody stands on: of those (bridges, ramps, storeys: convex pieces of planes) under a point the one whose
+// height is nearest to where it stood, if that is no more than a step up or down; else the ground, at 0. So whoever walks
+// under a bridge stays under it, and whoever walks up a ramp goes up.
+// Needs the bindings step and floors. Twin: reference::elevate.
+//   floors: [floor][9] height = x a + z b + c: (a, b, c, sheet of the flow grid); eight edges: inside if x n + z m + d >= 0: (n, m, d, 0)
+const FLOOR_STRIDE = 9u;
+const STEP = 0.6;   // m: nobody climbs more at once
+const EDGE = 0.02;  // m that a piece reaches beyond its edges, so that nobody falls between two that meet
+
+struct Standing {
+    height: f32,  // m
+    sheet: f32,   // of the flow grid
+}
+
+// Where somebody stands at a point who stood at height `present` before.
+fn standing(at: vec2<f32>, present: f32) -> Standing {
+    var nearest = STEP;
+    var found = Standing(0.0, 0.0);
+    for (var number = 0u; number < step.floor_count; number++) {
+        let base = number * FLOOR_STRIDE;
+        var inside = true;
+        for (var edge = 1u; edge < FLOOR_STRIDE && inside; edge++) {
+            let side = floors[base + edge];
+            inside = dot2(side.xy, at) + side.z >= -EDGE;
+        }
+        if inside {
+            let plane = floors[base];
+            let here = dot2(plane.xy, at) + plane.z;
+            let off = abs(here - present);
+            if off < nearest {
+                nearest = off;
+                found = Standing(here, plane.w);
+            }
+        }
+    }
+    return found;
+}
