@@ -13,8 +13,8 @@ pub enum Way {
     Straight,
     /// Everyone.
     Field,
-    /// Those on the way to a place from which an obstacle could be in the way: all of them where there are obstacles or the
-    /// bounds are not convex, nobody elsewhere.
+    /// Those on the way to a place from which something could be in the way: all of them where there are obstacles or floors
+    /// or the bounds are not convex, nobody elsewhere.
     Auto,
 }
 
