@@ -13,19 +13,23 @@ use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the program.
-fn gaitway(arguments: &[&str]) -> Output {
+/// The program, to be given arguments.
+fn program() -> Command {
     let program = env!("CARGO_BIN_EXE_gaitway");
     let runner = ["GAITWAY_TEST_RUNNER", "GAITWAY_RUNNER"].into_iter().find_map(std::env::var_os);
-    let mut command = match runner {
+    match runner {
         Some(runner) => {
             let mut command = Command::new(runner);
             command.arg(program);
             command
         }
         None => Command::new(program),
-    };
-    command.args(arguments).output().unwrap()
+    }
+}
+
+/// Runs the program.
+fn gaitway(arguments: &[&str]) -> Output {
+    program().args(arguments).output().unwrap()
 }
 
 /// Standard output of a run that must succeed.
@@ -188,6 +192,45 @@ fn without_a_device_vulkan_is_refused_and_auto_falls_back_with_one_line() {
     let error = String::from_utf8(output.stderr).unwrap();
     let expected = usize::from(cfg!(feature = "vulkan"));
     assert_eq!(error.lines().filter(|line| line.starts_with("note: ")).count(), expected, "{error}");
+}
+
+#[test]
+fn a_named_device_that_is_missing_is_an_error_and_digits_are_numbers_in_the_list() {
+    let with = |name: Option<&str>, arguments: &[&str]| {
+        let mut command = program();
+        match name {
+            Some(name) => command.env("GAITWAY_DEVICE", name),
+            None => command.env_remove("GAITWAY_DEVICE"),
+        };
+        let output = command.args(arguments).output().unwrap();
+        (output.status.code(), String::from_utf8(output.stderr).unwrap())
+    };
+    let crowds = [
+        &["simulate", "crossing", "--seconds", "0"][..],
+        &["perceive", "crossing", "--seconds", "1", "--warm-up", "0"],
+        &["validate", "rimea-1", "--quick"],
+        &["bench", "--agents", "10"],
+    ];
+    // without any driver the message is that there is none
+    let there_is_one = has_vulkan();
+    // the name of lavapipe has LLVM's version in it; a number is never part of a name
+    for missing in ["no such device", "7", "19", "15"] {
+        for crowd in crowds {
+            let by_option = with(None, &[crowd, &["--device", missing]].concat());
+            let by_variable = with(Some(missing), crowd);
+            for (code, error) in [by_option, by_variable] {
+                assert_eq!(code, Some(1), "{crowd:?} with {missing}: {error}");
+                assert!(error.contains("hint: "), "{error}");
+                assert!(!there_is_one || error.contains("found: 0: ") && error.contains(missing), "{error}");
+            }
+        }
+    }
+    for crowd in &crowds[..1] {
+        assert_eq!(with(Some("7"), &[crowd, &["--backend", "cpu"]].concat()).0, Some(0), "the CPU needs no device");
+        if there_is_one {
+            assert_eq!(with(Some("7"), &[crowd, &["--device", "0"]].concat()).0, Some(0), "the option is heeded first");
+        }
+    }
 }
 
 #[test]

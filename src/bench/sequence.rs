@@ -256,7 +256,7 @@ impl Sequence {
                     .and_then(|device| Engine::new(&device, &store, &kernels));
                 match engine {
                     Ok(engine) => Some(engine),
-                    Err(_) if backend == Backend::Auto => None,
+                    Err(_) if backend.falls_back(device) => None,
                     Err(error) => return Err(error.into()),
                 }
             }

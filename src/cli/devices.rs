@@ -33,6 +33,9 @@ struct List {
     devices: Vec<Row>,
     /// The one that is taken when none is named.
     best: Option<usize>,
+    /// The one that GAITWAY_DEVICE names: null where it names none; left out where it is not set.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    named: Option<Option<usize>>,
     /// Why there is none at all.
     missing: Option<String>,
     hint: Option<String>,
@@ -76,6 +79,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         (None, Some(missing)) => format!("No Vulkan device: {missing}."),
         (None, None) => "\nNo device can be used.".to_owned(),
     });
+    match list.named {
+        Some(Some(index)) => say(&format!("GAITWAY_DEVICE names device {index}.")),
+        Some(None) => {
+            say("GAITWAY_DEVICE names none of these that can be used: commands that need one will fail.")
+        }
+        None => {}
+    }
     if let Some(hint) = &list.hint {
         say(&format!("hint: {hint}"));
     }
@@ -134,6 +144,7 @@ impl Row {
 
 #[cfg(feature = "vulkan")]
 fn list() -> List {
+    use crate::gpu::Wanted;
     let devices = match crate::gpu::list() {
         Ok(devices) => devices,
         Err(error) => {
@@ -141,14 +152,16 @@ fn list() -> List {
             return List {
                 devices: Vec::new(),
                 best: None,
+                named: None,
                 missing: Some(error.to_string()),
                 hint,
                 openxr: openxr(),
             };
         }
     };
-    let usable = devices.iter().filter(|info| info.unusable.is_none());
-    let best = usable.min_by_key(|info| (info.kind, info.index)).map(|info| info.index);
+    let best = Wanted::Best.choose(&devices).map(|info| info.index);
+    let wanted = Wanted::of(None);
+    let named = (wanted != Wanted::Best).then(|| wanted.choose(&devices).map(|info| info.index));
     let hint = best.is_none().then(|| {
         "update the driver, or install a software one: Debian/Ubuntu: apt install mesa-vulkan-drivers; Fedora: dnf \
          install mesa-vulkan-drivers; Arch: pacman -S vulkan-swrast; or run scripts/setup and prefix the command \
@@ -164,12 +177,12 @@ fn list() -> List {
         usable: info.unusable.is_none(),
         reason: info.unusable,
     });
-    List { devices: rows.collect(), best, missing: None, hint, openxr: openxr() }
+    List { devices: rows.collect(), best, named, missing: None, hint, openxr: openxr() }
 }
 
 #[cfg(not(feature = "vulkan"))]
 fn list() -> List {
     let missing = Some("this build has no Vulkan backend".to_owned());
     let hint = Some("build with the feature `vulkan` (it is on by default)".to_owned());
-    List { devices: Vec::new(), best: None, missing, hint, openxr: openxr() }
+    List { devices: Vec::new(), best: None, named: None, missing, hint, openxr: openxr() }
 }

@@ -43,11 +43,11 @@ pub(super) struct SceneArguments {
 /// Where to compute.
 #[derive(Debug, Clone, Args)]
 pub(super) struct PlaceArguments {
-    /// Where to simulate; auto takes the best Vulkan device, or the CPU where there is none
+    /// Where to simulate; auto takes the best Vulkan device, or the CPU where there is none and none is named
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendName,
-    /// Vulkan device: a part of its name, or its number in `gaitway devices`
-    #[arg(long, value_name = "NAME")]
+    /// Vulkan device: a part of its name, or its number in `gaitway devices` [default: GAITWAY_DEVICE, or the best]
+    #[arg(long, value_name = "NAME|NUMBER")]
     pub(super) device: Option<String>,
 }
 
@@ -75,6 +75,12 @@ impl PlaceArguments {
             BackendName::Vulkan => Backend::Vulkan,
             BackendName::Cpu => Backend::Cpu,
         };
+        if backend == Backend::Cpu && self.device.is_some() {
+            return Err(usage(
+                "--device names a Vulkan device, but --backend is cpu",
+                "leave one of them out",
+            ));
+        }
         Ok((backend, self.device.as_deref()))
     }
 }
@@ -191,9 +197,6 @@ impl Scene {
 /// A simulation where the arguments say; tells when it had to fall back to the CPU.
 pub(super) fn start(store: Store, place: &PlaceArguments) -> Result<Simulation, Error> {
     let (backend, device) = place.get()?;
-    if backend == Backend::Cpu && device.is_some() {
-        return Err(usage("--device names a Vulkan device, but --backend is cpu", "leave one of them out"));
-    }
     let simulation = Simulation::from_store(store, backend, device)?;
     if let Some(reason) = simulation.fallback() {
         note(&format!(

@@ -2,6 +2,7 @@
 
 use super::instance::{DeviceInfo, Instance, Maker, Own};
 use super::validation::Validation;
+use super::wanted::Wanted;
 use super::{Error, call};
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -40,8 +41,7 @@ impl std::fmt::Debug for Device {
 }
 
 impl Device {
-    /// Opens a device: the one whose name contains `wanted` or whose index it is; without it the environment
-    /// variable `GAITWAY_DEVICE`; without that the best (discrete, integrated, virtual, software).
+    /// Opens a device: the one of that name or number ([`Wanted::of`]).
     ///
     /// # Errors
     /// When there is no loader, no driver, no such device, or the device cannot be opened.
@@ -66,18 +66,10 @@ impl Device {
                 info.unusable = maker.refusal(&instance.entry, &instance.raw, *device, family);
             }
         }
-        let environment = std::env::var("GAITWAY_DEVICE").ok();
-        let wanted = wanted.or(environment.as_deref()).filter(|name| !name.is_empty() && chosen.is_none());
-        let fits = |info: &DeviceInfo| {
-            wanted.is_none_or(|w| {
-                w.parse() == Ok(info.index) || info.name.to_lowercase().contains(&w.to_lowercase())
-            })
-        };
-        let best = devices
-            .iter()
-            .filter(|(_, info)| info.unusable.is_none() && fits(info))
-            .min_by_key(|(_, info)| (info.kind, info.index));
-        let Some((physical, info)) = best.cloned() else {
+        let wanted = if chosen.is_some() { Wanted::Best } else { Wanted::of(wanted) };
+        let best = wanted.choose(devices.iter().map(|(_, info)| info)).map(|info| info.index);
+        let Some((physical, info)) = devices.iter().find(|(_, info)| Some(info.index) == best).cloned()
+        else {
             let list: Vec<_> = devices
                 .iter()
                 .map(|(_, i)| {
@@ -85,7 +77,7 @@ impl Device {
                 })
                 .collect();
             let found = if list.is_empty() { "none".to_owned() } else { list.join(", ") };
-            return Err(Error::NoDevice { wanted: wanted.unwrap_or("any").to_owned(), found });
+            return Err(Error::NoDevice { wanted, found });
         };
         let family = instance.family(physical).unwrap_or(0);
         let (raw, multiview) = open_device(maker, &instance, physical, family)?;

@@ -11,6 +11,7 @@ mod instance;
 mod pipeline;
 pub mod plan;
 mod validation;
+mod wanted;
 #[cfg(feature = "xr")]
 mod watch;
 
@@ -21,6 +22,7 @@ pub use engine::{Engine, PassTime};
 pub(crate) use instance::Maker;
 pub use instance::{DeviceInfo, DeviceKind, list};
 pub use validation::{Validation, validation_messages};
+pub use wanted::{DEVICE_VARIABLE, Wanted};
 #[cfg(feature = "xr")]
 pub(crate) use watch::Watch;
 
@@ -43,10 +45,10 @@ pub enum Error {
     #[error("the Vulkan validation layer (VK_LAYER_KHRONOS_validation) is not installed")]
     NoValidationLayer,
     /// No device fits.
-    #[error("no usable Vulkan device matches {wanted:?}; found: {found}")]
+    #[error("{wanted}; found: {found}")]
     NoDevice {
-        /// Name or index asked for.
-        wanted: String,
+        /// Which one was asked for.
+        wanted: Wanted,
         /// What there is, with the reason why each is not usable.
         found: String,
     },
@@ -113,7 +115,12 @@ impl Error {
             Self::NoValidationLayer => {
                 Some("Debian/Ubuntu: apt install vulkan-validationlayers; or run through scripts/gpu-env")
             }
-            Self::NoDevice { .. } => Some("`gaitway devices` lists the devices; or add --backend cpu"),
+            Self::NoDevice { wanted: Wanted::Best, .. } => {
+                Some("`gaitway devices` says what is missing; or add --backend cpu")
+            }
+            Self::NoDevice { .. } => Some(
+                "name another with --device or GAITWAY_DEVICE, or none for the best; or add --backend cpu",
+            ),
             Self::Memory { .. } | Self::TooLarge { .. } => {
                 Some("use fewer agents (--agents) or --backend cpu")
             }

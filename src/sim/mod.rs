@@ -63,13 +63,26 @@ const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one p
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// The best Vulkan device; without one, the CPU.
+    /// The best Vulkan device; without one, the CPU, unless a device is named.
     #[default]
     Auto,
     /// A Vulkan device or an error.
     Vulkan,
     /// The CPU: the reference kernels, on all cores.
     Cpu,
+}
+
+impl Backend {
+    /// Whether the CPU takes over when Vulkan cannot be used: not where a device is named, by `device` or by the
+    /// environment variable `GAITWAY_DEVICE`.
+    pub fn falls_back(self, device: Option<&str>) -> bool {
+        #[cfg(feature = "vulkan")]
+        let is_named = crate::gpu::Wanted::of(device) != crate::gpu::Wanted::Best;
+        #[cfg(not(feature = "vulkan"))]
+        let is_named =
+            device.is_some() || std::env::var_os("GAITWAY_DEVICE").is_some_and(|name| !name.is_empty());
+        self == Self::Auto && !is_named
+    }
 }
 
 /// A crowd in motion.
@@ -128,7 +141,6 @@ impl Simulation {
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
-    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
     pub fn from_store(
         mut store: Store,
         backend: Backend,
@@ -141,7 +153,7 @@ impl Simulation {
                 .and_then(|device| Engine::new(&device, &store, &kernels(&store)));
             let (engine, fallback) = match opened {
                 Ok(engine) => (Some(engine), None),
-                Err(error) if backend == Backend::Auto => (None, Some(error.to_string())),
+                Err(error) if backend.falls_back(device) => (None, Some(error.to_string())),
                 Err(error) => return Err(error.into()),
             };
             let mut new = Self { engine, fallback, ..Self::unsolved(store) };
@@ -149,7 +161,7 @@ impl Simulation {
             return Ok(new);
         }
         #[cfg(not(feature = "vulkan"))]
-        if backend == Backend::Vulkan {
+        if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
             return Err(Error::NoVulkan.into());
         }
         let mut new = Self::unsolved(store);

@@ -118,7 +118,6 @@ impl Stage {
     ///
     /// # Errors
     /// When the walker cannot be made, or a Vulkan device is demanded but cannot be used.
-    #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device to choose"))]
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
         let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
@@ -129,13 +128,13 @@ impl Stage {
             let (device, fallback) = match opened {
                 None => (None, None),
                 Some(Ok(device)) => (Some(device), None),
-                Some(Err(error)) if backend == Backend::Auto => (None, Some(error.to_string())),
+                Some(Err(error)) if backend.falls_back(device) => (None, Some(error.to_string())),
                 Some(Err(error)) => return Err(error.into()),
             };
             Ok(Self { cast, device, fallback, fault: Fault::None })
         }
         #[cfg(not(feature = "vulkan"))]
-        if backend == Backend::Vulkan {
+        if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
             Err(crate::sim::Error::NoVulkan.into())
         } else {
             Ok(Self { cast, fallback: None, fault: Fault::None })
