@@ -9,6 +9,8 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+use gaitway::Emotion;
+use gaitway::library::GaitLibrary;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -226,11 +228,175 @@ fn a_named_device_that_is_missing_is_an_error_and_digits_are_numbers_in_the_list
         }
     }
     for crowd in &crowds[..1] {
-        assert_eq!(with(Some("7"), &[crowd, &["--backend", "cpu"]].concat()).0, Some(0), "the CPU needs no device");
+        assert_eq!(
+            with(Some("7"), &[crowd, &["--backend", "cpu"]].concat()).0,
+            Some(0),
+            "the CPU needs no device"
+        );
         if there_is_one {
-            assert_eq!(with(Some("7"), &[crowd, &["--device", "0"]].concat()).0, Some(0), "the option is heeded first");
+            assert_eq!(
+                with(Some("7"), &[crowd, &["--device", "0"]].concat()).0,
+                Some(0),
+                "the option is heeded first"
+            );
         }
     }
+}
+
+/// The hash of a short simulation on the CPU.
+fn hash_of(arguments: &[&str]) -> Value {
+    json(&[&["simulate"], arguments, &["--seconds", "1", "--backend", "cpu", "--json"]].concat())["state_hash"].clone()
+}
+
+#[test]
+fn what_is_set_is_as_if_the_scenarios_file_said_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("place.toml");
+    let file = path.to_str().unwrap();
+    let write = |text: &str| std::fs::write(&path, text).unwrap();
+    let garden = include_str!("../assets/scenes/garden.toml");
+    let edited = garden
+        .replace("agents = 4", "agents = 40")
+        .replace("happy = 1.0", "happy = 5")
+        .replace("[navigation]", "[navigation]\npatience = 1.0")
+        .replace("model = \"orca\"", "model = \"rvo\"");
+    let set = [
+        &["--set", "population.agents=40", "--set", "population.emotions.happy=5"][..],
+        &["--set", "navigation.patience=1.0", "--set", "navigation.model=rvo"],
+    ]
+    .concat();
+    write(&edited);
+    let wanted = hash_of(&[file]);
+    assert_ne!(wanted, hash_of(&["garden", "--set", "population.agents=40"]));
+    assert_eq!(wanted, hash_of(&[&["garden"], set.as_slice()].concat()), "a built-in scene");
+    write(garden);
+    assert_eq!(wanted, hash_of(&[&[file], set.as_slice()].concat()), "a file");
+
+    let place = "name = \"place\"\nbounds = [[0, 0], [9, 0], [9, 9], [0, 9]]\n[population]\nagents = 0\n\
+                 [[walkers]]\nposition = [1, 1]\nwaypoints = [[8, 1]]\n[[walkers]]\nposition = [1, 5]\nwaypoints = [[8, 5]]\n\
+                 [[obstacles]]\npolygon = [[4, 4], [5, 4], [5, 6], [4, 6]]\n";
+    write(&place.replace("[1, 5]\nwaypoints = [[8, 5]]", "[1, 5]\nspeed = 1.6\nwaypoints = [[8, 7]]"));
+    let wanted = hash_of(&[file]);
+    write(place);
+    let elements = ["--set", "walkers.1.speed=1.6", "--set", "walkers[1].waypoints=[[8, 7]]"];
+    assert_eq!(wanted, hash_of(&[&[file], &elements[..]].concat()));
+    assert_ne!(wanted, hash_of(&[file]));
+    write(&place.replace("[[obstacles]]\npolygon = [[4, 4], [5, 4], [5, 6], [4, 6]]\n", ""));
+    let wanted = hash_of(&[file]);
+    write(place);
+    assert_eq!(wanted, hash_of(&[file, "--set", "obstacles=[]"]));
+
+    // the same messages as of a file, with what was set as the place
+    write(&garden.replace("[navigation]", "[navigation]\npatiense = 1.0"));
+    let (_, of_file) = bad(&["simulate", file]);
+    write(garden);
+    let set = "navigation.patiense=1.0";
+    let (_, of_setting) = bad(&["simulate", file, "--set", set]);
+    assert!(of_file.contains("did you mean `patience`?"), "{of_file}");
+    let message = |text: &str| text[text.find("navigation.patiense: ").unwrap()..].to_owned();
+    assert_eq!(message(&of_file), message(&of_setting));
+    assert!(of_setting.contains(&format!("--set {set}: ")), "{of_setting}");
+    refused(
+        &["simulate", "garden", "--set", "navigation.time_horizon=99"],
+        "--set navigation.time_horizon=99: ",
+        "0.1 to 20",
+    );
+    refused(
+        &["simulate", "garden", "--set", "population.agents=-1"],
+        "--set population.agents=-1: ",
+        "population.agents",
+    );
+    refused(
+        &["simulate", file, "--set", "obstacles.0.high=2"],
+        "there is no obstacles in the file",
+        "obstacles.0.high=2",
+    );
+    // what is wrong in the file itself keeps its line
+    write(&garden.replace("radius = 0.25", "radius = 25.0"));
+    refused(
+        &["simulate", file, "--set", "population.agents=5"],
+        "place.toml:23: navigation.radius = 25",
+        "0.05 to 2",
+    );
+    for wrong in ["agents", "a..b=1", "population.agents=[1"] {
+        assert_eq!(bad(&["simulate", "garden", "--set", wrong]).0, 2, "{wrong}");
+    }
+}
+
+#[test]
+fn shares_of_the_emotions_are_those_of_the_command_line() {
+    let crowd = ["garden", "--agents", "40"];
+    let with = |more: &[&str]| hash_of(&[&crowd[..], more].concat());
+    let sad = with(&["--emotions", "sad=2,happy=0.5"]);
+    assert_eq!(sad, with(&["--set", "population.emotions={ sad = 2, happy = 0.5 }"]));
+    assert_ne!(sad, with(&[]));
+    for wrong in ["cheerful=1", "sad=-1", "sad=0", "sad=nan"] {
+        assert_eq!(bad(&["simulate", "garden", "--emotions", wrong]).0, 2, "{wrong}");
+    }
+    for command in ["simulate", "render", "perceive", "view", "xr", "replay"] {
+        let is_built = match command {
+            "render" => cfg!(feature = "vulkan"),
+            "view" => cfg!(feature = "view"),
+            "xr" => cfg!(feature = "xr"),
+            _ => true,
+        };
+        let help = if is_built { good(&[command, "--help"]) } else { continue };
+        assert!(help.contains("--emotions <EMOTION=SHARE,..>"), "{command}: {help}");
+        assert!(command == "replay" || help.contains("--set <KEY=VALUE>"), "{command}: {help}");
+    }
+}
+
+#[test]
+fn captures_without_labels_walk_as_the_baseline_and_the_other_conditions_say_what_is_missing() {
+    let folder = tempfile::tempdir().unwrap();
+    let save = |name: &str, labels: &[Emotion]| {
+        let mut gaits = GaitLibrary::generated(3, 1).unwrap().gaits().to_vec();
+        for gait in &mut gaits {
+            gait.label = gait.label.filter(|label| labels.contains(label));
+        }
+        let path = folder.path().join(name);
+        GaitLibrary::from_gaits(gaits).unwrap().save_glb(&path).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let run = |library: &str, more: &[&str]| {
+        let crowd =
+            ["simulate", "crossing", "--seconds", "0.5", "--backend", "cpu", "--json", "--library", library];
+        let output = gaitway(&[&crowd[..], more].concat());
+        let error = String::from_utf8(output.stderr).unwrap();
+        let hash = serde_json::from_slice::<Value>(&output.stdout).map(|found| found["state_hash"].clone());
+        (output.status.code(), error, hash.unwrap_or_default())
+    };
+    let mine = save("mine.glb", &[]);
+    let (code, error, baseline) = run(&mine, &["--condition", "baseline"]);
+    assert_eq!((code, error.as_str()), (Some(0), ""));
+    let (code, error, plain) = run(&mine, &[]);
+    assert_eq!((code, plain), (Some(0), baseline), "{error}");
+    assert!(
+        error.starts_with("note: none of the 8 gaits of ") && error.contains("--condition baseline"),
+        "{error}"
+    );
+    assert!(
+        error.contains(&format!("gaitway gait label {mine} --out ")) && error.contains("labels.csv"),
+        "{error}"
+    );
+    for asked in [&["--condition", "eva-g"][..], &["--set", "condition=eva-o"]] {
+        let (code, error, _) = run(&mine, asked);
+        assert_eq!(code, Some(1), "{error}");
+        for word in [
+            "no happy, no angry, no sad, no neutral gait",
+            "8 of its 8 gaits have no label",
+            "gaitway gait label",
+            "labels.csv",
+        ] {
+            assert!(error.contains(word), "{word}: {error}");
+        }
+    }
+    let some = save("some.glb", &[Emotion::Happy, Emotion::Neutral]);
+    let (code, error, _) = run(&some, &[]);
+    assert_eq!(code, Some(1), "{error}");
+    assert!(error.contains("no angry, no sad gait (4 of its 8 gaits have no label)"), "{error}");
+    assert_eq!(run(&some, &["--emotions", "happy=1,neutral=2"]).0, Some(0));
+    assert_eq!(run(&some, &["--condition", "baseline"]).0, Some(0));
 }
 
 #[test]

@@ -114,6 +114,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         condition: None,
         library: None,
         rigs: super::avatars::RigArguments::default(),
+        set: Vec::new(),
         preference: super::preference::PreferenceArguments::default(),
         place: arguments.place.clone(),
     })?;

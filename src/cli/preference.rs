@@ -1,7 +1,8 @@
 //! Which gaits a crowd prefers and where on the circumplex it feels, from the command line.
 
-use crate::scenario::{Affect, EmotionMode, GaitChoice, GenderChoice, Scenario};
+use crate::scenario::{Affect, EmotionMode, GaitChoice, GenderChoice, Scenario, Shares};
 use clap::{Args, ValueEnum};
+use std::str::FromStr;
 
 /// Preferences among the gaits that look like an emotion; the scenario's own where left out.
 #[derive(Debug, Clone, Default, Args)]
@@ -24,6 +25,15 @@ pub(super) struct PreferenceArguments {
         help_heading = "Choice of gaits"
     )]
     affect: Option<[[f32; 2]; 2]>,
+    /// Shares of the emotions, those left out 0 [default: the scene's]
+    #[arg(
+        long,
+        value_name = "EMOTION=SHARE,..",
+        value_parser = Shares::from_str,
+        conflicts_with = "affect",
+        help_heading = "Choice of gaits"
+    )]
+    emotions: Option<Shares>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -56,6 +66,12 @@ impl PreferenceArguments {
         if let Some([valence, arousal]) = self.affect {
             population.emotion_mode = EmotionMode::Affect;
             population.affect = Some(Affect { valence, arousal });
+        }
+        if let Some(emotions) = self.emotions {
+            population.emotions = emotions;
+            if population.affect.take().is_some() {
+                population.emotion_mode = EmotionMode::Draw;
+            }
         }
     }
 }
@@ -96,6 +112,10 @@ mod tests {
         arguments.apply(&mut scenario);
         assert_eq!(scenario.population.prefer.gender, GenderChoice::Counter);
         assert_eq!(scenario.population.affect, Some(Affect { valence: [-1.0, 0.0], arousal: [0.25; 2] }));
+        assert!(scenario.validate().is_ok());
+        let sad = Shares { sad: 1.0, ..Shares::default() };
+        PreferenceArguments { emotions: Some(sad), ..PreferenceArguments::default() }.apply(&mut scenario);
+        assert_eq!((scenario.population.emotions, scenario.population.affect), (sad, None));
         assert!(scenario.validate().is_ok());
     }
 }

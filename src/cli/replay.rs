@@ -3,14 +3,13 @@
 use super::avatars::RigArguments;
 use super::output::{note, say, say_json, thousands};
 use super::preference::PreferenceArguments;
-use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, scenario_of, start};
+use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, library_for, scenario_of, start};
 use super::simulate::{Outcome, Recording, simulate};
 #[cfg(feature = "vulkan")]
 use super::stage::{CameraName, size};
 use super::usage;
 use crate::Error;
 use crate::replay::{Format, Options, Pixels, Replay, ReplayOptions, Report, read};
-use crate::scenario::Shares;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -30,9 +29,6 @@ pub(super) struct Arguments {
     file: PathBuf,
     #[command(flatten)]
     reading: ReadingArguments,
-    /// Shares of the emotions, those left out 0 [default: all alike, or the scene's]
-    #[arg(long, value_name = "EMOTION=SHARE,..", value_parser = shares)]
-    emotions: Option<Shares>,
     /// A place to replay in, with its own walkers: a scene or a scenario file [default: the recording's ground]
     #[arg(long, value_name = "SCENE|FILE.toml")]
     scene: Option<String>,
@@ -242,7 +238,7 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     };
     let recording = read(&arguments.file, &options)?;
     let mut scenario = match &arguments.scene {
-        Some(scene) => scenario_of(scene)?,
+        Some(scene) => scenario_of(scene, &[])?,
         None => {
             let name =
                 arguments.file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -253,38 +249,17 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     if let Some(agents) = arguments.agents {
         scenario.population.agents = agents;
     }
-    if let Some(condition) = arguments.condition {
-        scenario.condition = condition.get();
-    }
-    if let Some(emotions) = arguments.emotions {
-        scenario.population.emotions = emotions;
-    }
     arguments.preference.apply(&mut scenario);
     let replay = Replay::new(&recording, ReplayOptions { smooth: reading.smooth, from });
     let base = arguments.scene.as_ref().and_then(|scene| Path::new(scene).parent());
     let places = (base, &arguments.rigs);
-    let scene = Scene::with_replay(scenario, arguments.library.as_deref(), places, replay)?;
+    let library = library_for(
+        arguments.library.as_deref(),
+        &mut scenario,
+        arguments.condition.map(ConditionName::get),
+    )?;
+    let scene = Scene::with_replay(scenario, &library, places, replay)?;
     Ok((scene, recording.report))
-}
-
-/// `happy=1,sad=0.5`.
-fn shares(text: &str) -> Result<Shares, String> {
-    let mut shares = Shares::default();
-    for part in text.split(',') {
-        let (name, share) = part.split_once('=').unwrap_or((part, "1"));
-        let share: f32 = share.trim().parse().map_err(|error| format!("{share:?}: {error}"))?;
-        if !(0.0..=1e6).contains(&share) {
-            return Err(format!("{name} = {share}: a share is 0 or more"));
-        }
-        match name.trim() {
-            "happy" => shares.happy = share,
-            "angry" => shares.angry = share,
-            "sad" => shares.sad = share,
-            "neutral" => shares.neutral = share,
-            _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
-        }
-    }
-    Ok(shares)
 }
 
 fn print_report(report: &Report) {
@@ -319,19 +294,5 @@ fn print_report(report: &Report) {
     say(&format!("found              {}", faults.join(", ")));
     for note in &report.notes {
         say(&format!("                   {note}"));
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shares_are_read_and_wrong_ones_refused_with_the_way_out() {
-        let read = shares("happy=1, sad=0.5").unwrap();
-        assert_eq!(read, Shares { happy: 1.0, sad: 0.5, ..Shares::default() });
-        assert_eq!(shares("angry").unwrap(), Shares { angry: 1.0, ..Shares::default() });
-        assert!(shares("cheerful=1").unwrap_err().contains("happy, angry"));
-        assert!(shares("happy=x").is_err() && shares("happy=-1").is_err() && shares("happy=nan").is_err());
     }
 }

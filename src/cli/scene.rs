@@ -8,11 +8,12 @@ use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Crowd, Geometry, Scenario, User, outsider_bodies, populate_from};
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, Setting, User, outsider_bodies, populate_from};
 use crate::sim::{Backend, Cast, Simulation, flow, setup};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 
 /// Which crowd.
 #[derive(Debug, Clone, Args)]
@@ -32,6 +33,10 @@ pub(super) struct SceneArguments {
     /// Gaits to walk with [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     pub(super) library: Option<PathBuf>,
+    /// Set any key of the scenario as its file would, such as navigation.patience=1.0, 'walkers=[]' or obstacles.0.high=2;
+    /// may be given several times
+    #[arg(long, value_name = "KEY=VALUE", value_parser = Setting::from_str)]
+    pub(super) set: Vec<Setting>,
     #[command(flatten)]
     pub(super) rigs: RigArguments,
     #[command(flatten)]
@@ -117,19 +122,18 @@ impl Scene {
         arguments: &SceneArguments,
         change: impl FnOnce(&mut Scenario),
     ) -> Result<Self, Error> {
-        let mut scenario = scenario_of(&arguments.scene)?;
+        let mut scenario = scenario_of(&arguments.scene, &arguments.set)?;
         if let Some(agents) = arguments.agents {
             scenario.population.agents = agents;
         }
         if let Some(seed) = arguments.seed {
             scenario.seed = seed;
         }
-        if let Some(condition) = arguments.condition {
-            scenario.condition = condition.get();
-        }
         arguments.preference.apply(&mut scenario);
+        let is_set = arguments.set.iter().any(|setting| setting.holds("condition"));
+        let asked = arguments.condition.map(ConditionName::get).or(is_set.then_some(scenario.condition));
+        let library = library_for(arguments.library.as_deref(), &mut scenario, asked)?;
         change(&mut scenario);
-        let library = library(arguments.library.as_deref())?;
         let base = Path::new(&arguments.scene).parent();
         let crowd = populate_from(&scenario, &library)?;
         let cast = cast_of(&scenario, &library, base, &arguments.rigs)?;
@@ -139,14 +143,13 @@ impl Scene {
     /// A scene with the people of a recording among its crowd; avatar files are looked for in `base`.
     pub(super) fn with_replay(
         scenario: Scenario,
-        library: Option<&Path>,
+        library: &GaitLibrary,
         (base, rigs): (Option<&Path>, &RigArguments),
         mut replay: Replay,
     ) -> Result<Self, Error> {
-        let library = self::library(library)?;
-        let mut crowd = populate_from(&scenario, &library)?;
-        replay.join(&scenario, &library, &mut crowd)?;
-        let cast = cast_of(&scenario, &library, base, rigs)?;
+        let mut crowd = populate_from(&scenario, library)?;
+        replay.join(&scenario, library, &mut crowd)?;
+        let cast = cast_of(&scenario, library, base, rigs)?;
         Ok(Self { geometry: scenario.geometry(), scenario, crowd, cast, replay: Some(replay) })
     }
 
@@ -214,14 +217,37 @@ pub(super) fn check_seconds(name: &str, seconds: f64) -> Result<f64, Error> {
     Err(usage(format!("{name} = {seconds}: must be 0 to 86400 seconds"), "a day is the most"))
 }
 
-/// A scenario by the name of a built-in scene or of a file.
-pub(super) fn scenario_of(name: &str) -> Result<Scenario, Error> {
+/// A scenario by the name of a built-in scene or of a file, with some keys set.
+pub(super) fn scenario_of(name: &str, settings: &[Setting]) -> Result<Scenario, Error> {
     let path = Path::new(name);
     let is_file = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("toml"));
     if is_file || name.contains(std::path::MAIN_SEPARATOR) {
-        return Ok(Scenario::load(path)?);
+        return Ok(Scenario::load_with(path, settings)?);
     }
-    Ok(Scenario::builtin(name)?)
+    Ok(Scenario::builtin_with(name, settings)?)
+}
+
+/// The gaits that the crowd of a scenario walks with, and its condition: the one asked for, or its own. A library of
+/// nothing but unlabelled gaits is walked as the baseline, unless a condition is asked for.
+pub(super) fn library_for(
+    path: Option<&Path>,
+    scenario: &mut Scenario,
+    asked: Option<Condition>,
+) -> Result<GaitLibrary, Error> {
+    let library = library(path)?;
+    scenario.condition = asked.unwrap_or(scenario.condition);
+    let has_labels = library.counts() != [0; 4] || library.gaits().is_empty();
+    if let (Some(path), None, false) = (path, asked, has_labels || scenario.condition == Condition::Baseline)
+    {
+        scenario.condition = Condition::Baseline;
+        let (file, count) = (path.display(), library.gaits().len());
+        note(&format!(
+            "note: none of the {count} gaits of {file} has a label, so all walk with one of them, as with --condition \
+             baseline; for emotions label them: gaitway gait label {file} --out labelled.glb, or import them with a \
+             labels.csv beside the captures (columns file, label)"
+        ));
+    }
+    Ok(library)
 }
 
 /// The gaits that crowds walk with: those of a file, or the built-in ones.

@@ -54,6 +54,10 @@ pub fn margins(library: &GaitLibrary, perceiver: Option<&dyn Perceiver>) -> Vec<
 pub struct Chooser {
     /// `[emotion][anyone, female, male]`.
     classes: [[Class; 3]; 4],
+    /// Gaits that the baseline may walk with where none looks neutral: unlabelled ones, or else all.
+    spare: Vec<u32>,
+    /// How many gaits there are, and how many of them have no label.
+    gaits: [usize; 2],
     tolerance: f64,
 }
 
@@ -74,7 +78,8 @@ impl Chooser {
     pub fn of_ids<'a>(gaits_for: impl Fn(Emotion) -> &'a [u32]) -> Self {
         let class = |emotion| Class { ids: gaits_for(emotion).to_vec(), ..Class::default() };
         let classes = Emotion::ALL.map(|emotion| [class(emotion), Class::default(), Class::default()]);
-        Self { classes, tolerance: 0.0 }
+        let spare: Vec<u32> = Emotion::ALL.into_iter().flat_map(gaits_for).copied().collect();
+        Self { classes, gaits: [spare.len(), 0], spare, tolerance: 0.0 }
     }
 
     /// A chooser for the gaits of a library. `tolerance` is the spread of speeds around a wanted one, m/s; 0: the nearest.
@@ -100,12 +105,42 @@ impl Chooser {
         };
         let kinds = [None, Some(Sex::Female), Some(Sex::Male)];
         let classes = Emotion::ALL.map(|emotion| kinds.map(|sex| class(emotion, sex)));
-        Ok(Self { classes, tolerance: f64::from(tolerance.max(0.0)) })
+        let all = library.gaits();
+        let mut spare: Vec<u32> =
+            (0..).zip(all).filter(|(_, g)| g.label.is_none()).map(|(id, _)| id).collect();
+        let gaits = [all.len(), spare.len()];
+        if spare.is_empty() {
+            spare.extend((0..).zip(all).map(|(id, _)| id));
+        }
+        Ok(Self { classes, spare, gaits, tolerance: f64::from(tolerance.max(0.0)) })
     }
 
     /// Ids of the gaits of an emotion, ascending.
     pub fn gaits_for(&self, emotion: Emotion) -> &[u32] {
         &self.classes[emotion.index()][0].ids
+    }
+
+    /// Ids of the gaits out of which the baseline takes the one that all walk with: the neutral ones; where there is none,
+    /// those without a label, or else all.
+    pub fn baseline(&self) -> &[u32] {
+        match self.gaits_for(Emotion::Neutral) {
+            [] => &self.spare,
+            neutral => neutral,
+        }
+    }
+
+    /// One of [`Self::baseline`]; `random` is a uniform u32.
+    ///
+    /// # Errors
+    /// [`Error::NoGait`] if there is no gait at all.
+    pub fn choose_baseline(&self, random: u32) -> Result<u32, Error> {
+        let spare = self.spare.get(scaled(random, self.spare.len()));
+        self.choose(Emotion::Neutral, Wish::default(), random).or_else(|error| spare.copied().ok_or(error))
+    }
+
+    /// How many gaits there are, and how many of them have no label, as far as that is known.
+    pub const fn gait_counts(&self) -> [usize; 2] {
+        self.gaits
     }
 
     /// A gait that looks like `emotion`, as `wish` asks if it can be; `random` is a uniform u32.

@@ -39,11 +39,11 @@ impl<'a> Cast<'a> {
             EmotionMode::Affect => [0.0; 4],
             EmotionMode::Draw | EmotionMode::Blend => scenario.population.emotions.normalised(),
         };
-        let lacks = |e: &Emotion| shares[e.index()] > 0.0 && chooser.gaits_for(*e).is_empty();
-        if let Some(missing) = Emotion::ALL.into_iter().find(lacks) {
-            let why = if baseline { "the baseline needs one" } else { "its share is above 0" };
-            let way_out = format!("set population.emotions.{missing} = 0");
-            return Err(no_gait(scenario, missing, why, &way_out));
+        let lacks = |e: &Emotion| !baseline && shares[e.index()] > 0.0 && chooser.gaits_for(*e).is_empty();
+        let missing: Vec<Emotion> = Emotion::ALL.into_iter().filter(lacks).collect();
+        if !missing.is_empty() {
+            let why = if missing.len() == 1 { "its share is above 0" } else { "their shares are above 0" };
+            return Err(no_gait(scenario, chooser, &missing, why));
         }
         Ok(Self { scenario, chooser, shares, cumulative: cumulate(shares) })
     }
@@ -53,20 +53,24 @@ impl<'a> Cast<'a> {
         let is_baseline = self.scenario.condition == Condition::Baseline;
         // The baseline is one gait for all (S-26), so all draw as agent 0 does, and none has wishes.
         let who = if is_baseline { 0 } else { agent };
-        let gaits = self.chooser.gaits_for(emotion);
+        let looks = self.chooser.gaits_for(emotion);
+        let takes_any = is_baseline && looks.is_empty();
+        let gaits = if takes_any { self.chooser.baseline() } else { looks };
         let chosen = match self.scenario.population.gaits {
             GaitChoice::Random => {
                 let draw = u32::try_from(emotion.index()).unwrap_or(0);
                 let random = bits(self.scenario.seed, who, Purpose::Gait, draw);
                 let wish = if is_baseline { Wish::default() } else { self.wish(agent) };
-                self.chooser.choose(emotion, wish, random).ok()
+                match takes_any {
+                    true => self.chooser.choose_baseline(random).ok(),
+                    false => self.chooser.choose(emotion, wish, random).ok(),
+                }
             }
             GaitChoice::Cycle => gaits.get(who as usize % gaits.len().max(1)).copied(),
             GaitChoice::First => gaits.first().copied(),
         };
         chosen.ok_or_else(|| {
-            let why = format!("agent {agent} feels so");
-            no_gait(self.scenario, emotion, &why, "narrow population.affect")
+            no_gait(self.scenario, self.chooser, &[emotion], &format!("agent {agent} feels so"))
         })
     }
 
@@ -227,11 +231,28 @@ impl<'a> Cast<'a> {
     }
 }
 
-fn no_gait(scenario: &Scenario, missing: Emotion, why: &str, way_out: &str) -> Error {
+/// No gait looks like some of the emotions in use.
+fn no_gait(scenario: &Scenario, chooser: &Chooser, missing: &[Emotion], why: &str) -> Error {
+    let list = |word: &str, between: &str| {
+        let words: Vec<String> = missing.iter().map(|emotion| format!("{word}{emotion}")).collect();
+        words.join(between)
+    };
+    let [all, unlabelled] = chooser.gait_counts();
+    let counted = match unlabelled {
+        0 => String::new(),
+        count => format!(" ({count} of its {all} gaits have no label)"),
+    };
+    let shares = match scenario.population.emotion_mode {
+        EmotionMode::Affect => "narrow population.affect".to_owned(),
+        _ => format!("give no share to {}", list("", ", ")),
+    };
     Error::Populate {
         name: scenario.name.clone(),
-        message: format!("the gait library has no {missing} gait, and {why}"),
-        hint: format!("use a library with {missing} gaits, or {way_out}"),
+        message: format!("the gait library has no {} gait{counted}, and {why}", list("", ", no ")),
+        hint: format!(
+            "label gaits (gaitway gait label LIB.glb --out LABELLED.glb, or gaitway gait import with a labels.csv beside \
+             the captures: columns file, label), walk with --condition baseline, or {shares} (--emotions)"
+        ),
     }
 }
 

@@ -50,6 +50,14 @@ pub enum Error {
     /// A value is outside its range.
     #[error("{0}")]
     Value(Box<BadValue>),
+    /// A value that is set from outside has no place in the file.
+    #[error("--set {setting}: {message}")]
+    Setting {
+        /// The key and its value.
+        setting: String,
+        /// What stands in the way.
+        message: String,
+    },
     /// There is no built-in scene of that name.
     #[error("no built-in scene {name:?}; use one of {known}, or the path of a TOML file")]
     UnknownScene {

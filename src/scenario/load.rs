@@ -2,7 +2,9 @@
 
 use super::error::Error;
 use super::schema::{Condition, Scenario};
+use super::setting::Setting;
 use super::walkable::Area;
+use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -29,8 +31,18 @@ impl Scenario {
     /// # Errors
     /// [`Error::UnknownScene`] lists the names there are.
     pub fn builtin(name: &str) -> Result<Self, Error> {
+        Self::builtin_with(name, &[])
+    }
+
+    /// [`Scenario::builtin`] with other values for some keys of its file.
+    ///
+    /// # Errors
+    /// As [`Scenario::builtin`] and [`Scenario::load_with`].
+    pub fn builtin_with(name: &str, settings: &[Setting]) -> Result<Self, Error> {
         match BUILTIN.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
-            Some((known, text)) => Self::parse(text, &format!("built-in scene {known}")),
+            Some((known, text)) => {
+                Source { text, origin: &format!("built-in scene {known}"), settings }.read(None)
+            }
             None => {
                 Err(Error::UnknownScene { name: name.to_owned(), known: Self::builtin_names().join(", ") })
             }
@@ -42,6 +54,14 @@ impl Scenario {
     /// # Errors
     /// [`Error::Read`], [`Error::Syntax`] or [`Error::Value`], with file and line.
     pub fn load(path: &Path) -> Result<Self, Error> {
+        Self::load_with(path, &[])
+    }
+
+    /// [`Scenario::load`] with other values for some keys, as if the file had them.
+    ///
+    /// # Errors
+    /// As [`Scenario::load`]; [`Error::Setting`] for a value that has no place in the file.
+    pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Self, Error> {
         let read = |source| Error::Read { path: path.to_owned(), source };
         let size = std::fs::metadata(path).map_err(read)?.len();
         if size > MAX_FILE_BYTES {
@@ -49,7 +69,7 @@ impl Scenario {
             return Err(read(std::io::Error::other(message)));
         }
         let text = std::fs::read_to_string(path).map_err(read)?;
-        Self::parse_beside(&text, &path.display().to_string(), path.parent())
+        Source { text: &text, origin: &path.display().to_string(), settings }.read(path.parent())
     }
 
     /// Reads a scenario from text and validates it; `origin` names it in messages (`file` in `file:line`).
@@ -57,30 +77,24 @@ impl Scenario {
     /// # Errors
     /// [`Error::Syntax`] or [`Error::Value`], with origin and line.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Error> {
-        Self::parse_beside(text, origin, None)
+        Source { text, origin, settings: &[] }.read(None)
     }
 
-    /// The same; a `walkable_file` is looked for in `folder` and taken over.
-    fn parse_beside(text: &str, origin: &str, folder: Option<&Path>) -> Result<Self, Error> {
-        let mut scenario: Self = toml::from_str(text).map_err(|error| syntax_error(&error, text, origin))?;
-        if let Some(folder) = folder.filter(|_| !scenario.walkable_file.is_empty()) {
-            let file = std::mem::take(&mut scenario.walkable_file);
-            if !scenario.walkable_wkt.is_empty() {
-                let hint = "leave one of the two out";
-                let error =
-                    Error::value("walkable_file", format!("{file:?}"), "left out beside walkable_wkt", hint);
-                return Err(placed(error, text, origin));
-            }
-            let node = scenario.walkable_node.take();
-            let plane = std::mem::take(&mut scenario.walkable_plane);
-            let area = Area::read(&folder.join(&file), node.as_deref(), plane).map_err(|message| {
-                let allowed = "a .wkt, .txt, .glb or .gltf file with a walkable area";
-                placed(Error::value("walkable_file", format!("{file:?}"), allowed, message), text, origin)
-            })?;
-            scenario.walkable_wkt = area.to_wkt();
+    /// Takes the area of a `walkable_file` over, which is looked for in `folder`.
+    fn find_area(&mut self, folder: Option<&Path>) -> Result<(), Error> {
+        let Some(folder) = folder.filter(|_| !self.walkable_file.is_empty()) else { return Ok(()) };
+        let file = std::mem::take(&mut self.walkable_file);
+        let wrong =
+            |allowed: &str, hint: String| Error::value("walkable_file", format!("{file:?}"), allowed, hint);
+        if !self.walkable_wkt.is_empty() {
+            return Err(wrong("left out beside walkable_wkt", "leave one of the two out".to_owned()));
         }
-        scenario.validate().map_err(|error| placed(error, text, origin))?;
-        Ok(scenario)
+        let node = self.walkable_node.take();
+        let plane = std::mem::take(&mut self.walkable_plane);
+        let area = Area::read(&folder.join(&file), node.as_deref(), plane)
+            .map_err(|message| wrong("a .wkt, .txt, .glb or .gltf file with a walkable area", message))?;
+        self.walkable_wkt = area.to_wkt();
+        Ok(())
     }
 
     /// The scenario as TOML; [`Scenario::parse`] gives it back unchanged.
@@ -114,43 +128,90 @@ impl Scenario {
     }
 }
 
+/// The text of a scenario, and what is set besides.
+struct Source<'a> {
+    text: &'a str,
+    /// What messages call it: the `file` in `file:line`.
+    origin: &'a str,
+    settings: &'a [Setting],
+}
+
+impl Source<'_> {
+    /// Reads and validates the scenario; a `walkable_file` is looked for in `folder`.
+    fn read(&self, folder: Option<&Path>) -> Result<Scenario, Error> {
+        let text = self.edited()?;
+        let mut scenario: Scenario =
+            toml::from_str(&text).map_err(|error| self.syntax_error(&error, &text))?;
+        scenario.find_area(folder).and_then(|()| scenario.validate()).map_err(|error| self.placed(error))?;
+        Ok(scenario)
+    }
+
+    /// The text with everything set.
+    fn edited(&self) -> Result<Cow<'_, str>, Error> {
+        if self.settings.is_empty() {
+            return Ok(self.text.into());
+        }
+        let mut table = toml::from_str(self.text).map_err(|error| self.syntax_error(&error, self.text))?;
+        for setting in self.settings {
+            let failed = |message| Error::Setting { setting: setting.to_string(), message };
+            setting.apply(&mut table).map_err(failed)?;
+        }
+        toml::to_string(&table)
+            .map(Cow::from)
+            .map_err(|error| Error::Write { name: self.origin.to_owned(), message: error.to_string() })
+    }
+
+    /// Where a key stands: what sets it, or file and line as far as the text spells the key out.
+    fn place(&self, key: &str) -> String {
+        if let Some(setting) = self.settings.iter().rev().find(|setting| setting.holds(key)) {
+            return format!("--set {setting}");
+        }
+        let table = DeTable::parse(self.text).ok();
+        let offset = table.and_then(|table| offset_of(table.get_ref(), key));
+        offset
+            .map_or_else(|| self.origin.to_owned(), |o| format!("{}:{}", self.origin, line_of(self.text, o)))
+    }
+
+    /// Turns the parser's error about `text` into ours: place, key, and the nearest name for a misspelt one.
+    fn syntax_error(&self, error: &toml::de::Error, text: &str) -> Error {
+        let offset = error.span().map_or(0, |span| span.start);
+        let key = DeTable::parse(text).ok().and_then(|table| path_at(table.get_ref(), offset));
+        let place = match &key {
+            Some(key) if !self.settings.is_empty() => self.place(key),
+            _ if !std::ptr::eq(text, self.text) => self.origin.to_owned(),
+            _ => format!("{}:{}", self.origin, line_of(text, offset)),
+        };
+        let mut message = error.message().replace('\n', " ");
+        if let Some(key) = key {
+            message = format!("{key}: {message}");
+        }
+        // The parser says "unknown field `x`, expected one of `a`, `b`" (or "unknown variant"): odd pieces are names.
+        let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
+        if error.message().starts_with("unknown ")
+            && let Some((wrong, known)) = names.split_first()
+            && let Some(nearest) = nearest(wrong, known)
+        {
+            message = format!("{message}; did you mean `{nearest}`?");
+        }
+        Error::Syntax { place, message }
+    }
+
+    /// Puts its place to a value error.
+    fn placed(&self, error: Error) -> Error {
+        match error {
+            Error::Value(mut bad) => {
+                bad.place = self.place(&bad.key);
+                Error::Value(bad)
+            }
+            other => other,
+        }
+    }
+}
+
 /// Line of a byte offset, from 1.
 fn line_of(text: &str, offset: usize) -> usize {
     let end = offset.min(text.len());
     1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count()
-}
-
-/// Turns the parser's error into ours: place, key, and the nearest name for a misspelt one.
-fn syntax_error(error: &toml::de::Error, text: &str, origin: &str) -> Error {
-    let offset = error.span().map_or(0, |span| span.start);
-    let place = format!("{origin}:{}", line_of(text, offset));
-    let mut message = error.message().replace('\n', " ");
-    if let Some(path) = DeTable::parse(text).ok().and_then(|table| path_at(table.get_ref(), offset)) {
-        message = format!("{path}: {message}");
-    }
-    // The parser says "unknown field `x`, expected one of `a`, `b`" (or "unknown variant"): odd pieces are names.
-    let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
-    if error.message().starts_with("unknown ")
-        && let Some((wrong, known)) = names.split_first()
-        && let Some(nearest) = nearest(wrong, known)
-    {
-        message = format!("{message}; did you mean `{nearest}`?");
-    }
-    Error::Syntax { place, message }
-}
-
-/// Puts file and line to a value error by looking its key up in the text.
-fn placed(error: Error, text: &str, origin: &str) -> Error {
-    match error {
-        Error::Value(mut bad) => {
-            let table = DeTable::parse(text).ok();
-            let offset = table.and_then(|table| offset_of(table.get_ref(), &bad.key));
-            bad.place =
-                offset.map_or_else(|| origin.to_owned(), |o| format!("{origin}:{}", line_of(text, o)));
-            Error::Value(bad)
-        }
-        other => other,
-    }
 }
 
 /// Byte offset of the deepest part of `path` (`a.b[2].c`) that the document spells out.

@@ -34,6 +34,7 @@ mod props;
 pub mod random;
 mod schema;
 mod scifi;
+mod setting;
 mod sources;
 mod validate;
 mod walkable;
@@ -61,6 +62,7 @@ pub use population::{Affect, EmotionMode, GaitChoice, GenderChoice, Groups, Popu
 pub use schema::{
     Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn, User,
 };
+pub use setting::Setting;
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
 pub use walkable::{Area, Plane};
 pub use walkers::{Teleport, Walker};

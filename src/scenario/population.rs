@@ -236,11 +236,56 @@ pub struct Shares {
     pub neutral: f32,
 }
 
+impl std::str::FromStr for Shares {
+    type Err = String;
+
+    /// `happy=1,sad=0.5`: those left out are 0, a name alone is 1.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut shares = Self::default();
+        for part in text.split(',') {
+            let (name, share) = part.split_once('=').unwrap_or((part, "1"));
+            let share: f32 = share.trim().parse().map_err(|error| format!("{share:?}: {error}"))?;
+            if !(0.0..=1e6).contains(&share) {
+                return Err(format!("{} = {share}: a share is 0 to 1000000", name.trim()));
+            }
+            match name.trim() {
+                "happy" => shares.happy = share,
+                "angry" => shares.angry = share,
+                "sad" => shares.sad = share,
+                "neutral" => shares.neutral = share,
+                _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
+            }
+        }
+        if shares.normalised() == [0.0; 4] {
+            return Err("all shares are 0; give at least one emotion a share, such as happy=1".to_owned());
+        }
+        Ok(shares)
+    }
+}
+
 impl Shares {
     /// In the order of [`crate::Emotion::ALL`], scaled to sum 1 (all zero if they sum to 0).
     pub fn normalised(self) -> [f32; 4] {
         let raw = [self.happy, self.angry, self.sad, self.neutral];
         let sum: f32 = raw.iter().sum();
         if sum > 0.0 { raw.map(|share| share / sum) } else { [0.0; 4] }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_read_and_wrong_ones_refused_with_the_way_out() {
+        let read = |text: &str| text.parse::<Shares>();
+        assert_eq!(read("happy=1, sad=0.5").unwrap(), Shares { happy: 1.0, sad: 0.5, ..Shares::default() });
+        assert_eq!(read("angry").unwrap(), Shares { angry: 1.0, ..Shares::default() });
+        assert!(read("cheerful=1").unwrap_err().contains("happy, angry"));
+        assert!(read("happy=0,sad=0").unwrap_err().contains("happy=1"));
+        for wrong in ["happy=x", "happy=-1", "happy=nan", "happy=1e9", ""] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
     }
 }
