@@ -33,7 +33,7 @@ struct List {
     devices: Vec<Row>,
     /// The one that is taken when none is named.
     best: Option<usize>,
-    /// The one that GAITWAY_DEVICE names: null where it names none; left out where it is not set.
+    /// The one that `GAITWAY_DEVICE` names: null where it names none; left out where it is not set.
     #[serde(skip_serializing_if = "Option::is_none")]
     named: Option<Option<usize>>,
     /// Why there is none at all.
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match list.named {
         Some(Some(index)) => say(&format!("GAITWAY_DEVICE names device {index}.")),
         Some(None) => {
-            say("GAITWAY_DEVICE names none of these that can be used: commands that need one will fail.")
+            say("GAITWAY_DEVICE names none of these that can be used: commands that need one will fail.");
         }
         None => {}
     }

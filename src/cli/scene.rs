@@ -51,7 +51,7 @@ pub(super) struct PlaceArguments {
     /// Where to simulate; auto takes the best Vulkan device, or the CPU where there is none and none is named
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendName,
-    /// Vulkan device: a part of its name, or its number in `gaitway devices` [default: GAITWAY_DEVICE, or the best]
+    /// Vulkan device: a part of its name, or its number in `gaitway devices` [default: `GAITWAY_DEVICE`, or the best]
     #[arg(long, value_name = "NAME|NUMBER")]
     pub(super) device: Option<String>,
 }
