@@ -256,7 +256,7 @@ impl std::str::FromStr for Shares {
                 _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
             }
         }
-        if shares.normalised() == [0.0; 4] {
+        if shares.normalised().iter().all(|share| *share <= 0.0) {
             return Err("all shares are 0; give at least one emotion a share, such as happy=1".to_owned());
         }
         Ok(shares)
