@@ -3,7 +3,7 @@
 use super::gait::sources;
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
-use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, start};
+use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
 use super::usage;
 use crate::Error;
 use crate::emotion::Emotion;
@@ -134,6 +134,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let seconds = check_seconds("--seconds", arguments.seconds)?;
     let warm_up = check_seconds("--warm-up", arguments.warm_up)?;
     let begin = Instant::now();
+    // What an agent shows of joints that were not captured is not its own.
+    library(arguments.scene.library.as_deref())?.gaits().iter().try_for_each(Gait::check_whole)?;
     // a classifier that cannot be had is told before the crowd is simulated
     let scene = Scene::load(&arguments.scene)?;
     let (judges, is_complete) = judges(arguments, &scene)?;

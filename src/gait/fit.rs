@@ -9,7 +9,7 @@
 pub mod contrast;
 mod file;
 
-use super::{Error, Gait, JOINT_COUNT, Joint, Pose};
+use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose};
 use crate::emotion::Emotion;
 pub use file::{FORMAT, MAGIC, from_bytes, from_json, is_fitted, load, to_bytes, to_json};
 use glam::{DVec3, Vec3};
@@ -78,9 +78,11 @@ pub const fn most_harmonics(frames: usize) -> usize {
 /// Fits `harmonics` harmonics to a gait, or as many as its frames determine ([`most_harmonics`]).
 ///
 /// # Errors
-/// [`Error::Unusable`] if the gait has no frames, positions that are not finite or an impossible frame rate.
+/// [`Error::Unusable`] if the gait has no frames, positions that are not finite, an impossible frame rate, or joints that
+/// were not captured (a fit cannot mark them).
 pub fn fit(gait: &Gait, harmonics: usize) -> Result<HarmonicGait, Error> {
     let unusable = |message: &str| Error::Unusable { name: gait.name.clone(), message: message.to_owned() };
+    gait.check_whole()?;
     if gait.poses.is_empty() {
         return Err(unusable("it has no frames, and there is nothing to fit"));
     }
@@ -174,6 +176,7 @@ impl HarmonicGait {
             acted: self.acted.clone(),
             ratings: self.ratings,
             label: self.label,
+            missing: JointSet::default(),
         }
     }
 
@@ -241,10 +244,7 @@ mod tests {
             frame_rate: 30.0,
             speed: 1.2,
             source: "test".into(),
-            subject: None,
-            acted: None,
-            ratings: None,
-            label: None,
+            ..Gait::default()
         }
     }
 

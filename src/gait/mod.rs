@@ -5,6 +5,7 @@
 
 pub mod fit;
 pub mod import;
+mod norm;
 pub mod skeleton;
 pub mod stride;
 pub mod walker;
@@ -12,7 +13,7 @@ pub mod walker;
 use crate::emotion::Emotion;
 use glam::Vec3;
 use serde::{Deserialize, Serialize};
-pub use skeleton::{JOINT_COUNT, Joint};
+pub use skeleton::{JOINT_COUNT, Joint, JointSet};
 
 /// Positions of the 16 joints, indexed by [`Joint`], metres, y up.
 pub type Pose = [Vec3; JOINT_COUNT];
@@ -36,6 +37,8 @@ pub struct Recording {
     pub acted: Option<String>,
     /// The perceived emotion, if an index beside the file says so.
     pub label: Option<Emotion>,
+    /// Joints that were not captured; a standing body's stand in for them.
+    pub missing: JointSet,
     /// What the importer inferred (unit, up axis, rate, joint map) and had to repair, one line each.
     pub report: Vec<String>,
 }
@@ -52,7 +55,7 @@ impl Recording {
 /// `poses` covers phase [0, 1) at equal steps: frame `i` is phase `i / poses.len()`, and frame 0 follows the
 /// last one. Phase 0 is the foot strike of the **left** foot. The walker stands at the origin and walks
 /// towards +z on the spot: its mean horizontal travel is taken out (natural sway about it stays), feet touch y = 0.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Gait {
     /// Unique name within a library.
     pub name: String,
@@ -72,6 +75,8 @@ pub struct Gait {
     pub ratings: Option<[f32; 4]>,
     /// The perceived emotion, if the gait is expressive.
     pub label: Option<Emotion>,
+    /// Joints that were not captured. They walk as the neutral walker's, and say nothing about the person.
+    pub missing: JointSet,
 }
 
 /// Whose judgement a gait's label is.
@@ -126,6 +131,21 @@ impl Gait {
         self.source += PREDICTED_BY;
         self.source += by;
         self.label = Some(emotion);
+    }
+
+    /// That every joint was captured, which all that judges a gait needs.
+    ///
+    /// # Errors
+    /// [`Error::Unusable`] with the names of the joints that were not.
+    pub fn check_whole(&self) -> Result<(), Error> {
+        if self.missing.is_empty() {
+            return Ok(());
+        }
+        let message = format!(
+            "not captured: {}; judging a gait needs all {JOINT_COUNT} joints (it can still be walked with)",
+            self.missing
+        );
+        Err(Error::Unusable { name: self.name.clone(), message })
     }
 
     /// Seconds per stride, the paper's gait time `gt`.

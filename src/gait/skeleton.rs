@@ -50,6 +50,19 @@ impl Joint {
         Self::RightFoot,
     ];
 
+    /// The joints above the pelvis, parents first: what a capture of the legs lacks.
+    pub const UPPER_BODY: [Self; 9] = [
+        Self::Spine,
+        Self::Neck,
+        Self::Head,
+        Self::LeftShoulder,
+        Self::LeftElbow,
+        Self::LeftHand,
+        Self::RightShoulder,
+        Self::RightElbow,
+        Self::RightHand,
+    ];
+
     /// Index of the parent joint by joint index; the root is its own parent. Shoulders hang on the spine (chest).
     pub const PARENT: [usize; JOINT_COUNT] = [0, 0, 1, 2, 1, 4, 5, 1, 7, 8, 0, 10, 11, 0, 13, 14];
 
@@ -82,6 +95,51 @@ impl Joint {
             7..=9 | 13..=15 => Self::ALL[self as usize - 3],
             middle => Self::ALL[middle],
         }
+    }
+}
+
+/// A set of joints.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct JointSet(u16);
+
+impl JointSet {
+    /// Whether there is no joint in it.
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Whether a joint is in it.
+    pub const fn contains(self, joint: Joint) -> bool {
+        self.0 >> joint as usize & 1 == 1
+    }
+
+    /// Its joints in index order, so that parents come first.
+    pub fn iter(self) -> impl Iterator<Item = Joint> {
+        Joint::ALL.into_iter().filter(move |&joint| self.contains(joint))
+    }
+
+    /// The joints of both sets.
+    #[must_use]
+    pub const fn union(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// The joints on the other side of the body.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        self.iter().map(Joint::mirrored).collect()
+    }
+}
+
+impl FromIterator<Joint> for JointSet {
+    fn from_iter<I: IntoIterator<Item = Joint>>(joints: I) -> Self {
+        Self(joints.into_iter().fold(0, |bits, joint| bits | 1 << joint as usize))
+    }
+}
+
+impl std::fmt::Display for JointSet {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.iter().map(Joint::name).collect::<Vec<_>>().join(", "))
     }
 }
 

@@ -9,7 +9,7 @@
 
 use super::Error;
 use crate::emotion::Emotion;
-use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
+use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, Pose};
 use glam::{DVec2, Vec3};
 
 /// Valence and arousal of the four emotions, in the order of [`Emotion::ALL`]: pleasure and arousal of Russell and
@@ -115,6 +115,7 @@ pub fn blend(name: &str, gaits: &[(&Gait, f32)]) -> Result<Gait, Error> {
         acted: None,
         ratings: None,
         label: None,
+        missing: gaits.iter().fold(JointSet::default(), |all, (gait, _)| all.union(gait.missing)),
     })
 }
 

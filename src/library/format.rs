@@ -6,14 +6,15 @@
 //! animations[i].name           the gait's name
 //! animations[i].extras.gaitway { positions: accessor of VEC3 f32, [frame][joint], m; frame_rate (Hz); speed (m/s);
 //!                                source; subject?; acted?; ratings? [4]; label?;
-//!                                label_origin? (rated, predicted or generated) }
+//!                                label_origin? (rated, predicted or generated);
+//!                                missing? [names of the joints that were not captured] }
 //! ```
 
 use super::figure::{Mesh, Skeleton};
 use super::glb::{self, Kind, Writer};
 use super::{MOST_FRAMES, check};
 use crate::emotion::Emotion;
-use crate::gait::{Gait, JOINT_COUNT, Joint, LabelOrigin, Pose};
+use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, LabelOrigin, Pose};
 use glam::{Mat4, Quat, Vec3};
 use gltf::json as gltf_json;
 use gltf_json::validation::Checked::Valid;
@@ -56,6 +57,9 @@ struct Description {
     /// Whose judgement the label is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     label_origin: Option<LabelOrigin>,
+    /// Joints that were not captured, by name.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    missing: Vec<String>,
 }
 
 /// The file of these gaits.
@@ -183,6 +187,7 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
         ratings: gait.ratings.map(|ratings| ratings.map(f64::from)),
         label: gait.label,
         label_origin: gait.label_origin(),
+        missing: gait.missing.iter().map(|joint| joint.name().to_owned()).collect(),
     };
     json!({
         "name": gait.name, "channels": channels, "samplers": samplers,
@@ -224,7 +229,8 @@ pub(super) fn gaits(bytes: &[u8]) -> Result<Vec<Gait>, String> {
                 "its positions are shared with another gait's; each gait needs its own".to_owned(),
             ));
         }
-        let gait = gait(&name, description.gaitway, data);
+        let missing = joints(&description.gaitway.missing).map_err(what)?;
+        let gait = gait(&name, description.gaitway, missing, data);
         check(&gait).map_err(what)?;
         gaits.push(gait);
     }
@@ -290,8 +296,18 @@ fn position_bytes<'a>(root: &gltf_json::Root, binary: &'a [u8], index: usize) ->
     })
 }
 
+/// Joints by their names.
+fn joints(names: &[String]) -> Result<JointSet, String> {
+    let named = |name: &String| {
+        Joint::ALL.into_iter().find(|joint| joint.name() == name).ok_or_else(|| {
+            format!("missing names {name:?}; the joints are {}", Joint::ALL.map(Joint::name).join(", "))
+        })
+    };
+    names.iter().map(named).collect()
+}
+
 #[allow(clippy::cast_possible_truncation, reason = "the numbers were f32 when written; others are rounded")]
-fn gait(name: &str, description: Description, data: &[u8]) -> Gait {
+fn gait(name: &str, description: Description, missing: JointSet, data: &[u8]) -> Gait {
     let mut poses = Vec::with_capacity(data.len() / POSE_BYTES);
     for bytes in data.chunks_exact(POSE_BYTES) {
         let mut pose: Pose = [Vec3::ZERO; JOINT_COUNT];
@@ -312,6 +328,7 @@ fn gait(name: &str, description: Description, data: &[u8]) -> Gait {
         acted: description.acted,
         ratings: description.ratings.map(|ratings| ratings.map(|rating| rating as f32)),
         label: description.label,
+        missing,
     };
     // A file by another hand may say it without the words in the source that carry it here.
     if let (Some(LabelOrigin::Predicted), Some(label)) = (description.label_origin, gait.label)

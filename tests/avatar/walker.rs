@@ -97,10 +97,7 @@ impl Walker {
             frame_rate: self.frames as f32 / self.cycle_time,
             speed: self.speed,
             source: "test".to_owned(),
-            subject: None,
-            acted: None,
-            ratings: None,
-            label: None,
+            ..Gait::default()
         }
     }
 }

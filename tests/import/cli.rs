@@ -1,6 +1,7 @@
 //! `gaitway gait import` as a program: folders, reasons, JSON, the same library however many threads.
 
 use super::containers;
+use super::legs;
 use super::movements::OTHERS;
 use super::walker::{self, Walker};
 use gaitway::gait::Recording;
@@ -65,6 +66,9 @@ fn a_folder_becomes_one_library_with_a_reason_for_what_is_left_out() {
         "{left:?}"
     );
     assert!(json["takes"][0]["report"].to_string().contains("centimetres"));
+    let unread = &json["unread"];
+    assert!(unread[0]["file"].as_str().unwrap().ends_with("notes.md") && unread[1].is_null(), "{unread}");
+    assert_eq!(unread[0]["reason"], "unknown ending .md");
 
     let again = gaitway(&["takes", "--all", "--json", "--out", "two.glb"], folder.path(), "4");
     assert!(again.status.success());
@@ -78,6 +82,48 @@ fn a_folder_becomes_one_library_with_a_reason_for_what_is_left_out() {
         "{table}"
     );
     assert!(text(&output.stderr).contains("left out: "), "{}", text(&output.stderr));
+    let output = gaitway(&["takes"], folder.path(), "2");
+    assert!(text(&output.stdout).contains("1 files not read"), "{}", text(&output.stdout));
+    assert!(
+        text(&output.stderr).contains("not read: takes/notes.md: unknown ending .md"),
+        "{}",
+        text(&output.stderr)
+    );
+}
+
+#[test]
+fn a_capture_of_the_legs_walks_in_crowds_and_is_refused_by_what_judges_gaits() {
+    let folder = tempfile::tempdir().unwrap();
+    let (names, frames) = legs::lower_body(&Walker::default().take(4.0, 60.0));
+    let bytes = containers::c3d_points(&names, &frames, 60.0, 84, true, "mm");
+    std::fs::write(folder.path().join("legs.c3d"), bytes).unwrap();
+    std::fs::write(folder.path().join("labels.csv"), "file,label\nlegs.c3d,neutral\n").unwrap();
+    let output = gaitway(&["legs.c3d", "--out", "legs.glb"], folder.path(), "1");
+    assert!(output.status.success() && text(&output.stdout).contains("9 joints missing"), "{output:?}");
+
+    let run = |arguments: &[&str]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_gaitway"));
+        command.current_dir(folder.path()).args(arguments).output().unwrap()
+    };
+    let crowd = ["--agents", "2", "--seconds", "0.2", "--condition", "baseline", "--library", "legs.glb"];
+    let output = run(&[&["simulate", "crossing", "--backend", "cpu"], &crowd[..]].concat());
+    assert!(output.status.success(), "{output:?}");
+    for arguments in [
+        &["gait", "predict", "legs.c3d"][..],
+        &["gait", "predict", "legs.glb"],
+        &["gait", "label", "legs.glb", "--relabel", "--out", "l.glb"],
+        &["gait", "train", "--data", "legs.glb", "--out", "m.json"],
+        &["gait", "fit", "legs.glb", "--out", "f.gwh"],
+        &["perceive", "crossing", "--backend", "cpu", "--agents", "2", "--library", "legs.glb"],
+    ] {
+        let output = run(arguments);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {output:?}");
+        let said = text(&output.stderr);
+        assert!(said.contains("not captured: spine, neck, head"), "{arguments:?}: {said}");
+    }
+    for file in ["l.glb", "m.json", "f.gwh"] {
+        assert!(!folder.path().join(file).exists(), "{file}");
+    }
 }
 
 #[test]

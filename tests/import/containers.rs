@@ -98,6 +98,30 @@ pub(crate) fn c3d_points(
     bytes
 }
 
+/// A TRC of points in metres, as `OpenSim` writes it; `None` where a point was lost.
+pub(crate) fn trc(names: &[String], frames: &[Vec<Option<Vec3>>], rate: f32, unit: &str) -> String {
+    let scale = if unit == "mm" { 1000.0 } else { 1.0 };
+    let (count, points) = (frames.len(), names.len());
+    let mut text = format!(
+        "PathFileType\t4\t(X/Y/Z)\twalk.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\tOrigDataRate\t\
+         OrigDataStartFrame\tOrigNumFrames\n{rate}\t{rate}\t{count}\t{points}\t{unit}\t{rate}\t1\t{count}\nFrame#\tTime"
+    );
+    let axes: String = (1..=points).map(|i| format!("\tX{i}\tY{i}\tZ{i}")).collect();
+    text += &names.iter().map(|name| format!("\t{name}\t\t")).collect::<String>();
+    text += &format!("\n\t{axes}\n\n");
+    for (index, frame) in frames.iter().enumerate() {
+        text += &format!("{}\t{:.5}", index + 1, index as f32 / rate);
+        for point in frame {
+            text += &match point {
+                Some(p) => format!("\t{:.6}\t{:.6}\t{:.6}", p.x * scale, p.y * scale, p.z * scale),
+                None => "\t\t\t".to_owned(),
+            };
+        }
+        text.push('\n');
+    }
+    text
+}
+
 /// A `NumPy` array in C order.
 pub(crate) fn npy(descr: &str, shape: &str, data: &[u8]) -> Vec<u8> {
     let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");

@@ -9,6 +9,7 @@ mod cli;
 mod containers;
 mod data;
 mod formats;
+mod legs;
 mod movements;
 mod strikes;
 mod walker;

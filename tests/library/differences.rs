@@ -136,10 +136,7 @@ fn egait(folder: &std::path::Path, source: &str, labels: &BTreeMap<String, Emoti
         frame_rate: 30.0,
         speed: 1.0,
         source: source.to_owned(),
-        subject: None,
-        acted: None,
-        ratings: None,
-        label: None,
+        ..Gait::default()
     };
     takes.into_iter().map(|(key, poses)| (labels[key], gait(key, poses))).collect()
 }

@@ -50,9 +50,8 @@ pub(crate) fn raw(set: &str, speed: f32) -> Option<Vec<Gait>> {
                 speed,
                 source: format!("{set}.csv (CSV)"),
                 subject: Some(index[row[0]][3].to_owned()),
-                acted: None,
-                ratings: None,
                 label: index[row[0]][5].parse::<Emotion>().ok(),
+                ..Gait::default()
             }),
         }
     }

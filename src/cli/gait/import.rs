@@ -7,7 +7,7 @@ use super::{Row, table_of_gaits};
 use crate::Error;
 use crate::gait::import::{JointMap, Options, folder};
 use crate::gait::stride::{self, Survey};
-use crate::gait::{Gait, Recording};
+use crate::gait::{Gait, Joint, Recording};
 use crate::library::GaitLibrary;
 use clap::Args;
 use serde::Serialize;
@@ -18,6 +18,8 @@ use std::time::Instant;
 
 /// Up to so many takes, what the importer inferred is said for each.
 const FEW_TAKES: usize = 3;
+/// Up to so many files that are not read are listed one by one.
+const FEW_UNREAD: usize = 20;
 /// Up to so many gaits are listed one by one.
 const FEW_GAITS: usize = 40;
 
@@ -27,8 +29,9 @@ const FEW_GAITS: usize = 40;
     after_help = "Examples:\n  gaitway gait import walk1.bvh walk2.c3d --out mine.glb\n  gaitway gait import \
                   captures/ --all --resample 60 --out captures.glb\n  gaitway gait import odd.bvh --joint-map \
                   odd.toml\n\nA joint map names our 16 joints as the files do:\n  like = \"Mixamo\"\n  head = \
-                  \"Skull\"\n  left_hand = \"LWRA + LWRB\"\n\nReads .bvh, .amc with its .asf, .c3d, .npz, .npy, .csv, \
-                  .tsv, .txt. labels.csv, gaits.csv or trials.csv beside the files names subject, style and label."
+                  \"Skull\"\n  left_hand = \"LWRA + LWRB\"\n\nReads .bvh, .amc with its .asf, .c3d, .trc, .npz, .npy, .csv, \
+                  .tsv, .txt. What is no walking is refused, with the measure. A capture of the legs alone walks with the upper \
+                  body of the norm; what judges gaits refuses it. labels.csv, gaits.csv or trials.csv beside the files names subject, style and label."
 )]
 pub(super) struct Arguments {
     /// Motion files, and folders that are searched for them
@@ -78,6 +81,8 @@ struct Take {
     refused: Vec<String>,
     on_the_spot: bool,
     running: bool,
+    /// Joints that were not captured.
+    missing: Vec<&'static str>,
     curved: usize,
     taken: usize,
     /// What the importer inferred and repaired.
@@ -103,6 +108,8 @@ struct Listing {
     gaits: Vec<Row>,
     takes: Vec<Take>,
     left_out: Vec<LeftOut>,
+    /// Files of the folders that are not read.
+    unread: Vec<folder::Unread>,
     files: Vec<PathBuf>,
     wall_seconds: f64,
 }
@@ -111,8 +118,9 @@ struct Listing {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let options = options(arguments)?;
-    let files = folder::motion_files(&arguments.paths)?;
+    let folder::Search { motion: files, unread } = folder::search(&arguments.paths)?;
     if files.is_empty() {
+        say_unread(&unread);
         let hint = format!("motion files end in {}", folder::known_extensions());
         return Err(usage("there is no motion file in the folders named", hint));
     }
@@ -154,6 +162,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         gaits: gaits.iter().map(Row::of).collect(),
         takes,
         left_out,
+        unread,
         files: Vec::new(),
         wall_seconds: 0.0,
     };
@@ -271,6 +280,7 @@ fn examine(path: &Path, mut recording: Recording, all: bool) -> Take {
             .collect(),
         on_the_spot: survey.on_the_spot,
         running: survey.best().and_then(|stride| stride.support).is_some_and(|support| support.is_running()),
+        missing: recording.missing.iter().map(Joint::name).collect(),
         curved,
         taken: gaits.len(),
         name: recording.name,
@@ -315,6 +325,17 @@ fn say_reasons(listing: &Listing) {
         // Messages begin with the file or the take already where they come from the importer.
         note(&format!("left out: {}", left.reason));
     }
+    say_unread(&listing.unread);
+}
+
+/// Files of the folders that are not read, on standard error.
+fn say_unread(unread: &[folder::Unread]) {
+    for unread in unread.iter().take(FEW_UNREAD) {
+        note(&format!("not read: {}: {}", unread.file.display(), unread.reason));
+    }
+    if unread.len() > FEW_UNREAD {
+        note(&format!("not read: {} more files; --json lists them all", unread.len() - FEW_UNREAD));
+    }
 }
 
 fn print(listing: &Listing, arguments: &Arguments) {
@@ -341,9 +362,10 @@ fn print(listing: &Listing, arguments: &Arguments) {
     let empty = listing.takes.iter().filter(|take| take.reason.is_some()).count();
     let failed = listing.left_out.len() - empty;
     say(&format!(
-        "{} gaits of {} takes; {empty} takes and {failed} files left out",
+        "{} gaits of {} takes; {empty} takes and {failed} files left out, {} files not read",
         listing.gaits.len(),
-        listing.takes.len()
+        listing.takes.len(),
+        listing.unread.len()
     ));
     for file in &listing.files {
         say(&format!("written    {}", file.display()));
@@ -358,6 +380,9 @@ fn words(take: &Take) -> Vec<String> {
     }
     if take.running {
         remarks.push("running".to_owned());
+    }
+    if !take.missing.is_empty() {
+        remarks.push(format!("{} joints missing", take.missing.len()));
     }
     if take.curved > 0 {
         remarks.push(format!("{} curved", take.curved));

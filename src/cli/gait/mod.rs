@@ -44,7 +44,7 @@ pub(super) struct Arguments {
 enum Command {
     /// Compare the methods of perception on labelled gaits
     Compare(compare::Arguments),
-    /// Find the strides in motion files and folders of them (.bvh, .amc, .c3d, .npz, .csv, ...)
+    /// Find the strides in motion files and folders of them (.bvh, .amc, .c3d, .trc, .npz, .csv, ...)
     Import(import::Arguments),
     /// Add gaits to a library, labelled by a model and marked as predicted
     Label(label::Arguments),

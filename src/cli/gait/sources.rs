@@ -19,7 +19,7 @@ pub(in crate::cli) struct Found {
 }
 
 /// Reads all gaits of libraries and the most regular stride of each take of motion files. Of takes of one name the first
-/// is kept. What is left out is said, with the reason. `as_published`: see [`Options::as_published`].
+/// is kept; gaits with joints that were not captured are left out. What is left out is said, with the reason. `as_published`: see [`Options::as_published`].
 pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Found, Error> {
     let files = folder::motion_files(paths)?;
     let read: Vec<Result<Vec<Gait>, Error>> =
@@ -30,6 +30,15 @@ pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Foun
         match read {
             Ok(found) => {
                 for gait in found {
+                    if let Err(error) = gait.check_whole() {
+                        if paths.contains(&path) {
+                            complain(&error.into());
+                            is_complete = false;
+                        } else {
+                            reasons.push(error.to_string());
+                        }
+                        continue;
+                    }
                     if names.insert(gait.name.clone()) {
                         gaits.push((path.clone(), gait));
                     } else {
@@ -80,5 +89,6 @@ fn whole(take: &Recording) -> Gait {
         acted: take.acted.clone(),
         ratings: None,
         label: take.label,
+        missing: take.missing,
     }
 }

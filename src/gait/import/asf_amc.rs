@@ -86,7 +86,8 @@ pub fn parse_amc(text: &str, path: &str, skeleton: &Skeleton, options: &Options)
         format!("joint map: {rig}"),
     ];
     let source = format!("{} (AMC)", file_name(path));
-    let take = Recording { source, report, ..Recording::new(stem(path), rate, poses) };
+    let missing = joints.missing();
+    let take = Recording { source, report, missing, ..Recording::new(stem(path), rate, poses) };
     finish(take, Unit::Stated(skeleton.metres_per_unit), options)
 }
 

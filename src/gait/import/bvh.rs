@@ -109,7 +109,9 @@ pub fn parse_bvh(text: &str, path: &str, options: &Options) -> Result<Recording,
         format!("joint map: {rig}"),
     ];
     let source = format!("{} (BVH)", file_name(path));
-    finish(Recording { source, report, ..Recording::new(stem(path), rate, poses) }, Unit::Unstated, options)
+    let missing = joints.missing();
+    let take = Recording { source, report, missing, ..Recording::new(stem(path), rate, poses) };
+    finish(take, Unit::Unstated, options)
 }
 
 fn hierarchy(words: &mut Words<'_>) -> Result<Vec<Node>, Error> {

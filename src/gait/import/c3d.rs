@@ -2,29 +2,21 @@
 //!
 //! Read are Intel, DEC and MIPS files, integers and floats, any number of points, with their units and gaps. Points
 //! named as joints go through the joint map; the usual markers of gait analysis (Plug-in Gait and its kin) become
-//! joints by the regressions of Bell (1990) and a few widths of ours. Every subject whose points have a prefix (`Anna:LASI`) is a take of its own.
+//! joints by the regressions of Bell (1990) and a few widths of ours; markers of the legs alone will do. Every subject whose points have a prefix (`Anna:LASI`) is a take of its own.
 //!
 //! Layout (www.c3d.org): a header of 512 bytes, parameters in named groups, then frames of points and analogue
 //! samples. What the parameters say holds over what the header says. Our own reader, because the crates there are
 //! panic on broken files.
 
-mod gaps;
-mod markers;
 mod parameters;
 
-use super::joint_map::{self, Sources};
-use super::repair::{Unit, finish, rate_stated};
+use super::points::{Capture, MAX_POINTS, Sightings, unit};
+use super::repair::rate_stated;
 use super::text::{MAX_MAGNITUDE, syntax};
-use super::{MAX_FRAMES, Options, file_name, stem};
-use crate::gait::{Error, Pose, Recording};
+use super::{MAX_FRAMES, Options};
+use crate::gait::{Error, Recording};
 use glam::Vec3;
-use markers::Markers;
 use parameters::{Number, Parameters};
-
-/// Most points of a frame.
-const MAX_POINTS: usize = 8192;
-/// Most subjects of a file.
-const MAX_SUBJECTS: usize = 64;
 
 /// How the frames stand in the file.
 struct Frames<'a> {
@@ -38,8 +30,11 @@ struct Frames<'a> {
     is_float: bool,
 }
 
-impl Frames<'_> {
-    /// Position of a point in a frame, file units; `None` where it was not seen.
+impl Sightings for Frames<'_> {
+    fn frames(&self) -> usize {
+        self.count
+    }
+
     fn point(&self, frame: usize, point: usize) -> Option<Vec3> {
         let width = if self.is_float { 4 } else { 2 };
         let at = frame * self.stride + point * 4 * width;
@@ -59,31 +54,6 @@ impl Frames<'_> {
     }
 }
 
-/// How points become joints.
-enum Way {
-    Joints(Sources),
-    Markers(Markers),
-}
-
-impl Way {
-    fn used(&self) -> Vec<usize> {
-        let mut used: Vec<usize> = match self {
-            Self::Joints(sources) => sources.used().collect(),
-            Self::Markers(markers) => markers.used(),
-        };
-        used.sort_unstable();
-        used.dedup();
-        used
-    }
-
-    fn pose(&self, at: impl Fn(usize) -> Vec3) -> Pose {
-        match self {
-            Self::Joints(sources) => sources.pose(at),
-            Self::Markers(markers) => markers.pose(at),
-        }
-    }
-}
-
 /// Parses a C3D file into a take for each subject. `path` names it in messages.
 ///
 /// # Errors
@@ -98,87 +68,10 @@ pub fn parse_c3d(bytes: &[u8], path: &str, options: &Options) -> Result<Vec<Reco
     let stated = stated.unwrap_or_else(|| parameters.number().float(&header[20..]));
     let (rate, rate_line) = rate_stated(options, path, 0, stated)?;
     let labels = labels(&parameters, options);
-    let (unit, unit_name) = unit(&parameters);
-    let subjects = subjects(&labels);
-    let is_only = subjects.len() == 1;
-    let (mut takes, mut first_error) = (Vec::new(), None);
-    for (prefix, points) in subjects {
-        match way(&labels, &points, options) {
-            Err(message) => {
-                first_error.get_or_insert(message);
-            }
-            Ok((rig, way)) => {
-                let name = if is_only { stem(path) } else { format!("{}-{prefix}", stem(path)) };
-                let (poses, gap_line) =
-                    gaps::poses(&frames, &way, rate).map_err(|m| wrong(format!("{name}: {m}")))?;
-                let report = vec![
-                    format!("C3D: {} points, {} frames, {unit_name}", labels.len(), frames.count),
-                    rate_line.clone(),
-                    format!("joint map: {rig}"),
-                    gap_line,
-                ];
-                let source = format!("{} (C3D)", file_name(path));
-                let subject = Some(prefix).filter(|prefix| !prefix.is_empty()).map(str::to_owned);
-                let take = Recording { source, report, subject, ..Recording::new(name, rate, poses) };
-                takes.push(finish(take, unit, options)?);
-            }
-        }
-    }
-    match (takes.is_empty(), first_error) {
-        (true, Some(message)) => Err(wrong(message)),
-        (true, None) => Err(wrong("no points with names".to_owned())),
-        _ => Ok(takes),
-    }
-}
-
-/// The part of a label before a colon, and the points that carry it, in the order of their first point.
-fn subjects(labels: &[String]) -> Vec<(&str, Vec<usize>)> {
-    let mut found: Vec<(&str, Vec<usize>)> = Vec::new();
-    for (index, label) in labels.iter().enumerate() {
-        let prefix = label.rsplit_once(':').map_or("", |(prefix, _)| prefix);
-        match found.iter().position(|(other, _)| *other == prefix) {
-            Some(known) => found[known].1.push(index),
-            None if found.len() < MAX_SUBJECTS => found.push((prefix, vec![index])),
-            None => {}
-        }
-    }
-    found
-}
-
-/// How the points of one subject become joints: by the given map, by their names, or as markers.
-fn way(labels: &[String], points: &[usize], options: &Options) -> Result<(String, Way), String> {
-    let names: Vec<&str> = points.iter().map(|&point| labels[point].as_str()).collect();
-    let by_name = joint_map::choose(options.joint_map.as_ref(), &names);
-    if options.joint_map.is_none()
-        && by_name.is_err()
-        && let Some(markers) = Markers::find(&names)
-    {
-        let used = markers.count();
-        return Ok((
-            format!("{used} markers of gait analysis, joints between them"),
-            Way::Markers(markers.of(points)),
-        ));
-    }
-    let (rig, sources) = by_name
-        .map_err(|message| format!("{message} (or the markers of gait analysis: {})", markers::NEEDED))?;
-    Ok((rig, Way::Joints(sources.of_points(points))))
-}
-
-fn unit(parameters: &Parameters<'_>) -> (Unit, String) {
-    let stated = parameters.texts("POINT", "UNITS").into_iter().next().unwrap_or_default();
-    let metres = match stated.trim().to_ascii_lowercase().as_str() {
-        "mm" => Some(0.001),
-        "cm" => Some(0.01),
-        "dm" => Some(0.1),
-        "m" => Some(1.0),
-        "in" | "inch" | "inches" => Some(0.0254),
-        "ft" => Some(0.3048),
-        _ => None,
-    };
-    match metres {
-        Some(metres) => (Unit::Stated(metres), stated.trim().to_owned()),
-        None => (Unit::Unstated, "no unit".to_owned()),
-    }
+    let (unit, unit_name) = unit(&parameters.texts("POINT", "UNITS").into_iter().next().unwrap_or_default());
+    let report =
+        vec![format!("C3D: {} points, {} frames, {unit_name}", labels.len(), frames.count), rate_line];
+    Capture { path, format: "C3D", labels, rate, unit, report }.takes(&frames, options)
 }
 
 /// Names of the points; further ones stand in LABELS2 and so on, because an extent has one byte.

@@ -141,7 +141,8 @@ fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Re
     let report =
         vec![format!("CSV: {} frames", rows.poses.len()), rate_line, format!("joint map: {}", columns.rig)];
     let source = format!("{} (CSV)", file_name(path));
-    let take = Recording { source, report, ..Recording::new(rows.name, rate, rows.poses) };
+    let missing = columns.joints.missing();
+    let take = Recording { source, report, missing, ..Recording::new(rows.name, rate, rows.poses) };
     if columns.egait { egait::repair(take, options) } else { finish(take, Unit::Unstated, options) }
 }
 

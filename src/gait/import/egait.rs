@@ -12,7 +12,7 @@
 
 use super::Options;
 use super::repair::{Unit, body_length, finish};
-use crate::gait::{Error, Joint, Pose, Recording};
+use crate::gait::{Error, Joint, Pose, Recording, norm};
 use glam::{Quat, Vec3};
 
 /// Metres per unit (ours): between the 1.27 of the CMU gaits, whose trunk lacks a link of 11 cm and which are too large
@@ -29,6 +29,7 @@ const PITCHED_DEG: std::ops::Range<f32> = 5.0..30.0;
 /// # Errors
 /// [`Error::Unusable`] if the body has no size or positions are not finite.
 pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording, Error> {
+    norm::stand_in(&mut take.poses, take.missing);
     let pitch = pitch_deg(&take.poses);
     if PITCHED_DEG.contains(&-pitch) {
         let level = Quat::from_rotation_x(PITCH_DEG.to_radians());

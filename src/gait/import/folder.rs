@@ -3,6 +3,7 @@
 use super::{EXTENSIONS, Error, Options, import_file_with, list, text};
 use crate::gait::Recording;
 use rayon::prelude::*;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Most files of one import.
@@ -21,7 +22,33 @@ pub struct Outcome<T> {
     pub result: Result<T, crate::Error>,
 }
 
-/// The motion files that `paths` name: files as they are, folders with all that is in them, by extension.
+/// A file of a folder that is not read.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Unread {
+    /// The file.
+    pub file: PathBuf,
+    /// Why.
+    pub reason: String,
+}
+
+/// What is in folders.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Search {
+    /// The motion files.
+    pub motion: Vec<PathBuf>,
+    /// The others, but for those that belong to motion files (skeletons, index files) and hidden ones.
+    pub unread: Vec<Unread>,
+}
+
+/// The motion files that `paths` name; see [`search`].
+///
+/// # Errors
+/// As [`search`].
+pub fn motion_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
+    Ok(search(paths)?.motion)
+}
+
+/// The files that `paths` name: files as they are, folders with all that is in them, by extension.
 ///
 /// Sorted by path within each folder, in the order of `paths`; a file that is named twice counts once. Skeletons
 /// (`.asf`), index files (`labels.csv`, ...) and names that begin with a dot are no motion files. Symbolic links to
@@ -29,21 +56,22 @@ pub struct Outcome<T> {
 ///
 /// # Errors
 /// [`Error::Read`] if a folder cannot be listed, [`Error::Syntax`] if there are more than [`MAX_FILES`].
-pub fn motion_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
-    let mut found = Vec::new();
+pub fn search(paths: &[PathBuf]) -> Result<Search, Error> {
+    let mut found = Search::default();
     for path in paths {
         if path.is_dir() {
             walk(path, 0, &mut found)?;
         } else {
-            found.push(path.clone());
+            found.motion.push(path.clone());
         }
     }
     let mut seen = std::collections::HashSet::new();
-    found.retain(|path| seen.insert(path.clone()));
+    found.motion.retain(|path| seen.insert(path.clone()));
+    found.unread.retain(|unread| seen.insert(unread.file.clone()));
     Ok(found)
 }
 
-fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<(), Error> {
+fn walk(folder: &Path, depth: usize, found: &mut Search) -> Result<(), Error> {
     let failed = |source| Error::Read { path: folder.to_owned(), source };
     let mut entries = Vec::new();
     for entry in std::fs::read_dir(folder).map_err(failed)? {
@@ -60,17 +88,38 @@ fn walk(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> Result<(), Err
         if kind.is_dir() {
             if depth < MAX_DEPTH {
                 walk(&path, depth + 1, found)?;
+            } else {
+                let reason = format!("{MAX_DEPTH} folders deep; import it by name");
+                found.unread.push(Unread { file: path, reason });
             }
-        } else if path.is_file() && is_motion(&name) {
-            if found.len() == MAX_FILES {
-                let message =
-                    format!("more than {MAX_FILES} motion files; import the folders in it one by one");
+        } else if path.is_file() {
+            if found.motion.len() + found.unread.len() == MAX_FILES {
+                let message = format!("more than {MAX_FILES} files; import the folders in it one by one");
                 return Err(text::syntax(&folder.display().to_string(), 0, message));
             }
-            found.push(path);
+            if is_motion(&name) {
+                found.motion.push(path);
+            } else if let Some(reason) = why_unread(&name) {
+                found.unread.push(Unread { file: path, reason });
+            }
         }
     }
     Ok(())
+}
+
+/// Why a file that is no motion is not read; `None` for what is read beside motion files.
+fn why_unread(name: &str) -> Option<String> {
+    let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
+    match ending {
+        "asf" => None,
+        _ if INDEX_FILES.contains(&name) => None,
+        "txt" => Some("a note by its name".to_owned()),
+        "h5" | "hdf5" => Some("HDF5 is not read; turn it into .npz".to_owned()),
+        "fbx" => Some("FBX is not read; export it as BVH".to_owned()),
+        "glb" => Some("a gait library or model, no capture".to_owned()),
+        "" => Some("no ending that tells a format".to_owned()),
+        other => Some(format!("unknown ending .{other}")),
+    }
 }
 
 fn is_motion(name: &str) -> bool {
@@ -138,6 +187,19 @@ mod tests {
         let names: Vec<String> =
             found.iter().map(|p| p.strip_prefix(folder.path()).unwrap().display().to_string()).collect();
         assert_eq!(names, ["x.csv", "a.amc", "b/2.npz", "b/deep/1.c3d", "walk.txt", "z.BVH"]);
+        let unread = search(&[folder.path().to_owned()]).unwrap().unread;
+        let unread: Vec<String> = unread
+            .iter()
+            .map(|u| format!("{}: {}", u.file.file_name().unwrap().to_string_lossy(), u.reason))
+            .collect();
+        assert_eq!(
+            unread,
+            [
+                "NOTICE.txt: a note by its name",
+                "README.txt: a note by its name",
+                "picture.png: unknown ending .png"
+            ]
+        );
         assert!(
             motion_files(&[at("nowhere")]).unwrap().len() == 1,
             "a file that is not there fails when it is read"

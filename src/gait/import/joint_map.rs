@@ -19,7 +19,7 @@ mod presets;
 mod words;
 
 use super::text::list;
-use crate::gait::{JOINT_COUNT, Joint, Pose};
+use crate::gait::{JOINT_COUNT, Joint, JointSet, Pose};
 use glam::Vec3;
 use presets::{PRESETS, Preset};
 
@@ -36,7 +36,8 @@ pub struct JointMap {
     pub names: [Vec<(String, f32)>; JOINT_COUNT],
 }
 
-/// Where each of the 16 joints stands among the joints of a file: indices with weights that add up to 1.
+/// Where each of the 16 joints stands among the joints of a file: indices with weights that add up to 1, none for a joint
+/// that the file lacks.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sources([Vec<(usize, f32)>; JOINT_COUNT]);
 
@@ -46,12 +47,17 @@ impl Sources {
         Self(joints.map(|joint| vec![(joint, 1.0)]))
     }
 
-    /// The 16 joints, from the position of each joint of the file.
+    /// The 16 joints, from the position of each joint of the file; those that it lacks at the origin.
     pub fn pose(&self, at: impl Fn(usize) -> Vec3) -> Pose {
         self.0.each_ref().map(|parts| match parts.as_slice() {
             [(one, _)] => at(*one),
             parts => parts.iter().map(|&(joint, weight)| at(joint) * weight).sum(),
         })
+    }
+
+    /// The joints that the file lacks.
+    pub fn missing(&self) -> JointSet {
+        Joint::ALL.into_iter().filter(|&joint| self.of(joint).is_empty()).collect()
     }
 
     /// The same joints where only some `points` of the file had been named.
@@ -122,26 +128,30 @@ impl JointMap {
         PRESETS.iter().map(|preset| preset.rig).collect()
     }
 
-    /// Where each of the 16 joints stands in `names`.
+    /// Where each of the 16 joints stands in `names`; of a capture of the legs, those up to the pelvis.
     ///
     /// # Errors
     /// A message that lists the joints not found and the names the file has.
     pub fn resolve<S: AsRef<str>>(&self, names: &[S]) -> Result<Sources, String> {
+        complete(self.places(names), &format!("rig {:?}", self.rig), names)
+    }
+
+    fn places<S: AsRef<str>>(&self, names: &[S]) -> Found {
         let plain_names: Vec<String> = names.iter().map(|name| plain(name.as_ref())).collect();
         let index = |wanted: &str| {
             let wanted = plain(wanted);
             plain_names.iter().position(|name| *name == wanted)
         };
-        let found = self.names.each_ref().map(|parts| {
+        self.names.each_ref().map(|parts| {
             let parts: Option<Vec<_>> =
                 parts.iter().map(|(name, weight)| index(name).map(|at| (at, *weight))).collect();
             parts.filter(|parts| !parts.is_empty())
-        });
-        complete(found, &format!("rig {:?}", self.rig), names)
+        })
     }
 }
 
-/// Finds the 16 joints among the names of a file: the known rigs first, then by common words.
+/// Finds the 16 joints among the names of a file: the known rigs first, then by common words; if none has them all, those
+/// of the legs in the same order.
 ///
 /// Returns the rig's name (or "words") and where each joint stands in `names`.
 ///
@@ -149,15 +159,26 @@ impl JointMap {
 /// A message that lists the joints not found and the names the file has.
 pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, Sources), String> {
     let has = |mark: &str| names.iter().any(|name| plain(name.as_ref()) == mark);
-    for preset in &PRESETS {
-        if preset.mark.is_none_or(has)
-            && let Ok(joints) = preset.map().resolve(names)
-        {
-            return Ok((preset.rig.to_owned(), joints));
-        }
-    }
-    let found = words::by_words(names).map(|joint| joint.map(|joint| vec![(joint, 1.0)]));
-    Ok(("words".to_owned(), complete(found, "any known rig", names)?))
+    let presets = PRESETS.iter().filter(|preset| preset.mark.is_none_or(has));
+    let mut found: Vec<(&str, Found)> =
+        presets.map(|preset| (preset.rig, preset.map().places(names))).collect();
+    found.push(("words", words::by_words(names).map(|joint| joint.map(|joint| vec![(joint, 1.0)]))));
+    let chosen = found.iter().position(|(_, found)| found.iter().all(Option::is_some));
+    let chosen = chosen.or_else(|| found.iter().position(|(_, found)| is_of_legs(found)));
+    let (rig, joints) = found.swap_remove(chosen.unwrap_or(found.len() - 1));
+    Ok((rig.to_owned(), complete(joints, "any known rig", names)?))
+}
+
+/// Places of the joints, as far as they were found.
+type Found = [Option<Vec<(usize, f32)>>; JOINT_COUNT];
+
+/// Whether these are the joints of the legs and no head, arm or neck: a capture of the legs. Where some of the upper body
+/// is there, what is not found has another name.
+fn is_of_legs(found: &Found) -> bool {
+    Joint::ALL.into_iter().all(|joint| match joint {
+        Joint::Spine => true,
+        _ => found[joint as usize].is_some() != Joint::UPPER_BODY.contains(&joint),
+    })
 }
 
 /// The given map, or the one that fits; with the rig's name for the report.
@@ -171,14 +192,10 @@ pub(super) fn choose<S: AsRef<str>>(
     }
 }
 
-fn complete<S: AsRef<str>>(
-    found: [Option<Vec<(usize, f32)>>; JOINT_COUNT],
-    rig: &str,
-    names: &[S],
-) -> Result<Sources, String> {
+fn complete<S: AsRef<str>>(found: Found, rig: &str, names: &[S]) -> Result<Sources, String> {
     let missing: Vec<&str> =
         Joint::ALL.into_iter().filter(|&j| found[j as usize].is_none()).map(Joint::name).collect();
-    if missing.is_empty() {
+    if missing.is_empty() || is_of_legs(&found) {
         return Ok(Sources(found.map(Option::unwrap_or_default)));
     }
     Err(format!(

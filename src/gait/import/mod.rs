@@ -1,4 +1,4 @@
-//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, C3D, `NumPy` arrays, CSV of joint positions, E-Gait.
+//! Motion files in, [`Recording`]s out: BVH, ASF/AMC, C3D, TRC, `NumPy` arrays, CSV of joint positions, E-Gait.
 //!
 //! Every importer yields the 16 joints of [`Joint`](super::Joint) in metres, right-handed, y up, and writes into
 //! [`Recording::report`] what it inferred or repaired. `parse_*` functions take text, so they can be tested
@@ -12,13 +12,17 @@ pub mod c3d;
 pub mod csv;
 pub mod egait;
 pub mod folder;
+mod gaps;
 mod heading;
 pub mod joint_map;
 mod labels;
+mod markers;
 pub mod npz;
+mod points;
 mod repair;
 mod resample;
 mod text;
+pub mod trc;
 
 use super::{Error, Recording};
 pub use joint_map::JointMap;
@@ -33,7 +37,7 @@ pub const MAX_FRAMES: usize = 1_000_000;
 pub const MAX_BYTES: u64 = 512 << 20;
 
 /// Extensions of the files that are read, in lower case.
-pub const EXTENSIONS: [&str; 8] = ["bvh", "amc", "c3d", "npz", "npy", "csv", "tsv", "txt"];
+pub const EXTENSIONS: [&str; 9] = ["bvh", "amc", "c3d", "trc", "npz", "npy", "csv", "tsv", "txt"];
 
 /// What the caller knows better than the file. The default infers everything.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -53,7 +57,7 @@ pub struct Options {
     pub as_published: bool,
 }
 
-/// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.c3d`, `.npz`, `.npy`, `.csv`, `.tsv` or `.txt`
+/// Reads all takes of a motion file: `.bvh`, `.amc` (with its `.asf`), `.c3d`, `.trc`, `.npz`, `.npy`, `.csv`, `.tsv` or `.txt`
 /// of joint positions.
 ///
 /// # Errors
@@ -85,6 +89,7 @@ pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>
             return Err(text::syntax(&shown, 0, message));
         }
         "csv" | "txt" | "tsv" => csv::parse_csv(&read(path)?, &shown, options)?,
+        "trc" => trc::parse_trc(&read(path)?, &shown, options)?,
         "c3d" => c3d::parse_c3d(&read_bytes(path)?, &shown, options)?,
         "npz" => npz::parse_npz(&read_bytes(path)?, &shown, options)?,
         "npy" => npz::parse_npy(&read_bytes(path)?, &shown, options)?,

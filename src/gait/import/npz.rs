@@ -245,7 +245,8 @@ fn takes(arrays: &Arrays<'_>, options: &Options) -> Result<Vec<Recording>, Error
                 format!("joint map: {}", layout.rig),
             ];
             let source = format!("{} (NumPy)", file_name(arrays.path));
-            let take = Recording { source, report, ..Recording::new(name, rate, poses) };
+            let missing = layout.sources.missing();
+            let take = Recording { source, report, missing, ..Recording::new(name, rate, poses) };
             found.push(if layout.egait {
                 egait::repair(take, options)?
             } else {

@@ -1,7 +1,7 @@
 //! What every importer does at the end: unit of length, up axis, left and right. Each leaves a line in the report.
 
 use super::{Options, heading, text};
-use crate::gait::{Error, Joint, Pose, Recording};
+use crate::gait::{Error, Joint, Pose, Recording, norm};
 use glam::Vec3;
 
 /// Length of foot, knee, hip and root, spine, neck, head of an adult, m (mean of the CMU walkers).
@@ -36,6 +36,13 @@ pub(super) enum Unit {
 pub(super) fn finish(mut take: Recording, unit: Unit, options: &Options) -> Result<Recording, Error> {
     if take.poses.is_empty() {
         return Err(unusable(&take.name, "no frames; at least 1 is needed"));
+    }
+    norm::stand_in(&mut take.poses, take.missing);
+    if !take.missing.is_empty() {
+        take.report.push(format!(
+            "warning: not captured: {}; the gait walks with the upper body of the norm there",
+            take.missing
+        ));
     }
     let size = body_length(&take.poses);
     if !(size > 1e-6 && size.is_finite()) {

@@ -3,7 +3,7 @@
 use super::refusal::Refusal;
 use super::support::Feet;
 use super::{MAX_CRAB_DEG, MAX_RATE, REPEATS, SPEED, Stride, frames, pose_at, walk, wrap};
-use crate::gait::{Gait, JOINT_COUNT, Joint, Pose, Recording};
+use crate::gait::{Gait, JOINT_COUNT, Joint, Pose, Recording, norm};
 use crate::ground::{ground_from_world, heading_from_ground};
 use glam::{Quat, Vec3};
 
@@ -168,7 +168,8 @@ impl Take {
         if let Some(degrees) = crab {
             return Err(Refusal::Crab { degrees });
         }
-        let (poses, gap) = self.cycle_of(cut, &way);
+        let (mut poses, gap) = self.cycle_of(cut, &way);
+        norm::complete(&mut poses, recording.missing);
         let begin = match self.cycle {
             Some((frames, _)) => (cut.from % frames as f32) / self.rate,
             None => cut.from / self.rate,
@@ -183,6 +184,7 @@ impl Take {
             acted: recording.acted.clone(),
             ratings: None,
             label: recording.label,
+            missing: recording.missing,
         };
         let mismatch = self.cycle.map_or_else(|| rms(&gap), |(_, mismatch)| mismatch);
         let on_the_spot = self.on_the_spot;

@@ -16,7 +16,7 @@ mod upper;
 
 pub use style::{Body, STYLE_FIELDS, Sex, StyleField, WalkerStyle};
 
-use super::{Error, Gait, JOINT_COUNT, Joint, Pose};
+use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose};
 use crate::emotion::Emotion;
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -121,6 +121,7 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
         acted: None,
         ratings: None,
         label: None,
+        missing: JointSet::default(),
     })
 }
 

@@ -10,9 +10,7 @@ fn gait(name: &str, source: &str, subject: Option<&str>) -> Gait {
         speed: 1.0,
         source: source.to_owned(),
         subject: subject.map(str::to_owned),
-        acted: None,
-        ratings: None,
-        label: None,
+        ..Gait::default()
     }
 }
 

@@ -1,10 +1,12 @@
 //! What is fuzzed: a name, valid files, and the reader.
 
-use crate::containers::{c3d, npy, npz};
+use crate::containers::{c3d, npy, npz, trc};
 use crate::mutate::Form;
 use crate::walker::{self, Walker};
 use gaitway::Emotion;
-use gaitway::gait::import::{JointMap, Options, asf_amc, bvh, c3d as c3d_file, csv, npz as npz_file};
+use gaitway::gait::import::{
+    JointMap, Options, asf_amc, bvh, c3d as c3d_file, csv, npz as npz_file, trc as trc_file,
+};
 use gaitway::gait::walker::{Sex, person};
 use gaitway::gait::{Error, Recording, stride};
 use gaitway::library::GaitLibrary;
@@ -20,7 +22,7 @@ pub(crate) struct Target {
     pub(crate) read: fn(&[u8]) -> Result<String, String>,
 }
 
-pub(crate) const TARGETS: [Target; 10] = [
+pub(crate) const TARGETS: [Target; 11] = [
     Target {
         name: "bvh",
         form: Form::Text,
@@ -61,6 +63,12 @@ pub(crate) const TARGETS: [Target; 10] = [
         form: Form::Binary,
         seeds: c3d_seeds,
         read: |bytes| takes(c3d_file::parse_c3d(bytes, "x", &Options::default())),
+    },
+    Target {
+        name: "trc",
+        form: Form::Text,
+        seeds: trc_seeds,
+        read: |bytes| takes(trc_file::parse_trc(&text(bytes), "x", &Options::default())),
     },
     Target {
         name: "npy",
@@ -154,6 +162,19 @@ fn csv_seeds() -> Vec<Vec<u8>> {
 fn c3d_seeds() -> Vec<Vec<u8>> {
     let walk = walk();
     vec![c3d(&walk, 84, true, "mm"), c3d(&walk, 85, false, "mm"), c3d(&walk, 86, true, "?")]
+}
+
+fn trc_seeds() -> Vec<Vec<u8>> {
+    let names: Vec<String> = gaitway::gait::Joint::ALL.iter().map(|joint| joint.name().to_owned()).collect();
+    let frames: Vec<Vec<Option<glam::Vec3>>> =
+        walk().poses.iter().map(|pose| pose.iter().map(|point| Some(*point)).collect()).collect();
+    let whole = trc(&names, &frames, 15.0, "mm");
+    let legs: Vec<usize> = (0..16).filter(|joint| *joint == 0 || *joint > 9).collect();
+    let of_legs: Vec<String> = legs.iter().map(|&joint| names[joint].clone()).collect();
+    let frames: Vec<Vec<Option<glam::Vec3>>> =
+        frames.iter().map(|frame| legs.iter().map(|&joint| frame[joint]).collect()).collect();
+    let of_legs = trc(&of_legs, &frames, 15.0, "m");
+    vec![whole.replace('\n', "\r\n").into_bytes(), whole.into_bytes(), of_legs.into_bytes()]
 }
 
 fn floats(take: &Recording) -> Vec<u8> {
@@ -253,6 +274,19 @@ pub(crate) fn hostile() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("csv", "frames of zeros", ("0 ".repeat(48) + "\n").repeat(BYTES / 97).into_bytes()),
         ("csv", "frames of a body", (format!("{}\n", "1 2 3 9 ".repeat(12))).repeat(BYTES / 97).into_bytes()),
         ("csv", "many columns", (0..BYTES / 6).map(|i| format!("a{i}_x,")).collect::<String>().into_bytes()),
+        ("trc", "frames without markers", {
+            let names: String = (0..8000).map(|i| format!("\ta{i}\t\t")).collect();
+            format!(
+                "PathFileType\nDataRate\n60\nFrame#\tTime\thip\t\t{names}\n{}",
+                "1\t1\n".repeat(BYTES / 4)
+            )
+            .into_bytes()
+        }),
+        ("trc", "frames of lost markers", {
+            let names: String = joints.iter().map(|joint| format!("\t{}\t\t", joint.name())).collect();
+            let rows: String = (0..BYTES / 12).map(|i| format!("1\t{i}\t\t\t1\n")).collect();
+            format!("PathFileType\nDataRate\n60\nFrame#\tTime{names}\n{rows}").into_bytes()
+        }),
         ("npy", "a claim of a billion frames", npy("<f4", "(1000000000, 16, 3)", &[0; 64])),
         ("npy", "bytes as numbers", npy("|i1", "(8000, 48)", &moving(8000))),
         ("npz", "equal numbers", npz(&[("a", ones("(900000, 48)", 43_200_000))], true)),

@@ -26,7 +26,7 @@ const LONG: [&str; 2] = ["left", "right"];
 const SHORT: [&str; 2] = ["l", "r"];
 
 /// In the order in which they are tried.
-pub(super) const PRESETS: [Preset; 13] = [
+pub(super) const PRESETS: [Preset; 14] = [
     Preset {
         rig: "gaitway",
         also: &[],
@@ -85,6 +85,15 @@ pub(super) const PRESETS: [Preset; 13] = [
         middle: ["pelvis", "spine2", "neck", "head"],
         side: SHOULDER_WRIST,
         left_right: LONG,
+    },
+    // Pose estimators of 26 joints (Pose2Sim and others): no spine.
+    Preset {
+        rig: "HALPE 26",
+        also: &["HALPE", "Pose2Sim", "BODY 25"],
+        mark: Some("rbigtoe"),
+        middle: ["hip", "0.6*hip + 0.4*neck", "neck", "head"],
+        side: ["{}shoulder", "{}elbow", "{}wrist", "{}hip", "{}knee", "{}ankle"],
+        left_right: SHORT,
     },
     // 15 virtual joints: no neck, no spine (they are put where a body has them).
     Preset {

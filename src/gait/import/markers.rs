@@ -1,17 +1,18 @@
-//! Joints from the markers of gait analysis (Plug-in Gait and its kin, such as CMU's 41).
+//! Joints from the markers of gait analysis: Plug-in Gait and its kin (such as CMU's 41), `OpenSim`'s and `OpenCap`'s sets.
+//! Pelvis, knees and ankles must be there; what the markers above the pelvis do not tell is missing.
 //!
 //! Hip centres after Bell, Pedersen and Brand (1990), as shares of the distance between the front pelvis markers:
 //! 0.36 outwards, 0.30 down, 0.19 back from their middle. Knee and ankle markers sit on the outside of the joint and
 //! are moved inwards along the pelvis's own axis, across the bone, by half the joint's width; shoulder markers on
 //! top of it are moved down the trunk (shares of lengths, ours, from an adult's widths). Elbow markers stay.
 
-use super::super::joint_map::plain;
-use crate::gait::{JOINT_COUNT, Joint, Pose};
+use super::joint_map::plain;
+use crate::gait::{JOINT_COUNT, Joint, JointSet, Pose};
 use glam::Vec3;
 
 /// What must be there, for messages.
-pub(super) const NEEDED: &str = "LASI or LFWT, LPSI or LBWT or SACR, LKNE, LANK, LSHO, LELB, LWRA or LWRI, LFHD or \
-                                 HEAD, and the right ones";
+pub(super) const NEEDED: &str = "LASI or LFWT, LPSI or LBWT or SACR, LKNE, LANK, and the right ones; for the upper body \
+                                 C7 or CLAV, LSHO, LELB, LWRA or LWRI, LFHD or HEAD";
 
 /// Half the knee's width, in lengths of the thigh.
 const KNEE: f32 = 0.115;
@@ -32,11 +33,11 @@ type Group = Vec<usize>;
 pub(super) struct Markers {
     front: [Group; 2],
     back: [Group; 2],
-    head: Group,
-    neck: Group,
-    shoulder: [Group; 2],
-    elbow: [Group; 2],
-    wrist: [Group; 2],
+    head: Option<Group>,
+    neck: Option<Group>,
+    shoulder: Option<[Group; 2]>,
+    elbow: Option<[Group; 2]>,
+    wrist: Option<[Group; 2]>,
     knee: [Group; 2],
     ankle: [Group; 2],
 }
@@ -53,25 +54,64 @@ impl Markers {
                 .find_map(|names| names.iter().map(|name| at(&name.replace('#', side))).collect())
         };
         let pair = |alternatives: &[&[&str]]| Some([group("l", alternatives)?, group("r", alternatives)?]);
-        let shoulder = pair(&[&["#sho"], &["#acr"], &["#shoulder"]])?;
-        let neck = group("", &[&["c7", "clav"], &["c7"], &["clav"]]);
+        let shoulder = pair(&[
+            &["#sho"],
+            &["#acr"],
+            &["#shoulder"],
+            &["#acromium"],
+            &["#acromion"],
+            &["#shoulderstudy"],
+        ]);
+        let neck = group("", &[&["c7", "clav"], &["c7"], &["clav"], &["c7study"]]);
         Some(Self {
-            front: pair(&[&["#asi"], &["#fwt"], &["#asis"]])?,
-            back: pair(&[&["#psi"], &["#bwt"], &["#psis"], &["sacr"], &["sacrum"]])?,
-            head: group("", &[&["lfhd", "rfhd", "lbhd", "rbhd"], &["lfhd", "rfhd"], &["head"], &["thead"]])?,
-            neck: neck.unwrap_or_else(|| shoulder.iter().flatten().copied().collect()),
+            front: pair(&[&["#asi"], &["#fwt"], &["#asis"], &["#asisstudy"]])?,
+            back: pair(&[
+                &["#psi"],
+                &["#bwt"],
+                &["#psis"],
+                &["#psisstudy"],
+                &["sacr"],
+                &["sacrum"],
+                &["vsacral"],
+            ])?,
+            head: group(
+                "",
+                &[&["lfhd", "rfhd", "lbhd", "rbhd"], &["lfhd", "rfhd"], &["head"], &["thead"], &["tophead"]],
+            ),
+            neck: neck.or_else(|| shoulder.as_ref().map(|sides| sides.concat())),
             shoulder,
-            elbow: pair(&[&["#elb"], &["#elbow"], &["#lel"]])?,
-            wrist: pair(&[&["#wra", "#wrb"], &["#wri"], &["#wrist"], &["#wra"], &["#wrb"]])?,
-            knee: pair(&[&["#kne"], &["#knee"], &["#lek"]])?,
-            ankle: pair(&[&["#ank"], &["#ankle"], &["#lm"]])?,
+            elbow: pair(&[&["#elb"], &["#elbow"], &["#lel"], &["#lelbowstudy"], &["#elbowlat"]]),
+            wrist: pair(&[
+                &["#wra", "#wrb"],
+                &["#wri"],
+                &["#wrist"],
+                &["#wristlat", "#wristmed"],
+                &["#lwriststudy", "#mwriststudy"],
+                &["#faradius", "#faulna"],
+                &["#wra"],
+                &["#wrb"],
+            ]),
+            knee: pair(&[&["#kne"], &["#knee"], &["#lek"], &["#kneelat"], &["#kneestudy"], &["#lfc"]])?,
+            ankle: pair(&[&["#ank"], &["#ankle"], &["#lm"], &["#anklelat"], &["#anklestudy"], &["#lmal"]])?,
         })
     }
 
+    /// The joints that no markers tell.
+    pub(super) fn missing(&self) -> JointSet {
+        let sides = |is_there: bool, joints: [Joint; 2]| joints.into_iter().filter(move |_| !is_there);
+        sides(self.neck.is_some(), [Joint::Spine, Joint::Neck])
+            .chain(sides(self.head.is_some(), [Joint::Head, Joint::Head]))
+            .chain(sides(self.shoulder.is_some(), [Joint::LeftShoulder, Joint::RightShoulder]))
+            .chain(sides(self.elbow.is_some(), [Joint::LeftElbow, Joint::RightElbow]))
+            .chain(sides(self.wrist.is_some(), [Joint::LeftHand, Joint::RightHand]))
+            .collect()
+    }
+
     fn groups(&self) -> impl Iterator<Item = &Group> {
-        let pairs =
-            [&self.front, &self.back, &self.shoulder, &self.elbow, &self.wrist, &self.knee, &self.ankle];
-        pairs.into_iter().flatten().chain([&self.head, &self.neck])
+        let legs = [&self.front, &self.back, &self.knee, &self.ankle];
+        let arms = [&self.shoulder, &self.elbow, &self.wrist];
+        let pairs = legs.into_iter().chain(arms.into_iter().flatten());
+        pairs.flatten().chain([&self.head, &self.neck].into_iter().flatten())
     }
 
     /// Number of markers used.
@@ -95,17 +135,17 @@ impl Markers {
         Self {
             front: pair(self.front),
             back: pair(self.back),
-            head: group(self.head),
-            neck: group(self.neck),
-            shoulder: pair(self.shoulder),
-            elbow: pair(self.elbow),
-            wrist: pair(self.wrist),
+            head: self.head.map(group),
+            neck: self.neck.map(group),
+            shoulder: self.shoulder.map(pair),
+            elbow: self.elbow.map(pair),
+            wrist: self.wrist.map(pair),
             knee: pair(self.knee),
             ankle: pair(self.ankle),
         }
     }
 
-    /// The 16 joints, from the position of each point; file units and frame.
+    /// The 16 joints, from the position of each point; file units and frame. What is missing stands at the origin.
     pub(super) fn pose(&self, at: impl Fn(usize) -> Vec3) -> Pose {
         let mean =
             |group: &Group| group.iter().map(|&point| at(point)).sum::<Vec3>() / group.len().max(1) as f32;
@@ -121,13 +161,19 @@ impl Markers {
 
         let mut pose = [Vec3::ZERO; JOINT_COUNT];
         let mut put = |joint: Joint, point: Vec3| pose[joint as usize] = point;
-        let (root, neck) = ((front + back) / 2.0, mean(&self.neck));
+        let root = (front + back) / 2.0;
         put(Joint::Root, root);
-        put(Joint::Spine, root.lerp(neck, SPINE));
-        put(Joint::Neck, neck);
-        put(Joint::Head, mean(&self.head));
-        let shoulders = self.shoulder.each_ref().map(mean);
-        let drop = (root - neck).normalize_or_zero() * (SHOULDER * shoulders[0].distance(shoulders[1]));
+        let mut drop = Vec3::ZERO;
+        let shoulders = self.shoulder.as_ref().map(|sides| sides.each_ref().map(mean));
+        if let Some(neck) = self.neck.as_ref().map(mean) {
+            put(Joint::Spine, root.lerp(neck, SPINE));
+            put(Joint::Neck, neck);
+            let apart = shoulders.map_or(0.0, |[left, right]| left.distance(right));
+            drop = (root - neck).normalize_or_zero() * (SHOULDER * apart);
+        }
+        if let Some(head) = self.head.as_ref().map(mean) {
+            put(Joint::Head, head);
+        }
         let sides = [
             (
                 1.0,
@@ -155,9 +201,16 @@ impl Markers {
         for (index, (side, [shoulder, elbow, hand, hip_joint, knee_joint, foot])) in
             sides.into_iter().enumerate()
         {
-            put(shoulder, shoulders[index] + drop);
-            put(elbow, mean(&self.elbow[index]));
-            put(hand, mean(&self.wrist[index]));
+            let arm = [
+                (shoulder, shoulders.map(|sides| sides[index] + drop)),
+                (elbow, self.elbow.as_ref().map(|sides| mean(&sides[index]))),
+                (hand, self.wrist.as_ref().map(|sides| mean(&sides[index]))),
+            ];
+            for (joint, point) in arm {
+                if let Some(point) = point {
+                    put(joint, point);
+                }
+            }
             let hip = hip(side);
             // Inwards, across the bone.
             let inwards = |from: Vec3, marker: Vec3, share: f32| {

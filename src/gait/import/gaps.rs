@@ -1,6 +1,6 @@
 //! Points that the cameras lost: short gaps are bridged by cubics, and of the rest the longest whole stretch is taken.
 
-use super::{Frames, Way};
+use super::points::{Sightings, Way};
 use crate::gait::Pose;
 use glam::Vec3;
 
@@ -10,12 +10,12 @@ const BRIDGED_S: f32 = 0.2;
 const SLOPE_FRAMES: usize = 3;
 
 /// The poses of one subject in file units, from its longest stretch with all points; and a line for the report.
-pub(super) fn poses(frames: &Frames<'_>, way: &Way, rate: f32) -> Result<(Vec<Pose>, String), String> {
+pub(super) fn poses(frames: &impl Sightings, way: &Way, rate: f32) -> Result<(Vec<Pose>, String), String> {
     let used = way.used();
     let longest_gap = crate::gait::stride::frames(BRIDGED_S * rate).max(1);
     // The last sighting of each point, to begin bridges from; a frame's points are whole once each is seen again.
     let mut tracks: Vec<Track> = Vec::with_capacity(used.len());
-    let mut whole = vec![true; frames.count];
+    let mut whole = vec![true; frames.frames()];
     for &point in &used {
         let track = Track::of(frames, point, longest_gap);
         for gap in &track.gaps {
@@ -40,12 +40,12 @@ pub(super) fn poses(frames: &Frames<'_>, way: &Way, rate: f32) -> Result<(Vec<Po
         0 => "gaps: none".to_owned(),
         _ => format!("gaps: {bridged} positions bridged, each gap up to {BRIDGED_S} s"),
     };
-    if count < frames.count {
+    if count < frames.frames() {
         line += &format!(
             "; frames {} to {} of {} taken, where no point is lost for longer",
             first + 1,
             first + count,
-            frames.count
+            frames.frames()
         );
     }
     Ok((poses, line))
@@ -73,14 +73,14 @@ struct Bridge {
 }
 
 impl Bridge {
-    fn over(frames: &Frames<'_>, point: usize, frame: usize) -> Option<Self> {
+    fn over(frames: &impl Sightings, point: usize, frame: usize) -> Option<Self> {
         let sighting = |f: usize| frames.point(f, point).map(|seen| (f, seen));
         let (begin, from) = (0..frame).rev().find_map(sighting)?;
-        let (end, to) = (frame..frames.count).find_map(sighting)?;
+        let (end, to) = (frame..frames.frames()).find_map(sighting)?;
         let length = (end - begin) as f32;
         let straight = to - from;
         let before = begin.checked_sub(SLOPE_FRAMES).and_then(sighting);
-        let after = sighting(end + SLOPE_FRAMES).filter(|(f, _)| *f < frames.count);
+        let after = sighting(end + SLOPE_FRAMES).filter(|(f, _)| *f < frames.frames());
         let leaving = before.map_or(straight, |(f, seen)| (from - seen) * (length / (begin - f) as f32));
         let arriving = after.map_or(straight, |(f, seen)| (seen - to) * (length / (f - end) as f32));
         Some(Self { begin, end, from, to, leaving, arriving })
@@ -95,9 +95,9 @@ impl Bridge {
 }
 
 impl Track {
-    fn of(frames: &Frames<'_>, point: usize, longest: usize) -> Self {
+    fn of(frames: &impl Sightings, point: usize, longest: usize) -> Self {
         let (mut gaps, mut bridged, mut last) = (Vec::new(), 0, None);
-        for frame in 0..frames.count {
+        for frame in 0..frames.frames() {
             if frames.point(frame, point).is_none() {
                 continue;
             }
@@ -112,14 +112,14 @@ impl Track {
             last = Some(frame);
         }
         let begin = last.map_or(0, |last| last + 1);
-        if begin < frames.count {
-            gaps.push(begin..frames.count);
+        if begin < frames.frames() {
+            gaps.push(begin..frames.frames());
         }
         Self { gaps, bridged, bridge: None }
     }
 
     /// The point at a frame; frames must come in order.
-    fn at(&mut self, frames: &Frames<'_>, point: usize, frame: usize) -> Vec3 {
+    fn at(&mut self, frames: &impl Sightings, point: usize, frame: usize) -> Vec3 {
         if let Some(seen) = frames.point(frame, point) {
             return seen;
         }
