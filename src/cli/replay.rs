@@ -9,7 +9,7 @@ use super::simulate::{Outcome, Recording, simulate};
 use super::stage::{CameraName, size};
 use super::usage;
 use crate::Error;
-use crate::replay::{Format, Options, Pixels, Replay, ReplayOptions, Report, read};
+use crate::replay::{Columns, Format, Options, Pixels, Replay, ReplayOptions, Report, name_of_unit, read};
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -20,11 +20,13 @@ use std::time::Instant;
 #[command(
     after_help = "Examples:\n  gaitway replay uo-050-180-180.txt --fps 16 --emotions happy=1\n  gaitway replay \
                   students03/obsmat.txt --render students.png --camera eyes --at 60\n  gaitway replay crowd.sqlite \
-                  --agents 20 --out both.sqlite\n\nUnits, frame rates and formats are inferred where the file does not \
-                  say them, and reported."
+                  --agents 20 --out both.sqlite\n  gaitway replay biwi_eth.txt --columns frame,id,x,y --fps \
+                  25\n\nColumns, frame rates, units and formats are inferred where the file does not say them, and reported \
+                  (`read as`)."
 )]
 pub(super) struct Arguments {
-    /// A recording: .sqlite (JuPedSim), .txt (Pedestrian Dynamics Data Archive, or obsmat of ETH/UCY), .vsp (UCY), .csv
+    /// A recording: .sqlite (JuPedSim), .txt (Pedestrian Dynamics Data Archive, obsmat of ETH/UCY, TrajNet, SGAN), .vsp
+    /// (UCY), or named columns (.csv, Vadere's .traj, Pathfinder, Viswalk, Crowd:it)
     #[arg(value_name = "FILE")]
     file: PathBuf,
     #[command(flatten)]
@@ -77,9 +79,16 @@ struct ReadingArguments {
     /// The file's format [default: by its name and first lines]
     #[arg(long, value_enum, help_heading = "Reading")]
     format: Option<FormatName>,
-    /// The file's frames per second, where it does not say
+    /// What stands in its columns, from the left: id, frame (or time, s), x, y, z, vx, vy, or - for what is skipped
+    /// [default: by their names, or inferred]
+    #[arg(long, value_name = "id,frame,x,y", help_heading = "Reading")]
+    columns: Option<Columns>,
+    /// The file's frames per second [default: as the file says, or inferred from its velocities or steps]
     #[arg(long, value_name = "RATE", help_heading = "Reading")]
     fps: Option<f64>,
+    /// Take the file as it is read although half of its steps are faster than 4 m/s
+    #[arg(long, help_heading = "Reading")]
+    accept_speed: bool,
     /// Metres per unit of the file: 1 for metres, 0.01 for centimetres [default: as the file says, or inferred]
     #[arg(long, value_name = "METRES", help_heading = "Reading")]
     unit: Option<f64>,
@@ -226,7 +235,9 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
             FormatName::Vsp => Format::Vsp,
             FormatName::Csv => Format::Csv,
         }),
+        columns: reading.columns.clone(),
         frame_rate: reading.fps,
+        accept_speed: reading.accept_speed,
         metres_per_unit: reading.unit,
         homography: reading.homography.clone(),
         pixels: reading.pixels.map(|pixels| match pixels {
@@ -269,9 +280,16 @@ fn print_report(report: &Report) {
         thousands(report.samples as u64),
         report.seconds
     ));
+    let columns = match (&report.columns, report.columns_from) {
+        (Some(columns), Some(from)) => format!("{columns} ({from}); "),
+        _ => String::new(),
+    };
     say(&format!(
-        "frames             {} a second ({}), {} m per unit",
-        report.frame_rate, report.frame_rate_from, report.metres_per_unit
+        "read as            {columns}{} frames a second ({}); {} ({})",
+        report.frame_rate,
+        report.frame_rate_from,
+        name_of_unit(report.metres_per_unit),
+        report.metres_per_unit_from
     ));
     let mut faults = Vec::new();
     for (count, what) in [
@@ -290,7 +308,9 @@ fn print_report(report: &Report) {
     if report.longest_gap > 0.0 && report.gaps > 0 {
         faults.push(format!("longest gap {:.2} s", report.longest_gap));
     }
-    faults.push(format!("fastest {:.2} m/s", report.fastest));
+    if let Some(median) = report.median_speed {
+        faults.push(format!("median speed {median:.2} m/s, fastest {:.2}", report.fastest));
+    }
     say(&format!("found              {}", faults.join(", ")));
     for note in &report.notes {
         say(&format!("                   {note}"));

@@ -16,4 +16,4 @@ pub use crowd::{Replay, ReplayOptions};
 pub use error::Error;
 pub use path::{Moment, Path};
 pub use read::tracks::{Report, Sample, Track, Trajectories};
-pub use read::{Format, Options, Pixels, read};
+pub use read::{Column, Columns, Format, Options, Pixels, name_of_unit, read};

@@ -52,10 +52,10 @@ fn juelich_walks_again() {
     assert_eq!((door.report.people, door.report.frame_rate_from), (75, "file"));
     assert!((door.frame_rate - 25.0).abs() < 1e-9);
     walks("040_c_56_h-", &door, 10.0, 10.0);
-    let options = Options { frame_rate: Some(25.0), ..Options::default() };
     for (name, people) in [("n34_cam2", 34), ("n56_cam1", 50)] {
-        let oval = read(&folder.join(format!("single_file/{name}.csv")), &options).unwrap();
+        let oval = read(&folder.join(format!("single_file/{name}.csv")), &Options::default()).unwrap();
         show(name, &oval);
+        assert_eq!((oval.frame_rate, oval.report.frame_rate_from), (25.0, "velocities"), "{name}");
         assert!(oval.report.people >= people, "{name}: {}", oval.report.people);
     }
 }
@@ -65,6 +65,7 @@ fn ucy_walks_again_and_its_two_files_agree() {
     let Some(folder) = data_set("crowd-ucy") else { return };
     let students = read(&folder.join("students03/obsmat.txt"), &Options::default()).unwrap();
     show("students03", &students);
+    assert_eq!((students.frame_rate, students.report.frame_rate_from), (25.0, "velocities"));
     assert_eq!(students.report.people, 428);
     walks("students03", &students, 60.0, 10.0);
     for name in ["students03", "zara01"] {
@@ -89,4 +90,65 @@ fn ucy_walks_again_and_its_two_files_agree() {
     println!("zara01: {near} of 148 start within 1 m in both files; {a:.0} m and {b:.0} m walked");
     assert!(near > 100, "{near}");
     assert!((a / b - 1.0).abs() < 0.15, "{a} {b}");
+}
+
+/// Real crowds as TrajNet and SGAN pass them on, `frame id x y`, and as ETH's seq_eth was filmed, at 15 frames a second.
+#[test]
+fn crowds_of_others_are_read_the_right_way_round_and_at_their_own_rate() {
+    let folder = tempfile::tempdir().unwrap();
+    for (set, path) in [("crowd-ucy", "students03/obsmat.txt"), ("crowd-ucy", "zara01/obsmat.txt")] {
+        let Some(data) = data_set(set) else { return };
+        let plain = read(&data.join(path), &Options::default()).unwrap();
+        let text = std::fs::read_to_string(data.join(path)).unwrap();
+        let rows: Vec<Vec<f64>> = text
+            .lines()
+            .map(|row| row.split_whitespace().map(|cell| cell.parse().unwrap()).collect())
+            .collect();
+        let rewrite = |name: &str, row: &dyn Fn(&[f64]) -> String| {
+            let text: String = rows.iter().map(|cells| row(cells)).collect();
+            let file = super::reading::file(folder.path(), name, &text);
+            read(&file, &Options::default()).unwrap()
+        };
+        let trajnet =
+            rewrite("trajnet.txt", &|r| format!("{} {} {:.2} {:.2}\n", r[0] - 1.0, r[1], r[2], r[4]));
+        show(path, &trajnet);
+        assert_eq!(trajnet.report.columns.as_ref().unwrap().to_string(), "frame, id, x, y");
+        let archive =
+            rewrite("archive.txt", &|r| format!("{} {} {:.2} {:.2}\n", r[1], r[0] - 1.0, r[2], r[4]));
+        assert_eq!(archive.report.columns.as_ref().unwrap().to_string(), "id, frame, x, y");
+        for found in [&trajnet, &archive] {
+            assert_eq!((found.tracks.len(), found.frame_rate), (plain.tracks.len(), 25.0), "{path}");
+            assert!((found.report.seconds - plain.report.seconds).abs() < 1e-9);
+            assert!(found.report.median_speed.unwrap() < 2.0, "{:?}", found.report);
+        }
+        let eth = rewrite("eth.txt", &|r| {
+            let frame = (r[0] - 1.0) * 0.6;
+            format!("{frame} {} {} 0 {} {} 0 {}\n", r[1], r[2], r[4], r[5], r[7])
+        });
+        assert_eq!((eth.frame_rate, eth.report.frame_rate_from), (15.0, "velocities"));
+        assert!((eth.report.seconds - plain.report.seconds).abs() < 1e-9);
+    }
+}
+
+/// The densest crowds at hand, their columns exchanged: what is told by the data must not depend on who comes first.
+#[test]
+fn dense_crowds_are_read_the_same_with_person_and_frame_exchanged() {
+    let Some(folder) = data_set("crowd-juelich") else { return };
+    let scratch = tempfile::tempdir().unwrap();
+    let options = Options { frame_rate: Some(16.0), ..Options::default() };
+    for name in ["uo-050-180-180", "uo-180-180-095"] {
+        let path = folder.join(format!("uni-directional/{name}.txt"));
+        let text = std::fs::read_to_string(&path).unwrap();
+        let exchanged: String = text
+            .lines()
+            .map(|row| {
+                let cells: Vec<&str> = row.split_whitespace().collect();
+                format!("{} {} {}\n", cells[1], cells[0], cells[2..].join(" "))
+            })
+            .collect();
+        let exchanged = read(&super::reading::file(scratch.path(), "x.txt", &exchanged), &options).unwrap();
+        let plain = read(&path, &options).unwrap();
+        assert_eq!(exchanged.report.columns.as_ref().unwrap().to_string(), "frame, id, x, y, z");
+        assert_eq!(exchanged.tracks, plain.tracks, "{name}");
+    }
 }

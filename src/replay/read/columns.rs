@@ -1,179 +1,313 @@
-//! Texts of columns: the Pedestrian Dynamics Data Archive, and CSV with named columns.
+//! What stands in which column of a text: by name, by a comment, by the format, as asked for, or to be inferred.
 
-use super::{Error, Found, Options, Row, number, syntax, unusable, whole};
-use glam::DVec2;
+use super::{Error, clip, unusable};
+use serde::{Serialize, Serializer};
+use std::fmt;
 use std::path::Path;
+use std::str::FromStr;
 
-/// The archive's text: comments that begin with `#`, then id, frame, x, y and perhaps z (place or height).
-pub(super) fn parse_archive(path: &Path, text: &str, options: &Options) -> Result<Found, Error> {
-    let mut found = Found::default();
-    let mut heights = Vec::new();
-    for (line, row) in (1..).zip(text.lines()) {
-        let row = row.trim();
-        if let Some(comment) = row.strip_prefix('#') {
-            read_comment(comment, &mut found);
-            continue;
-        }
-        if row.is_empty() {
-            continue;
-        }
-        let mut cells =
-            row.split(|c: char| c.is_whitespace() || c == ',' || c == ';').filter(|c| !c.is_empty());
-        let id = whole(path, line, "the id", cells.next())?;
-        let frame = whole(path, line, "the frame", cells.next())?;
-        let x = number(path, line, "x", cells.next())?;
-        let y = number(path, line, "y", cells.next())?;
-        if let Some(cell) = cells.next() {
-            heights.push(number(path, line, "z", Some(cell))?);
-        }
-        found.rows.push(Row { id, frame, place: DVec2::new(x, y), facing: None, line });
-    }
-    if found.metres_per_unit.is_none() && options.metres_per_unit.is_none() {
-        infer_unit(&mut found, heights, options);
-    }
-    Ok(found)
+/// What a column holds.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Column {
+    /// Nothing that is used.
+    Skip,
+    /// Number of the person.
+    Id,
+    /// Number of the frame.
+    Frame,
+    /// Time, s.
+    Time,
+    /// Place to the right, in units of the file.
+    X,
+    /// Place up the page, in units of the file.
+    Y,
+    /// Height of the person or of the place; tells the unit.
+    Z,
+    /// Velocity to the right, in units of the file a second; tells the frame rate.
+    Vx,
+    /// Velocity up the page.
+    Vy,
+    /// Ours: place down the page.
+    Down,
+    /// Ours: heading about +y, rad.
+    Heading,
+    /// Vadere's: time at the end of the step.
+    EndTime,
+    /// Vadere's: place at the end of the step.
+    EndX,
+    /// Vadere's: the same up the page.
+    EndY,
 }
 
-/// Frame rate and unit out of a comment: `framerate: 25 fps`, `x/cm`, `in m`.
-fn read_comment(comment: &str, found: &mut Found) {
-    let lower = comment.to_ascii_lowercase();
-    if let Some((_, rest)) = lower.split_once("framerate").or_else(|| lower.split_once("frame rate")) {
-        let digits: String = rest
-            .chars()
-            .skip_while(|c| !c.is_ascii_digit())
-            .take_while(|c| c.is_ascii_digit() || *c == '.')
-            .collect();
-        found.frame_rate = digits.parse().ok().filter(|rate: &f64| *rate > 0.0).or(found.frame_rate);
+/// Names by which columns are asked for.
+const NAMES: [(&str, Column); 9] = [
+    ("-", Column::Skip),
+    ("id", Column::Id),
+    ("frame", Column::Frame),
+    ("time", Column::Time),
+    ("x", Column::X),
+    ("y", Column::Y),
+    ("z", Column::Z),
+    ("vx", Column::Vx),
+    ("vy", Column::Vy),
+];
+
+/// Names of columns in the files of others, in lower case and without units.
+const ALIASES: [(&str, Column); 47] = [
+    ("id", Column::Id),
+    ("personid", Column::Id),
+    ("person_id", Column::Id),
+    ("person", Column::Id),
+    ("agent", Column::Id),
+    ("agent_id", Column::Id),
+    ("agentid", Column::Id),
+    ("ped_id", Column::Id),
+    ("pedid", Column::Id),        // Crowd:it
+    ("pedestrianid", Column::Id), // Vadere
+    ("pedestrian_id", Column::Id),
+    ("track_id", Column::Id),
+    ("trackid", Column::Id),
+    ("no", Column::Id), // Viswalk
+    ("frame", Column::Frame),
+    ("frame_id", Column::Frame),
+    ("frameid", Column::Frame),
+    ("fr", Column::Frame),
+    ("time", Column::Time),
+    ("t", Column::Time),       // Pathfinder
+    ("simtime", Column::Time), // Vadere
+    ("simsec", Column::Time),  // Viswalk
+    ("x", Column::X),
+    ("pos_x", Column::X),
+    ("posx", Column::X),
+    ("startx", Column::X),
+    ("coordcentx", Column::X),
+    ("y", Column::Y),
+    ("pos_y", Column::Y),
+    ("posy", Column::Y),
+    ("starty", Column::Y),
+    ("coordcenty", Column::Y),
+    ("z", Column::Z),
+    ("pos_z", Column::Z),
+    ("v_x", Column::Vx),
+    ("vx", Column::Vx),
+    ("vel_x", Column::Vx),
+    ("velx", Column::Vx),
+    ("v_y", Column::Vy),
+    ("vy", Column::Vy),
+    ("vel_y", Column::Vy),
+    ("vely", Column::Vy),
+    ("heading_rad", Column::Heading),
+    ("endtime", Column::EndTime),
+    ("endx", Column::EndX),
+    ("endy", Column::EndY),
+    ("z_m", Column::Down),
+];
+
+impl Column {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Skip => "-",
+            Self::Id => "id",
+            Self::Frame => "frame",
+            Self::Time => "time",
+            Self::X => "x",
+            Self::Y => "y",
+            Self::Z => "z",
+            Self::Vx => "vx",
+            Self::Vy => "vy",
+            Self::Down => "z (down the page)",
+            Self::Heading => "heading",
+            Self::EndTime => "end time",
+            Self::EndX => "end x",
+            Self::EndY => "end y",
+        }
     }
-    let unit = if lower.contains("x/cm") || lower.contains("[cm]") || lower.contains("in cm") {
-        Some(0.01)
-    } else if lower.contains("x/m") || lower.contains("[m]") || lower.contains("in m") {
-        Some(1.0)
-    } else {
-        None
-    };
-    found.metres_per_unit = unit.or(found.metres_per_unit);
 }
 
-/// Whether numbers are metres or centimetres: by the height of people, else by how fast they walk.
-fn infer_unit(found: &mut Found, heights: Vec<f64>, options: &Options) {
-    let heights = median(heights.into_iter().filter(|z| *z > 0.0).collect());
-    let rate = options.frame_rate.or(found.frame_rate).unwrap_or(16.0);
-    let speed = || {
-        let pairs = found.rows.windows(2).filter(|two| two[0].id == two[1].id && two[1].frame > two[0].frame);
-        #[allow(clippy::cast_precision_loss, reason = "a difference of frames")]
-        let speeds = pairs
-            .map(|two| two[0].place.distance(two[1].place) * rate / (two[1].frame - two[0].frame) as f64);
-        median(speeds.collect())
-    };
-    let (metres, why) = match heights {
-        Some(height) if (50.0..300.0).contains(&height) => (0.01, format!("people are {height:.0} tall")),
-        Some(height) if (0.5..3.0).contains(&height) => (1.0, format!("people are {height:.2} tall")),
-        _ => match speed() {
-            // nobody walks at 10 m/s, and at 10 cm/s a crowd would stand
-            Some(speed) if speed > 10.0 => {
-                (0.01, format!("half of the steps are faster than {speed:.0} a second"))
+/// The columns of a text, from the left: `id,frame,x,y`, `frame,id,x,-,y`.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct Columns(pub(super) Vec<Column>);
+
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let used = self.0.iter().rposition(|column| *column != Column::Skip).map_or(0, |last| last + 1);
+        let names: Vec<&str> = self.0[..used].iter().map(|column| column.name()).collect();
+        f.write_str(&names.join(", "))
+    }
+}
+
+impl Serialize for Columns {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.iter().map(|column| column.name()))
+    }
+}
+
+impl FromStr for Columns {
+    type Err = String;
+
+    /// `id,frame,x,y` in any order, `-` for what is skipped, `time` (s) instead of `frame`; also `z`, `vx`, `vy`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut columns = Vec::new();
+        for name in text.split(',').map(str::trim) {
+            let known = NAMES.iter().find(|(known, _)| *known == name.to_ascii_lowercase());
+            let Some((_, column)) = known else {
+                let name = clip(name);
+                return Err(format!(
+                    "{name:?} is no column; use id, frame, time, x, y, z, vx, vy, or - to skip one"
+                ));
+            };
+            if *column != Column::Skip && columns.contains(column) {
+                return Err(format!("{name} stands twice"));
             }
-            Some(speed) => (1.0, format!("half of the steps are faster than {speed:.2} a second")),
-            None => (1.0, "nothing says otherwise".to_owned()),
-        },
-    };
-    let name = if metres < 0.5 { "centimetres" } else { "metres" };
-    found.metres_per_unit = Some(metres);
-    found.notes.push(format!("unit inferred: {name} ({why})"));
-}
-
-fn median(mut values: Vec<f64>) -> Option<f64> {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied()
-}
-
-/// Places of the columns of a CSV.
-struct Places {
-    id: usize,
-    frame: usize,
-    x: usize,
-    y: usize,
-    heading: Option<usize>,
-    /// The CSV is ours: y is z, down the page, and headings are about +y.
-    is_ours: bool,
-}
-
-impl Places {
-    fn of(path: &Path, line: usize, head: &[String]) -> Result<Self, Error> {
-        let at = |names: &[&str]| names.iter().find_map(|name| head.iter().position(|cell| cell == name));
-        let need = |name: &str, names: &[&str]| {
-            at(names).ok_or_else(|| {
-                let known: Vec<&str> = head.iter().map(String::as_str).take(12).collect();
-                let list = known.join(", ");
-                syntax(
-                    path,
-                    line,
-                    format!("no column for {name} among {:?} (one of {names:?})", super::clip(&list)),
-                )
-            })
-        };
-        let is_ours = at(&["z_m"]).is_some() && at(&["x_m"]).is_some();
-        Ok(Self {
-            id: need(
-                "the person",
-                &["id", "personid", "person_id", "agent", "agent_id", "ped_id", "track_id"],
-            )?,
-            frame: need("the frame", &["frame", "frame_id", "fr"])?,
-            x: need("x", &["x", "x_m", "pos_x", "x/m"])?,
-            y: if is_ours { need("z", &["z_m"])? } else { need("y", &["y", "y_m", "pos_y", "y/m"])? },
-            heading: at(&["heading_rad"]).filter(|_| is_ours),
-            is_ours,
-        })
-    }
-}
-
-/// CSV with a head: `ID,Frame,x,y,v_x,v_y`, or ours, `frame,time_s,id,x_m,z_m,heading_rad`.
-pub(super) fn parse_csv(path: &Path, text: &str) -> Result<Found, Error> {
-    let mut found = Found { metres_per_unit: Some(1.0), ..Found::default() };
-    let mut lines =
-        (1..).zip(text.lines()).filter(|(_, row)| !row.trim().is_empty() && !row.starts_with('#'));
-    let Some((line, head)) = lines.next() else {
-        return Err(syntax(path, 1, "empty; a line that names the columns is expected"));
-    };
-    let separator = [';', '\t', ','].into_iter().find(|c| head.contains(*c)).unwrap_or(',');
-    let head: Vec<String> = head
-        .split(separator)
-        .take(256)
-        .map(|cell| cell.trim().trim_matches('"').to_ascii_lowercase())
-        .collect();
-    let places = Places::of(path, line, &head)?;
-    let time = head.iter().position(|cell| cell == "time_s");
-    let mut first_and_last: Option<[(i64, f64); 2]> = None;
-    for (line, row) in lines {
-        let cell = |at: usize| row.split(separator).nth(at);
-        let id = whole(path, line, "the id", cell(places.id))?;
-        let frame = whole(path, line, "the frame", cell(places.frame))?;
-        let x = number(path, line, "x", cell(places.x))?;
-        let y = number(path, line, "y", cell(places.y))?;
-        let heading = places.heading.map(|at| number(path, line, "the heading", cell(at))).transpose()?;
-        if let Some(at) = time {
-            let now = (frame, number(path, line, "the time", cell(at))?);
-            let [first, last] = first_and_last.get_or_insert([now; 2]);
-            *first = if now.0 < first.0 { now } else { *first };
-            *last = if now.0 > last.0 { now } else { *last };
+            columns.push(*column);
         }
-        found.rows.push(Row {
-            id,
-            frame,
-            place: if places.is_ours { DVec2::new(x, -y) } else { DVec2::new(x, y) },
-            facing: heading.map(|heading| heading - std::f64::consts::FRAC_PI_2),
-            line,
-        });
+        match Self(columns).lacking() {
+            (columns, None) => Ok(columns),
+            (_, Some(missing)) => {
+                Err(format!("{missing} is missing; such as id,frame,x,y or frame,id,x,-,y"))
+            }
+        }
     }
-    if let Some([first, last]) = first_and_last.filter(|[first, last]| last.1 > first.1) {
-        #[allow(clippy::cast_precision_loss, reason = "a difference of frames")]
-        let rate = (last.0 - first.0) as f64 / (last.1 - first.1);
-        // Times are written to the microsecond, which leaves the rate of a short file uncertain in the fifth place.
-        found.frame_rate = Some((rate * 1000.0).round() / 1000.0);
+}
+
+impl Columns {
+    pub(super) fn find(&self, column: Column) -> Option<usize> {
+        self.0.iter().position(|one| *one == column)
     }
-    if found.rows.is_empty() {
-        return Err(unusable(path, "no rows below the head", "a recording has at least one"));
+
+    /// What is needed and not there.
+    fn lacking(self) -> (Self, Option<&'static str>) {
+        let has = |column| self.0.contains(&column);
+        let missing = if !has(Column::Id) {
+            Some("id")
+        } else if !has(Column::Frame) && !has(Column::Time) {
+            Some("frame (or time)")
+        } else if !has(Column::X) {
+            Some("x")
+        } else if !has(Column::Y) && !has(Column::Down) {
+            Some("y")
+        } else {
+            None
+        };
+        (self, missing)
     }
-    Ok(found)
+
+    /// The columns of a head, and metres per unit where a name says them.
+    pub(super) fn of_head(path: &Path, line: usize, head: &[&str]) -> Result<(Self, Option<f64>), Error> {
+        let named: Vec<(String, Option<f64>)> = head.iter().map(|cell| base_name(cell)).collect();
+        let is_ours = ["x_m", "z_m"].iter().all(|name| head.iter().any(|cell| plain(cell) == *name));
+        let mut columns = Self::default();
+        let mut metres = None;
+        for (cell, (base, unit)) in head.iter().zip(&named) {
+            let whole = plain(cell);
+            let known =
+                |name: &str| ALIASES.iter().find(|(alias, _)| *alias == name).map(|(_, column)| *column);
+            let mut column = known(&whole).or_else(|| known(base)).unwrap_or(Column::Skip);
+            let ours_alone = matches!(column, Column::Down | Column::Heading);
+            if is_ours && matches!(column, Column::Y) {
+                column = Column::Skip; // the height of the floor
+            } else if ours_alone && !is_ours {
+                column = if column == Column::Down { Column::Z } else { Column::Skip };
+            }
+            if column == Column::X {
+                metres = metres.or(*unit);
+            }
+            if columns.0.contains(&column) {
+                column = Column::Skip; // the first of a name counts
+            }
+            columns.0.push(column);
+        }
+        match columns.lacking() {
+            (columns, None) => Ok((columns, metres)),
+            (_, Some(missing)) => {
+                let known: Vec<String> = head.iter().take(12).map(|cell| plain(cell)).collect();
+                let list = clip(&known.join(", "));
+                let person = if missing == "id" { "the person (id)" } else { missing };
+                let message = format!("line {line}: no column for {person} among {list:?}");
+                let hint = "a person's id, a frame or a time, x and y are needed; --columns says where they stand, such as \
+                            --columns id,frame,x,y or frame,id,x,-,y";
+                Err(unusable(path, message, hint))
+            }
+        }
+    }
+
+    /// The columns that a comment names: `# id frame x/m y/m z/m`.
+    pub(super) fn of_comment(comment: &str) -> Option<Self> {
+        let words: Vec<&str> = comment.split([' ', '\t', ',', ';']).filter(|word| !word.is_empty()).collect();
+        if !(4..=16).contains(&words.len()) {
+            return None;
+        }
+        Self::of_head(Path::new(""), 0, &words).ok().map(|(columns, _)| columns)
+    }
+}
+
+/// A name of a column in lower case, without quotes.
+fn plain(cell: &str) -> String {
+    cell.trim().trim_matches('"').trim().to_ascii_lowercase()
+}
+
+/// A name without its unit, Viswalk's `$PEDESTRIAN:` and Vadere's `-PID1`; and metres per that unit.
+fn base_name(cell: &str) -> (String, Option<f64>) {
+    let name = plain(cell);
+    let name = name.strip_prefix("$pedestrian:").unwrap_or(&name);
+    let name = name.rsplit_once("-pid").map_or(name, |(name, _)| name);
+    let Some((base, unit)) = name.split_once(['/', '(', '[']).or_else(|| name.rsplit_once('_')) else {
+        return (name.to_owned(), None);
+    };
+    let unit = unit.trim_end_matches([')', ']']);
+    match metres_of(unit) {
+        Some(metres) => (base.trim().to_owned(), Some(metres)),
+        None if matches!(unit, "s" | "sec" | "m/s" | "cm/s") => (base.trim().to_owned(), None),
+        None => (name.to_owned(), None),
+    }
+}
+
+/// Metres of a unit's sign.
+pub(super) fn metres_of(unit: &str) -> Option<f64> {
+    match unit.trim() {
+        "m" => Some(1.0),
+        "cm" => Some(0.01),
+        "mm" => Some(0.001),
+        "ft" => Some(0.3048),
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_are_asked_for_by_name_and_wrong_ones_are_refused_with_the_way_out() {
+        let read = |text: &str| text.parse::<Columns>();
+        use Column::{Frame, Id, Skip, Vx, X, Y};
+        assert_eq!(read("frame,id,x,y").unwrap().0, [Frame, Id, X, Y]);
+        assert_eq!(read("ID, frame, x, -, y, vx").unwrap().0, [Id, Frame, X, Skip, Y, Vx]);
+        assert_eq!(read("frame,id,x,-,y,-").unwrap().to_string(), "frame, id, x, -, y");
+        assert!(read("id,x,y").unwrap_err().contains("frame (or time) is missing"));
+        assert!(read("id,frame,x,x").unwrap_err().contains("twice"));
+        assert!(read("id,frame,x,zz").unwrap_err().contains("no column; use id, frame"));
+        assert!(read("").is_err() && read("id,frame,x").is_err() && read("time,id,x,y").is_ok());
+    }
+
+    #[test]
+    fn heads_of_other_programs_are_understood() {
+        let read =
+            |head: &str| Columns::of_head(Path::new("f"), 1, &head.split_whitespace().collect::<Vec<_>>());
+        let (vadere, _) = read(
+            "pedestrianId simTime endTime-PID1 startX-PID1 startY-PID1 endX-PID1 endY-PID1 targetId-PID2",
+        )
+        .unwrap();
+        assert_eq!(vadere.to_string(), "id, time, end time, x, y, end x, end y");
+        assert_eq!(read("t id name x y z speed").unwrap().0.to_string(), "time, id, -, x, y, z");
+        let (viswalk, _) = read("$PEDESTRIAN:NO SIMSEC COORDCENTX COORDCENTY").unwrap();
+        assert_eq!(viswalk.to_string(), "id, time, x, y");
+        assert_eq!(read("id frame x/cm y/cm z/cm").unwrap().1, Some(0.01));
+        assert_eq!(read("frame time_s id x_m z_m heading_rad").unwrap().0.find(Column::Down), Some(4));
+        assert_eq!(Columns::of_comment(" frame id x/m y/m").unwrap().to_string(), "frame, id, x, y");
+        assert_eq!(
+            Columns::of_comment("z: can be 3d position or height of person (alternating or not)"),
+            None
+        );
+    }
 }

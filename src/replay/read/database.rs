@@ -1,7 +1,7 @@
 //! `JuPedSim`'s SQLite trajectories, versions 1 and 2: tables `trajectory_data(frame, id, pos_x, pos_y, ori_x, ori_y)`,
 //! `metadata(key, value)` with `version` and `fps`, `geometry(.., wkt)`.
 
-use super::{Error, Found, Row, unusable, wkt};
+use super::{Error, Format, Found, Row, unusable, wkt};
 use glam::DVec2;
 use rusqlite::{Connection, OpenFlags};
 use std::path::Path;
@@ -10,7 +10,8 @@ pub(super) fn read(path: &Path) -> Result<Found, Error> {
     let wrong = |source| Error::Sqlite { path: path.to_owned(), source };
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags).map_err(wrong)?;
-    let mut found = Found::default();
+    let mut found =
+        Found { format: Format::Sqlite, metres_per_unit: Some((1.0, "format")), ..Found::default() };
     let text = |key: &str| -> rusqlite::Result<Option<String>> {
         let mut statement =
             connection.prepare("SELECT CAST(value AS TEXT) FROM metadata WHERE key = ?1 LIMIT 1")?;
@@ -22,7 +23,8 @@ pub(super) fn read(path: &Path) -> Result<Found, Error> {
         let message = format!("trajectory database of version {:?}", super::clip(&version));
         return Err(unusable(path, message, "versions 1 and 2 of JuPedSim's are read"));
     }
-    found.frame_rate = text("fps").map_err(wrong)?.and_then(|fps| fps.trim().parse().ok());
+    let rate = text("fps").map_err(wrong)?.and_then(|fps| fps.trim().parse().ok());
+    found.frame_rate = rate.map(|rate| (rate, "file"));
     rows(&connection, path, &mut found)?;
     area(&connection, &mut found).map_err(wrong)?;
     Ok(found)
@@ -39,10 +41,16 @@ fn rows(connection: &Connection, path: &Path, found: &mut Found) -> Result<(), E
         let place = DVec2::new(number(2).map_err(wrong)?, number(3).map_err(wrong)?);
         // Orientation may be missing (NULL) or zero: nobody said where they face.
         let facing = DVec2::new(number(4).unwrap_or(0.0), number(5).unwrap_or(0.0));
+        let frame: i64 = row.get(0).map_err(wrong)?;
         found.rows.push(Row {
             id: row.get(1).map_err(wrong)?,
-            frame: row.get(0).map_err(wrong)?,
+            #[allow(
+                clippy::cast_precision_loss,
+                reason = "an absurd number is refused, a plausible one is exact"
+            )]
+            frame: frame as f64,
             place,
+            velocity: None,
             facing: (facing.is_finite() && facing.length_squared() > 1e-6).then(|| facing.to_angle()),
             line,
         });

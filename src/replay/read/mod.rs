@@ -1,19 +1,27 @@
-//! Recordings of crowds in, [`Trajectories`] out: `JuPedSim`'s databases, the text of the Pedestrian Dynamics Data Archive,
-//! the `obsmat` of the ETH and UCY data, UCY's splines with head directions, CSV (ours and any with named columns).
+//! Recordings of crowds in, [`Trajectories`] out: `JuPedSim`'s databases, texts of columns (the Pedestrian Dynamics Data
+//! Archive, the `obsmat` of the ETH and UCY data, TrajNet and SGAN, Vadere, Pathfinder, gaitway, any with named columns),
+//! UCY's splines with head directions. What is none of these is named by its first bytes.
 //!
-//! Every reader yields rows of (person, frame, place); what is common to all (order, duplicates, gaps, limits) is done
-//! once, in [`tracks`]. Nothing is allocated beyond a small multiple of what the file really holds.
+//! Every reader yields rows of (person, frame, place); what is common to all (what the file does not say, order,
+//! duplicates, gaps, limits) is done once, in [`infer`] and [`tracks`]. Nothing is allocated beyond a small multiple of
+//! what the file really holds.
 
 mod columns;
 mod database;
-mod obsmat;
+mod infer;
+mod signature;
 mod splines;
+mod text;
 pub mod tracks;
 mod wkt;
+
+pub use columns::{Column, Columns};
+pub use infer::name_of_unit;
 
 use super::error::Error;
 use glam::DVec2;
 use serde::Serialize;
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use tracks::Trajectories;
 
@@ -25,6 +33,8 @@ pub const MAX_SECONDS: f64 = 86_400.0;
 pub const MAX_COORDINATE: f64 = 50_000.0;
 /// Most people of a recording.
 pub const MAX_PEOPLE: usize = 1_000_000;
+/// Half of the steps of a recording are slower than this, or it was misread, m/s.
+pub const MAX_MEDIAN_SPEED: f64 = 4.0;
 
 /// A format that is read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize)]
@@ -34,6 +44,8 @@ pub enum Format {
     Sqlite,
     /// The text of the Pedestrian Dynamics Data Archive: id, frame, x, y, z.
     Archive,
+    /// Columns without names in another order: frame, id, x, y as `TrajNet` and SGAN have them, or as asked for.
+    Columns,
     /// ETH and UCY: frame, id, x, 0, y, and three velocities.
     Obsmat,
     /// UCY: splines in the picture with head directions, and a homography to the ground.
@@ -57,8 +69,12 @@ pub enum Pixels {
 pub struct Options {
     /// The format.
     pub format: Option<Format>,
+    /// What stands in which column of a text.
+    pub columns: Option<Columns>,
     /// Frames per second.
     pub frame_rate: Option<f64>,
+    /// Read also what is faster than people walk ([`MAX_MEDIAN_SPEED`]).
+    pub accept_speed: bool,
     /// Metres per unit of length of the file.
     pub metres_per_unit: Option<f64>,
     /// Homography of a `.vsp` file; otherwise `H.txt` beside it.
@@ -75,9 +91,12 @@ pub struct Options {
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Row {
     id: i64,
-    frame: i64,
+    /// A whole number, unless times are not evenly spaced.
+    frame: f64,
     /// x to the right, y up the page, in units of the file.
     place: DVec2,
+    /// The same of the velocity, units a second.
+    velocity: Option<[f32; 2]>,
     /// Direction of body or head as an angle from the x axis, rad.
     facing: Option<f64>,
     /// Line or row of the file.
@@ -85,15 +104,20 @@ struct Row {
 }
 
 /// What a reader found, before people are told apart.
-#[derive(Debug, Default)]
+#[derive(Debug)]
 struct Found {
+    format: Format,
     rows: Vec<Row>,
-    /// Frames per second as the file says.
-    frame_rate: Option<f64>,
-    /// Frames per second of the format where the file does not say.
+    /// The columns of a text, and who says so.
+    columns: Option<(Columns, &'static str)>,
+    /// Frames per second, and who says so.
+    frame_rate: Option<(f64, &'static str)>,
+    /// Frames per second of the format where neither the file nor its data tell.
     usual_rate: Option<f64>,
-    /// Metres per unit as the file says, or as inferred; `None`: metres.
-    metres_per_unit: Option<f64>,
+    /// Metres per unit, and who says so.
+    metres_per_unit: Option<(f64, &'static str)>,
+    /// Heights of people, in units of the file.
+    heights: Vec<f64>,
     /// Outer outline and holes, in the plane of the file, m.
     area: Option<Vec<Vec<DVec2>>>,
     /// Control points of curves: however far apart, nobody leaves between them.
@@ -102,43 +126,65 @@ struct Found {
     notes: Vec<String>,
 }
 
+impl Default for Found {
+    fn default() -> Self {
+        Self {
+            format: Format::Archive,
+            rows: Vec::new(),
+            columns: None,
+            frame_rate: None,
+            usual_rate: None,
+            metres_per_unit: None,
+            heights: Vec::new(),
+            area: None,
+            is_curve: false,
+            notes: Vec::new(),
+        }
+    }
+}
+
 /// Reads a recording.
 ///
 /// # Errors
 /// [`Error::Read`] or [`Error::Sqlite`] when the file cannot be read, [`Error::Syntax`] with the line of what is not as
-/// it must be, [`Error::Unusable`] when the format is not known, the frame rate or the homography is missing, or a limit
-/// ([`MAX_BYTES`], [`MAX_SECONDS`], [`MAX_COORDINATE`], [`MAX_PEOPLE`]) is passed.
+/// it must be, [`Error::Unusable`] when the file is of a kind that is not read (named by its first bytes), the columns, the
+/// frame rate or the homography are missing, people are faster than [`MAX_MEDIAN_SPEED`], or a limit ([`MAX_BYTES`],
+/// [`MAX_SECONDS`], [`MAX_COORDINATE`], [`MAX_PEOPLE`]) is passed.
 pub fn read(path: &Path, options: &Options) -> Result<Trajectories, Error> {
-    let size = std::fs::metadata(path).map_err(|source| Error::Read { path: path.to_owned(), source })?.len();
-    if size > MAX_BYTES {
-        return Err(unusable(
-            path,
-            format!("{size} bytes; at most {MAX_BYTES} are read"),
-            "cut it into parts",
-        ));
-    }
+    let head = head_of(path)?;
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let by_name = match ending.as_str() {
         "sqlite" | "sqlite3" | "db" => Some(Format::Sqlite),
         "vsp" => Some(Format::Vsp),
-        "csv" => Some(Format::Csv),
         _ => None,
     };
-    if options.format.or(by_name) == Some(Format::Sqlite) {
-        return tracks::gather(path, Format::Sqlite, database::read(path)?, options);
+    let is_database = head.starts_with(signature::SQLITE);
+    if !is_database && let Some(known) = signature::of(&head) {
+        return Err(unusable(path, format!("it is {}, which is not read", known.name), known.hint));
     }
-    let text = text_of(path)?;
-    let format = match options.format.or(by_name) {
-        Some(format) => format,
-        None => guess(path, &text)?,
-    };
+    let format = if is_database { Some(Format::Sqlite) } else { options.format.or(by_name) };
+    let is_text = !matches!(format, Some(Format::Sqlite | Format::Vsp));
+    if options.columns.is_some() && !is_text {
+        let hint = "leave --columns out; it is for texts of columns";
+        return Err(unusable(path, "its columns are known", hint));
+    }
     let found = match format {
-        Format::Obsmat => obsmat::parse(path, &text)?,
-        Format::Vsp => splines::parse(path, &text, &homography(path, options)?)?,
-        Format::Csv => columns::parse_csv(path, &text)?,
-        Format::Archive | Format::Sqlite => columns::parse_archive(path, &text, options)?,
+        Some(Format::Sqlite) => database::read(path)?,
+        Some(Format::Vsp) => splines::parse(path, &text_of(path)?, &homography(path, options)?)?,
+        _ => text::parse(path, &text_of(path)?, options)?,
     };
-    tracks::gather(path, format, found, options)
+    tracks::gather(path, found, options)
+}
+
+/// The first bytes of a file.
+fn head_of(path: &Path) -> Result<Vec<u8>, Error> {
+    let wrong = |source| Error::Read { path: path.to_owned(), source };
+    let mut head = Vec::new();
+    if !std::fs::metadata(path).map_err(wrong)?.is_file() {
+        return Err(unusable(path, "it is no file", "name the file of a recording"));
+    }
+    std::fs::File::open(path).map_err(wrong)?.take(256).read_to_end(&mut head).map_err(wrong)?;
+    Ok(head)
 }
 
 /// The homography of a `.vsp` file.
@@ -156,43 +202,19 @@ fn homography(path: &Path, options: &Options) -> Result<splines::Homography, Err
 
 fn text_of(path: &Path) -> Result<String, Error> {
     let wrong = |source| Error::Read { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(wrong)?.len();
-    if size > MAX_BYTES {
-        return Err(unusable(
-            path,
-            format!("{size} bytes; at most {MAX_BYTES} are read"),
-            "cut it into parts",
-        ));
+    let mut bytes = Vec::new();
+    std::fs::File::open(path).map_err(wrong)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(wrong)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        let message = format!("more than {MAX_BYTES} bytes, the most that is read");
+        return Err(unusable(path, message, "cut it into parts"));
     }
-    let bytes = std::fs::read(path).map_err(wrong)?;
-    String::from_utf8(bytes).map_err(|error| {
+    let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
         syntax(path, line, "bytes that are no text (UTF-8)")
-    })
-}
-
-/// The format of a text, by its first row of numbers.
-fn guess(path: &Path, text: &str) -> Result<Format, Error> {
-    let row = text.lines().map(str::trim).find(|line| !line.is_empty() && !line.starts_with('#'));
-    let cells: Vec<&str> = row.unwrap_or("").split_whitespace().collect();
-    let is_number = |cell: &&str| cell.parse::<f64>().is_ok();
-    if row.is_some_and(|row| row.contains(',') || row.contains(';')) {
-        return Ok(Format::Csv);
-    }
-    if cells.iter().all(is_number) {
-        match cells.len() {
-            4 | 5 => return Ok(Format::Archive),
-            8 => return Ok(Format::Obsmat),
-            _ => {}
-        }
-    }
-    let message = format!("its first row has {} columns; no format that is read looks so", cells.len());
-    Err(unusable(
-        path,
-        message,
-        "recordings are .sqlite (JuPedSim), .txt (id frame x y z; or the 8 columns of obsmat), .vsp or .csv; --format says which",
-    ))
+    })?;
+    // a mark of the order of bytes, as spreadsheets write it
+    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
 }
 
 fn syntax(path: &Path, line: usize, message: impl Into<String>) -> Error {
@@ -203,13 +225,19 @@ fn unusable(path: &Path, message: impl Into<String>, hint: impl Into<String>) ->
     Error::Unusable { path: path.to_owned(), message: message.into(), hint: hint.into() }
 }
 
+/// A number as programs write it, or with a decimal comma.
+fn decimal(cell: &str) -> Option<f64> {
+    let cell = cell.trim().trim_matches('"');
+    cell.parse().ok().or_else(|| cell.replacen(',', ".", 1).parse().ok())
+}
+
 /// A cell as a finite number.
 fn number(path: &Path, line: usize, name: &str, cell: Option<&str>) -> Result<f64, Error> {
     let Some(cell) = cell else {
         return Err(syntax(path, line, format!("{name} is missing")));
     };
-    match cell.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
+    match decimal(cell) {
+        Some(value) if value.is_finite() => Ok(value),
         _ => Err(syntax(path, line, format!("{name} is {:?}, not a finite number", clip(cell)))),
     }
 }
@@ -217,10 +245,11 @@ fn number(path: &Path, line: usize, name: &str, cell: Option<&str>) -> Result<f6
 /// A cell as a whole number; `1.000e+00` is one.
 fn whole(path: &Path, line: usize, name: &str, cell: Option<&str>) -> Result<i64, Error> {
     let value = number(path, line, name, cell)?;
-    if value.fract() != 0.0 || value.abs() > 2_147_483_647.0 {
-        return Err(syntax(path, line, format!("{name} is {value}, not a whole number of up to 31 bits")));
+    if value.fract() != 0.0 || value.abs() > 9_007_199_254_740_992.0 {
+        let message = format!("{name} is {value}, not a whole number of up to 53 bits");
+        return Err(syntax(path, line, message));
     }
-    #[allow(clippy::cast_possible_truncation, reason = "a whole number of 31 bits")]
+    #[allow(clippy::cast_possible_truncation, reason = "a whole number of 53 bits")]
     let value = value as i64;
     Ok(value)
 }

@@ -7,7 +7,7 @@
 //! 70.0 -35.0 0 -79.7 - (2D point, m_id)
 //! ```
 
-use super::{Error, Found, Pixels, Row, number, syntax, unusable, whole};
+use super::{Error, Format, Found, Pixels, Row, number, syntax, unusable, whole};
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
@@ -81,7 +81,9 @@ fn inferred(matrix: &DMat3) -> Pixels {
 /// Parses splines.
 pub(super) fn parse(path: &Path, text: &str, homography: &Homography) -> Result<Found, Error> {
     let mut found = Found {
+        format: Format::Vsp,
         usual_rate: Some(RATE),
+        metres_per_unit: Some((1.0, "format")),
         is_curve: true,
         notes: vec![homography.note.clone()],
         ..Found::default()
@@ -127,5 +129,7 @@ fn control_point(
     if !place.is_finite() {
         return Err(syntax(path, line, format!("({x}, {y}) lies on the horizon of the homography")));
     }
-    Ok(Row { id, frame, place, facing, line })
+    #[allow(clippy::cast_precision_loss, reason = "exact: a whole number of 53 bits")]
+    let frame = frame as f64;
+    Ok(Row { id, frame, place, velocity: None, facing, line })
 }

@@ -1,6 +1,11 @@
 //! Rows to people: sorted, without duplicates, cut where somebody is away, in metres on our ground.
 
-use super::{Error, Format, Found, MAX_COORDINATE, MAX_PEOPLE, MAX_SECONDS, Options, Row, syntax, unusable};
+use super::columns::Columns;
+use super::infer::{self, Measures};
+use super::{
+    Error, Format, Found, MAX_COORDINATE, MAX_MEDIAN_SPEED, MAX_PEOPLE, MAX_SECONDS, Options, Row, syntax,
+    unusable,
+};
 use glam::{DVec2, Vec2};
 use serde::Serialize;
 use std::path::Path;
@@ -54,12 +59,19 @@ pub struct Report {
     pub samples: usize,
     /// From the first to the last frame, s.
     pub seconds: f64,
-    /// Frames per second, and who says so.
+    /// What stands in which column of a text; `None`: not a text of columns.
+    pub columns: Option<Columns>,
+    /// Where that is from: `file` (names), `format`, `inferred` (tracks are smooth in this order), `asked for`.
+    pub columns_from: Option<&'static str>,
+    /// Frames per second.
     pub frame_rate: f64,
-    /// Where the frame rate is from: `file`, `format`, `asked for`.
+    /// Where the frame rate is from: `file`, `times`, `velocities` (columns of them beside the places), `steps` (samples
+    /// are 0.4 s apart, as data sets for the prediction of ways have them), `format`, `asked for`.
     pub frame_rate_from: &'static str,
     /// Metres per unit of the file.
     pub metres_per_unit: f64,
+    /// Where that is from: `file`, `heights` (of people), `speeds`, `velocities`, `format`, `usual`, `asked for`.
+    pub metres_per_unit_from: &'static str,
     /// Rows that repeat a person and frame.
     pub duplicates: usize,
     /// Of those, rows that say another place; the first one is taken.
@@ -74,6 +86,8 @@ pub struct Report {
     pub longest_gap: f64,
     /// Fastest anybody moves between two samples, m/s.
     pub fastest: f64,
+    /// Half of the steps between two samples are faster, m/s; `None`: nobody is seen twice.
+    pub median_speed: Option<f64>,
     /// What else was inferred.
     pub notes: Vec<String>,
 }
@@ -86,48 +100,26 @@ impl Trajectories {
 }
 
 /// Turns rows into tracks.
-pub(super) fn gather(
-    path: &Path,
-    format: Format,
-    mut found: Found,
-    options: &Options,
-) -> Result<Trajectories, Error> {
-    let (rate, rate_from) = frame_rate(path, &found, options)?;
-    let metres = options.metres_per_unit.or(found.metres_per_unit).unwrap_or(1.0);
-    if !(1e-4..=1e4).contains(&metres) {
-        let message = format!("{metres} metres per unit; it must be 0.0001 to 10000");
-        return Err(unusable(path, message, "1 is metres, 0.01 centimetres"));
-    }
+pub(super) fn gather(path: &Path, mut found: Found, options: &Options) -> Result<Trajectories, Error> {
     if found.rows.is_empty() {
         return Err(unusable(path, "it holds no positions", "a recording has at least one"));
     }
-    let unsorted = !found.rows.is_sorted_by_key(|row| (row.id, row.frame))
-        && !found.rows.is_sorted_by_key(|row| (row.frame, row.id));
-    found.rows.sort_by_key(|row| (row.id, row.frame)); // stable: the first of duplicates stays first
-    let mut far =
-        found.rows.iter().filter(|row| !(row.place * metres).abs().max_element().le(&MAX_COORDINATE));
-    if let Some(row) = far.next() {
-        let place = row.place * metres;
-        let message =
-            format!("person {} is at {place} m, more than {MAX_COORDINATE} m from the origin", row.id);
-        return Err(syntax(path, row.line, message));
-    }
-    let frames = found.rows.iter().map(|row| row.frame);
-    let (first, last) = (frames.clone().min().unwrap_or(0), frames.max().unwrap_or(0));
-    let seconds = since(first, last, rate);
-    if seconds > MAX_SECONDS {
-        let message =
-            format!("frames {first} to {last} at {rate} a second last {seconds:.0} s; at most a day is read");
-        return Err(unusable(path, message, "check the column of frames, or give the right --fps"));
-    }
+    let unsorted = !found.is_curve && !infer::is_in_order(&mut found.rows);
+    infer::sort(&mut found.rows);
+    let measures = infer::measures(path, &mut found, options)?;
+    let seconds = seconds(path, &found.rows, measures)?;
+    let (columns, columns_from) = found.columns.take().unzip();
     let mut report = Report {
-        format,
+        format: found.format,
         people: 0,
         samples: 0,
         seconds,
-        frame_rate: rate,
-        frame_rate_from: rate_from,
-        metres_per_unit: metres,
+        columns,
+        columns_from,
+        frame_rate: measures.rate,
+        frame_rate_from: measures.rate_from,
+        metres_per_unit: measures.metres,
+        metres_per_unit_from: measures.metres_from,
         duplicates: 0,
         contradictions: 0,
         unsorted,
@@ -135,35 +127,75 @@ pub(super) fn gather(
         gaps: 0,
         longest_gap: 0.0,
         fastest: 0.0,
+        median_speed: None,
         notes: std::mem::take(&mut found.notes),
     };
+    let tracks = cut(&found, measures, options, &mut report);
+    if tracks.len() > MAX_PEOPLE {
+        let message = format!("{} tracks of people; at most {MAX_PEOPLE} are read", tracks.len());
+        return Err(unusable(path, message, "cut the recording into parts"));
+    }
+    check_speed(path, &report, options)?;
+    let sign = sign(options);
+    let area = found.area.map(|rings| {
+        let ring = |ring: Vec<DVec2>| ring.into_iter().map(|corner| ground(corner, sign)).collect();
+        rings.into_iter().map(ring).collect()
+    });
+    Ok(Trajectories { tracks, frame_rate: measures.rate, area, report })
+}
+
+/// How long the recording lasts, s; refuses what no recording can be.
+fn seconds(path: &Path, rows: &[Row], measures: Measures) -> Result<f64, Error> {
+    let Measures { rate, metres, .. } = measures;
+    let mut far = rows.iter().filter(|row| !(row.place * metres).abs().max_element().le(&MAX_COORDINATE));
+    if let Some(row) = far.next() {
+        let place = row.place * metres;
+        let message =
+            format!("person {} is at {place} m, more than {MAX_COORDINATE} m from the origin", row.id);
+        return Err(syntax(path, row.line, message));
+    }
+    let frames = || rows.iter().map(|row| row.frame);
+    let (first, last) = (frames().fold(f64::INFINITY, f64::min), frames().fold(f64::NEG_INFINITY, f64::max));
+    let seconds = (last - first) / rate;
+    if seconds > MAX_SECONDS {
+        let message =
+            format!("frames {first} to {last} at {rate} a second last {seconds:.0} s; at most a day is read");
+        let hint = "check the column of frames (--columns), or give the right --fps";
+        return Err(unusable(path, message, hint));
+    }
+    Ok(seconds)
+}
+
+/// Cuts sorted rows into tracks, and counts what is odd.
+fn cut(found: &Found, measures: Measures, options: &Options, report: &mut Report) -> Vec<Track> {
+    let Measures { rate, metres, .. } = measures;
     let longest_gap = if found.is_curve { f64::INFINITY } else { options.longest_gap.unwrap_or(LONGEST_GAP) };
-    let usual = usual_interval(&found.rows);
-    let sign = if options.mirror { 1.0 } else { -1.0 };
+    let usual = infer::usual_interval(&found.rows);
+    let first = found.rows.iter().map(|row| row.frame).fold(f64::INFINITY, f64::min);
     let mut tracks: Vec<Track> = Vec::new();
+    let mut speeds = Vec::new();
     let mut before: Option<Row> = None;
-    for row in found.rows {
+    for &row in &found.rows {
         let same = before.filter(|last| last.id == row.id);
         if same.is_none() {
             report.people += 1;
         }
-        if let Some(last) = same.filter(|last| last.frame == row.frame) {
+        if let Some(last) = same.filter(|last| last.frame >= row.frame) {
             report.duplicates += 1;
             report.contradictions += usize::from((last.place - row.place).length() * metres > SAME);
             continue;
         }
-        let away = same.map(|last| since(last.frame, row.frame, rate));
+        let away = same.map(|last| (row.frame - last.frame) / rate);
         let sample = Sample {
-            time: since(first, row.frame, rate),
-            position: ground(row.place * metres, sign),
-            heading: row.facing.map(|angle| heading(angle, sign)),
+            time: (row.frame - first) / rate,
+            position: ground(row.place * metres, sign(options)),
+            heading: row.facing.map(|angle| heading(angle, sign(options))),
         };
         match (away.filter(|away| *away <= longest_gap), tracks.last_mut(), same) {
             (Some(away), Some(track), Some(last)) => {
-                let frames = row.frame - last.frame;
-                report.gaps += usize::from(!found.is_curve && frames > usual);
+                report.gaps += usize::from(!found.is_curve && row.frame - last.frame > usual);
                 report.longest_gap = report.longest_gap.max(away);
-                report.fastest = report.fastest.max((row.place - last.place).length() * metres / away);
+                speeds.push((row.place - last.place).length() * metres / away);
                 track.samples.push(sample);
             }
             _ => {
@@ -174,48 +206,32 @@ pub(super) fn gather(
         report.samples += 1;
         before = Some(row);
     }
-    if tracks.len() > MAX_PEOPLE {
-        let message = format!("{} tracks of people; at most {MAX_PEOPLE} are read", tracks.len());
-        return Err(unusable(path, message, "cut the recording into parts"));
-    }
-    let area = found.area.map(|rings| {
-        let ring = |ring: Vec<DVec2>| ring.into_iter().map(|corner| ground(corner, sign)).collect();
-        rings.into_iter().map(ring).collect()
-    });
-    Ok(Trajectories { tracks, frame_rate: rate, area, report })
+    report.fastest = speeds.iter().copied().fold(0.0, f64::max);
+    report.median_speed = infer::median(speeds);
+    tracks
 }
 
-fn frame_rate(path: &Path, found: &Found, options: &Options) -> Result<(f64, &'static str), Error> {
-    let said = [(options.frame_rate, "asked for"), (found.frame_rate, "file"), (found.usual_rate, "format")];
-    let Some((rate, from)) = said.into_iter().find_map(|(rate, from)| Some((rate?, from))) else {
-        return Err(unusable(
-            path,
-            "the file does not say how many frames a second it has",
-            "give --fps; the recordings of Juelich have 16 or 25",
-        ));
+/// Refuses a recording of people who are faster than people: its columns, rate or unit are not what they were taken for.
+fn check_speed(path: &Path, report: &Report, options: &Options) -> Result<(), Error> {
+    let Some(speed) = report.median_speed.filter(|speed| *speed > MAX_MEDIAN_SPEED && !options.accept_speed)
+    else {
+        return Ok(());
     };
-    if (0.1..=1000.0).contains(&rate) {
-        return Ok((rate, from));
-    }
-    Err(unusable(path, format!("{rate} frames per second; it must be 0.1 to 1000"), "give --fps"))
+    let columns =
+        report.columns.as_ref().map_or_else(String::new, |columns| format!("the columns {columns}, "));
+    let message = format!(
+        "half of the steps are faster than {speed:.1} m/s, and people walk at less than {MAX_MEDIAN_SPEED}; taken were \
+         {columns}{} frames a second, {}",
+        report.frame_rate,
+        infer::name_of_unit(report.metres_per_unit)
+    );
+    let hint =
+        "say what is otherwise with --columns, --fps or --unit, or take it as it is with --accept-speed";
+    Err(unusable(path, message, hint))
 }
 
-/// Seconds from one frame to another.
-fn since(first: i64, frame: i64, rate: f64) -> f64 {
-    #[allow(
-        clippy::cast_precision_loss,
-        reason = "an absurd difference is refused, a plausible one is exact"
-    )]
-    let frames = frame.saturating_sub(first) as f64;
-    frames / rate
-}
-
-/// Frames between two samples of a person: the middle value.
-fn usual_interval(rows: &[Row]) -> i64 {
-    let pairs = rows.windows(2).filter(|two| two[0].id == two[1].id && two[1].frame > two[0].frame);
-    let mut intervals: Vec<i64> = pairs.map(|two| two[1].frame.saturating_sub(two[0].frame)).collect();
-    intervals.sort_unstable();
-    intervals.get(intervals.len() / 2).copied().unwrap_or(1)
+const fn sign(options: &Options) -> f64 {
+    if options.mirror { 1.0 } else { -1.0 }
 }
 
 /// Their plane (y up the page, or down it with `sign` 1) as our ground (x, z).
