@@ -4,7 +4,7 @@ use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::render::{make_folder, video};
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds};
-use super::simulate::{Recording, simulate, steps_per_frame};
+use super::simulate::{Length, Recording, simulate, steps_per_frame};
 use super::stage::{CameraName, Stage};
 use super::{sheet, usage};
 use crate::Error;
@@ -118,12 +118,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         preference: super::preference::PreferenceArguments::default(),
         place: arguments.place.clone(),
     })?;
-    let steps = scene.steps(seconds);
+    let length = Length { steps: scene.steps(seconds), until_empty: false };
     let path = arguments.out.join("trajectories.sqlite");
     let started = Instant::now();
     let recording = Recording::create(&path, RATES.0, &scene)?;
     let mut stage = Stage::new(scene, &arguments.place, SIZE, false)?;
-    let crowd = simulate(&stage.scene, &mut stage.simulation, steps, Some(recording))?;
+    let crowd = simulate(&stage.scene, &mut stage.simulation, length, Some(recording))?;
     files.add(&path, "trajectories (JuPedSim, PedPy)", started);
     if let Some(failure) = &crowd.failure {
         note(&format!("error: {failure}"));

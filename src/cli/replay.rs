@@ -4,7 +4,7 @@ use super::avatars::RigArguments;
 use super::output::{note, say, say_json, thousands};
 use super::preference::PreferenceArguments;
 use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, library_for, scenario_of, start};
-use super::simulate::{Outcome, Recording, simulate};
+use super::simulate::{Length, Outcome, Recording, simulate};
 #[cfg(feature = "vulkan")]
 use super::stage::{CameraName, size};
 use super::usage;
@@ -188,10 +188,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         return super::render::draw(scene, &arguments.place, &picture, arguments.json, begin);
     }
     let mut simulation = start(scene.store()?, &arguments.place)?;
-    let steps = scene.steps(seconds.unwrap_or(left).min(left));
+    let length = Length { steps: scene.steps(seconds.unwrap_or(left).min(left)), until_empty: false };
     let rate = arguments.out_fps.unwrap_or(recording.frame_rate);
     let sink = arguments.out.as_ref().map(|path| Recording::create(path, rate, &scene)).transpose()?;
-    let mut outcome = simulate(&scene, &mut simulation, steps, sink)?;
+    let mut outcome = simulate(&scene, &mut simulation, length, sink)?;
     outcome.wall_seconds = begin.elapsed().as_secs_f64();
     let replay = scene.replay.as_ref();
     let time = Replay::time_of(outcome.steps, scene.scenario.navigation.time_step);

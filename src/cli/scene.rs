@@ -4,6 +4,7 @@ use super::avatars::{RigArguments, avatars_of};
 use super::preference::PreferenceArguments;
 use super::{output::note, usage};
 use crate::Error;
+use crate::export::AgentInfo;
 use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
@@ -171,6 +172,12 @@ impl Scene {
             Some(replay) => replay.step(simulation, count),
             None => simulation.step(count),
         }
+    }
+
+    /// What is known of everyone.
+    pub(super) fn agents_info(&self) -> Vec<AgentInfo> {
+        let recorded = self.replay.as_ref().map(Replay::first_agent);
+        AgentInfo::of_crowd(&self.scenario, &self.crowd, &self.cast, recorded)
     }
 
     /// How many agents there are.

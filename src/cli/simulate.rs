@@ -1,14 +1,16 @@
 //! `gaitway simulate`: steps a crowd, measures it, hashes its state, writes trajectories.
 
-use super::output::{rate, say, say_json, thousands};
+use super::output::{note, rate, say, say_json, thousands};
 use super::progress::Progress;
 use super::scene::{Scene, SceneArguments, check_seconds, start};
 use super::usage;
 use crate::Error;
-use crate::export::{TrajectoryFormat, TrajectoryWriter, Walkable};
+use crate::export::{Frame, Ground, TrajectoryFormat, TrajectoryWriter, Walkable};
+use crate::replay::Replay;
 use crate::scenario::Clearance;
+use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::{self, Simulation, measure};
-use clap::Args;
+use clap::{Args, ValueEnum};
 use glam::Vec2;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -18,22 +20,30 @@ use std::time::{Duration, Instant};
 const MEASURED_EVERY_STEP: u32 = 10_000;
 /// Steps between two measurements of a larger crowd.
 const SAMPLING: u32 = 15;
+/// Simulated time unless asked for otherwise, s.
+const SECONDS: f64 = 10.0;
+/// The same with `--until`, s.
+const LONGEST: f64 = 3600.0;
 
 /// Arguments of `gaitway simulate`.
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway simulate \
                         garden --agents 200 --seed 7 --out garden.sqlite\n  gaitway simulate my-place.toml \
-                        --backend cpu --json\n\nThe state hash is the same on every machine whose arithmetic is \
+                        --until empty --seconds 600\n  gaitway simulate my-place.toml --backend cpu --json\n\nThe state hash is the same on every machine whose arithmetic is \
                         exact, on both backends: same scenario, same seed, same bits."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// Simulated time
-    #[arg(long, default_value_t = 10.0)]
-    seconds: f64,
-    /// Trajectories: .sqlite (JuPedSim, PedPy), .txt (Pedestrian Dynamics Data Archive) or .csv
+    /// Simulated time, or the most of it with --until [default: 10; with --until 3600]
+    #[arg(long)]
+    seconds: Option<f64>,
+    /// Stop earlier: once everybody has left by an exit
+    #[arg(long, value_enum, value_name = "empty")]
+    until: Option<Until>,
+    /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .txt (Pedestrian Dynamics Data Archive; people
+    /// only) or .csv
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Frames per second of the trajectories; a divisor of the step rate (30)
@@ -44,6 +54,22 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// When to stop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Until {
+    /// Everybody has left.
+    Empty,
+}
+
+/// How long to simulate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Length {
+    /// Steps at most.
+    pub(super) steps: u32,
+    /// Whether to stop once everybody has left.
+    pub(super) until_empty: bool,
+}
+
 /// What came out.
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
@@ -52,7 +78,9 @@ pub(super) struct Outcome {
     pub(super) agents: u32,
     pub(super) steps: u32,
     pub(super) seed: u64,
-    /// Mean over agents and measured steps, m/s.
+    /// Simulated time, s.
+    pub(super) seconds: f64,
+    /// Mean over the people who are there and the measured steps, m/s; `[[outsiders]]` are not counted.
     pub(super) mean_speed: f32,
     /// Routes and journeys walked to their end.
     pub(super) arrived: u64,
@@ -66,6 +94,11 @@ pub(super) struct Outcome {
     pub(super) waiting_outside: u32,
     /// Agents that no source has a time for.
     pub(super) never: u32,
+    /// When people left, in total and by exit, and the n-t curve; null where there is no exit.
+    pub(super) evacuation: Option<Evacuation>,
+    /// With `--until empty`: whether everybody had left in time.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) emptied: Option<bool>,
     /// Smallest gap between two discs in any measured step, m; null when no two came near.
     pub(super) min_clearance: f32,
     /// Most pairs that overlapped by more than a tenth of their radii in any measured step.
@@ -90,13 +123,19 @@ pub(super) struct Outcome {
 
 /// Runs the subcommand; false when a kernel failed.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
-    let seconds = check_seconds("--seconds", arguments.seconds)?;
+    let until_empty = arguments.until == Some(Until::Empty);
+    let longest = arguments.seconds.unwrap_or(if until_empty { LONGEST } else { SECONDS });
+    let seconds = check_seconds("--seconds", longest)?;
     let begin = Instant::now();
     let scene = Scene::load(&arguments.scene)?;
+    if until_empty && !Departures::new(&scene.scenario, &scene.crowd).has_exits() {
+        let message = format!("--until empty: nobody can leave {}, which has no exit", scene.scenario.name);
+        return Err(usage(message, "end a journey with a stage of kind \"exit\", or give --seconds alone"));
+    }
     let mut simulation = start(scene.store()?, &arguments.scene.place)?;
-    let steps = scene.steps(seconds);
+    let length = Length { steps: scene.steps(seconds), until_empty };
     let recording = arguments.out.as_ref().map(|path| Recording::create(path, arguments.fps, &scene));
-    let mut outcome = simulate(&scene, &mut simulation, steps, recording.transpose()?)?;
+    let mut outcome = simulate(&scene, &mut simulation, length, recording.transpose()?)?;
     outcome.wall_seconds = begin.elapsed().as_secs_f64();
     if arguments.json {
         say_json(&outcome)?;
@@ -104,8 +143,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         print(&outcome);
     }
     if let Some(failure) = &outcome.failure {
-        super::output::note(&format!("error: {failure}"));
-        super::output::note("hint: please report this with the scenario, the seed and `gaitway verify`");
+        note(&format!("error: {failure}"));
+        note("hint: please report this with the scenario, the seed and `gaitway verify`");
     }
     Ok(outcome.failure.is_none())
 }
@@ -140,21 +179,37 @@ impl Recording {
     pub(super) fn create(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
         let every = steps_per_frame(rate, scene)?;
         let format = TrajectoryFormat::from_path(path)?;
-        let writer = TrajectoryWriter::create(path, format, rate, &Walkable::from(&scene.geometry))?;
+        let writer = TrajectoryWriter::create(
+            path,
+            format,
+            rate,
+            &Walkable::from(&scene.geometry),
+            scene.agents_info(),
+        )?;
         Ok(Self { path: path.to_owned(), every, writer })
     }
 
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;
-        let positions: Vec<Vec2> = store.position[..agents].iter().copied().map(Vec2::from_array).collect();
+        let ground = |pairs: &[[f32; 2]]| pairs[..agents].iter().copied().map(Vec2::from_array).collect();
+        let (positions, velocities): (Vec<Vec2>, Vec<Vec2>) =
+            (ground(&store.position), ground(&store.velocity));
         let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance[0]).collect();
-        Ok(self.writer.frame(&positions, &headings)?)
+        let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
+        let frame = Frame { positions: &positions, headings: &headings, velocities: &velocities, emotions };
+        Ok(self.writer.frame(&frame)?)
     }
 
     fn finish(self) -> Result<(PathBuf, u32), Error> {
         let frames = self.writer.frames();
-        self.writer.finish()?;
+        let Ground { parts, peopled } = self.writer.finish()?;
+        if peopled > 1 {
+            note(&format!(
+                "note: obstacles cut the walkable area into {parts} parts and people are in {peopled} of them; the file \
+                 joins these by slits of 2 mm, since readers take one polygon"
+            ));
+        }
         Ok((self.path, frames))
     }
 }
@@ -163,7 +218,11 @@ impl Recording {
 #[derive(Debug)]
 struct Measures {
     steps: u32,
-    speed: f64,
+    /// How many of the agents are the crowd's; `[[outsiders]]` follow, and are left out of speeds.
+    people: usize,
+    /// Sum of the speeds of people over the steps, m/s, and of how many.
+    speed: (f64, u64),
+    departures: Departures,
     last: Option<measure::Moment>,
     min_clearance: f32,
     overlapping: u32,
@@ -171,11 +230,27 @@ struct Measures {
 }
 
 impl Measures {
-    fn take(&mut self, simulation: &mut Simulation, free: &Clearance) -> Result<(), Error> {
+    fn new(scene: &Scene) -> Self {
+        Self {
+            steps: 0,
+            people: scene.crowd.agents.len(),
+            speed: (0.0, 0),
+            departures: Departures::new(&scene.scenario, &scene.crowd),
+            last: None,
+            min_clearance: f32::INFINITY,
+            overlapping: 0,
+            outside: 0,
+        }
+    }
+
+    /// Measures the crowd after `done` steps.
+    fn take(&mut self, simulation: &mut Simulation, free: &Clearance, done: u32) -> Result<(), Error> {
         let store = simulation.state()?;
         let moment = measure::moment(store);
         self.steps += 1;
-        self.speed += f64::from(moment.mean_speed);
+        let (sum, count) = measure::speeds(store, |agent| agent < self.people);
+        self.speed = (self.speed.0 + sum, self.speed.1 + u64::from(count));
+        self.departures.observe(store, done);
         self.min_clearance = self.min_clearance.min(moment.min_clearance);
         self.overlapping = self.overlapping.max(moment.overlapping_pairs);
         self.outside = self.outside.max(measure::outside(store, |p: Vec2| free.walkable(p)));
@@ -188,21 +263,15 @@ impl Measures {
 pub(super) fn simulate(
     scene: &Scene,
     simulation: &mut Simulation,
-    steps: u32,
+    Length { steps, until_empty }: Length,
     mut recording: Option<Recording>,
 ) -> Result<Outcome, Error> {
     let begin = Instant::now();
     let agents = scene.agents();
     let free = Clearance::new(&scene.geometry.bounds, &scene.geometry.obstacles);
     let sampling = if agents <= MEASURED_EVERY_STEP { 1 } else { SAMPLING };
-    let mut measures = Measures {
-        steps: 0,
-        speed: 0.0,
-        last: None,
-        min_clearance: f32::INFINITY,
-        overlapping: 0,
-        outside: 0,
-    };
+    let mut measures = Measures::new(scene);
+    measures.departures.observe(simulation.state()?, 0);
     let mut progress = Progress::new(format!("simulating {} agents", thousands(u64::from(agents))));
     let (mut stepping, mut failure, mut done) = (Duration::ZERO, None, 0);
     if let Some(recording) = &mut recording {
@@ -220,29 +289,38 @@ pub(super) fn simulate(
         stepping += step_begin.elapsed();
         done += count;
         if done % sampling == 0 || done == steps {
-            measures.take(simulation, &free)?;
+            measures.take(simulation, &free, done)?;
         }
-        if let Some(recording) = recording.as_mut().filter(|r| done % r.every == 0) {
+        let is_frame = recording.as_ref().is_none_or(|recording| done % recording.every == 0);
+        if let Some(recording) = recording.as_mut().filter(|_| is_frame) {
             recording.frame(simulation)?;
+        }
+        // The last frame of a file shows that everybody is gone.
+        if until_empty && is_frame && measures.departures.remaining() == 0 {
+            break;
         }
         progress.at(&format!("step {done} of {steps}"), f64::from(done) / f64::from(steps));
     }
     if measures.steps == 0 {
-        measures.take(simulation, &free)?;
+        measures.take(simulation, &free, done)?;
         measures.steps = 1;
     }
     let trajectories = recording.map(Recording::finish).transpose()?;
     let step_seconds = stepping.as_secs_f64();
     let work = f64::from(agents) * f64::from(done);
-    #[allow(clippy::cast_possible_truncation, reason = "a speed")]
-    let mean_speed = (measures.speed / f64::from(measures.steps)) as f32;
+    let (speed, counted) = measures.speed;
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a speed")]
+    let mean_speed = (speed / counted.max(1) as f64) as f32;
     Ok(Outcome {
         device: simulation.device(),
         scene: scene.scenario.name.clone(),
         agents,
         steps: done,
         seed: scene.scenario.seed,
+        seconds: Replay::time_of(done, scene.scenario.navigation.time_step),
         mean_speed,
+        evacuation: measures.departures.evacuation(),
+        emptied: until_empty.then(|| measures.departures.remaining() == 0),
         arrived: measures.last.map_or(0, |moment| moment.arrived),
         entered: measures.last.map_or(0, |moment| moment.entered),
         present: measures.last.map_or(0, |moment| moment.present),
@@ -282,6 +360,7 @@ pub(super) fn print(outcome: &Outcome) {
             "people             {entered} entered, {present} present, {left} left, {waiting_outside} waiting outside{no_time}"
         ));
     }
+    print_evacuation(outcome);
     say(&format!("smallest clearance {clearance}"));
     say(&format!("overlapping pairs  {} at most", outcome.overlapping_pairs_max));
     say(&format!("agents outside     {} at most", outcome.agents_outside));
@@ -306,4 +385,27 @@ pub(super) fn print(outcome: &Outcome) {
         say(&format!("trajectories       {} ({frames} frames)", path.display()));
     }
     say(&format!("wall time          {:.2} s", outcome.wall_seconds));
+}
+
+/// When people left, in total and by exit.
+fn print_evacuation(outcome: &Outcome) {
+    let Some(evacuation) = &outcome.evacuation else { return };
+    let Evacuation { people, left, .. } = evacuation;
+    let at = |time: Option<f64>| time.map_or_else(|| "not yet".to_owned(), |time| format!("{time:.1} s"));
+    let times = |[half, most, all]: [Option<f64>; 3]| {
+        format!("50 % {}, 95 % {}, 100 % {}", at(half), at(most), at(all))
+    };
+    let total = times([evacuation.time_50, evacuation.time_95, evacuation.time_100]);
+    say(&format!("evacuation         {left} of {people} left: {total}"));
+    for exit in &evacuation.exits {
+        let times = times([exit.time_50, exit.time_95, exit.time_100]);
+        say(&format!("  by {:<15} {} left: {times}", exit.exit, exit.left));
+    }
+    if outcome.emptied == Some(false) {
+        let remaining = people - left;
+        note(&format!(
+            "note: not empty after {:.1} s: {remaining} of {people} are there or still to come (--seconds is the most)",
+            outcome.seconds
+        ));
+    }
 }

@@ -1,5 +1,7 @@
 //! Results as files: trajectories that PedPy and JuPedSim read, pictures, videos, figures. Every file appears by rename when complete.
 
+mod agents;
+mod area;
 mod atomic;
 pub mod chart;
 mod font;
@@ -7,10 +9,11 @@ pub mod image;
 pub mod trajectory;
 mod trajectory_sqlite;
 pub mod video;
-mod wkt;
 
+pub use agents::{AgentInfo, AgentKind};
+pub use area::Ground;
 pub use atomic::AtomicFile;
-pub use trajectory::{TrajectoryFormat, TrajectoryWriter, Walkable};
+pub use trajectory::{Frame, TrajectoryFormat, TrajectoryWriter, Walkable};
 
 use std::path::PathBuf;
 

@@ -4,10 +4,15 @@
 //! seen from above is mirrored, so z is negated: x = x, y = -z ([`plane_from_ground`]). A turn to the left stays a
 //! turn to the left, and a heading about +y becomes the angle `heading - 90 degrees` from the x axis. The CSV is
 //! ours and keeps x, z and the heading.
+//!
+//! Where a file holds people, robots and vehicles are not among them: the database keeps these apart, the CSV names the
+//! kind in every row, the text of the archive leaves them out.
 
+use super::Error;
+use super::agents::{AgentInfo, AgentKind, Presence, strongest_emotion};
+use super::area::{Area, Ground};
 use super::atomic::AtomicFile;
 use super::trajectory_sqlite::Sqlite;
-use super::{Error, wkt};
 use crate::ground::is_absent;
 use crate::scenario::Geometry;
 use glam::{DVec2, Vec2};
@@ -26,11 +31,11 @@ pub fn plane_from_ground(ground: Vec2) -> DVec2 {
 /// A trajectory file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum TrajectoryFormat {
-    /// JuPedSim's SQLite database, version 2: with orientation and walkable area. `.sqlite`
+    /// JuPedSim's SQLite database, version 2: with orientation, walkable area, and the table `agents`. `.sqlite`
     Sqlite,
     /// The text of the Pedestrian Dynamics Data Archive: id, frame, x, y, z. `.txt`
     Text,
-    /// frame, time, id, x, z, heading in our own frame. `.csv`
+    /// frame, time, id, x, z, heading and velocity in our own frame, emotion and kind. `.csv`
     Csv,
 }
 
@@ -59,16 +64,17 @@ impl TrajectoryFormat {
 /// The walkable area, written into formats that hold one.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Walkable {
-    /// Outer outline (x, z), m, either orientation.
+    /// Outer outline (x, z), m, either orientation, simple.
     pub bounds: Vec<Vec2>,
-    /// Holes (x, z), m, either orientation, disjoint and within the bounds.
+    /// What cannot be walked on (x, z), m, either orientation, each simple. Obstacles may overlap, touch and stick out.
     pub obstacles: Vec<Vec<Vec2>>,
 }
 
 impl Walkable {
-    /// The area as WKT `POLYGON` in the formats' plane.
+    /// The bounds less the union of the obstacles as WKT `POLYGON`, or MULTIPOLYGON where they cut it into parts, in the
+    /// formats' plane. Corners are rounded to a tenth of a millimetre.
     pub fn wkt(&self) -> String {
-        wkt::polygon(&self.bounds, &self.obstacles)
+        Area::new(&self.bounds, &self.obstacles).wkt()
     }
 }
 
@@ -76,6 +82,29 @@ impl From<&Geometry> for Walkable {
     fn from(geometry: &Geometry) -> Self {
         Self { bounds: geometry.bounds.clone(), obstacles: geometry.obstacles.clone() }
     }
+}
+
+/// A frame: one entry for each agent; the agent's index is its id, and one who is absent ([`is_absent`]) is left out.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Frame<'a> {
+    /// Ground positions (x, z), m.
+    pub positions: &'a [Vec2],
+    /// Headings about +y, rad.
+    pub headings: &'a [f32],
+    /// Ground velocities (x, z), m/s; empty: not known.
+    pub velocities: &'a [Vec2],
+    /// Weights of the emotions, where they change; empty: as at the start.
+    pub emotions: &'a [[f32; 4]],
+}
+
+/// Somebody in a frame.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sample {
+    pub(super) id: u32,
+    pub(super) position: Vec2,
+    pub(super) heading: f32,
+    velocity: Option<Vec2>,
+    emotion: Option<[f32; 4]>,
 }
 
 #[derive(Debug)]
@@ -94,19 +123,23 @@ pub struct TrajectoryWriter {
     sink: Sink,
     frames: u32,
     rate: f64,
+    agents: Vec<AgentInfo>,
+    presence: Vec<Option<Presence>>,
 }
 
 impl TrajectoryWriter {
-    /// Begins a file; `frame_rate` in frames per second.
+    /// Begins a file; `frame_rate` in frames per second, `agents` by index (of those beyond its end nothing is known but
+    /// that they are people).
     ///
     /// # Errors
-    /// [`Error::Unusable`] for a frame rate outside 0.001 to 1000 or bounds of fewer than 3 corners (SQLite);
-    /// [`Error::Write`] or [`Error::Sqlite`] when the file cannot be made.
+    /// [`Error::Unusable`] for a frame rate outside 0.001 to 1000, bounds of fewer than 3 corners, or obstacles that leave
+    /// no ground (SQLite); [`Error::Write`] or [`Error::Sqlite`] when the file cannot be made.
     pub fn create(
         path: &Path,
         format: TrajectoryFormat,
         frame_rate: f64,
         walkable: &Walkable,
+        agents: Vec<AgentInfo>,
     ) -> Result<Self, Error> {
         let unusable = |message: String| Error::Unusable { path: path.to_owned(), message };
         if !(0.001..=1000.0).contains(&frame_rate) {
@@ -122,7 +155,13 @@ impl TrajectoryWriter {
                         format!("walkable area of {found} corners; it needs 3 or more, or use .txt or .csv");
                     return Err(unusable(message));
                 }
-                Sink::Sqlite(Box::new(Sqlite::create(path, frame_rate, &walkable.wkt())?))
+                let area = Area::new(&walkable.bounds, &walkable.obstacles);
+                if area.is_empty() {
+                    let message =
+                        "the obstacles leave no ground to walk on; use .txt or .csv, which hold no area";
+                    return Err(unusable(message.to_owned()));
+                }
+                Sink::Sqlite(Box::new(Sqlite::create(path, frame_rate, area)?))
             }
             TrajectoryFormat::Text => {
                 let mut file = AtomicFile::create(path)?;
@@ -132,11 +171,13 @@ impl TrajectoryWriter {
             }
             TrajectoryFormat::Csv => {
                 let mut file = AtomicFile::create(path)?;
-                writeln!(file, "frame,time_s,id,x_m,z_m,heading_rad").map_err(super::atomic::wrong(path))?;
+                writeln!(file, "frame,time_s,id,x_m,z_m,heading_rad,vx_m_s,vz_m_s,emotion,kind")
+                    .map_err(super::atomic::wrong(path))?;
                 Sink::Csv(file)
             }
         };
-        Ok(Self { path: path.to_owned(), sink, frames: 0, rate: frame_rate })
+        let path = path.to_owned();
+        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
     }
 
     /// Frames written so far.
@@ -144,65 +185,111 @@ impl TrajectoryWriter {
         self.frames
     }
 
-    /// Appends a frame: ground positions (x, z) in m and headings about +y in radians, one per agent; the agent's
-    /// index is its id, and one who is absent ([`is_absent`]) is left out. Frames are `1 / frame_rate` apart.
+    /// Appends a frame. Frames are `1 / frame_rate` apart.
     ///
     /// # Errors
     /// [`Error::Unusable`] when the lists differ in length or hold a number that is not finite (agent named);
     /// [`Error::Write`] or [`Error::Sqlite`] when the disc is full.
-    pub fn frame(&mut self, positions: &[Vec2], headings: &[f32]) -> Result<(), Error> {
-        let unusable = |message: String| Error::Unusable { path: self.path.clone(), message };
-        if positions.len() != headings.len() {
-            let (p, h) = (positions.len(), headings.len());
-            return Err(unusable(format!(
-                "frame {}: {p} positions but {h} headings; give one each",
-                self.frames
-            )));
+    pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
+        self.check(frame)?;
+        let number = self.frames;
+        self.presence.resize(self.presence.len().max(frame.positions.len()), None);
+        let there = || samples(frame);
+        for sample in there() {
+            let known =
+                self.presence[sample.id as usize].get_or_insert(Presence { first: number, last: number });
+            known.last = number;
         }
-        if self.frames >= MAX_FRAMES || u32::try_from(positions.len()).is_err() {
-            return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
-        }
-        let rows = || {
-            let all = (0_u32..).zip(positions.iter().copied().zip(headings.iter().copied()));
-            all.filter(|(_, (position, _))| !is_absent(position.to_array()))
-        };
-        if let Some((id, (position, heading))) = rows().find(|(_, (p, h))| !p.is_finite() || !h.is_finite()) {
-            let frame = self.frames;
-            let message =
-                format!("frame {frame}: agent {id} is at {position}, heading {heading}; both must be finite");
-            return Err(unusable(message));
-        }
-        let frame = self.frames;
+        let agents = &self.agents;
+        let kind =
+            |sample: &Sample| agents.get(sample.id as usize).map_or(AgentKind::Person, |agent| agent.kind);
+        let people = || there().filter(|sample| kind(sample) == AgentKind::Person);
         match &mut self.sink {
-            Sink::Sqlite(database) => database.frame(frame, rows())?,
-            Sink::Text(file) => text_frame(file, frame, rows()).map_err(super::atomic::wrong(&self.path))?,
+            Sink::Sqlite(database) => {
+                let others = there().filter(|sample| kind(sample) != AgentKind::Person);
+                database.frame(number, people, others)?;
+            }
+            Sink::Text(file) => {
+                text_frame(file, number, people()).map_err(super::atomic::wrong(&self.path))?;
+            }
             Sink::Csv(file) => {
-                let time = f64::from(frame) / self.rate;
-                csv_frame(file, frame, time, rows()).map_err(super::atomic::wrong(&self.path))?;
+                let time = f64::from(number) / self.rate;
+                csv_frame(file, number, time, there(), agents).map_err(super::atomic::wrong(&self.path))?;
             }
         }
         self.frames += 1;
         Ok(())
     }
 
-    /// Completes the file and gives it its name.
+    /// Refuses lists that do not fit one another, and numbers that are none.
+    fn check(&self, frame: &Frame<'_>) -> Result<(), Error> {
+        let unusable = |message: String| Error::Unusable { path: self.path.clone(), message };
+        let Frame { positions, headings, velocities, emotions } = frame;
+        let (number, p, h) = (self.frames, positions.len(), headings.len());
+        if p != h {
+            return Err(unusable(format!("frame {number}: {p} positions but {h} headings; give one each")));
+        }
+        for (what, found) in [("velocities", velocities.len()), ("emotions", emotions.len())] {
+            if found != 0 && found != p {
+                let message =
+                    format!("frame {number}: {p} positions but {found} {what}; give one each, or none");
+                return Err(unusable(message));
+            }
+        }
+        if number >= MAX_FRAMES || u32::try_from(p).is_err() {
+            return Err(unusable(format!("more than {MAX_FRAMES} frames or agents; split the run")));
+        }
+        let is_whole = |s: &Sample| {
+            s.position.is_finite() && s.heading.is_finite() && s.velocity.is_none_or(Vec2::is_finite)
+        };
+        if let Some(Sample { id, position, heading, .. }) = samples(frame).find(|sample| !is_whole(sample)) {
+            let message = format!(
+                "frame {number}: agent {id} is at {position}, heading {heading}; both and its velocity must be finite"
+            );
+            return Err(unusable(message));
+        }
+        Ok(())
+    }
+
+    /// Completes the file and gives it its name; says what the walkable area of a database is made of.
     ///
     /// # Errors
     /// [`Error::Write`] or [`Error::Sqlite`]; nothing then stands under the name that did not before.
-    pub fn finish(self) -> Result<(), Error> {
+    pub fn finish(self) -> Result<Ground, Error> {
         match self.sink {
-            Sink::Sqlite(database) => database.finish(),
-            Sink::Text(file) | Sink::Csv(file) => file.finish(),
+            Sink::Sqlite(database) => {
+                let known = self.presence.len().max(self.agents.len());
+                let agents = (0..known).map(|id| {
+                    let presence = self.presence.get(id).copied().flatten();
+                    (self.agents.get(id), presence)
+                });
+                database.finish(agents, self.frames, self.rate)
+            }
+            Sink::Text(file) | Sink::Csv(file) => file.finish().map(|()| Ground::default()),
         }
     }
+}
+
+/// Who is there in a frame.
+fn samples<'a>(frame: &Frame<'a>) -> impl Iterator<Item = Sample> + use<'a> {
+    let Frame { positions, headings, velocities, emotions } = *frame;
+    let all = (0_u32..).zip(positions.iter().zip(headings)).zip(0..);
+    let sample = move |((id, (position, heading)), at): ((u32, (&Vec2, &f32)), usize)| Sample {
+        id,
+        position: *position,
+        heading: *heading,
+        velocity: velocities.get(at).copied(),
+        emotion: emotions.get(at).copied(),
+    };
+    all.map(sample).filter(|sample| !is_absent(sample.position.to_array()))
 }
 
 fn text_frame(
     file: &mut AtomicFile,
     frame: u32,
-    rows: impl Iterator<Item = (u32, (Vec2, f32))>,
+    samples: impl Iterator<Item = Sample>,
 ) -> std::io::Result<()> {
-    for (id, (position, _)) in rows {
+    for Sample { id, position, .. } in samples {
         let p = plane_from_ground(position);
         // Ids start at 1 in the archive. A tenth of a millimetre is finer than any tracking.
         writeln!(file, "{} {frame} {:.4} {:.4} 0.0000", id + 1, p.x, p.y)?;
@@ -214,11 +301,23 @@ fn csv_frame(
     file: &mut AtomicFile,
     frame: u32,
     time: f64,
-    rows: impl Iterator<Item = (u32, (Vec2, f32))>,
+    samples: impl Iterator<Item = Sample>,
+    agents: &[AgentInfo],
 ) -> std::io::Result<()> {
-    for (id, (p, heading)) in rows {
+    for Sample { id, position: p, heading, velocity, emotion } in samples {
         // `{}` prints the shortest text that reads back as the same f32.
-        writeln!(file, "{frame},{time:.6},{id},{},{},{heading}", p.x, p.y)?;
+        write!(file, "{frame},{time:.6},{id},{},{},{heading},", p.x, p.y)?;
+        match velocity {
+            Some(v) => write!(file, "{},{},", v.x, v.y)?,
+            None => write!(file, ",,")?,
+        }
+        let agent = agents.get(id as usize);
+        let own = agent.and_then(|agent| agent.emotion);
+        // A robot feels nothing, whatever the crowd does.
+        if let Some(weights) = own.and(emotion).or(own).or(if agent.is_none() { emotion } else { None }) {
+            write!(file, "{}", strongest_emotion(weights))?;
+        }
+        writeln!(file, ",{}", agent.map_or(AgentKind::Person, |agent| agent.kind).name())?;
     }
     Ok(())
 }

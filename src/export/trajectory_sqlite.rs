@@ -1,11 +1,20 @@
 //! JuPedSim's SQLite trajectories, version 2: the version that JuPedSim 1.4 writes and PedPy reads in full.
 //!
 //! Tables `trajectory_data(frame, id, pos_x, pos_y, ori_x, ori_y)`, `metadata(key, value)`, `geometry(hash, wkt)`,
-//! `frame_data(frame, geometry_hash)`; an index on (frame, id). Ids start at 1, frames at 0.
+//! `frame_data(frame, geometry_hash)`; an index on (frame, id). Ids start at 1, frames at 0. Readers take everyone in
+//! `trajectory_data` for a pedestrian, so robots and vehicles are in `outsider_data`, which has the same columns.
+//!
+//! Ours is the table `agents`: a row for everyone, `id` as in the others; `kind` (person, robot, vehicle); `led` (1: goes
+//! where a recording, a path or a program says); `emotion`, the strongest, and the weights `happy`, `angry`, `sad`,
+//! `neutral` at the start; `gait`; `avatar`; `class`; `group_id`, the id of the first of the group; `radius`, m;
+//! `preferred_speed`, m/s; `entered` and `left`, s. NULL is what is not known or does not apply: `entered` of those who
+//! never came, `left` of those who are there in the last frame, feelings of robots.
 
 use super::Error;
+use super::agents::{AgentInfo, Presence, strongest_emotion};
+use super::area::{Area, Ground};
 use super::atomic::Neighbour;
-use super::trajectory::plane_from_ground;
+use super::trajectory::{Sample, plane_from_ground};
 use glam::{DVec2, Vec2};
 use rusqlite::{Connection, params};
 use std::path::{Path, PathBuf};
@@ -19,10 +28,22 @@ const TABLES: &str = "
     CREATE TABLE trajectory_data (
         frame INTEGER NOT NULL, id INTEGER NOT NULL,
         pos_x REAL NOT NULL, pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);
+    CREATE TABLE outsider_data (
+        frame INTEGER NOT NULL, id INTEGER NOT NULL,
+        pos_x REAL NOT NULL, pos_y REAL NOT NULL, ori_x REAL NOT NULL, ori_y REAL NOT NULL);
     CREATE TABLE metadata (key TEXT NOT NULL UNIQUE PRIMARY KEY, value TEXT NOT NULL);
     CREATE TABLE geometry (hash INTEGER NOT NULL, wkt TEXT NOT NULL);
     CREATE TABLE frame_data (frame INTEGER NOT NULL, geometry_hash INTEGER NOT NULL);
+    CREATE TABLE agents (
+        id INTEGER PRIMARY KEY, kind TEXT NOT NULL, led INTEGER NOT NULL,
+        emotion TEXT, happy REAL, angry REAL, sad REAL, neutral REAL,
+        gait TEXT, avatar TEXT, class TEXT, group_id INTEGER, radius REAL, preferred_speed REAL,
+        entered REAL, \"left\" REAL);
 ";
+const PERSON: &str = "INSERT INTO trajectory_data VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+const OUTSIDER: &str = "INSERT INTO outsider_data VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
+const AGENT: &str =
+    "INSERT INTO agents VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
 
 /// An open trajectory database in a temporary neighbour of its place.
 #[derive(Debug)]
@@ -31,13 +52,14 @@ pub(super) struct Sqlite {
     // Declared before the neighbour: the database closes before its file is removed.
     connection: Connection,
     neighbour: Neighbour,
+    area: Area,
     low: DVec2,
     high: DVec2,
     pending: u32,
 }
 
 impl Sqlite {
-    pub(super) fn create(path: &Path, frame_rate: f64, wkt: &str) -> Result<Self, Error> {
+    pub(super) fn create(path: &Path, frame_rate: f64, area: Area) -> Result<Self, Error> {
         let neighbour = Neighbour::new(path)?;
         let sqlite = |source| Error::Sqlite { path: path.to_owned(), source };
         let connection = Connection::open(&neighbour.path).map_err(sqlite)?;
@@ -49,7 +71,6 @@ impl Sqlite {
             let mut metadata = connection.prepare("INSERT INTO metadata VALUES (?1, ?2)")?;
             metadata.execute(params!["version", "2"])?;
             metadata.execute(params!["fps", frame_rate.to_string()])?;
-            connection.execute("INSERT INTO geometry VALUES (?1, ?2)", params![GEOMETRY, wkt])?;
             connection.execute_batch("BEGIN")
         };
         set_up().map_err(sqlite)?;
@@ -57,32 +78,37 @@ impl Sqlite {
             path: path.to_owned(),
             connection,
             neighbour,
+            area,
             low: DVec2::INFINITY,
             high: DVec2::NEG_INFINITY,
             pending: 0,
         })
     }
 
-    pub(super) fn frame(
+    pub(super) fn frame<People: Iterator<Item = Sample>>(
         &mut self,
         frame: u32,
-        rows: impl Iterator<Item = (u32, (Vec2, f32))>,
+        people: impl Fn() -> People,
+        outsiders: impl Iterator<Item = Sample>,
     ) -> Result<(), Error> {
-        self.write(frame, rows).map_err(|source| Error::Sqlite { path: self.path.clone(), source })
-    }
-
-    fn write(&mut self, frame: u32, rows: impl Iterator<Item = (u32, (Vec2, f32))>) -> rusqlite::Result<()> {
-        let mut insert =
-            self.connection.prepare_cached("INSERT INTO trajectory_data VALUES (?1, ?2, ?3, ?4, ?5, ?6)")?;
-        for (id, (position, heading)) in rows {
-            let place = plane_from_ground(position);
-            // Heading 0 faces +z, which is -y of their plane.
-            let facing = plane_from_ground(Vec2::new(heading.sin(), heading.cos()));
-            insert.execute(params![frame, i64::from(id) + 1, place.x, place.y, facing.x, facing.y])?;
+        self.area.visit(people().map(|sample| (sample.id, sample.position)));
+        for sample in people() {
+            let place = plane_from_ground(sample.position);
             self.low = self.low.min(place);
             self.high = self.high.max(place);
-            self.pending += 1;
         }
+        self.write(frame, people(), outsiders)
+            .map_err(|source| Error::Sqlite { path: self.path.clone(), source })
+    }
+
+    fn write(
+        &mut self,
+        frame: u32,
+        people: impl Iterator<Item = Sample>,
+        outsiders: impl Iterator<Item = Sample>,
+    ) -> rusqlite::Result<()> {
+        self.pending += insert(&self.connection, PERSON, frame, people)?;
+        self.pending += insert(&self.connection, OUTSIDER, frame, outsiders)?;
         self.connection
             .prepare_cached("INSERT INTO frame_data VALUES (?1, ?2)")?
             .execute(params![frame, GEOMETRY])?;
@@ -93,15 +119,30 @@ impl Sqlite {
         Ok(())
     }
 
-    pub(super) fn finish(self) -> Result<(), Error> {
-        let Self { path, connection, neighbour, low, high, .. } = self;
+    pub(super) fn finish<'a>(
+        self,
+        agents: impl Iterator<Item = (Option<&'a AgentInfo>, Option<Presence>)>,
+        frames: u32,
+        frame_rate: f64,
+    ) -> Result<Ground, Error> {
+        let Self { path, connection, neighbour, area, low, high, .. } = self;
         let sqlite = |source| Error::Sqlite { path: path.clone(), source };
         // No agents, no extent: readers want numbers all the same.
         let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
+        let (wkt, ground) = area.polygon();
         let complete = || -> rusqlite::Result<()> {
+            connection.execute("INSERT INTO geometry VALUES (?1, ?2)", params![GEOMETRY, wkt])?;
             let mut metadata = connection.prepare("INSERT INTO metadata VALUES (?1, ?2)")?;
             for (key, value) in [("xmin", low.x), ("xmax", high.x), ("ymin", low.y), ("ymax", high.y)] {
                 metadata.execute(params![key, value.to_string()])?;
+            }
+            for (id, (agent, presence)) in (1_i64..).zip(agents) {
+                insert_agent(
+                    &connection,
+                    id,
+                    agent,
+                    presence.map(|presence| times(presence, frames, frame_rate)),
+                )?;
             }
             connection.execute_batch("COMMIT; CREATE INDEX frame_id_idx ON trajectory_data(frame, id);")
         };
@@ -113,6 +154,63 @@ impl Sqlite {
             .open(&neighbour.path)
             .and_then(|file| file.sync_all())
             .map_err(&wrong)?;
-        neighbour.rename(&path)
+        neighbour.rename(&path)?;
+        Ok(ground)
     }
+}
+
+/// Rows of one frame; how many.
+fn insert(
+    connection: &Connection,
+    sql: &str,
+    frame: u32,
+    samples: impl Iterator<Item = Sample>,
+) -> rusqlite::Result<u32> {
+    let mut statement = connection.prepare_cached(sql)?;
+    let mut count = 0;
+    for Sample { id, position, heading, .. } in samples {
+        let place = plane_from_ground(position);
+        // Heading 0 faces +z, which is -y of their plane.
+        let facing = plane_from_ground(Vec2::new(heading.sin(), heading.cos()));
+        statement.execute(params![frame, i64::from(id) + 1, place.x, place.y, facing.x, facing.y])?;
+        count += 1;
+    }
+    Ok(count)
+}
+
+/// When somebody came, and when they were gone, s.
+fn times(presence: Presence, frames: u32, frame_rate: f64) -> (f64, Option<f64>) {
+    let time = |frame: u32| f64::from(frame) / frame_rate;
+    (time(presence.first), (presence.last + 1 < frames).then(|| time(presence.last + 1)))
+}
+
+fn insert_agent(
+    connection: &Connection,
+    id: i64,
+    agent: Option<&AgentInfo>,
+    times: Option<(f64, Option<f64>)>,
+) -> rusqlite::Result<()> {
+    let plain = AgentInfo::default();
+    let agent = agent.unwrap_or(&plain);
+    let [happy, angry, sad, neutral] =
+        agent.emotion.map_or([None; 4], |weights| weights.map(|weight| Some(f64::from(weight))));
+    connection.prepare_cached(AGENT)?.execute(params![
+        id,
+        agent.kind.name(),
+        agent.led,
+        agent.emotion.map(|weights| strongest_emotion(weights).name()),
+        happy,
+        angry,
+        sad,
+        neutral,
+        agent.gait,
+        agent.avatar,
+        agent.class,
+        agent.group.map(|first| i64::from(first) + 1),
+        agent.radius.map(f64::from),
+        agent.preferred_speed.map(f64::from),
+        times.map(|(entered, _)| entered),
+        times.and_then(|(_, left)| left),
+    ])?;
+    Ok(())
 }

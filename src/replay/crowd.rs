@@ -10,7 +10,7 @@ use crate::scenario::random::{Purpose, index};
 use crate::scenario::{
     Clearance, Crowd, MAX_AGENTS, Obstacle, Person, Route, RouteMode, Scenario, polygon, populate_people,
 };
-use crate::sim::{Simulation, setup};
+use crate::sim::{Simulation, measure, setup};
 use glam::Vec2;
 
 /// Slower than this between two samples somebody stands, m/s.
@@ -138,12 +138,9 @@ impl Replay {
         }
     }
 
-    /// Time after a number of steps, s. A step of a thirtieth of a second is meant as such, although an `f32` holds only
-    /// nearly that.
+    /// Time after a number of steps, s ([`measure::time_of`]).
     pub fn time_of(steps: u32, time_step: f32) -> f64 {
-        let rate = 1.0 / f64::from(time_step);
-        let meant = if (rate - rate.round()).abs() < 1e-5 * rate { rate.round() } else { rate };
-        f64::from(steps) / meant
+        measure::time_of(steps, time_step)
     }
 
     /// Tells everyone where they are to be at the end of the next step. Call it before every single step.

@@ -85,6 +85,13 @@ impl Spread {
     }
 }
 
+impl Scenario {
+    /// The class of an agent, by index; none where there are no classes.
+    pub fn class_of(&self, agent: u32) -> Option<&Class> {
+        class_of(self, agent)
+    }
+}
+
 /// What is drawn for a person, each from its own stream.
 #[derive(Debug, Clone, Copy)]
 #[repr(u32)]

@@ -12,6 +12,7 @@ pub struct Cast {
     avatars: Vec<Avatar>,
     clips: Vec<Clip>,
     clips_per_avatar: usize,
+    gaits: Vec<String>,
     outsiders: OutsiderBodies,
 }
 
@@ -34,7 +35,8 @@ impl Cast {
         });
         let clips = clips.collect::<Result<Vec<_>, _>>()?;
         let outsiders = OutsiderBodies::default();
-        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1, outsiders })
+        let names = gaits.iter().map(|gait| gait.name.clone()).collect();
+        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1, gaits: names, outsiders })
     }
 
     /// The same with robots and vehicles.
@@ -52,6 +54,11 @@ impl Cast {
     /// The avatars.
     pub fn avatars(&self) -> &[Avatar] {
         &self.avatars
+    }
+
+    /// The name of a gait, by index.
+    pub fn gait_name(&self, gait: u32) -> Option<&str> {
+        self.gaits.get(gait as usize).map(String::as_str)
     }
 
     /// All clips.

@@ -32,13 +32,30 @@ pub struct Moment {
     pub never: u32,
 }
 
+/// Time after a number of steps, s. A step of a thirtieth of a second is meant as such, although an `f32` holds only
+/// nearly that.
+pub fn time_of(steps: u32, time_step: f32) -> f64 {
+    let rate = 1.0 / f64::from(time_step);
+    let meant = if (rate - rate.round()).abs() < 1e-5 * rate { rate.round() } else { rate };
+    f64::from(steps) / meant
+}
+
+/// The sum of the speeds, m/s, of those who are there and counted, and how many these are.
+pub fn speeds(store: &Store, is_counted: impl Fn(usize) -> bool) -> (f64, u32) {
+    let agents = store.step.agent_count as usize;
+    let there = (0..agents).filter(|agent| !is_absent(store.position[*agent]) && is_counted(*agent));
+    there.fold((0.0, 0), |(sum, count), agent| {
+        let [x, z] = store.velocity[agent].map(f64::from);
+        (sum + libm::hypot(x, z), count + 1)
+    })
+}
+
 /// Measures the agents of a store.
 pub fn moment(store: &Store) -> Moment {
     let agents = store.step.agent_count as usize;
     let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
     let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
-    let speeds: f64 =
-        store.velocity[..agents].iter().map(|v| libm::hypot(f64::from(v[0]), f64::from(v[1]))).sum();
+    let (speeds, _) = speeds(store, |_| true);
     let entry = &store.entry[..agents.min(store.entry.len())];
     let sources = || store.sources.chunks_exact(8).take(store.step.source_count as usize);
     let outside = entry.iter().filter(|step| **step > 0).count();

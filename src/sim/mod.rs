@@ -10,6 +10,7 @@
 pub mod bodies;
 mod cast;
 mod company;
+pub mod departures;
 mod error;
 pub mod flow;
 pub mod measure;

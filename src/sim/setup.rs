@@ -221,15 +221,22 @@ pub fn set_led(store: &mut Store, agent: u32) {
     }
 }
 
+/// The speed that an agent would walk at alone, m/s: its own, or that of its gaits.
+pub fn preferred_speed(agent: &AgentStart, cast: &Cast) -> f32 {
+    let mut speed = 0.0;
+    for (gait, weight) in agent.gaits.iter().zip(agent.gait_weights) {
+        speed += weight * cast.clip(cast.clip_index(agent.avatar, *gait)).speed * agent.scale;
+    }
+    agent.speed.unwrap_or(speed) * agent.speed_factor
+}
+
 fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &Cast) {
     let clips = agent.gaits.map(|gait| cast.clip_index(agent.avatar, gait));
-    let mut preferred_speed = 0.0;
     let mut stride_travel = 0.0;
     for (clip, weight) in clips.iter().zip(agent.gait_weights) {
-        preferred_speed += weight * cast.clip(*clip).speed * agent.scale;
         stride_travel += weight * cast.clip(*clip).stride_travel * agent.scale;
     }
-    let preferred_speed = agent.speed.unwrap_or(preferred_speed) * agent.speed_factor;
+    let preferred_speed = preferred_speed(agent, cast);
     let max_speed =
         (preferred_speed * navigation.max_speed_factor).min(navigation.max_speed).max(preferred_speed);
     store.position.push(agent.position.to_array());

@@ -92,7 +92,7 @@ fn ucy_walks_again_and_its_two_files_agree() {
     assert!((a / b - 1.0).abs() < 0.15, "{a} {b}");
 }
 
-/// Real crowds as TrajNet and SGAN pass them on, `frame id x y`, and as ETH's seq_eth was filmed, at 15 frames a second.
+/// Real crowds as TrajNet and SGAN pass them on, `frame id x y`, and as ETH's `seq_eth` was filmed, at 15 frames a second.
 #[test]
 fn crowds_of_others_are_read_the_right_way_round_and_at_their_own_rate() {
     let folder = tempfile::tempdir().unwrap();

@@ -2,7 +2,7 @@
 
 use super::reading::file;
 use gaitway::emotion::Emotion;
-use gaitway::export::{TrajectoryFormat, TrajectoryWriter, Walkable};
+use gaitway::export::{AgentInfo, Frame, TrajectoryFormat, TrajectoryWriter, Walkable};
 use gaitway::ground::is_absent;
 use gaitway::library::GaitLibrary;
 use gaitway::replay::{Options, Replay, ReplayOptions, Trajectories, read};
@@ -200,9 +200,10 @@ fn what_a_simulation_wrote_is_walked_again_and_written_again_in_every_format() {
     for name in ["run.sqlite", "run.txt", "run.csv"] {
         let path = folder.path().join(name);
         let format = TrajectoryFormat::from_path(&path).unwrap();
-        let mut writer = TrajectoryWriter::create(&path, format, 10.0, &walkable).unwrap();
+        let agents = AgentInfo::of_crowd(&scenario, &crowd, &cast, None);
+        let mut writer = TrajectoryWriter::create(&path, format, 10.0, &walkable, agents).unwrap();
         for (positions, headings) in &frames {
-            writer.frame(positions, headings).unwrap();
+            writer.frame(&Frame { positions, headings, ..Frame::default() }).unwrap();
         }
         writer.finish().unwrap();
         let found = read(&path, &Options::default()).unwrap();

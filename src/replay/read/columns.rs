@@ -31,6 +31,8 @@ pub enum Column {
     Down,
     /// Ours: heading about +y, rad.
     Heading,
+    /// Ours: person, robot or vehicle.
+    Kind,
     /// Vadere's: time at the end of the step.
     EndTime,
     /// Vadere's: place at the end of the step.
@@ -53,7 +55,7 @@ const NAMES: [(&str, Column); 9] = [
 ];
 
 /// Names of columns in the files of others, in lower case and without units.
-const ALIASES: [(&str, Column); 47] = [
+const ALIASES: [(&str, Column); 48] = [
     ("id", Column::Id),
     ("personid", Column::Id),
     ("person_id", Column::Id),
@@ -97,6 +99,7 @@ const ALIASES: [(&str, Column); 47] = [
     ("vel_y", Column::Vy),
     ("vely", Column::Vy),
     ("heading_rad", Column::Heading),
+    ("kind", Column::Kind),
     ("endtime", Column::EndTime),
     ("endx", Column::EndX),
     ("endy", Column::EndY),
@@ -117,6 +120,7 @@ impl Column {
             Self::Vy => "vy",
             Self::Down => "z (down the page)",
             Self::Heading => "heading",
+            Self::Kind => "kind",
             Self::EndTime => "end time",
             Self::EndX => "end x",
             Self::EndY => "end y",
@@ -203,7 +207,7 @@ impl Columns {
             let known =
                 |name: &str| ALIASES.iter().find(|(alias, _)| *alias == name).map(|(_, column)| *column);
             let mut column = known(&whole).or_else(|| known(base)).unwrap_or(Column::Skip);
-            let ours_alone = matches!(column, Column::Down | Column::Heading);
+            let ours_alone = matches!(column, Column::Down | Column::Heading | Column::Kind);
             if is_ours && matches!(column, Column::Y) {
                 column = Column::Skip; // the height of the floor
             } else if ours_alone && !is_ours {

@@ -14,6 +14,8 @@ const CUSTOMARY_LENGTH: [f64; 2] = [0.4, 0.8];
 const USUAL_RATES: [f64; 14] = [1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0, 12.5, 15.0, 16.0, 20.0, 30.0, 50.0, 60.0];
 /// Median speeds of people who walk lie below, m/s.
 const BRISK: f64 = 2.5;
+/// A crowd measured in centimetres has coordinates beyond this.
+const CENTIMETRES: f64 = 150.0;
 /// Shorter ways between two samples are left to jitter, in units of the file.
 const STILL: f64 = 1e-3;
 
@@ -169,9 +171,11 @@ fn by_height(found: &mut Found, height: Option<f64>) -> Option<(f64, &'static st
 /// The unit by how fast people walk.
 fn by_speed(found: &mut Found, rate: f64) -> (f64, &'static str) {
     let Some(speed) = speed(&found.rows, rate) else { return (1.0, "usual") };
-    // nobody walks at 10 m/s, and at 10 cm/s a crowd would stand
+    // Nobody walks at 10 m/s, and at 10 cm/s a crowd would stand. Places of few units, however, are no centimetres: there
+    // the columns or the rate are wrong.
+    let reach = found.rows.iter().map(|row| row.place.abs().max_element()).fold(0.0, f64::max);
     let metres = match speed {
-        speed if speed <= 10.0 => 1.0,
+        speed if speed <= 10.0 || reach < CENTIMETRES => 1.0,
         speed if speed <= 400.0 => 0.01,
         speed if speed <= 4000.0 => 0.001,
         _ => 1.0,

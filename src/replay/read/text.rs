@@ -215,6 +215,9 @@ fn read_rows(
         cells.extend(separator.cells(row).take(last + 1));
         let cell = |column| columns.find(column).map(|at| cells.get(at).copied());
         let need = |column: Column, name: &str| number(path, line, name, cell(column).flatten());
+        if cell(Column::Kind).flatten().is_some_and(|kind| matches!(kind.trim(), "robot" | "vehicle")) {
+            continue;
+        }
         let id = whole(path, line, "the id", cell(Column::Id).flatten())?;
         let time = cell(Column::Time).map(|cell| number(path, line, "the time", cell)).transpose()?;
         #[allow(clippy::cast_precision_loss, reason = "exact: a whole number of 53 bits")]

@@ -12,6 +12,8 @@ use std::path::Path;
 
 /// A person who is not seen for longer than this is absent meanwhile, s.
 const LONGEST_GAP: f64 = 2.0;
+/// Corners of the walkable area are farther apart than this, m.
+const CORNERS: f32 = 1.5e-3;
 /// Two rows of one person and one frame that are nearer than this say the same, m.
 const SAME: f64 = 0.01;
 
@@ -138,8 +140,10 @@ pub(super) fn gather(path: &Path, mut found: Found, options: &Options) -> Result
     check_speed(path, &report, options)?;
     let sign = sign(options);
     let area = found.area.map(|rings| {
-        let ring = |ring: Vec<DVec2>| ring.into_iter().map(|corner| ground(corner, sign)).collect();
-        rings.into_iter().map(ring).collect()
+        let ring =
+            |ring: Vec<DVec2>| -> Vec<Vec2> { ring.into_iter().map(|corner| ground(corner, sign)).collect() };
+        let rings: Vec<Vec<Vec2>> = rings.into_iter().map(|one| thinned(ring(one))).collect();
+        rings.into_iter().filter(|ring| ring.len() > 2).collect()
     });
     Ok(Trajectories { tracks, frame_rate: measures.rate, area, report })
 }
@@ -232,6 +236,20 @@ fn check_speed(path: &Path, report: &Report, options: &Options) -> Result<(), Er
 
 const fn sign(options: &Options) -> f64 {
     if options.mirror { 1.0 } else { -1.0 }
+}
+
+/// A ring without corners that are nearer to the one before than any wall is thick.
+fn thinned(ring: Vec<Vec2>) -> Vec<Vec2> {
+    let mut kept: Vec<Vec2> = Vec::with_capacity(ring.len());
+    for corner in ring {
+        if kept.last().is_none_or(|last| last.distance(corner) > CORNERS) {
+            kept.push(corner);
+        }
+    }
+    while kept.len() > 1 && kept[0].distance(kept[kept.len() - 1]) <= CORNERS {
+        kept.pop();
+    }
+    kept
 }
 
 /// Their plane (y up the page, or down it with `sign` 1) as our ground (x, z).

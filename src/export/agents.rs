@@ -1,0 +1,109 @@
+//! Who is in a trajectory file: the table `agents`.
+
+use crate::emotion::Emotion;
+use crate::scenario::{AgentStart, Crowd, OutsiderKind, Scenario};
+use crate::sim::{Cast, setup};
+
+/// What an agent of a trajectory file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub enum AgentKind {
+    /// Somebody who walks, simulated, recorded or tracked.
+    #[default]
+    Person,
+    /// A robot.
+    Robot,
+    /// A vehicle.
+    Vehicle,
+}
+
+impl AgentKind {
+    /// `person`, `robot` or `vehicle`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Person => "person",
+            Self::Robot => "robot",
+            Self::Vehicle => "vehicle",
+        }
+    }
+}
+
+/// What is known of an agent beside its trajectory.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AgentInfo {
+    /// What it is.
+    pub kind: AgentKind,
+    /// Whether it goes where a recording, a path or a program says.
+    pub led: bool,
+    /// Weights of the emotions at the start, sum 1, in the order of [`Emotion::ALL`].
+    pub emotion: Option<[f32; 4]>,
+    /// Name of the gait, of several the one of the greatest weight.
+    pub gait: Option<String>,
+    /// Name or path of the avatar.
+    pub avatar: Option<String>,
+    /// Name of the class of the population.
+    pub class: Option<String>,
+    /// Index of the first member of the group that it walks with.
+    pub group: Option<u32>,
+    /// Disc radius, m.
+    pub radius: Option<f32>,
+    /// Preferred speed, m/s.
+    pub preferred_speed: Option<f32>,
+}
+
+impl AgentInfo {
+    /// Everyone of a crowd, by index; from `recorded` on they are people of a recording.
+    pub fn of_crowd(scenario: &Scenario, crowd: &Crowd, cast: &Cast, recorded: Option<u32>) -> Vec<Self> {
+        let people = (0_u32..).zip(&crowd.agents).map(|(index, agent)| {
+            let others = agent.companions.iter().filter(|other| **other != u32::MAX);
+            let is_led = recorded.is_some_and(|first| index >= first);
+            let class = scenario.class_of(index).map(|class| class.name.clone());
+            Self {
+                led: is_led,
+                class: class.filter(|name| !name.is_empty()),
+                group: others.copied().min().map(|other| other.min(index)),
+                ..Self::of_person(scenario, agent, cast)
+            }
+        });
+        let outsiders = crowd.outsiders.iter().zip(&scenario.outsiders).map(|(agent, outsider)| {
+            let kind = match outsider.kind {
+                OutsiderKind::Robot => AgentKind::Robot,
+                OutsiderKind::Vehicle => AgentKind::Vehicle,
+                OutsiderKind::Person => {
+                    let person = Self::of_person(scenario, agent, cast);
+                    return Self { led: true, preferred_speed: None, ..person };
+                }
+            };
+            Self { kind, led: true, radius: Some(agent.radius), ..Self::default() }
+        });
+        people.chain(outsiders).collect()
+    }
+
+    fn of_person(scenario: &Scenario, agent: &AgentStart, cast: &Cast) -> Self {
+        let gait = agent.gaits[strongest(agent.gait_weights)];
+        Self {
+            emotion: Some(agent.emotion),
+            gait: cast.gait_name(gait).map(str::to_owned),
+            avatar: scenario.population.avatars.get(agent.avatar as usize).cloned(),
+            radius: Some(agent.radius),
+            preferred_speed: Some(setup::preferred_speed(agent, cast)),
+            ..Self::default()
+        }
+    }
+}
+
+/// Place of the greatest weight, the first of equal ones.
+fn strongest(weights: [f32; 4]) -> usize {
+    (0..4).fold(0, |best, i| if weights[i] > weights[best] { i } else { best })
+}
+
+/// The emotion of the greatest weight.
+pub(super) fn strongest_emotion(weights: [f32; 4]) -> Emotion {
+    Emotion::ALL[strongest(weights)]
+}
+
+/// In which frames somebody is there: the first and the last.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct Presence {
+    pub(super) first: u32,
+    pub(super) last: u32,
+}
