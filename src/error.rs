@@ -48,6 +48,14 @@ pub enum Error {
     /// A result could not be written.
     #[error(transparent)]
     Export(#[from] crate::export::Error),
+    /// A command could not do what it was asked for; message and way out.
+    #[error("{message}")]
+    Failed {
+        /// What went wrong.
+        message: String,
+        /// What to do.
+        hint: String,
+    },
     /// Something asked for on the command line is not possible; message and way out.
     #[error("{message}")]
     Usage {
@@ -71,7 +79,7 @@ impl Error {
             #[cfg(feature = "view")]
             Self::View(error) => error.hint(),
             Self::Export(crate::export::Error::Picture(error)) => error.hint(),
-            Self::Usage { hint, .. } => Some(hint),
+            Self::Usage { hint, .. } | Self::Failed { hint, .. } => Some(hint),
             _ => None,
         }
     }

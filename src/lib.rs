@@ -22,6 +22,7 @@ pub mod emotion;
 pub mod error;
 #[allow(clippy::disallowed_methods, reason = "writes crowds, makes none")]
 pub mod export;
+pub mod file;
 pub mod gait;
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "all calls into Vulkan live here, one SAFETY comment per block")]
@@ -41,6 +42,7 @@ pub mod render;
 pub mod replay;
 pub mod scenario;
 pub mod sim;
+pub mod stop;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;
 pub mod verify;

@@ -477,7 +477,7 @@ mod device {
 
     #[test]
     fn every_animation_kernel_agrees_with_its_twin() {
-        let device = match Device::open(None, Validation::from_environment()) {
+        let device = match Device::open(None, Validation::from_environment().unwrap()) {
             Ok(device) => device,
             Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() != Ok("1") => {
                 println!("skipped: no Vulkan ({error})");

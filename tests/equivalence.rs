@@ -25,7 +25,7 @@ static ONE: Mutex<()> = Mutex::new(());
 /// Runs a test on the device and asserts that the validation layer has said nothing, leaks included.
 fn on_device(test: impl FnOnce(&Arc<Device>)) {
     let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let device = match Device::open(None, Validation::from_environment()) {
+    let device = match Device::open(None, Validation::from_environment().unwrap()) {
         Ok(device) => device,
         Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
         Err(error) => return println!("skipped: no Vulkan ({error})"),

@@ -62,7 +62,7 @@ fn a_fitted_library_is_read_back_and_walks() {
     for name in ["fitted.json", "fitted.gwh"] {
         let said = run(&["gait", "fit", "--harmonics", "3", "--out", &path(name)]);
         assert!(said.contains("684") && said.contains("written") && said.contains("cm"), "{said}");
-        run(&["gait", "fit", &path(name), "--out", &path("back.glb")]);
+        run(&["gait", "fit", &path(name), "--force", "--out", &path("back.glb")]);
         let library = GaitLibrary::load_glb(path("back.glb")).unwrap();
         assert_eq!(library.counts(), GaitLibrary::built_in().unwrap().counts());
         assert!(library.gaits().iter().all(|gait| gait.poses.len() == FRAMES));

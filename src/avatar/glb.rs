@@ -4,6 +4,7 @@
 //! of the material is an example, the vertex colours are the avatar's. Glass has a primitive and a material of its own.
 
 use super::{Avatar, Error, Material, Mesh};
+use crate::file;
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::Vec3;
 use serde_json::{Value, json};
@@ -100,10 +101,7 @@ pub fn glb(avatar: &Avatar) -> Vec<u8> {
 /// # Errors
 /// [`Error::Write`] when the folder or file cannot be written.
 pub fn write_glb(avatar: &Avatar, path: &Path) -> Result<(), Error> {
-    let write_error = |source| Error::Write { path: path.to_owned(), source };
-    let partial = path.with_extension("glb.partial");
-    std::fs::write(&partial, glb(avatar)).map_err(write_error)?;
-    std::fs::rename(&partial, path).map_err(write_error)
+    file::write(path, &glb(avatar)).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
 fn node(avatar: &Avatar, joint: Joint) -> Value {

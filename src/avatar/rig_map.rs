@@ -6,9 +6,13 @@
 //! one table. A [`RigMap`] names joints outright and goes before everything else.
 
 use super::Error;
+use crate::file;
 use crate::gait::{JOINT_COUNT, Joint};
 use std::collections::BTreeMap;
 use std::path::Path;
+
+/// Longest file of a map, bytes.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Names of a rig's joints, given by the user; joints left out are found by the built-in maps.
 ///
@@ -73,8 +77,8 @@ impl RigMap {
     /// # Errors
     /// [`Error::Read`] when it cannot be read, else as [`Self::from_toml`].
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let text =
-            std::fs::read_to_string(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let text = file::read_text(path, MOST_BYTES)
+            .map_err(|source| Error::Read { path: path.to_owned(), source })?;
         Self::from_toml(&path.display().to_string(), &text)
     }
 

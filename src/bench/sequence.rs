@@ -252,7 +252,8 @@ impl Sequence {
             Backend::Auto | Backend::Vulkan => {
                 let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
                 kernels.dedup();
-                let engine = Device::open(device, Validation::from_environment())
+                let engine = Validation::from_environment()
+                    .and_then(|validation| Device::open(device, validation))
                     .and_then(|device| Engine::new(&device, &store, &kernels));
                 match engine {
                     Ok(engine) => Some(engine),

@@ -1,6 +1,6 @@
 //! The bodies that a crowd has: generated ones, and files with their rig maps.
 
-use super::usage;
+use super::failed;
 use crate::Error;
 use crate::avatar::{self, Avatar, RigMap, Sex};
 use crate::scenario::Scenario;
@@ -31,7 +31,7 @@ pub(super) fn avatars_of(
     for (file, map) in &maps {
         if let Some(name) = map.avatar().filter(|name| !names.iter().any(|known| known == name)) {
             let hint = format!("its `avatar` must be one of {}, or left out", names.join(", "));
-            return Err(usage(format!("rig map {}: there is no avatar {name:?}", file.display()), hint));
+            return Err(failed(format!("rig map {}: there is no avatar {name:?}", file.display()), hint));
         }
     }
     population.avatars.iter().map(|name| character(name, &beside(name), &maps)).collect()
@@ -50,7 +50,7 @@ fn character(name: &str, path: &Path, maps: &[(PathBuf, RigMap)]) -> Result<Avat
     }
     let ending = path.extension().and_then(|ending| ending.to_str()).map(str::to_ascii_lowercase);
     if !matches!(ending.as_deref(), Some("glb" | "gltf" | "vrm")) {
-        return Err(usage(
+        return Err(failed(
             format!("population.avatars: there is no avatar {name:?}"),
             "use \"female\", \"male\", or the path of a .glb, .gltf or .vrm file",
         ));

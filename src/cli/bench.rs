@@ -2,7 +2,7 @@
 
 use super::output::{note, rate, say, say_json, table, thousands};
 use super::progress::Progress;
-use super::scene::PlaceArguments;
+use super::scene::{PlaceArguments, size_of_crowd};
 use super::usage;
 use crate::Error;
 use crate::bench::{Report, Workload, bench};
@@ -21,7 +21,13 @@ pub(super) struct Arguments {
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated
-    #[arg(long, value_delimiter = ',', value_name = "LIST", default_value = "1000,10000,100000")]
+    #[arg(
+        long,
+        value_delimiter = ',',
+        value_name = "LIST",
+        default_value = "1000,10000,100000",
+        value_parser = size_of_crowd
+    )]
     agents: Vec<usize>,
     #[command(flatten)]
     place: PlaceArguments,

@@ -1,12 +1,13 @@
 //! `gaitway demo`: a crowd in the Crossing and everything it leaves behind, in one folder.
 
-use super::output::{note, say, say_json, table, thousands};
+use super::output::{note, say, say_json, table, thousands, warn};
+use super::outputs::make_folder;
 use super::progress::Progress;
-use super::render::{make_folder, video};
-use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds};
+use super::render::video;
+use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, people, seed};
+use super::sheet;
 use super::simulate::{Length, Recording, simulate, steps_per_frame};
 use super::stage::{CameraName, Stage};
-use super::{sheet, usage};
 use crate::Error;
 use crate::export::image::write_png;
 use crate::picture::Image;
@@ -35,13 +36,13 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
     /// How many agents
-    #[arg(long, default_value_t = 2000)]
+    #[arg(long, default_value_t = 2000, value_parser = people(1))]
     agents: u32,
     /// Simulated time
     #[arg(long, default_value_t = 10.0)]
     seconds: f64,
     /// Seed of every random draw
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed)]
     seed: u64,
     #[command(flatten)]
     place: PlaceArguments,
@@ -102,13 +103,11 @@ impl Files<'_> {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let seconds = check_seconds("--seconds", arguments.seconds)?;
-    if arguments.agents == 0 {
-        return Err(usage("--agents 0: nobody to be shown", "use 1 to 1000000, such as --agents 2000"));
-    }
     make_folder(&arguments.out)?;
     let mut files = Files { folder: &arguments.out, written: Vec::new() };
     let scene = Scene::load(&SceneArguments {
         scene: "crossing".to_owned(),
+        list: false,
         agents: Some(arguments.agents),
         seed: Some(arguments.seed),
         condition: None,
@@ -126,7 +125,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let crowd = simulate(&stage.scene, &mut stage.simulation, length, Some(recording))?;
     files.add(&path, "trajectories (JuPedSim, PedPy)", started);
     if let Some(failure) = &crowd.failure {
-        note(&format!("error: {failure}"));
+        warn(&format!("error: {failure}"));
         return Ok(false);
     }
     pictures(&mut stage, &mut files)?;

@@ -1,7 +1,8 @@
 //! The command line: one file per subcommand. [`main`] is the whole program.
 //!
 //! Results go to standard output (one JSON object and nothing else with `--json`), progress and errors to standard
-//! error. Exit codes: 0 done, 1 it went wrong (`error: …`, `hint: …`), 2 the command line is wrong.
+//! error. Exit codes: 0 done, 1 it went wrong while doing (`error: …`, `hint: …`), 2 the command line is wrong, 130
+//! interrupted.
 
 mod avatars;
 mod bench;
@@ -10,9 +11,11 @@ mod demo;
 mod devices;
 mod figures;
 mod gait;
+mod manual;
 #[cfg(all(feature = "view", feature = "xr"))]
 mod mirror;
 mod output;
+mod outputs;
 mod perceive;
 mod place;
 mod preference;
@@ -21,11 +24,13 @@ mod progress;
 mod render;
 mod replay;
 mod scene;
+mod scenes;
 #[cfg(feature = "vulkan")]
 mod sheet;
 mod simulate;
 #[cfg(feature = "vulkan")]
 mod stage;
+mod threads;
 mod validate;
 #[cfg(feature = "vulkan")]
 mod verify;
@@ -34,8 +39,8 @@ mod view;
 #[cfg(feature = "xr")]
 mod xr;
 
-use crate::Error;
-use clap::{Parser, Subcommand};
+use crate::{Error, stop};
+use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use output::complain;
 use std::process::ExitCode;
 
@@ -49,11 +54,29 @@ use std::process::ExitCode;
     after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway render garden \
                   --camera eyes --out garden.png\n  gaitway verify --quick\n\nThe scenes are crossing, garden, \
                   parking and scifi, or a TOML file.\nEnvironment: GAITWAY_DEVICE names the Vulkan device, \
-                  GAITWAY_VALIDATION=core|sync|gpu-av turns the validation layer on."
+                  GAITWAY_VALIDATION=core|sync|gpu-av turns the validation layer on.\nExit codes: 0 done; 1 it went \
+                  wrong while doing, or a test failed; 2 the command line is wrong: an unknown option or name, a value \
+                  out of range; 130 interrupted by Ctrl-C.\nFiles that exist are kept unless --force is given."
 )]
 struct Cli {
+    #[command(flatten)]
+    manner: Manner,
     #[command(subcommand)]
     command: Command,
+}
+
+/// How every command goes about it.
+#[derive(Debug, Clone, Copy, clap::Args)]
+struct Manner {
+    /// Replace files that exist, and write into folders that are not empty
+    #[arg(long, global = true, help_heading = "Everywhere")]
+    force: bool,
+    /// Say nothing but results and errors
+    #[arg(short, long, global = true, conflicts_with = "verbose", help_heading = "Everywhere")]
+    quiet: bool,
+    /// Say what is read, where it is computed and how long it takes
+    #[arg(short, long, global = true, help_heading = "Everywhere")]
+    verbose: bool,
 }
 
 #[derive(Debug, Subcommand)]
@@ -75,7 +98,7 @@ enum Command {
     #[cfg(all(feature = "view", feature = "xr"))]
     #[command(hide = true)]
     Mirror(mirror::Arguments),
-    /// Take scenes of other programs over
+    /// Take scenes of other programs over, list the built-in ones
     Scene(place::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),
@@ -94,12 +117,126 @@ enum Command {
     /// A crowd in the Crossing: trajectories, pictures, a contact sheet of the four emotions
     #[cfg(feature = "vulkan")]
     Demo(demo::Arguments),
+    /// Completions of commands and options for a shell
+    Completions(manual::CompletionsArguments),
+    /// The manual as man pages
+    Man(manual::ManArguments),
 }
+
+impl Command {
+    /// Whether it can do its work without a Vulkan device, with `--backend cpu`.
+    fn has_backend(&self) -> bool {
+        match self {
+            Self::Simulate(_) | Self::Perceive(_) | Self::Validate(_) | Self::Bench(_) => true,
+            Self::Replay(arguments) => !arguments.draws(),
+            _ => false,
+        }
+    }
+
+    /// Whether it was asked for the scenes and nothing else, and whether in JSON.
+    fn lists_scenes(&self) -> Option<bool> {
+        let (list, json) = match self {
+            Self::Simulate(arguments) => arguments.lists(),
+            #[cfg(feature = "vulkan")]
+            Self::Render(arguments) => arguments.lists(),
+            Self::Perceive(arguments) => arguments.lists(),
+            #[cfg(feature = "view")]
+            Self::View(arguments) => arguments.lists(),
+            #[cfg(feature = "xr")]
+            Self::Xr(arguments) => arguments.lists(),
+            _ => return None,
+        };
+        list.then_some(json)
+    }
+}
+
+/// Exit code: it went wrong while doing.
+const WENT_WRONG: u8 = 1;
+/// Exit code: the command line is wrong.
+const WRONG_COMMAND_LINE: u8 = 2;
 
 /// Reads the command line, does what it says and returns the exit code.
 pub fn main() -> ExitCode {
-    let command = Cli::parse().command;
-    let outcome = match command {
+    stop::listen();
+    threads::start();
+    let parsed =
+        command_line().try_get_matches().and_then(|found| Ok((Cli::from_arg_matches(&found)?, found)));
+    ExitCode::from(match parsed {
+        Err(answer) => output::print(&answer),
+        Ok((cli, found)) => {
+            output::set_manner(cli.manner.quiet, cli.manner.verbose);
+            let has_backend = cli.command.has_backend();
+            let outcome = check_environment()
+                .and_then(|()| outputs::check(&found, cli.manner.force))
+                .and_then(|()| run(cli.command));
+            exit_code(outcome, has_backend)
+        }
+    })
+}
+
+/// The command line. A negative number is a value, so that who types one learns the range and not that there is no such
+/// option.
+fn command_line() -> clap::Command {
+    fn all(command: clap::Command) -> clap::Command {
+        let number = |argument: clap::Arg| {
+            let takes = argument.get_action().takes_values();
+            if takes { argument.allow_negative_numbers(true) } else { argument }
+        };
+        command.mut_args(number).mut_subcommands(all)
+    }
+    all(Cli::command())
+}
+
+/// What environment variables say must be among what they can say, whether it is needed or not.
+fn check_environment() -> Result<(), Error> {
+    #[cfg(feature = "vulkan")]
+    crate::gpu::Validation::from_environment()
+        .map_err(|error| usage(error.to_string(), "or leave it out"))?;
+    Ok(())
+}
+
+/// What a command came to, as an exit code; errors are told.
+fn exit_code(outcome: Result<bool, Error>, has_backend: bool) -> u8 {
+    let is_silent = validation_is_silent();
+    match outcome.and_then(|is_good| output::said().map(|()| is_good)) {
+        Ok(_) if stop::asked() => {
+            output::note("interrupted: what was written ends where it was");
+            stop::EXIT_CODE
+        }
+        Ok(is_good) if is_good && is_silent => 0,
+        Ok(_) => WENT_WRONG,
+        Err(error) => {
+            complain(&error, has_backend);
+            if is_of_the_command_line(&error) { WRONG_COMMAND_LINE } else { WENT_WRONG }
+        }
+    }
+}
+
+/// Whether an error comes from what was typed, not from what was done or found in files.
+fn is_of_the_command_line(error: &Error) -> bool {
+    use crate::export::image::Error as Picture;
+    use crate::scenario::Error as Scenario;
+    match error {
+        Error::Usage { .. } | Error::Scenario(Scenario::UnknownScene { .. } | Scenario::Setting { .. }) => true,
+        Error::Export(crate::export::Error::Picture(Picture::Ending { .. } | Picture::FrameRate(_))) => true,
+        // a value that no file holds
+        Error::Scenario(Scenario::Value(bad)) => bad.place.is_empty() || is_set(&bad.place),
+        Error::Scenario(Scenario::Syntax { place, .. }) => is_set(place),
+        _ => false,
+    }
+}
+
+/// Whether a place is the option `--set` and no file.
+fn is_set(place: &str) -> bool {
+    place.starts_with("--set ")
+}
+
+/// Does what a command says; false when what it tested is not good.
+fn run(command: Command) -> Result<bool, Error> {
+    if let Some(is_json) = command.lists_scenes() {
+        return scenes::list(is_json);
+    }
+    match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Render(arguments) => render::run(&arguments),
@@ -120,15 +257,9 @@ pub fn main() -> ExitCode {
         Command::Devices(arguments) => devices::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Demo(arguments) => demo::run(&arguments),
-    };
-    let is_good = match outcome {
-        Ok(is_good) => is_good,
-        Err(error) => {
-            complain(&error);
-            false
-        }
-    };
-    if is_good && validation_is_silent() { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+        Command::Completions(arguments) => manual::completions(&arguments),
+        Command::Man(arguments) => manual::man(&arguments),
+    }
 }
 
 /// Whether the validation layer had nothing to say; prints what it said.
@@ -137,10 +268,10 @@ fn validation_is_silent() -> bool {
     if std::env::var_os("GAITWAY_VALIDATION").is_some() {
         let messages = crate::gpu::validation_messages();
         for message in &messages {
-            output::note(&format!("validation: {message}"));
+            output::warn(&format!("validation: {message}"));
         }
         if !messages.is_empty() {
-            output::note(&format!("error: the validation layer had {} messages", messages.len()));
+            output::warn(&format!("error: the validation layer had {} messages", messages.len()));
         }
         return messages.is_empty();
     }
@@ -152,14 +283,18 @@ fn usage(message: impl Into<String>, hint: impl Into<String>) -> Error {
     Error::Usage { message: message.into(), hint: hint.into() }
 }
 
+/// An error of a command while it does what it was asked for, and the way out.
+fn failed(message: impl Into<String>, hint: impl Into<String>) -> Error {
+    Error::Failed { message: message.into(), hint: hint.into() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use clap::CommandFactory;
 
     #[test]
     fn the_command_line_is_sound_and_every_subcommand_shows_an_example() {
-        let command = Cli::command();
+        let command = command_line();
         command.clone().debug_assert();
         let mut all: Vec<clap::Command> = command.get_subcommands().cloned().collect();
         while let Some(one) = all.pop() {

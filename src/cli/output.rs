@@ -1,23 +1,95 @@
 //! What the program says: results on standard output, remarks and errors on standard error, tables.
 //!
-//! A reader that has gone away (`gaitway ... | head -1`) is no error.
+//! Whether the result could be said is asked once, at the end ([`said`]): a full disk or a reader that has gone away
+//! (`gaitway ... | head -1`) is an error.
 
 use crate::Error;
 use serde::Serialize;
 use std::io::Write as _;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// Why the first line of the result that could not be said could not.
+static UNSAID: Mutex<Option<std::io::Error>> = Mutex::new(None);
 
 /// Prints a line of the result.
 pub(super) fn say(line: &str) {
-    let _ = writeln!(std::io::stdout().lock(), "{line}");
+    keep(writeln!(std::io::stdout().lock(), "{line}"));
 }
 
-/// Prints a remark.
+/// Keeps the first failure of standard output.
+fn keep(written: std::io::Result<()>) {
+    if let Err(error) = written {
+        UNSAID.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
+    }
+}
+
+/// Whether all of the result could be said.
+pub(super) fn said() -> Result<(), Error> {
+    keep(std::io::stdout().lock().flush());
+    match UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take() {
+        None => Ok(()),
+        Some(error) => Err(super::failed(
+            format!("cannot write to standard output: {error}"),
+            "the result was not printed in full; files that were to be written are there",
+        )),
+    }
+}
+
+/// Prints help, the version, or what is wrong with the command line; the exit code.
+pub(super) fn print(answer: &clap::Error) -> u8 {
+    let printed = answer.print();
+    if answer.use_stderr() {
+        return super::WRONG_COMMAND_LINE;
+    }
+    keep(printed);
+    match said() {
+        Ok(()) => 0,
+        Err(error) => {
+            complain(&error, false);
+            super::WENT_WRONG
+        }
+    }
+}
+
+/// How much is said beside results and errors: `--quiet`, nothing, `--verbose`.
+static MANNER: AtomicU8 = AtomicU8::new(NORMAL);
+const QUIET: u8 = 0;
+const NORMAL: u8 = 1;
+const VERBOSE: u8 = 2;
+
+/// Sets how much is said from now on.
+pub(super) fn set_manner(is_quiet: bool, is_verbose: bool) {
+    let manner = if is_quiet { QUIET } else { NORMAL + u8::from(is_verbose) };
+    MANNER.store(manner, Ordering::Relaxed);
+}
+
+/// Whether remarks and progress are wanted.
+pub(super) fn is_talkative() -> bool {
+    MANNER.load(Ordering::Relaxed) >= NORMAL
+}
+
+/// Prints a remark, unless `--quiet`.
 pub(super) fn note(line: &str) {
+    if is_talkative() {
+        warn(line);
+    }
+}
+
+/// Prints a detail, with `--verbose`.
+pub(super) fn detail(line: &str) {
+    if MANNER.load(Ordering::Relaxed) == VERBOSE {
+        warn(line);
+    }
+}
+
+/// Prints a line on standard error, whatever the manner.
+pub(super) fn warn(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Prints an error and the way out.
-pub(super) fn complain(error: &Error) {
+/// Prints an error and the way out, of which `--backend cpu` is one where the command has it.
+pub(super) fn complain(error: &Error, has_backend: bool) {
     let (message, hint) = match error {
         Error::Scenario(crate::scenario::Error::Value(bad)) => {
             let place = if bad.place.is_empty() { String::new() } else { format!("{}: ", bad.place) };
@@ -27,11 +99,16 @@ pub(super) fn complain(error: &Error) {
         Error::Scenario(crate::scenario::Error::Populate { name, message, hint }) => {
             (format!("scenario {name:?}: {message}"), Some(hint.clone()))
         }
+        #[cfg(feature = "vulkan")]
+        Error::Gpu(error) if has_backend => {
+            let hint = error.hint().map(|hint| format!("{hint}; "));
+            (error.to_string(), Some(hint.unwrap_or_default() + "or add --backend cpu"))
+        }
         other => (other.to_string(), other.hint().map(str::to_owned)),
     };
-    note(&format!("error: {message}"));
+    warn(&format!("error: {message}"));
     if let Some(hint) = hint {
-        note(&format!("hint: {hint}"));
+        warn(&format!("hint: {hint}"));
     }
     if let Error::Avatar(crate::avatar::Error::Rig { map, .. }) = error {
         say(map.trim_end());
@@ -40,8 +117,9 @@ pub(super) fn complain(error: &Error) {
 
 /// Prints the one JSON object of `--json`.
 pub(super) fn say_json(value: &impl Serialize) -> Result<(), Error> {
-    let text = serde_json::to_string_pretty(value)
-        .map_err(|error| super::usage(format!("the result has no JSON form: {error}"), "leave --json out"))?;
+    let text = serde_json::to_string_pretty(value).map_err(|error| {
+        super::failed(format!("the result has no JSON form: {error}"), "leave --json out")
+    })?;
     say(&text);
     Ok(())
 }

@@ -1,10 +1,10 @@
 //! `gaitway perceive`: which emotions a classifier sees in the crowd that is shown, against those that are wanted.
 
+use super::failed;
 use super::gait::sources;
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
-use super::usage;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};
@@ -72,6 +72,13 @@ enum TrainAs {
     Alone,
     /// As they are shown in the scene by a crowd of other people (another seed)
     Crowd,
+}
+
+impl Arguments {
+    /// Whether the scenes are asked for, and whether in JSON.
+    pub(super) const fn lists(&self) -> (bool, bool) {
+        (self.scene.list, self.json)
+    }
 }
 
 /// What is printed.
@@ -275,7 +282,7 @@ fn trained(name: String, gaits: &[Gait]) -> Result<Judge, Error> {
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
         gaits.iter().filter_map(|gait| gait.label.map(|label| (gait, label))).unzip();
     if gaits.is_empty() {
-        return Err(usage(
+        return Err(failed(
             format!("{name}: there is no gait with a label"),
             "labels come from a library or from a gaits.csv beside the motion files (columns key, subject, label)",
         ));

@@ -1,7 +1,7 @@
-//! `gaitway scene import`: other programs' scenes as scenario files.
+//! `gaitway scene`: other programs' scenes as scenario files, and the built-in ones listed.
 
 use super::output::{note, say, say_json, thousands};
-use super::usage;
+use super::{outputs, scenes, usage};
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::scenario::menge;
@@ -21,6 +21,17 @@ pub(super) struct Arguments {
 enum Command {
     /// Take a Menge project over: its scene and behaviour as a scenario file
     Import(ImportArguments),
+    /// List the built-in scenes
+    List(ListArguments),
+}
+
+/// Arguments of `gaitway scene list`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  gaitway scene list\n  gaitway scene list --json")]
+struct ListArguments {
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
 }
 
 /// Arguments of `gaitway scene import`.
@@ -55,7 +66,13 @@ struct Outcome {
 
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
-    let Command::Import(arguments) = &arguments.command;
+    match &arguments.command {
+        Command::Import(arguments) => import(arguments),
+        Command::List(arguments) => scenes::list(arguments.json),
+    }
+}
+
+fn import(arguments: &ImportArguments) -> Result<bool, Error> {
     let imported = menge::import(&arguments.project, arguments.seed)?;
     let file = match &arguments.out {
         Some(out) => out.clone(),
@@ -63,6 +80,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     if file.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("toml")) {
         return Err(usage(format!("--out {}: a scenario ends in .toml", file.display()), "use FILE.toml"));
+    }
+    if arguments.out.is_none() {
+        outputs::free(&file)?;
     }
     let text = imported.scenario.to_toml()?;
     let mut target = AtomicFile::create(&file)?;

@@ -1,15 +1,17 @@
 //! `gaitway render`: pictures and videos of a crowd.
 
 use super::output::{say, say_json, thousands};
+use super::outputs::make_folder;
 use super::progress::Progress;
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds};
 use super::simulate::steps_per_frame;
 use super::stage::{CameraName, Stage, size};
 use super::usage;
-use crate::Error;
 use crate::export::image::write_png;
 use crate::export::video::Video;
+use crate::{Error, stop};
 use clap::Args;
+use clap::builder::ArgPredicate;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -35,7 +37,12 @@ pub(super) struct Arguments {
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WIDTHxHEIGHT")]
     size: (u32, u32),
     /// FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ for a PNG per frame
-    #[arg(long, value_name = "FILE")]
+    #[arg(
+        long,
+        value_name = "FILE",
+        required_unless_present = "list",
+        default_value_if("list", ArgPredicate::IsPresent, "")
+    )]
     out: PathBuf,
     /// Simulated time before the (first) picture [default: 3, videos: 0]
     #[arg(long, value_name = "SECONDS")]
@@ -52,6 +59,13 @@ pub(super) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+impl Arguments {
+    /// Whether the scenes are asked for, and whether in JSON.
+    pub(super) const fn lists(&self) -> (bool, bool) {
+        (self.scene.list, self.json)
+    }
 }
 
 /// What was written.
@@ -136,7 +150,11 @@ pub(super) fn draw(
     let every = steps_per_frame(rate, &scene)?;
     let (lead, steps) = (scene.steps(at), scene.steps(picture.seconds));
     let mut stage = Stage::new(scene, place, picture.size, picture.markers)?;
+    let heed = stop::heed();
     advance(&mut stage, lead)?;
+    if stop::asked() {
+        return Ok(true); // nothing was drawn yet
+    }
     let (file, frames) = match target {
         Target::Still(path) => {
             let camera = stage.camera(picture.camera, 0.0)?;
@@ -154,6 +172,7 @@ pub(super) fn draw(
         }
         Target::Video(path) => video(&mut stage, picture.camera, (steps, every), &path, rate)?,
     };
+    drop(heed);
     let outcome = Outcome {
         device: stage.devices(),
         scene: stage.scene.scenario.name.clone(),
@@ -195,7 +214,7 @@ fn print(outcome: &Outcome) {
 fn advance(stage: &mut Stage, steps: u32) -> Result<(), Error> {
     let mut progress = Progress::new("simulating");
     let mut done = 0;
-    while done < steps {
+    while done < steps && !stop::asked() {
         let count = LEAP.min(steps - done);
         stage.step(count)?;
         done += count;
@@ -216,6 +235,9 @@ pub(super) fn film(
     let begin = stage.simulation.time();
     for number in 0..frames {
         if number > 0 {
+            if stop::asked() {
+                return Ok(number);
+            }
             stage.step(every)?;
         }
         let camera = stage.camera(camera, stage.simulation.time() - begin)?;
@@ -240,10 +262,4 @@ pub(super) fn video(
         Ok(video.push(image).map_err(crate::export::Error::from)?)
     })?;
     Ok((video.finish().map_err(crate::export::Error::from)?, frames))
-}
-
-/// Makes a folder for results.
-pub(super) fn make_folder(path: &Path) -> Result<(), Error> {
-    std::fs::create_dir_all(path)
-        .map_err(|source| crate::export::Error::Write { path: path.to_owned(), source }.into())
 }

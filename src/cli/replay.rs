@@ -1,9 +1,13 @@
 //! `gaitway replay`: other people's crowds, recorded or simulated, with bodies, gaits and emotions.
 
 use super::avatars::RigArguments;
-use super::output::{note, say, say_json, thousands};
+#[cfg(feature = "vulkan")]
+use super::output::note;
+use super::output::{say, say_json, thousands, warn};
 use super::preference::PreferenceArguments;
-use super::scene::{ConditionName, PlaceArguments, Scene, check_seconds, library_for, scenario_of, start};
+use super::scene::{
+    ConditionName, PlaceArguments, Scene, check_seconds, library_for, people, scenario_of, seed, start,
+};
 use super::simulate::{Length, Outcome, Recording, simulate};
 #[cfg(feature = "vulkan")]
 use super::stage::{CameraName, size};
@@ -35,10 +39,10 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "SCENE|FILE.toml")]
     scene: Option<String>,
     /// Simulated walkers beside the recorded people, of whom they make way [default: 0, or the scene's]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = people(0))]
     agents: Option<u32>,
     /// Seed of every random draw
-    #[arg(long, default_value_t = 1)]
+    #[arg(long, default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// baseline: one neutral gait, no gaze; eva-o: gaits by emotion; eva-g: gaits and gaze [default: as in the scene]
     #[arg(long, value_enum)]
@@ -71,6 +75,16 @@ pub(super) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+impl Arguments {
+    /// Whether pictures are made of it, rather than trajectories.
+    pub(super) const fn draws(&self) -> bool {
+        #[cfg(feature = "vulkan")]
+        return self.picture.render.is_some();
+        #[cfg(not(feature = "vulkan"))]
+        false
+    }
 }
 
 /// How to read the file.
@@ -219,7 +233,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         super::simulate::print(&replayed.outcome);
     }
     if let Some(failure) = &replayed.outcome.failure {
-        note(&format!("error: {failure}"));
+        warn(&format!("error: {failure}"));
     }
     Ok(replayed.outcome.failure.is_none())
 }

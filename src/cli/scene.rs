@@ -1,17 +1,21 @@
 //! What `simulate`, `render` and `demo` have in common: which crowd, where, on which backend.
 
 use super::avatars::{RigArguments, avatars_of};
+use super::output::{detail, note};
 use super::preference::PreferenceArguments;
-use super::{output::note, usage};
+use super::usage;
 use crate::Error;
 use crate::export::AgentInfo;
 use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Crowd, Geometry, Scenario, Setting, User, outsider_bodies, populate_from};
+use crate::scenario::{
+    Condition, Crowd, Geometry, MAX_AGENTS, Scenario, Setting, User, outsider_bodies, populate_from,
+};
 use crate::sim::{Backend, Cast, Simulation, flow, setup};
-use clap::{Args, ValueEnum};
+use clap::builder::{ArgPredicate, TypedValueParser};
+use clap::{Args, ValueEnum, value_parser};
 use glam::Vec3;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -20,13 +24,20 @@ use std::str::FromStr;
 #[derive(Debug, Clone, Args)]
 pub(super) struct SceneArguments {
     /// A built-in scene (crossing, garden, parking, scifi) or a scenario file
-    #[arg(value_name = "SCENE|FILE.toml")]
+    #[arg(
+        value_name = "SCENE|FILE.toml",
+        required_unless_present = "list",
+        default_value_if("list", ArgPredicate::IsPresent, "")
+    )]
     pub(super) scene: String,
+    /// List the built-in scenes and stop
+    #[arg(long)]
+    pub(super) list: bool,
     /// How many agents; built-in places grow with them [default: as in the scenario]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = people(0))]
     pub(super) agents: Option<u32>,
     /// Seed of every random draw [default: as in the scenario]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", value_parser = seed)]
     pub(super) seed: Option<u64>,
     /// baseline: one neutral gait, no gaze; eva-o: gaits by emotion; eva-g: gaits and gaze [default: as in the scenario]
     #[arg(long, value_enum)]
@@ -135,6 +146,14 @@ impl Scene {
         let asked = arguments.condition.map(ConditionName::get).or(is_set.then_some(scenario.condition));
         let library = library_for(arguments.library.as_deref(), &mut scenario, asked)?;
         change(&mut scenario);
+        detail(&format!(
+            "scene {}: {} agents, seed {}, step {} s; {} gaits to walk with",
+            scenario.name,
+            scenario.population.agents,
+            scenario.seed,
+            scenario.navigation.time_step,
+            library.gaits().len()
+        ));
         let base = Path::new(&arguments.scene).parent();
         let crowd = populate_from(&scenario, &library)?;
         let cast = cast_of(&scenario, &library, base, &arguments.rigs)?;
@@ -204,10 +223,28 @@ impl Scene {
     }
 }
 
+/// Reads a number of people, `least` at least.
+pub(super) fn people(least: u32) -> impl TypedValueParser<Value = u32> {
+    value_parser!(u32).range(i64::from(least)..=i64::from(MAX_AGENTS))
+}
+
+/// Reads a size of a crowd.
+pub(super) fn size_of_crowd(text: &str) -> Result<usize, String> {
+    let most = MAX_AGENTS as usize;
+    let size = text.trim().parse().ok().filter(|size| *size <= most);
+    size.ok_or_else(|| format!("a size is a whole number from 0 to {most}"))
+}
+
+/// Reads a seed.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|error| format!("{error}: a seed is a whole number from 0 to {}", u64::MAX))
+}
+
 /// A simulation where the arguments say; tells when it had to fall back to the CPU.
 pub(super) fn start(store: Store, place: &PlaceArguments) -> Result<Simulation, Error> {
     let (backend, device) = place.get()?;
     let simulation = Simulation::from_store(store, backend, device)?;
+    detail(&format!("simulating on {}, {} threads", simulation.device(), rayon::current_num_threads()));
     if let Some(reason) = simulation.fallback() {
         note(&format!(
             "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"

@@ -4,12 +4,12 @@ use super::output::{note, rate, say, say_json, thousands};
 use super::progress::Progress;
 use super::scene::{Scene, SceneArguments, check_seconds, start};
 use super::usage;
-use crate::Error;
 use crate::export::{Frame, Ground, TrajectoryFormat, TrajectoryWriter, Walkable};
 use crate::replay::Replay;
 use crate::scenario::Clearance;
 use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::{self, Simulation, measure};
+use crate::{Error, stop};
 use clap::{Args, ValueEnum};
 use glam::Vec2;
 use serde::Serialize;
@@ -52,6 +52,13 @@ pub(super) struct Arguments {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
+}
+
+impl Arguments {
+    /// Whether the scenes are asked for, and whether in JSON.
+    pub(super) const fn lists(&self) -> (bool, bool) {
+        (self.scene.list, self.json)
+    }
 }
 
 /// When to stop.
@@ -143,8 +150,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         print(&outcome);
     }
     if let Some(failure) = &outcome.failure {
-        note(&format!("error: {failure}"));
-        note("hint: please report this with the scenario, the seed and `gaitway verify`");
+        super::output::warn(&format!("error: {failure}"));
+        super::output::warn("hint: please report this with the scenario, the seed and `gaitway verify`");
     }
     Ok(outcome.failure.is_none())
 }
@@ -178,7 +185,8 @@ impl Recording {
     /// Begins a file.
     pub(super) fn create(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
         let every = steps_per_frame(rate, scene)?;
-        let format = TrajectoryFormat::from_path(path)?;
+        let endings = "use .sqlite, .txt or .csv";
+        let format = TrajectoryFormat::from_path(path).map_err(|error| usage(error.to_string(), endings))?;
         let writer = TrajectoryWriter::create(
             path,
             format,
@@ -277,7 +285,8 @@ pub(super) fn simulate(
     if let Some(recording) = &mut recording {
         recording.frame(simulation)?;
     }
-    while done < steps && failure.is_none() {
+    let heed = stop::heed();
+    while done < steps && failure.is_none() && !stop::asked() {
         let to_next = |every: u32| every - done % every;
         let frame = recording.as_ref().map_or(u32::MAX, |recording| to_next(recording.every));
         let count = to_next(sampling).min(frame).min(steps - done);
@@ -306,6 +315,7 @@ pub(super) fn simulate(
         measures.steps = 1;
     }
     let trajectories = recording.map(Recording::finish).transpose()?;
+    drop(heed);
     let step_seconds = stepping.as_secs_f64();
     let work = f64::from(agents) * f64::from(done);
     let (speed, counted) = measures.speed;

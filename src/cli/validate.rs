@@ -48,9 +48,25 @@ struct Json<'a> {
     device: &'a str,
 }
 
+#[derive(Debug, Serialize)]
+struct List {
+    tests: Vec<Named>,
+}
+
+#[derive(Debug, Serialize)]
+struct Named {
+    name: &'static str,
+    title: &'static str,
+}
+
 /// Runs the subcommand; false when a value misses its criterion.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if arguments.list {
+        if arguments.json {
+            let tests = tests::ALL.iter().map(|test| Named { name: test.name, title: test.title }).collect();
+            say_json(&List { tests })?;
+            return Ok(true);
+        }
         let rows: Vec<_> = tests::ALL.iter().map(|t| vec![t.name.to_owned(), t.title.to_owned()]).collect();
         table(&["test", "what"], &rows);
         return Ok(true);

@@ -2,6 +2,7 @@
 
 use super::output::{say, say_json, table, thousands};
 use super::progress::Progress;
+use super::scene::size_of_crowd;
 use super::usage;
 use crate::Error;
 use crate::gpu::{Device, Validation};
@@ -21,7 +22,7 @@ const MOST: usize = 100_000;
 )]
 pub(super) struct Arguments {
     /// Sizes for the kernels, comma-separated [default: 0,1,63,64,65,1000,20000]
-    #[arg(long, value_delimiter = ',', value_name = "LIST")]
+    #[arg(long, value_delimiter = ',', value_name = "LIST", value_parser = size_of_crowd)]
     agents: Vec<usize>,
     /// Without the largest size, and a third of the crowd's steps
     #[arg(long)]
@@ -61,7 +62,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             "kernels differ, if at all, at small sizes",
         ));
     }
-    let device = Device::open(arguments.device.as_deref(), Validation::from_environment())?;
+    let device = Device::open(arguments.device.as_deref(), Validation::from_environment()?)?;
     let mut progress = Progress::new("verifying");
     let report = verify(&device, &options, &mut |what, share| progress.at(what, share))?;
     drop(progress);

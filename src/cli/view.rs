@@ -56,6 +56,13 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+impl Arguments {
+    /// Whether the scenes are asked for, and whether in JSON.
+    pub(super) const fn lists(&self) -> (bool, bool) {
+        (self.scene.list, self.json)
+    }
+}
+
 /// Whom agents look at.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum Eyes {
@@ -106,6 +113,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         is_paused: arguments.pause,
     };
     let mut hall = Hall { arguments: &arguments.scene, scene, is_cast: false };
+    let _heed = crate::stop::heed();
     let outcome = view::run(plan, &mut hall)?;
     if arguments.json {
         say_json(&outcome)?;

@@ -1,12 +1,12 @@
 //! `gaitway xr`: a crowd around the user of a headset.
 
+use super::failed;
 #[cfg(feature = "view")]
 use super::mirror;
 use super::output::{note, say, say_json};
 use super::progress::Progress;
 use super::scene::{Scene, SceneArguments, check_seconds, library, start};
 use super::stage::{atmosphere, size};
-use super::usage;
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::kernels::Store;
@@ -75,6 +75,13 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+impl Arguments {
+    /// Whether the scenes are asked for, and whether in JSON.
+    pub(super) const fn lists(&self) -> (bool, bool) {
+        (self.scene.list, self.json)
+    }
+}
+
 /// A rate in Hz that a display may have.
 fn refresh_rate(text: &str) -> Result<f32, String> {
     let rate: f32 = text.parse().map_err(|error| format!("{error}"))?;
@@ -93,7 +100,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let seconds = arguments.seconds.map(|seconds| check_seconds("--seconds", seconds)).transpose()?;
     if let Some(folder) = &arguments.shots {
         std::fs::create_dir_all(folder).map_err(|error| {
-            usage(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
+            failed(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
         })?;
     }
     let scene = Scene::load_with(&arguments.scene, |scenario| scenario.put_in(User::default()))?;
@@ -157,7 +164,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let recorder = Recorder::new(file, &session).map_err(recording(path))?;
         observer.record = Some((path.clone(), recorder));
     }
-    xr::listen();
+    let _heed = crate::stop::heed();
     let outcome = xr::run(&mut simulation, world, plan, &mut observer);
     #[cfg(feature = "view")]
     let mirrored = window.map(mirror::close);
@@ -204,7 +211,7 @@ fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
     }
     let mut file = AtomicFile::create(&name.with_extension("csv"))?;
     file.write_all(table.as_bytes()).map_err(|error| {
-        usage(format!("{}.csv: {error}", name.display()), "choose a folder that can be written to")
+        failed(format!("{}.csv: {error}", name.display()), "choose a folder that can be written to")
     })?;
     Ok(file.finish()?)
 }
@@ -245,7 +252,7 @@ fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
                  and library, by the same version"
             }
         };
-        usage(format!("{}: {error}", path.display()), hint)
+        failed(format!("{}: {error}", path.display()), hint)
     }
 }
 

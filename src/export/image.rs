@@ -1,8 +1,9 @@
 //! Pictures into PNG files, and many pictures onto one sheet.
 
 use super::font;
+use crate::file::Partial;
 use crate::picture::Image;
-use std::io::BufWriter;
+use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 /// A picture or a video could not be written.
@@ -70,42 +71,6 @@ impl Error {
     }
 }
 
-/// A neighbour of `path` to write into until the file is complete; on failure it is removed again.
-#[derive(Debug)]
-pub(super) struct Unfinished {
-    path: PathBuf,
-    temporary: PathBuf,
-    finished: bool,
-}
-
-impl Unfinished {
-    pub(super) fn new(path: &Path) -> Self {
-        let name = path.file_name().unwrap_or_default().to_string_lossy();
-        let temporary = path.with_file_name(format!(".{name}.{}.part", std::process::id()));
-        Self { path: path.to_path_buf(), temporary, finished: false }
-    }
-
-    /// The file to write into.
-    pub(super) fn temporary(&self) -> &Path {
-        &self.temporary
-    }
-
-    /// The complete file takes its name.
-    pub(super) fn finish(mut self) -> Result<PathBuf, Error> {
-        std::fs::rename(&self.temporary, &self.path).map_err(Error::write(&self.path))?;
-        self.finished = true;
-        Ok(self.path.clone())
-    }
-}
-
-impl Drop for Unfinished {
-    fn drop(&mut self) {
-        if !self.finished {
-            let _ = std::fs::remove_file(&self.temporary); // there may be none yet
-        }
-    }
-}
-
 /// Says what is wrong with a picture whose size and bytes do not agree.
 pub(super) fn check(image: &Image) -> Result<(), Error> {
     let wanted = image.width as usize * image.height as usize * 4;
@@ -129,11 +94,11 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), Error> {
     if !found.eq_ignore_ascii_case("png") {
         return Err(Error::Ending { path: path.to_path_buf(), found, allowed: ".png" });
     }
-    let unfinished = Unfinished::new(path);
-    let file = std::fs::File::create(unfinished.temporary()).map_err(Error::write(path))?;
-    encode_png(BufWriter::new(file), image).map_err(Error::write(path))?;
-    unfinished.finish()?;
-    Ok(())
+    let mut partial = Partial::create(path).map_err(Error::write(path))?;
+    let mut out = BufWriter::new(&mut partial);
+    let written = encode_png(&mut out, image).and_then(|()| out.flush());
+    drop(out);
+    written.and_then(|()| partial.finish()).map_err(Error::write(path))
 }
 
 fn encode_png(out: impl std::io::Write, image: &Image) -> std::io::Result<()> {

@@ -13,8 +13,9 @@
 use super::Error;
 use super::agents::{AgentInfo, Presence, strongest_emotion};
 use super::area::{Area, Ground};
-use super::atomic::Neighbour;
+use super::atomic::wrong;
 use super::trajectory::{Sample, plane_from_ground};
+use crate::file::Partial;
 use glam::{DVec2, Vec2};
 use rusqlite::{Connection, params};
 use std::path::{Path, PathBuf};
@@ -49,9 +50,9 @@ const AGENT: &str =
 #[derive(Debug)]
 pub(super) struct Sqlite {
     path: PathBuf,
-    // Declared before the neighbour: the database closes before its file is removed.
+    // Declared before the unfinished file: the database closes before its file is removed.
     connection: Connection,
-    neighbour: Neighbour,
+    partial: Partial,
     area: Area,
     low: DVec2,
     high: DVec2,
@@ -60,9 +61,9 @@ pub(super) struct Sqlite {
 
 impl Sqlite {
     pub(super) fn create(path: &Path, frame_rate: f64, area: Area) -> Result<Self, Error> {
-        let neighbour = Neighbour::new(path)?;
+        let partial = Partial::create(path).map_err(wrong(path))?;
         let sqlite = |source| Error::Sqlite { path: path.to_owned(), source };
-        let connection = Connection::open(&neighbour.path).map_err(sqlite)?;
+        let connection = Connection::open(partial.temporary()).map_err(sqlite)?;
         let set_up = || -> rusqlite::Result<()> {
             // The file is worthless until renamed, so a crash needs no journal. (A memory journal leaves no
             // second file behind, either.)
@@ -77,7 +78,7 @@ impl Sqlite {
         Ok(Self {
             path: path.to_owned(),
             connection,
-            neighbour,
+            partial,
             area,
             low: DVec2::INFINITY,
             high: DVec2::NEG_INFINITY,
@@ -125,7 +126,7 @@ impl Sqlite {
         frames: u32,
         frame_rate: f64,
     ) -> Result<Ground, Error> {
-        let Self { path, connection, neighbour, area, low, high, .. } = self;
+        let Self { path, connection, partial, area, low, high, .. } = self;
         let sqlite = |source| Error::Sqlite { path: path.clone(), source };
         // No agents, no extent: readers want numbers all the same.
         let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
@@ -148,13 +149,7 @@ impl Sqlite {
         };
         complete().map_err(sqlite)?;
         connection.close().map_err(|(_, source)| sqlite(source))?;
-        let wrong = super::atomic::wrong(&path);
-        std::fs::OpenOptions::new()
-            .write(true)
-            .open(&neighbour.path)
-            .and_then(|file| file.sync_all())
-            .map_err(&wrong)?;
-        neighbour.rename(&path)?;
+        partial.sync().and_then(|()| partial.finish()).map_err(wrong(&path))?;
         Ok(ground)
     }
 }

@@ -3,7 +3,8 @@
 //!
 //! Both get the same frames: 4:2:0, BT.709, limited range, chroma sited left (the default of both formats).
 
-use super::image::{Error, Unfinished, check};
+use super::image::{Error, check};
+use crate::file::Partial;
 use crate::picture::Image;
 use rayon::prelude::*;
 use std::fs::File;
@@ -17,7 +18,7 @@ use std::thread::JoinHandle;
 #[derive(Debug)]
 pub struct Video {
     sink: Sink,
-    file: Unfinished,
+    partial: Partial,
     path: PathBuf,
     width: u32,
     height: u32,
@@ -87,11 +88,11 @@ impl Video {
             (Some(container), Some(ffmpeg)) => (path.to_path_buf(), Some((container, ffmpeg))),
             _ => (path.with_extension("y4m"), None),
         };
-        let file = Unfinished::new(&path);
+        let partial = Partial::create(&path).map_err(Error::write(&path))?;
         let sink = match ffmpeg {
-            Some((container, program)) => run_ffmpeg(program, container, &file, (width, height), rate)?,
+            Some((container, program)) => run_ffmpeg(program, container, &partial, (width, height), rate)?,
             None => {
-                let mut out = BufWriter::new(File::create(file.temporary()).map_err(Error::write(&path))?);
+                let mut out = BufWriter::new(File::create(partial.temporary()).map_err(Error::write(&path))?);
                 // C420mpeg2: 4:2:0 with chroma sited left
                 let (n, d) = rate;
                 writeln!(out, "YUV4MPEG2 W{width} H{height} F{n}:{d} Ip A1:1 C420mpeg2 XCOLORRANGE=LIMITED")
@@ -100,7 +101,7 @@ impl Video {
             }
         };
         let planes = vec![0; width as usize * height as usize * 3 / 2];
-        Ok(Self { sink, file, path, width, height, frames: 0, planes })
+        Ok(Self { sink, partial, path, width, height, frames: 0, planes })
     }
 
     /// The file that will be there in the end.
@@ -154,7 +155,8 @@ impl Video {
     /// When the disk is full or ffmpeg failed.
     pub fn finish(mut self) -> Result<PathBuf, Error> {
         self.sink.close(&self.path)?;
-        self.file.finish()
+        self.partial.finish().map_err(Error::write(&self.path))?;
+        Ok(self.path)
     }
 }
 
@@ -203,7 +205,7 @@ fn rational(rate: f64) -> Result<(u32, u32), Error> {
 fn run_ffmpeg(
     program: &Path,
     container: &str,
-    file: &Unfinished,
+    file: &Partial,
     size: (u32, u32),
     rate: (u32, u32),
 ) -> Result<Sink, Error> {

@@ -124,6 +124,19 @@ impl Maker for Own {
     }
 }
 
+/// Less address space than this is not tried, bytes: a driver that finds too little ends the program.
+#[cfg(unix)]
+const LEAST_ADDRESS_SPACE: u64 = 2 << 30;
+
+/// Most address space that this process may have (`ulimit -v`), bytes.
+#[cfg(unix)]
+fn address_space() -> Option<u64> {
+    let mut limit = libc::rlimit { rlim_cur: 0, rlim_max: 0 };
+    // SAFETY: writes into the structure and nowhere else.
+    let result = unsafe { libc::getrlimit(libc::RLIMIT_AS, &raw mut limit) };
+    (result == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur)
+}
+
 pub(crate) struct Instance {
     pub(crate) entry: ash::Entry,
     pub(crate) raw: ash::Instance,
@@ -132,6 +145,10 @@ pub(crate) struct Instance {
 
 impl Instance {
     pub(crate) fn new(validation: Validation, maker: &dyn Maker) -> Result<Self, Error> {
+        #[cfg(unix)]
+        if let Some(bytes) = address_space().filter(|bytes| *bytes < LEAST_ADDRESS_SPACE) {
+            return Err(Error::AddressSpace { mib: bytes >> 20, least: LEAST_ADDRESS_SPACE >> 20 });
+        }
         // SAFETY: loads the system's Vulkan loader, whose initialisers have no requirements on us.
         let entry = unsafe { ash::Entry::load() }.map_err(|error| Error::NoLoader(error.to_string()))?;
         let mut layers = Vec::new();

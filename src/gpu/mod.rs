@@ -41,6 +41,17 @@ pub enum Error {
         /// What it said.
         result: ash::vk::Result,
     },
+    /// This process may not have as much memory as drivers need.
+    #[error("no Vulkan driver is tried with {mib} MiB of address space; it takes {least}")]
+    AddressSpace {
+        /// What it may have.
+        mib: u64,
+        /// What it takes.
+        least: u64,
+    },
+    /// `GAITWAY_VALIDATION` has a value that is none.
+    #[error("GAITWAY_VALIDATION={0}: must be {names}", names = Validation::NAMES.join(", "))]
+    UnknownValidation(String),
     /// The validation layer was asked for but is not installed.
     #[error("the Vulkan validation layer (VK_LAYER_KHRONOS_validation) is not installed")]
     NoValidationLayer,
@@ -110,20 +121,15 @@ impl Error {
             Self::NoLoader(_) | Self::NoDriver { .. } => Some(
                 "Debian/Ubuntu: apt install libvulkan1 mesa-vulkan-drivers; Fedora: dnf install vulkan-loader \
                  mesa-vulkan-drivers; Arch: pacman -S vulkan-icd-loader vulkan-swrast; or run scripts/setup and \
-                 prefix the command with scripts/gpu-env; or add --backend cpu",
+                 prefix the command with scripts/gpu-env",
             ),
             Self::NoValidationLayer => {
                 Some("Debian/Ubuntu: apt install vulkan-validationlayers; or run through scripts/gpu-env")
             }
-            Self::NoDevice { wanted: Wanted::Best, .. } => {
-                Some("`gaitway devices` says what is missing; or add --backend cpu")
-            }
-            Self::NoDevice { .. } => Some(
-                "name another with --device or GAITWAY_DEVICE, or none for the best; or add --backend cpu",
-            ),
-            Self::Memory { .. } | Self::TooLarge { .. } => {
-                Some("use fewer agents (--agents) or --backend cpu")
-            }
+            Self::NoDevice { wanted: Wanted::Best, .. } => Some("`gaitway devices` says what is missing"),
+            Self::NoDevice { .. } => Some("name another with --device or GAITWAY_DEVICE, or none for the best"),
+            Self::AddressSpace { .. } => Some("raise the limit (ulimit -v)"),
+            Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller pictures"),
             _ => None,
         }
     }

@@ -1,5 +1,6 @@
 //! The validation layer: how much it checks, and its voice.
 
+use super::Error;
 use ash::vk;
 use std::ffi::{CStr, c_void};
 use std::sync::{Mutex, PoisonError};
@@ -22,13 +23,27 @@ pub enum Validation {
 }
 
 impl Validation {
-    /// From the environment variable `GAITWAY_VALIDATION`: `off`, `core`, `sync` or `gpu-av`.
-    pub fn from_environment() -> Self {
-        match std::env::var("GAITWAY_VALIDATION").as_deref() {
-            Ok("core") => Self::Core,
-            Ok("sync") => Self::Sync,
-            Ok("gpu-av") => Self::GpuAssisted,
-            _ => Self::Off,
+    /// What they are called in `GAITWAY_VALIDATION`.
+    pub const NAMES: [&str; 4] = ["off", "core", "sync", "gpu-av"];
+
+    /// From the environment variable `GAITWAY_VALIDATION`: one of [`Self::NAMES`]; off where it is not set or empty.
+    ///
+    /// # Errors
+    /// [`Error::UnknownValidation`].
+    pub fn from_environment() -> Result<Self, Error> {
+        match std::env::var_os("GAITWAY_VALIDATION") {
+            None => Ok(Self::Off),
+            Some(name) => Self::named(&name.to_string_lossy()),
+        }
+    }
+
+    fn named(name: &str) -> Result<Self, Error> {
+        match name {
+            "" | "off" => Ok(Self::Off),
+            "core" => Ok(Self::Core),
+            "sync" => Ok(Self::Sync),
+            "gpu-av" => Ok(Self::GpuAssisted),
+            _ => Err(Error::UnknownValidation(name.to_owned())),
         }
     }
 }

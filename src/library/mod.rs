@@ -10,10 +10,14 @@ mod format;
 mod glb;
 
 use crate::emotion::Emotion;
+use crate::file;
 use crate::gait::walker::{self, Sex};
 use crate::gait::{Gait, JOINT_COUNT, Joint};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
+
+/// Longest file of a library, bytes.
+const MOST_BYTES: u64 = 512 << 20;
 
 /// Seed of the default library.
 pub const DEFAULT_SEED: u64 = 1;
@@ -153,7 +157,8 @@ impl GaitLibrary {
     /// [`Error::Read`], and as [`GaitLibrary::from_glb_bytes`].
     pub fn load_glb(path: impl AsRef<Path>) -> Result<Self, Error> {
         let path = path.as_ref();
-        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
+        let failed = |source| Error::Read { path: path.to_owned(), source };
+        let bytes = file::read(path, MOST_BYTES).map_err(failed)?;
         Self::from_glb_bytes(&bytes, &path.display().to_string())
     }
 
@@ -179,16 +184,7 @@ impl GaitLibrary {
     pub fn save_glb(&self, path: impl AsRef<Path>) -> Result<(), Error> {
         let path = path.as_ref();
         let failed = |source| Error::Write { path: path.to_owned(), source };
-        let name = path.file_name().ok_or_else(|| failed(std::io::ErrorKind::InvalidFilename.into()))?;
-        let partial = path.with_file_name(format!(".{}.{}.part", name.display(), std::process::id()));
-        let written = std::fs::write(&partial, self.to_glb_bytes())
-            .and_then(|()| std::fs::rename(&partial, path))
-            .map_err(failed);
-        if written.is_err() {
-            // Nothing half-written stays behind; the first error is the one to report.
-            let _ = std::fs::remove_file(&partial);
-        }
-        written
+        file::write(path, &self.to_glb_bytes()).map_err(failed)
     }
 }
 

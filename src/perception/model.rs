@@ -12,6 +12,7 @@ use super::scaling::Scaling;
 use super::svm::Svm;
 use super::{Error, Perceiver, evaluate, most_probable};
 use crate::emotion::Emotion;
+use crate::file;
 use crate::gait::Gait;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -183,12 +184,7 @@ impl Model {
     /// [`Error::Read`], and as [`Model::from_json`].
     pub fn load(path: &Path) -> Result<Self, Error> {
         let failed = |source| Error::Read { path: path.to_owned(), source };
-        let bytes = std::fs::metadata(path).map_err(failed)?.len();
-        if bytes > MOST_BYTES {
-            let message = format!("{bytes} bytes; models up to {MOST_BYTES} bytes are read");
-            return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message)));
-        }
-        Self::from_json(&std::fs::read_to_string(path).map_err(failed)?, &path.display().to_string())
+        Self::from_json(&file::read_text(path, MOST_BYTES).map_err(failed)?, &path.display().to_string())
     }
 
     /// Writes the model: to a neighbour of `path` first, renamed when complete.
@@ -197,16 +193,7 @@ impl Model {
     /// [`Error::Write`].
     pub fn save(&self, path: &Path) -> Result<(), Error> {
         let failed = |source| Error::Write { path: path.to_owned(), source };
-        let text = self.to_json()? + "\n";
-        let name = path.file_name().ok_or_else(|| failed(std::io::ErrorKind::InvalidFilename.into()))?;
-        let partial = path.with_file_name(format!(".{}.{}.part", name.display(), std::process::id()));
-        let written =
-            std::fs::write(&partial, text).and_then(|()| std::fs::rename(&partial, path)).map_err(failed);
-        if written.is_err() {
-            // Nothing half-written stays behind; the first error is the one to report.
-            let _ = std::fs::remove_file(&partial);
-        }
-        written
+        file::write(path, (self.to_json()? + "\n").as_bytes()).map_err(failed)
     }
 }
 

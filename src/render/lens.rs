@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn depth_is_that_of_what_is_seen_and_the_hidden_part_is_nearest() {
-        let device = match Device::open(None, Validation::from_environment()) {
+        let device = match Device::open(None, Validation::from_environment().unwrap()) {
             Ok(device) => device,
             Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
             Err(error) => return println!("skipped: no Vulkan ({error})"),

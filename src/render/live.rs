@@ -121,7 +121,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_one_submission_and_brings_a_new_moment_and_nothing_else() {
-        let device = match Device::open(None, Validation::from_environment()) {
+        let device = match Device::open(None, Validation::from_environment().unwrap()) {
             Ok(device) => device,
             Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
             Err(error) => return println!("skipped: no Vulkan ({error})"),
@@ -163,7 +163,7 @@ mod tests {
 
     #[test]
     fn failures_that_kernels_report_end_the_show() {
-        let device = match Device::open(None, Validation::from_environment()) {
+        let device = match Device::open(None, Validation::from_environment().unwrap()) {
             Ok(device) => device,
             Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
             Err(error) => return println!("skipped: no Vulkan ({error})"),

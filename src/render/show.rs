@@ -112,7 +112,7 @@ impl Show {
     ) -> Result<Self, crate::Error> {
         let device = match simulation.engine() {
             Some(engine) => engine.device().clone(),
-            None => Device::open(device, Validation::from_environment())?,
+            None => Device::open(device, Validation::from_environment()?)?,
         };
         Self::with_device(simulation, meshes, scenery, settings, &device)
     }

@@ -59,10 +59,15 @@ pub enum Error {
         message: String,
     },
     /// There is no built-in scene of that name.
-    #[error("no built-in scene {name:?}; use one of {known}, or the path of a TOML file")]
+    #[error(
+        "no built-in scene {name:?}{}; use one of {known}, or the path of a TOML file",
+        .nearest.map_or_else(String::new, |nearest| format!(" (did you mean {nearest}?)"))
+    )]
     UnknownScene {
         /// What was asked for.
         name: String,
+        /// The name most like it.
+        nearest: Option<&'static str>,
         /// The names there are.
         known: String,
     },

@@ -4,6 +4,7 @@ use super::error::Error;
 use super::schema::{Condition, Scenario};
 use super::setting::Setting;
 use super::walkable::Area;
+use crate::file;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -44,7 +45,9 @@ impl Scenario {
                 Source { text, origin: &format!("built-in scene {known}"), settings }.read(None)
             }
             None => {
-                Err(Error::UnknownScene { name: name.to_owned(), known: Self::builtin_names().join(", ") })
+                let known = Self::builtin_names();
+                let nearest = nearest(name, &known);
+                Err(Error::UnknownScene { name: name.to_owned(), nearest, known: known.join(", ") })
             }
         }
     }
@@ -63,12 +66,7 @@ impl Scenario {
     /// As [`Scenario::load`]; [`Error::Setting`] for a value that has no place in the file.
     pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Self, Error> {
         let read = |source| Error::Read { path: path.to_owned(), source };
-        let size = std::fs::metadata(path).map_err(read)?.len();
-        if size > MAX_FILE_BYTES {
-            let message = format!("{size} bytes; a scenario may have up to {MAX_FILE_BYTES}");
-            return Err(read(std::io::Error::other(message)));
-        }
-        let text = std::fs::read_to_string(path).map_err(read)?;
+        let text = file::read_text(path, MAX_FILE_BYTES).map_err(read)?;
         Source { text: &text, origin: &path.display().to_string(), settings }.read(path.parent())
     }
 

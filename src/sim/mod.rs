@@ -150,7 +150,8 @@ impl Simulation {
         find_alike(&mut store);
         #[cfg(feature = "vulkan")]
         if backend != Backend::Cpu {
-            let opened = Device::open(device, Validation::from_environment())
+            let opened = Validation::from_environment()
+                .and_then(|validation| Device::open(device, validation))
                 .and_then(|device| Engine::new(&device, &store, &kernels(&store)));
             let (engine, fallback) = match opened {
                 Ok(engine) => (Some(engine), None),

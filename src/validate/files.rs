@@ -1,6 +1,7 @@
 //! Recorded crowds: the text files of the Jülich archive and the `obsmat.txt` of UCY.
 
 use super::tracks::Tracks;
+use crate::file;
 use glam::Vec2;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -37,12 +38,7 @@ pub enum Error {
 /// Rows of numbers, at least `least` in each; lines that begin with `#` are none.
 fn rows(path: &Path, least: usize, wanted: &'static str) -> Result<Vec<Vec<f64>>, Error> {
     let read = |source| Error::Read { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(read)?.len();
-    if size > MAX_BYTES {
-        let message = format!("{size} bytes; at most {MAX_BYTES} are read");
-        return Err(read(std::io::Error::other(message)));
-    }
-    let text = std::fs::read_to_string(path).map_err(read)?;
+    let text = file::read_text(path, MAX_BYTES).map_err(read)?;
     let mut rows = Vec::new();
     for (index, line) in text.lines().enumerate() {
         if line.trim().is_empty() || line.starts_with('#') {

@@ -110,5 +110,5 @@ pub fn run(
 #[allow(clippy::needless_pass_by_value, reason = "for map_err")]
 fn unusable(error: files::Error) -> Error {
     let hint = "leave the file out, or name another folder with --data";
-    Error::Usage { message: error.to_string(), hint: hint.to_owned() }
+    Error::Failed { message: error.to_string(), hint: hint.to_owned() }
 }

@@ -123,8 +123,8 @@ impl Stage {
         let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
         #[cfg(feature = "vulkan")]
         {
-            let opened =
-                (backend != Backend::Cpu).then(|| Device::open(device, Validation::from_environment()));
+            let open = || Device::open(device, Validation::from_environment()?);
+            let opened = (backend != Backend::Cpu).then(open);
             let (device, fallback) = match opened {
                 None => (None, None),
                 Some(Ok(device)) => (Some(device), None),

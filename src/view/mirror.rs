@@ -74,7 +74,7 @@ impl App<'_> {
             .with_title(format!("{} - gaitway", self.title))
             .with_inner_size(PhysicalSize::new(self.size[0], self.size[1]));
         let window = events.create_window(attributes).map_err(no_display)?;
-        let device = surface::open(&window, None, Validation::from_environment())?;
+        let device = surface::open(&window, None, Validation::from_environment()?)?;
         let surface = Surface::new(&device, &window)?;
         Ok(Scene { canvas: Canvas::new(&device, self.size)?, surface, window })
     }

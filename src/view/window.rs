@@ -135,7 +135,7 @@ impl ApplicationHandler for App<'_> {
 impl App<'_> {
     fn is_over(&self) -> bool {
         let open = self.scene.as_ref().map(|scene| scene.begin.elapsed().as_secs_f64());
-        self.plan.seconds.zip(open).is_some_and(|(most, open)| open >= most)
+        crate::stop::asked() || self.plan.seconds.zip(open).is_some_and(|(most, open)| open >= most)
     }
 
     fn redraw(&mut self, events: &ActiveEventLoop) {
@@ -181,7 +181,7 @@ impl Scene {
             .with_title(format!("{} - gaitway", plan.title))
             .with_inner_size(PhysicalSize::new(plan.size.0, plan.size.1));
         let window = events.create_window(attributes).map_err(no_display)?;
-        let device = surface::open(&window, plan.device.as_deref(), Validation::from_environment())?;
+        let device = surface::open(&window, plan.device.as_deref(), Validation::from_environment()?)?;
         let size: [u32; 2] = window.inner_size().into();
         let size = size.map(|side| side.max(1));
         let surface = Surface::new(&device, &window)?;

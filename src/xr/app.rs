@@ -4,13 +4,13 @@
 //! headset. The other one has everything of OpenXR: it waits for frames, draws the crowd's latest moment on the runtime's
 //! device, and begins anew when the runtime goes away. A runtime that hangs therefore stops the pictures, not the crowd.
 
+use super::Error;
 use super::headset::Headset;
 use super::mirror::Mirror;
 use super::pace::FrameSummary;
 use super::recording::Moment;
 use super::rig::Stand;
 use super::runtime::Runtime;
-use super::{Error, stop};
 use crate::gpu::Validation;
 use crate::kernels::Store;
 use crate::picture::Image;
@@ -19,6 +19,7 @@ use crate::scenario::{EnvironmentMesh, Floors};
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
 use crate::sim::moments::make_room;
+use crate::stop;
 use glam::Vec2;
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -100,7 +101,8 @@ impl Default for Plan {
             waits: false,
             shots: None,
             mirror: None,
-            validation: Validation::from_environment(),
+            // an unknown name is told by whoever begins the program
+            validation: Validation::from_environment().unwrap_or_default(),
             open: Box::new(Runtime::open),
         }
     }

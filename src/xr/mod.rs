@@ -18,7 +18,6 @@ mod rig;
 mod runtime;
 mod session;
 mod shown;
-mod stop;
 mod survey;
 mod swapchain;
 mod views;
@@ -33,7 +32,6 @@ pub use recording::{
 pub use rig::{Rig, Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
 pub use session::State;
-pub(crate) use stop::listen;
 pub use survey::{Survey, survey};
 
 /// The headset cannot be used, or not any more.

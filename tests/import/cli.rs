@@ -142,7 +142,8 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
         (&["walk.bvh", "--joint-map", "Mixamo"], "joints not found"),
     ] {
         let output = gaitway(arguments, folder.path(), "2");
-        assert_eq!(output.status.code(), Some(1), "{arguments:?}");
+        let code = if arguments.contains(&"Mixmo") { 2 } else { 1 };
+        assert_eq!(output.status.code(), Some(code), "{arguments:?}");
         assert!(text(&output.stderr).contains(expected), "{arguments:?}: {}", text(&output.stderr));
     }
     let empty = folder.path().join("empty");

@@ -83,7 +83,8 @@ impl Service {
     /// A program of ours that talks to this service.
     pub(super) fn gaitway(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(GPU_ENV);
-        command.arg(env!("CARGO_BIN_EXE_gaitway")).args(arguments);
+        // pictures go into the folder that the scene stands in
+        command.arg(env!("CARGO_BIN_EXE_gaitway")).arg("--force").args(arguments);
         command.env("XDG_RUNTIME_DIR", &self.folder).env("XDG_CONFIG_HOME", &self.folder);
         command.env("GAITWAY_VALIDATION", "sync").env("OXR_NO_PRINTING", "1").stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());

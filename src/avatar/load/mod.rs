@@ -17,6 +17,7 @@ mod stature;
 
 use super::rig_map::RigMap;
 use super::{Avatar, Error};
+use crate::file;
 pub use model::{Model, model, triangles};
 use std::path::Path;
 
@@ -83,14 +84,7 @@ pub fn load_with_map(path: &Path, map: &RigMap) -> Result<Loaded, Error> {
     let read_error = |source| Error::Read { path: path.to_owned(), source };
     let name =
         path.file_stem().map_or_else(|| path.display().to_string(), |s| s.to_string_lossy().into_owned());
-    let length = std::fs::metadata(path).map_err(read_error)?.len();
-    if length > MOST_BYTES {
-        return Err(Error::Unusable {
-            name,
-            message: format!("the file has {length} bytes; characters of up to {MOST_BYTES} bytes are read"),
-        });
-    }
-    let bytes = std::fs::read(path).map_err(read_error)?;
+    let bytes = file::read(path, MOST_BYTES).map_err(read_error)?;
     load_bytes(&name, &bytes, path.parent(), map)
 }
 

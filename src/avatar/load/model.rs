@@ -3,6 +3,7 @@
 use super::super::Error;
 use super::MOST_BYTES;
 use super::source::{Part, Source};
+use crate::file;
 use glam::{Mat3, Vec3};
 use std::path::Path;
 
@@ -69,12 +70,7 @@ fn add(model: &mut Model, source: &Source, part: &Part) {
 fn read(path: &Path) -> Result<(String, Source), Error> {
     let read_error = |source| Error::Read { path: path.to_owned(), source };
     let name = path.display().to_string();
-    let length = std::fs::metadata(path).map_err(read_error)?.len();
-    if length > MOST_BYTES {
-        let message = format!("the file has {length} bytes; models of up to {MOST_BYTES} bytes are read");
-        return Err(Error::Unusable { name, message });
-    }
-    let bytes = std::fs::read(path).map_err(read_error)?;
+    let bytes = file::read(path, MOST_BYTES).map_err(read_error)?;
     let source = Source::read(&bytes, path.parent()).map_err(|fault| fault.of(&name))?;
     Ok((name, source))
 }

@@ -2,7 +2,7 @@
 
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
-use super::super::usage;
+use super::super::{failed, usage};
 use super::figures_of_folds::{self, Found};
 use super::sources;
 use crate::Error;
@@ -116,7 +116,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     if gaits.is_empty() {
         let data = arguments.data.display();
-        return Err(usage(
+        return Err(failed(
             format!("--data {data}: no gait has a label"),
             "put a gaits.csv with the columns key, subject, perceived_label beside the motion files",
         ));

@@ -2,7 +2,7 @@
 
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
-use super::super::usage;
+use super::super::{failed, usage};
 use super::{Row, table_of_gaits};
 use crate::Error;
 use crate::gait::import::{JointMap, Options, folder};
@@ -122,7 +122,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if files.is_empty() {
         say_unread(&unread);
         let hint = format!("motion files end in {}", folder::known_extensions());
-        return Err(usage("there is no motion file in the folders named", hint));
+        return Err(failed("there is no motion file in the folders named", hint));
     }
     let progress = Mutex::new(Progress::new("importing"));
     let done = |count: usize| {
@@ -170,7 +170,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         if gaits.is_empty() {
             listing.wall_seconds = begin.elapsed().as_secs_f64();
             show(&listing, arguments)?;
-            return Err(usage("there is no gait to write", "see the reasons above"));
+            return Err(failed("there is no gait to write", "see the reasons above"));
         }
         GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
         listing.files.push(out.clone());

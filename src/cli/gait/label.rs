@@ -2,7 +2,7 @@
 
 use super::super::output::{note, say, say_json, table};
 use super::super::scene::library;
-use super::super::usage;
+use super::super::{failed, usage};
 use super::predict::model_or_default;
 use super::sources;
 use crate::Error;
@@ -83,7 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         rows.push(row);
     }
     if !rows.iter().any(|row| row.added) {
-        return Err(usage(
+        return Err(failed(
             "there is no gait to add",
             "see above what was left out, or lower --least-probability",
         ));

@@ -269,7 +269,8 @@ fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
         assign(&mut style, assignment)?;
     }
     let name = arguments.out.file_stem().map_or("gait".into(), |stem| stem.to_string_lossy());
-    let mut gait = walk(&style, &name)?;
+    let ways_out = "leave out the --speed or --set that does not fit";
+    let mut gait = walk(&style, &name).map_err(|error| usage(error.to_string(), ways_out))?;
     gait.label = Some(arguments.emotion);
     gait.subject = Some(sex.name().to_owned());
     match arguments.out.extension().and_then(|ending| ending.to_str()) {

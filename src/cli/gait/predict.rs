@@ -1,7 +1,7 @@
 //! `gaitway gait predict`: the emotion that people would see in a gait (S-17).
 
+use super::super::failed;
 use super::super::output::{note, say, say_json, table};
-use super::super::usage;
 use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
@@ -82,7 +82,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let (model, words) = model_or_default(arguments.model.as_deref())?;
     let found = sources::read(&arguments.files, false)?;
     if found.gaits.is_empty() {
-        return Err(usage("there is no gait in these files", "see above what was left out and why"));
+        return Err(failed("there is no gait in these files", "see above what was left out and why"));
     }
     let gaits: Vec<&Gait> = found.gaits.iter().map(|(_, gait)| gait).collect();
     let predictions = model.predict_all(&gaits);

@@ -24,7 +24,7 @@ pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Foun
     let files = folder::motion_files(paths)?;
     let read: Vec<Result<Vec<Gait>, Error>> =
         files.par_iter().map(|path| gaits_of(path, as_published)).collect();
-    let (mut gaits, mut is_complete, mut reasons) = (Vec::new(), true, Vec::new());
+    let (mut gaits, mut missed, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
     let mut names = HashSet::new();
     for (path, read) in files.into_iter().zip(read) {
         match read {
@@ -47,10 +47,7 @@ pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Foun
                     }
                 }
             }
-            Err(error) if paths.contains(&path) => {
-                complain(&error);
-                is_complete = false;
-            }
+            Err(error) if paths.contains(&path) => missed.push(error),
             Err(error) => reasons.push(error.to_string()),
         }
     }
@@ -60,7 +57,12 @@ pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Foun
     if reasons.len() > REASONS {
         note(&format!("left out: {} more", reasons.len() - REASONS));
     }
-    Ok(Found { gaits, is_complete })
+    let is_complete = missed.is_empty();
+    let mut missed = missed.into_iter();
+    // where nothing is left to go on with, the first error is that of the command
+    let first = if gaits.is_empty() { missed.next() } else { None };
+    missed.for_each(|error| complain(&error, false));
+    first.map_or(Ok(Found { gaits, is_complete }), Err)
 }
 
 /// The gaits of a library, or the most regular stride of each take of a motion file.

@@ -1,8 +1,8 @@
 //! `gaitway gait train`: a model from labelled gaits, and how well such a model agrees with people.
 
+use super::super::failed;
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
-use super::super::usage;
 use super::figures_of_folds::{self, Found};
 use super::sources;
 use crate::Error;
@@ -130,7 +130,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         note(&format!("note: {} gaits without a label are left out", found.gaits.len() - gaits.len()));
     }
     if gaits.is_empty() {
-        return Err(usage(
+        return Err(failed(
             "there is no gait with a label",
             "labels come from a library or from a gaits.csv beside the motion files (columns key, subject, label)",
         ));

@@ -9,6 +9,7 @@
 
 use super::{HarmonicGait, MOST_HARMONICS, Row};
 use crate::emotion::Emotion;
+use crate::file;
 use crate::gait::{Error, JOINT_COUNT, Joint};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -61,12 +62,7 @@ pub fn is_fitted(path: &Path) -> bool {
 /// [`Error::Read`], or [`Error::Syntax`] with file and line if it is not what its form demands.
 pub fn load(path: &Path) -> Result<Vec<HarmonicGait>, Error> {
     let failed = |source| Error::Read { path: path.to_owned(), source };
-    let size = std::fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
-        let message = format!("{size} bytes; fitted gaits up to {MOST_BYTES} bytes are read");
-        return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message)));
-    }
-    let bytes = std::fs::read(path).map_err(failed)?;
+    let bytes = file::read(path, MOST_BYTES).map_err(failed)?;
     let origin = path.display().to_string();
     if bytes.starts_with(&MAGIC) { from_bytes(&bytes, &origin) } else { from_json(&bytes, &origin) }
 }

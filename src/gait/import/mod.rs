@@ -25,6 +25,7 @@ mod text;
 pub mod trc;
 
 use super::{Error, Recording};
+use crate::file;
 pub use joint_map::JointMap;
 use std::path::{Path, PathBuf};
 use text::list;
@@ -121,13 +122,7 @@ pub(crate) fn read(path: &Path) -> Result<String, Error> {
 
 /// Reads a file within [`MAX_BYTES`].
 fn read_bytes(path: &Path) -> Result<Vec<u8>, Error> {
-    let failed = |source| Error::Read { path: path.to_owned(), source };
-    let bytes = std::fs::metadata(path).map_err(failed)?.len();
-    if bytes > MAX_BYTES {
-        let message = format!("{bytes} bytes; motion files up to {MAX_BYTES} bytes are read");
-        return Err(failed(std::io::Error::new(std::io::ErrorKind::FileTooLarge, message)));
-    }
-    std::fs::read(path).map_err(failed)
+    file::read(path, MAX_BYTES).map_err(|source| Error::Read { path: path.to_owned(), source })
 }
 
 /// File name without folder and extension; names recordings.

@@ -6,6 +6,7 @@
 
 use super::Response;
 use crate::emotion::Emotion;
+use crate::file;
 use crate::perception::Error;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
@@ -106,11 +107,7 @@ pub struct Sheet {
 pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
     let origin = path.display().to_string();
     let failed = |message: String| Error::Syntax { path: origin.clone(), line: 0, message };
-    let bytes = std::fs::metadata(path).map_err(|error| failed(format!("cannot be read: {error}")))?.len();
-    if bytes > MOST_BYTES {
-        return Err(failed(format!("{bytes} bytes; sheets of up to {MOST_BYTES} are read")));
-    }
-    let bytes = std::fs::read(path).map_err(|error| failed(format!("cannot be read: {error}")))?;
+    let bytes = file::read(path, MOST_BYTES).map_err(|error| failed(format!("cannot be read: {error}")))?;
     parse(&String::from_utf8_lossy(&bytes), &origin, options)
 }
 

@@ -19,6 +19,7 @@ pub use columns::{Column, Columns};
 pub use infer::name_of_unit;
 
 use super::error::Error;
+use crate::file;
 use glam::DVec2;
 use serde::Serialize;
 use std::io::Read as _;
@@ -151,6 +152,7 @@ impl Default for Found {
 /// frame rate or the homography are missing, people are faster than [`MAX_MEDIAN_SPEED`], or a limit ([`MAX_BYTES`],
 /// [`MAX_SECONDS`], [`MAX_COORDINATE`], [`MAX_PEOPLE`]) is passed.
 pub fn read(path: &Path, options: &Options) -> Result<Trajectories, Error> {
+    file::regular(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let head = head_of(path)?;
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let by_name = match ending.as_str() {
@@ -202,12 +204,7 @@ fn homography(path: &Path, options: &Options) -> Result<splines::Homography, Err
 
 fn text_of(path: &Path) -> Result<String, Error> {
     let wrong = |source| Error::Read { path: path.to_owned(), source };
-    let mut bytes = Vec::new();
-    std::fs::File::open(path).map_err(wrong)?.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(wrong)?;
-    if bytes.len() as u64 > MAX_BYTES {
-        let message = format!("more than {MAX_BYTES} bytes, the most that is read");
-        return Err(unusable(path, message, "cut it into parts"));
-    }
+    let bytes = file::read(path, MAX_BYTES).map_err(wrong)?;
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();

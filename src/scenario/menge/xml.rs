@@ -1,6 +1,7 @@
 //! Files, and attributes of elements, with errors that say where.
 
 use super::super::error::Error;
+use crate::file;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::path::{Path, PathBuf};
 
@@ -19,12 +20,7 @@ pub(super) struct Source {
 impl Source {
     pub(super) fn read(path: &Path) -> Result<Self, Error> {
         let read = |source| Error::Read { path: path.to_owned(), source };
-        let size = std::fs::metadata(path).map_err(read)?.len();
-        if size > MAX_BYTES {
-            let message = format!("{size} bytes; a scene may have up to {MAX_BYTES}");
-            return Err(read(std::io::Error::other(message)));
-        }
-        let bytes = std::fs::read(path).map_err(read)?;
+        let bytes = file::read(path, MAX_BYTES).map_err(read)?;
         let text = String::from_utf8(bytes).map_err(|error| {
             let at = error.utf8_error().valid_up_to();
             let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();

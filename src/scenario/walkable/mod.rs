@@ -11,6 +11,7 @@ pub(super) use inside::check;
 
 use super::polygon;
 use crate::avatar;
+use crate::file;
 use glam::{DVec2, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
@@ -148,11 +149,7 @@ impl Area {
             let triangles = avatar::triangles(path, node).map_err(|error| error.to_string())?;
             return Self::from_triangles(&triangles);
         }
-        let size = std::fs::metadata(path).map_err(|error| error.to_string())?.len();
-        if size > MOST_BYTES {
-            return Err(format!("has {size} bytes; at most {MOST_BYTES} are read"));
-        }
-        Self::from_wkt_in(plane, &std::fs::read_to_string(path).map_err(|error| error.to_string())?)
+        Self::from_wkt_in(plane, &file::read_text(path, MOST_BYTES).map_err(|error| error.to_string())?)
     }
 
     /// The area as POLYGON.

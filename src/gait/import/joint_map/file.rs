@@ -2,6 +2,7 @@
 
 use super::super::text::{shown, syntax};
 use super::{JointMap, places};
+use crate::file;
 use crate::gait::{Error, Joint};
 use std::path::Path;
 use toml::de::{DeTable, DeValue};
@@ -16,12 +17,7 @@ impl JointMap {
     /// [`Error::Read`], or [`Error::Syntax`] with file and line.
     pub fn load(path: &Path) -> Result<Self, Error> {
         let read = |source| Error::Read { path: path.to_owned(), source };
-        let size = std::fs::metadata(path).map_err(read)?.len();
-        if size > MAX_MAP_BYTES {
-            let message = format!("{size} bytes; a joint map may have up to {MAX_MAP_BYTES}");
-            return Err(read(std::io::Error::other(message)));
-        }
-        Self::parse(&std::fs::read_to_string(path).map_err(read)?, &path.display().to_string())
+        Self::parse(&file::read_text(path, MAX_MAP_BYTES).map_err(read)?, &path.display().to_string())
     }
 
     /// A joint map from the text of a TOML file, which `origin` names in messages. The layout is in the documentation

@@ -10,13 +10,17 @@
     reason = "a test: a failure is a panic that prints, and what must be the same is the same bit for bit"
 )]
 
+mod ending;
+mod odd;
+mod words;
+
 use gaitway::Emotion;
 use gaitway::library::GaitLibrary;
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The program, to be given arguments.
+/// The program, not yet started.
 fn program() -> Command {
     let program = env!("CARGO_BIN_EXE_gaitway");
     let runner = ["GAITWAY_TEST_RUNNER", "GAITWAY_RUNNER"].into_iter().find_map(std::env::var_os);
@@ -59,12 +63,23 @@ fn bad(arguments: &[&str]) -> (i32, String) {
     (output.status.code().unwrap(), error)
 }
 
-/// An error in our words: `error: ...` with `want` in it, and a way out; exit 1.
-fn refused(arguments: &[&str], want: &str, hint: &str) {
-    let (code, error) = bad(arguments);
-    assert_eq!(code, 1, "{arguments:?}: {error}");
-    assert!(error.contains("error: ") && error.contains(want), "{arguments:?}: {error}");
+/// An error in our words: `error: ...` with `want` in it, and a way out.
+fn told(code: i32, arguments: &[&str], want: &str, hint: &str) {
+    let (found, error) = bad(arguments);
+    assert_eq!(found, code, "{arguments:?}: {error}");
+    assert_eq!(error.lines().filter(|line| line.starts_with("error: ")).count(), 1, "{arguments:?}: {error}");
+    assert!(error.contains(want), "{arguments:?}: {error}");
     assert!(error.contains(hint), "{arguments:?}: {error}");
+}
+
+/// A command line that is wrong.
+fn refused(arguments: &[&str], want: &str, hint: &str) {
+    told(2, arguments, want, hint);
+}
+
+/// Something that went wrong while doing.
+fn fails(arguments: &[&str], want: &str, hint: &str) {
+    told(1, arguments, want, hint);
 }
 
 /// Whether there is a Vulkan device; prints why not. With GAITWAY_REQUIRE_GPU=1 there must be one.
@@ -164,11 +179,11 @@ fn an_empty_crowd_is_a_crowd() {
 
 #[test]
 fn wrong_values_are_refused_with_a_way_out() {
-    refused(&["simulate", "crosing"], "crosing", "crossing, garden, parking, scifi");
-    refused(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
+    refused(&["simulate", "croissing"], "did you mean crossing?", "crossing, garden, parking, scifi");
+    fails(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
     refused(&["simulate", "crossing", "--seconds", "1e9"], "--seconds = 1000000000", "hint: ");
     refused(&["simulate", "crossing", "--seconds", "NaN"], "--seconds = NaN", "hint: ");
-    refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "hint: ");
+    refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "0..=1000000");
     refused(&["simulate", "crossing", "--backend", "cpu", "--device", "x"], "--device", "hint: leave");
     refused(&["simulate", "garden", "--out", "x.sqlite", "--fps", "7"], "--fps 7", "hint: use 30");
     refused(&["bench", "--agents", "0"], "--agents 0", "hint: ");
@@ -189,7 +204,7 @@ fn without_a_device_vulkan_is_refused_and_auto_falls_back_with_one_line() {
         println!("skipped: there is a Vulkan device");
         return;
     }
-    refused(&["simulate", "crossing", "--backend", "vulkan"], "Vulkan", "cpu");
+    fails(&["simulate", "crossing", "--backend", "vulkan"], "Vulkan", "cpu");
     let output = gaitway(&["simulate", "crossing", "--seconds", "1"]);
     assert!(output.status.success());
     let error = String::from_utf8(output.stderr).unwrap();
@@ -247,7 +262,7 @@ fn what_is_set_is_as_if_the_scenarios_file_said_so() {
     let path = folder.path().join("place.toml");
     let file = path.to_str().unwrap();
     let write = |text: &str| std::fs::write(&path, text).unwrap();
-    let garden = include_str!("../assets/scenes/garden.toml");
+    let garden = include_str!("../../assets/scenes/garden.toml");
     let edited = garden
         .replace("agents = 4", "agents = 40")
         .replace("happy = 1.0", "happy = 5")
@@ -306,7 +321,7 @@ fn what_is_set_is_as_if_the_scenarios_file_said_so() {
     );
     // what is wrong in the file itself keeps its line
     write(&garden.replace("radius = 0.25", "radius = 25.0"));
-    refused(
+    fails(
         &["simulate", file, "--set", "population.agents=5"],
         "place.toml:23: navigation.radius = 25",
         "0.05 to 2",
@@ -572,6 +587,7 @@ fn pictures_show_something_from_every_camera_whoever_simulates() {
             backend,
             "--out",
             file,
+            "--force",
             "--json",
         ]);
         assert_eq!(result["frames"], 1, "{result}");
@@ -580,7 +596,8 @@ fn pictures_show_something_from_every_camera_whoever_simulates() {
     let frames = format!("{}/frames/", folder.path().display());
     good(&["render", "garden", "--size", "64x36", "--seconds", "0.2", "--out", &frames]);
     assert_eq!(std::fs::read_dir(&frames).unwrap().count(), 6);
-    refused(&["render", "crossing", "--camera", "follow:8", "--out", file], "there are 8 agents", "follow:7");
+    let behind = ["render", "crossing", "--camera", "follow:8", "--force", "--out", file];
+    refused(&behind, "there are 8 agents", "follow:7");
     refused(&["render", "crossing", "--out", "x.gif"], "x.gif", "hint: use FILE.png");
 }
 

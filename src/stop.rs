@@ -1,0 +1,55 @@
+//! Ctrl-C (SIGINT, or SIGTERM). Who keeps what is done so far heeds the first one; otherwise, and at the second, the program
+//! ends at once. Either way no unfinished file is left, and the exit code is [`EXIT_CODE`].
+
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+
+/// Exit code of a program that was asked to end.
+pub const EXIT_CODE: u8 = 130;
+
+static ASKED: AtomicBool = AtomicBool::new(false);
+static HEEDED: AtomicUsize = AtomicUsize::new(0);
+
+/// Whether the program was asked to end.
+pub fn asked() -> bool {
+    ASKED.load(Ordering::Relaxed)
+}
+
+/// While it lives, the first Ctrl-C only makes [`asked`] true, and whoever made it ends in good order.
+#[derive(Debug)]
+pub struct Heed(());
+
+/// Promises to look at [`asked`] often.
+#[must_use]
+pub fn heed() -> Heed {
+    HEEDED.fetch_add(1, Ordering::SeqCst);
+    Heed(())
+}
+
+impl Drop for Heed {
+    fn drop(&mut self) {
+        HEEDED.fetch_sub(1, Ordering::SeqCst);
+    }
+}
+
+/// From now on Ctrl-C is taken as a wish. Where there can be no thread for it, it ends the program as it always does.
+#[cfg(unix)]
+pub fn listen() {
+    use signal_hook::consts::{SIGINT, SIGTERM};
+    let wait = || {
+        let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGINT, SIGTERM]) else {
+            return;
+        };
+        for _ in signals.forever() {
+            if ASKED.swap(true, Ordering::SeqCst) || HEEDED.load(Ordering::SeqCst) == 0 {
+                crate::file::abandon();
+                // not by way of destructors: other threads are in the middle of what they do
+                signal_hook::low_level::exit(EXIT_CODE.into());
+            }
+        }
+    };
+    let _ = std::thread::Builder::new().name("signals".to_owned()).spawn(wait);
+}
+
+/// Here Ctrl-C ends the program at once.
+#[cfg(not(unix))]
+pub fn listen() {}
