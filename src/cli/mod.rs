@@ -166,9 +166,10 @@ pub fn main() -> ExitCode {
         Ok((cli, found)) => {
             output::set_manner(cli.manner.quiet, cli.manner.verbose);
             let has_backend = cli.command.has_backend();
-            let outcome = check_environment()
-                .and_then(|()| outputs::check(&found, cli.manner.force))
-                .and_then(|()| run(cli.command));
+            let outcome = check_environment().and_then(|()| match cli.command.lists_scenes() {
+                Some(is_json) => scenes::list(is_json),
+                None => outputs::check(&found, cli.manner.force).and_then(|()| run(cli.command)),
+            });
             exit_code(outcome, has_backend)
         }
     })
@@ -233,9 +234,6 @@ fn is_set(place: &str) -> bool {
 
 /// Does what a command says; false when what it tested is not good.
 fn run(command: Command) -> Result<bool, Error> {
-    if let Some(is_json) = command.lists_scenes() {
-        return scenes::list(is_json);
-    }
     match command {
         Command::Simulate(arguments) => simulate::run(&arguments),
         #[cfg(feature = "vulkan")]

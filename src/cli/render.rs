@@ -40,8 +40,9 @@ pub(super) struct Arguments {
     #[arg(
         long,
         value_name = "FILE",
+        required = false,
         required_unless_present = "list",
-        default_value_if("list", ArgPredicate::IsPresent, "")
+        default_value_if("list", ArgPredicate::IsPresent, "-")
     )]
     out: PathBuf,
     /// Simulated time before the (first) picture [default: 3, videos: 0]

@@ -26,6 +26,7 @@ pub(super) struct SceneArguments {
     /// A built-in scene (crossing, garden, parking, scifi) or a scenario file
     #[arg(
         value_name = "SCENE|FILE.toml",
+        required = false,
         required_unless_present = "list",
         default_value_if("list", ArgPredicate::IsPresent, "")
     )]
