@@ -11,14 +11,15 @@ const OUTPUTS: [&str; 8] = ["out", "render", "record", "shot", "shots", "figures
 
 /// Looks at everything that a command is to write.
 pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
-    let mut found = found;
-    while let Some((_, deeper)) = found.subcommand() {
-        found = deeper;
+    let (mut found, mut command) = (found, "");
+    while let Some((name, deeper)) = found.subcommand() {
+        (found, command) = (deeper, name);
     }
     if is_forced {
         return Ok(());
     }
-    for name in OUTPUTS {
+    // a headset's recording makes its own way: one that broke off is kept under another name, and none is ever replaced
+    for name in OUTPUTS.into_iter().filter(|name| (command, *name) != ("xr", "record")) {
         // an error: this command has no such option
         for path in found.try_get_many::<PathBuf>(name).ok().flatten().into_iter().flatten() {
             free(path)?;

@@ -9,6 +9,7 @@ use super::scene::{Scene, SceneArguments, check_seconds, library, start};
 use super::stage::{atmosphere, size};
 use crate::Error;
 use crate::export::AtomicFile;
+use crate::file;
 use crate::kernels::Store;
 use crate::render::Settings;
 use crate::scenario::{Clearance, Condition, GazeMode, User};
@@ -28,6 +29,8 @@ use std::sync::Arc;
 
 /// Texels a side of the shadow map: a headset draws twice.
 const SHADOW_SIZE: u32 = 1024;
+/// Longest recording that is replayed, bytes: some days.
+const MOST_RECORDED: u64 = 1 << 30;
 
 #[derive(Debug, Args)]
 #[command(
@@ -295,6 +298,7 @@ struct Replayed {
 /// Reads a recording; one that broke off is repaired first.
 fn read(path: &Path) -> Result<Recording, Error> {
     let wrong = recording(path);
+    file::regular(path).map_err(|error| wrong(error.into()))?;
     match xr::repair(path) {
         Ok(0) => {}
         Ok(_) => note(&format!("note: {} broke off in a step: cut at its last whole one", path.display())),
@@ -302,8 +306,8 @@ fn read(path: &Path) -> Result<Recording, Error> {
         Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => {}
         Err(error) => return Err(wrong(error.into())),
     }
-    let file = File::open(path).map_err(|error| wrong(error.into()))?;
-    Recording::read(std::io::BufReader::new(file)).map_err(wrong)
+    let bytes = file::read(path, MOST_RECORDED).map_err(|error| wrong(error.into()))?;
+    Recording::read(bytes.as_slice()).map_err(wrong)
 }
 
 /// Does the steps of a recording again, with the user as they were.
