@@ -70,7 +70,9 @@ const LINES: [&str; 26] = [
 fn noise(count: usize) -> Vec<u8> {
     let mut state = 0x9e37_79b9_u32;
     let mut byte = || {
-        (state ^= state << 13, state ^= state >> 17, state ^= state << 5);
+        state ^= state << 13;
+        state ^= state >> 17;
+        state ^= state << 5;
         state.to_le_bytes()[1]
     };
     (0..count).map(|_| byte()).collect()
