@@ -218,7 +218,9 @@ fn is_of_the_command_line(error: &Error) -> bool {
     use crate::export::image::Error as Picture;
     use crate::scenario::Error as Scenario;
     match error {
-        Error::Usage { .. } | Error::Scenario(Scenario::UnknownScene { .. } | Scenario::Setting { .. }) => true,
+        Error::Usage { .. } | Error::Scenario(Scenario::UnknownScene { .. } | Scenario::Setting { .. }) => {
+            true
+        }
         Error::Export(crate::export::Error::Picture(Picture::Ending { .. } | Picture::FrameRate(_))) => true,
         // a value that no file holds
         Error::Scenario(Scenario::Value(bad)) => bad.place.is_empty() || is_set(&bad.place),

@@ -127,7 +127,9 @@ impl Error {
                 Some("Debian/Ubuntu: apt install vulkan-validationlayers; or run through scripts/gpu-env")
             }
             Self::NoDevice { wanted: Wanted::Best, .. } => Some("`gaitway devices` says what is missing"),
-            Self::NoDevice { .. } => Some("name another with --device or GAITWAY_DEVICE, or none for the best"),
+            Self::NoDevice { .. } => {
+                Some("name another with --device or GAITWAY_DEVICE, or none for the best")
+            }
             Self::AddressSpace { .. } => Some("raise the limit (ulimit -v)"),
             Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller pictures"),
             _ => None,
