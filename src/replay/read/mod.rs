@@ -152,7 +152,6 @@ impl Default for Found {
 /// frame rate or the homography are missing, people are faster than [`MAX_MEDIAN_SPEED`], or a limit ([`MAX_BYTES`],
 /// [`MAX_SECONDS`], [`MAX_COORDINATE`], [`MAX_PEOPLE`]) is passed.
 pub fn read(path: &Path, options: &Options) -> Result<Trajectories, Error> {
-    file::regular(path).map_err(|source| Error::Read { path: path.to_owned(), source })?;
     let head = head_of(path)?;
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let by_name = match ending.as_str() {
@@ -182,9 +181,7 @@ pub fn read(path: &Path, options: &Options) -> Result<Trajectories, Error> {
 fn head_of(path: &Path) -> Result<Vec<u8>, Error> {
     let wrong = |source| Error::Read { path: path.to_owned(), source };
     let mut head = Vec::new();
-    if !std::fs::metadata(path).map_err(wrong)?.is_file() {
-        return Err(unusable(path, "it is no file", "name the file of a recording"));
-    }
+    file::regular(path).map_err(wrong)?;
     std::fs::File::open(path).map_err(wrong)?.take(256).read_to_end(&mut head).map_err(wrong)?;
     Ok(head)
 }
