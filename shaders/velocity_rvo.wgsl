@@ -1,6 +1,6 @@
 // uses: step, storey, grid, orca, segments, contact, neighbours, crowding, absent
 // A new velocity by reciprocal velocity obstacles, after van den Berg, Lin, Manocha, "Reciprocal Velocity Obstacles for
-// Real-Time Multi-Agent Navigation" (2008): of a fixed pattern of velocities v' that the agent can reach in this step
+// Real-Time Multi-Agent Navigation" (2008): of some velocities v' that the agent can reach in this step
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
 //     w max(0, 1 / t(v') - 1 / horizon) + |v_pref - v'|,
 // where t is the time until the disc of the other, or the wall, is touched. Of two agents the one with the share s of the
@@ -8,6 +8,10 @@
 // looks RIGHT_OF_WAY ahead only, of 1
 // expects nothing from it, as of the user and of walls. The paper has no horizon; with one the cost has no step where
 // neighbours begin to count. Discs that overlap already cost what they lack of coming apart in this step.
+//
+// The reachable velocity nearest to the preferred one is taken if it costs nothing else: nothing can be better. The other
+// agents are put on a list, and a second pass (AGAIN) tries a pattern of velocities for them. Four velocities are looked at
+// together, so that a neighbour is read once for all four.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 @group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
@@ -16,147 +20,256 @@
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
 var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
-// Velocities of the pattern: a spiral of the golden angle, which covers a disc evenly.
-const PATTERN = 128u;
+// Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better: see
+// reference::velocity_rvo.
+const FOURS = 10u;
+// Cosine and sine of the golden angle, and of four times it.
 const GOLDEN = vec2<f32>(-0.7373689, 0.6754903);
+const GOLDEN_4 = vec2<f32>(-0.9847135, -0.17418195);
 // Contacts sooner than a tenth of a second count as that, 1/s.
 const SOONEST = 10.0;
 // Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more
 // than a contact, or who overlaps with one would stay there for fear of touching the next.
 const SEPARATE = 20.0;
 
-// The user and the neighbours: where the disc is (if it overlaps: its direction), what the own relative velocity lacks.
+// The user and the neighbours that can matter: where the disc is (if it overlaps: its direction), what the own relative
+// velocity lacks.
 var<private> other_motion: array<vec4<f32>, 11>;
 // 1 / share, sum of the radii, speed at which an overlap is to end (0: there is none), 1 / horizon.
 var<private> other_traits: array<vec4<f32>, 11>;
 
+// What an agent looks at.
+struct Walker {
+    motion: vec4<f32>,    // position, velocity
+    traits: vec4<f32>,    // radius, maximum speed, priority, elevation
+    preferred: vec2<f32>, // m/s
+    most: f32,            // change of velocity in a step, m/s
+    others: u32,
+    walls: u32,
+}
+
+// The best velocity so far, and what it costs.
+struct Best {
+    velocity: vec2<f32>,
+    cost: f32,
+}
+
+// Four velocities.
+struct Four {
+    x: vec4<f32>,
+    y: vec4<f32>,
+}
+
 @compute @workgroup_size(64)
 fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slot = id.x;
+    var slot = id.x;
+    if (level & AGAIN) != 0u {
+        if id.x >= atomicLoad(&unsolved[3]) {
+            return;
+        }
+        slot = atomicLoad(&unsolved[4u + id.x]);
+    }
     if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
         return;
     }
     let own = manners_of(slot);
-    let motion = slot_motion[slot * 2u];
-    if own.is_led {
-        new_velocity[slot] = preferred_velocity[own.agent];
-    } else {
-        new_velocity[slot] = choose(slot, motion, own, neighbours(slot, motion.xy, own));
-    }
-}
-
-fn choose(slot: u32, motion: vec4<f32>, own: Manners, count: u32) -> vec2<f32> {
-    let traits = slot_motion[slot * 2u + 1u];
-    let others = look_at_others(slot, motion, own, traits, count);
-    let walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
-    // shortened where it is crowded ahead
     var preferred = preferred_velocity[own.agent];
+    if own.is_led {
+        new_velocity[slot] = preferred;
+        return;
+    }
+    let motion = slot_motion[slot * 2u];
+    var count = quick_neighbours(slot, motion.xy, own);
+    if count == UNSURE {
+        if (level & AGAIN) == 0u {
+            leave(slot);
+            return;
+        }
+        count = search(slot, motion.xy, own);
+    }
+    // shortened where it is crowded ahead
     if (level & CROWDED) != 0u && !has_right_of_way(slot) {
         preferred = crowded(preferred, motion.xy, own.range, own.cap, count);
     }
-    let most = step.max_acceleration * step.time_step;
-    let axis = unit_or(preferred, unit_or(motion.zw, vec2<f32>(1.0, 0.0)));
-    var aim = preferred;
-    if walls > 0u {
+    let traits = slot_motion[slot * 2u + 1u];
+    var me = Walker(motion, traits, preferred, step.max_acceleration * step.time_step, 0u, 0u);
+    me.others = look_at_others(slot, me, own, count);
+    if (level & WALLS) != 0u {
+        me.walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
+    }
+    let wanted = slowed(reachable(four(preferred), me), me);
+    if danger(wanted, me).x <= 0.0 {
+        new_velocity[slot] = vec2<f32>(wanted.x.x, wanted.y.x);
+    } else if (level & AGAIN) != 0u {
+        new_velocity[slot] = choose(me);
+    } else {
+        leave(slot);
+    }
+}
+
+// Leaves an agent to the second pass.
+fn leave(slot: u32) {
+    let place = atomicAdd(&unsolved[3], 1u);
+    atomicStore(&unsolved[4u + place], slot);
+    if place % 64u == 0u {
+        atomicAdd(&unsolved[0], 1u);
+    }
+}
+
+fn choose(me: Walker) -> vec2<f32> {
+    let present = me.motion.zw;
+    var aim = me.preferred;
+    if me.walls > 0u {
         // along the nearest wall
         let along = obstacles[segment_numbers[0] * 3u + 1u].xy;
-        aim = along * dot2(along, preferred);
+        aim = along * dot2(along, me.preferred);
     }
-    var turn = axis;
-    var best = FAR_AWAY;
-    var result = motion.zw;
-    for (var i = 0u; i < PATTERN + 4u; i++) {
-        var candidate = motion.zw; // the present velocity
-        if i == 0u {
-            candidate = reachable(preferred, motion.zw, most);
-        } else if i == 1u {
-            candidate = reachable(aim, motion.zw, most);
-        } else if i == 2u {
-            candidate = reachable(vec2<f32>(0.0, 0.0), motion.zw, most);
-        } else if i > 3u {
-            candidate = motion.zw + turn * (most * sqrt((f32(i - 4u) + 0.5) / f32(PATTERN)));
-            turn = vec2<f32>(turn.x * GOLDEN.x - turn.y * GOLDEN.y, turn.x * GOLDEN.y + turn.y * GOLDEN.x);
-        }
-        let speed2 = dot2(candidate, candidate);
-        if speed2 > traits.y * traits.y {
-            candidate = candidate * (traits.y / sqrt(speed2));
-        }
-        let off = preferred - candidate;
-        let distance = sqrt(dot2(off, off));
-        if distance < best {
-            let cost = distance + danger(candidate, motion, traits.x, others, walls);
-            if cost < best {
-                best = cost;
-                result = candidate;
-            }
-        }
+    var best = Best(present, FAR_AWAY);
+    // as wanted, along the wall, stopping, going on
+    let first = Four(vec4<f32>(me.preferred.x, aim.x, 0.0, present.x), vec4<f32>(me.preferred.y, aim.y, 0.0, present.y));
+    best = better(best, reachable(first, me), me);
+    let start = unit_or(me.preferred, unit_or(present, vec2<f32>(1.0, 0.0)));
+    let second = turned(start, GOLDEN);
+    let third = turned(second, GOLDEN);
+    let fourth = turned(third, GOLDEN);
+    var turn = Four(vec4<f32>(start.x, second.x, third.x, fourth.x), vec4<f32>(start.y, second.y, third.y, fourth.y));
+    let halves = vec4<f32>(0.5, 1.5, 2.5, 3.5);
+    for (var i = 0u; i < FOURS; i++) {
+        let length = me.most * sqrt((f32(4u * i) + halves) / f32(4u * FOURS));
+        best = better(best, Four(present.x + turn.x * length, present.y + turn.y * length), me);
+        turn = turned_four(turn);
     }
-    return result;
+    return best.velocity;
 }
 
-// The velocity nearest to `wanted` within `most` m/s of the present one.
-fn reachable(wanted: vec2<f32>, present: vec2<f32>, most: f32) -> vec2<f32> {
-    let change = wanted - present;
-    let length = sqrt(dot2(change, change));
-    if length > most {
-        return present + change * (most / length);
-    }
-    return wanted;
+fn turned(v: vec2<f32>, by: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(v.x * by.x - v.y * by.y, v.x * by.y + v.y * by.x);
 }
 
-// What a velocity costs beside its distance from the preferred one.
-fn danger(velocity: vec2<f32>, motion: vec4<f32>, radius: f32, others: u32, walls: u32) -> f32 {
-    var worst = 0.0;
-    var lack = 0.0;
-    for (var k = 0u; k < others; k++) {
+fn turned_four(v: Four) -> Four {
+    return Four(v.x * GOLDEN_4.x - v.y * GOLDEN_4.y, v.x * GOLDEN_4.y + v.y * GOLDEN_4.x);
+}
+
+fn four(v: vec2<f32>) -> Four {
+    return Four(vec4<f32>(v.x), vec4<f32>(v.y));
+}
+
+// The best so far and four velocities: whichever costs least, the first of those that cost the same.
+fn better(before: Best, wanted: Four, me: Walker) -> Best {
+    let candidates = slowed(wanted, me);
+    let off_x = me.preferred.x - candidates.x;
+    let off_y = me.preferred.y - candidates.y;
+    let cost = sqrt(off_x * off_x + off_y * off_y) + danger(candidates, me);
+    var best = before;
+    if cost.x < best.cost {
+        best = Best(vec2<f32>(candidates.x.x, candidates.y.x), cost.x);
+    }
+    if cost.y < best.cost {
+        best = Best(vec2<f32>(candidates.x.y, candidates.y.y), cost.y);
+    }
+    if cost.z < best.cost {
+        best = Best(vec2<f32>(candidates.x.z, candidates.y.z), cost.z);
+    }
+    if cost.w < best.cost {
+        best = Best(vec2<f32>(candidates.x.w, candidates.y.w), cost.w);
+    }
+    return best;
+}
+
+// The velocities nearest to these within `most` m/s of the present one.
+fn reachable(wanted: Four, me: Walker) -> Four {
+    let change_x = wanted.x - me.motion.z;
+    let change_y = wanted.y - me.motion.w;
+    let length = sqrt(change_x * change_x + change_y * change_y);
+    let is_far = length > vec4<f32>(me.most);
+    let scale = me.most / select(vec4<f32>(1.0), length, is_far);
+    return Four(
+        select(wanted.x, me.motion.z + change_x * scale, is_far),
+        select(wanted.y, me.motion.w + change_y * scale, is_far),
+    );
+}
+
+// Not faster than the agent can walk.
+fn slowed(v: Four, me: Walker) -> Four {
+    let speed2 = v.x * v.x + v.y * v.y;
+    let is_fast = speed2 > vec4<f32>(me.traits.y * me.traits.y);
+    let scale = me.traits.y / sqrt(select(vec4<f32>(1.0), speed2, is_fast));
+    return Four(select(v.x, v.x * scale, is_fast), select(v.y, v.y * scale, is_fast));
+}
+
+// What velocities cost beside their distance from the preferred one.
+fn danger(v: Four, me: Walker) -> vec4<f32> {
+    var worst = vec4<f32>(0.0);
+    var lack = vec4<f32>(0.0);
+    for (var k = 0u; k < me.others; k++) {
         let other = other_motion[k];
         let traits = other_traits[k];
-        let relative = velocity * traits.x - other.zw;
+        let x = v.x * traits.x - other.z;
+        let y = v.y * traits.x - other.w;
         if traits.z > 0.0 {
-            lack = lack + max(traits.z + dot2(relative, other.xy), 0.0);
+            lack = lack + max(traits.z + (x * other.x + y * other.y), vec4<f32>(0.0));
         } else {
-            worst = max(worst, disc_rate(other.xy, relative, traits.y, SOONEST) - traits.w);
+            worst = max(worst, disc_rates(other.xy, x, y, traits.y, SOONEST) - traits.w);
         }
     }
-    for (var i = 0u; i < walls; i++) {
+    for (var i = 0u; i < me.walls; i++) {
         let number = segment_numbers[i] * 3u;
         let ends = obstacles[number];
         let along = obstacles[number + 1u].xy;
-        let there = segment_rate(ends.xy - motion.xy, ends.zw - motion.xy, along, velocity, radius, SOONEST);
+        let there = segment_rates(ends.xy - me.motion.xy, ends.zw - me.motion.xy, along, v.x, v.y, me.traits.x, SOONEST);
         worst = max(worst, there - step.inverse_time_horizon_obstacles);
     }
     return step.collision_weight * (worst + SEPARATE * lack);
 }
 
-// Notes the user and the neighbours, nearest first; returns how many count.
-fn look_at_others(slot: u32, motion: vec4<f32>, own: Manners, traits: vec4<f32>, count: u32) -> u32 {
-    let to_user = step.user_position - motion.xy;
-    let is_near = dot2(to_user, to_user) < own.range * own.range && on_storey(traits.w, step.user_elevation);
-    let users = select(0u, 1u, step.user_radius > 0.0 && is_near);
+// Notes the user and the neighbours that can matter, nearest first; returns how many. Who cannot come nearer than its horizon
+// allows, whichever velocity is chosen, is left out.
+fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
+    let at = me.motion.xy;
+    let to_user = step.user_position - at;
+    var users = 0u;
+    if (level & USER) != 0u {
+        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.traits.w, step.user_elevation));
+    }
+    // who is faster than it may be slows down by more than `most`
+    let excess = max(sqrt(dot2(me.motion.zw, me.motion.zw)) - me.traits.y, 0.0);
+    let change = me.most + excess;
     var made = 0u;
     for (var k = 0u; k < users + count; k++) {
         let is_user = k < users;
         let other = found[max(k, users) - users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_traits = slot_motion[other * 2u + 1u];
-        let share = select(share_of(step.responsibility, traits.z, their_traits.z), 1.0, is_user);
+        var share = step.responsibility;
+        if (level & UNLIKE) != 0u {
+            share = share_of(step.responsibility, me.traits.z, their_traits.z);
+        }
+        share = select(share, 1.0, is_user);
         let has_way = share <= 0.0;
-            let factor = 1.0 / select(share, 1.0, has_way);
-            let to = theirs.xy - motion.xy;
-            let radius = traits.x + select(their_traits.x, step.user_radius, is_user) + step.safety_margin;
-            let distance = sqrt(dot2(to, to));
-            let offset = motion.zw * (factor - 1.0) + theirs.zw;
-            var place = to;
-            var apart = 0.0;
-            if distance < radius {
-                place = unit_or(to, vec2<f32>(select(1.0, -1.0, slot < other || is_user), 0.0));
-                apart = min((radius - distance) * step.inverse_time_step, traits.y);
-            }
+        let factor = 1.0 / select(share, 1.0, has_way);
+        let rate = select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way);
+        let to = theirs.xy - at;
+        let radius = me.traits.x + select(their_traits.x, step.user_radius, is_user) + step.safety_margin;
+        let distance = sqrt(dot2(to, to));
+        let offset = me.motion.zw * (factor - 1.0) + theirs.zw;
+        var place = to;
+        var apart = 0.0;
+        var matters = true;
+        if distance < radius {
+            place = unit_or(to, vec2<f32>(select(1.0, -1.0, slot < other || is_user), 0.0));
+            apart = min((radius - distance) * step.inverse_time_step, me.traits.y);
+        } else {
+            let closing = dot2(to, me.motion.zw - theirs.zw) + change * factor * distance;
+            matters = closing > SAFE * rate * (distance - radius) * distance;
+        }
+        if matters {
             other_motion[made] = vec4<f32>(place, offset);
-            other_traits[made] = vec4<f32>(factor, radius, apart, select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way));
+            other_traits[made] = vec4<f32>(factor, radius, apart, rate);
             made++;
+        }
     }
     return made;
 }

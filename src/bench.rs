@@ -14,6 +14,7 @@ use serde::Serialize;
 use std::time::{Duration, Instant};
 
 mod field;
+mod models;
 #[cfg(feature = "vulkan")]
 mod occlusion;
 mod sequence;
@@ -58,6 +59,8 @@ pub enum Workload {
     Occlusion,
     /// The ways to a goal over squares of as many cells of 0.5 m (see the rows' names).
     Field,
+    /// Steps of ORCA and of RVO in alternation, at 0.5 to 3.5 people per square metre (see the rows' names).
+    Models,
 }
 
 /// One measurement.
@@ -96,6 +99,8 @@ impl Row {
 /// What the crowd of the timed steps looked like at their end: speed means nothing without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quality {
+    /// Name of the row whose crowd this is.
+    pub name: &'static str,
     /// Agents.
     pub agents: usize,
     /// Steps since the start.
@@ -126,7 +131,7 @@ pub struct Report {
     pub seed: u32,
     /// Measurements.
     pub rows: Vec<Row>,
-    /// The crowds of the `step` rows.
+    /// The crowds of the rows that time whole steps.
     pub quality: Vec<Quality>,
     /// Seconds it took.
     pub wall_seconds: f64,
@@ -161,6 +166,14 @@ pub fn bench(
             let (timed, device) = field::field(agents, backend, device)?;
             name = device;
             rows.extend(timed);
+            continue;
+        }
+        if workload == Workload::Models {
+            progress(&format!("models, {agents} agents"), share(0.0));
+            let (timed, crowds, device) = models::models(agents, backend, device)?;
+            name = device;
+            rows.extend(timed);
+            quality.extend(crowds);
             continue;
         }
         progress(&format!("step, {agents} agents"), share(0.0));
@@ -247,13 +260,22 @@ fn whole_step(
         simulation.step(batch)?;
         Ok(begin.elapsed().as_secs_f64() * 1e3 / f64::from(batch))
     })?;
-    let bytes = step_bytes(&simulation);
+    let quality = quality_of("step", agents, &mut simulation)?;
+    Ok((Row::new("step", agents, times), quality, simulation))
+}
+
+/// What a crossing looks like now; `name` is that of the row which it belongs to.
+fn quality_of(
+    name: &'static str,
+    agents: usize,
+    simulation: &mut Simulation,
+) -> Result<Quality, crate::Error> {
+    let bytes = step_bytes(simulation);
     let steps = simulation.steps_done();
     let CrossingQuality { overlapping, deep, min_distance, progress } = crossing_quality(simulation.state()?);
     #[allow(clippy::cast_precision_loss, reason = "up to gigabytes")]
     let bytes_per_agent = bytes as f64 / agents.max(1) as f64;
-    let quality = Quality { agents, steps, overlapping, deep, min_distance, progress, bytes_per_agent };
-    Ok((Row::new("step", agents, times), quality, simulation))
+    Ok(Quality { name, agents, steps, overlapping, deep, min_distance, progress, bytes_per_agent })
 }
 
 /// Bytes of the buffers that a step touches.

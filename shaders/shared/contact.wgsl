@@ -15,6 +15,16 @@ fn disc_rate(to: vec2<f32>, velocity: vec2<f32>, radius: f32, most: f32) -> f32 
     return min((b + sqrt(discriminant)) / max(c, NEARLY_TOUCHING), most);
 }
 
+// The same for four velocities.
+fn disc_rates(to: vec2<f32>, x: vec4<f32>, y: vec4<f32>, radius: f32, most: f32) -> vec4<f32> {
+    let b = to.x * x + to.y * y;
+    let c = dot2(to, to) - radius * radius;
+    let discriminant = b * b - (x * x + y * y) * c;
+    let meets = (b > vec4<f32>(0.0)) & !(discriminant < vec4<f32>(0.0));
+    let root = sqrt(select(vec4<f32>(0.0), discriminant, meets));
+    return select(vec4<f32>(0.0), min((b + root) / max(c, NEARLY_TOUCHING), vec4<f32>(most)), meets);
+}
+
 // Until a disc of `radius` m on the open side of a wall touches it; `to_a` and `to_b` lead to the wall's ends, `along`
 // is its unit direction.
 fn segment_rate(to_a: vec2<f32>, to_b: vec2<f32>, along: vec2<f32>, velocity: vec2<f32>, radius: f32, most: f32) -> f32 {
@@ -29,4 +39,16 @@ fn segment_rate(to_a: vec2<f32>, to_b: vec2<f32>, along: vec2<f32>, velocity: ve
     }
     rate = max(rate, disc_rate(to_a, velocity, radius * CORNER, most));
     return max(rate, disc_rate(to_b, velocity, radius * CORNER, most));
+}
+
+// The same for four velocities.
+fn segment_rates(to_a: vec2<f32>, to_b: vec2<f32>, along: vec2<f32>, x: vec4<f32>, y: vec4<f32>, radius: f32, most: f32) -> vec4<f32> {
+    let gap = max(det2(along, to_a) - radius, NEARLY_TOUCHING);
+    let inward = along.x * y - along.y * x;
+    let comes = inward > vec4<f32>(0.0);
+    let s = (along.x * x + along.y * y) * (gap / select(vec4<f32>(1.0), inward, comes)) - dot2(along, to_a);
+    let meets = comes & (s >= vec4<f32>(0.0)) & (s <= vec4<f32>(dot2(along, to_b - to_a)));
+    var rates = select(vec4<f32>(0.0), min(inward / gap, vec4<f32>(most)), meets);
+    rates = max(rates, disc_rates(to_a, x, y, radius * CORNER, most));
+    return max(rates, disc_rates(to_b, x, y, radius * CORNER, most));
 }

@@ -17,7 +17,7 @@ use clap::{Args, ValueEnum};
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
     /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
-    /// ways over squares of as many cells of 0.5 m
+    /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated
@@ -44,6 +44,7 @@ enum WorkloadName {
     Stereo,
     Occlusion,
     Field,
+    Models,
 }
 
 /// Runs the subcommand.
@@ -60,6 +61,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         WorkloadName::Occlusion => Workload::Occlusion,
         WorkloadName::Stereo => Workload::Stereo,
         WorkloadName::Field => Workload::Field,
+        WorkloadName::Models => Workload::Models,
     };
     let (backend, device) = arguments.place.get()?;
     let mut progress = Progress::new("timing");
@@ -122,12 +124,13 @@ fn print(report: &Report) {
 }
 
 fn print_quality(report: &Report) {
-    say("\nThe crowds of the rows `step` at their end:");
+    say("\nThe crowds of whole steps at their end:");
     let rows: Vec<Vec<String>> = report
         .quality
         .iter()
         .map(|row| {
             vec![
+                row.name.to_owned(),
                 thousands(row.agents as u64),
                 row.steps.to_string(),
                 format!("{:.4}", row.overlapping),
@@ -138,7 +141,15 @@ fn print_quality(report: &Report) {
             ]
         })
         .collect();
-    let head =
-        ["agents", "steps", "overlaps/agent", "deep/agent", "nearest m", "progress m/s", "bytes/agent"];
+    let head = [
+        "crowd",
+        "agents",
+        "steps",
+        "overlaps/agent",
+        "deep/agent",
+        "nearest m",
+        "progress m/s",
+        "bytes/agent",
+    ];
     table(&head, &rows);
 }

@@ -19,6 +19,23 @@ pub fn disc_rate(to: [f32; 2], velocity: [f32; 2], radius: f32, most: f32) -> f3
     ((b + discriminant.sqrt()) / c.max(NEARLY_TOUCHING)).min(most)
 }
 
+/// The same for four velocities, without a branch for one of them.
+pub fn disc_rates(to: [f32; 2], x: &[f32; 4], y: &[f32; 4], radius: f32, most: f32) -> [f32; 4] {
+    let c = dot2(to, to) - radius * radius;
+    let b: [f32; 4] = std::array::from_fn(|i| to[0] * x[i] + to[1] * y[i]);
+    let discriminant: [f32; 4] = std::array::from_fn(|i| b[i] * b[i] - (x[i] * x[i] + y[i] * y[i]) * c);
+    let meets: [bool; 4] = std::array::from_fn(|i| (b[i] > 0.0) & !(discriminant[i] < 0.0));
+    if !(meets[0] | meets[1] | meets[2] | meets[3]) {
+        return [0.0; 4];
+    }
+    let gap = c.max(NEARLY_TOUCHING);
+    std::array::from_fn(|i| {
+        let root = (if meets[i] { discriminant[i] } else { 0.0 }).sqrt();
+        let rate = ((b[i] + root) / gap).min(most);
+        if meets[i] { rate } else { 0.0 }
+    })
+}
+
 /// Until a disc of `radius` m on the open side of a wall touches it; `to_a` and `to_b` lead to the wall's ends, `along` is
 /// its unit direction.
 pub fn segment_rate(
@@ -53,6 +70,11 @@ mod tests {
         assert_eq!(disc_rate([5.0, 2.0], [2.0, 0.0], 1.0, 30.0), 0.0);
         assert_eq!(disc_rate([0.5, 0.0], [2.0, 0.0], 1.0, 30.0), 30.0, "inside and farther in");
         assert_eq!(disc_rate([0.5, 0.0], [-2.0, 0.0], 1.0, 30.0), 0.0, "inside and out");
+        let (x, y) = ([2.0, -2.0, 0.3, 1.0], [0.0, 0.1, 0.9, 0.2]);
+        for to in [[5.0, 0.0], [0.5, 0.1], [1.0, 0.0]] {
+            let one = |i: usize| disc_rate(to, [x[i], y[i]], 1.0, 30.0);
+            assert_eq!(disc_rates(to, &x, &y, 1.0, 30.0), [one(0), one(1), one(2), one(3)], "four at a time");
+        }
     }
 
     #[test]

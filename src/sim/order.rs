@@ -46,12 +46,11 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
         pass(KernelId::Persevere, 1, agents),
         pass(velocity_kernel(step.model), contents(step), agents),
     ]);
-    if velocity_kernel(step.model) == KernelId::VelocityOrca {
-        let unsolved = Extent::Indirect(BufferId::Unsolved, 0);
-        passes.push(pass(KernelId::VelocityOrca, contents(step) | AGAIN, unsolved));
-    }
-    passes.push(pass(KernelId::Contain, 0, agents));
-    passes.push(pass(KernelId::Integrate, 0, agents));
+    passes.extend([
+        pass(velocity_kernel(step.model), contents(step) | AGAIN, Extent::Indirect(BufferId::Unsolved, 0)),
+        pass(KernelId::Contain, 0, agents),
+        pass(KernelId::Integrate, 0, agents),
+    ]);
     if step.floor_count > 0 {
         passes.push(pass(KernelId::Elevate, 0, agents));
     }
