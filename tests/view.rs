@@ -232,8 +232,8 @@ fn a_real_click_and_a_change_of_size_reach_the_crowd_and_it_is_filmed() {
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("seen.y4m");
     let (agent, [x, y]) = somebody();
-    let most = PATIENCE.as_secs().to_string();
-    let child = open(&display, &["--pause", "--seconds", &most, "--record", film.to_str().unwrap()]);
+    // nothing but a window manager could close it; a busy machine takes a third of this
+    let child = open(&display, &["--pause", "--seconds", "60", "--record", film.to_str().unwrap()]);
     let window = until("a window", || {
         let found = hand(&["search", "--name", "gaitway"]).unwrap();
         let text = String::from_utf8_lossy(&found.stdout).trim().to_owned();
@@ -251,7 +251,6 @@ fn a_real_click_and_a_change_of_size_reach_the_crowd_and_it_is_filmed() {
     until("a bracket about who was picked", || (bracket() > before + 20).then_some(()));
     hand(&["windowsize", &window, "700", "420"]).unwrap();
     until("the end of the film, where the size changes", || film.exists().then_some(()));
-    hand(&["windowquit", &window]).unwrap();
     let outcome = outcome(&child.wait_with_output().unwrap());
     assert_eq!(outcome["picked"]["id"], agent, "{outcome}");
     assert_eq!(outcome["size"], serde_json::json!([700, 420]), "{outcome}");
