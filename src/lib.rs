@@ -42,6 +42,7 @@ pub mod render;
 pub mod replay;
 pub mod scenario;
 pub mod sim;
+mod spelling;
 pub mod stop;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;

@@ -26,7 +26,7 @@ const ORDER: &[&[&str]] = &[
     &["cli"],
 ];
 /// Words of the subject, and dealings with the system, that every module of [`ORDER`] may use. They use one another and no more.
-const COMMON: &[&str] = &["emotion", "ground", "picture", "file", "stop"];
+const COMMON: &[&str] = &["emotion", "ground", "picture", "file", "spelling", "stop"];
 /// Declarations that both backends share: for the backends, and from `sim` on.
 const FLOOR: &str = "kernels";
 /// They stand on the floor alone and know nothing of gaits or emotions.

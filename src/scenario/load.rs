@@ -5,6 +5,7 @@ use super::schema::{Condition, Scenario};
 use super::setting::Setting;
 use super::walkable::Area;
 use crate::file;
+use crate::spelling::nearest;
 use std::borrow::Cow;
 use std::ops::Range;
 use std::path::Path;
@@ -264,27 +265,4 @@ fn path_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
         }
     }
     None
-}
-
-/// The candidate with the fewest edits, if it is near enough to be what was meant.
-pub(super) fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
-    let near = |candidate: &&'a str| (edit_distance(wrong, candidate), *candidate);
-    let (distance, candidate) = known.iter().map(near).min()?;
-    (distance <= (wrong.len().max(candidate.len()) / 2).max(1)).then_some(candidate)
-}
-
-/// Levenshtein distance over bytes of the first 64 of each word.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b) = (&a.as_bytes()[..a.len().min(64)], &b.as_bytes()[..b.len().min(64)]);
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(!x.eq_ignore_ascii_case(y));
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }

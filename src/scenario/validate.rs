@@ -4,12 +4,12 @@ use super::environment::Prop;
 use super::error::Error;
 use super::floors;
 use super::gaze::{Budget, Gaze};
-use super::load::nearest;
 use super::people;
 use super::polygon;
 use super::population::{EmotionMode, GaitChoice, GenderChoice, Population};
 use super::schema::{Layout, Navigation, Point, Route, RouteMode, Scenario, Spawn, User, route_names};
 use super::walkable::{Area, Plane};
+use crate::spelling::nearest;
 use glam::Vec2;
 
 /// Most agents of one scenario.

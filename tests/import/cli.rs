@@ -153,6 +153,7 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
 }
 
 #[test]
+<<<<<<< HEAD
 fn a_refused_take_is_reported_like_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let boxer = OTHERS.iter().find(|other| other.name.starts_with("boxing forwards")).unwrap();
@@ -210,4 +211,41 @@ fn a_given_rate_corrects_what_the_header_states() {
     assert!(json["gaits"][0]["v_des"].as_f64().unwrap() < 0.6, "the header is believed otherwise");
     let output = gaitway(&["none.bvh"], folder.path(), "1");
     assert!(text(&output.stderr).contains("1 to 2000 Hz") && text(&output.stderr).contains("none.bvh:"));
+=======
+fn labels_are_read_in_any_form_and_what_cannot_be_meant_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+    write("walk1.bvh", &walker::bvh(&Walker::default().take(4.0, 60.0), 100.0));
+    let import = || gaitway(&[".", "--json", "--out", "lib.glb"], folder.path(), "1");
+    for table in [
+        "File,Label\nwalk1.bvh,Happy\n",
+        "\u{feff}file;label\r\nwalk1;HAPPY\r\n",
+        "name\tEmotion\nwalk1\thappy\n",
+    ] {
+        write("Labels.CSV", table);
+        let output = import();
+        assert!(output.status.success(), "{table:?}: {}", text(&output.stderr));
+        let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!(json["gaits"][0]["label"], "happy", "{table:?}");
+    }
+    std::fs::remove_file(folder.path().join("lib.glb")).unwrap();
+    write("Labels.CSV", "File,Label\nwalk1.bvh,hapy\n");
+    let output = import();
+    let told = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{told}");
+    assert!(
+        told.contains("Labels.CSV:2: ")
+            && told.contains("\"hapy\"")
+            && told.contains("did you mean \"happy\"?"),
+        "{told}"
+    );
+    assert!(output.stdout.is_empty() && !folder.path().join("lib.glb").exists());
+    write("Labels.CSV", "file,label\nwalk7.bvh,happy\n");
+    let output = import();
+    let told = text(&output.stderr);
+    assert!(
+        output.status.success() && told.contains("Labels.CSV: none of its 1 rows names a take"),
+        "{told}"
+    );
+>>>>>>> a9f05a5 (Read labels by one reader that forgives form and refuses unknown words)
 }

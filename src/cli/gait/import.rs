@@ -5,6 +5,7 @@ use super::super::progress::Progress;
 use super::super::{failed, usage};
 use super::{Row, table_of_gaits};
 use crate::Error;
+use crate::gait::import::labels::Labels;
 use crate::gait::import::{JointMap, Options, folder};
 use crate::gait::stride::{self, Survey};
 use crate::gait::{Gait, Joint, Recording};
@@ -31,7 +32,8 @@ const FEW_GAITS: usize = 40;
                   odd.toml\n\nA joint map names our 16 joints as the files do:\n  like = \"Mixamo\"\n  head = \
                   \"Skull\"\n  left_hand = \"LWRA + LWRB\"\n\nReads .bvh, .amc with its .asf, .c3d, .trc, .npz, .npy, .csv, \
                   .tsv, .txt. What is no walking is refused, with the measure. A capture of the legs alone walks with the upper \
-                  body of the norm; what judges gaits refuses it. labels.csv, gaits.csv or trials.csv beside the files names subject, style and label."
+                  body of the norm; what judges gaits refuses it. A table labels.csv beside the files (columns file, subject, \
+                  style, label) names who walked, how, and the emotion that people saw: happy, angry, sad or neutral."
 )]
 pub(super) struct Arguments {
     /// Motion files, and folders that are searched for them
@@ -124,6 +126,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let hint = format!("motion files end in {}", folder::known_extensions());
         return Err(failed("there is no motion file in the folders named", hint));
     }
+    let labels = Labels::beside(&files)?;
     let progress = Mutex::new(Progress::new("importing"));
     let done = |count: usize| {
         if let Ok(mut progress) = progress.lock() {
@@ -133,8 +136,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let make = |path: &Path, takes: Vec<Recording>| {
         Ok(takes.into_iter().map(|take| examine(path, take, arguments.all)).collect::<Vec<_>>())
     };
-    let outcomes = folder::import_files(&files, &options, make, done);
+    let outcomes = folder::import_files(&files, &options, &labels, make, done);
     drop(progress);
+    for line in labels.unused() {
+        note(&format!("warning: {line}"));
+    }
 
     let (mut takes, mut left_out, mut is_good) = (Vec::new(), Vec::new(), true);
     for outcome in outcomes {

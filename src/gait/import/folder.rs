@@ -1,6 +1,7 @@
 //! Whole folders: which files, and all of them at once.
 
-use super::{EXTENSIONS, Error, Options, import_file_with, list, text};
+use super::labels::{self, Labels};
+use super::{EXTENSIONS, Error, Options, import_labelled, list, text};
 use crate::gait::Recording;
 use rayon::prelude::*;
 use serde::Serialize;
@@ -10,8 +11,6 @@ use std::path::{Path, PathBuf};
 pub const MAX_FILES: usize = 1_000_000;
 /// Folders within folders.
 const MAX_DEPTH: usize = 32;
-/// Index files: read for the takes beside them, never as takes.
-const INDEX_FILES: [&str; 3] = super::labels::INDEX_FILES;
 
 /// What became of one file.
 #[derive(Debug)]
@@ -51,7 +50,7 @@ pub fn motion_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
 /// The files that `paths` name: files as they are, folders with all that is in them, by extension.
 ///
 /// Sorted by path within each folder, in the order of `paths`; a file that is named twice counts once. Skeletons
-/// (`.asf`), index files (`labels.csv`, ...) and names that begin with a dot are no motion files. Symbolic links to
+/// (`.asf`), tables of labels (`labels.csv`, ...) and names that begin with a dot are no motion files. Symbolic links to
 /// folders are not followed.
 ///
 /// # Errors
@@ -123,7 +122,7 @@ fn why_unread(name: &str) -> Option<String> {
 }
 
 fn is_motion(name: &str) -> bool {
-    !INDEX_FILES.contains(&name)
+    !labels::is_table(name)
         && name.rsplit_once('.').is_some_and(|(stem, ending)| {
             // Notes and licences are text files, but no takes.
             let is_note = ending == "txt"
@@ -134,16 +133,18 @@ fn is_motion(name: &str) -> bool {
 
 /// Imports many files in parallel and makes something of the takes of each; the outcomes are in the order of `files`.
 ///
-/// `make` gets the takes of one file; `done` is told the number of files done so far, from any thread.
+/// `labels` are those of [`Labels::beside`] the files; `make` gets the takes of one file; `done` is told the number of
+/// files done so far, from any thread.
 pub fn import_files<T: Send>(
     files: &[PathBuf],
     options: &Options,
+    labels: &Labels,
     make: impl Fn(&Path, Vec<Recording>) -> Result<T, crate::Error> + Sync,
     done: impl Fn(usize) + Sync,
 ) -> Vec<Outcome<T>> {
     let count = std::sync::atomic::AtomicUsize::new(0);
     let one = |path: &PathBuf| {
-        let takes = import_file_with(path, options).map_err(crate::Error::from);
+        let takes = import_labelled(path, options, labels).map_err(crate::Error::from);
         let result = takes.and_then(|takes| make(path, takes));
         done(count.fetch_add(1, std::sync::atomic::Ordering::Relaxed) + 1);
         Outcome { path: path.clone(), result }
@@ -173,6 +174,7 @@ mod tests {
             "a.amc",
             "a.asf",
             "labels.csv",
+            "Gaits.TSV",
             "x.csv",
             "README.txt",
             ".hidden.bvh",
@@ -214,6 +216,7 @@ mod tests {
         let outcomes = import_files(
             &files,
             &Options::default(),
+            &Labels::default(),
             |_, takes| Ok(takes.len()),
             |_| {
                 done.fetch_add(1, std::sync::atomic::Ordering::Relaxed);

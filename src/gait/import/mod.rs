@@ -15,18 +15,20 @@ pub mod folder;
 mod gaps;
 mod heading;
 pub mod joint_map;
-mod labels;
+pub mod labels;
 mod markers;
 pub mod npz;
 mod points;
 mod repair;
 mod resample;
+pub(crate) mod table;
 mod text;
 pub mod trc;
 
 use super::{Error, Recording};
 use crate::file;
 pub use joint_map::JointMap;
+use labels::Labels;
 use std::path::{Path, PathBuf};
 use text::list;
 
@@ -63,7 +65,8 @@ pub struct Options {
 ///
 /// # Errors
 /// [`Error::Read`] if the file cannot be read or is larger than [`MAX_BYTES`], [`Error::Syntax`] with file and
-/// line if it is not what its format demands, [`Error::Unusable`] if its motion is not that of a body.
+/// line if it is not what its format demands, [`Error::Unusable`] if its motion is not that of a body; as
+/// [`Labels::beside`] for the tables of labels beside it.
 pub fn import_file(path: &Path) -> Result<Vec<Recording>, Error> {
     import_file_with(path, &Options::default())
 }
@@ -73,9 +76,38 @@ pub fn import_file(path: &Path) -> Result<Vec<Recording>, Error> {
 /// # Errors
 /// As [`import_file`].
 pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>, Error> {
+    // a file that cannot be read is told before its tables are
+    let takes = takes(path, options)?;
+    labelled(path, takes, options, &Labels::beside(&[path])?)
+}
+
+/// [`import_file_with`] for one of many files, with the tables beside them, which were read before.
+///
+/// # Errors
+/// As [`import_file`], but for the tables.
+pub fn import_labelled(path: &Path, options: &Options, labels: &Labels) -> Result<Vec<Recording>, Error> {
+    labelled(path, takes(path, options)?, options, labels)
+}
+
+/// The takes with what the tables say about them, at the rate asked for.
+fn labelled(
+    path: &Path,
+    mut takes: Vec<Recording>,
+    options: &Options,
+    labels: &Labels,
+) -> Result<Vec<Recording>, Error> {
+    labels.apply(path, &mut takes);
+    match options.resample {
+        Some(hertz) => takes.into_iter().map(|take| take.resampled(hertz)).collect(),
+        None => Ok(takes),
+    }
+}
+
+/// The takes of a file, as the file has them.
+fn takes(path: &Path, options: &Options) -> Result<Vec<Recording>, Error> {
     let shown = path.display().to_string();
     let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
-    let mut takes = match extension.as_str() {
+    Ok(match extension.as_str() {
         "bvh" => vec![bvh::parse_bvh(&read(path)?, &shown, options)?],
         "amc" => {
             let skeleton = match &options.skeleton {
@@ -104,12 +136,7 @@ pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>
             let message = format!("unknown extension {other:?}; known are {}", list(&EXTENSIONS));
             return Err(text::syntax(&shown, 0, message));
         }
-    };
-    labels::apply(path, &mut takes);
-    if let Some(hertz) = options.resample {
-        takes = takes.into_iter().map(|take| take.resampled(hertz)).collect::<Result<_, _>>()?;
-    }
-    Ok(takes)
+    })
 }
 
 /// Reads a text file within [`MAX_BYTES`]; bytes that are not UTF-8 (names in old code pages) are replaced.

@@ -7,7 +7,9 @@
 use super::Response;
 use crate::emotion::Emotion;
 use crate::file;
+use crate::gait::import::table::{Broken, Record, Records, is_unsaid, normalised};
 use crate::perception::Error;
+use crate::spelling::nearest;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -69,9 +71,6 @@ const ANSWERS: [&[&str]; 5] = [
 ];
 /// Endings of videos and pictures, which the names of gaits do not have.
 const ENDINGS: [&str; 9] = [".mp4", ".avi", ".webm", ".mov", ".mkv", ".y4m", ".ogv", ".gif", ".png"];
-/// What a missing gender or age is written as.
-const UNSAID: [&str; 7] = ["", "na", "n/a", "nan", "none", "-", "prefer not to say"];
-
 /// What the reader knows besides the sheet.
 #[derive(Debug, Clone, Default)]
 pub struct Options<'a> {
@@ -88,6 +87,12 @@ pub struct Fault {
     pub line: usize,
     /// What is wrong, with the value found and what is allowed.
     pub message: String,
+}
+
+impl From<Broken> for Fault {
+    fn from(Broken { line, message }: Broken) -> Self {
+        Self { line, message }
+    }
 }
 
 /// A sheet, read.
@@ -117,7 +122,6 @@ pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
 /// As [`read()`].
 pub fn parse(text: &str, origin: &str, options: &Options<'_>) -> Result<Sheet, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut records = Records::new(text);
     let Some(header) = records.next() else {
         return Err(syntax(
@@ -130,7 +134,7 @@ pub fn parse(text: &str, origin: &str, options: &Options<'_>) -> Result<Sheet, E
     let mut reader = Reader { columns, width: header.cells.len(), options, seen: HashMap::new() };
     let mut sheet = Sheet::default();
     for record in records {
-        match record.and_then(|record| reader.response(&record)) {
+        match record.map_err(Fault::from).and_then(|record| reader.response(&record)) {
             Ok(response) => sheet.responses.push(response),
             Err(fault) => sheet.left_out.push(fault),
         }
@@ -189,7 +193,7 @@ impl Reader<'_> {
         }
         let said = |column: Option<usize>| {
             let text = record.cells.get(column?)?;
-            (!UNSAID.contains(&text.to_lowercase().as_str())).then(|| text.clone())
+            (!is_unsaid(text)).then(|| text.clone())
         };
         let gender = said(self.columns.gender);
         let age = match said(self.columns.age) {
@@ -215,7 +219,13 @@ impl Reader<'_> {
         if let Some(name) = known.get(text).or_else(|| known.get(stem(text))) {
             return Ok(name.clone());
         }
-        let example = known.iter().min().map_or(String::new(), |name| format!(", such as {name:?}"));
+        let mut names: Vec<&str> = known.iter().map(String::as_str).collect();
+        names.sort_unstable();
+        let example = match (nearest(stem(text), &names), names.first()) {
+            (Some(near), _) => format!("; did you mean {near:?}?"),
+            (None, Some(first)) => format!(", such as {first:?}"),
+            (None, None) => String::new(),
+        };
         Err(format!("unknown video {text:?}; the library has {} gaits{example}", known.len()))
     }
 }
@@ -288,90 +298,6 @@ fn question(header: &[String], plain: &[String], words: &[&str]) -> Result<Optio
             "columns {:?} and {:?} could both hold the answers for {}; call one of them {:?}",
             header[a], header[b], words[0], words[0]
         )),
-    }
-}
-
-/// Lower-case words joined by `_`.
-fn normalised(cell: &str) -> String {
-    let words = cell.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
-    words.map(str::to_lowercase).collect::<Vec<_>>().join("_")
-}
-
-/// A row and the line it begins in.
-struct Record {
-    line: usize,
-    cells: Vec<String>,
-}
-
-/// The rows of a CSV text; blank lines are passed over.
-struct Records<'a> {
-    rest: &'a str,
-    line: usize,
-    separator: char,
-}
-
-impl<'a> Records<'a> {
-    fn new(text: &'a str) -> Self {
-        let first = text.lines().find(|line| !line.trim().is_empty()).unwrap_or_default();
-        let count = |separator: char| first.matches(separator).count();
-        let separator = [',', ';', '\t'].into_iter().max_by_key(|&s| (count(s), s == ',')).unwrap_or(',');
-        Self { rest: text, line: 1, separator }
-    }
-
-    /// One cell; what follows it stays in `rest`, beginning with the separator or the line's end.
-    fn cell(&mut self) -> Result<String, ()> {
-        let start = self.rest.trim_start_matches([' ', '\u{a0}']);
-        let Some(mut inner) = start.strip_prefix('"') else {
-            let end = self.rest.find([self.separator, '\n', '\r']).unwrap_or(self.rest.len());
-            let (cell, rest) = self.rest.split_at(end);
-            self.rest = rest;
-            return Ok(cell.trim().to_owned());
-        };
-        let mut text = String::new();
-        loop {
-            let end = inner.find('"').ok_or(())?;
-            text.push_str(&inner[..end]);
-            inner = &inner[end + 1..];
-            let Some(rest) = inner.strip_prefix('"') else { break };
-            text.push('"');
-            inner = rest;
-        }
-        self.line += text.matches('\n').count();
-        // Between the closing quote and the separator there should be nothing; if there is, it belongs to the cell.
-        let end = inner.find([self.separator, '\n', '\r']).unwrap_or(inner.len());
-        text.push_str(&inner[..end]);
-        self.rest = &inner[end..];
-        Ok(text.trim().to_owned())
-    }
-}
-
-impl Iterator for Records<'_> {
-    type Item = Result<Record, Fault>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        while !self.rest.is_empty() {
-            let line = self.line;
-            let mut cells = Vec::new();
-            loop {
-                let Ok(cell) = self.cell() else {
-                    self.rest = "";
-                    let message = "a quote is opened and never closed".to_owned();
-                    return Some(Err(Fault { line, message }));
-                };
-                cells.push(cell);
-                match self.rest.strip_prefix(self.separator) {
-                    Some(rest) => self.rest = rest,
-                    None => break,
-                }
-            }
-            let rest = self.rest.strip_prefix('\r').unwrap_or(self.rest);
-            self.rest = rest.strip_prefix('\n').unwrap_or(rest);
-            self.line += 1;
-            if cells.iter().any(|cell| !cell.is_empty()) {
-                return Some(Ok(Record { line, cells }));
-            }
-        }
-        None
     }
 }
 

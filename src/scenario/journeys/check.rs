@@ -1,11 +1,11 @@
 //! Whether stages, journeys and sources can be walked.
 
 use super::super::error::Error;
-use super::super::load::nearest;
 use super::super::polygon;
 use super::super::schema::{Point, Scenario};
 use super::super::validate::{outline, point, within};
 use super::{Journey, MOST_WAYS, SPACING, Source, Stage, StageKind, journey_names, stage_names};
+use crate::spelling::nearest;
 use glam::Vec2;
 use std::collections::BTreeMap;
 
