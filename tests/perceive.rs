@@ -81,7 +81,11 @@ fn score(simulation: &Simulation, tracks: &[Track], learned_from: &[Gait]) -> Sc
         .collect();
     let strides: Vec<&Gait> = seen.iter().map(|(_, gait)| gait).collect();
     let rows = features(&strides, simulation).unwrap();
-    Score::of(seen.iter().zip(&rows).map(|((wanted, _), row)| (*wanted, model.predict_features(row).emotion)))
+    Score::of(
+        seen.iter()
+            .zip(&rows)
+            .map(|((wanted, _), row)| (*wanted, model.predict_features(row).unwrap().emotion)),
+    )
 }
 
 #[test]

@@ -1,13 +1,18 @@
 //! `gaitway gait train`, `predict` and `label` as people use them.
 #![allow(clippy::unwrap_used, reason = "a test: a failure is a panic that prints")]
 
-use gaitway::gait::{Gait, LabelOrigin};
+use gaitway::Emotion;
+use gaitway::gait::import::import_file;
+use gaitway::gait::stride::best;
+use gaitway::gait::{Gait, Joint, LabelOrigin};
 use gaitway::library::GaitLibrary;
+use gaitway::perception::perceiver::PhasePerceiver;
+use gaitway::perception::{Method as _, Perceiver as _};
 use serde_json::Value;
 use std::process::{Command, Output};
 
 /// Runs `gaitway gait`, through the program that `GAITWAY_TEST_RUNNER` or `GAITWAY_RUNNER` names, if any.
-fn gait(arguments: &[&str]) -> Output {
+fn gait_command(arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_gaitway");
     let runner = ["GAITWAY_TEST_RUNNER", "GAITWAY_RUNNER"].into_iter().find_map(std::env::var_os);
     let mut command = Command::new(runner.clone().unwrap_or_else(|| program.into()));
@@ -18,13 +23,13 @@ fn gait(arguments: &[&str]) -> Output {
 }
 
 fn good(arguments: &[&str]) -> String {
-    let output = gait(arguments);
+    let output = gait_command(arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }
 
 fn refused(code: i32, arguments: &[&str], want: &str) {
-    let output = gait(arguments);
+    let output = gait_command(arguments);
     let error = String::from_utf8(output.stderr).unwrap();
     assert!(output.stdout.is_empty() && output.status.code() == Some(code), "{arguments:?}: {error}");
     assert!(error.contains("error: ") && error.contains(want), "{arguments:?}: {error}");
@@ -35,7 +40,7 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walkers, model, grown) = (path("walkers.glb"), path("model.json"), path("grown.glb"));
-    GaitLibrary::generated(21, 3).unwrap().save_glb(&walkers).unwrap();
+    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
 
     let trained =
         good(&["train", "--data", &walkers, "--folds", "stratified", "--k", "4", "--json", "--out", &model]);
@@ -45,25 +50,42 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     assert!(trained["evaluation"]["accuracy_mean"].as_f64().unwrap() > 0.6, "{trained}");
     assert_eq!(trained["evaluation"]["seeds"], serde_json::json!([0, 1, 2, 3, 4]));
 
+    assert_eq!(
+        (&trained["method"], &trained["preparation"]),
+        (&"phase-perceiver".into(), &"repaired".into())
+    );
+
     // a new walker, known by nothing but where its joints are
     let sad = path("sad.csv");
     good(&["walk", "--emotion", "sad", "--seed", "77", "--out", &sad]);
-    for model in [Some(&model), None] {
-        let mut arguments = vec!["predict", &sad, "--json"];
-        arguments.extend(model.iter().flat_map(|path| ["--model", path.as_str()]));
-        let found: Value = serde_json::from_str(&good(&arguments)).unwrap();
-        let row = &found["gaits"][0];
-        assert_eq!((&row["name"], &row["emotion"]), (&"sad".into(), &"sad".into()), "{found}");
-        let sum: f64 = row["probabilities"].as_array().unwrap().iter().map(|p| p.as_f64().unwrap()).sum();
-        assert!((sum - 1.0).abs() < 1e-9 && row["margin"].is_number());
-        let words = found["model"].as_str().unwrap();
-        assert_eq!(model.is_none(), words.contains("built-in walkers"), "{words}");
-    }
-    let table = good(&["predict", &sad]);
-    assert!(
-        table.contains("seen as") && table.contains("built-in walkers (generated, not rated)"),
-        "{table}"
+    let found: Value = serde_json::from_str(&good(&["predict", &sad, "--json", "--model", &model])).unwrap();
+    let row = &found["gaits"][0];
+    assert_eq!(
+        (&row["name"], &row["emotion"], &row["is_unlike"]),
+        (&"sad".into(), &"sad".into(), &false.into())
     );
+    let probabilities = row["probabilities"].as_array().unwrap().iter().map(|p| p.as_f64().unwrap());
+    assert!((probabilities.clone().sum::<f64>() - 1.0).abs() < 1e-9);
+    let mut sorted: Vec<f64> = probabilities.clone().collect();
+    sorted.sort_by(f64::total_cmp);
+    assert!(
+        probabilities.clone().nth(2) == sorted.last().copied(),
+        "the emotion told is the most probable one"
+    );
+    assert!((row["margin"].as_f64().unwrap() - (sorted[3] - sorted[2])).abs() < 1e-12);
+    assert!(row["novelty"].as_f64().unwrap() < 1.0, "{row}");
+    // the same bits as in memory
+    let library = GaitLibrary::load_glb(std::path::Path::new(&walkers)).unwrap();
+    let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
+        library.gaits().iter().map(|gait| (gait, gait.label.unwrap())).unzip();
+    let in_memory = PhasePerceiver::default().train(&gaits, &emotions, 0).unwrap();
+    let take = import_file(std::path::Path::new(&sad)).unwrap().remove(0);
+    let want = in_memory.probabilities(&best(&take).unwrap());
+    assert!(probabilities.zip(want).all(|(found, want)| found.to_bits() == want.to_bits()));
+
+    let table = good(&["predict", &sad]);
+    assert!(table.contains("seen as") && table.contains("built in: phase-perceiver"), "{table}");
+    assert!(table.contains("232 gaits of 92 people") && table.contains("right on gaits held out"), "{table}");
 
     good(&["label", &sad, "--library", &walkers, "--model", &model, "--out", &grown]);
     let library = GaitLibrary::load_glb(&grown).unwrap();
@@ -71,6 +93,81 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     let origins: Vec<_> = library.gaits().iter().map(Gait::label_origin).collect();
     assert_eq!(origins[24], Some(LabelOrigin::Predicted));
     assert!(origins[..24].iter().all(|origin| *origin == Some(LabelOrigin::Generated)));
+}
+
+#[test]
+fn what_the_model_has_not_seen_the_like_of_is_called_unlike_and_not_labelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (walk, odd, out) = (path("walk.csv"), path("odd.glb"), path("out.glb"));
+    good(&["walk", "--emotion", "neutral", "--out", &walk]);
+    let take = import_file(std::path::Path::new(&walk)).unwrap().remove(0);
+    let mut gait = Gait { name: "odd".into(), label: None, ..best(&take).unwrap() };
+    for pose in &mut gait.poses {
+        // both arms straight up
+        for joint in [Joint::LeftElbow, Joint::LeftHand, Joint::RightElbow, Joint::RightHand] {
+            pose[joint as usize].y = 2.0 * pose[Joint::Neck as usize].y - pose[joint as usize].y;
+        }
+    }
+    GaitLibrary::from_gaits(vec![gait]).unwrap().save_glb(std::path::Path::new(&odd)).unwrap();
+    let found: Value = serde_json::from_str(&good(&["predict", &odd, &walk, "--json"])).unwrap();
+    let (unlike, like) = (&found["gaits"][0], &found["gaits"][1]);
+    assert!(
+        unlike["is_unlike"] == true
+            && unlike["emotion"].is_null()
+            && unlike["novelty"].as_f64().unwrap() > 1.0
+    );
+    assert!(like["is_unlike"] == false && like["emotion"] == "neutral", "{found}");
+    assert_eq!(found["unlike"], 1);
+    let output = gait_command(&["predict", &odd]);
+    let (table, told) =
+        (String::from_utf8(output.stdout).unwrap(), String::from_utf8(output.stderr).unwrap());
+    assert!(table.contains("unlike") && told.contains("unlike what the model has seen"), "{table}{told}");
+    assert!(good(&["predict", &odd, "--even-unlike", "--json"]).contains("\"emotion\": \""));
+
+    refused(&["label", &odd, "--out", &out], "1 unlike what the model has seen");
+    assert!(!std::path::Path::new(&out).exists());
+    good(&["label", &odd, "--even-unlike", "--out", &out]);
+    let library = GaitLibrary::load_glb(std::path::Path::new(&out)).unwrap();
+    assert_eq!(library.gaits().last().unwrap().label_origin(), Some(LabelOrigin::Predicted));
+}
+
+#[test]
+fn a_model_of_gaits_as_published_is_asked_about_no_others() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (walk, walkers, model) = (path("walk.csv"), path("walkers.glb"), path("model.json"));
+    good(&["walk", "--emotion", "happy", "--out", &walk]);
+    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    refused(
+        &["train", "--as-published", "--data", &walkers, "--out", &model],
+        "not E-Gait as it was published",
+    );
+    good(&["train", "--data", &walkers, "--folds", "none", "--out", &model]);
+    let text = std::fs::read_to_string(&model).unwrap();
+    assert!(text.contains("\"preparation\":\"repaired\""));
+    std::fs::write(&model, text.replacen("\"repaired\"", "\"as-published\"", 1)).unwrap();
+    for file in [&walk, &walkers] {
+        refused(&["predict", file, "--model", &model], "not E-Gait as it was published");
+    }
+}
+
+#[test]
+fn settings_of_one_method_are_refused_by_the_other_and_ask_for_it_where_none_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (walkers, model) = (path("walkers.glb"), path("model.json"));
+    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    let train = |more: &[&str]| {
+        let plain =
+            ["train", "--data", walkers.as_str(), "--folds", "none", "--json", "--out", model.as_str()];
+        [&plain[..], more].concat()
+    };
+    refused(&train(&["--method", "phase-perceiver", "--c", "10"]), "--c is a setting of affective-svm");
+    let found: Value = serde_json::from_str(&good(&train(&["--c", "10"]))).unwrap();
+    assert_eq!((&found["method"], found["support_vectors"].is_u64()), (&"affective-svm".into(), true));
+    let words = good(&["predict", &walkers, "--model", &model]);
+    assert!(words.contains("affective-svm, trained on 24 gaits"), "{words}");
 }
 
 #[test]

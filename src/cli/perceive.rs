@@ -1,7 +1,7 @@
 //! `gaitway perceive`: which emotions a classifier sees in the crowd that is shown, against those that are wanted.
 
 use super::failed;
-use super::gait::sources;
+use super::gait::{model_or_default, sources};
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
@@ -13,8 +13,8 @@ use crate::library::GaitLibrary;
 use crate::perceive::{HUMANS, MAX_TURN_DEG, Recorder, Score, Seen, Unusable, WALKING_SHARE};
 use crate::perceive::{features, practice_alone, practice_in_crowd, record};
 use crate::perception::affective_svm::AffectiveSvm;
-use crate::perception::features::{FEATURE_COUNT, Variant, features_of};
-use crate::perception::model::Model;
+use crate::perception::features::{FEATURE_COUNT, Variant};
+use crate::perception::model::{Model, Prediction, Preparation};
 use crate::scenario::Condition;
 use crate::sim::{Simulation, bodies};
 use clap::{Args, ValueEnum};
@@ -31,7 +31,7 @@ const WALKERS_PER_CLASS: u32 = 25;
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway perceive crossing --agents 1000 --condition eva-g\n  gaitway perceive garden --agents 200 \
-                  --train-on egait/ --figures figures/\n  gaitway perceive crossing --agents 1000 --model model.json --json\n\n\
+                  --train-on egait/ --figures figures/\n  gaitway perceive crossing --agents 1000 --model default --model model.json --json\n\n\
                   The classifier sees the joints of the bodies as they are drawn, one stride of each agent, and nothing else. \
                   It learns from other walkers than the built-in gaits (seed 7001), or from labelled gaits of yours: as they were \
                   recorded, as the scene's avatars show them one by one, and as they are shown in a crowd of other people."
@@ -45,8 +45,9 @@ pub(super) struct Arguments {
     /// Simulated time before that
     #[arg(long, value_name = "SECONDS", default_value_t = 5.0)]
     warm_up: f64,
-    /// A trained classifier (gaitway gait train); may be given several times
-    #[arg(long, value_name = "MODEL.json")]
+    /// A trained classifier (gaitway gait train), or `default`: the built-in one, trained on people; may be given several
+    /// times
+    #[arg(long, value_name = "MODEL.json|default")]
     model: Vec<PathBuf>,
     /// What classifiers learn from: `walker`, or labelled motion files or a gait library; may be given several times
     /// [default: walker, unless there is a --model]
@@ -126,6 +127,8 @@ struct Perceived {
     settings: String,
     /// Where the features were computed.
     features: &'static str,
+    /// Strides unlike those that it learned from; they are judged all the same.
+    unlike: usize,
     #[serde(flatten)]
     score: Score,
 }
@@ -222,7 +225,18 @@ impl NotWalking {
 fn judges(arguments: &Arguments, scene: &Scene) -> Result<(Vec<Judge>, bool), Error> {
     let (mut judges, mut is_complete) = (Vec::new(), true);
     for path in &arguments.model {
-        judges.push(Judge { name: path.display().to_string(), model: Model::load(path)? });
+        let path = Some(path.as_path()).filter(|path| path.as_os_str() != "default");
+        let (model, name) = model_or_default(path)?;
+        if model.preparation() != Preparation::Repaired {
+            return Err(usage(
+                format!(
+                    "--model {name}: it learned from gaits as published, and the crowd's are not like those"
+                ),
+                "train it without --as-published",
+            ));
+        }
+        let name = if path.is_none() { "people (the built-in model)".to_owned() } else { name };
+        judges.push(Judge { name, model });
     }
     let mut sources = arguments.train_on.clone();
     if sources.is_empty() && judges.is_empty() {
@@ -235,7 +249,7 @@ fn judges(arguments: &Arguments, scene: &Scene) -> Result<(Vec<Judge>, bool), Er
                 (format!("other walkers (seed {WALKER_SEED})"), walkers.gaits().to_vec())
             }
             _ => {
-                let found = sources::read(std::slice::from_ref(source), false)?;
+                let found = sources::read(std::slice::from_ref(source), Preparation::Repaired)?;
                 is_complete &= found.is_complete;
                 (source.display().to_string(), found.gaits.into_iter().map(|(_, gait)| gait).collect())
             }
@@ -290,27 +304,27 @@ fn trained(name: String, gaits: &[Gait]) -> Result<Judge, Error> {
     Ok(Judge { model: AffectiveSvm::default().model(&gaits, &emotions, 0)?, name })
 }
 
-/// What a classifier sees; `on_device` are the corrected features, others are computed here.
+/// What a classifier sees; `on_device` are the corrected features, what looks at others or more is computed here.
 fn judged(judge: &Judge, gaits: &[&Gait], on_device: &[[f64; FEATURE_COUNT]]) -> Perceived {
-    let on_host;
-    let (rows, features) = match judge.model.variant() {
-        Variant::Corrected => (on_device, "on the device"),
-        variant => {
-            on_host = features_of(gaits, variant);
-            (on_host.as_slice(), "on the host (not the corrected ones)")
-        }
+    let is_on_device = judge.model.variant() == Some(Variant::Corrected);
+    let predictions: Vec<Prediction> = match is_on_device {
+        true => on_device.iter().filter_map(|row| judge.model.predict_features(row)).collect(),
+        false => judge.model.predict_all(gaits),
     };
+    let features = if is_on_device { "on the device" } else { "on the host (not the 29 corrected ones)" };
+    let unlike = predictions.iter().filter(|prediction| prediction.is_unlike()).count();
     let answers = gaits
         .iter()
-        .zip(rows)
-        .filter_map(|(gait, row)| Some((gait.label?, judge.model.predict_features(row).emotion)));
+        .zip(&predictions)
+        .filter_map(|(gait, prediction)| Some((gait.label?, prediction.emotion)));
     let on = judge.model.trained_on();
     Perceived {
         name: judge.name.clone(),
         learned_from: on.counts,
         people: on.people,
-        settings: format!("{} features, {}", judge.model.variant().name(), on.settings),
+        settings: format!("{}, {}", judge.model.method(), on.settings),
         features,
+        unlike,
         score: Score::of(answers),
     }
 }
@@ -365,6 +379,12 @@ fn print(report: &Report) {
         say("");
         say(&format!("classifier   learned from {}", seen.name));
         say(&format!("             {} of {} people; {}", from.join(", "), seen.people, seen.settings));
+        if seen.unlike > 0 {
+            let (unlike, all) = (seen.unlike, seen.score.n);
+            say(&format!(
+                "unlike       {unlike} of {all} strides are unlike what it has seen, and judged all the same"
+            ));
+        }
         print_score(&seen.score, Some(&report.humans));
     }
     let humans = &report.humans;

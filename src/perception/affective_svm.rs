@@ -1,12 +1,13 @@
 //! `affective-svm`: the paper's own method, the 29 features into a support vector machine (S-11 to S-15, A-20).
 
-use super::features::{FEATURE_COUNT, Variant, features_of};
-use super::model::{Model, TrainedOn};
+use super::features::{FEATURE_COUNT, Variant, features, features_of};
+use super::model::{Machine, Model, TrainedOn};
 use super::scaling::Scaling;
 use super::svm::{Gamma, Grid, Kernel, Scheme, Settings, Svm, search};
 use super::{Error, Method, Perceiver, evaluate};
 use crate::emotion::Emotion;
 use crate::gait::Gait;
+use serde::{Deserialize, Serialize};
 
 /// Name in tables and on the command line.
 pub const NAME: &str = "affective-svm";
@@ -79,11 +80,24 @@ impl AffectiveSvm {
         format!("{} features, {settings}, {scaling}", self.variant.name())
     }
 
-    /// Trains a model, which [`Method::train`] hides behind its trait: it can be saved.
+    /// Trains a model, which can be saved and knows what is unlike the gaits that it learned from. It tells the most
+    /// probable emotion, which the votes of [`Method::train`] may contradict (see [`Model`]).
     ///
     /// # Errors
     /// [`Error::Training`] if a gait has features that are not finite, or there are fewer than two emotions.
     pub fn model(&self, gaits: &[&Gait], emotions: &[Emotion], seed: u64) -> Result<Model, Error> {
+        Ok(self.bare(gaits, emotions, seed)?.with_novelty(gaits, emotions))
+    }
+
+    /// [`AffectiveSvm::model`] without novelty.
+    pub(super) fn bare(&self, gaits: &[&Gait], emotions: &[Emotion], seed: u64) -> Result<Model, Error> {
+        let (learned, settings) = self.learn(gaits, emotions, seed)?;
+        let trained_on = TrainedOn::of(gaits, emotions, settings.describe(), seed);
+        Ok(Model::new(Machine::AffectiveSvm(learned), trained_on))
+    }
+
+    /// What is learned, and the settings that were searched or given.
+    fn learn(&self, gaits: &[&Gait], emotions: &[Emotion], seed: u64) -> Result<(Learned, Settings), Error> {
         let failed = |message| Error::Training { method: NAME, message };
         let raw = features_of(gaits, self.variant);
         if let Some(i) = raw.iter().position(|row| !row.iter().all(|value| value.is_finite())) {
@@ -108,8 +122,7 @@ impl AffectiveSvm {
             }
         };
         let svm = Svm::train(&points, &classes, &settings).map_err(failed)?;
-        let trained_on = TrainedOn::of(gaits, emotions, settings.describe(), seed);
-        Ok(Model::new(self.variant, scaling, svm, trained_on))
+        Ok((Learned { features: self.variant, scaling, svm }, settings))
     }
 }
 
@@ -121,12 +134,86 @@ fn inner_folds(gaits: &[&Gait], classes: &[usize], seed: u64) -> Vec<usize> {
         .unwrap_or_else(|_few_people| evaluate::stratified(classes, INNER_FOLDS, seed))
 }
 
+/// What was learned.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub(super) struct Learned {
+    features: Variant,
+    scaling: Scaling,
+    svm: Svm,
+}
+
+impl Learned {
+    pub(super) const fn variant(&self) -> Variant {
+        self.features
+    }
+
+    pub(super) const fn svm(&self) -> &Svm {
+        &self.svm
+    }
+
+    /// The features of a gait, scaled as the machine takes them.
+    pub(super) fn point(&self, gait: &Gait) -> Vec<f64> {
+        self.scaled(&features(gait, self.features))
+    }
+
+    /// Features scaled as the machine takes them.
+    pub(super) fn scaled(&self, features: &[f64; FEATURE_COUNT]) -> Vec<f64> {
+        self.scaling.apply(features)
+    }
+
+    /// Calibrated probabilities; of a machine that was trained without, all is on its decision.
+    pub(super) fn probabilities(&self, point: &[f64]) -> [f64; 4] {
+        let decisions = self.svm.decisions(point);
+        match self.svm.probabilities_of(&decisions) {
+            None => self.decision(point).weights().map(f64::from),
+            Some(found) => {
+                let mut probabilities = [0.0; 4];
+                for (&class, p) in self.svm.classes().iter().zip(found) {
+                    probabilities[class.min(3)] = p;
+                }
+                probabilities
+            }
+        }
+    }
+
+    /// The emotion that the machine decides for: by votes or by the largest decision value, as in the paper.
+    fn decision(&self, point: &[f64]) -> Emotion {
+        Emotion::ALL[self.svm.predict(point).min(3)]
+    }
+
+    pub(super) fn validate(&self) -> Result<(), String> {
+        self.scaling.validate(FEATURE_COUNT)?;
+        self.svm.validate()?;
+        let found = self.svm.feature_count();
+        if ![0, FEATURE_COUNT].contains(&found) {
+            return Err(format!("support vectors of {found} numbers; expected {FEATURE_COUNT}"));
+        }
+        match self.svm.classes().iter().find(|&&class| class >= Emotion::ALL.len()) {
+            Some(class) => Err(format!("class {class}; the emotions are 0 to {}", Emotion::ALL.len() - 1)),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The machine as the paper asks it: it decides, and gives no probabilities.
+struct Decided(Learned);
+
+impl Perceiver for Decided {
+    /// 1 for the emotion decided for.
+    fn probabilities(&self, gait: &Gait) -> [f64; 4] {
+        self.0.decision(&self.0.point(gait)).weights().map(f64::from)
+    }
+}
+
 impl Method for AffectiveSvm {
     fn name(&self) -> &'static str {
         NAME
     }
 
+    /// Answers by the decision of the machine, as in the paper, whose accuracies are of decisions.
     fn train(&self, gaits: &[&Gait], emotions: &[Emotion], seed: u64) -> Result<Box<dyn Perceiver>, Error> {
-        Ok(Box::new(self.model(gaits, emotions, seed)?))
+        let settings = Settings { has_probabilities: false, ..self.settings.clone() };
+        let method = Self { settings, ..self.clone() };
+        Ok(Box::new(Decided(method.learn(gaits, emotions, seed)?.0)))
     }
 }

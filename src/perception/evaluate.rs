@@ -135,6 +135,28 @@ pub fn folds(
     }
 }
 
+/// Folds of the training gaits that novelty is measured on.
+pub(super) const NOVELTY_FOLDS: usize = 10;
+
+/// At most `most` folds of training gaits, for what is chosen or measured on them: people apart; where there is only one
+/// person, gaits apart.
+pub(super) fn inner_folds(gaits: &[&Gait], emotions: &[Emotion], most: usize, seed: u64) -> Vec<usize> {
+    let mut numbers = BTreeMap::new();
+    let people: Vec<usize> = gaits
+        .iter()
+        .map(|gait| {
+            let next = numbers.len();
+            *numbers.entry(subject(gait)).or_insert(next)
+        })
+        .collect();
+    let classes: Vec<usize> = emotions.iter().map(|emotion| emotion.index()).collect();
+    if numbers.len() >= 2 {
+        grouped(&people, &classes, most.min(numbers.len()), seed)
+    } else {
+        stratified(&classes, most.min(gaits.len()), seed)
+    }
+}
+
 fn enough(found: usize, folds: usize, what: &str) -> Result<(), Error> {
     if folds < 2 {
         return Err(wrong(format!("{folds} fold(s); at least 2 are needed")));

@@ -7,6 +7,7 @@
 //! momentum, restarted where it leads up.
 
 use super::linear::{Cholesky, Matrix, dot, number};
+use serde::{Deserialize, Serialize};
 
 /// Most steps; a few dozen are needed.
 const STEPS: usize = 2_000;
@@ -16,7 +17,8 @@ const FLAT: f64 = 1e-6;
 const FIRM: f64 = 1e-9;
 
 /// A trained regression.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
 pub struct Logistic {
     /// Of each class: its slopes and last its offset.
     planes: Vec<Vec<f64>>,
@@ -62,6 +64,27 @@ impl Logistic {
             momentum = after;
         }
         Ok(Self { planes: ahead })
+    }
+
+    /// Says what is wrong with a regression that was read from a file, for points of `length` numbers.
+    ///
+    /// # Errors
+    /// A message with what was found and expected.
+    pub fn validate(&self, classes: usize, length: usize) -> Result<(), String> {
+        if self.planes.len() != classes {
+            return Err(format!("{} planes for {classes} emotions", self.planes.len()));
+        }
+        match self
+            .planes
+            .iter()
+            .find(|plane| plane.len() != length + 1 || !plane.iter().all(|v| v.is_finite()))
+        {
+            Some(plane) => {
+                let (found, wanted) = (plane.len(), length + 1);
+                Err(format!("a plane of {found} numbers; each must have {wanted} finite ones"))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Probability of each class; they add up to 1.

@@ -14,10 +14,12 @@ pub mod linear;
 pub mod logistic;
 mod memo;
 pub mod model;
+pub mod novelty;
 pub mod perceiver;
 pub mod ratings;
 pub mod scaling;
 pub mod svm;
+pub mod trainer;
 
 pub use interval::share_interval;
 

@@ -200,6 +200,37 @@ fn egait_files_are_levelled_scaled_and_closed_whichever_way_they_face() {
 }
 
 #[test]
+fn egait_gaits_with_left_and_right_exchanged_come_out_as_those_without() {
+    let truth = Walker { cycle: 1.2, ..Walker::default() }.take(1.19, 30.0);
+    let mut file = truth.clone();
+    for pose in &mut file.poses {
+        let root = pose[0];
+        pose.iter_mut().for_each(|p| *p = Quat::from_rotation_x(-12.1_f32.to_radians()) * (*p - root));
+    }
+    let mut exchanged = file.clone();
+    for (pose, original) in exchanged.poses.iter_mut().zip(&file.poses) {
+        for joint in Joint::ALL {
+            pose[joint as usize] = original[joint.mirrored() as usize];
+        }
+    }
+    let read = |file: &Recording, options: &Options| {
+        csv::parse_csv(&walker::csv(&[file], 1.0 / 1.32), "gaits.csv", options).unwrap().remove(0)
+    };
+    let [one, other] = [&file, &exchanged].map(|file| read(file, &Options::default()));
+    let says = |take: &Recording, words: &str| take.report.iter().any(|line| line.contains(words));
+    assert!(says(&one, "left is left") && says(&other, "joints swapped"));
+    assert_eq!(one.poses, other.poses, "the same walk, bit for bit");
+    assert_eq!(stride::best(&one).unwrap().poses, stride::best(&other).unwrap().poses);
+    // as published, nothing is repaired
+    let published = Options { as_published: true, ..Options::default() };
+    let [one, other] = [&file, &exchanged].map(|file| read(file, &published));
+    assert!(one.cyclic && says(&one, "as published"));
+    assert_eq!(one.poses[3][Joint::LeftHand as usize], other.poses[3][Joint::RightHand as usize]);
+    let rise = one.poses[0][Joint::Head as usize];
+    assert!(rise.z < -0.15 * rise.y, "still pitched: {rise}");
+}
+
+#[test]
 fn what_does_not_repeat_is_spread_over_the_cycle() {
     let mut take = Walker::default().take(5.0, 60.0);
     for (i, pose) in take.poses.iter_mut().enumerate() {

@@ -24,7 +24,9 @@ use std::time::Instant;
 #[command(
     after_help = "Examples:\n  gaitway gait compare --data egait/ --folds subject --repeats 10\n  gaitway gait compare \
                   --data mine.glb --json\n\nThe gaits need labels: in the library, or in a gaits.csv beside the motion files \
-                  (columns key, subject, perceived_label). Of takes of one name the first is kept."
+                  (columns key, subject, perceived_label). Of takes of one name the first is kept. \
+                  affective-svm answers by its decision, as in the paper; a model of `gaitway gait train` tells its most \
+                  probable emotion, which can differ."
 )]
 pub(super) struct Arguments {
     /// Folder of motion files, motion file, or gait library (.glb), with labels
@@ -107,7 +109,8 @@ struct Report {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let chosen = choose(arguments)?;
-    let found = sources::read(std::slice::from_ref(&arguments.data), arguments.as_published)?;
+    let found =
+        sources::read(std::slice::from_ref(&arguments.data), sources::preparation(arguments.as_published))?;
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
         found.gaits.iter().filter_map(|(_, gait)| Some((gait, gait.label?))).unzip();
     let unlabelled = found.gaits.len() - gaits.len();

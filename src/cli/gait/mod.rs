@@ -12,6 +12,8 @@ pub(super) mod sources;
 mod train;
 mod videos;
 
+pub(super) use predict::model_or_default;
+
 use super::output::{note, say, say_json, table};
 use super::scene::library;
 use super::{figures, usage};

@@ -2,9 +2,12 @@
 
 use super::super::output::{complain, note};
 use super::super::scene::library;
+use super::super::usage;
 use crate::Error;
-use crate::gait::import::{Options, folder, import_file_with};
+use crate::gait::import::labels::Labels;
+use crate::gait::import::{Options, folder, import_labelled};
 use crate::gait::{Gait, Recording, stride};
+use crate::perception::model::Preparation;
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
@@ -19,11 +22,18 @@ pub(in crate::cli) struct Found {
 }
 
 /// Reads all gaits of libraries and the most regular stride of each take of motion files. Of takes of one name the first
-/// is kept; gaits with joints that were not captured are left out. What is left out is said, with the reason. `as_published`: see [`Options::as_published`].
-pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Found, Error> {
+/// is kept; gaits with joints that were not captured are left out. What is left out is said, with the reason.
+/// `preparation` is that of the model that the gaits are for.
+pub(in crate::cli) fn read(paths: &[PathBuf], preparation: Preparation) -> Result<Found, Error> {
     let files = folder::motion_files(paths)?;
+    let labels = Labels::beside(&files)?;
+    let as_published = preparation == Preparation::AsPublished;
+    let options = Options { as_published, ..Options::default() };
     let read: Vec<Result<Vec<Gait>, Error>> =
-        files.par_iter().map(|path| gaits_of(path, as_published)).collect();
+        files.par_iter().map(|path| gaits_of(path, &options, &labels)).collect();
+    for line in labels.unused() {
+        note(&format!("warning: {line}"));
+    }
     let (mut gaits, mut missed, mut reasons) = (Vec::new(), Vec::new(), Vec::new());
     let mut names = HashSet::new();
     for (path, read) in files.into_iter().zip(read) {
@@ -64,18 +74,38 @@ pub(in crate::cli) fn read(paths: &[PathBuf], as_published: bool) -> Result<Foun
     first.map_or(Ok(Found { gaits, is_complete }), Err)
 }
 
+/// How gaits are prepared that are taken as they were published, or not.
+pub(in crate::cli) const fn preparation(as_published: bool) -> Preparation {
+    if as_published { Preparation::AsPublished } else { Preparation::Repaired }
+}
+
 /// The gaits of a library, or the most regular stride of each take of a motion file.
-fn gaits_of(path: &Path, as_published: bool) -> Result<Vec<Gait>, Error> {
+fn gaits_of(path: &Path, options: &Options, labels: &Labels) -> Result<Vec<Gait>, Error> {
     if super::is_glb(path) {
+        if options.as_published {
+            return Err(not_as_published(path));
+        }
         return Ok(library(Some(path))?.gaits().to_vec());
     }
-    let takes = import_file_with(path, &Options { as_published, ..Options::default() })?;
-    let gait = |take: &Recording| match as_published && take.cyclic {
-        true => Ok(whole(take)),
-        false => stride::best(take),
-    };
-    let gaits: Result<Vec<Gait>, crate::gait::Error> = takes.iter().map(gait).collect();
+    let takes = import_labelled(path, options, labels)?;
+    if options.as_published {
+        let whole =
+            |take: &Recording| if take.cyclic { Ok(whole(take)) } else { Err(not_as_published(path)) };
+        return takes.iter().map(whole).collect();
+    }
+    let gaits: Result<Vec<Gait>, crate::gait::Error> = takes.iter().map(stride::best).collect();
     Ok(gaits?)
+}
+
+/// A model of gaits as published is asked about others.
+fn not_as_published(path: &Path) -> Error {
+    usage(
+        format!(
+            "{}: not E-Gait as it was published, and only such gaits are like those of --as-published",
+            path.display()
+        ),
+        "train the model without --as-published",
+    )
 }
 
 /// A cyclic take as a gait that goes nowhere.

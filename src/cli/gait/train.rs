@@ -8,10 +8,14 @@ use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::gait::Gait;
+use crate::perception::Method as _;
 use crate::perception::affective_svm::AffectiveSvm;
 use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with};
 use crate::perception::features::Variant;
-use crate::perception::svm::{Gamma, Grid, Kernel, Scheme, Settings};
+use crate::perception::model::{HeldOut, Preparation};
+use crate::perception::perceiver::PhasePerceiver;
+use crate::perception::svm::{Gamma, Grid, Kernel, Scheme, Settings, Svm};
+use crate::perception::trainer::Trainer;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -21,10 +25,11 @@ use std::time::Instant;
 /// Arguments of `gaitway gait train`.
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  gaitway gait train --data egait/ --out model.json\n  gaitway gait train --data mine.glb --c 10 \
-                  --folds subject --repeats 10 --out model.json\n\nThe gaits need labels: in the library, or in a gaits.csv, labels.csv \
-                  or trials.csv beside the motion files (columns key, subject, label). The model learns from all of them; the \
-                  accuracy is that of models that did not see the gaits they were asked about."
+    after_help = "Examples:\n  gaitway gait train --data egait/ --out model.json\n  gaitway gait train --data mine.glb --method \
+                  affective-svm --c 10 --folds subject --repeats 10 --out model.json\n\nThe gaits need labels: in the library, or in a \
+                  table labels.csv, gaits.csv or trials.csv beside the motion files (columns file or key, subject, label). The \
+                  model learns from all of them; the accuracy is that of models that did not see the gaits they were asked \
+                  about. It remembers how the gaits were prepared, and what is unlike them."
 )]
 pub(super) struct Arguments {
     /// Folder of motion files, motion file, or gait library (.glb), with labels
@@ -36,19 +41,22 @@ pub(super) struct Arguments {
     /// The model to write
     #[arg(long, value_name = "MODEL.json")]
     out: PathBuf,
-    /// Reading of the features: corrected, paper or step-code
-    #[arg(long, default_value = "corrected", value_parser = parse_variant)]
-    variant: Variant,
-    /// One-versus-one with votes (libsvm, the likely original) or one-versus-rest
-    #[arg(long, value_enum, default_value_t)]
-    scheme: SchemeName,
-    /// C of the machine
-    #[arg(long, default_value_t = 1.0)]
-    c: f64,
-    /// Gamma of the RBF kernel: auto (1/29), scale (1 / (29 variance)) or a number
-    #[arg(long, default_value = "scale", value_parser = parse_gamma)]
-    gamma: Gamma,
-    /// Search C and gamma on inner folds
+    /// What learns [default: phase-perceiver; affective-svm where one of its settings is given]
+    #[arg(long, value_enum)]
+    method: Option<MethodName>,
+    /// Reading of the 29 features: corrected, paper or step-code [affective-svm; default: corrected]
+    #[arg(long, value_parser = parse_variant)]
+    variant: Option<Variant>,
+    /// One-versus-one with votes (libsvm, the likely original) or one-versus-rest [affective-svm; default: ovr]
+    #[arg(long, value_enum)]
+    scheme: Option<SchemeName>,
+    /// C of the machine [affective-svm; default: 1]
+    #[arg(long)]
+    c: Option<f64>,
+    /// Gamma of the RBF kernel: auto (1/29), scale (1 / (29 variance)) or a number [affective-svm; default: scale]
+    #[arg(long, value_parser = parse_gamma)]
+    gamma: Option<Gamma>,
+    /// Search C and gamma on inner folds [affective-svm]
     #[arg(long)]
     search: bool,
     /// What is held out together to find the accuracy
@@ -71,10 +79,17 @@ pub(super) struct Arguments {
     json: bool,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum MethodName {
+    /// Ours: curves over phase, logistic regression
+    PhasePerceiver,
+    /// The paper's: 29 features, support vector machine
+    AffectiveSvm,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum SchemeName {
     Ovo,
-    #[default]
     Ovr,
 }
 
@@ -108,13 +123,18 @@ fn parse_gamma(text: &str) -> Result<Gamma, String> {
 
 #[derive(Debug, Serialize)]
 struct Report {
-    method: String,
+    method: &'static str,
+    /// Its settings as given.
+    description: String,
     gaits: usize,
     counts: [usize; 4],
     people: usize,
     datasets: Vec<String>,
-    support_vectors: usize,
+    /// Of affective-svm.
+    support_vectors: Option<usize>,
+    /// As they were found.
     settings: String,
+    preparation: Preparation,
     evaluation: Option<Evaluation>,
     files: Vec<PathBuf>,
     wall_seconds: f64,
@@ -123,7 +143,9 @@ struct Report {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
-    let found = sources::read(&arguments.data, arguments.as_published)?;
+    let method = method(arguments)?;
+    let preparation = sources::preparation(arguments.as_published);
+    let found = sources::read(&arguments.data, preparation)?;
     let (gaits, emotions): (Vec<&Gait>, Vec<Emotion>) =
         found.gaits.iter().filter_map(|(_, gait)| gait.label.map(|label| (gait, label))).unzip();
     if gaits.len() < found.gaits.len() {
@@ -132,12 +154,17 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if gaits.is_empty() {
         return Err(failed(
             "there is no gait with a label",
-            "labels come from a library or from a gaits.csv beside the motion files (columns key, subject, label)",
+            "labels come from a library or from a table labels.csv beside the motion files (columns file, subject, label)",
         ));
     }
-    let method = method(arguments);
     let model = method.model(&gaits, &emotions, arguments.seed)?;
     let evaluation = evaluate(arguments, &method, &gaits, &emotions)?;
+    let held_out = evaluation.as_ref().map(|found| HeldOut {
+        accuracy: found.accuracy_mean,
+        folds: found.grouping.describe(),
+        repeats: found.seeds.len(),
+    });
+    let model = model.with(preparation, held_out);
     model.save(&arguments.out)?;
     let mut files = vec![arguments.out.clone()];
     if let (Some(folder), Some(found)) = (&arguments.figures, &evaluation) {
@@ -154,13 +181,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     let on = model.trained_on();
     let report = Report {
-        method: method.describe(),
+        method: method.name(),
+        description: method.describe(),
         gaits: gaits.len(),
         counts: on.counts,
         people: on.people,
         datasets: on.datasets.clone(),
-        support_vectors: model.svm().support_count(),
+        support_vectors: model.svm().map(Svm::support_count),
         settings: on.settings.clone(),
+        preparation,
         evaluation,
         files,
         wall_seconds: begin.elapsed().as_secs_f64(),
@@ -173,26 +202,48 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(found.is_complete)
 }
 
-fn method(arguments: &Arguments) -> AffectiveSvm {
-    let scheme = match arguments.scheme {
-        SchemeName::Ovo => Scheme::OneVersusOne,
-        SchemeName::Ovr => Scheme::OneVersusRest,
-    };
-    let settings = Settings {
-        c: arguments.c,
-        kernel: Kernel::Rbf(arguments.gamma),
-        scheme,
-        has_probabilities: true,
-        ..Settings::default()
-    };
-    let grid = arguments.search.then(Grid::default);
-    AffectiveSvm { variant: arguments.variant, settings, grid, scaling: None }
+/// The method asked for. A setting of the machine asks for the machine.
+fn method(arguments: &Arguments) -> Result<Trainer, Error> {
+    let Arguments { variant, scheme, c, gamma, search, .. } = arguments;
+    let given = [
+        ("--variant", variant.is_some()),
+        ("--scheme", scheme.is_some()),
+        ("--c", c.is_some()),
+        ("--gamma", gamma.is_some()),
+        ("--search", *search),
+    ];
+    let setting = given.into_iter().find_map(|(name, is_given)| is_given.then_some(name));
+    match (arguments.method, setting) {
+        (Some(MethodName::PhasePerceiver), Some(setting)) => Err(usage(
+            format!("{setting} is a setting of affective-svm, not of phase-perceiver"),
+            format!("leave {setting} out, or say --method affective-svm"),
+        )),
+        (Some(MethodName::PhasePerceiver), None) | (None, None) => {
+            Ok(Trainer::PhasePerceiver(PhasePerceiver::default()))
+        }
+        (Some(MethodName::AffectiveSvm), _) | (None, Some(_)) => {
+            let fallback = AffectiveSvm::default();
+            let settings = Settings {
+                c: c.unwrap_or(fallback.settings.c),
+                kernel: gamma.map_or(fallback.settings.kernel, Kernel::Rbf),
+                scheme: match scheme {
+                    None => fallback.settings.scheme,
+                    Some(SchemeName::Ovo) => Scheme::OneVersusOne,
+                    Some(SchemeName::Ovr) => Scheme::OneVersusRest,
+                },
+                ..fallback.settings
+            };
+            let grid = search.then(Grid::default);
+            let variant = variant.unwrap_or(fallback.variant);
+            Ok(Trainer::AffectiveSvm(AffectiveSvm { variant, settings, grid, scaling: None }))
+        }
+    }
 }
 
 /// How well the method agrees with people on held-out gaits; none if there are too few to hold out, which is said.
 fn evaluate(
     arguments: &Arguments,
-    method: &AffectiveSvm,
+    method: &Trainer,
     gaits: &[&Gait],
     emotions: &[Emotion],
 ) -> Result<Option<Evaluation>, Error> {
@@ -203,14 +254,11 @@ fn evaluate(
         FoldsName::Subject => Grouping::Subject { folds },
         FoldsName::Dataset => Grouping::Dataset,
     };
-    // the verdict is by votes: probabilities would only cost time
-    let settings = Settings { has_probabilities: false, ..method.settings.clone() };
-    let method = AffectiveSvm { settings, ..method.clone() };
     let seeds = (0..arguments.repeats).map(|repeat| arguments.seed.wrapping_add(u64::from(repeat))).collect();
     let plan = Plan { grouping, seeds };
     let progress = Mutex::new((Progress::new("cross-validation"), 0.0));
     let all = f64::from(arguments.repeats) * f64::from(arguments.k);
-    let found = evaluate_with(&method, gaits, emotions, &plan, &|| {
+    let found = evaluate_with(method, gaits, emotions, &plan, &|| {
         let mut progress = progress.lock().unwrap_or_else(PoisonError::into_inner);
         progress.1 += 1.0;
         let share = progress.1 / all;
@@ -227,7 +275,7 @@ fn evaluate(
 }
 
 fn print(report: &Report) {
-    say(&format!("method     affective-svm: {}", report.method));
+    say(&format!("method     {}: {}", report.method, report.description));
     let counts = Emotion::ALL.map(|emotion| format!("{emotion} {}", report.counts[emotion.index()]));
     say(&format!(
         "gaits      {} ({}) of {} people in {}",
@@ -236,7 +284,8 @@ fn print(report: &Report) {
         report.people,
         report.datasets.join(", ")
     ));
-    say(&format!("machine    {}, {} support vectors", report.settings, report.support_vectors));
+    let vectors = report.support_vectors.map_or(String::new(), |count| format!(", {count} support vectors"));
+    say(&format!("settings   {}{vectors}", report.settings));
     if let Some(found) = &report.evaluation {
         print_evaluation(found);
     }

@@ -5,7 +5,11 @@
 //! The root is pinned, so that neither travel nor bounce is in the data (`stride` restores both from the planted
 //! foot). And the order of the sides is not the same throughout: in the CMU and ICT gaits the right arm
 //! and leg come first and the walker faces +z, in all BML and most `EWalk` gaits the left ones do and the walker
-//! faces -z. The bend of the knees tells which, gait by gait.
+//! faces -z. The bend of the knees tells which, gait by gait: in 149 of the 232 gaits left and right are exchanged.
+//!
+//! What is repaired: the pitch is levelled, the size brought to metres, and left made left. What is not: each gait's own
+//! small turn and scale, which nothing in the data tells, and travel, which `stride` infers. Every repair is a line of
+//! [`Recording::report`], which `gaitway gait import --report` prints. [`Options::as_published`] repairs nothing.
 //!
 //! Measured against the CMU trials that nine of the gaits are cut from (`tests/import/data.rs`): pitch 12.1 degrees,
 //! standard deviation 1.3; the legs match to the last digit at 1.27 m a unit (1.19 to 1.31).
@@ -30,6 +34,11 @@ const PITCHED_DEG: std::ops::Range<f32> = 5.0..30.0;
 /// [`Error::Unusable`] if the body has no size or positions are not finite.
 pub(super) fn repair(mut take: Recording, options: &Options) -> Result<Recording, Error> {
     norm::stand_in(&mut take.poses, take.missing);
+    if options.as_published {
+        take.cyclic = root_is_pinned(&take.poses);
+        take.report.push("E-Gait: as published; pitch, size and sides are those of the file".to_owned());
+        return Ok(take);
+    }
     let pitch = pitch_deg(&take.poses);
     if PITCHED_DEG.contains(&-pitch) {
         let level = Quat::from_rotation_x(PITCH_DEG.to_radians());
