@@ -153,7 +153,6 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
 }
 
 #[test]
-<<<<<<< HEAD
 fn a_refused_take_is_reported_like_the_others() {
     let folder = tempfile::tempdir().unwrap();
     let boxer = OTHERS.iter().find(|other| other.name.starts_with("boxing forwards")).unwrap();
@@ -211,7 +210,9 @@ fn a_given_rate_corrects_what_the_header_states() {
     assert!(json["gaits"][0]["v_des"].as_f64().unwrap() < 0.6, "the header is believed otherwise");
     let output = gaitway(&["none.bvh"], folder.path(), "1");
     assert!(text(&output.stderr).contains("1 to 2000 Hz") && text(&output.stderr).contains("none.bvh:"));
-=======
+}
+
+#[test]
 fn labels_are_read_in_any_form_and_what_cannot_be_meant_is_told() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
@@ -247,5 +248,4 @@ fn labels_are_read_in_any_form_and_what_cannot_be_meant_is_told() {
         output.status.success() && told.contains("Labels.CSV: none of its 1 rows names a take"),
         "{told}"
     );
->>>>>>> a9f05a5 (Read labels by one reader that forgives form and refuses unknown words)
 }
