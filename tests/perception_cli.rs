@@ -158,7 +158,7 @@ fn settings_of_one_method_are_refused_by_the_other_and_ask_for_it_where_none_is_
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walkers, model) = (path("walkers.glb"), path("model.json"));
     GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
-    let train = |more: &[&str]| {
+    let train = |more: &[&'static str]| {
         let plain =
             ["train", "--data", walkers.as_str(), "--folds", "none", "--json", "--out", model.as_str()];
         [&plain[..], more].concat()

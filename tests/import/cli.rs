@@ -228,8 +228,8 @@ fn labels_are_read_in_any_form_and_what_cannot_be_meant_is_told() {
         assert!(output.status.success(), "{table:?}: {}", text(&output.stderr));
         let json: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!(json["gaits"][0]["label"], "happy", "{table:?}");
+        std::fs::remove_file(folder.path().join("lib.glb")).unwrap();
     }
-    std::fs::remove_file(folder.path().join("lib.glb")).unwrap();
     write("Labels.CSV", "File,Label\nwalk1.bvh,hapy\n");
     let output = import();
     let told = text(&output.stderr);
