@@ -7,7 +7,7 @@ use gaitway::gait::stride::best;
 use gaitway::gait::{Gait, Joint, LabelOrigin};
 use gaitway::library::GaitLibrary;
 use gaitway::perception::perceiver::PhasePerceiver;
-use gaitway::perception::{Method as _, Perceiver as _};
+use gaitway::perception::Method as _;
 use serde_json::Value;
 use std::process::{Command, Output};
 
