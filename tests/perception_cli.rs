@@ -6,8 +6,8 @@ use gaitway::gait::import::import_file;
 use gaitway::gait::stride::best;
 use gaitway::gait::{Gait, Joint, LabelOrigin};
 use gaitway::library::GaitLibrary;
-use gaitway::perception::perceiver::PhasePerceiver;
 use gaitway::perception::Method as _;
+use gaitway::perception::perceiver::PhasePerceiver;
 use serde_json::Value;
 use std::process::{Command, Output};
 
