@@ -111,7 +111,7 @@ fn why_unread(name: &str) -> Option<String> {
     let ending = name.rsplit_once('.').map_or("", |(_, ending)| ending);
     match ending {
         "asf" => None,
-        _ if INDEX_FILES.contains(&name) => None,
+        _ if labels::is_table(name) => None,
         "txt" => Some("a note by its name".to_owned()),
         "h5" | "hdf5" => Some("HDF5 is not read; turn it into .npz".to_owned()),
         "fbx" => Some("FBX is not read; export it as BVH".to_owned()),
