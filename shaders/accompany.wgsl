@@ -4,20 +4,24 @@
 //
 // After Moussaid, Perozo, Garnier, Helbing, Theraulaz, "The walking behaviour of pedestrian social groups and its impact
 // on crowd dynamics" (PLoS ONE 2010). With N members, V the wanted velocity, the group adds to the acceleration
-//   -GAZE a V            a: angle by which the head must turn for the centre of the others to be seen (within 90 degrees)
+//   -GAZE a v            v: present velocity, a: angle by which the head must turn for the centre of the others to be seen (within 90 degrees)
 //   +GATHER towards the centre of the group, if that is farther than (N - 1)/2 metres
 //   -APART from every member nearer than PERSONAL.
 // The acceleration towards a wanted velocity takes RELAXATION seconds, so a force f shifts the wanted velocity by f times
-// that. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
+// that, and GAZE, whose force grows with the speed, divides it by 1 + GAZE a RELAXATION. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
 // the will to go on; nobody walks backwards; and a member that is farther along the route than another waits for it but does not hold it back.
+//
+// It also marks everyone with their group, by which `velocity_*` knows whom they need not avoid like a stranger.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                     // [agent] radius, maximum speed, preferred speed, travel per stride
 @group(0) @binding(3) var<storage, read> route: array<vec4<u32>>;                    // [agent] first, length | loops << 31, next, arrivals
 @group(0) @binding(4) var<storage, read> companions: array<vec4<u32>>;               // [agent] the others of its group, NOBODY for none
 @group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(6) var<storage, read> agent_slot: array<u32>;                     // [agent] NOBODY if absent
+@group(0) @binding(7) var<storage, read_write> slot_manners: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
 
-const GAZE = 4.0;        // 1/(rad s), beta 1
+const GAZE = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
 const GATHER = 3.0;      // m/s2, beta 2
 const APART = 1.0;       // m/s2, beta 3
 const PERSONAL = 0.8;    // m, d 0
@@ -33,6 +37,11 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let others = companions[agent];
+    let slot = agent_slot[agent];
+    let first = min(min(others.x, others.y), min(others.z, others.w));
+    if first != NOBODY && slot < step.agent_count {
+        slot_manners[slot].w |= (min(agent, first) + 1u) << GROUP_SHIFT;
+    }
     let own_way = route[agent];
     let at = position[agent];
     var pace = body[agent].z;
@@ -70,7 +79,8 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
             let to = others_sum / count - at;
             let along = dot2(to, direction);
             let turn = exact_atan2(max(-along, 0.0), abs(det2(direction, to)));
-            shift -= wanted * (GAZE * RELAXATION * turn);
+            let slower = GAZE * RELAXATION * turn;
+            shift -= wanted * (slower / (1.0 + slower));
             // the centre of the group, the agent included
             let gather = to * (count / (count + 1.0));
             let distance = sqrt(dot2(gather, gather));

@@ -137,12 +137,17 @@ fn other_lines(o: Others, rate: f32) {
             share = share_of(step.responsibility, o.traits.z, slot_motion[other * 2u + 1u].z);
         }
         let has_way = share <= 0.0 && !is_user;
+        // members of a group walk near one another on purpose
+        var clear = select(rate, max(rate, RIGHT_OF_WAY), has_way);
+        if (level & GROUPS) != 0u && !is_user && is_with(o.slot, other) {
+            clear = max(clear, TOGETHER);
+        }
         lines[o.hard + k] = agent_line(
             o.motion.zw,
             theirs.xy - o.motion.xy,
             o.motion.zw - theirs.zw,
             o.traits.x + their_radius + step.safety_margin,
-            select(rate, max(rate, RIGHT_OF_WAY), has_way),
+            clear,
             step.inverse_time_step,
             select(share, 1.0, is_user || has_way),
             select(-1.0, 1.0, o.slot < other || is_user),

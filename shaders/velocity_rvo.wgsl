@@ -250,7 +250,10 @@ fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
         share = select(share, 1.0, is_user);
         let has_way = share <= 0.0;
         let factor = 1.0 / select(share, 1.0, has_way);
-        let rate = select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way);
+        var rate = select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way);
+        if (level & GROUPS) != 0u && !is_user && is_with(slot, other) {
+            rate = max(rate, TOGETHER); // members of a group walk near one another on purpose
+        }
         let to = theirs.xy - at;
         let radius = me.traits.x + select(their_traits.x, step.user_radius, is_user) + step.safety_margin;
         let distance = sqrt(dot2(to, to));

@@ -81,6 +81,32 @@ fn a_pair_walks_side_by_side_at_the_pace_of_the_slower() {
 }
 
 #[test]
+fn members_of_a_group_do_not_avoid_one_another_like_strangers() {
+    // one comes up from behind at 1.3 m/s; at 0.9 m a stranger would brake for the two seconds ahead
+    let speed_behind = |group: &[u32], model: u32| {
+        let mut store = people(&[[0.0, 0.0], [0.9, 0.0]], &[1.3]);
+        (store.step.crowding, store.step.perturbation) = (0.0, 0.0);
+        (store.step.model, store.step.max_acceleration, store.step.collision_weight) = (model, 10.0, 1.0);
+        store.velocity = vec![[1.3, 0.0], [0.4, 0.0]];
+        if !group.is_empty() {
+            join(&mut store, group);
+        }
+        steps(&mut store, 1);
+        let [x, z] = store.velocity[0];
+        (x.hypot(z), store)
+    };
+    for model in order::MODELS {
+        let ((stranger, _), (member, mut store)) = (speed_behind(&[], model), speed_behind(&[0, 1], model));
+        assert!(stranger < 1.2 && member > 1.25, "model {model}: {stranger} and {member} m/s");
+        for _ in 0..30 * 10 {
+            steps(&mut store, 1);
+            assert_eq!(measure::moment(&store).overlapping_pairs, 0, "model {model}: {:?}", store.position);
+        }
+        assert!(spread(&store, 2) < 1.0, "model {model}: {:?}", store.position);
+    }
+}
+
+#[test]
 fn whoever_is_ahead_waits_for_the_one_who_fell_behind() {
     let mut store = people(&[[12.0, 0.0], [0.0, 0.0]], &[1.3]);
     join(&mut store, &[0, 1]);

@@ -34,7 +34,7 @@ grid_scatter 0
 barrier
 grid_scatter 1
 barrier
-grid_pack 15
+grid_pack 79
 prefer
 barrier
 accompany
@@ -47,9 +47,9 @@ persevere 0
 barrier
 persevere 1
 barrier
-velocity_orca 15
+velocity_orca 79
 barrier
-velocity_orca 47
+velocity_orca 111
 barrier
 contain
 barrier

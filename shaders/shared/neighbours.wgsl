@@ -28,6 +28,12 @@ fn manners_of(slot: u32) -> Manners {
     return Manners(own.x, bitcast<f32>(own.y), bitcast<f32>(own.z), own.w & (LED_BIT - 1u), (own.w & LED_BIT) != 0u);
 }
 
+// Whether two walk together.
+fn is_with(slot: u32, other: u32) -> bool {
+    let group = slot_manners[slot].w >> GROUP_SHIFT;
+    return group != 0u && group == slot_manners[other].w >> GROUP_SHIFT;
+}
+
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
 var<private> found_distance2: array<f32, 10>;
 

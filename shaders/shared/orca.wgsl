@@ -8,6 +8,8 @@ const LINES = 23u;
 const EPSILON = 0.00001;
 // Who has the right of way keeps clear of the others for this time only, 1/s (of 0.15 s).
 const RIGHT_OF_WAY = 6.6666665;
+// Who walk together keep clear of one another for this time only, 1/s (of 0.25 s).
+const TOGETHER = 4.0;
 const FAR_AWAY = 3.4028235e38;
 
 // Lines in 0..LINES, their bisectors in LINES..2 LINES: one array, because the programs run over either.

@@ -4,6 +4,8 @@ const LED = 2.0;
 const RAISE = 1.5;
 // Beside the neighbour cap in slot_manners: is led from outside.
 const LED_BIT = 256u;
+// Above it there: one more than the first member of the group that the agent walks with (accompany); 0: it walks alone.
+const GROUP_SHIFT = 9u;
 
 // What there is in a crowd, as bits of the immediate `level` of the kernels that look at neighbours: what there is not
 // costs nothing then. (Immediates, not uniforms, since drivers know that all invocations agree about them.)
@@ -12,6 +14,7 @@ const UNLIKE = 2u;  // manners differ between people
 const WALLS = 4u;
 const USER = 8u;
 const CROWDED = 16u; // who sees a crowd ahead walks slower
+const GROUPS = 64u;  // some walk together
 const AGAIN = 32u;  // the pass over those whose first attempt failed
 
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).

@@ -1,12 +1,12 @@
 //! Keeps groups together.
 
 use super::exact::{atan2, det2, dot2};
-use super::shared::is_absent;
+use super::shared::{GROUP_SHIFT, NOBODY, is_absent};
 use crate::kernels::accompany::Slices;
 use rayon::prelude::*;
 
-/// 1/(rad s): how much the walk slows to keep the others in view (beta 1 of Moussaid et al. 2010).
-const GAZE: f32 = 4.0;
+/// 1/(rad s): how much the walk slows to keep the others in view (beta 1 of Moussaid et al. 2010, there 4).
+const GAZE: f32 = 2.0;
 /// m/s²: towards the centre of the group (beta 2).
 const GATHER: f32 = 3.0;
 /// m/s²: away from a member that is too near (beta 3).
@@ -26,6 +26,12 @@ const FORWARD: f32 = 0.1;
 pub fn accompany(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let Slices { position, body, route, companions, .. } = b;
+    for (agent, (slot, others)) in (0..).zip(b.agent_slot.iter().zip(companions)).take(agents) {
+        let first = others.iter().copied().fold(NOBODY, u32::min);
+        if first != NOBODY && *slot < b.step.agent_count && !is_absent(position[agent as usize]) {
+            b.slot_manners[*slot as usize][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
+        }
+    }
     b.preferred_velocity[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(
         |(agent, preferred)| {
             if !is_absent(position[agent]) {
@@ -82,6 +88,7 @@ fn together(
         let along = dot2(to, direction);
         let turn = atan2((-along).max(0.0), det2(direction, to).abs());
         let slower = GAZE * RELAXATION * turn;
+        let slower = slower / (1.0 + slower);
         shift = [shift[0] - wanted[0] * slower, shift[1] - wanted[1] * slower];
         let share = count / (count + 1.0);
         let gather = [to[0] * share, to[1] * share];

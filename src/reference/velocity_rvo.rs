@@ -4,9 +4,9 @@ use super::contact::{disc_rates, segment_rate};
 use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
 use super::neighbours::{Manners, Nearest, SAFE, Slots, manners_of};
-use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, share_of, unit_or};
+use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, TOGETHER, share_of, unit_or};
 use super::segments::{NearSegments, Walls};
-use super::shared::{AGAIN, CROWDED, NOBODY, STOREYS, UNLIKE, USER, on_storey};
+use super::shared::{AGAIN, CROWDED, GROUPS, NOBODY, STOREYS, UNLIKE, USER, on_storey};
 use crate::kernels::velocity_rvo::Slices;
 use rayon::prelude::*;
 
@@ -211,10 +211,12 @@ impl Scene<'_> {
         let change = most + excess;
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
-        let mut look = |theirs: [f32; 4], their_radius: f32, share: f32, side: f32| {
+        let mut look = |theirs: [f32; 4], their_radius: f32, share: f32, side: f32, is_mate: bool| {
             let has_way = share <= 0.0;
             let factor = 1.0 / if has_way { 1.0 } else { share };
             let rate = if has_way { own.rate.max(RIGHT_OF_WAY) } else { own.rate };
+            // members of a group walk near one another on purpose
+            let rate = if is_mate { rate.max(TOGETHER) } else { rate };
             let to = [theirs[0] - x, theirs[1] - y];
             let radius = own_radius + their_radius + step.safety_margin;
             let distance = dot2(to, to).sqrt();
@@ -237,7 +239,7 @@ impl Scene<'_> {
         let is_near =
             dot2(to_user, to_user) < own.range * own.range && on_storey(step, elevation, step.user_elevation);
         if self.level & USER != 0 && is_near {
-            look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0);
+            look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0, false);
         }
         for other in &nearest.slots[..nearest.count] {
             let other = *other as usize;
@@ -248,7 +250,8 @@ impl Scene<'_> {
                 step.responsibility
             };
             let side = if slot < other { -1.0 } else { 1.0 };
-            look(self.slots.slot_motion[other * 2], radius, share, side);
+            let is_mate = self.level & GROUPS != 0 && self.slots.are_together(slot, other);
+            look(self.slots.slot_motion[other * 2], radius, share, side, is_mate);
         }
         (others, count)
     }

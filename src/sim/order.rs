@@ -3,7 +3,7 @@
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use crate::reference::body::COLUMNS;
-use crate::reference::shared::{AGAIN, CROWDED, STOREYS, UNLIKE, USER, WALLS};
+use crate::reference::shared::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 
 /// Cells that one invocation of `grid_scan` adds up (`RUN` in the shader).
 const RUN: u32 = 64;
@@ -76,6 +76,7 @@ fn contents(step: &StepUniforms) -> u32 {
         (WALLS, step.obstacle_count > 0),
         (USER, step.user_radius > 0.0),
         (CROWDED, step.crowding > 0.0),
+        (GROUPS, step.group_count > 0),
     ]
     .into_iter()
     .filter(|(_, is_there)| *is_there)
