@@ -125,7 +125,7 @@ fn what_the_model_has_not_seen_the_like_of_is_called_unlike_and_not_labelled() {
     assert!(table.contains("unlike") && told.contains("unlike what the model has seen"), "{table}{told}");
     assert!(good(&["predict", &odd, "--even-unlike", "--json"]).contains("\"emotion\": \""));
 
-    refused(&["label", &odd, "--out", &out], "1 unlike what the model has seen");
+    refused(1, &["label", &odd, "--out", &out], "1 unlike what the model has seen");
     assert!(!std::path::Path::new(&out).exists());
     good(&["label", &odd, "--even-unlike", "--out", &out]);
     let library = GaitLibrary::load_glb(std::path::Path::new(&out)).unwrap();
@@ -140,6 +140,7 @@ fn a_model_of_gaits_as_published_is_asked_about_no_others() {
     good(&["walk", "--emotion", "happy", "--out", &walk]);
     GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
     refused(
+        1,
         &["train", "--as-published", "--data", &walkers, "--out", &model],
         "not E-Gait as it was published",
     );
@@ -148,7 +149,7 @@ fn a_model_of_gaits_as_published_is_asked_about_no_others() {
     assert!(text.contains("\"preparation\":\"repaired\""));
     std::fs::write(&model, text.replacen("\"repaired\"", "\"as-published\"", 1)).unwrap();
     for file in [&walk, &walkers] {
-        refused(&["predict", file, "--model", &model], "not E-Gait as it was published");
+        refused(1, &["predict", file, "--model", &model], "not E-Gait as it was published");
     }
 }
 
@@ -163,7 +164,7 @@ fn settings_of_one_method_are_refused_by_the_other_and_ask_for_it_where_none_is_
             ["train", "--data", walkers.as_str(), "--folds", "none", "--json", "--out", model.as_str()];
         [&plain[..], more].concat()
     };
-    refused(&train(&["--method", "phase-perceiver", "--c", "10"]), "--c is a setting of affective-svm");
+    refused(2, &train(&["--method", "phase-perceiver", "--c", "10"]), "--c is a setting of affective-svm");
     let found: Value = serde_json::from_str(&good(&train(&["--c", "10"]))).unwrap();
     assert_eq!((&found["method"], found["support_vectors"].is_u64()), (&"affective-svm".into(), true));
     let words = good(&["predict", &walkers, "--model", &model]);

@@ -277,7 +277,7 @@ fn a_missing_gait_names_the_emotion_and_the_way_out() {
     let none = |e: Emotion| if e == Emotion::Sad { &[][..] } else { gaits(e) };
     let scenario = Scenario::builtin("garden").unwrap();
     let error = populate(&scenario, none).unwrap_err().to_string();
-    assert!(error.contains("no sad gait") && error.contains("population.emotions.sad = 0"), "{error}");
+    assert!(error.contains("no sad gait") && error.contains("give no share to sad"), "{error}");
     assert!(populate(&scenario.with_condition(Condition::Baseline), none).is_ok());
 }
 

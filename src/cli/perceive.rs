@@ -1,10 +1,10 @@
 //! `gaitway perceive`: which emotions a classifier sees in the crowd that is shown, against those that are wanted.
 
-use super::failed;
 use super::gait::{model_or_default, sources};
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
+use super::failed;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};
@@ -228,7 +228,7 @@ fn judges(arguments: &Arguments, scene: &Scene) -> Result<(Vec<Judge>, bool), Er
         let path = Some(path.as_path()).filter(|path| path.as_os_str() != "default");
         let (model, name) = model_or_default(path)?;
         if model.preparation() != Preparation::Repaired {
-            return Err(usage(
+            return Err(failed(
                 format!(
                     "--model {name}: it learned from gaits as published, and the crowd's are not like those"
                 ),

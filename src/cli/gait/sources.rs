@@ -1,8 +1,8 @@
 //! Gaits for `compare`, `predict`, `label` and `train`: out of libraries, motion files and folders of them.
 
+use super::super::failed;
 use super::super::output::{complain, note};
 use super::super::scene::library;
-use super::super::usage;
 use crate::Error;
 use crate::gait::import::labels::Labels;
 use crate::gait::import::{Options, folder, import_labelled};
@@ -99,7 +99,7 @@ fn gaits_of(path: &Path, options: &Options, labels: &Labels) -> Result<Vec<Gait>
 
 /// A model of gaits as published is asked about others.
 fn not_as_published(path: &Path) -> Error {
-    usage(
+    failed(
         format!(
             "{}: not E-Gait as it was published, and only such gaits are like those of --as-published",
             path.display()

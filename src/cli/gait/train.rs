@@ -1,8 +1,8 @@
 //! `gaitway gait train`: a model from labelled gaits, and how well such a model agrees with people.
 
-use super::super::failed;
 use super::super::output::{note, say, say_json, table};
 use super::super::progress::Progress;
+use super::super::{failed, usage};
 use super::figures_of_folds::{self, Found};
 use super::sources;
 use crate::Error;
