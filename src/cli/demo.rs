@@ -19,7 +19,7 @@ use std::time::Instant;
 
 /// Pixels of the pictures.
 const SIZE: (u32, u32) = (1280, 720);
-/// Pixels of the video: without ffmpeg it is stored as it is.
+/// Pixels of the video.
 const VIDEO_SIZE: (u32, u32) = (640, 360);
 /// Frames per second of the trajectories and of the video.
 const RATES: (f64, f64) = (10.0, 15.0);
@@ -173,7 +173,8 @@ fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
         return Ok(());
     }
     let steps = (stage.scene.steps(seconds), steps_per_frame(RATES.1, &stage.scene)?);
-    let (path, _) = video(stage, CameraName::Orbit, steps, &files.folder.join("crowd.mp4"), RATES.1)?;
+    let name = if cfg!(feature = "video") { "crowd.mp4" } else { "crowd.y4m" };
+    let (path, _) = video(stage, CameraName::Orbit, steps, &files.folder.join(name), RATES.1)?;
     files.add(&path, "video", started);
     Ok(())
 }

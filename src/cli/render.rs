@@ -24,8 +24,8 @@ const LEAP: u32 = 30;
 #[command(
     after_help = "Examples:\n  gaitway render crossing --agents 500 --camera eyes --out eyes.png\n  gaitway \
                         render garden --camera orbit --seconds 5 --out garden.mp4\n  gaitway render parking --camera \
-                        follow:3 --seconds 2 --out frames/\n\nA video needs ffmpeg for .mp4; without it .y4m is \
-                        written, which every player takes."
+                        follow:3 --seconds 2 --out frames/\n\nAn .mp4 is H.264, which \
+                        browsers and players open; a .y4m is uncompressed, for other encoders."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -99,7 +99,7 @@ impl Target {
         match ending.as_deref() {
             _ if text.ends_with(std::path::MAIN_SEPARATOR) || path.is_dir() => Ok(Self::Folder(own)),
             Some("png") => Ok(Self::Still(own)),
-            Some("mp4" | "mov" | "mkv" | "y4m") => Ok(Self::Video(own)),
+            Some("mp4" | "y4m") => Ok(Self::Video(own)),
             _ => Err(usage(
                 format!("--out {text}: neither a picture, a video nor a folder"),
                 "use FILE.png, FILE.mp4, FILE.y4m, or FOLDER/ with the slash",
@@ -249,7 +249,7 @@ pub(super) fn film(
     Ok(frames)
 }
 
-/// Films into a video file; its name (without ffmpeg another than asked for) and number of frames.
+/// Films into a video file; its name and number of frames.
 pub(super) fn video(
     stage: &mut Stage,
     camera: CameraName,

@@ -43,13 +43,13 @@ pub enum Error {
     /// The frame rate cannot be used.
     #[error("a frame rate of {0} per second; give one from 1 to 1000")]
     FrameRate(f64),
-    /// The ffmpeg program failed.
-    #[error("ffmpeg stopped while writing {path:?}: {said}")]
-    Ffmpeg {
+    /// The video could not be coded.
+    #[error("cannot code {path:?} as H.264: {message}")]
+    Encode {
         /// The file.
         path: PathBuf,
-        /// What it said last.
-        said: String,
+        /// Why.
+        message: String,
     },
 }
 
@@ -58,9 +58,7 @@ impl Error {
     pub fn hint(&self) -> Option<&'static str> {
         match self {
             Self::Write { .. } => Some("give a path in a folder that exists and may be written to"),
-            Self::Ffmpeg { .. } => Some(
-                "give a name that ends in .y4m to write the video without ffmpeg, or install one with libx264",
-            ),
+            Self::Encode { .. } => Some("a name that ends in .y4m gives an uncompressed video"),
             Self::Size { .. } | Self::Ending { .. } | Self::FrameRate(_) => None,
         }
     }
