@@ -51,7 +51,8 @@ mod tests {
     use std::any::TypeId;
 
     /// Options and arguments that say what is read.
-    const INPUTS: [&str; 14] = [
+    const INPUTS: [&str; 15] = [
+        "key",
         "file",
         "files",
         "paths",

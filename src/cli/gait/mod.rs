@@ -15,7 +15,7 @@ mod videos;
 pub(super) use predict::model_or_default;
 
 use super::output::{note, say, say_json, table};
-use super::scene::library;
+use super::scene::{library, seed};
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
@@ -68,7 +68,7 @@ enum Command {
 
 #[derive(Debug, Args)]
 #[command(
-    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb --videos videos/\n  gaitway \
+    after_help = "Examples:\n  gaitway gait show --out sheet.png\n  gaitway gait show mine.glb --videos videos/ --seed 7\n  gaitway \
                         gait show walk1.bvh --out walk1.png\n\nWithout a file: the built-in library."
 )]
 struct ShowArguments {
@@ -78,9 +78,13 @@ struct ShowArguments {
     /// Sheet of stick figures
     #[arg(long, value_name = "SHEET.png")]
     out: Option<PathBuf>,
-    /// Folder for a video of each gait from the front, as raters see them
+    /// Folder for a video of each gait from the front, as raters see them: numbered in a random order; DIR-key.csv tells
+    /// which is which
     #[arg(long, value_name = "DIR")]
     videos: Option<PathBuf>,
+    /// Seed of the order of the videos
+    #[arg(long, default_value_t = 1, value_parser = seed, requires = "videos")]
+    seed: u64,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -197,7 +201,7 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
         files.push(out.clone());
     }
     if let Some(folder) = &arguments.videos {
-        files.extend(videos::write(folder, &gaits)?);
+        files.extend(videos::write(folder, &gaits, arguments.seed)?);
     }
     list(&gaits, files, begin, arguments.json)?;
     Ok(true)

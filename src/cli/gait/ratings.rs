@@ -1,5 +1,6 @@
 //! `gaitway gait ratings`: raw responses of raters to means, labels, correlations, agreement and a labelled library.
 
+use super::videos::read_key;
 use crate::Error;
 use crate::cli::output::{note, say, say_json, table};
 use crate::cli::scene::library;
@@ -22,9 +23,9 @@ const NAMED: usize = 5;
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway gait ratings study.csv\n  gaitway gait ratings study.csv --library mine.glb \
-                  --out labelled.glb --figures figures/\n\nThe sheet has a header and one row per participant and \
+                  --key videos-key.csv --out labelled.glb --figures figures/\n\nThe sheet has a header and one row per participant and \
                   video: participant, video, happy, angry, sad, neutral (1 strongly disagree to 5 strongly agree), and \
-                  optionally gender and age. A video is a gait's name."
+                  optionally gender and age. A video is a gait's name, or its number with --key."
 )]
 pub(super) struct RatingsArguments {
     /// Raw responses (CSV)
@@ -33,6 +34,9 @@ pub(super) struct RatingsArguments {
     /// The library whose gaits were rated; other videos are then errors
     #[arg(long, value_name = "LIB.glb")]
     library: Option<PathBuf>,
+    /// Which gait each video shows: the table that `gaitway gait show --videos` wrote [default: a video is a gait's name]
+    #[arg(long, value_name = "KEY.csv")]
+    key: Option<PathBuf>,
     /// Library with the ratings and labels to write
     #[arg(long, value_name = "LABELLED.glb", requires = "library")]
     out: Option<PathBuf>,
@@ -81,10 +85,20 @@ pub(super) fn run(arguments: &RatingsArguments) -> Result<bool, Error> {
         return Err(usage(message, "the paper takes 3.5"));
     }
     let rated = arguments.library.as_ref().map(|path| library(Some(path))).transpose()?;
-    let names: Option<HashSet<String>> =
-        rated.as_ref().map(|library| library.gaits().iter().map(|gait| gait.name.clone()).collect());
+    let key = arguments.key.as_deref().map(read_key).transpose()?;
+    let names: Option<HashSet<String>> = match &key {
+        Some(key) => Some(key.keys().cloned().collect()),
+        None => rated.as_ref().map(|library| library.gaits().iter().map(|gait| gait.name.clone()).collect()),
+    };
     let options = Options { videos: names.as_ref(), skip_bad: arguments.skip_bad };
-    let sheet = ratings::read(&arguments.responses, &options)?;
+    let mut sheet = ratings::read(&arguments.responses, &options)?;
+    if let Some(key) = &key {
+        for response in &mut sheet.responses {
+            if let Some(gait) = key.get(&response.video) {
+                response.video.clone_from(gait);
+            }
+        }
+    }
     let analysis = ratings::analyse(&sheet.responses, arguments.theta);
     let mut files = Vec::new();
     let unrated = match rated {

@@ -1,20 +1,29 @@
 //! One video per gait, as raters see them (S-03): a figure walks towards a camera in front of it, always the same one.
 //!
-//! Neither colours nor surroundings tell anything; stripes on the ground pass at the gait's speed. Drawn without a device.
+//! Neither colours, surroundings nor names tell anything; stripes on the ground pass at the gait's speed. Drawn without a
+//! device. Names are numbers in a random order; which gait each shows stands in a table beside the folder, not in it.
 
 use crate::Error;
+use crate::cli::failed;
 use crate::cli::figures::line;
-use crate::cli::output::note;
+use crate::cli::outputs::make_folder;
 use crate::cli::progress::Progress;
 use crate::export::video::Video;
+use crate::file;
 use crate::gait::{Gait, Joint, Pose};
+use crate::perception::evaluate::Random;
 use crate::picture::Image;
 use glam::{Vec2, Vec3};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 const SIZE: (u32, u32) = (256, 384);
 /// Frames per second.
 const RATE: f64 = 30.0;
+/// What the videos end in.
+const ENDING: &str = if cfg!(feature = "video") { "mp4" } else { "y4m" };
+/// Longest table of videos, bytes.
+const MOST_KEY_BYTES: u64 = 16 << 20;
 /// Length, s.
 const SECONDS: f32 = 4.0;
 /// The camera stands here and looks along -z.
@@ -32,27 +41,64 @@ const BODY: [[f32; 3]; 2] = [[44.0, 48.0, 58.0], [122.0, 126.0, 136.0]];
 /// Thickness of limbs and of the head, m.
 const THICK: [f32; 2] = [0.07, 0.2];
 
-/// Writes `NAME.mp4` (`NAME.y4m` without ffmpeg) for every gait into a folder, which is made; returns the files.
-pub(super) fn write(folder: &Path, gaits: &[Gait]) -> Result<Vec<PathBuf>, Error> {
-    let wrong = |source| crate::export::Error::Write { path: folder.to_owned(), source };
-    std::fs::create_dir_all(folder).map_err(wrong)?;
+/// Head of the table that tells which gait a video shows.
+const KEY_HEAD: &str = "video,gait";
+
+/// The table that goes with a folder of videos: `DIR-key.csv`, beside it.
+pub(super) fn key_of(folder: &Path) -> PathBuf {
+    let mut name = folder.file_name().unwrap_or_default().to_owned();
+    name.push("-key.csv");
+    folder.with_file_name(name)
+}
+
+/// Writes a video of every gait into a folder, which is made, in an order that `seed` draws, and its table beside the
+/// folder; returns the files, the table last.
+pub(super) fn write(folder: &Path, gaits: &[Gait], seed: u64) -> Result<Vec<PathBuf>, Error> {
+    make_folder(folder)?;
+    let mut order: Vec<&Gait> = gaits.iter().collect();
+    Random::new(seed).shuffle(&mut order);
+    let digits = order.len().to_string().len().max(3);
     let mut progress = Progress::new("videos");
-    let mut files = Vec::with_capacity(gaits.len());
-    for (index, gait) in gaits.iter().enumerate() {
+    let (mut files, mut table) = (Vec::with_capacity(order.len() + 1), format!("{KEY_HEAD}\n"));
+    for (index, gait) in order.iter().enumerate() {
+        let name = format!("clip-{:0digits$}", index + 1);
         #[allow(clippy::cast_precision_loss, reason = "a share")]
-        progress.at(&gait.name, index as f64 / gaits.len() as f64);
-        files.push(film(folder, gait).map_err(crate::export::Error::from)?);
+        progress.at(&name, index as f64 / order.len() as f64);
+        let path = folder.join(&name).with_extension(ENDING);
+        files.push(film(&path, gait).map_err(crate::export::Error::from)?);
+        table += &format!("{name},\"{}\"\n", gait.name.replace('"', "\"\""));
     }
-    if files.iter().any(|file| file.extension().is_some_and(|ending| ending == "y4m")) {
-        note("note: there is no ffmpeg in PATH, so the videos are uncompressed .y4m files");
-    }
+    let key = key_of(folder);
+    file::write(&key, table.as_bytes())
+        .map_err(|source| crate::export::Error::Write { path: key.clone(), source })?;
+    files.push(key);
     Ok(files)
 }
 
-fn film(folder: &Path, gait: &Gait) -> Result<PathBuf, crate::export::image::Error> {
-    let safe = |c: char| if c.is_alphanumeric() || "-_.# ".contains(c) { c } else { '_' };
-    let name: String = gait.name.chars().map(safe).collect();
-    let mut video = Video::create(&folder.join(format!("{name}.mp4")), SIZE.0, SIZE.1, RATE)?;
+/// Which gait each video of a table shows.
+pub(super) fn read_key(path: &Path) -> Result<HashMap<String, String>, Error> {
+    let unusable = |message: String| {
+        failed(format!("{}: {message}", path.display()), "`gaitway gait show --videos` writes such a table")
+    };
+    let text = file::read_text(path, MOST_KEY_BYTES).map_err(|error| unusable(error.to_string()))?;
+    let mut lines = (1..).zip(text.lines());
+    if lines.next().is_none_or(|(_, head)| head.trim() != KEY_HEAD) {
+        return Err(unusable(format!("the first line must be {KEY_HEAD}")));
+    }
+    let mut gaits = HashMap::new();
+    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
+        let row = line.trim_end().split_once(',');
+        let (video, gait) = row.ok_or_else(|| unusable(format!("line {number} has no comma")))?;
+        let gait = gait.strip_prefix('"').and_then(|gait| gait.strip_suffix('"')).unwrap_or(gait);
+        if gaits.insert(video.to_owned(), gait.replace("\"\"", "\"")).is_some() {
+            return Err(unusable(format!("line {number} names {video} again")));
+        }
+    }
+    Ok(gaits)
+}
+
+fn film(path: &Path, gait: &Gait) -> Result<PathBuf, crate::export::image::Error> {
+    let mut video = Video::create(path, SIZE.0, SIZE.1, RATE)?;
     let mut time = 0.0;
     while time < SECONDS - 1e-3 {
         video.push(&picture(gait, time))?;
@@ -124,8 +170,35 @@ mod tests {
         let bottom = rows.iter().rposition(|&count| count > 3).unwrap();
         assert!((20..120).contains(&top) && (330..384).contains(&bottom), "{top} to {bottom}");
         assert_ne!(first, later);
-        let folder = tempfile::tempdir().unwrap();
-        let files = write(folder.path(), &[Gait { name: "a/b".into(), ..gait }]).unwrap();
-        assert!(files[0].file_stem().unwrap() == "a_b" && files[0].is_file());
+    }
+
+    #[test]
+    fn names_of_videos_tell_nothing_and_the_key_stands_outside() {
+        let outside = tempfile::tempdir().unwrap();
+        let folder = outside.path().join("videos");
+        let named =
+            |name: &str, emotion| Gait { name: name.into(), ..person(emotion, Sex::Male, 1, 0).unwrap() };
+        let gaits = [
+            named("angry/1", Emotion::Angry),
+            named("sad, \"slow\"", Emotion::Sad),
+            named("happy", Emotion::Happy),
+        ];
+        let files = write(&folder, &gaits, 3).unwrap();
+        let names: Vec<_> = files.iter().map(|file| file.file_stem().unwrap().to_str().unwrap()).collect();
+        assert_eq!(names, ["clip-001", "clip-002", "clip-003", "videos-key"]);
+        assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "no key among the videos");
+        let key = read_key(&key_of(&folder)).unwrap();
+        let mut shown: Vec<_> = key.values().map(String::as_str).collect();
+        shown.sort_unstable();
+        assert_eq!(shown, ["angry/1", "happy", "sad, \"slow\""]);
+        let orders: std::collections::BTreeSet<_> = (0..9)
+            .map(|seed| {
+                write(&outside.path().join(format!("v{seed}")), &gaits[..2], seed).unwrap();
+                read_key(&outside.path().join(format!("v{seed}-key.csv"))).unwrap()["clip-001"].clone()
+            })
+            .collect();
+        assert_eq!(orders.len(), 2, "the order is drawn");
+        std::fs::write(key_of(&folder), "clip-001\n").unwrap();
+        assert!(read_key(&key_of(&folder)).unwrap_err().to_string().contains("first line"));
     }
 }
