@@ -1,10 +1,10 @@
 //! `gaitway perceive`: which emotions a classifier sees in the crowd that is shown, against those that are wanted.
 
+use super::failed;
 use super::gait::{model_or_default, sources};
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
-use super::failed;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};

@@ -43,7 +43,12 @@ impl Video {
     /// # Errors
     /// When size, rate or ending cannot be used, or the file cannot be made.
     pub fn create(path: &Path, width: u32, height: u32, rate: f64) -> Result<Self, Error> {
-        let too_much = || Error::Size { width, height, bytes: 0, problem: "a video has 1 to 16384 pixels a side".into() };
+        let too_much = || Error::Size {
+            width,
+            height,
+            bytes: 0,
+            problem: "a video has 1 to 16384 pixels a side".into(),
+        };
         if !(1..=16_384).contains(&width) || !(1..=16_384).contains(&height) {
             return Err(too_much());
         }

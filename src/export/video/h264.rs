@@ -60,12 +60,17 @@ impl Mp4 {
     ) -> Result<Self, Error> {
         let [least, most, shorter] = SIDES;
         if width.min(height) < least || width.max(height) > most || width.min(height) > shorter {
-            let problem =
-                format!("an .mp4 has {least} to {most} x {shorter} pixels; .y4m and folders of pictures take any");
+            let problem = format!(
+                "an .mp4 has {least} to {most} x {shorter} pixels; .y4m and folders of pictures take any"
+            );
             return Err(Error::Size { width, height, bytes: 0, problem });
         }
         let per_second = f64::from(rate.0) / f64::from(rate.1);
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturating, not negative")]
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "saturating, not negative"
+        )]
         let (bits, key_frames) = (
             (f64::from(width * height) * per_second * BITS_PER_PIXEL).min(2e8) as u32,
             (per_second * f64::from(KEY_EVERY)).ceil() as u32,
@@ -261,7 +266,10 @@ mod tests {
         for number in 1..=FRAMES {
             let sample = file.read_sample(1, number).unwrap().unwrap();
             assert_eq!(sample.is_sync, number == 1, "sample {number}");
-            assert_eq!((sample.duration * 25, sample.start_time * 25), (clock * 2, u64::from((number - 1) * clock * 2)));
+            assert_eq!(
+                (sample.duration * 25, sample.start_time * 25),
+                (clock * 2, u64::from((number - 1) * clock * 2))
+            );
             let mut rest = sample.bytes.as_ref();
             while let Some((length, more)) = rest.split_at_checked(4) {
                 let length = u32::from_be_bytes(length.try_into().unwrap()) as usize;
