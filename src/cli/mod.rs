@@ -222,8 +222,7 @@ fn is_of_the_command_line(error: &Error) -> bool {
             true
         }
         Error::Export(crate::export::Error::Picture(Picture::Ending { .. } | Picture::FrameRate(_))) => true,
-        // a value that no file holds
-        Error::Scenario(Scenario::Value(bad)) => bad.place.is_empty() || is_set(&bad.place),
+        Error::Scenario(Scenario::Value(bad)) => is_set(&bad.place),
         Error::Scenario(Scenario::Syntax { place, .. }) => is_set(place),
         _ => false,
     }

@@ -6,7 +6,8 @@ use super::output::note;
 use super::output::{say, say_json, thousands, warn};
 use super::preference::PreferenceArguments;
 use super::scene::{
-    ConditionName, PlaceArguments, Scene, check_seconds, library_for, people, scenario_of, seed, start,
+    ConditionName, PlaceArguments, Scene, check_changed, check_seconds, library_for, people, scenario_of,
+    seed, start,
 };
 use super::simulate::{Length, Outcome, Recording, simulate};
 #[cfg(feature = "vulkan")]
@@ -275,6 +276,7 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
         scenario.population.agents = agents;
     }
     arguments.preference.apply(&mut scenario);
+    check_changed(&scenario)?;
     let replay = Replay::new(&recording, ReplayOptions { smooth: reading.smooth, from });
     let base = arguments.scene.as_ref().and_then(|scene| Path::new(scene).parent());
     let places = (base, &arguments.rigs);

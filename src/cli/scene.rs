@@ -143,6 +143,7 @@ impl Scene {
             scenario.seed = seed;
         }
         arguments.preference.apply(&mut scenario);
+        check_changed(&scenario)?;
         let is_set = arguments.set.iter().any(|setting| setting.holds("condition"));
         let asked = arguments.condition.map(ConditionName::get).or(is_set.then_some(scenario.condition));
         let library = library_for(arguments.library.as_deref(), &mut scenario, asked)?;
@@ -222,6 +223,16 @@ impl Scene {
         let steps = steps.round().clamp(0.0, 1e9) as u32;
         steps
     }
+}
+
+/// Checks a scenario that was valid before options changed it: what is wrong now is wrong on the command line.
+pub(super) fn check_changed(scenario: &Scenario) -> Result<(), Error> {
+    scenario.validate().map_err(|error| match error {
+        crate::scenario::Error::Value(bad) => {
+            usage(format!("{} = {}: must be {}", bad.key, bad.value, bad.allowed), bad.hint)
+        }
+        other => other.into(),
+    })
 }
 
 /// Reads a number of people, `least` at least.

@@ -541,13 +541,13 @@ fn recordings_of_others_are_told_how_they_were_read_and_refused_when_nobody_walk
         line.contains("frame, id, x, y (inferred); 25 frames a second (steps); metres (speeds)"),
         "{line}"
     );
-    refused(
+    fails(
         &["replay", file, "--columns", "id,frame,x,y", "--fps", "25"],
         "people walk at less than 4",
         "--columns",
     );
     let forced = ["replay", file, "--fps", "250", "--accept-speed", "--seconds", "0.1", "--backend", "cpu"];
-    refused(&["replay", file, "--fps", "250"], "faster than 12.5 m/s", "--accept-speed");
+    fails(&["replay", file, "--fps", "250"], "faster than 12.5 m/s", "--accept-speed");
     assert!(good(&forced).contains("250 frames a second (asked for)"));
     let (code, error) = bad(&["replay", file, "--columns", "id,frame,x"]);
     assert!(code == 2 && error.contains("y is missing"), "{code}: {error}");

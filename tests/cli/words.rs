@@ -7,6 +7,11 @@ use std::collections::BTreeSet;
 fn negative_numbers_are_values_and_their_range_is_told() {
     refused(&["simulate", "crossing", "--agents", "-1"], "-1", "0..=1000000");
     refused(&["simulate", "crossing", "--seed", "-1"], "--seed", "a seed is a whole number");
+    refused(
+        &["simulate", "crossing", "--gait-speed", "90", "--backend", "cpu"],
+        "population.prefer.speed = [90, 90]",
+        "hint: ",
+    );
     refused(&["simulate", "crossing", "--seconds", "-1"], "--seconds = -1", "0 to 86400");
     refused(&["bench", "--agents", "10,-5"], "-5", "0 to 1000000");
     refused(&["simulate", "crossing", "--fps", "-5", "--out", "x.csv"], "--fps -5", "hint: use 30");
