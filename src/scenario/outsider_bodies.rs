@@ -102,6 +102,9 @@ fn built_in(kind: OutsiderKind, radius: f32, number: usize) -> EnvironmentMesh {
     } else {
         let car = Prop::new(PropKind::Car, Vec2::ZERO, VEHICLE * radius);
         props::draw(&mut mesh, &car, u32::try_from(number).unwrap_or(0), props::Detail::Full);
+        // its wheels have few sides: they touch the ground with the lowest
+        let low = mesh.positions.iter().map(|p| p.y).fold(f32::MAX, f32::min);
+        mesh.positions.iter_mut().for_each(|p| p.y -= low);
     }
     mesh
 }

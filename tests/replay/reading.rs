@@ -341,7 +341,9 @@ fn what_is_no_text_is_named_for_what_it_is() {
     let path = folder.path().join("run.dat");
     database(&path, "2");
     assert_eq!(read(&path, &Options::default()).unwrap().report.format, Format::Sqlite);
-    assert!(read(folder.path(), &Options::default()).unwrap_err().to_string().contains("no file"));
+    assert!(
+        read(folder.path(), &Options::default()).unwrap_err().to_string().contains("a folder, not a file")
+    );
 }
 
 #[test]

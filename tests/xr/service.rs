@@ -227,15 +227,19 @@ impl Live {
     /// Ends it as Ctrl-C would: the JSON object of a run that must end well, and what it noted on the way.
     pub(super) fn end(self) -> (Value, Vec<String>) {
         signal(&self.child, "INT");
-        self.wait()
+        self.ended(130)
     }
 
     /// The same of one that ends by itself.
     pub(super) fn wait(self) -> (Value, Vec<String>) {
+        self.ended(0)
+    }
+
+    fn ended(self, code: i32) -> (Value, Vec<String>) {
         let output = self.child.wait_with_output().unwrap();
         let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
         let out = String::from_utf8_lossy(&output.stdout);
-        assert!(output.status.success(), "{:?}\n{out}\n{heard:#?}", output.status);
+        assert_eq!(output.status.code(), Some(code), "{:?}\n{out}\n{heard:#?}", output.status);
         assert!(!heard.iter().any(|line| line.contains("validation:")), "{heard:#?}");
         (serde_json::from_str(&out).unwrap_or_else(|error| panic!("{error}: {out}\n{heard:#?}")), heard)
     }

@@ -335,8 +335,10 @@ rooms\n2\n 2 2\n 6 0 1 2 3 4 5\n 0 0 0\n 1 0\n 1 0\n 6 2\n 6 1 6 7 4 3 2\n 0 0 0
 
     #[test]
     fn a_wall_after_which_none_follows_ends_a_row_of_walls() {
-        // the last wall of the outline is left open, and one wall stands alone
-        let cut = MESH.replace(" 5 0 0 0\n", " 5 0 0 -1\n").replace(" 1 2 0 0\n", " 1 2 0 -1\n");
+        // the last wall of the outline is left open, and two walls stand alone
+        let cut = [" 5 0 0 0\n", " 1 2 0 0\n", " 3 4 0 0\n"]
+            .iter()
+            .fold(MESH.to_owned(), |mesh, wall| mesh.replace(wall, &wall.replace(" 0\n", " -1\n")));
         let outlines = mesh(&cut).unwrap().outlines();
         assert_eq!(outlines.closed, Vec::<Vec<Vec2>>::new());
         let lengths: Vec<usize> = outlines.open.iter().map(Vec::len).collect();
