@@ -89,6 +89,7 @@ pub(super) fn warn(line: &str) {
 }
 
 /// Prints an error and the way out, of which `--backend cpu` is one where the command has it.
+#[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "only a Vulkan device can fail"))]
 pub(super) fn complain(error: &Error, has_backend: bool) {
     let (message, hint) = match error {
         Error::Scenario(crate::scenario::Error::Value(bad)) => {

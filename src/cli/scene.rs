@@ -177,6 +177,7 @@ impl Scene {
 
     /// The eyes of the scene's user (world, m) and their heading, radians. A scene without a user gets an onlooker: agents
     /// look at them as at a user, and nobody walks round them.
+    #[cfg_attr(not(feature = "vulkan"), allow(dead_code, reason = "pictures need Vulkan"))]
     pub(super) fn onlooker(&mut self) -> (Vec3, f32) {
         let onlooker = User { avoided: false, ..User::default() };
         let user = *self.scenario.user.get_or_insert(onlooker);
