@@ -1,12 +1,12 @@
 //! Whether a gait is unlike those that a model has learned from.
 //!
-//! The training gaits are taken as a cloud with a width of its own along its [`MOST`] widest directions and one width along
+//! The training gaits are taken as a cloud with a width of its own along its `MOST` widest directions and one width along
 //! all others (probabilistic principal components, Tipping and Bishop 1999). A point's distance to it is Mahalanobis'
 //!
 //! `d^2 = 1/D (sum_i c_i^2 / variance_i + |rest|^2 / rest_variance)`
 //!
 //! with `D` numbers of the point, `c_i` along the directions and `rest` what these leave. The limit is taken from the
-//! training gaits themselves: each is measured against the cloud of the other people, and [`WITHIN`] of them lie within it.
+//! training gaits themselves: each is measured against the cloud of the other people, and `WITHIN` of them lie within it.
 //! So a gait beyond the limit is farther from the training gaits than they lie from one another.
 
 use super::linear::{Pca, distance_squared, dot, number};

@@ -3,7 +3,7 @@
 //! UCY's splines with head directions. What is none of these is named by its first bytes.
 //!
 //! Every reader yields rows of (person, frame, place); what is common to all (what the file does not say, order,
-//! duplicates, gaps, limits) is done once, in [`infer`] and [`tracks`]. Nothing is allocated beyond a small multiple of
+//! duplicates, gaps, limits) is done once, in `infer` and [`tracks`]. Nothing is allocated beyond a small multiple of
 //! what the file really holds.
 
 mod columns;
