@@ -72,6 +72,9 @@ impl Error {
         match self {
             #[cfg(feature = "vulkan")]
             Self::Gpu(error) | Self::Render(crate::render::Error::Gpu(error)) => error.hint(),
+            Self::Sim(crate::sim::Error::NoVulkan) => {
+                Some("use --backend cpu, or build with the feature `vulkan`")
+            }
             Self::Avatar(error) => error.hint(),
             Self::Replay(error) => error.hint(),
             #[cfg(feature = "xr")]

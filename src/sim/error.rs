@@ -113,7 +113,7 @@ pub enum Error {
         turns: u32,
     },
     /// The program was built without Vulkan.
-    #[error("this build has no Vulkan backend; use --backend cpu, or build with the feature `vulkan`")]
+    #[error("this build has no Vulkan backend")]
     NoVulkan,
 }
 
