@@ -156,10 +156,10 @@ impl Stage {
         let store = self.simulation.state()?;
         let agents = store.step.agent_count;
         let index = agent as usize;
-        match (store.position.get(index), store.stance.get(index)) {
-            (Some(position), Some(stance)) if agent < agents => {
-                let at = world_from_ground(Vec2::from_array(*position), 0.0);
-                Ok(Camera::follow(at, stance[0], FOLLOW_DISTANCE))
+        match (store.position.get(index), store.stance.get(index), store.elevation.get(index)) {
+            (Some(position), Some([heading, ..]), Some(elevation)) if agent < agents => {
+                let at = world_from_ground(Vec2::from_array(*position), *elevation);
+                Ok(Camera::follow(at, *heading, FOLLOW_DISTANCE))
             }
             _ => Err(usage(
                 format!("--camera follow:{agent}: there are {agents} agents"),

@@ -144,7 +144,8 @@ fn what_was_asked_for_by_name_and_failed_is_an_error() {
         let output = gaitway(arguments, folder.path(), "2");
         let code = if arguments.contains(&"Mixmo") { 2 } else { 1 };
         assert_eq!(output.status.code(), Some(code), "{arguments:?}");
-        assert!(text(&output.stderr).contains(expected), "{arguments:?}: {}", text(&output.stderr));
+        let said = text(&output.stderr);
+        assert!(said.contains(expected) && said.contains("error: "), "{arguments:?}: {said}");
     }
     let empty = folder.path().join("empty");
     std::fs::create_dir(&empty).unwrap();

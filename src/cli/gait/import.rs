@@ -142,20 +142,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         note(&format!("warning: {line}"));
     }
 
-    let (mut takes, mut left_out, mut is_good) = (Vec::new(), Vec::new(), true);
+    let (mut takes, mut left_out, mut missed) = (Vec::new(), Vec::new(), 0);
     for outcome in outcomes {
         match outcome.result {
             Ok(found) => takes.extend(found),
             Err(error) => {
                 // A file that was asked for by name is missed; one that lay in a folder is not.
-                is_good &= !arguments.paths.contains(&outcome.path);
+                missed += usize::from(arguments.paths.contains(&outcome.path));
                 left_out.push(LeftOut { file: outcome.path, take: None, reason: error.to_string() });
             }
         }
     }
     for take in &takes {
         if let Some(reason) = &take.reason {
-            is_good &= !arguments.paths.contains(&take.file);
+            missed += usize::from(arguments.paths.contains(&take.file));
             left_out.push(LeftOut {
                 file: take.file.clone(),
                 take: Some(take.name.clone()),
@@ -182,9 +182,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         listing.files.push(out.clone());
     }
     listing.wall_seconds = begin.elapsed().as_secs_f64();
-    is_good &= !listing.gaits.is_empty();
     show(&listing, arguments)?;
-    Ok(is_good)
+    let hint = "see the reasons above";
+    if listing.gaits.is_empty() {
+        return Err(failed("there is no gait in what is named", hint));
+    }
+    if missed > 0 {
+        return Err(failed(format!("{missed} of the files named, or takes of them, were left out"), hint));
+    }
+    Ok(true)
 }
 
 fn show(listing: &Listing, arguments: &Arguments) -> Result<(), Error> {
