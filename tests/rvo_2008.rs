@@ -145,7 +145,6 @@ fn plain_velocity(crowd: &Store, agent: usize) -> Vec2 {
         .collect();
     others.sort_by(|a, b| a.to.length_squared().total_cmp(&b.to.length_squared()));
     others.truncate(NEIGHBOURS);
-    let cost = |v: Vec2| v.distance(wanted) + danger(crowd, &others, 2.0 * v - velocity);
     let reachable = |v: Vec2| (velocity + (v - velocity).clamp_length_max(most)).clamp_length_max(MAX_SPEED);
     if danger(crowd, &others, 2.0 * reachable(wanted) - velocity) <= 0.0 {
         return reachable(wanted);
@@ -156,8 +155,18 @@ fn plain_velocity(crowd: &Store, agent: usize) -> Vec2 {
         reachable(velocity + most * length.sqrt() * Vec2::from_angle(TAU * turn))
     });
     let always = [wanted, Vec2::ZERO, velocity].map(reachable);
-    let costs = always.into_iter().chain(drawn).map(|v| (cost(v), v));
-    costs.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(velocity, |(_, v)| v)
+    let mut best = (f32::MAX, velocity);
+    for v in always.into_iter().chain(drawn) {
+        let away = v.distance(wanted);
+        // collisions cost no less than nothing
+        if away < best.0 {
+            let cost = away + danger(crowd, &others, 2.0 * v - velocity);
+            if cost < best.0 {
+                best = (cost, v);
+            }
+        }
+    }
+    best.1
 }
 
 /// What collisions cost, m/s; `own` is the part of the relative velocity that is the agent's.
