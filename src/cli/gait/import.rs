@@ -172,25 +172,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         files: Vec::new(),
         wall_seconds: 0.0,
     };
+    if gaits.is_empty() {
+        listing.wall_seconds = begin.elapsed().as_secs_f64();
+        show(&listing, arguments)?;
+        return Err(nothing(&listing));
+    }
     if let Some(out) = &arguments.out {
-        if gaits.is_empty() {
-            listing.wall_seconds = begin.elapsed().as_secs_f64();
-            show(&listing, arguments)?;
-            return Err(failed("there is no gait to write", "see the reasons above"));
-        }
         GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
         listing.files.push(out.clone());
     }
     listing.wall_seconds = begin.elapsed().as_secs_f64();
     show(&listing, arguments)?;
-    let hint = "see the reasons above";
-    if listing.gaits.is_empty() {
-        return Err(failed("there is no gait in what is named", hint));
-    }
     if missed > 0 {
-        return Err(failed(format!("{missed} of the files named, or takes of them, were left out"), hint));
+        let message = format!("{missed} of the files named, or takes of them, were left out");
+        return Err(failed(message, "see the reasons above"));
     }
     Ok(true)
+}
+
+/// That there is no gait: the last reason, which [`say_reasons`] leaves to this.
+fn nothing(listing: &Listing) -> Error {
+    let reason = listing.left_out.last().map_or("there is no gait in what is named", |left| &left.reason);
+    let hint = if listing.takes.is_empty() {
+        format!("motion files end in {}", folder::known_extensions())
+    } else {
+        "`--report` shows what was inferred of each take".to_owned()
+    };
+    failed(reason, hint)
 }
 
 fn show(listing: &Listing, arguments: &Arguments) -> Result<(), Error> {
@@ -333,7 +341,8 @@ fn unique_names(takes: &mut [Take]) -> Vec<Gait> {
 
 /// The reasons, and what the importer has to warn of, on standard error.
 fn say_reasons(listing: &Listing) {
-    for left in &listing.left_out {
+    let said = listing.left_out.len().saturating_sub(usize::from(listing.gaits.is_empty()));
+    for left in &listing.left_out[..said] {
         // Messages begin with the file or the take already where they come from the importer.
         note(&format!("left out: {}", left.reason));
     }
