@@ -187,6 +187,11 @@ mod tests {
         let names: Vec<_> = files.iter().map(|file| file.file_stem().unwrap().to_str().unwrap()).collect();
         assert_eq!(names, ["clip-001", "clip-002", "clip-003", "videos-key"]);
         assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 3, "no key among the videos");
+        #[cfg(feature = "video")]
+        for path in &files[..3] {
+            let video = mp4::read_mp4(std::fs::File::open(path).unwrap()).unwrap();
+            assert_eq!((video.duration().as_millis(), video.tracks()[&1].sample_count()), (4000, 120));
+        }
         let key = read_key(&key_of(&folder)).unwrap();
         let mut shown: Vec<_> = key.values().map(String::as_str).collect();
         shown.sort_unstable();

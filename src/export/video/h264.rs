@@ -96,7 +96,7 @@ impl Mp4 {
             major_brand: brands[0].into(),
             minor_version: 512,
             compatible_brands: brands.map(Into::into).to_vec(),
-            timescale: 1000,
+            timescale: TICKS * rate.0, // the track's: parts of a tick are lost with every frame
         };
         let writer = Mp4Writer::write_start(out, &file).map_err(|error| failed(error.to_string()))?;
         Ok(Self { path: path.to_owned(), size: (width, height), rate, encoder, writer, frames: 0 })
@@ -291,6 +291,37 @@ mod tests {
             }
         }
         assert!(seen + 1 >= FRAMES as usize, "{seen} frames");
+    }
+
+    #[test]
+    fn players_can_jump_to_every_second_second() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("v.mp4");
+        let mut video = Video::create(&path, 16, 16, 5.0).unwrap();
+        for frame in 0..25 {
+            video.push(&Image::filled(16, 16, [10 * frame, 90, 200, 255])).unwrap();
+        }
+        video.finish().unwrap();
+        let mut file = mp4::read_mp4(std::fs::File::open(&path).unwrap()).unwrap();
+        let keys: Vec<u32> =
+            (1..=25).filter(|number| file.read_sample(1, *number).unwrap().unwrap().is_sync).collect();
+        assert_eq!(keys, [1, 11, 21]);
+    }
+
+    #[test]
+    fn a_video_is_as_long_as_its_frames_at_every_rate() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("v.mp4");
+        for (rate, milliseconds) in [(30.0, 833), (29.97, 834), (60.0, 416), (12.0, 2083)] {
+            let mut video = Video::create(&path, 16, 16, rate).unwrap();
+            for _ in 0..25 {
+                video.push(&Image::filled(16, 16, [90; 4])).unwrap();
+            }
+            video.finish().unwrap();
+            let file = mp4::read_mp4(std::fs::File::open(&path).unwrap()).unwrap();
+            let found = [file.duration(), file.tracks()[&1].duration()].map(|duration| duration.as_millis());
+            assert_eq!(found, [milliseconds; 2], "25 frames at {rate} a second");
+        }
     }
 
     #[test]
