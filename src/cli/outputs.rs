@@ -5,18 +5,20 @@ use super::failed;
 use crate::Error;
 use clap::ArgMatches;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Names of the options that say where results go, of all commands.
 const OUTPUTS: [&str; 8] = ["out", "render", "record", "shot", "shots", "figures", "videos", "csv"];
 
-/// Looks at everything that a command is to write.
+/// Whether `--force` was given.
+static IS_FORCED: AtomicBool = AtomicBool::new(false);
+
+/// Looks at everything that a command is to write where its options say.
 pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
+    IS_FORCED.store(is_forced, Ordering::Relaxed);
     let (mut found, mut command) = (found, "");
     while let Some((name, deeper)) = found.subcommand() {
         (found, command) = (deeper, name);
-    }
-    if is_forced {
-        return Ok(());
     }
     // a headset's recording makes its own way: one that broke off is kept under another name, and none is ever replaced
     for name in OUTPUTS.into_iter().filter(|name| (command, *name) != ("xr", "record")) {
@@ -28,8 +30,11 @@ pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether a name can be written to without loss.
+/// That a name can be written to without loss, or it is to be lost.
 pub(super) fn free(path: &Path) -> Result<(), Error> {
+    if IS_FORCED.load(Ordering::Relaxed) {
+        return Ok(());
+    }
     let what = match std::fs::read_dir(path).map(Iterator::count) {
         Ok(0) => return Ok(()),
         Ok(_) => "is a folder with something in it",

@@ -15,6 +15,7 @@ mod videos;
 pub(super) use predict::model_or_default;
 
 use super::output::{note, say, say_json, table};
+use super::outputs::free;
 use super::scene::{library, seed};
 use super::{figures, usage};
 use crate::Error;
@@ -186,6 +187,9 @@ fn strides(path: &Path) -> Result<Vec<Gait>, Error> {
 
 fn show(arguments: &ShowArguments) -> Result<bool, Error> {
     let begin = Instant::now();
+    if let Some(folder) = &arguments.videos {
+        free(&videos::key_of(folder))?; // raters may have the videos of the one that is there
+    }
     let gaits = match &arguments.file {
         None => library(None)?.gaits().to_vec(),
         Some(path) if is_glb(path) => library(Some(path))?.gaits().to_vec(),
