@@ -189,6 +189,11 @@ fn a_vector_field_becomes_way_finding_to_its_goal_round_the_obstacles() {
     assert_eq!(said["approximated"][0]["element"], "<VelComponent type=\"vel_field\">");
     assert_eq!(found.scenario.walkers[0].way, Some(Way::Auto));
     assert_eq!(found.scenario.walkers[0].waypoints, [[5.0, 0.0]], "one field for all");
+    let reach = found.scenario.walkers[0].goal_arrival.unwrap();
+    assert!(
+        reach >= 1.25,
+        "who is {reach} m from its middle is in the box of 2 m, or as near as the transition asks"
+    );
     let time = arrive(&found.scenario, 60.0).unwrap();
     println!("round a wall of 28 m in {time} s");
     assert!(time > 20.0, "{time} s: round the wall it is 31 m");

@@ -364,12 +364,15 @@ fn a_user_is_walked_round_on_their_storey_and_by_nobody_on_another() {
     // one over the bridge, one under it; the user in the way of both, upstairs, below, or nowhere
     let way = "[[walkers]]\nposition = [-24, 0]\nwaypoints = [[12, 0]]\nspeed = 1.3\n\
                [[walkers]]\nposition = [0, -16]\nwaypoints = [[0, 16]]\nspeed = 1.3\n";
-    let aside = |model: &str, user: &str| {
+    let aside = |model: &str, user: &str, goes_up: bool| {
         let scene = BRIDGE.replace("agents = 60", "agents = 0");
         let text = format!("{scene}{way}[navigation]\nmodel = \"{model}\"\nperturbation = 0.0\n{user}");
         let scenario = Scenario::parse(&text, "bridge").unwrap();
         let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
         let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
+        if goes_up {
+            simulation.set_user(Vec2::splat(0.1), 3.0, Vec2::ZERO);
+        }
         let mut farthest = [0.0_f32; 2];
         for _ in 0..30 * 29 {
             simulation.step(1).unwrap();
@@ -382,16 +385,18 @@ fn a_user_is_walked_round_on_their_storey_and_by_nobody_on_another() {
         farthest
     };
     for model in ["orca", "rvo"] {
-        let [over, under] = aside(model, "[user]\nposition = [0.1, 0.1]\n");
+        let [over, under] = aside(model, "[user]\nposition = [0.1, 0.1]\n", false);
         assert!(
             over < 0.05 && under > 0.3,
             "{model}, below: {over} m aside on the bridge, {under} m under it"
         );
-        let [over, under] = aside(model, "[user]\nposition = [0.1, 0.1]\nelevation = 3.2\n");
-        assert!(
-            over > 0.3 && under < 0.05,
-            "{model}, above: {over} m aside on the bridge, {under} m under it"
-        );
+        for (user, goes_up) in [("elevation = 3.2\n", false), ("", true)] {
+            let [over, under] = aside(model, &format!("[user]\nposition = [0.1, 0.1]\n{user}"), goes_up);
+            assert!(
+                over > 0.3 && under < 0.05,
+                "{model}, above: {over} m aside on the bridge, {under} m under it"
+            );
+        }
     }
 }
 

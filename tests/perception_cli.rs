@@ -59,6 +59,10 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     let sad = path("sad.csv");
     good(&["walk", "--emotion", "sad", "--seed", "77", "--out", &sad]);
     let found: Value = serde_json::from_str(&good(&["predict", &sad, "--json", "--model", &model])).unwrap();
+    assert!(
+        found["model"].as_str().unwrap().contains("% right on gaits held out (4-fold, stratified"),
+        "{found}"
+    );
     let row = &found["gaits"][0];
     assert_eq!(
         (&row["name"], &row["emotion"], &row["is_unlike"]),
@@ -151,6 +155,76 @@ fn a_model_of_gaits_as_published_is_asked_about_no_others() {
     for file in [&walk, &walkers] {
         refused(1, &["predict", file, "--model", &model], "not E-Gait as it was published");
     }
+}
+
+#[test]
+fn a_model_remembers_that_its_gaits_were_as_published() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    // walkers in the dress of E-Gait: one cycle each, the root pinned
+    let library = GaitLibrary::generated(21, 3).unwrap();
+    let names = Joint::ALL.map(|joint| joint.name().replace("left_", "l_").replace("right_", "r_"));
+    let columns: Vec<String> = names.iter().map(|name| format!("{name}_x,{name}_y,{name}_z")).collect();
+    let (mut walks, mut labels) = (format!("key,frame,{}\n", columns.join(",")), "key,label\n".to_owned());
+    for gait in library.gaits() {
+        for (frame, pose) in gait.poses.iter().enumerate() {
+            let places =
+                pose.map(|point| (point - pose[0]).to_array().map(|part| part.to_string()).join(","));
+            walks += &format!("{},{frame},{}\n", gait.name, places.join(","));
+        }
+        labels += &format!("{},{}\n", gait.name, gait.label.unwrap());
+    }
+    std::fs::write(path("walks.csv"), walks).unwrap();
+    std::fs::write(path("labels.csv"), labels).unwrap();
+    let model = path("model.json");
+    let train = [
+        "train",
+        "--as-published",
+        "--folds",
+        "none",
+        "--json",
+        "--data",
+        &path("walks.csv"),
+        "--out",
+        &model,
+    ];
+    let trained: Value = serde_json::from_str(&good(&train)).unwrap();
+    assert_eq!((&trained["preparation"], &trained["gaits"]), (&"as-published".into(), &24.into()));
+
+    let found = good(&["predict", &path("walks.csv"), "--model", &model, "--json"]);
+    let found: Value = serde_json::from_str(&found).unwrap();
+    assert!(found["model"].as_str().unwrap().contains("as published"), "{found}");
+    let right =
+        found["gaits"].as_array().unwrap().iter().filter(|row| row["emotion"] == row["label"]).count();
+    assert!(right > 20, "{right} of 24 that it learned from: {found}");
+    // others are not like those, whatever is done with them
+    good(&["walk", "--emotion", "happy", "--out", &path("walk.csv")]);
+    let want = "not E-Gait as it was published";
+    refused(1, &["predict", &path("walk.csv"), "--model", &model], want);
+    refused(1, &["label", &path("walk.csv"), "--model", &model, "--out", &path("out.glb")], want);
+}
+
+#[test]
+fn labels_of_people_stay_unless_relabelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (walkers, model, sad) = (path("walkers.glb"), path("model.json"), path("sad.csv"));
+    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    good(&["train", "--data", &walkers, "--folds", "none", "--out", &model]);
+    good(&["walk", "--emotion", "sad", "--seed", "77", "--out", &sad]);
+    std::fs::write(path("labels.csv"), "file,label\nsad.csv,angry\n").unwrap();
+    let label = |out: &str, more: &[&str]| {
+        let run = [&["label", &sad, "--model", &model, "--json", "--out", out], more].concat();
+        let row = serde_json::from_str::<Value>(&good(&run)).unwrap()["gaits"][0].clone();
+        let grown = GaitLibrary::load_glb(std::path::Path::new(out)).unwrap();
+        (row, grown.gaits().last().unwrap().label)
+    };
+    let (row, kept) = label(&path("kept.glb"), &[]);
+    assert_eq!((kept, &row["label"]), (Some(Emotion::Angry), &"angry".into()), "{row}");
+    assert!(row["probability"].is_null() && row["origin"] != "predicted", "{row}");
+    let (row, told) = label(&path("told.glb"), &["--relabel"]);
+    assert_eq!((told, &row["label"]), (Some(Emotion::Sad), &"sad".into()), "{row}");
+    assert_eq!(row["origin"], "predicted");
 }
 
 #[test]

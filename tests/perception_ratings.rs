@@ -240,6 +240,24 @@ fn the_command_labels_a_library_and_writes_table_and_figures() {
         assert!(svg.starts_with("<svg") && svg.trim_end().ends_with("</svg>"));
         assert!(folder.path().join(format!("figures/{name}.png")).is_file());
     }
+    // the same of videos with numbers for names, by their key
+    let mut key = "video,gait\n".to_owned();
+    for (number, gait) in library.gaits().iter().enumerate() {
+        writeln!(key, "clip-{number:03},\"{}\"", gait.name).unwrap();
+        sheet = sheet.replace(&format!(",{}.mp4,", gait.name), &format!(",clip-{number:03}.mp4,"));
+    }
+    assert!(!sheet.contains("sad-"));
+    std::fs::write(path("key.csv"), &key).unwrap();
+    std::fs::write(path("numbers.csv"), &sheet).unwrap();
+    let again =
+        ["gait", "ratings", &path("numbers.csv"), "--key", &path("key.csv"), "--library", &path("lib.glb")];
+    let (is_good, _, err) = gaitway(&[&again[..], &["--out", &path("again.glb")]].concat());
+    assert!(is_good, "{err}");
+    let again = GaitLibrary::load_glb(path("again.glb")).unwrap();
+    let told = |library: &GaitLibrary| -> Vec<_> {
+        library.gaits().iter().map(|gait| (gait.name.clone(), gait.label, gait.ratings)).collect()
+    };
+    assert_eq!(told(&again), told(&labelled));
     let (is_good, out, _) = gaitway(&["gait", "ratings", &path("study.csv"), "--json"]);
     let json: serde_json::Value = serde_json::from_str(&out).unwrap();
     assert!(is_good && json["distribution"]["labelled"] == 5 && json["videos"][0]["responses"] == 12);

@@ -202,15 +202,18 @@ fn a_knight_without_and_with_his_helmet_is_as_tall() {
             helmet["scale"] = json!([scale, scale, scale]);
         })
     };
-    let heights = [0.01, 1.0, 2.5].map(|scale| {
+    let sizes = [0.01, 1.0, 2.5].map(|scale| {
         let avatar = read(&helmet(scale), &RigMap::default()).unwrap().avatar;
         println!("helmet x {scale}: {} m, to the top {} m", avatar.height, avatar.top());
         let mut sheet = raster::Sheet::new(2.0, 2.6, 150.0);
         sheet.draw(&avatar, 0, &raster::rest(&avatar), 0.5, 1.0, -0.1);
         sheet.save(&picture(&format!("knight-{scale}.png")));
-        avatar.height
+        [avatar.height, avatar.joints[Joint::LeftKnee as usize].translation.length()]
     });
-    assert!(heights.iter().all(|height| (height - 1.7).abs() < 0.01), "{heights:?}");
+    // his unit is not known, so he is made 1.7 m: without the helmet, or his legs would tell
+    for [height, thigh] in sizes {
+        assert!((height - 1.7).abs() < 0.01 && (thigh / sizes[0][1] - 1.0).abs() < 0.01, "{sizes:?}");
+    }
 }
 
 /// Glasses: two panes before the eyes.

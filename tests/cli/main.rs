@@ -10,6 +10,7 @@
     reason = "a test: a failure is a panic that prints, and what must be the same is the same bit for bit"
 )]
 
+mod crowds;
 mod ending;
 mod odd;
 mod words;
@@ -708,6 +709,14 @@ fn a_rig_map_is_printed_filled_in_and_taken_from_the_command_line_or_the_scenari
     let error = simulate(&plain, &["--rig-map", &file("other.toml")]).stderr;
     let error = String::from_utf8(error).unwrap();
     assert!(error.contains("heroine") && error.contains("hero, female"), "{error}");
+    // the map of one is not that of another
+    std::fs::copy(file("hero.glb"), file("villain.glb")).unwrap();
+    let two =
+        std::fs::read_to_string(&plain).unwrap().replace("\"female\"]\navatar", "\"villain.glb\"]\navatar");
+    std::fs::write(file("two.toml"), two).unwrap();
+    let output = simulate(&file("two.toml"), &["--rig-map", &file("hero.rig.toml")]);
+    let printed = String::from_utf8(output.stdout).unwrap();
+    assert!(output.status.code() == Some(1) && printed.contains("avatar = \"villain\""), "{printed}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
 

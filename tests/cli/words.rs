@@ -82,6 +82,26 @@ fn what_exists_is_kept_unless_forced() {
         "--force",
     );
     fails(&["man", "--out", inside], "something in it", "--force");
+    // whatever the option is called, and before anything is read
+    let outputs = [
+        &["replay", "nowhere.csv", "--out", file][..],
+        &["gait", "show", "nowhere.glb", "--videos", inside],
+        &["gait", "ratings", "nowhere.csv", "--csv", file],
+        &["gait", "ratings", "nowhere.csv", "--figures", inside],
+        #[cfg(feature = "vulkan")]
+        &["replay", "nowhere.csv", "--render", file],
+        #[cfg(feature = "view")]
+        &["view", "nowhere.toml", "--seconds", "1", "--shot", file],
+        #[cfg(feature = "xr")]
+        &["xr", "nowhere.toml", "--shots", inside],
+    ];
+    for command in outputs {
+        fails(
+            command,
+            if command.contains(&inside) { "something in it" } else { "exists already" },
+            "--force",
+        );
+    }
     assert_eq!(std::fs::read_to_string(&path).unwrap(), "mine");
     good(&[&walk[..], &["--force"]].concat());
     assert_ne!(std::fs::read_to_string(&path).unwrap(), "mine");
@@ -108,6 +128,13 @@ fn quiet_says_results_only_and_verbose_says_more() {
         String::from_utf8(output.stderr).unwrap()
     };
     assert_eq!(said(&["-q"]), "");
+    // not even what is noted
+    let folder = tempfile::tempdir().unwrap();
+    let walk = folder.path().join("walk.csv");
+    let walk = walk.to_str().unwrap();
+    good(&["gait", "walk", "--emotion", "sad", "--out", walk]);
+    let noted = |manner: &[&str]| gaitway(&[&["gait", "show", walk], manner].concat()).stderr;
+    assert!(!noted(&[]).is_empty() && noted(&["-q"]).is_empty());
     let more = said(&["-v"]);
     assert!(more.contains("scene garden: 4 agents, seed") && more.contains("threads"), "{more}");
     assert_eq!(bad(&["-q", "-v", "devices"]).0, 2);

@@ -80,6 +80,15 @@ fn recorded_and_replayed(count: usize, name: &str, port: u16) {
     let text = refused(&path, &["--seed", "7"]);
     assert!(text.contains("seed 1 was recorded, this is 7") && text.contains("hint:"), "{text}");
 
+    let text = refused(&path, &["--set", "gaze.mode=paper"]);
+    assert!(text.contains("gaze natural was recorded, this is paper"), "{text}");
+    let text = refused(&path, &["--set", "navigation.patience=2"]);
+    assert!(text.contains("session: scenario "), "{text}");
+    let library = path.with_file_name("other.glb");
+    gaitway::library::GaitLibrary::generated(3, 1).unwrap().save_glb(&library).unwrap();
+    let text = refused(&path, &["--library", library.to_str().unwrap()]);
+    assert!(text.contains("library ") && text.contains(" was recorded, this is "), "{text}");
+
     // who raises the head sees another crowd, which walks alike
     let text = std::fs::read_to_string(&path).unwrap();
     let last = done["steps"].as_u64().unwrap();
@@ -124,6 +133,13 @@ fn a_session_that_is_killed_leaves_its_steps_and_the_next_start_completes_it() {
     );
     assert!(found["compared_steps"].as_u64().unwrap() >= 60 && found["recorded_hash"].is_null(), "{found}");
     assert_eq!(steps(&path).len(), kept);
+    // one that broke off is compared, too: by the hash of every second
+    let whole = std::fs::read_to_string(&path).unwrap();
+    let raised = whole.lines().map(|line| shifted(line, 7, 20) + "\n");
+    std::fs::write(&path, raised.collect::<String>()).unwrap();
+    let (found, is_good) = replay(&path);
+    assert!(!is_good && found["equal"] == false && found["differs_after"] == 30, "{found}");
+    std::fs::write(&path, whole).unwrap();
 
     // a new recording at the same place keeps the old one
     let (done, notes) = begin(&service, &path, 2).end();

@@ -154,3 +154,40 @@ impl Support {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_measure_alone_refuses_what_is_no_walk() {
+        let walk = Support {
+            step: [0.6, 0.62],
+            ground: [1.2, 1.18],
+            deviation: [0.2, 0.2],
+            lift: [0.05, 0.04],
+            speed: 1.2,
+            flight: 0.0,
+        };
+        assert!(walk.check().is_ok() && !walk.is_running());
+        let refused = |support: Support, words: &str| {
+            let why = support.check().unwrap_err();
+            assert!(why.is_no_walk() && why.to_string().contains(words), "{why} should say {words}");
+        };
+        refused(Support { step: [0.6, 0.01], ..walk }, "the feet do not pass each other");
+        refused(Support { step: [-0.1, 0.6], ..walk }, "-0.10 m in front of the right");
+        refused(Support { lift: [-0.04, 0.04], ..walk }, "not walking forwards");
+        // skating: the standing foot goes along; marching: the ground passes and the body does not
+        refused(Support { ground: [0.3, 0.3], ..walk }, "the body goes at 1.20 m/s; a mean of 0.4 to 1.6");
+        refused(Support { speed: 0.6, ..walk }, "but the body goes at 0.60 m/s");
+        // a scooter: one foot pushes and the other stands on it
+        refused(
+            Support { ground: [1.8, 0.5], ..walk },
+            "1.80 m/s under the left foot and at 0.50 m/s under the right",
+        );
+        refused(Support { ground: [0.5, 1.8], ..walk }, "a ratio of 0.33 to 3 is needed");
+        refused(Support { deviation: [1.0, 1.1], ..walk }, "deviates by 0.88 of its mean; up to 0.8 is used");
+        let run = Support { flight: 0.06, ..walk };
+        assert!(run.check().is_ok() && run.is_running());
+    }
+}

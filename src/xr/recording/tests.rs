@@ -116,6 +116,15 @@ fn the_hash_of_a_session_covers_what_the_gaze_is_made_from() {
     assert_ne!(one, of(&session(), &user, false), "who is looked at and who is not");
     assert_ne!(one, of(&Session { condition: "eva-o".into(), ..session() }, &user, true));
     assert_ne!(one, of(&session(), &Moment { elevation: 3.0, ..user }, true));
+    // hands, sticks and a turned head move nobody, but are part of the session
+    for other in [
+        Moment { head: Some([0.5, 1.6, 0.0, 0.0, 1.0, 0.0, 0.0]), ..user },
+        Moment { hands: [Some([0.1; 7]), None], ..user },
+        Moment { hands: [None, Some([0.1; 7])], ..user },
+        Moment { sticks: [0.0, 0.0, 0.5], ..user },
+    ] {
+        assert_ne!(one, of(&session(), &other, true), "{other:?}");
+    }
     // beyond everybody's reach only the user differs, not the gaze
     let mut far = (SessionHash::new(&session()), SessionHash::new(&session()));
     let away = Moment { head: Some([50.0, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
@@ -184,4 +193,37 @@ fn the_next_start_repairs_a_recording_that_broke_off_and_loses_none() {
         assert!(make_way(&path).unwrap_err().to_string().contains(says));
         assert_eq!(std::fs::read_to_string(&path).unwrap(), content);
     }
+}
+
+#[test]
+fn each_hash_of_the_header_tells_when_what_it_is_of_changes() {
+    use crate::avatar::{Sex, generated};
+    use crate::library::GaitLibrary;
+    use crate::scenario::Scenario;
+    let scenario = Scenario::builtin("garden").unwrap();
+    let mut other = scenario.clone();
+    other.navigation.patience = 3.0;
+    assert_eq!(hash_scenario(&scenario), hash_scenario(&scenario.clone()));
+    assert_ne!(hash_scenario(&scenario), hash_scenario(&other));
+
+    let library = GaitLibrary::generated(3, 1).unwrap();
+    let mut gaits = library.gaits().to_vec();
+    gaits[2].poses[5][4].y += 1e-3;
+    let other = GaitLibrary::from_gaits(gaits).unwrap();
+    assert_eq!(hash_library(&library), hash_library(&GaitLibrary::generated(3, 1).unwrap()));
+    assert_ne!(hash_library(&library), hash_library(&other));
+
+    let avatars = [generated(Sex::Female)];
+    let mut other = avatars.clone();
+    other[0].levels[0].vertices[7].color.x += 0.1;
+    assert_eq!(hash_avatars(&avatars), hash_avatars(&[generated(Sex::Female)]));
+    assert_ne!(hash_avatars(&avatars), hash_avatars(&other));
+    assert_ne!(hash_avatars(&avatars), hash_avatars(&[generated(Sex::Male)]));
+
+    // who looks and how fast one may walk is not in the state, which is the same
+    let start = crowd(true);
+    assert_eq!(hash_start(&start), hash_start(&crowd(true)));
+    assert_ne!(hash_start(&start), hash_start(&crowd(false)));
+    let faster = Store { body: vec![[0.25, 2.0, 1.4, 0.0]], ..crowd(true) };
+    assert_ne!(hash_start(&start), hash_start(&faster));
 }
