@@ -9,8 +9,9 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
-use gaitway::gpu::{Device, Validation, validation_messages};
-use gaitway::kernels::{Access, KernelId};
+use gaitway::gpu::plan::Op;
+use gaitway::gpu::{Device, Engine, Error, Validation, validation_messages};
+use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
 use gaitway::verify::cases::{animation, between, crossing, feelings, flow, gaits, hidden, journeys, step};
@@ -46,6 +47,39 @@ fn assert_exact(what: &str, comparisons: &[Comparison]) {
             c.first
         );
     }
+}
+
+#[test]
+fn what_does_not_fit_its_buffer_is_refused_and_the_engine_goes_on() {
+    on_device(|device| {
+        let store = step::crowd_with(0, 65, 1);
+        let mut engine = Engine::new(device, &store, &[KernelId::Integrate]).unwrap();
+        let longer = Store { position: vec![[1.0; 2]; 100_100], ..store.clone() };
+        let all = [BufferId::Position];
+        let is_refused = |error: Error| {
+            let Error::Contents { name, bytes, size } = error else { panic!("{error}") };
+            assert_eq!((name, bytes), ("position", 800_800), "of {size}");
+        };
+        is_refused(engine.upload(&longer, &all).unwrap_err());
+        is_refused(engine.download(&mut longer.clone(), &all).unwrap_err());
+        for bytes in [0, 6, 4096, 70_000] {
+            let set = engine.run(&[Op::Set(BufferId::Step)], |_, _| vec![0; bytes], false);
+            assert!(matches!(set, Err(Error::Contents { name: "step", .. })), "{bytes}: {set:?}");
+        }
+        let integrate = |extent| Op::Pass(Pass { kernel: KernelId::Integrate, level: 0, extent });
+        for (buffer, element) in
+            [(BufferId::Unsolved, 0), (BufferId::Position, 200), (BufferId::Step, u32::MAX)]
+        {
+            let run = engine.run(&[integrate(Extent::Indirect(buffer, element))], |_, _| Vec::new(), false);
+            assert!(matches!(run, Err(Error::Arguments { kernel: "integrate", .. })), "{run:?}");
+        }
+        let mut back = store.clone();
+        back.position.fill([f32::NAN; 2]);
+        engine.download(&mut back, &all).unwrap();
+        assert!(back.bytes(all[0]) == store.bytes(all[0]), "what was refused has changed nothing");
+        engine.replace(&longer, &all).unwrap();
+        engine.run(&[integrate(Extent::Invocations(65))], |_, _| Vec::new(), false).unwrap();
+    });
 }
 
 #[test]

@@ -11,7 +11,6 @@ use std::mem::ManuallyDrop;
 #[cfg(feature = "xr")]
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
-#[cfg(feature = "xr")]
 use std::time::Duration;
 
 /// A Vulkan device with one queue for compute, graphics and transfer.
@@ -168,10 +167,8 @@ impl Device {
         #[cfg(feature = "xr")]
         let watch = super::Watch::start();
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
-        unsafe {
-            self.raw.queue_submit2(*queue, &submit, fence).map_err(call("vkQueueSubmit2"))?;
-            self.raw.wait_for_fences(&[fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
-        }
+        unsafe { self.raw.queue_submit2(*queue, &submit, fence) }.map_err(call("vkQueueSubmit2"))?;
+        self.wait(fence)?;
         #[cfg(feature = "xr")]
         {
             let waited = u64::try_from(watch.idle().as_nanos()).unwrap_or(0);
@@ -180,6 +177,12 @@ impl Device {
         }
         // SAFETY: nothing is submitted that would signal the fence.
         unsafe { self.raw.reset_fences(&[fence]) }.map_err(call("vkResetFences"))
+    }
+
+    /// Waits for the fence of a submission. Buffers may be dropped when this comes back, also with an error.
+    pub(crate) fn wait(&self, fence: vk::Fence) -> Result<(), Error> {
+        // SAFETY: the fence is of this device and has been handed to a submission.
+        until_over(|| unsafe { self.raw.wait_for_fences(&[fence], true, u64::MAX) })
     }
 
     /// Submissions that were waited for so far.
@@ -192,6 +195,19 @@ impl Device {
     #[cfg(feature = "xr")]
     pub(crate) fn waited(&self) -> Duration {
         Duration::from_nanos(self.waited.load(Ordering::Relaxed))
+    }
+}
+
+/// Waits again where a wait fails for want of memory: what was submitted goes on and uses its buffers. The work of a device
+/// that is lost is over.
+fn until_over(mut wait: impl FnMut() -> Result<(), vk::Result>) -> Result<(), Error> {
+    const AGAIN: [vk::Result; 3] =
+        [vk::Result::TIMEOUT, vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY];
+    loop {
+        match wait() {
+            Err(result) if AGAIN.contains(&result) => std::thread::sleep(Duration::from_millis(1)),
+            outcome => return outcome.map_err(call("vkWaitForFences")),
+        }
     }
 }
 
@@ -275,6 +291,14 @@ impl Drop for Device {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_wait_that_fails_while_the_device_works_is_tried_again() {
+        let mut results = vec![Ok(()), Err(vk::Result::ERROR_OUT_OF_HOST_MEMORY), Err(vk::Result::TIMEOUT)];
+        assert!(until_over(|| results.pop().unwrap()).is_ok() && results.is_empty());
+        let mut results = vec![Ok(()), Err(vk::Result::ERROR_DEVICE_LOST)];
+        assert!(until_over(|| results.pop().unwrap()).is_err() && results.len() == 1);
+    }
 
     #[test]
     fn only_an_old_lavapipe_is_not_trusted_with_multiview() {

@@ -137,6 +137,17 @@ impl Engine {
         Ok(())
     }
 
+    /// Makes buffers that no kernel of this engine binds, for group counts of its passes, as long as in `store`.
+    ///
+    /// # Errors
+    /// As of [`Engine::new`].
+    pub fn add_buffers(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        for &id in ids {
+            self.make_buffer(id, store.bytes(id).len() as u64)?;
+        }
+        self.upload(store, ids)
+    }
+
     fn make_buffer(&mut self, id: BufferId, bytes: u64) -> Result<(), Error> {
         if self.buffers[id as usize].is_some() {
             return Ok(());
@@ -181,7 +192,7 @@ impl Engine {
     /// Copies buffers from the host to the device.
     ///
     /// # Errors
-    /// When a call fails or memory for staging is short.
+    /// When a buffer of the store is longer than it was when it was made, a call fails or memory for staging is short.
     pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
         self.bring_to_device()?; // staging memory is wanted for something else
         let copies = self.fill(store, ids)?;
@@ -203,7 +214,7 @@ impl Engine {
     /// Copies buffers from the device to the host; the store's buffers keep their lengths.
     ///
     /// # Errors
-    /// When a call fails or memory for staging is short.
+    /// When a buffer of the store is longer than the device's, a call fails or memory for staging is short.
     pub fn download(&mut self, store: &mut Store, ids: &[BufferId]) -> Result<(), Error> {
         let ids = self.present(ids);
         let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Readback)?;
@@ -214,6 +225,16 @@ impl Engine {
             }
         }
         Ok(())
+    }
+
+    /// Refuses more bytes than a buffer of this engine has.
+    fn fits(&self, id: BufferId, bytes: usize) -> Result<(), Error> {
+        match self.buffer(id).map(Buffer::size) {
+            Some(size) if bytes as u64 > size => {
+                Err(Error::Contents { name: id.name(), bytes: bytes as u64, size })
+            }
+            _ => Ok(()),
+        }
     }
 
     fn present(&self, ids: &[BufferId]) -> Vec<BufferId> {
@@ -231,6 +252,7 @@ impl Engine {
         let mut copies = Vec::with_capacity(ids.len());
         for &id in ids {
             let length = length(id);
+            self.fits(id, length)?;
             if length > 0 {
                 copies.push((id, end, length));
                 end += length.next_multiple_of(16);
@@ -266,7 +288,12 @@ impl Engine {
         let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: every submission is waited for, so the command buffer is not in use.
         unsafe { raw.begin_command_buffer(self.commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
-        body(self, raw, self.commands)?;
+        if let Err(error) = body(self, raw, self.commands) {
+            let none = vk::CommandBufferResetFlags::empty();
+            // SAFETY: what was recorded was not submitted; what cannot be reset cannot be begun again, and that is an error.
+            let _ = unsafe { raw.reset_command_buffer(self.commands, none) };
+            return Err(error);
+        }
         // SAFETY: recording has begun.
         unsafe { raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
         self.device.submit_and_wait(self.commands, self.fence)
@@ -277,7 +304,8 @@ impl Engine {
     /// `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
     ///
     /// # Errors
-    /// When a pass needs a kernel that this engine lacks, a call fails or the device is lost.
+    /// When a pass needs a kernel that this engine lacks, contents are longer than their buffer, group counts are to come from
+    /// where none are, a call fails or the device is lost.
     pub fn run(
         &mut self,
         ops: &[Op],
@@ -319,11 +347,6 @@ impl Drop for Engine {
         let raw = &self.device.raw;
         // SAFETY: every submission was waited for; null handles are ignored by Vulkan.
         unsafe {
-            for pipeline in self.pipelines.drain(..).flatten() {
-                raw.destroy_pipeline(pipeline.raw, None);
-                raw.destroy_pipeline_layout(pipeline.layout, None);
-                raw.destroy_descriptor_set_layout(pipeline.set_layout, None);
-            }
             raw.destroy_query_pool(self.queries, None);
             raw.destroy_fence(self.fence, None);
             raw.destroy_command_pool(self.pool, None);

@@ -105,6 +105,27 @@ pub enum Error {
         /// The device's `maxStorageBufferRange` or `maxUniformBufferRange`.
         limit: u64,
     },
+    /// Contents do not go into a buffer, or out of it: there are more than it holds; or, of a uniform, more than 65,536 bytes
+    /// or no multiple of four.
+    #[error("{bytes} bytes cannot be copied: buffer {name:?} has {size}")]
+    Contents {
+        /// Buffer.
+        name: &'static str,
+        /// Bytes to copy.
+        bytes: u64,
+        /// Bytes of the buffer.
+        size: u64,
+    },
+    /// Group counts of a pass are to come from where none are: a buffer that no kernel of the engine binds, or beyond its end.
+    #[error("{kernel}: no group counts at element {element} of buffer {buffer:?}")]
+    Arguments {
+        /// Kernel of the pass.
+        kernel: &'static str,
+        /// Buffer.
+        buffer: &'static str,
+        /// First of the three counts.
+        element: u32,
+    },
     /// A shader that was to be reloaded does not compile or has other bindings than the program was built with.
     #[cfg(feature = "hot-reload")]
     #[error("{0}")]

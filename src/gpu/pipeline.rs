@@ -4,12 +4,14 @@ use super::{Buffer, Device, Error, call};
 use crate::kernels::{Access, Kernel};
 use ash::vk;
 use std::ffi::CString;
+use std::sync::Arc;
 
-/// One kernel, ready to be launched. Its owner destroys it.
+/// One kernel, ready to be launched.
 pub(super) struct Pipeline {
+    device: Arc<Device>,
     pub(super) raw: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
-    pub(super) set_layout: vk::DescriptorSetLayout,
+    set_layout: vk::DescriptorSetLayout,
     pub(super) set: vk::DescriptorSet,
     pub(super) label: CString,
 }
@@ -24,7 +26,7 @@ const fn kind(access: Access) -> vk::DescriptorType {
 impl Pipeline {
     /// Makes the pipeline and the descriptor set, with the buffers that the kernel binds by name.
     pub(super) fn new(
-        device: &Device,
+        device: &Arc<Device>,
         kernel: &'static Kernel,
         descriptors: vk::DescriptorPool,
         buffers: &[Option<Buffer>],
@@ -44,25 +46,39 @@ impl Pipeline {
         let levels = if kernel.has_level { &levels[..] } else { &[] };
         let entry = CString::new(kernel.name).unwrap_or_default();
         let spirv = code(kernel)?;
+        let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
+        // null handles until all is made: what has been made when a call fails is destroyed with the others
+        let mut made = Self {
+            device: device.clone(),
+            raw: vk::Pipeline::null(),
+            layout: vk::PipelineLayout::null(),
+            set_layout: vk::DescriptorSetLayout::null(),
+            set: vk::DescriptorSet::null(),
+            label,
+        };
         let raw = &device.raw;
+        let create = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
         // written into the descriptor set live as long as the engine.
         unsafe {
-            let set_layout = raw
-                .create_descriptor_set_layout(
-                    &vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings),
-                    None,
-                )
+            made.set_layout = raw
+                .create_descriptor_set_layout(&create, None)
                 .map_err(call("vkCreateDescriptorSetLayout"))?;
-            let set_layouts = [set_layout];
-            let layout = raw
-                .create_pipeline_layout(
-                    &vk::PipelineLayoutCreateInfo::default()
-                        .set_layouts(&set_layouts)
-                        .push_constant_ranges(levels),
-                    None,
-                )
-                .map_err(call("vkCreatePipelineLayout"))?;
+            let set_layouts = [made.set_layout];
+            let create = vk::PipelineLayoutCreateInfo::default()
+                .set_layouts(&set_layouts)
+                .push_constant_ranges(levels);
+            made.layout =
+                raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
+            let allocate = vk::DescriptorSetAllocateInfo::default()
+                .descriptor_pool(descriptors)
+                .set_layouts(&set_layouts);
+            made.set = raw
+                .allocate_descriptor_sets(&allocate)
+                .map_err(call("vkAllocateDescriptorSets"))?
+                .first()
+                .copied()
+                .unwrap_or_default();
             let module = raw
                 .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&spirv), None)
                 .map_err(call("vkCreateShaderModule"))?;
@@ -70,29 +86,18 @@ impl Pipeline {
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
                 .name(&entry);
-            let create = [vk::ComputePipelineCreateInfo::default().layout(layout).stage(stage)];
-            let made = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
+            let create = [vk::ComputePipelineCreateInfo::default().layout(made.layout).stage(stage)];
+            let pipelines = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
             raw.destroy_shader_module(module, None);
-            let pipeline = made
+            made.raw = pipelines
                 .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
                 .first()
                 .copied()
                 .unwrap_or_default();
-            device.name(pipeline, kernel.name);
-            let allocate = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(descriptors)
-                .set_layouts(&set_layouts);
-            let set = raw
-                .allocate_descriptor_sets(&allocate)
-                .map_err(call("vkAllocateDescriptorSets"))?
-                .first()
-                .copied()
-                .unwrap_or_default();
-            let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
-            let made = Self { raw: pipeline, layout, set_layout, set, label };
-            made.bind(device, kernel, buffers);
-            Ok(made)
         }
+        device.name(made.raw, kernel.name);
+        made.bind(device, kernel, buffers);
+        Ok(made)
     }
 
     /// Writes the buffers that the kernel binds into its descriptor set; nothing that uses it may be under way.
@@ -122,6 +127,18 @@ impl Pipeline {
     }
 }
 
+impl Drop for Pipeline {
+    fn drop(&mut self) {
+        let raw = &self.device.raw;
+        // SAFETY: every submission was waited for; null handles are ignored. The set goes with its pool.
+        unsafe {
+            raw.destroy_pipeline(self.raw, None);
+            raw.destroy_pipeline_layout(self.layout, None);
+            raw.destroy_descriptor_set_layout(self.set_layout, None);
+        }
+    }
+}
+
 /// The code of a kernel, as it was when the program was built.
 #[cfg(not(feature = "hot-reload"))]
 #[allow(clippy::unnecessary_wraps, reason = "reloading can fail")]
@@ -148,5 +165,37 @@ fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Err
             "{}: other bindings than when the program was built: build it anew",
             file.display()
         ))),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::gpu::Validation;
+
+    #[test]
+    fn what_was_made_before_a_call_failed_is_destroyed() {
+        let device = match Device::open(None, Validation::from_environment().unwrap()) {
+            Ok(device) => device,
+            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
+            Err(error) => return println!("skipped: no Vulkan ({error})"),
+        };
+        // SAFETY: the create-infos are complete.
+        let (set_layout, layout) = unsafe {
+            let create = vk::DescriptorSetLayoutCreateInfo::default();
+            let set_layout = device.raw.create_descriptor_set_layout(&create, None).unwrap();
+            let create = vk::PipelineLayoutCreateInfo::default();
+            (set_layout, device.raw.create_pipeline_layout(&create, None).unwrap())
+        };
+        drop(Pipeline {
+            device: device.clone(),
+            raw: vk::Pipeline::null(),
+            layout,
+            set_layout,
+            set: vk::DescriptorSet::null(),
+            label: CString::default(),
+        });
+        drop(device); // the validation layer tells of what is left
+        assert!(crate::gpu::validation_messages().is_empty(), "{:#?}", crate::gpu::validation_messages());
     }
 }

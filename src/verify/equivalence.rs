@@ -79,6 +79,16 @@ fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
     set.into_iter().collect()
 }
 
+/// Where group counts stand.
+fn arguments_of(passes: &[Pass]) -> Vec<BufferId> {
+    let buffers = passes.iter().filter_map(|pass| match pass.extent {
+        Extent::Indirect(buffer, _) => Some(buffer),
+        Extent::Invocations(_) => None,
+    });
+    let set: BTreeSet<_> = buffers.collect();
+    set.into_iter().collect()
+}
+
 /// Runs `passes` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
 ///
 /// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive passes
@@ -119,6 +129,8 @@ fn compare_with(
 ) -> Result<Vec<Comparison>, Error> {
     let mut cpu = store.clone();
     let mut engine = Engine::new(device, store, &kernels_of(passes))?;
+    // the kernel that counts the groups need not be among these
+    engine.add_buffers(store, &arguments_of(passes))?;
     let mut found: Vec<Comparison> = Vec::new();
     for group in passes.chunk_by(|a, b| a.kernel == b.kernel) {
         let Some(pass) = group.first() else { continue };
@@ -127,11 +139,7 @@ fn compare_with(
         let writes: Vec<_> =
             kernel.bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer).collect();
         engine.upload(&cpu, &all)?;
-        for pass in group {
-            if let Extent::Indirect(buffer, _) = pass.extent {
-                engine.upload(&cpu, &[buffer])?;
-            }
-        }
+        engine.upload(&cpu, &arguments_of(group))?;
         let ops: Vec<_> = group.iter().copied().map(Op::Pass).collect();
         engine.run(&ops, |_, _| Vec::new(), false)?;
         let mut gpu = cpu.clone();

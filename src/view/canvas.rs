@@ -286,11 +286,10 @@ impl Canvas {
         let raw = &self.device.raw;
         let queue = self.device.hold_queue();
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is held.
-        unsafe {
-            raw.queue_submit2(*queue, &submit, self.fence).map_err(call("vkQueueSubmit2"))?;
-            raw.wait_for_fences(&[self.fence], true, u64::MAX).map_err(call("vkWaitForFences"))?;
-            raw.reset_fences(&[self.fence]).map_err(call("vkResetFences"))
-        }
+        unsafe { raw.queue_submit2(*queue, &submit, self.fence) }.map_err(call("vkQueueSubmit2"))?;
+        self.device.wait(self.fence)?;
+        // SAFETY: nothing is submitted that would signal the fence.
+        unsafe { raw.reset_fences(&[self.fence]) }.map_err(call("vkResetFences"))
     }
 }
 

@@ -1,14 +1,19 @@
 //! What an engine records: copies, uniforms, passes and the barriers between them, into its own command buffer or into
 //! somebody else's, so that a picture and the kernels before it are one submission.
 
-use super::super::Error;
 use super::super::plan::{Command, Op, plan};
+use super::super::{Buffer, Error};
 use super::{Copy, Engine, TIMED_PASSES};
 #[cfg(feature = "xr")]
 use crate::kernels::Store;
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use ash::{ext, vk};
 use std::ffi::CString;
+
+/// Most bytes of one `vkCmdUpdateBuffer`.
+const MOST_UPDATED: usize = 65_536;
+/// Bytes of the three group counts of an indirect dispatch.
+const ARGUMENTS: u64 = 12;
 
 /// Dispatches longer than this along x go on along y.
 const MAX_GROUPS_X: u32 = 65_535;
@@ -68,7 +73,7 @@ impl Engine {
     /// and waits, then says [`Engine::encoded`]. Draws that stand behind it find everything in place.
     ///
     /// # Errors
-    /// When a pass needs a kernel that this engine lacks.
+    /// As of [`Engine::run`], without what only a submission meets.
     #[cfg(feature = "xr")]
     pub(crate) fn encode(
         &self,
@@ -144,7 +149,7 @@ impl Engine {
     /// them, and what they write to later passes, draws and their arguments.
     ///
     /// # Errors
-    /// When a pass needs a kernel that this engine lacks.
+    /// As of [`Engine::run`], without what only a submission meets.
     pub(crate) fn record_into(
         &self,
         commands: vk::CommandBuffer,
@@ -179,8 +184,18 @@ impl Engine {
                 Command::Barrier => self.barrier(commands),
                 Command::Op(index, Op::Set(id)) => {
                     let Some(buffer) = self.buffer(id) else { continue };
-                    // SAFETY: uniform contents are a few hundred bytes, a multiple of four, within the buffer.
-                    unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents(index, id)) };
+                    let contents = contents(index, id);
+                    let bytes = contents.len();
+                    self.fits(id, bytes)?;
+                    if bytes == 0 || bytes > MOST_UPDATED || !bytes.is_multiple_of(4) {
+                        return Err(Error::Contents {
+                            name: id.name(),
+                            bytes: bytes as u64,
+                            size: buffer.size(),
+                        });
+                    }
+                    // SAFETY: the contents lie within the buffer and are as long as an update may be.
+                    unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents) };
                 }
                 Command::Op(_, Op::Pass(pass)) => {
                     self.dispatch(commands, pass, timed.then_some(query))?;
@@ -197,9 +212,15 @@ impl Engine {
         let Some(pipeline) = &self.pipelines[pass.kernel as usize] else {
             return Err(Error::NoKernel(kernel.name));
         };
+        if let Extent::Indirect(buffer, element) = pass.extent {
+            let size = self.buffer(buffer).map_or(0, Buffer::size);
+            if u64::from(element) * 4 + ARGUMENTS > size {
+                return Err(Error::Arguments { kernel: kernel.name, buffer: buffer.name(), element });
+            }
+        }
         let raw = &self.device.raw;
         // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
-        // within what every Vulkan device takes; indirect arguments lie within their buffer.
+        // within what every Vulkan device takes; indirect arguments lie within their buffer, as was just seen.
         unsafe {
             self.label(commands, Some(&pipeline.label));
             if let Some(query) = query {
