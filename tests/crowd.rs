@@ -18,7 +18,7 @@ use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure};
 use gaitway::verify::cases::crossing::{crossing, crossing_quality};
 use gaitway::{Emotion, reference, sim};
-use glam::{Quat, Vec3};
+use glam::{Quat, Vec2, Vec3};
 
 #[test]
 fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
@@ -140,6 +140,34 @@ fn an_agent_walks_around_the_user_who_gives_no_way() {
     }
     assert_eq!(store.route[0][3], 1, "it did not arrive: {:?}", store.position[0]);
     assert!(closest >= 0.649, "it came as near as {closest} m to the user");
+}
+
+/// How far away the user is, who walks straight at an agent, when that begins to walk round them, m; `told` is the velocity
+/// that the crowd is told.
+fn gives_way_at(model: u32, told: Vec2) -> f32 {
+    let mut store = duel([15.0, 10.0], 0.02);
+    store.step.agent_count = 1;
+    store.step.model = model;
+    store.step.user_radius = 0.4;
+    let mut simulation = Simulation::from_store(store, Backend::Cpu, None).unwrap();
+    for number in 0..30 * 8_u8 {
+        let user = Vec2::new(15.0 - 1.3 * f32::from(number) / 30.0, 10.0);
+        simulation.set_user(user, 0.0, told);
+        simulation.step(1).unwrap();
+        let agent = Vec2::from(simulation.state().unwrap().position[0]);
+        if (agent.y - 10.0).abs() > 0.1 {
+            return agent.distance(user);
+        }
+    }
+    panic!("nobody gave way");
+}
+
+#[test]
+fn a_user_who_walks_is_avoided_by_where_they_will_be() {
+    for model in sim::order::MODELS {
+        let [told, untold] = [Vec2::new(-1.3, 0.0), Vec2::ZERO].map(|told| gives_way_at(model, told));
+        assert!(told > 1.1 * untold, "model {model}: {told} m away, and {untold} m if untold");
+    }
 }
 
 #[test]
