@@ -123,6 +123,21 @@ fn what_keeps_no_part_of_its_result_ends_at_once() {
 }
 
 #[test]
+fn what_is_stopped_in_the_middle_of_a_file_leaves_no_part_of_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let videos = folder.path().join("videos");
+    let mut child = endless(&["gait", "show", "--videos", videos.to_str().unwrap()]);
+    let is_part = |name: &String| name.ends_with(".partial");
+    while !videos.exists() || !names(&videos).iter().any(is_part) {
+        assert!(child.try_wait().unwrap().is_none(), "it ended before it had begun a video");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    tell(&child, "-TERM");
+    assert_eq!(child.wait().unwrap().code(), Some(130));
+    assert!(!names(&videos).iter().any(is_part), "{:?}", names(&videos));
+}
+
+#[test]
 fn what_a_killed_run_left_is_swept_by_the_next_of_that_name() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("run.csv");
