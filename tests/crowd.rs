@@ -1,6 +1,7 @@
 //! Laws of the simulation, on the CPU backend: what holds there holds bit for bit on an exact device.
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
