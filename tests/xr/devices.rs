@@ -21,7 +21,7 @@ fn devices_tell_how_far_a_headset_is() {
     if !is_there() {
         return;
     }
-    let mut service = Service::start("devices", 4274);
+    let mut service = Service::start("devices");
     let devices = ["devices", "--json"];
     let found = json(&mut service.gaitway(&devices));
     assert_eq!(reached(&found), [true; 3], "{found}");

@@ -5,8 +5,8 @@ use super::{folder, recorded};
 use std::time::Duration;
 
 /// Cycles of: the service hangs while the crowd does so many steps, goes on or not, is killed, is started again.
-fn cycles(count: u32, hung: usize, name: &str, port: u16) {
-    let mut service = Service::start(name, port);
+fn cycles(count: u32, hung: usize, name: &str) {
+    let mut service = Service::start(name);
     let visit = folder(name).join("visit.csv");
     let kept = visit.to_str().unwrap();
     let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160", "--record", kept, "--json"];
@@ -46,7 +46,7 @@ fn cycles(count: u32, hung: usize, name: &str, port: u16) {
 #[test]
 fn a_service_that_hangs_and_dies_costs_pictures_not_the_crowd() {
     if is_there() {
-        cycles(3, 45, "cycles", 4269);
+        cycles(3, 45, "cycles");
     }
 }
 
@@ -56,6 +56,6 @@ fn a_service_that_hangs_and_dies_costs_pictures_not_the_crowd() {
 fn twenty_deaths_of_the_service_leave_no_trace() {
     if is_there() {
         let seconds = std::env::var("GAITWAY_XR_HUNG").map_or(5, |text| text.parse().unwrap());
-        cycles(20, 30 * seconds, "twenty", 4270);
+        cycles(20, 30 * seconds, "twenty");
     }
 }

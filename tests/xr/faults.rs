@@ -36,7 +36,7 @@ fn a_session_that_is_lost_is_begun_anew() {
     if !is_there() {
         return;
     }
-    let service = Service::start("loss", 4265);
+    let service = Service::start("loss");
     recovers(&service, "loss-pending@12", "the runtime ended the session");
     recovers(&service, "session-lost-at-wait@6", "the runtime ended the session");
     recovers(&service, "loss-pending-at-end@6", "the runtime ended the session");
@@ -48,7 +48,7 @@ fn a_runtime_that_goes_away_or_fails_is_found_again() {
     if !is_there() {
         return;
     }
-    let service = Service::start("gone", 4266);
+    let service = Service::start("gone");
     recovers(&service, "instance-loss-pending@12", "the runtime stopped");
     recovers(&service, "instance-lost-at-end@6", "the runtime stopped");
     recovers(&service, "image-timeout@5", "kept an image for too long");
@@ -60,7 +60,7 @@ fn the_runtime_may_end_the_session() {
     if !is_there() {
         return;
     }
-    let service = Service::start("exit", 4267);
+    let service = Service::start("exit");
     let (found, _) = Live::start(service.faulty("exit@5", &RUN)).wait();
     assert_eq!(found["ended"], "the OpenXR runtime ended the session", "{found}");
     assert_eq!(found["sessions"], 1);
@@ -71,7 +71,7 @@ fn what_fails_again_and_again_is_given_up_with_its_reason() {
     if !is_there() {
         return;
     }
-    let service = Service::start("again", 4268);
+    let service = Service::start("again");
     let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160"];
     let failed = service.faulty("begin-fails@10+", &run).output().unwrap();
     let text = String::from_utf8_lossy(&failed.stderr);

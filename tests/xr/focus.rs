@@ -16,7 +16,7 @@ fn another_application_takes_the_focus_and_gives_it_back() {
     if !is_there() {
         return;
     }
-    let service = Service::start("focus", 4276);
+    let service = Service::start("focus");
     let [mine, theirs] = ["focus", "focus-other"].map(folder);
     let mut ours = Live::start(service.gaitway(&with_shots(&mine)));
     ours.hear("the headset shows the crowd");
@@ -47,7 +47,7 @@ fn late_wake_ups_cost_frames_and_nothing_else() {
     if !is_there() {
         return;
     }
-    let service = Service::start("late", 4277);
+    let service = Service::start("late");
     let folder = folder("late");
     let mut late = service.gaitway(&with_shots(&folder));
     late.env("OXR_DEBUG_WAIT_FRAME_EXTRA_SLEEP_MS", "70");
@@ -66,7 +66,7 @@ fn a_runtime_with_one_eye_is_refused_in_one_line() {
     }
     const ONE_EYE: [(&str, &str); 3] =
         [("P_OVERRIDE_ACTIVE_CONFIG", "none"), ("SIMULATED_ENABLE", "1"), ("SIMULATED_VIEW_COUNT", "1")];
-    let service = Service::start_with("eye", 4278, &ONE_EYE);
+    let service = Service::start_with("eye", &ONE_EYE);
     let failed = service.gaitway(&RUN).output().unwrap();
     let text = String::from_utf8_lossy(&failed.stderr);
     assert_eq!(failed.status.code(), Some(1), "{text}");

@@ -54,7 +54,7 @@ fn happy_and_angry_heads_follow_the_user_and_sad_ones_do_not() {
     if !is_there() {
         return;
     }
-    let service = Service::start("gaze", 4273);
+    let service = Service::start("gaze");
     let folder = folder("gaze");
     let mut scene = STANDING.to_owned();
     for (x, z) in [-2.0, -1.0, 0.0, 1.0, 2.0]

@@ -61,7 +61,7 @@ fn controllers_are_seen_point_walk_and_recentre() {
     if !is_there() {
         return;
     }
-    let service = Service::start("hands", 4284);
+    let service = Service::start("hands");
     let folder = folder("hands");
     let (file, record) = (folder.join("empty.toml"), folder.join("visit.csv"));
     std::fs::write(&file, EMPTY).unwrap();
@@ -146,7 +146,7 @@ fn hands_without_controllers_are_seen_and_recorded() {
     if !is_there() {
         return;
     }
-    let service = Service::start("fingers", 4287);
+    let service = Service::start("fingers");
     let folder = folder("fingers");
     let (file, record) = (folder.join("empty.toml"), folder.join("visit.csv"));
     std::fs::write(&file, EMPTY).unwrap();
@@ -222,7 +222,7 @@ fn the_user_walks_up_a_ramp_and_the_eyes_rise() {
     if !is_there() {
         return;
     }
-    let service = Service::start("ramp", 4290);
+    let service = Service::start("ramp");
     let folder = folder("ramp");
     let (file, record) = (folder.join("ramp.toml"), folder.join("visit.csv"));
     std::fs::write(&file, RAMP).unwrap();

@@ -25,7 +25,7 @@ fn depth_goes_along_with_the_picture_where_the_runtime_takes_it() {
     if !is_there() {
         return;
     }
-    let service = Service::start("depth", 4281);
+    let service = Service::start("depth");
     let (found, seen, _) = run(&service, "", "depth");
     assert_eq!(found["takes_depth"], true, "{found}");
     // reversed and without an end
@@ -43,7 +43,7 @@ fn nothing_is_drawn_where_the_lenses_hide_it() {
     if !is_there() {
         return;
     }
-    let service = Service::start("mask", 4282);
+    let service = Service::start("mask");
     service.head().set(0.0, 0.0, [0.0, 1.6, 0.0]);
     let (found, _, folder) = run(&service, "mask@1+", "mask");
     assert_eq!(found["hidden_triangles"], serde_json::json!([1, 1]), "{found}");
@@ -65,7 +65,7 @@ fn the_lenses_of_monado_are_asked_for() {
     if !is_there() {
         return;
     }
-    let service = Service::start("lenses", 4283);
+    let service = Service::start("lenses");
     let mut live = Live::start(service.gaitway(&[
         "xr",
         "crossing",

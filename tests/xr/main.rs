@@ -74,7 +74,7 @@ fn a_session_goes_through_all_its_states_and_ends_in_good_order() {
     if !service::is_there() {
         return;
     }
-    let service = Service::start("states", 4261);
+    let service = Service::start("states");
     let shots = folder("states");
     let shots = shots.to_str().unwrap();
     let run = [
@@ -138,7 +138,7 @@ fn the_time_that_is_given_ends_the_session() {
     if !service::is_there() {
         return;
     }
-    let service = Service::start("time", 4288);
+    let service = Service::start("time");
     let run = ["xr", "crossing", "--agents", "20", "--seconds", "1.5", "--eye-size", "160x160", "--json"];
     let (found, _) = outcome(service.gaitway(&run).spawn().unwrap());
     // on a busy machine before the first picture
@@ -254,7 +254,7 @@ fn both_eyes_follow_the_head_with_the_right_parallax() {
         return;
     }
     const SIZE: u32 = 960;
-    let service = Service::start("head", 4262);
+    let service = Service::start("head");
     let folder = folder("head");
     let scene = folder.join("post.toml");
     std::fs::write(&scene, POST).unwrap();
@@ -298,7 +298,7 @@ fn without_a_service_or_a_runtime_one_line_says_why() {
     if !service::is_there() {
         return;
     }
-    let mut service = Service::start("none", 4264);
+    let mut service = Service::start("none");
     service.kill();
     let run = ["xr", "crossing", "--seconds", "1"];
     let failed = service.gaitway(&run).output().unwrap();

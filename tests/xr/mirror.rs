@@ -16,7 +16,7 @@ fn the_mirror_shows_the_left_eye_and_its_end_does_not_end_the_session() {
     }
     let folder = folder("mirror");
     let Some(screen) = screen(&folder) else { return };
-    let service = Service::start("mirror", 4285);
+    let service = Service::start("mirror");
     let file = folder.join("post.toml");
     std::fs::write(&file, POST).unwrap();
     let (scene, shots) = (file.to_str().unwrap(), folder.to_str().unwrap());
@@ -62,7 +62,7 @@ fn without_a_display_there_is_no_mirror_but_a_session() {
     if !is_there() {
         return;
     }
-    let service = Service::start("nomirror", 4286);
+    let service = Service::start("nomirror");
     let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160", "--mirror", "--json"];
     let mut command = service.gaitway(&run);
     command.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET");

@@ -95,7 +95,7 @@ fn the_compositor_presents_our_pictures_to_both_eyes() {
         ("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "30"),
         ("XRT_COMPOSITOR_SCALE_PERCENTAGE", "50"),
     ];
-    let service = Service::start_with("presented", 4280, &window);
+    let service = Service::start_with("presented", &window);
     let file = folder.join("post.toml");
     std::fs::write(&file, POST).unwrap();
     let (scene, shots) = (file.to_str().unwrap(), folder.to_str().unwrap());

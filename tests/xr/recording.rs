@@ -65,8 +65,8 @@ fn refused(path: &Path, more: &[&str]) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-fn recorded_and_replayed(count: usize, name: &str, port: u16) {
-    let service = Service::start(name, port);
+fn recorded_and_replayed(count: usize, name: &str) {
+    let service = Service::start(name);
     let path = folder(name).join("visit.csv");
     let (done, _) = begin(&service, &path, count).end();
     let (replayed, is_good) = replay(&path);
@@ -112,7 +112,7 @@ fn a_session_that_is_killed_leaves_its_steps_and_the_next_start_completes_it() {
     if !is_there() {
         return;
     }
-    let service = Service::start("killed", 4289);
+    let service = Service::start("killed");
     let path = folder("killed").join("visit.csv");
     let live = begin(&service, &path, 8);
     until(|| if steps(&path).len() > 70 { Ok(()) } else { Err("the recording does not grow".to_owned()) });
@@ -166,7 +166,7 @@ fn shifted(line: &str, field: usize, from: u64) -> String {
 #[test]
 fn a_recorded_session_replays_bit_for_bit_on_the_cpu() {
     if is_there() {
-        recorded_and_replayed(20, "record", 4271);
+        recorded_and_replayed(20, "record");
     }
 }
 
@@ -174,7 +174,7 @@ fn a_recorded_session_replays_bit_for_bit_on_the_cpu() {
 #[ignore = "takes a minute"]
 fn a_minute_replays_bit_for_bit_on_the_cpu() {
     if is_there() {
-        recorded_and_replayed(500, "minute", 4272);
+        recorded_and_replayed(500, "minute");
     }
 }
 
@@ -183,7 +183,7 @@ fn a_user_whose_headset_hangs_stands_until_it_goes_on() {
     if !is_there() {
         return;
     }
-    let service = Service::start("stands", 4275);
+    let service = Service::start("stands");
     let path = folder("stands").join("visit.csv");
     let text = path.to_str().unwrap();
     let run = ["xr", "crossing", "--agents", "40", "--eye-size", "160x160", "--record", text, "--json"];

@@ -1,12 +1,13 @@
 //! A Monado service without a display, one per test, and its scripted head.
 
 use serde_json::Value;
+use std::collections::BTreeSet;
 use std::io::{BufRead, BufReader, Read, Write};
-use std::net::TcpStream;
+use std::net::{TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::OnceLock;
 use std::sync::mpsc::{self, Receiver};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything: only a guard against hanging, on machines with other work to do.
@@ -58,17 +59,29 @@ pub(super) struct Service {
     environment: Vec<(&'static str, String)>,
 }
 
+/// A port that nothing listens on, and that no other service of this process was given.
+fn free_port() -> u16 {
+    static GIVEN: Mutex<BTreeSet<u16>> = Mutex::new(BTreeSet::new());
+    loop {
+        let port = TcpListener::bind(("127.0.0.1", 0)).unwrap().local_addr().unwrap().port();
+        if GIVEN.lock().unwrap().insert(port) {
+            return port;
+        }
+    }
+}
+
 impl Service {
     /// Starts a service with a folder and a port of its own, so that tests run side by side.
-    pub(super) fn start(name: &str, port: u16) -> Self {
-        Self::start_with(name, port, &[])
+    pub(super) fn start(name: &str) -> Self {
+        Self::start_with(name, &[])
     }
 
     /// The same with variables of its own.
-    pub(super) fn start_with(name: &str, port: u16, environment: &[(&'static str, &str)]) -> Self {
+    pub(super) fn start_with(name: &str, environment: &[(&'static str, &str)]) -> Self {
         let folder = std::env::temp_dir().join(format!("gaitway-xr-{name}-{}", std::process::id()));
         let _ = std::fs::remove_dir_all(&folder);
         std::fs::create_dir_all(folder.join("monado")).unwrap();
+        let port = free_port();
         let config =
             format!(r#"{{"active":"remote","remote":{{"version":0,"port":{port},"view_count":2}}}}"#);
         std::fs::write(folder.join("monado/config_v0.json"), config).unwrap();

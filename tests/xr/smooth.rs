@@ -54,7 +54,7 @@ fn people_move_in_every_frame_of_a_display_faster_than_the_steps() {
     if !is_there() {
         return;
     }
-    let service = Service::start("smooth", 4279);
+    let service = Service::start("smooth");
     let folder = folder("smooth");
     let file = folder.join("smooth.toml");
     std::fs::write(&file, SCENE).unwrap();
