@@ -60,11 +60,12 @@ fn steps(store: &mut Store, count: u32) {
 
 #[test]
 fn the_dense_crossing_is_no_worse_than_rvo2_at_any_density() {
-    // overlap, smallest distance and progress of RVO2 after 300 or 100 steps, 10,000 agents (see README, Speed)
+    // overlaps, smallest distance and progress of RVO2 after the same 10 s, 10,000 agents (see README, Speed); at 1/m² both
+    // are nearly as quick as they want, and 0.5 % is the tie
     for (spacing, time_step, count, overlapping, distance, progress) in [
-        (1.0, 1.0 / 30.0, 150, 2e-5, 0.494, 1.20),
-        (0.7, 1.0 / 30.0, 150, 0.0044, 0.485, 1.10),
-        (0.7, 0.1, 60, 0.209, 0.425, 0.975),
+        (1.0, 1.0 / 30.0, 300, 2e-5, 0.494, 0.995 * 1.287),
+        (0.7, 1.0 / 30.0, 300, 0.0044, 0.485, 1.115),
+        (0.7, 0.1, 100, 0.209, 0.425, 0.975),
     ] {
         let mut store = crossing(3600, spacing);
         (store.step.time_step, store.step.inverse_time_step) = (time_step, 1.0 / time_step);
