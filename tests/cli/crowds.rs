@@ -221,3 +221,35 @@ fn a_scene_that_is_imported_to_its_own_name_replaces_nothing_unless_forced() {
     assert_eq!(code, Some(0), "{error}");
     assert!(std::fs::read_to_string(folder.path().join("hall.toml")).unwrap().contains("hall"));
 }
+
+#[test]
+fn the_demo_leaves_what_the_readme_promises() {
+    if !has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("demo");
+    let output =
+        gaitway(&["demo", "--out", out.to_str().unwrap(), "--agents", "8", "--seconds", "0.2", "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{said}");
+    let names: std::collections::BTreeSet<_> = std::fs::read_dir(&out)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    let video = if cfg!(feature = "video") { "crowd.mp4" } else { "crowd.y4m" };
+    // a machine that would take more than a minute for it makes none, and says so
+    let is_filmed = !said.contains("no video");
+    let promised = ["emotions.png", "eyes.png", "map.png", "overview.png", "trajectories.sqlite"];
+    let promised: Vec<_> = promised.into_iter().chain(is_filmed.then_some(video)).collect();
+    assert!(promised.iter().all(|name| names.contains(*name)) && names.len() == promised.len(), "{names:?}");
+    for name in names.iter().filter(|name| name.ends_with(".png")) {
+        let samples = samples(&out.join(name));
+        assert!(samples.iter().any(|sample| *sample != samples[0]), "{name} shows nothing");
+    }
+    #[cfg(feature = "video")]
+    if is_filmed {
+        let video = mp4::read_mp4(std::fs::File::open(out.join(video)).unwrap()).unwrap();
+        assert_eq!((video.duration().as_millis(), video.tracks()[&1].sample_count()), (4000, 60));
+    }
+}
