@@ -16,7 +16,7 @@ const STANDING = 0.3;
 // in the end.
 const PATIENCE = 0.1;
 const TRYING = 20.0;
-// A stage on a floor is not that of somebody this much higher or lower, m.
+// An agent this much higher or lower is not on the floor of a stage, m.
 const STEP = 0.6;
 // People in a line stand this near to their place, and are served from this near to the counter, m.
 const IN_LINE = 0.1;

@@ -1,7 +1,7 @@
 // uses: step, exact
-// Which floor somebody stands on: of those (bridges, ramps, storeys: convex pieces of planes) under a point the one whose
-// height is nearest to where it stood, if that is no more than a step up or down; else the ground, at 0. So whoever walks
-// under a bridge stays under it, and whoever walks up a ramp goes up.
+// The floor under an agent. Floors are bridges, ramps and storeys: convex pieces of planes. Of those under a point, the
+// agent stands on the one whose height is nearest to its own, if that is at most a step up or down. Otherwise it stands on
+// the ground, at 0. An agent under a bridge stays under it, and one on a ramp goes up.
 // Needs the bindings step and floors. Twin: reference::elevate.
 //   floors: [floor][9] height = x a + z b + c: (a, b, c, sheet of the flow grid); eight edges: inside if x n + z m + d >= 0: (n, m, d, 0)
 const FLOOR_STRIDE = 9u;
