@@ -14,7 +14,9 @@ use gaitway::gpu::{Device, Engine, Error, Validation, validation_messages};
 use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
-use gaitway::verify::cases::{animation, between, crossing, feelings, flow, gaits, hidden, journeys, step};
+use gaitway::verify::cases::{
+    self, animation, between, crossing, feelings, flow, gaits, hidden, journeys, step,
+};
 use gaitway::verify::{Comparison, compare_passes, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
@@ -92,76 +94,13 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
             "the device's arithmetic is not exact: run `gaitway verify`, which knows tolerances"
         );
         let mut seen = BTreeSet::from([KernelId::Numerics]);
-        for agents in [0, 1, 63, 64, 65, 1000] {
-            for seed in [1, 7] {
-                for model in order::MODELS.skip(1) {
-                    let mut store = step::crowd_with(model, agents, seed);
-                    for round in 0..3 {
-                        let passes = order::step_passes(&store.step);
-                        let found = compare_passes(device, &store, &passes).unwrap();
-                        assert_exact(
-                            &format!("{agents} agents, model {model}, seed {seed}, step {round}"),
-                            &found,
-                        );
-                        seen.extend(found.iter().map(|c| c.kernel));
-                        for pass in passes {
-                            gaitway::reference::run(pass.kernel, &mut store, pass.level);
-                        }
-                        store.step.step_index += 1;
-                    }
-                }
-                let mut store = step::crowd(agents, seed);
-                for round in 0..2 {
-                    let passes = order::step_passes(&store.step);
-                    let found = compare_passes(device, &store, &passes).unwrap();
-                    assert_exact(&format!("{agents} agents, seed {seed}, step {round}"), &found);
-                    seen.extend(found.iter().map(|c| c.kernel));
-                    for pass in passes {
-                        gaitway::reference::run(pass.kernel, &mut store, pass.level);
-                    }
-                    store.step.step_index += 1;
-                }
-                let mut store = journeys::journeys(agents, seed);
-                for round in 0..3 {
-                    let passes = order::step_passes(&store.step);
-                    let found = compare_passes(device, &store, &passes).unwrap();
-                    assert_exact(&format!("{agents} on journeys, seed {seed}, step {round}"), &found);
-                    seen.extend(found.iter().map(|c| c.kernel));
-                    for pass in passes {
-                        gaitway::reference::run(pass.kernel, &mut store, pass.level);
-                    }
-                    store.step.step_index += 1;
-                }
-                for seed in [seed, seed + 1] {
-                    let store = feelings::feelings(agents, seed);
-                    let found = compare_passes(device, &store, &order::step_passes(&store.step)).unwrap();
-                    assert_exact(&format!("feelings of {agents} agents, seed {seed}"), &found);
-                    seen.extend(found.iter().map(|c| c.kernel));
-                }
-                let store = animation::animation(agents, seed);
-                let found = compare_passes(device, &store, &order::frame_passes(&store.frame)).unwrap();
-                assert_exact(&format!("animation of {agents} agents, seed {seed}"), &found);
-                seen.extend(found.iter().map(|c| c.kernel));
-                for seed in seed..seed + 4 {
-                    let store = between::between(agents, seed);
-                    let found = compare_passes(device, &store, &between::passes(&store)).unwrap();
-                    assert_exact(&format!("between two moments of {agents} agents, seed {seed}"), &found);
-                    seen.extend(found.iter().map(|c| c.kernel));
-                }
-                for seed in seed..seed + 5 {
-                    let store = hidden::hidden(agents, seed);
-                    let found = compare_passes(device, &store, &hidden::passes(&store)).unwrap();
-                    assert_exact(&format!("who is hidden of {agents} agents, seed {seed}"), &found);
-                    seen.extend(found.iter().map(|c| c.kernel));
-                }
-                let store = flow::fields(agents, seed);
-                let found = compare_passes(device, &store, &flow::passes(&store)).unwrap();
-                assert_exact(&format!("ways over {agents} cells, seed {seed}"), &found);
-                seen.extend(found.iter().map(|c| c.kernel));
-                for seed in [seed, seed + 1] {
-                    let store = gaits::gaits(agents, seed);
-                    let found = compare_passes(device, &store, &gaits::passes(&store)).unwrap();
-                    assert_exact(&format!("features of {agents} gaits, seed {seed}"), &found);
+        // each draws several seeds from its own
+        for (agents, seed) in [(0, 1), (1, 7), (63, 1), (64, 7), (65, 1), (1000, 7)] {
+            for case in cases::all(agents, seed) {
+                let rounds = std::iter::successors(Some(case), |case| case.clone().next_step());
+                for (round, case) in rounds.take(3).enumerate() {
+                    let found = compare_passes(device, &case.store, &case.passes).unwrap();
+                    assert_exact(&format!("{}, round {round}", case.name), &found);
                     seen.extend(found.iter().map(|c| c.kernel));
                 }
             }

@@ -326,7 +326,8 @@ fn film(store: &mut Store, pictures: u32, user: impl Fn(u32) -> Vec3) -> Vec<(f3
 #[test]
 fn natural_gaze_moves_smoothly_never_faster_than_its_limit_and_arrives_without_overshoot() {
     let mut store = standing(Emotion::Angry, NATURAL, Vec3::ZERO);
-    let time = store.frame.frame_time;
+    let time = 1.0 / 72.0;
+    store.frame.frame_time = time;
     let angles =
         film(&mut store, 200, |picture| seen_from_neck(if picture < 10 { -60.0 } else { 60.0 }, 3.0, 1.63));
     assert!(angles[0].1 < -1.0, "a gaze nobody saw begin starts at its target");

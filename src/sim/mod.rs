@@ -56,7 +56,7 @@ pub(crate) const STATE: [BufferId; 11] = [
 
 /// What changes besides where feelings change.
 #[cfg(feature = "vulkan")]
-const FELT: [BufferId; 5] =
+pub(crate) const FELT: [BufferId; 5] =
     [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Look];
 
 const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");

@@ -127,43 +127,93 @@ fn compare_with(
     passes: &[Pass],
     tamper: impl Fn(&mut Store, &[BufferId]),
 ) -> Result<Vec<Comparison>, Error> {
-    let mut cpu = store.clone();
     let mut engine = Engine::new(device, store, &kernels_of(passes))?;
-    // the kernel that counts the groups need not be among these
-    engine.add_buffers(store, &arguments_of(passes))?;
     let mut found: Vec<Comparison> = Vec::new();
-    for group in passes.chunk_by(|a, b| a.kernel == b.kernel) {
-        let Some(pass) = group.first() else { continue };
-        let kernel = pass.kernel.kernel();
-        let all: Vec<_> = kernel.bindings.iter().map(|b| b.buffer).collect();
-        let writes: Vec<_> =
-            kernel.bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer).collect();
-        engine.upload(&cpu, &all)?;
-        engine.upload(&cpu, &arguments_of(group))?;
-        let ops: Vec<_> = group.iter().copied().map(Op::Pass).collect();
-        engine.run(&ops, |_, _| Vec::new(), false)?;
-        let mut gpu = cpu.clone();
-        engine.download(&mut gpu, &writes)?;
-        tamper(&mut gpu, &writes);
-        for pass in group {
-            reference::run(pass.kernel, &mut cpu, pass.level);
-        }
-        if !found.iter().any(|c| c.kernel == pass.kernel) {
-            found.push(Comparison {
-                kernel: pass.kernel,
-                compared: 0,
-                exact: 0,
-                max_error: 0.0,
-                first: None,
-            });
-        }
-        if let Some(comparison) = found.iter_mut().find(|c| c.kernel == pass.kernel) {
-            for buffer in writes.into_iter().filter(|buffer| !SCRATCH.contains(&buffer.name())) {
-                compare(comparison, buffer, cpu.bytes(buffer), gpu.bytes(buffer));
-            }
+    for expected in Expected::of(store, passes) {
+        let new = expected.compare(&mut engine, &tamper)?;
+        match found.iter_mut().find(|old| old.kernel == new.kernel) {
+            Some(old) => old.merge(new),
+            None => found.push(new),
         }
     }
     Ok(found)
+}
+
+/// Consecutive passes of one kernel, what they are given, and what the CPU makes of it.
+#[derive(Debug, Clone)]
+pub struct Expected {
+    /// The kernel.
+    pub kernel: KernelId,
+    passes: Vec<Pass>,
+    before: Store,
+    after: Store,
+}
+
+impl Expected {
+    /// Runs passes on the CPU, from one kernel to the next.
+    pub fn of(store: &Store, passes: &[Pass]) -> impl Iterator<Item = Self> {
+        let mut after = store.clone();
+        passes.chunk_by(|a, b| a.kernel == b.kernel).filter_map(move |group| {
+            let kernel = group.first()?.kernel;
+            let before = after.clone();
+            for pass in group {
+                reference::run(pass.kernel, &mut after, pass.level);
+            }
+            Some(Self { kernel, passes: group.to_vec(), before, after: after.clone() })
+        })
+    }
+
+    /// An engine for the kernel alone.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn engine(&self, device: &Arc<Device>) -> Result<Engine, Error> {
+        Engine::new(device, &self.before, &[self.kernel])
+    }
+
+    /// Runs the passes on an engine that has the kernel, and compares every buffer that they write. `tamper` may change what
+    /// the device gave back.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn compare(
+        &self,
+        engine: &mut Engine,
+        tamper: impl Fn(&mut Store, &[BufferId]),
+    ) -> Result<Comparison, Error> {
+        let bindings = self.kernel.kernel().bindings;
+        let all: Vec<_> = bindings.iter().map(|b| b.buffer).collect();
+        let written = bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer);
+        let writes: Vec<_> = written.collect();
+        // the kernel that counts the groups need not be among the engine's
+        engine.add_buffers(&self.before, &arguments_of(&self.passes))?;
+        engine.replace(&self.before, &all)?;
+        let ops: Vec<_> = self.passes.iter().copied().map(Op::Pass).collect();
+        engine.run(&ops, |_, _| Vec::new(), false)?;
+        let mut got = self.before.clone();
+        engine.download(&mut got, &writes)?;
+        tamper(&mut got, &writes);
+        let mut comparison = Comparison::none(self.kernel);
+        for buffer in writes.into_iter().filter(|buffer| !SCRATCH.contains(&buffer.name())) {
+            compare(&mut comparison, buffer, self.after.bytes(buffer), got.bytes(buffer));
+        }
+        Ok(comparison)
+    }
+}
+
+impl Comparison {
+    /// Nothing compared yet.
+    const fn none(kernel: KernelId) -> Self {
+        Self { kernel, compared: 0, exact: 0, max_error: 0.0, first: None }
+    }
+
+    /// Adds another comparison of the same kernel.
+    pub(super) fn merge(&mut self, new: Self) {
+        self.compared += new.compared;
+        self.exact += new.exact;
+        self.max_error = self.max_error.max(new.max_error);
+        self.first = self.first.take().or(new.first);
+    }
 }
 
 /// Adds the comparison of one buffer.

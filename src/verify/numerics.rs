@@ -1,13 +1,14 @@
 //! Whether a device's arithmetic is exact: found out at start-up, because it decides what agreement to expect.
 
+use super::cases::Case;
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Error};
-use crate::kernels::{BufferId, Extent, KernelId, Pass, Store};
+use crate::kernels::{BufferId, KernelId};
 use crate::sim::measure::Hash;
 use std::sync::Arc;
 
 /// Cases that the probe tries.
-pub const CASES: u32 = 65_536;
+pub const CASES: u32 = super::cases::PROBED;
 
 /// What the probe computes for each case, in the order of `numerics.wgsl`.
 const RESULTS: [[Probed; 4]; 4] = [
@@ -82,11 +83,10 @@ fn ulps(a: f32, b: f32) -> u32 {
 /// # Errors
 /// When the device fails.
 pub fn numerics(device: &Arc<Device>) -> Result<Numerics, Error> {
-    let mut want = Store { numerics_in: crate::reference::probe_cases(CASES), ..Store::default() };
-    want.numerics_out = vec![[0.0; 4]; want.numerics_in.len() * 4];
+    let Case { store: mut want, passes, .. } = super::cases::probe();
     let mut engine = Engine::new(device, &want, &[KernelId::Numerics])?;
-    let pass = Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(CASES) };
-    engine.run(&[Op::Pass(pass)], |_, _| Vec::new(), false)?;
+    let ops: Vec<Op> = passes.into_iter().map(Op::Pass).collect();
+    engine.run(&ops, |_, _| Vec::new(), false)?;
     let mut got = want.clone();
     engine.download(&mut got, &[BufferId::NumericsOut])?;
     crate::reference::run(KernelId::Numerics, &mut want, 0);
@@ -146,8 +146,7 @@ mod tests {
     use super::*;
 
     fn results() -> Vec<[f32; 4]> {
-        let mut store = Store { numerics_in: crate::reference::probe_cases(CASES), ..Store::default() };
-        store.numerics_out = vec![[0.0; 4]; store.numerics_in.len() * 4];
+        let mut store = crate::verify::cases::probe().store;
         crate::reference::run(KernelId::Numerics, &mut store, 0);
         store.numerics_out
     }

@@ -1,10 +1,10 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
-use super::cases::{animation, between, feelings, flow, gaits, hidden, journeys, step};
+use super::cases::{self, Case};
 use super::{CASES, Comparison, Numerics, compare_passes, numerics};
 use crate::gpu::Device;
-use crate::kernels::{KernelId, Pass, Store};
-use crate::sim::{Backend, STATE, Simulation, measure::state_hash, order};
+use crate::kernels::{KernelId, Store};
+use crate::sim::{Backend, FELT, STATE, Simulation, measure::state_hash, order};
 use serde::Serialize;
 use std::sync::Arc;
 use std::time::Instant;
@@ -203,7 +203,7 @@ pub fn verify(
     let mut found = vec![numerics_row(&arithmetic)];
     for (number, &size) in options.sizes.iter().enumerate() {
         let is_wanted = |case: &Case| !case.passes.iter().any(|pass| options.without.contains(&pass.kernel));
-        for case in cases(size, options.seed).into_iter().filter(is_wanted) {
+        for case in cases::all(size, options.seed).into_iter().filter(is_wanted) {
             #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
             progress(&format!("kernels, {size} agents"), 0.5 * number as f64 / options.sizes.len() as f64);
             let compared = compare_passes(device, &case.store, &case.passes)?;
@@ -239,74 +239,6 @@ pub fn verify(
     })
 }
 
-struct Case {
-    name: String,
-    store: Store,
-    passes: Vec<Pass>,
-}
-
-/// Inputs of one size: a step, and pictures of every kind (seeds differ in kind, see [`animation::animation`]).
-fn cases(size: usize, seed: u32) -> Vec<Case> {
-    let few = size > 1_000;
-    let mut cases = Vec::new();
-    for number in 0..if few { 1 } else { 3 } {
-        let seed = seed.wrapping_mul(8).wrapping_add(number);
-        let store = step::crowd(size, seed);
-        let passes = order::step_passes(&store.step);
-        for model in order::MODELS.skip(1).take(if number == 0 { usize::MAX } else { 0 }) {
-            let store = step::crowd_with(model, size, seed);
-            let name = format!("step of model {model}, {size} agents, seed {seed}");
-            let passes = order::step_passes(&store.step);
-            cases.push(Case { name, store, passes });
-        }
-        cases.push(Case { name: format!("step, {size} agents, seed {seed}"), store, passes });
-        let store = journeys::journeys(size, seed);
-        let passes = order::step_passes(&store.step);
-        cases.push(Case { name: format!("journeys, {size} agents, seed {seed}"), store, passes });
-    }
-    for number in 0..if few { 1 } else { 8 } {
-        // the large case is of the tight kind, whose buffers are small
-        let seed = seed.wrapping_mul(8).wrapping_add(if few { 1 } else { number });
-        let store = animation::animation(size, seed);
-        let passes = animation::passes(&store);
-        cases.push(Case { name: format!("picture, {size} agents, seed {seed}"), store, passes });
-    }
-    for number in 0..if few { 1 } else { 5 } {
-        let seed = seed.wrapping_mul(8).wrapping_add(number);
-        let store = hidden::hidden(size, seed);
-        let passes = hidden::passes(&store);
-        cases.push(Case { name: format!("who is hidden of {size} agents, seed {seed}"), store, passes });
-    }
-    for number in 0..if few { 1 } else { 2 } {
-        let seed = seed.wrapping_mul(8).wrapping_add(number);
-        let store = flow::fields(size, seed);
-        let passes = flow::passes(&store);
-        cases.push(Case { name: format!("ways over {size} cells, seed {seed}"), store, passes });
-    }
-    for number in 0..if few { 1 } else { 3 } {
-        let seed = seed.wrapping_mul(3).wrapping_add(if few { 1 } else { number });
-        let store = feelings::feelings(size, seed);
-        let passes = order::step_passes(&store.step);
-        cases.push(Case { name: format!("feelings, {size} agents, seed {seed}"), store, passes });
-    }
-    for number in 0..if few { 1 } else { 4 } {
-        let store = between::between(size, seed.wrapping_mul(4).wrapping_add(number));
-        let passes = between::passes(&store);
-        cases.push(Case {
-            name: format!("between two moments, {size} agents, kind {number}"),
-            store,
-            passes,
-        });
-    }
-    // the large case is of the kind in which every gait is usable
-    for seed in if few { 0..1 } else { 0..2 } {
-        let store = gaits::gaits(size, seed);
-        let passes = gaits::passes(&store);
-        cases.push(Case { name: format!("features of {size} gaits, seed {seed}"), store, passes });
-    }
-    cases
-}
-
 fn numerics_row(numerics: &Numerics) -> Comparison {
     let compared = CASES as usize * 16;
     #[allow(clippy::cast_precision_loss, reason = "units in the last place, for people")]
@@ -325,12 +257,7 @@ fn merge(found: &mut Vec<Comparison>, case: Vec<Comparison>, name: &str) {
     for mut new in case {
         new.first = new.first.map(|first| format!("{name}: {first}"));
         match found.iter_mut().find(|old| old.kernel == new.kernel) {
-            Some(old) => {
-                old.compared += new.compared;
-                old.exact += new.exact;
-                old.max_error = old.max_error.max(new.max_error);
-                old.first = old.first.take().or(new.first);
-            }
+            Some(old) => old.merge(new),
             None => found.push(new),
         }
     }
@@ -352,44 +279,85 @@ fn row(comparison: Comparison, is_exact: bool) -> KernelRow {
     }
 }
 
-/// Steps the same crowd on both sides and compares whole states.
+/// Steps the same crowd on both sides and compares whole states: with every model of avoidance for its share of the steps.
 fn trajectory(
     device: &Arc<Device>,
     options: &Options,
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<CrowdRow, crate::Error> {
-    let store = step::crowd(options.crowd_agents, options.seed);
     let index = device.info().index.to_string();
-    let mut gpu = Simulation::from_store(store.clone(), Backend::Vulkan, Some(&index))?;
-    let mut cpu = Simulation::from_store(store, Backend::Cpu, None)?;
+    let mut walk = Walk::new(options);
     let mut differs_by_step = None;
-    while cpu.steps_done() < options.crowd_steps && differs_by_step.is_none() {
-        let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
-        progress(
-            &format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()),
-            0.5 + 0.5 * done,
-        );
-        let count = STRIDE.min(options.crowd_steps - cpu.steps_done());
-        gpu.step(count)?;
-        cpu.step(count)?;
-        if !same_state(cpu.state()?, gpu.state()?) {
-            differs_by_step = Some(cpu.steps_done());
+    for model in order::MODELS {
+        let start = walk.start(model);
+        let mut gpu = Simulation::from_store(start.clone(), Backend::Vulkan, Some(&index))?;
+        let mut cpu = Simulation::from_store(start, Backend::Cpu, None)?;
+        while let Some(count) = walk.stride(differs_by_step, progress) {
+            gpu.step(count)?;
+            cpu.step(count)?;
+            walk.done += count;
+            if !same_state(cpu.state()?, gpu.state()?) {
+                differs_by_step = Some(walk.done);
+            }
         }
+        walk.store = cpu.state()?.clone();
     }
     Ok(CrowdRow {
-        agents: options.crowd_agents,
-        steps: cpu.steps_done(),
         exact: differs_by_step.is_none(),
         method: "trajectory",
         differs_by_step,
-        state_hash: format!("{:016x}", state_hash(cpu.state()?)),
         pass: differs_by_step.is_none(),
+        ..walk.row()
     })
+}
+
+/// How far the crowd of a verification has come.
+struct Walk<'a> {
+    options: &'a Options,
+    store: Store,
+    /// Steps done, and of those to be done with the present model.
+    done: u32,
+    until: u32,
+}
+
+impl<'a> Walk<'a> {
+    fn new(options: &'a Options) -> Self {
+        Self { options, store: cases::everything(options.crowd_agents, options.seed), done: 0, until: 0 }
+    }
+
+    /// Goes on with a model of avoidance, and says from where.
+    fn start(&mut self, model: u32) -> Store {
+        self.store.step.model = model;
+        self.until = self.options.crowd_steps * (model + 1) / order::MODELS.end;
+        self.store.clone()
+    }
+
+    /// Steps to the next comparison, if there is one with this model and nothing has differed yet.
+    fn stride(&self, differs: Option<u32>, progress: &mut dyn FnMut(&str, f64)) -> Option<u32> {
+        let Options { crowd_agents, crowd_steps, .. } = self.options;
+        let share = f64::from(self.done) / f64::from((*crowd_steps).max(1));
+        progress(&format!("crowd of {crowd_agents} agents, step {}", self.done), 0.5 + 0.5 * share);
+        let count = STRIDE.min(self.until.saturating_sub(self.done));
+        (count > 0 && differs.is_none()).then_some(count)
+    }
+
+    /// What is to be said of it, whether all is well apart.
+    fn row(&self) -> CrowdRow {
+        CrowdRow {
+            agents: self.options.crowd_agents,
+            steps: self.done,
+            exact: false,
+            method: "",
+            differs_by_step: None,
+            state_hash: format!("{:016x}", state_hash(&self.store)),
+            pass: false,
+        }
+    }
 }
 
 /// Whether everything that a step carries on has equal bits.
 fn same_state(cpu: &Store, gpu: &Store) -> bool {
-    STATE.into_iter().all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
+    STATE.into_iter().chain(FELT).all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
 }
 
 /// Compares single steps from states along the CPU's trajectory: rounding differs, so trajectories part.
@@ -399,31 +367,22 @@ fn single_steps(
     found: &mut Vec<Comparison>,
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<CrowdRow, crate::Error> {
-    let mut cpu =
-        Simulation::from_store(step::crowd(options.crowd_agents, options.seed), Backend::Cpu, None)?;
+    let mut walk = Walk::new(options);
     let mut crowd: Vec<Comparison> = Vec::new();
-    while cpu.steps_done() < options.crowd_steps {
-        let done = f64::from(cpu.steps_done()) / f64::from(options.crowd_steps.max(1));
-        progress(
-            &format!("crowd of {} agents, step {}", options.crowd_agents, cpu.steps_done()),
-            0.5 + 0.5 * done,
-        );
-        let state = cpu.state()?;
-        let compared = compare_passes(device, state, &order::step_passes(&state.step))?;
-        merge(&mut crowd, compared, &format!("crowd, step {}", cpu.steps_done()));
-        cpu.step(STRIDE.min(options.crowd_steps - cpu.steps_done()))?;
+    for model in order::MODELS {
+        let mut cpu = Simulation::from_store(walk.start(model), Backend::Cpu, None)?;
+        while let Some(count) = walk.stride(None, progress) {
+            let state = cpu.state()?;
+            let compared = compare_passes(device, state, &order::step_passes(&state.step))?;
+            merge(&mut crowd, compared, &format!("crowd, step {}", walk.done));
+            cpu.step(count)?;
+            walk.done += count;
+        }
+        walk.store = cpu.state()?.clone();
     }
     let pass = crowd.iter().all(|comparison| row(comparison.clone(), false).pass);
     merge(found, crowd, "single steps");
-    Ok(CrowdRow {
-        agents: options.crowd_agents,
-        steps: cpu.steps_done(),
-        exact: false,
-        method: "single steps",
-        differs_by_step: None,
-        state_hash: format!("{:016x}", state_hash(cpu.state()?)),
-        pass,
-    })
+    Ok(CrowdRow { method: "single steps", pass, ..walk.row() })
 }
 
 #[cfg(test)]
@@ -457,7 +416,7 @@ mod tests {
     #[test]
     fn the_cases_of_a_size_reach_every_kernel_but_the_probe() {
         let reached: Vec<KernelId> =
-            cases(65, 1).iter().flat_map(|case| case.passes.iter().map(|pass| pass.kernel)).collect();
+            cases::all(65, 1).iter().flat_map(|case| case.passes.iter().map(|pass| pass.kernel)).collect();
         for kernel in KernelId::ALL.into_iter().filter(|id| *id != KernelId::Numerics) {
             assert!(reached.contains(&kernel), "{}", kernel.kernel().name);
         }

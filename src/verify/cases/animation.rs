@@ -239,7 +239,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             near_capacity: near_capacity as u32,
             frame_index: FRAME_INDEX,
             gaze_mode: seed >> 1 & 1,
-            frame_time: 1.0 / 72.0,
+            frame_time: 1.0 / dice.between(24.0, 144.0),
             agent_height: 1.95,
             agent_radius: 0.6,
             clip_count: (AVATARS * CLIPS) as u32,

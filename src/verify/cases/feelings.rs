@@ -12,12 +12,19 @@ const EVENTS: usize = 5;
 /// at the very place of an event; seeds differ in how far feelings reach. Led agents follow paths of every length.
 pub fn feelings(agents: usize, seed: u32) -> Store {
     let mut store = super::step::crowd(agents, seed);
+    store.step.step_index = 100;
+    add_feelings(&mut store, agents, seed);
+    store
+}
+
+/// Gives a crowd feelings, and paths to those who are led.
+pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
     let unit = |i: usize, lane: u32| {
         unit_f32(hash_u32(
             hash_u32(seed ^ 0x0fee_1000 ^ (i as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane),
         ))
     };
-    store.step.step_index = 100;
+    let now = store.step.step_index as f32;
     store.step.feels = 1;
     let radius = [0.0, 3.0, 8.0][seed as usize % 3];
     store.mood = MoodUniforms { radius, contagion: 0.8, decay: 0.1, event_count: EVENTS as u32 };
@@ -51,7 +58,7 @@ pub fn feelings(agents: usize, seed: u32) -> Store {
         store.gaits.push([0; 4]);
         if store.manners[i][3] >= LED {
             let (first, count) = (store.keyframes.len() as u32, [3, 0, 1, 4][i / 64 % 4]);
-            let start = 100.0 * store.step.time_step - 2.0 * unit(i, 20);
+            let start = now * store.step.time_step - 2.0 * unit(i, 20);
             for k in 0..count {
                 let at = |lane: u32| 8.0 * unit(i, lane + 2 * k);
                 store.keyframes.push([start + k as f32, at(21), at(22), 0.0]);
@@ -61,11 +68,11 @@ pub fn feelings(agents: usize, seed: u32) -> Store {
     }
     store.step.path_count = store.paths.len() as u32;
     let at = if agents > 0 && store.position[0][0] < 1e6 { store.position[0] } else { [1.0, 1.0] };
-    let times = [[90.0, 110.0], [100.0, 101.0], [90.0, 100.0], [101.0, 120.0], [0.0, 1000.0]];
+    let times = [[-10.0, 10.0], [0.0, 1.0], [-10.0, 0.0], [1.0, 20.0], [-100.0, 900.0]];
     for (i, [first, end]) in times.into_iter().enumerate() {
         let place = if i == 0 { at } else { [5.0 * unit(i, 40), 5.0 * unit(i, 41)] };
         store.stimuli.push([place[0], place[1], 4.0 + i as f32, 1.0 - 0.2 * i as f32]);
-        store.stimuli.push([[1.0, 0.0, 2.0, 1.0, 3.0][i], first, end, 0.0]);
+        store.stimuli.push([[1.0, 0.0, 2.0, 1.0, 3.0][i], now + first, now + end, 0.0]);
     }
     // those whose row has no turn keep what they heard before
     store.heard = (0..agents).map(|i| [50, 51, 52, 53].map(|lane| unit(i, lane))).collect();
@@ -77,5 +84,4 @@ pub fn feelings(agents: usize, seed: u32) -> Store {
         store.look.push([0; 4]);
         store.gait_weights.push([f32::NAN; 4]);
     }
-    store
 }

@@ -70,7 +70,7 @@ fn stages(store: &mut Store, side: f32, seed: u32) {
         let wait = (u(5) * 8.0).floor();
         let until = if u(6) < 0.5 { 0.0 } else { store.step.step_index as f32 - 1.0 + (u(7) * 3.0).floor() };
         let parts: [[f32; 4]; STAGE_STRIDE] = [
-            [u(0) * side, u(1) * side, 1.0, kind],
+            [u(0) * side, u(1) * side, 0.3 + 2.0 * u(11), kind],
             [long * turn, long * (1.0 - turn), wide * (turn - 1.0), wide * turn],
             [-1.0, wait, until.max(0.0), stage as f32],
             // some on a floor, and those on another storey do not come to them

@@ -16,9 +16,171 @@ pub mod hidden;
 pub mod journeys;
 pub mod step;
 
+use crate::kernels::{Extent, KernelId, Pass, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::sim::order;
+
+/// Inputs, and what is run on them.
+#[derive(Debug, Clone)]
+pub struct Case {
+    /// What it is, with its size and seed.
+    pub name: String,
+    /// The buffers.
+    pub store: Store,
+    /// The launches, in order.
+    pub passes: Vec<Pass>,
+}
+
+impl Case {
+    fn step(what: &str, size: usize, seed: u32, store: Store) -> Self {
+        let passes = order::step_passes(&store.step);
+        Self { name: format!("{what}, {size} agents, seed {seed}"), store, passes }
+    }
+
+    fn new(what: &str, size: usize, seed: u32, store: Store, passes: fn(&Store) -> Vec<Pass>) -> Self {
+        let passes = passes(&store);
+        Self { name: format!("{what}, size {size}, seed {seed}"), store, passes }
+    }
+
+    /// The step after this one, on the CPU; none for a case that is no step.
+    #[must_use]
+    pub fn next_step(mut self) -> Option<Self> {
+        if self.store.step.cell_count == 0 {
+            return None;
+        }
+        for pass in &self.passes {
+            crate::reference::run(pass.kernel, &mut self.store, pass.level);
+        }
+        self.store.step.step_index += 1;
+        self.passes = order::step_passes(&self.store.step);
+        Some(self)
+    }
+}
+
+/// All cases of a size: steps, pictures and what else there is, of every kind (seeds differ in kind). Above a thousand
+/// agents there is one of each.
+pub fn all(size: usize, seed: u32) -> Vec<Case> {
+    let few = size > 1_000;
+    let numbers = |count: u32| 0..if few { 1 } else { count };
+    let mut cases = Vec::new();
+    for number in numbers(3) {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        for model in order::MODELS.take(if number == 0 { usize::MAX } else { 1 }) {
+            let store = step::crowd_with(model, size, seed);
+            cases.push(Case::step(&format!("step of model {model}"), size, seed, store));
+        }
+        cases.push(Case::step("journeys", size, seed, journeys::journeys(size, seed)));
+    }
+    for number in numbers(8) {
+        // the large case is of the tight kind, whose buffers are small
+        let seed = seed.wrapping_mul(8).wrapping_add(if few { 1 } else { number });
+        cases.push(Case::new("picture", size, seed, animation::animation(size, seed), animation::passes));
+    }
+    for number in numbers(5) {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        cases.push(Case::new("who is hidden", size, seed, hidden::hidden(size, seed), hidden::passes));
+    }
+    for number in numbers(2) {
+        let seed = seed.wrapping_mul(8).wrapping_add(number);
+        cases.push(Case::new("ways", size, seed, flow::fields(size, seed), flow::passes));
+    }
+    for number in numbers(3) {
+        let seed = seed.wrapping_mul(3).wrapping_add(if few { 1 } else { number });
+        cases.push(Case::step("feelings", size, seed, feelings::feelings(size, seed)));
+    }
+    for number in numbers(4) {
+        let seed = seed.wrapping_mul(4).wrapping_add(number);
+        cases.push(Case::new("two moments", size, seed, between::between(size, seed), between::passes));
+    }
+    // the large case is of the kind in which every gait is usable
+    for seed in numbers(2) {
+        cases.push(Case::new("features of gaits", size, seed, gaits::gaits(size, seed), gaits::passes));
+    }
+    cases
+}
+
+/// A crowd that has everything at once: journeys, groups, walls, floors, ways, sources, queues, people who are led, feelings,
+/// and a crowd ahead that slows people down.
+pub fn everything(agents: usize, seed: u32) -> Store {
+    let mut store = journeys::journeys(agents, seed);
+    store.step.crowding = 0.3 + 0.7 * unit(seed ^ 0x57e9_0000, 1, 0);
+    feelings::add_feelings(&mut store, agents, seed);
+    store
+}
 
 /// Random numbers of a case: number `lane` of item `index`, in [0, 1).
 fn unit(seed: u32, index: usize, lane: u32) -> f32 {
     unit_f32(hash_u32(hash_u32(seed ^ (index as u32).wrapping_mul(0x9e37_79b9)).wrapping_add(lane)))
+}
+
+/// A step of that crowd.
+pub fn crowd(agents: usize, seed: u32, model: u32) -> Case {
+    let mut store = everything(agents, seed);
+    store.step.model = model;
+    Case::step(&format!("crowd of model {model}"), agents, seed, store)
+}
+
+/// Cases that the probe of a device's arithmetic tries.
+pub const PROBED: u32 = 65_536;
+
+/// That probe.
+pub fn probe() -> Case {
+    let mut store = Store { numerics_in: crate::reference::probe_cases(PROBED), ..Store::default() };
+    store.numerics_out = vec![[0.0; 4]; store.numerics_in.len() * 4];
+    let passes = vec![Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(PROBED) }];
+    Case { name: "arithmetic".to_owned(), store, passes }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn seeds_draw_steps_frames_joined_sides_and_radii() {
+        let crowds: Vec<Store> = (8..16).map(|seed| journeys::journeys(65, seed)).collect();
+        let different = |of: &dyn Fn(&Store) -> f32| {
+            crowds.iter().map(|store| of(store).to_bits()).collect::<BTreeSet<_>>().len()
+        };
+        assert_eq!(different(&|store| store.step.time_step), 8);
+        assert_eq!(different(&|store| store.step.grid_origin[0]), 8);
+        assert_eq!(different(&|store| store.step.user_radius), 8);
+        assert_eq!(different(&|store| store.step.wrap), 5, "half of them have none");
+        assert_eq!(different(&|store| store.body[40][0]), 8);
+        assert_eq!(different(&|store| store.stages[0][2]), 8, "a waypoint's radius");
+        let frames: BTreeSet<_> =
+            (8..16).map(|seed| animation::animation(1, seed).frame.frame_time.to_bits()).collect();
+        assert_eq!(frames.len(), 8);
+    }
+
+    #[test]
+    fn the_crowd_of_the_trajectory_has_everything() {
+        let mut store = everything(2_000, 1);
+        assert!(store.step.crowding > 0.0 && store.step.patience > 0.0);
+        let passes = order::step_passes(&store.step);
+        let reached: BTreeSet<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+        let wanted = [
+            KernelId::FollowPaths,
+            KernelId::LeadAgents,
+            KernelId::Teleport,
+            KernelId::Journey,
+            KernelId::Queue,
+            KernelId::Hear,
+            KernelId::Feel,
+            KernelId::Express,
+            KernelId::Enter,
+            KernelId::Accompany,
+            KernelId::Persevere,
+            KernelId::Contain,
+            KernelId::Elevate,
+        ];
+        assert!(wanted.iter().all(|kernel| reached.contains(kernel)), "{reached:?}");
+        let (before, waiting) = (store.feeling.clone(), store.waiting.clone());
+        for pass in &passes {
+            crate::reference::run(pass.kernel, &mut store, pass.level);
+        }
+        assert!(store.feeling != before && store.waiting != waiting);
+        assert!(store.companions.iter().any(|others| others[0] != crate::reference::shared::NOBODY));
+        assert!(store.route.iter().any(|route| route[2] > 0) && store.sources.iter().any(|word| *word > 0));
+    }
 }

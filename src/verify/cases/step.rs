@@ -17,44 +17,7 @@ use crate::sim::setup::{join, manners};
 /// concave corners, the user, and NaN in all spare capacity.
 pub fn crowd(agents: usize, seed: u32) -> Store {
     let side = (agents as f32).sqrt().max(4.0);
-    let cell_size = 1.1;
-    let cells = (side / cell_size).ceil() as u32 + 1;
-    let mut store = Store {
-        step: StepUniforms {
-            agent_count: agents as u32,
-            step_index: seed,
-            seed,
-            cell_count: cells * cells,
-            grid_columns: cells,
-            grid_rows: cells,
-            cell_size,
-            inverse_cell_size: 1.0 / cell_size,
-            time_step: 1.0 / 30.0,
-            inverse_time_step: 30.0,
-            inverse_time_horizon_obstacles: 1.0,
-            time_horizon_obstacles: 1.0,
-            inverse_time_horizon_dense: 1.0,
-            inverse_time_horizon_jam: 1.0 / 0.15,
-            safety_margin: 0.01,
-            user_position: [side * 0.5, side * 0.5],
-            user_velocity: [0.5, 0.0],
-            user_radius: 0.3,
-            user_elevation: if seed & 2 == 2 { 3.4 } else { 0.4 },
-            turn_rate: 4.0,
-            perturbation: 1e-4,
-            walk_speed: 0.1,
-            blend_rate: 3.0,
-            responsibility: 0.5,
-            crowding: if (agents as u32 ^ seed) & 2 == 2 { 0.8 } else { 0.0 },
-            crowding_reach: 2.5,
-            collision_weight: 1.0,
-            max_acceleration: 10.0,
-            patience: 0.5,
-            storey_height: if (agents as u32 ^ seed) & 1 == 1 { 2.0 } else { 0.0 },
-            ..StepUniforms::default()
-        },
-        ..Store::default()
-    };
+    let mut store = Store { step: uniforms(agents as u32, side, seed), ..Store::default() };
     agent_arrays(&mut store, agents, side, seed);
     let half = 0.5 * side;
     store.teleports =
@@ -68,6 +31,53 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
         ways(&mut store);
     }
     store
+}
+
+/// Parameters of a step, all drawn from the seed: the length of the step and of its horizons, whether opposite sides are
+/// joined, where the grid begins.
+fn uniforms(agent_count: u32, side: f32, seed: u32) -> StepUniforms {
+    let within = |lane: u32, low: f32, high: f32| low + (high - low) * unit(seed ^ 0x57e9_0000, 0, lane);
+    let when = |bit: u32, value: f32| if bit & 1 == 1 { value } else { 0.0 };
+    let cell_size = within(0, 0.9, 1.4);
+    let cells = (side / cell_size).ceil() as u32 + 2;
+    let time_step = 1.0 / within(1, 15.0, 120.0);
+    let time_horizon_obstacles = within(2, 0.5, 1.5);
+    StepUniforms {
+        agent_count,
+        step_index: seed % 1000,
+        seed,
+        cell_count: cells * cells,
+        grid_columns: cells,
+        grid_rows: cells,
+        grid_origin: [-within(3, 0.0, 1.0), -within(4, 0.0, 1.0)],
+        cell_size,
+        inverse_cell_size: 1.0 / cell_size,
+        time_step,
+        inverse_time_step: 1.0 / time_step,
+        inverse_time_horizon_obstacles: 1.0 / time_horizon_obstacles,
+        time_horizon_obstacles,
+        inverse_time_horizon_dense: 1.0 / within(5, 0.8, 1.2),
+        inverse_time_horizon_jam: 1.0 / within(6, 0.1, 0.3),
+        safety_margin: within(7, 0.0, 0.03),
+        user_position: [side * 0.5, side * 0.5],
+        user_velocity: [within(8, -1.5, 1.5), within(9, -1.5, 1.5)],
+        user_radius: within(10, 0.2, 0.5),
+        user_elevation: if seed & 2 == 2 { 3.4 } else { 0.4 },
+        turn_rate: within(11, 2.0, 6.0),
+        perturbation: within(12, 1e-4, 1e-2),
+        walk_speed: within(13, 0.05, 0.5),
+        blend_rate: within(14, 1.0, 5.0),
+        responsibility: within(15, 0.4, 1.0),
+        crowding: when((agent_count ^ seed) >> 1, within(16, 0.3, 1.0)),
+        crowding_reach: within(17, 1.5, 3.5),
+        collision_weight: within(18, 0.5, 2.0),
+        max_acceleration: within(19, 5.0, 15.0),
+        patience: within(20, 0.3, 1.0),
+        storey_height: when(agent_count ^ seed, 2.0),
+        // some stand beyond it, on either side
+        wrap: when((agent_count >> 1) ^ seed, side * within(21, 0.85, 0.95)),
+        ..StepUniforms::default()
+    }
 }
 
 /// Fields to some of the stages, round the solids.
@@ -134,7 +144,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.position.push(position);
         store.velocity.push(velocity);
         let preferred_speed = 0.6 + u(6);
-        store.body.push([0.2 + 0.1 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
+        store.body.push([0.12 + 0.3 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
         // led from outside: there, leaving, appearing, standing; and some who stay absent
         let is_led = i % 128 == 7 || i % 64 == 38;
@@ -154,7 +164,11 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.route.push([(i as u32 % 5) * 3, 3 | loops, i as u32 % 4, 0]);
     }
     for w in 0..15 {
-        store.stages.extend(waypoint(unit(seed, w, 12) * side, unit(seed, w, 13) * side, 1.0));
+        store.stages.extend(waypoint(
+            unit(seed, w, 12) * side,
+            unit(seed, w, 13) * side,
+            0.3 + 2.0 * unit(seed, w, 14),
+        ));
     }
     for _ in 0..3 {
         store.position.push([f32::NAN; 2]);
