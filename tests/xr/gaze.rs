@@ -1,6 +1,6 @@
 //! Whose head follows the user's: measured on the joints of those who are drawn, and kept as pictures.
 
-use super::service::{Live, Service, is_there};
+use super::service::{Live, Service, is_there, until};
 use super::{after, folder};
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -19,6 +19,9 @@ budget = "all"
 position = [0.0, 0.0]
 heading_deg = 180.0
 "#;
+
+/// Degrees between the face of the happy and the user's eyes: the chin is up.
+const EYES_OF_THE_HAPPY: std::ops::Range<f32> = 4.0..7.0;
 
 /// One person in one picture.
 #[derive(Debug, Clone, Copy)]
@@ -75,10 +78,19 @@ fn happy_and_angry_heads_follow_the_user_and_sad_ones_do_not() {
     live.hear("the headset shows the crowd");
     for x in [-1.2_f32, 1.2] {
         head.set(0.0, 0.0, [x, 1.6, 0.0]);
-        // heads turn within a second or two of pictures, which have a tenth of a second each at most
-        after(&folder, 15);
-        // the user faces -z, so the room's x is the world's
-        found.push(looks(&folder, [x, 0.0]));
+        // frames that were begun before show the user as they were
+        after(&folder, 4);
+        // heads take a second or two of pictures to turn, however long a busy machine takes for these
+        found.push(until(|| {
+            // the user faces -z, so the room's x is the world's
+            let seen = looks(&folder, [x, 0.0]);
+            let is_there = |(emotion, look): &(String, Look)| match emotion.as_str() {
+                "angry" => look.off < 3.0,
+                "happy" => EYES_OF_THE_HAPPY.contains(&look.off),
+                _ => true,
+            };
+            if seen.values().all(is_there) { Ok(seen) } else { Err(format!("heads still turn: {seen:.1?}")) }
+        }));
     }
     live.end();
     let of = |emotion: &str| {
@@ -96,9 +108,6 @@ fn happy_and_angry_heads_follow_the_user_and_sad_ones_do_not() {
         let user = pair[1].to_user - pair[0].to_user;
         assert!(user > 20.0 && (turned - user).abs() < 4.0, "{turned} degrees for {user}: {pair:?}");
     }
-    // into the eyes, and with the chin up
-    assert!(of("angry").iter().flatten().all(|look| look.off < 3.0));
-    assert!(of("happy").iter().flatten().all(|look| (4.0..7.0).contains(&look.off)));
     for pair in of("sad") {
         assert!((pair[1].turn - pair[0].turn).abs() < 0.5 && pair[0].turn.abs() < 0.5, "{pair:?}");
     }

@@ -2,7 +2,8 @@
 //!
 //! Compiled a second time, by [`super::service::layer`], as a library that the OpenXR loader puts between the program and
 //! the runtime: the program under test is the one that users run. `GAITWAY_FAULT=NAME@N` strikes at the N-th call of the
-//! function concerned, `NAME@N+` at that one and all later ones. Interface: "OpenXR Loader - Design and Operation", API
+//! function concerned, `NAME@N+` at that one and all later ones. It also watches the frames: what their times and poses are
+//! (`GAITWAY_FRAMES`, see [`Watched`]) and what goes along with the first picture (`GAITWAY_SEEN`). Interface: "OpenXR Loader - Design and Operation", API
 //! layer negotiation.
 #![allow(
     unsafe_code,
@@ -17,8 +18,8 @@
 
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::transmute;
-use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
+use std::sync::{Mutex, OnceLock, PoisonError};
 
 type Code = i32;
 type Function = unsafe extern "system" fn();
@@ -217,7 +218,11 @@ unsafe extern "system" fn wait_frame(session: u64, info: *const c_void, state: *
             // as when the user closes the application in the runtime's menu
             REQUEST_EXIT.function::<unsafe extern "system" fn(u64) -> Code>()(session);
         }
-        WAIT_FRAME.function::<Plain>()(session, info, state)
+        let code = WAIT_FRAME.function::<Plain>()(session, info, state);
+        if code >= 0 {
+            watch(|watched| watched.display = (*state.cast::<FrameState>()).display);
+        }
+        code
     }
 }
 
@@ -232,6 +237,7 @@ unsafe extern "system" fn end_frame(session: u64, info: *const c_void) -> Code {
     SESSION.store(session, Ordering::Relaxed);
     unsafe {
         look_at(info.cast());
+        watch(|watched| watched.ends(&*info.cast()));
         let code =
             END_FRAME.function::<unsafe extern "system" fn(u64, *const c_void) -> Code>()(session, info);
         match code {
@@ -240,6 +246,91 @@ unsafe extern "system" fn end_frame(session: u64, info: *const c_void) -> Code {
             code => code,
         }
     }
+}
+
+/// What the frames of a session say of time and place. One line to the file that `GAITWAY_FRAMES` names with each picture:
+/// how many there were, how many different poses their left eyes had, and the first fault.
+#[derive(Default)]
+struct Watched {
+    /// What xrWaitFrame predicted last, ns.
+    display: i64,
+    /// Display time, space, and pose and field of view of each eye, as xrLocateViews gave them last.
+    views: Option<(i64, u64, Vec<[u32; 11]>)>,
+    pictures: u32,
+    poses: std::collections::BTreeSet<[u32; 11]>,
+    fault: Option<String>,
+}
+
+/// Pose and field of view, bit for bit.
+fn bits(pose: &[f32; 7], fov: &[f32; 4]) -> [u32; 11] {
+    std::array::from_fn(|i| if i < 7 { pose[i].to_bits() } else { fov[i - 7].to_bits() })
+}
+
+impl Watched {
+    fn wrong(&mut self, what: String) {
+        self.fault.get_or_insert(what);
+    }
+
+    fn located(&mut self, info: &LocateInfo, views: &[Located]) {
+        if info.time != self.display {
+            self.wrong(format!("views located for {} ns, display predicted for {}", info.time, self.display));
+        }
+        self.views =
+            Some((info.time, info.space, views.iter().map(|view| bits(&view.pose, &view.fov)).collect()));
+    }
+
+    unsafe fn ends(&mut self, info: &EndInfo) {
+        if info.time != self.display {
+            self.wrong(format!("frame ends for {} ns, display predicted for {}", info.time, self.display));
+        }
+        for layer in 0..info.count as usize {
+            let layer = unsafe { &**info.layers.add(layer) };
+            if layer.kind != PROJECTION {
+                continue;
+            }
+            let views = unsafe { std::slice::from_raw_parts(layer.views, layer.count as usize) };
+            let shown: Vec<[u32; 11]> = views.iter().map(|view| bits(&view.pose, &view.fov)).collect();
+            if self.views.as_ref() != Some(&(info.time, layer.space, shown.clone())) {
+                self.wrong(format!("picture {} is of other views than were located for it", self.pictures));
+            }
+            self.pictures += 1;
+            self.poses.extend(shown.first());
+        }
+        let fault = self.fault.as_deref().unwrap_or("none");
+        let told = format!("{} pictures, {} poses, fault: {fault}\n", self.pictures, self.poses.len());
+        if let Some(file) = std::env::var_os("GAITWAY_FRAMES") {
+            let _ = std::fs::write(file, told);
+        }
+    }
+}
+
+fn watch(look: impl FnOnce(&mut Watched)) {
+    static WATCHED: Mutex<Option<Watched>> = Mutex::new(None);
+    look(WATCHED.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default());
+}
+
+#[repr(C)]
+struct FrameState {
+    kind: u32,
+    next: *const c_void,
+    display: i64,
+}
+
+#[repr(C)]
+struct LocateInfo {
+    kind: u32,
+    next: *const c_void,
+    configuration: u32,
+    time: i64,
+    space: u64,
+}
+
+#[repr(C)]
+struct Located {
+    kind: u32,
+    next: *const c_void,
+    pose: [f32; 7],
+    fov: [f32; 4],
 }
 
 #[repr(C)]
@@ -388,5 +479,12 @@ unsafe extern "system" fn locate_views(
     if strikes("session-lost-at-locate") {
         return ERROR_SESSION_LOST;
     }
-    unsafe { LOCATE_VIEWS.function::<Locate>()(session, info, state, capacity, count, views) }
+    unsafe {
+        let code = LOCATE_VIEWS.function::<Locate>()(session, info, state, capacity, count, views);
+        if code >= 0 && capacity > 0 {
+            let found = std::slice::from_raw_parts(views.cast::<Located>(), *count as usize);
+            watch(|watched| watched.located(&*info.cast(), found));
+        }
+        code
+    }
 }

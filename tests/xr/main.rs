@@ -25,6 +25,7 @@ mod presented;
 mod recording;
 mod service;
 mod smooth;
+mod timing;
 
 use gaitway::picture::Image;
 use serde_json::Value;

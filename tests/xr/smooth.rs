@@ -86,17 +86,27 @@ fn people_move_in_every_frame_of_a_display_faster_than_the_steps() {
         walked.windows(2).filter(|pair| is_straight(pair)).map(|pair| pair[0].distance(pair[1])).collect();
     assert!(walks.len() > 30, "{walked:?}");
     println!("walks {walks:.3?} m a frame");
-    // 1.3 m/s at 20 Hz are 65 mm a frame, and a multiple where frames are missed; without pictures between the steps every other
-    // frame would have none. Where the machine was busy with something else, steps are late, too
+    // 1.3 m/s are 130 mm a step. Shown as the steps are, a frame would move by none, one or several of these; shown between
+    // them, by other lengths too, however many frames a busy machine misses
+    let steps = |walk: &f32| walk / 0.13;
+    let between = walks.iter().map(steps).filter(|steps| (steps - steps.round()).abs() > 0.15).count();
+    assert!(
+        between * 100 >= walks.len() * 25,
+        "{between} of {} moves are parts of steps: {walks:?}",
+        walks.len()
+    );
+    // and where the machine kept the display's rate of 20 Hz, 65 mm in every frame
     let count = |key: &str| found["frames"][key].as_f64().unwrap();
-    let kept = count("missed") < 0.05 * count("drawn") && found["time_lost"].as_f64().unwrap() < 0.1;
-    let moving = walks.iter().filter(|step| **step > 0.03).count();
-    let least = if kept { 95 } else { 70 };
-    assert!(moving * 100 >= walks.len() * least, "{moving} of {} frames move as they should", walks.len());
-    let mut sorted = walks.clone();
-    sorted.sort_by(f32::total_cmp);
-    let median = sorted[sorted.len() / 2];
-    assert!(median > 0.055 && (median < 0.085 || !kept), "{walks:?}");
+    if count("missed") < 0.05 * count("drawn") && found["time_lost"].as_f64().unwrap() < 0.1 {
+        let moving = walks.iter().filter(|step| **step > 0.03).count();
+        assert!(moving * 100 >= walks.len() * 95, "{moving} of {} frames move: {walks:?}", walks.len());
+        let mut sorted = walks.clone();
+        sorted.sort_by(f32::total_cmp);
+        let median = sorted[sorted.len() / 2];
+        assert!((0.055..0.085).contains(&median), "{walks:?}");
+    } else {
+        println!("not asserted: 65 mm in every frame, on a machine too busy for 20 Hz ({})", found["frames"]);
+    }
     // nobody is ever shown going back
     let is_back = |at: &[Vec2]| is_straight(at) && (at[1] - at[0]).dot(at[2] - at[1]) < -0.005 * 0.03;
     assert!(!walked.windows(3).any(is_back), "{walked:?}");
