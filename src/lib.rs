@@ -14,6 +14,9 @@
 // The same scenario and seed give the same crowd on every machine (clippy.toml).
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
+#[cfg(test)]
+extern crate self as gaitway; // what tests share calls the library by its name
+
 pub mod avatar;
 pub mod bench;
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]

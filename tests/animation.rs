@@ -1,6 +1,10 @@
 //! What the animation kernels must do: `cull`, `compact`, `pose`, `gaze`, `palette`, `skin`.
 //! The paper's equations for the gaze have their own file, `paper_gaze.rs`.
 
+#[cfg(feature = "vulkan")]
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::{KernelId, Store};
@@ -472,19 +476,11 @@ fn a_bent_elbow_moves_each_vertex_by_its_weights() {
 #[cfg(feature = "vulkan")]
 mod device {
     use super::*;
-    use gaitway::gpu::{Device, Validation, validation_messages};
     use gaitway::verify::{compare_passes, numerics};
 
     #[test]
     fn every_animation_kernel_agrees_with_its_twin() {
-        let device = match Device::open(None, Validation::from_environment().unwrap()) {
-            Ok(device) => device,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() != Ok("1") => {
-                println!("skipped: no Vulkan ({error})");
-                return;
-            }
-            Err(error) => panic!("no Vulkan: {error}"),
-        };
+        let Some(device) = gpu::device() else { return };
         let exact = numerics(&device).unwrap().exact;
         println!("{}, arithmetic exact: {exact}", device.describe());
         for agents in [0, 1, 63, 64, 65, 1000] {
@@ -496,6 +492,6 @@ mod device {
                 }
             }
         }
-        assert_eq!(validation_messages(), Vec::<String>::new());
+        gpu::assert_silent();
     }
 }

@@ -9,6 +9,9 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::kernels::layout::MoodUniforms;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::scenario::{Scenario, populate_from};
@@ -207,14 +210,8 @@ fn people_out_of_reach_feel_nothing_of_each_other() {
 fn both_backends_feel_the_same_bits() {
     let mut hashes = Vec::new();
     for backend in [Backend::Cpu, Backend::Vulkan] {
-        let mut simulation = match Simulation::from_store(feelings(700, 1), backend, None) {
-            Ok(simulation) => simulation,
-            Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_none() => {
-                println!("skipped: {error}");
-                continue;
-            }
-            Err(error) => panic!("{error}"),
-        };
+        let made = Simulation::from_store(feelings(700, 1), backend, None);
+        let Some(mut simulation) = gpu::on_device(made) else { continue };
         simulation.step(90).unwrap();
         hashes.push(measure::state_hash(simulation.state().unwrap()));
     }

@@ -9,8 +9,11 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::gpu::plan::Op;
-use gaitway::gpu::{Device, Engine, Error, Validation, validation_messages};
+use gaitway::gpu::{Device, Engine, Error};
 use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
@@ -28,14 +31,10 @@ static ONE: Mutex<()> = Mutex::new(());
 /// Runs a test on the device and asserts that the validation layer has said nothing, leaks included.
 fn on_device(test: impl FnOnce(&Arc<Device>)) {
     let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
-    let device = match Device::open(None, Validation::from_environment().unwrap()) {
-        Ok(device) => device,
-        Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-        Err(error) => return println!("skipped: no Vulkan ({error})"),
-    };
+    let Some(device) = gpu::device() else { return };
     test(&device);
     drop(device);
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }
 
 fn assert_exact(what: &str, comparisons: &[Comparison]) {

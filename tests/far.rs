@@ -8,10 +8,12 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::avatar::{self, Sex};
 use gaitway::emotion::Emotion;
 use gaitway::gait::walker;
-use gaitway::gpu::validation_messages;
 use gaitway::kernels::BufferId;
 use gaitway::library::GaitLibrary;
 use gaitway::reference::exact::hash_u32;
@@ -34,14 +36,7 @@ fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
     let geometry = scenario.geometry();
     let mut store = setup::store(&scenario, &geometry, &crowd, &cast);
     let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
-    let mut simulation = match Simulation::from_store(store, Backend::Vulkan, None) {
-        Ok(simulation) => simulation,
-        Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => {
-            println!("skipped: no Vulkan ({error})");
-            return None;
-        }
-    };
+    let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;
     let scenery = geometry.scenery();
     let settings = Settings::sized(W, H);
     let show = Show::new(&mut simulation, &meshes, &scenery, settings, None).unwrap();
@@ -79,7 +74,7 @@ fn all_twenty_thousand_are_drawn_most_of_them_without_a_pose() {
     keep("far_eyes", &image);
     let [posed, far] = drawn(&mut simulation);
     assert!(posed > 50 && far > 5 * posed, "{posed} {far}");
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }
 
 #[test]
@@ -116,7 +111,7 @@ fn where_far_bodies_begin_the_picture_hardly_changes() {
         |image: &Image| image.pixels.iter().map(|p| f64::from(*p)).sum::<f64>() / image.pixels.len() as f64;
     let (a, b, bare) = (mean(&fine), mean(&mixed), mean(&empty));
     assert!((a - b).abs() < 0.2 * (a - bare).abs().max(1.0), "{a} {b} {bare}");
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }
 
 #[test]
@@ -137,14 +132,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
         store.stance.iter_mut().for_each(|stance| *stance = [1.57, 1.0]); // seen from the side, walking
         let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
         let middle = 0.5 * store.step.wrap;
-        let mut simulation = match Simulation::from_store(store, Backend::Vulkan, None) {
-            Ok(simulation) => simulation,
-            Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
-            Err(error) => {
-                println!("skipped: no Vulkan ({error})");
-                return None;
-            }
-        };
+        let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;
         let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z) * 100.0;
         let plane = EnvironmentMesh {
             positions: vec![corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, 1.0), corner(1.0, -1.0)],
@@ -172,5 +160,5 @@ fn far_bodies_are_held_as_their_emotion_walks() {
     let share = differ(&sad, &happy) as f64 / f64::from(W * H);
     println!("{:.1} % of the pixels differ", 100.0 * share);
     assert!(share > 0.05, "{share}");
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }

@@ -10,6 +10,8 @@
     reason = "a test: a failure is a panic"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
 #[path = "flow/storeys.rs"]
 mod storeys;
 
@@ -184,9 +186,9 @@ fn a_goal_in_a_wall_is_refused_by_name_and_a_pocket_leads_nowhere() {
 
 #[test]
 fn both_backends_find_the_same_ways_bit_for_bit() {
-    if Simulation::from_store(Store::default(), Backend::Vulkan, None).is_err() {
-        assert!(std::env::var("GAITWAY_REQUIRE_GPU").as_deref() != Ok("1"), "no Vulkan device");
-        return println!("skipped: no Vulkan");
+    let empty = Simulation::from_store(Store::default(), Backend::Vulkan, None);
+    if gpu::on_device(empty).is_none() {
+        return;
     }
     for (width, depth) in [(0.6, 0.6), (3.0, 3.0), (4.0, 29.7), (16.0, 16.0), (61.3, 8.2), (70.0, 50.0)] {
         let mut outlines = vec![floor(width, depth)];
@@ -219,7 +221,8 @@ fn closing_a_door_leads_to_the_other_one_and_opening_it_back() {
     for backend in [Backend::Cpu, Backend::Vulkan] {
         let mut store = Store::default();
         gaitway::sim::setup::scratch(&mut store);
-        let Ok(mut simulation) = Simulation::from_store(store, backend, None) else { continue };
+        let made = Simulation::from_store(store, backend, None);
+        let Some(mut simulation) = gpu::on_device(made) else { continue };
         simulation.set_goals(&wall(&[near, far]), vec![goal(18.0, 4.5)], Settings::default()).unwrap();
         let distance = |simulation: &mut Simulation| {
             let store = simulation.read(&[BufferId::FlowDistance]).unwrap();
@@ -293,7 +296,7 @@ fn doors(open: &[f32]) -> Vec<Vec<[f32; 2]>> {
 fn of_two_doors_a_crowd_that_minds_the_crowd_takes_both() {
     let far = |keys: &str, backend| {
         let scenario = scene(120, &doors(&[9.6, 16.0]), &format!("way = \"field\"\n{keys}"));
-        let Ok(mut simulation) = simulation(&scenario, backend) else { return None };
+        let mut simulation = gpu::on_device(simulation(&scenario, backend))?;
         let mut before = simulation.state().unwrap().position.clone();
         let mut through = [0, 0];
         for _ in 0..40 * 6 {
@@ -327,7 +330,7 @@ fn when_a_door_closes_people_turn_to_the_other_one() {
     let mut hashes = Vec::new();
     for backend in [Backend::Cpu, Backend::Vulkan] {
         let scenario = scene(40, &doors(&[9.6, 18.0]), "way = \"field\"");
-        let Ok(mut simulation) = simulation(&scenario, backend) else { continue };
+        let Some(mut simulation) = gpu::on_device(simulation(&scenario, backend)) else { continue };
         simulation.step(60).unwrap();
         let inside = present(&mut simulation);
         simulation.set_obstacles(&outlines(&[18.0])).unwrap();

@@ -9,6 +9,9 @@
     reason = "a test: a failure is a panic, and who stands still stands exactly"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
@@ -319,11 +322,8 @@ fn the_same_hall_gives_the_same_bits_on_both_backends() {
         ),
     );
     let run = |backend| {
-        let mut simulation = match Simulation::new(&hall, &fill(&hall), &library().1, backend, None) {
-            Ok(simulation) => simulation,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-            Err(_) => return None,
-        };
+        let made = Simulation::new(&hall, &fill(&hall), &library().1, backend, None);
+        let mut simulation = gpu::on_device(made)?;
         simulation.step(30 * 40).unwrap();
         assert!(moment(&mut simulation).left > 10);
         Some(measure::state_hash(simulation.state().unwrap()))
@@ -344,11 +344,7 @@ fn counter(backend: Backend) -> Option<Simulation> {
     );
     // else the one who was served does not get past those who wait
     hall.navigation.patience = 1.0;
-    match Simulation::new(&hall, &fill(&hall), &library().1, backend, None) {
-        Ok(simulation) => Some(simulation),
-        Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-        Err(_) => None,
-    }
+    gpu::on_device(Simulation::new(&hall, &fill(&hall), &library().1, backend, None))
 }
 
 #[test]

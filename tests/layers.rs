@@ -399,3 +399,89 @@ fn a_module_without_a_place_and_a_glob_of_the_root_are_faults() {
     assert!(planted("gait/mod.rs", "use crate::{self as root};").concat().contains("whole root"));
     assert!(planted("main.rs", "use crate::cli;").is_empty());
 }
+
+/// Lines of a test by which it would pass, and say nothing, where a device or a simulation fails.
+fn silent_skips(source: &str) -> Vec<&str> {
+    let asks = |line: &str| line.contains("GAITWAY_REQUIRE_GPU") && !line.trim_start().starts_with("//");
+    let drops = |line: &str| {
+        let makes =
+            ["imulation", "Device::open", "Engine::new", "device("].iter().any(|name| line.contains(name));
+        let is_branch =
+            line.contains("let Ok(") || line.trim_start().starts_with("if ") && line.contains("is_err()");
+        makes && (is_branch || line.contains(".ok()"))
+    };
+    source.lines().filter(|line| asks(line) || drops(line)).collect()
+}
+
+#[test]
+fn tests_ask_for_a_device_in_one_way_which_never_skips_in_silence() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let own = [root.join("tests/common/gpu.rs"), root.join("tests/layers.rs")];
+    let mut read = 0;
+    for folder in ["src", "tests"] {
+        let mut files = Vec::new();
+        rust_files(&root.join(folder), &mut files).expect("a folder of the repository");
+        for path in files.iter().filter(|path| !own.contains(path)) {
+            let source = fs::read_to_string(path).expect("a file of the repository");
+            let tests = match folder {
+                "src" => source.find("#[cfg(test)]").map_or("", |at| &source[at..]),
+                _ => &source,
+            };
+            let found = silent_skips(tests);
+            assert!(found.is_empty(), "{}: use tests/common/gpu.rs: {found:#?}", path.display());
+            read += 1;
+        }
+    }
+    assert!(read > 300, "{read} files");
+    for planted in [
+        "let Ok(mut simulation) = simulation(&scenario, backend) else { return None };",
+        "let device = Device::open(None, Validation::Off).ok()?;",
+        "Err(error) if std::env::var(\"GAITWAY_REQUIRE_GPU\").is_err() => return,",
+    ] {
+        assert_eq!(silent_skips(planted), [planted]);
+    }
+}
+
+/// What stands between backticks, with what stands before it.
+fn quoted(text: &str) -> impl Iterator<Item = (&str, &str)> {
+    let parts: Vec<&str> = text.split('`').collect();
+    (1..parts.len()).step_by(2).map(move |i| (parts[i - 1], parts[i])).collect::<Vec<_>>().into_iter()
+}
+
+/// Files and modules that a document names and that are not there.
+fn missing(root: &Path, document: &str) -> Vec<String> {
+    let folders = ["src/", "tests/", "shaders/", "scripts/", "assets/", "benches/", "docs/", ".ci/"];
+    let is_path = |name: &str| folders.iter().any(|folder| name.starts_with(folder));
+    let is_pattern = |name: &str| name.contains(['*', '{', ' ', '<']) || name.contains("NAME");
+    let mut found: Vec<String> = quoted(document)
+        .map(|(_, name)| name.split_once(':').map_or(name, |(path, _)| path))
+        .filter(|name| is_path(name) && !is_pattern(name) && !root.join(name).exists())
+        .map(str::to_owned)
+        .collect();
+    // a row of the table of rooms names modules of its folder
+    for row in document.lines().filter(|line| line.starts_with("| `src/")) {
+        let mut names = quoted(row);
+        let Some((_, folder)) = names.next().filter(|(_, name)| name.ends_with('/')) else { continue };
+        for (_, name) in names.filter(|(before, _)| !before.ends_with("feature ")) {
+            let stem = name.strip_suffix(".rs").unwrap_or(name);
+            let is_module = stem.bytes().all(|b| b.is_ascii_lowercase() || b == b'_');
+            let place = root.join(folder).join(stem);
+            if is_module && !place.is_dir() && !place.with_extension("rs").is_file() {
+                found.push(format!("{folder}{name}"));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn documents_name_files_and_modules_that_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    for name in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
+        let document = fs::read_to_string(root.join(name)).expect("a document of the repository");
+        assert_eq!(missing(root, &document), Vec::<String>::new(), "{name}");
+    }
+    let planted =
+        "`src/none.rs`\n| `src/xr/` | the headset: `session`, `stop` (Ctrl-C), built with feature `view` |";
+    assert_eq!(missing(root, planted), ["src/none.rs", "src/xr/stop"]);
+}

@@ -7,6 +7,9 @@
     reason = "a failing unwrap fails the test; what is skipped is said"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::ground::is_absent;
 use gaitway::kernels::Store;
 use gaitway::sim::{Backend, Simulation, setup};
@@ -24,14 +27,7 @@ fn crowd() -> Store {
 }
 
 fn start(backend: Backend) -> Option<Simulation> {
-    match Simulation::from_store(crowd(), backend, None) {
-        Ok(simulation) => Some(simulation),
-        Err(error) if backend == Backend::Vulkan && std::env::var_os("GAITWAY_REQUIRE_GPU").is_none() => {
-            println!("skipped: {error}");
-            None
-        }
-        Err(error) => panic!("{error}"),
-    }
+    gpu::on_device(Simulation::from_store(crowd(), backend, None))
 }
 
 fn path(step: u32) -> Vec2 {
@@ -68,7 +64,7 @@ fn the_led_are_where_they_were_led_and_the_same_bits_on_both_backends() {
 
 #[test]
 fn whoever_is_told_nothing_new_stands() {
-    let Some(mut simulation) = start(Backend::Cpu) else { return };
+    let mut simulation = start(Backend::Cpu).unwrap();
     simulation.lead(0, Some((Vec2::new(3.0, 4.0), Vec2::ZERO))).unwrap();
     simulation.step(40).unwrap();
     let store = simulation.state().unwrap();
@@ -78,7 +74,7 @@ fn whoever_is_told_nothing_new_stands() {
 
 #[test]
 fn only_the_led_are_led_and_only_to_places() {
-    let Some(mut simulation) = start(Backend::Cpu) else { return };
+    let mut simulation = start(Backend::Cpu).unwrap();
     let here = Some((Vec2::ZERO, Vec2::ZERO));
     for agent in [2, 99, 100, u32::MAX] {
         assert!(simulation.lead(agent, here).unwrap_err().to_string().contains("set_led"), "{agent}");
@@ -91,7 +87,7 @@ fn only_the_led_are_led_and_only_to_places() {
 
 #[test]
 fn walkers_make_way_for_the_led_who_make_none() {
-    let Some(mut simulation) = start(Backend::Cpu) else { return };
+    let mut simulation = start(Backend::Cpu).unwrap();
     let mut nearest = f32::INFINITY;
     for step in 0..240 {
         let at = Vec2::new(2.0, 1.0) + Vec2::new(0.9, 0.7) * (step as f32 / 30.0);

@@ -8,8 +8,10 @@
     reason = "a failing unwrap fails the test; what is skipped is said"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::avatar::{self, Sex};
-use gaitway::gpu::validation_messages;
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::{Scenario, populate_from};
@@ -32,11 +34,8 @@ fn crowd() -> Store {
 
 #[test]
 fn pictures_between_steps_show_what_lies_between_and_change_nothing() {
-    let mut drawn = match Simulation::from_store(crowd(), Backend::Vulkan, None) {
-        Ok(simulation) => simulation,
-        Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-        Err(error) => return println!("skipped: no Vulkan ({error})"),
-    };
+    let made = Simulation::from_store(crowd(), Backend::Vulkan, None);
+    let Some(mut drawn) = gpu::on_device(made) else { return };
     let mut plain = Simulation::from_store(crowd(), Backend::Cpu, None).unwrap();
     let agents = plain.store().step.agent_count;
     let (mut moments, mut before) = (Moments::default(), plain.state().unwrap().clone());
@@ -73,5 +72,5 @@ fn pictures_between_steps_show_what_lies_between_and_change_nothing() {
     let hash = |simulation: &mut Simulation| measure::state_hash(simulation.state().unwrap());
     assert_eq!(hash(&mut drawn), hash(&mut plain));
     drop(drawn);
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }

@@ -8,8 +8,10 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::avatar::{self, Sex};
-use gaitway::gpu::validation_messages;
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::exact::{hash_u32, unit_f32};
@@ -88,14 +90,7 @@ fn crowd(place: Place, agents: u32, settings: Settings, shrink: f32) -> Option<C
         (*side, *bottom, *top) =
             (*side * shrink, middle + (*bottom - middle) * shrink, middle + (*top - middle) * shrink);
     }
-    let mut simulation = match Simulation::from_store(store, Backend::Vulkan, None) {
-        Ok(simulation) => simulation,
-        Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => {
-            println!("skipped: no Vulkan ({error})");
-            return None;
-        }
-    };
+    let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;
     let show = Show::new(&mut simulation, &meshes, &scenery, settings, None).unwrap();
     Some(Crowd { simulation, show, user })
 }
@@ -176,7 +171,7 @@ fn without_hidden_people_the_picture_is_the_same_while_crowd_and_eyes_move() {
             );
         }
     }
-    assert!(validation_messages().is_empty(), "{:#?}", validation_messages());
+    gpu::assert_silent();
 }
 
 #[test]

@@ -1,6 +1,9 @@
 //! Claims about robots, vehicles, tracked people and the user among a crowd.
 #![allow(clippy::unwrap_used, clippy::print_stdout, reason = "a test: a failure is a panic that prints")]
 
+#[path = "common/gpu.rs"]
+mod gpu;
+
 use gaitway::scenario::{Scenario, populate_from};
 use gaitway::sim::{Backend, Cast, Error, Simulation, measure};
 use gaitway::{avatar, library};
@@ -65,14 +68,7 @@ fn outsiders_on_paths_and_by_hand_are_the_same_on_both_backends() {
                 path = [[1, 20, 20], [9, 12, 20]]\n[[outsiders]]\nkind = \"person\"\n";
     let mut hashes = Vec::new();
     for backend in [Backend::Cpu, Backend::Vulkan] {
-        let mut simulation = match scene(text, backend) {
-            Ok(simulation) => simulation,
-            Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_none() => {
-                println!("skipped: {error}");
-                continue;
-            }
-            Err(error) => panic!("{error}"),
-        };
+        let Some(mut simulation) = gpu::on_device(scene(text, backend)) else { continue };
         simulation.step(150).unwrap();
         let store = simulation.state().unwrap();
         assert!(Vec2::from_array(store.position[60]).distance(Vec2::new(9.0, 5.0)) < 1e-4);

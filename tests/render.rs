@@ -13,6 +13,8 @@
 
 #[path = "render/bodies.rs"]
 mod bodies;
+#[path = "common/gpu.rs"]
+mod gpu;
 #[path = "render/support.rs"]
 mod support;
 
@@ -60,7 +62,7 @@ fn boxes_appear_where_the_camera_matrix_says_in_their_own_colours() {
             .collect();
         assert_eq!(tones.len() > 2, renderer.settings().samples > 1, "{tones:?}");
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -83,7 +85,7 @@ fn nearer_things_hide_farther_ones_whichever_is_drawn_first() {
         assert!(near(at(&image, &view, Vec3::new(0.0, 0.0, 2.4)), [srgb(0.5), 0, 0]));
         assert!(near(at(&image, &view, Vec3::new(0.7, 0.0, 0.5)), [0, srgb(0.5), 0]));
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -112,7 +114,7 @@ fn the_side_away_from_the_sun_lies_in_shadow() {
     let differ = lit.pixels.chunks(4).zip(shaded.pixels.chunks(4)).filter(|(a, b)| a[1].abs_diff(b[1]) > 2);
     let differ = differ.count();
     assert!(differ < (W * H / 12) as usize, "{differ} pixels differ");
-    assert_silent();
+    gpu::assert_silent();
 }
 
 const COLORS: [u32; 4] = [0xc0_8060, 0x20_2020, 0xb0_2020, 0x20_20b0];
@@ -146,7 +148,7 @@ fn agents_wear_their_own_colours_at_every_level_of_detail() {
         assert!(is_color(color(1.0, y), other[2]), "{y} {:?}", color(1.0, y));
     }
     assert!(!is_color(color(-0.5, 1.0), COLORS[2]), "nobody stands between them");
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -179,7 +181,7 @@ fn agents_cast_shadows_and_stand_on_rings_of_their_emotion() {
         };
         assert!(far(with) < far(without) && far(with) < 90.0, "agent {i}: {without:?} {with:?} {want}");
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -214,7 +216,7 @@ fn two_eyes_in_one_go_see_what_each_would_see_alone() {
             .count();
         assert!(differ < 200, "eye {eye}: {differ} pixels differ");
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -253,7 +255,7 @@ fn one_pass_for_both_eyes_and_a_pass_for_each_give_the_same_pictures() {
             half(0).zip(half(1)).filter(|(l, r)| one.pixel(*l, H / 2) != one.pixel(*r, H / 2)).count();
         assert!(differ > 20, "the eyes see different pictures");
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -306,7 +308,7 @@ fn bodies_fade_near_the_eyes_and_both_eyes_miss_the_same_places() {
         }
     }
     assert!(same * 10 > all * 9, "{same} of {all} places are the same in both eyes");
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -358,7 +360,7 @@ fn hands_target_and_vignette_of_the_user_are_drawn_where_they_are() {
     assert!(r > b + 60, "{r} {b}");
     renderer.set_user(User::default());
     assert_eq!(bare, renderer.draw(&view, None).unwrap());
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -378,7 +380,7 @@ fn the_same_scene_gives_the_same_picture_and_sizes_can_change() {
     assert_eq!(first, renderer.draw(&view(64, 48), None).unwrap());
     renderer.set_environment(&[]).unwrap();
     assert_ne!(first, renderer.draw(&view(64, 48), None).unwrap());
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -403,12 +405,12 @@ fn pictures_go_onto_a_contact_sheet() {
     keep("sheet", &sheet);
     assert!(sheet.width > 2 * W && sheet.height > 2 * H);
     assert!(images[0] != images[1] && images[1] != images[2]);
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
 fn nothing_is_left_on_the_device_when_a_renderer_goes() {
-    let Some(device) = open() else { return };
+    let Some(device) = gpu::device() else { return };
     let mut renderer =
         Renderer::new(&device, Settings { markers: Some(Markers::default()), ..Settings::sized(W, H) })
             .unwrap();
@@ -421,7 +423,7 @@ fn nothing_is_left_on_the_device_when_a_renderer_goes() {
     drop(made);
     drop(renderer);
     drop(device);
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -434,5 +436,5 @@ fn crowd_buffers_that_are_too_short_are_refused() {
     let view = View::mono(&Camera::top(Vec2::ZERO, 8.0), W, H);
     let error = renderer.draw(&view, Some(&made.crowd())).unwrap_err().to_string();
     assert!(error.contains("32 buckets"), "{error}");
-    assert_silent();
+    gpu::assert_silent();
 }

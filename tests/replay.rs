@@ -13,6 +13,8 @@
 
 #[path = "replay/data.rs"]
 mod data;
+#[path = "common/gpu.rs"]
+mod gpu;
 #[path = "replay/reading.rs"]
 mod reading;
 #[path = "replay/walking.rs"]

@@ -7,6 +7,9 @@
 mod buffer;
 mod device;
 mod engine;
+#[cfg(test)]
+#[path = "../../tests/common/gpu.rs"]
+pub(crate) mod for_tests;
 mod instance;
 mod pipeline;
 pub mod plan;

@@ -171,15 +171,11 @@ fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Err
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gpu::Validation;
+    use crate::gpu::for_tests;
 
     #[test]
     fn what_was_made_before_a_call_failed_is_destroyed() {
-        let device = match Device::open(None, Validation::from_environment().unwrap()) {
-            Ok(device) => device,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-            Err(error) => return println!("skipped: no Vulkan ({error})"),
-        };
+        let Some(device) = for_tests::device() else { return };
         // SAFETY: the create-infos are complete.
         let (set_layout, layout) = unsafe {
             let create = vk::DescriptorSetLayoutCreateInfo::default();
@@ -196,6 +192,6 @@ mod tests {
             label: CString::default(),
         });
         drop(device); // the validation layer tells of what is left
-        assert!(crate::gpu::validation_messages().is_empty(), "{:#?}", crate::gpu::validation_messages());
+        for_tests::assert_silent();
     }
 }

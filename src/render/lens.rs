@@ -151,7 +151,7 @@ mod tests {
     use super::super::target::{COLOR_FORMAT, GpuImage, Readback};
     use super::super::{Camera, Settings, Stereo, Surface, View};
     use super::*;
-    use crate::gpu::{Device, Validation};
+    use crate::gpu::{Device, for_tests};
     use glam::Vec3;
     use std::sync::Arc;
 
@@ -180,11 +180,7 @@ mod tests {
 
     #[test]
     fn depth_is_that_of_what_is_seen_and_the_hidden_part_is_nearest() {
-        let device = match Device::open(None, Validation::from_environment().unwrap()) {
-            Ok(device) => device,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-            Err(error) => return println!("skipped: no Vulkan ({error})"),
-        };
+        let Some(device) = for_tests::device() else { return };
         // a wall four metres away that fills the lower half; above it the sky
         let wall = [[-9.0, -9.0, 0.0], [9.0, -9.0, 0.0], [9.0, 0.0, 0.0], [-9.0, 0.0, 0.0]].map(Vec3::from);
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, Vec3::Y);
@@ -223,6 +219,6 @@ mod tests {
             assert_eq!([at(1, 44, 50), at(1, 10, 50)], [1.0; 2], "{case}: hidden from the right eye");
         }
         drop((color, depth, device));
-        assert!(crate::gpu::validation_messages().is_empty(), "{:#?}", crate::gpu::validation_messages());
+        for_tests::assert_silent();
     }
 }

@@ -98,7 +98,7 @@ mod tests {
     use super::super::{Camera, View};
     use super::*;
     use crate::avatar::{self, Sex};
-    use crate::gpu::Validation;
+    use crate::gpu::for_tests;
     use crate::library::GaitLibrary;
     use crate::scenario::{Scenario, populate_from};
     use crate::sim::moments::make_room;
@@ -121,11 +121,7 @@ mod tests {
 
     #[test]
     fn a_picture_is_one_submission_and_brings_a_new_moment_and_nothing_else() {
-        let device = match Device::open(None, Validation::from_environment().unwrap()) {
-            Ok(device) => device,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-            Err(error) => return println!("skipped: no Vulkan ({error})"),
-        };
+        let Some(device) = for_tests::device() else { return };
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
         let camera = Camera::look_at(Vec3::new(0.0, 30.0, 20.0), Vec3::ZERO, Vec3::Y);
@@ -158,16 +154,12 @@ mod tests {
             assert!(differ(first, other) > 20 + 4 * differ(first, same), "the new moment is what is seen");
         }
         drop((image, device));
-        assert!(crate::gpu::validation_messages().is_empty(), "{:#?}", crate::gpu::validation_messages());
+        for_tests::assert_silent();
     }
 
     #[test]
     fn failures_that_kernels_report_end_the_show() {
-        let device = match Device::open(None, Validation::from_environment().unwrap()) {
-            Ok(device) => device,
-            Err(error) if std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1") => panic!("{error}"),
-            Err(error) => return println!("skipped: no Vulkan ({error})"),
-        };
+        let Some(device) = for_tests::device() else { return };
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
         let view = View { eye_count: 2, ..View::mono(&Camera::user_eyes(Vec3::Y, 0.0, 0.0), SIDE, SIDE) };

@@ -12,6 +12,8 @@
 
 mod crowds;
 mod ending;
+#[path = "../common/gpu.rs"]
+mod gpu;
 mod odd;
 mod words;
 
@@ -92,7 +94,7 @@ fn has_vulkan() -> bool {
     let devices = json(&["devices", "--json"]);
     let has_one = devices["best"].is_u64();
     if !has_one {
-        assert!(std::env::var_os("GAITWAY_REQUIRE_GPU").is_none_or(|text| text != "1"), "{devices}");
+        assert!(!gpu::is_required(), "{devices}");
         println!("skipped: no Vulkan device ({})", devices["missing"]);
     }
     has_one

@@ -1,5 +1,6 @@
 //! Glass, robots and vehicles, and where shadows begin.
 
+use crate::gpu;
 use crate::support::*;
 use gaitway::avatar::{Avatar, Material, Vertex};
 use gaitway::ground::ABSENT;
@@ -70,7 +71,7 @@ fn glass_lets_through_what_its_alpha_says_with_one_sample_and_with_four() {
             }
         }
     }
-    assert_silent();
+    gpu::assert_silent();
 }
 
 #[test]
@@ -94,7 +95,7 @@ fn both_ways_of_drawing_both_eyes_show_the_same_glass() {
             .count()
     };
     assert!(red(&one, 0) > 500 && red(&one, W) > 500, "seen by both eyes");
-    assert_silent();
+    gpu::assert_silent();
 }
 
 /// A block whose front is green and whose back is red.
@@ -137,7 +138,7 @@ fn robots_are_drawn_where_their_agents_are_turned_as_they_are_on_their_floor_and
     made.meshes.outsiders.clear();
     renderer.set_meshes(&made.meshes).unwrap();
     assert_eq!(gone.pixels, renderer.draw(&view, Some(&made.crowd())).unwrap().pixels, "nobody there");
-    assert_silent();
+    gpu::assert_silent();
 }
 
 /// Darkness of the ground, 0 in the sun to 1 in the middle of the shadow, so far from what stands on it, m.

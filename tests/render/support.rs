@@ -1,8 +1,9 @@
 //! A device, scenes of boxes and a crowd as the kernels would have written it.
 
+use crate::gpu;
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
-use gaitway::gpu::{Buffer, Device, Memory, Validation, validation_messages};
+use gaitway::gpu::{Buffer, Device, Memory};
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
 use gaitway::render::{Atmosphere, CrowdBuffers, Image, Surface};
@@ -13,27 +14,10 @@ use std::sync::{Arc, OnceLock};
 pub(super) const W: u32 = 320;
 pub(super) const H: u32 = 180;
 
-/// A device with the validation layer where it is installed; `None` (and a line) without Vulkan.
-pub(super) fn open() -> Option<Arc<Device>> {
-    let device = Device::open(None, Validation::Sync).or_else(|_| Device::open(None, Validation::Off));
-    match device {
-        Ok(device) => Some(device),
-        Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() => panic!("{error}"),
-        Err(error) => {
-            println!("skipped: no Vulkan ({error})");
-            None
-        }
-    }
-}
-
+/// The device that the tests share.
 pub(super) fn device() -> Option<Arc<Device>> {
     static DEVICE: OnceLock<Option<Arc<Device>>> = OnceLock::new();
-    DEVICE.get_or_init(open).clone()
-}
-
-pub(super) fn assert_silent() {
-    let messages = validation_messages();
-    assert!(messages.is_empty(), "{messages:#?}");
+    DEVICE.get_or_init(gpu::device).clone()
 }
 
 /// Writes the picture where `GAITWAY_PICTURES` says, to be looked at.

@@ -36,14 +36,7 @@ impl Stage {
     pub(crate) fn start(&self, backend: Backend) -> Option<Simulation> {
         let mut store = setup::store(&self.scenario, &self.scenario.geometry(), &self.crowd, &self.cast);
         self.replay.set_up(&mut store);
-        match Simulation::from_store(store, backend, None) {
-            Ok(simulation) => Some(simulation),
-            Err(error) if std::env::var_os("GAITWAY_REQUIRE_GPU").is_none() => {
-                println!("skipped: {error}");
-                None
-            }
-            Err(error) => panic!("{error}"),
-        }
+        crate::gpu::on_device(Simulation::from_store(store, backend, None))
     }
 
     pub(crate) fn time(&self, step: u32) -> f64 {
