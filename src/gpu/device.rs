@@ -166,6 +166,7 @@ impl Device {
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
         #[cfg(feature = "xr")]
         let watch = super::Watch::start();
+        self.reset(fence)?;
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
         unsafe { self.raw.queue_submit2(*queue, &submit, fence) }.map_err(call("vkQueueSubmit2"))?;
         self.wait(fence)?;
@@ -175,14 +176,26 @@ impl Device {
             self.waited.fetch_add(waited, Ordering::Relaxed);
             self.submissions.fetch_add(1, Ordering::Relaxed);
         }
-        // SAFETY: nothing is submitted that would signal the fence.
+        Ok(())
+    }
+
+    /// Makes a fence fit for a submission. Before it, not after the one before: a fence that could not be reset then would end
+    /// the next wait at once, and what is in flight would be dropped.
+    pub(crate) fn reset(&self, fence: vk::Fence) -> Result<(), Error> {
+        // SAFETY: the fence is of this device, and every submission that would signal it was waited for.
         unsafe { self.raw.reset_fences(&[fence]) }.map_err(call("vkResetFences"))
     }
 
-    /// Waits for the fence of a submission. Buffers may be dropped when this comes back, also with an error.
+    /// Waits for the fence of a submission, whose queue the caller holds. What the submission uses may be dropped when this
+    /// comes back, also with an error.
     pub(crate) fn wait(&self, fence: vk::Fence) -> Result<(), Error> {
-        // SAFETY: the fence is of this device and has been handed to a submission.
-        until_over(|| unsafe { self.raw.wait_for_fences(&[fence], true, u64::MAX) })
+        let fences = [fence];
+        until_over(
+            // SAFETY: the fence is of this device and has been handed to a submission.
+            || unsafe { self.raw.wait_for_fences(&fences, true, u64::MAX) },
+            // SAFETY: the caller holds the only queue of the device.
+            || unsafe { self.raw.device_wait_idle() },
+        )
     }
 
     /// Submissions that were waited for so far.
@@ -198,16 +211,22 @@ impl Device {
     }
 }
 
-/// Waits again where a wait fails for want of memory: what was submitted goes on and uses its buffers. The work of a device
-/// that is lost is over.
-fn until_over(mut wait: impl FnMut() -> Result<(), vk::Result>) -> Result<(), Error> {
+/// Comes back only when what was submitted is over, since it uses buffers that are dropped then. Where a wait fails for want of
+/// memory it is tried again; where it fails otherwise the device has to be idle first. The work of a device that is lost is
+/// over.
+fn until_over(
+    mut wait: impl FnMut() -> Result<(), vk::Result>,
+    mut idle: impl FnMut() -> Result<(), vk::Result>,
+) -> Result<(), Error> {
     const AGAIN: [vk::Result; 3] =
         [vk::Result::TIMEOUT, vk::Result::ERROR_OUT_OF_HOST_MEMORY, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY];
+    const LOST: vk::Result = vk::Result::ERROR_DEVICE_LOST;
     loop {
-        match wait() {
-            Err(result) if AGAIN.contains(&result) => std::thread::sleep(Duration::from_millis(1)),
-            outcome => return outcome.map_err(call("vkWaitForFences")),
+        let Err(result) = wait() else { return Ok(()) };
+        if !AGAIN.contains(&result) && (result == LOST || matches!(idle(), Ok(()) | Err(LOST))) {
+            return Err(call("vkWaitForFences")(result));
         }
+        std::thread::sleep(Duration::from_millis(1));
     }
 }
 
@@ -289,15 +308,59 @@ impl Drop for Device {
 }
 
 #[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
 mod tests {
     use super::*;
+    use crate::gpu::for_tests;
 
     #[test]
-    fn a_wait_that_fails_while_the_device_works_is_tried_again() {
-        let mut results = vec![Ok(()), Err(vk::Result::ERROR_OUT_OF_HOST_MEMORY), Err(vk::Result::TIMEOUT)];
-        assert!(until_over(|| results.pop().unwrap()).is_ok() && results.is_empty());
-        let mut results = vec![Ok(()), Err(vk::Result::ERROR_DEVICE_LOST)];
-        assert!(until_over(|| results.pop().unwrap()).is_err() && results.len() == 1);
+    fn a_wait_comes_back_only_when_the_work_is_over() {
+        const MEMORY: vk::Result = vk::Result::ERROR_OUT_OF_HOST_MEMORY;
+        const LOST: vk::Result = vk::Result::ERROR_DEVICE_LOST;
+        const UNKNOWN: vk::Result = vk::Result::ERROR_UNKNOWN;
+        type Results<'a> = &'a [Result<(), vk::Result>];
+        // what waiting says, one after the other, what being idle says, and what comes of it
+        let cases: [(Results<'_>, Results<'_>, bool); 5] = [
+            (&[Err(vk::Result::TIMEOUT), Err(MEMORY), Ok(())], &[], true),
+            (&[Err(LOST)], &[], false),
+            (&[Err(UNKNOWN)], &[Ok(())], false),
+            (&[Err(UNKNOWN), Err(UNKNOWN)], &[Err(MEMORY), Err(LOST)], false),
+            (&[Err(UNKNOWN), Ok(())], &[Err(UNKNOWN)], true),
+        ];
+        for (waits, idles, is_done) in cases {
+            let (mut wait, mut idle) = (waits.iter().copied(), idles.iter().copied());
+            let outcome = until_over(|| wait.next().unwrap(), || idle.next().unwrap());
+            assert_eq!(outcome.is_ok(), is_done, "{waits:?} {idles:?}");
+            assert!(
+                wait.next().is_none() && idle.next().is_none(),
+                "{waits:?} {idles:?}: came back too early"
+            );
+        }
+    }
+
+    #[test]
+    fn a_fence_that_was_left_signalled_does_not_end_the_next_wait() {
+        let Some(device) = for_tests::device() else { return };
+        let raw = &device.raw;
+        // SAFETY: the create-infos are complete; what is made is destroyed when its submission is over.
+        unsafe {
+            let signalled = vk::FenceCreateInfo::default().flags(vk::FenceCreateFlags::SIGNALED);
+            let fence = raw.create_fence(&signalled, None).unwrap();
+            let pool = vk::CommandPoolCreateInfo::default().queue_family_index(device.family);
+            let pool = raw.create_command_pool(&pool, None).unwrap();
+            let one = vk::CommandBufferAllocateInfo::default().command_pool(pool).command_buffer_count(1);
+            let commands = raw.allocate_command_buffers(&one).unwrap()[0];
+            raw.begin_command_buffer(commands, &vk::CommandBufferBeginInfo::default()).unwrap();
+            raw.end_command_buffer(commands).unwrap();
+            for _ in 0..2 {
+                device.submit_and_wait(commands, fence).unwrap();
+                assert!(raw.get_fence_status(fence).unwrap(), "signalled by this submission");
+            }
+            raw.destroy_fence(fence, None);
+            raw.destroy_command_pool(pool, None);
+        }
+        drop(device);
+        for_tests::assert_silent(); // which says what is wrong with fences
     }
 
     #[test]

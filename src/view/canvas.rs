@@ -285,11 +285,10 @@ impl Canvas {
             .signal_semaphore_infos(&signals)];
         let raw = &self.device.raw;
         let queue = self.device.hold_queue();
+        self.device.reset(self.fence)?;
         // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is held.
         unsafe { raw.queue_submit2(*queue, &submit, self.fence) }.map_err(call("vkQueueSubmit2"))?;
-        self.device.wait(self.fence)?;
-        // SAFETY: nothing is submitted that would signal the fence.
-        unsafe { raw.reset_fences(&[self.fence]) }.map_err(call("vkResetFences"))
+        self.device.wait(self.fence)
     }
 }
 
