@@ -7,11 +7,13 @@
 //! (n is counted, never assumed), A-07 (correlations over gaits are the headline, over responses are given too).
 
 mod agreement;
+mod key;
 mod read;
 
 use crate::emotion::Emotion;
 use crate::gait::Gait;
 pub use agreement::{Agreement, Correlation, Metric, agreement, correlation, krippendorff_alpha};
+pub use key::{KEY_HEAD, parse_key, read_key};
 pub use read::{Fault, MOST_BYTES, Options, Sheet, parse, read};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};

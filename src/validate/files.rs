@@ -8,6 +8,10 @@ use std::path::{Path, PathBuf};
 
 /// Largest file read, bytes.
 const MAX_BYTES: u64 = 256 << 20;
+/// Most frames from the first to the last: more than an hour at 25 a second.
+const MOST_FRAMES: f64 = 100_000.0;
+/// Largest number of a frame.
+const MOST_NUMBER: f64 = 1e12;
 
 /// Why a file could not be used.
 #[derive(Debug, thiserror::Error)]
@@ -33,6 +37,18 @@ pub enum Error {
         /// What should stand there.
         wanted: &'static str,
     },
+    /// Its frames lie too far apart.
+    #[error(
+        "{path}: frames {first} to {last}; at most {MOST_FRAMES} frames are read, from 0 to {MOST_NUMBER:e}"
+    )]
+    Frames {
+        /// The file.
+        path: PathBuf,
+        /// The least.
+        first: f64,
+        /// The largest.
+        last: f64,
+    },
 }
 
 /// Rows of numbers, at least `least` in each; lines that begin with `#` are none.
@@ -56,17 +72,28 @@ fn rows(path: &Path, least: usize, wanted: &'static str) -> Result<Vec<Vec<f64>>
     Ok(rows)
 }
 
+/// Somebody in a frame: its number, who, where, m.
+type Row = (f64, f64, Vec2);
+
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of people and frames")]
-fn collect(rate: f64, every: f64, rows: impl Iterator<Item = (f64, f64, Vec2)>) -> Tracks {
+fn collect(path: &Path, rate: f64, every: f64, rows: impl Iterator<Item = Row>) -> Result<Tracks, Error> {
+    let rows: Vec<Row> = rows.map(|(frame, who, at)| ((frame / every).round(), who, at)).collect();
+    let numbers = || rows.iter().map(|row| row.0);
+    let (first, last) =
+        (numbers().fold(f64::INFINITY, f64::min), numbers().fold(f64::NEG_INFINITY, f64::max));
+    let is_readable = first >= 0.0 && last <= MOST_NUMBER && last - first < MOST_FRAMES;
+    if !(rows.is_empty() || is_readable) {
+        return Err(Error::Frames { path: path.to_owned(), first, last });
+    }
     let mut frames: BTreeMap<i64, Vec<(u32, Vec2)>> = BTreeMap::new();
     for (frame, who, at) in rows {
-        frames.entry((frame / every).round() as i64).or_default().push((who as u32, at));
+        frames.entry(frame as i64).or_default().push((who as u32, at));
     }
     let mut tracks = Tracks::new(rate);
     let mut next = frames.keys().next().copied().unwrap_or(0);
     for (frame, mut people) in frames {
-        // a gap in the recording is frames without people, as long as it is not absurd
-        while next < frame && tracks.frames.len() < 1_000_000 {
+        // a gap in the recording is frames without people
+        while next < frame {
             tracks.frames.push(Vec::new());
             next += 1;
         }
@@ -75,7 +102,7 @@ fn collect(rate: f64, every: f64, rows: impl Iterator<Item = (f64, f64, Vec2)>) 
         tracks.frames.push(people);
         next = frame + 1;
     }
-    tracks
+    Ok(tracks)
 }
 
 /// A file of the Jülich archive: `id frame x y z`, with `scale` metres to its unit and `rate` frames a second.
@@ -86,7 +113,7 @@ pub fn juelich(path: &Path, scale: f64, rate: f64) -> Result<Tracks, Error> {
     let rows = rows(path, 4, "id frame x y z")?;
     #[allow(clippy::cast_possible_truncation, reason = "metres")]
     let at = |row: &[f64]| Vec2::new((row[2] * scale) as f32, (row[3] * scale) as f32);
-    Ok(collect(rate, 1.0, rows.iter().map(|row| (row[1], row[0], at(row)))))
+    collect(path, rate, 1.0, rows.iter().map(|row| (row[1], row[0], at(row))))
 }
 
 /// A file of UCY as `OpenTraj` has it: `frame id x _ y vx _ vy`, 25 frames a second, a row every ten.
@@ -97,7 +124,7 @@ pub fn ucy(path: &Path) -> Result<Tracks, Error> {
     let rows = rows(path, 8, "frame id x _ y vx _ vy")?;
     #[allow(clippy::cast_possible_truncation, reason = "metres")]
     let at = |row: &[f64]| Vec2::new(row[2] as f32, row[4] as f32);
-    Ok(collect(2.5, 10.0, rows.iter().map(|row| (row[0] - 1.0, row[1], at(row)))))
+    collect(path, 2.5, 10.0, rows.iter().map(|row| (row[0] - 1.0, row[1], at(row))))
 }
 
 #[cfg(test)]
@@ -120,5 +147,10 @@ mod tests {
         assert_eq!((tracks.frames.len(), tracks.rate), (2, 2.5));
         std::fs::write(&path, "1 1 nan 0 2 0 0 0\n").unwrap();
         assert!(ucy(&path).is_err() && ucy(&folder.path().join("none")).is_err());
+        for far in ["1 0 1 1\n1 200000 1 1\n", "1 0 1 1\n1 1e300 1 1\n", "1 -3 1 1\n"] {
+            std::fs::write(&path, far).unwrap();
+            let error = juelich(&path, 0.01, 16.0).unwrap_err().to_string();
+            assert!(error.contains("a.txt: frames ") && error.contains("100000"), "{error}");
+        }
     }
 }

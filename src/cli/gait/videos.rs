@@ -12,6 +12,7 @@ use crate::export::video::Video;
 use crate::file;
 use crate::gait::{Gait, Joint, Pose};
 use crate::perception::evaluate::Random;
+use crate::perception::ratings::{self, KEY_HEAD};
 use crate::picture::Image;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
@@ -22,8 +23,6 @@ const SIZE: (u32, u32) = (256, 384);
 const RATE: f64 = 30.0;
 /// What the videos end in.
 const ENDING: &str = if cfg!(feature = "video") { "mp4" } else { "y4m" };
-/// Longest table of videos, bytes.
-const MOST_KEY_BYTES: u64 = 16 << 20;
 /// Length, s.
 const SECONDS: f32 = 4.0;
 /// The camera stands here and looks along -z.
@@ -40,9 +39,6 @@ const GROUND: [u8; 4] = [206, 206, 202, 255];
 const BODY: [[f32; 3]; 2] = [[44.0, 48.0, 58.0], [122.0, 126.0, 136.0]];
 /// Thickness of limbs and of the head, m.
 const THICK: [f32; 2] = [0.07, 0.2];
-
-/// Head of the table that tells which gait a video shows.
-const KEY_HEAD: &str = "video,gait";
 
 /// The table that goes with a folder of videos: `DIR-key.csv`, beside it.
 pub(super) fn key_of(folder: &Path) -> PathBuf {
@@ -77,24 +73,8 @@ pub(super) fn write(folder: &Path, gaits: &[Gait], seed: u64) -> Result<Vec<Path
 
 /// Which gait each video of a table shows.
 pub(super) fn read_key(path: &Path) -> Result<HashMap<String, String>, Error> {
-    let unusable = |message: String| {
-        failed(format!("{}: {message}", path.display()), "`gaitway gait show --videos` writes such a table")
-    };
-    let text = file::read_text(path, MOST_KEY_BYTES).map_err(|error| unusable(error.to_string()))?;
-    let mut lines = (1..).zip(text.lines());
-    if lines.next().is_none_or(|(_, head)| head.trim() != KEY_HEAD) {
-        return Err(unusable(format!("the first line must be {KEY_HEAD}")));
-    }
-    let mut gaits = HashMap::new();
-    for (number, line) in lines.filter(|(_, line)| !line.trim().is_empty()) {
-        let row = line.trim_end().split_once(',');
-        let (video, gait) = row.ok_or_else(|| unusable(format!("line {number} has no comma")))?;
-        let gait = gait.strip_prefix('"').and_then(|gait| gait.strip_suffix('"')).unwrap_or(gait);
-        if gaits.insert(video.to_owned(), gait.replace("\"\"", "\"")).is_some() {
-            return Err(unusable(format!("line {number} names {video} again")));
-        }
-    }
-    Ok(gaits)
+    ratings::read_key(path)
+        .map_err(|error| failed(error.to_string(), "`gaitway gait show --videos` writes such a table"))
 }
 
 fn film(path: &Path, gait: &Gait) -> Result<PathBuf, crate::export::image::Error> {

@@ -94,8 +94,9 @@ impl Field {
             let along = self.velocities[cell];
             let next = at + along.normalize_or_zero() * step;
             let is_outside = next.cmplt(self.low).any() || next.cmpgt(high).any();
-            // a cell is met again where velocities on both sides of a line lead back to it
-            if along.length() < STILL || is_outside || visits[cell] > 2 {
+            // a cell is met again where velocities on both sides of a line lead back to it; a step that is lost in rounding
+            // leads nowhere
+            if along.length() < STILL || next == at || is_outside || visits[cell] > 2 {
                 return at;
             }
             at = next;
@@ -122,6 +123,15 @@ mod tests {
         assert!((1.7..=2.0).contains(&out.x), "{out}");
         let sink = field("1 2\n1.0\n0 0\n1 0\n-1 0\n").unwrap().end(Vec2::new(0.1, 0.5));
         assert!((0.7..=1.3).contains(&sink.x), "{sink}");
+    }
+
+    #[test]
+    fn a_step_too_small_to_be_taken_ends_the_way() {
+        // a velocity whose length overflows has no direction, and cells of a nanometre vanish beside 1,000 m
+        for text in ["1 2\n1.0\n0 0\n1e38 1e38\n1 0\n", "1 2\n1e-9\n1000 1000\n1 0\n1 0\n"] {
+            let field = field(text).unwrap();
+            assert_eq!(field.end(field.low), field.low);
+        }
     }
 
     #[test]

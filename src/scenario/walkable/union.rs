@@ -3,6 +3,7 @@
 //! Corners are rounded to a tenth of a millimetre. Edges are cut where they cross and where a corner lies within the
 //! tolerance of them; of the pieces those are kept that have the area on one side only; they are put together to rings.
 
+use crate::scenario::MAX_COORDINATE;
 use glam::{DVec2, I64Vec2};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -19,8 +20,13 @@ pub(super) type Face = Vec<Vec<DVec2>>;
 /// Rings of the union, outer ones and holes, in no particular order.
 ///
 /// # Errors
-/// When there are too many edges.
+/// When there are too many edges, or a corner is farther from the origin than [`MAX_COORDINATE`].
 pub(super) fn union(faces: &[Face]) -> Result<Vec<Vec<DVec2>>, String> {
+    let most = f64::from(MAX_COORDINATE);
+    let is_far = |at: &&DVec2| !(at.x.abs() <= most && at.y.abs() <= most);
+    if let Some(DVec2 { x, y }) = faces.iter().flatten().flatten().find(is_far) {
+        return Err(format!("has a corner at ({x}, {y}) m; corners must be within {most} m of the origin"));
+    }
     let round = |at: &DVec2| (*at * UNITS).round().as_i64vec2();
     let mut edges = BTreeSet::new();
     for ring in faces.iter().flatten() {

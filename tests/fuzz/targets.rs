@@ -3,6 +3,7 @@
 use crate::containers::{c3d, npy, npz, trc};
 use crate::mutate::Form;
 use crate::walker::{self, Walker};
+use crate::{crowds, people};
 use gaitway::Emotion;
 use gaitway::gait::import::{
     JointMap, Options, asf_amc, bvh, c3d as c3d_file, csv, npz as npz_file, trc as trc_file,
@@ -10,7 +11,7 @@ use gaitway::gait::import::{
 use gaitway::gait::walker::{Sex, person};
 use gaitway::gait::{Error, Recording, stride};
 use gaitway::library::GaitLibrary;
-use gaitway::scenario::Scenario;
+use std::path::Path;
 
 /// One reader.
 pub(crate) struct Target {
@@ -22,7 +23,13 @@ pub(crate) struct Target {
     pub(crate) read: fn(&[u8]) -> Result<String, String>,
 }
 
-pub(crate) const TARGETS: [Target; 11] = [
+/// Every reader there is.
+pub(crate) fn all() -> impl Iterator<Item = &'static Target> {
+    MOTION.iter().chain(&crowds::TARGETS).chain(&people::TARGETS)
+}
+
+/// Readers of motion capture and gaits.
+static MOTION: [Target; 10] = [
     Target {
         name: "bvh",
         form: Form::Text,
@@ -101,19 +108,32 @@ pub(crate) const TARGETS: [Target; 11] = [
             Ok(library.gaits().len().to_string())
         },
     },
-    Target {
-        name: "scenario",
-        form: Form::Text,
-        seeds: scenario_seeds,
-        read: |bytes| {
-            let scenario = Scenario::parse(&text(bytes), "x").map_err(|error| error.to_string())?;
-            Ok((scenario.population.agents > 0).to_string())
-        },
-    },
 ];
 
-fn text(bytes: &[u8]) -> String {
+pub(crate) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
+}
+
+pub(crate) fn gait(emotion: Emotion, index: u32) -> gaitway::gait::Gait {
+    person(emotion, Sex::Female, 1, index).unwrap()
+}
+
+/// Asks a reader that takes paths: these files are there while it answers.
+pub(crate) fn with_files(
+    files: &[(&str, &[u8])],
+    read: impl FnOnce(&Path) -> Result<String, String>,
+) -> Result<String, String> {
+    thread_local! { static FOLDER: tempfile::TempDir = tempfile::tempdir().unwrap(); }
+    FOLDER.with(|folder| {
+        for (name, bytes) in files {
+            std::fs::write(folder.path().join(name), bytes).unwrap();
+        }
+        let answer = read(folder.path());
+        for (name, _) in files {
+            std::fs::remove_file(folder.path().join(name)).unwrap();
+        }
+        answer
+    })
 }
 
 /// Looks for strides in what was read, as whoever imports does.
@@ -225,15 +245,9 @@ fn map_seeds() -> Vec<Vec<u8>> {
 }
 
 fn library_seeds() -> Vec<Vec<u8>> {
-    let gait = |emotion, index| person(emotion, Sex::Female, 1, index).unwrap();
     let one = GaitLibrary::from_gaits(vec![gait(Emotion::Sad, 0)]).unwrap();
     let two = GaitLibrary::from_gaits(vec![gait(Emotion::Happy, 0), gait(Emotion::Angry, 1)]).unwrap();
     vec![one.to_glb_bytes(), two.to_glb_bytes()]
-}
-
-fn scenario_seeds() -> Vec<Vec<u8>> {
-    let name = |name: &&str| Scenario::builtin(name).unwrap().to_toml().unwrap().into_bytes();
-    Scenario::builtin_names().iter().map(name).collect()
 }
 
 /// Files whose few bytes ask for much: importer, what they do, bytes.

@@ -1,48 +1,49 @@
-//! Broken files of every kind that is read: whatever the bytes, the importer answers, quickly, with memory in
+//! Broken files of every kind that is read: whatever the bytes, the reader answers, quickly, with memory in
 //! proportion, and never panics.
 //!
 //! Valid files are mutated (bytes flipped, cut, doubled, spliced; numbers replaced by NaN, 1e30 and huge counts; words
 //! doubled; arrays and chunks repacked so that checksums and lengths hold). An input whose answer is new (another
 //! message, or the first that is read) joins the pool that is mutated further. What fails is stored in
-//! `tests/import/corpus/` as `IMPORTER-HASH` and is replayed by `the_corpus_is_answered` from then on.
+//! `tests/fuzz/corpus/` as `READER-HASH` and is replayed by `the_corpus_is_answered` from then on.
 //!
-//! `cargo test` runs 2 seconds in all. For longer, or for one importer:
+//! `cargo test` runs 2 seconds in all. For longer, or for one reader:
 //! ```text
-//! GAITWAY_FUZZ_SECONDS=600 GAITWAY_FUZZ_IMPORTER=bvh cargo test --test fuzz_import -- --nocapture
+//! GAITWAY_FUZZ_SECONDS=600 GAITWAY_FUZZ_READER=bvh cargo test --test fuzz -- --nocapture
 //! ```
-//! `GAITWAY_FUZZ_SEED` starts another sequence, `GAITWAY_FUZZ_KEEP=N` stores N small inputs an importer whose answers
-//! are new, though nothing is wrong with them.
+//! `GAITWAY_FUZZ_SEED` starts another sequence, `GAITWAY_FUZZ_KEEP=N` stores N small inputs a reader whose answers
+//! are new, though nothing is wrong with them. The same readers guided by coverage: `scripts/test fuzz` (`docs/fuzzing.md`).
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,
     reason = "helpers of tests: a failed unwrap is a failed test, and what was measured is printed"
 )]
 
+#[path = "fuzz/answer.rs"]
+mod answer;
 #[path = "import/containers.rs"]
 mod containers;
-#[path = "import/fuzz/memory.rs"]
+#[path = "fuzz/crowds.rs"]
+mod crowds;
+#[path = "fuzz/memory.rs"]
 mod memory;
-#[path = "import/fuzz/mutate.rs"]
+#[path = "fuzz/mutate.rs"]
 mod mutate;
-#[path = "import/fuzz/targets.rs"]
+#[path = "fuzz/people.rs"]
+mod people;
+#[path = "fuzz/targets.rs"]
 mod targets;
 #[path = "import/walker.rs"]
 #[allow(dead_code, reason = "shared with the tests of import; not all of it is needed here")]
 mod walker;
 
+use answer::MEMORY_FREE;
 use mutate::Random;
 use std::collections::HashSet;
 use std::hash::{DefaultHasher, Hash as _, Hasher as _};
-use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
-use targets::{TARGETS, Target};
+use std::time::Instant;
+use targets::Target;
 
-/// An importer may hold so many times the bytes of its input, and so many beside.
-const MEMORY_RATIO: usize = 64;
-const MEMORY_FREE: usize = 16 << 20;
-/// An answer that takes longer is a hang (unoptimised builds, slow machines, others at work on them).
-const SLOW: Duration = Duration::from_secs(60);
 /// Largest input that is kept for further mutation.
 const LARGEST: usize = 1 << 16;
 /// Largest input that `GAITWAY_FUZZ_KEEP` stores.
@@ -52,23 +53,8 @@ const POOL: usize = 3000;
 
 /// The answer to one input, without the numbers in it; or what is wrong.
 fn ask(target: &Target, input: &[u8]) -> Result<String, String> {
-    let begin = Instant::now();
-    let floor = memory::mark();
-    let answer = catch_unwind(AssertUnwindSafe(|| (target.read)(input)));
-    let peak = memory::peak().saturating_sub(floor);
-    let allowed = MEMORY_RATIO * input.len() + MEMORY_FREE;
-    match answer {
-        Err(panic) => {
-            let text = panic.downcast_ref::<String>().cloned();
-            let text = text.or_else(|| panic.downcast_ref::<&str>().map(|&s| s.to_owned()));
-            Err(format!("panics: {}", text.unwrap_or_default()))
-        }
-        Ok(_) if peak > allowed => {
-            Err(format!("holds {peak} bytes for an input of {}; {allowed} are allowed", input.len()))
-        }
-        Ok(_) if begin.elapsed() > SLOW => Err(format!("takes {:.1} s", begin.elapsed().as_secs_f32())),
-        Ok(answer) => Ok(answer.map_or_else(|message| signature(&message), |read| format!("read: {read}"))),
-    }
+    let answer = answer::ask(target, input)?;
+    Ok(answer.map_or_else(|message| signature(&message), |read| format!("read: {read}")))
 }
 
 /// A message without what comes from the input: quoted text and numbers.
@@ -87,7 +73,7 @@ fn signature(message: &str) -> String {
 }
 
 fn corpus() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/import/corpus")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus")
 }
 
 fn store(target: &Target, input: &[u8]) -> PathBuf {
@@ -104,8 +90,10 @@ fn shake(target: &Target, seconds: f64, seed: u64, last: Option<&Path>) -> (Vec<
     let mut random = Random::new(seed);
     let mut pool = (target.seeds)();
     for (index, input) in pool.iter().enumerate() {
-        let answer = ask(target, input).unwrap();
-        assert!(answer.starts_with("read"), "{}: seed {index} must be read: {answer}", target.name);
+        match answer::ask(target, input) {
+            Ok(Ok(_)) => {}
+            wrong => return (vec![format!("{}: seed {index} must be read: {wrong:?}", target.name)], 0, 0),
+        }
     }
     let (mut answers, mut failures, mut failed) = (HashSet::new(), Vec::new(), HashSet::new());
     let (begin, mut count) = (Instant::now(), 0);
@@ -146,10 +134,11 @@ fn variable<T: std::str::FromStr>(name: &str) -> Option<T> {
 fn broken_files_are_answered() {
     let seconds: f64 = variable("GAITWAY_FUZZ_SECONDS").unwrap_or(2.0);
     let seed: u64 = variable("GAITWAY_FUZZ_SEED").unwrap_or(1);
-    let only: Option<String> = variable("GAITWAY_FUZZ_IMPORTER");
+    let only: Option<String> = variable("GAITWAY_FUZZ_READER");
     let chosen: Vec<&Target> =
-        TARGETS.iter().filter(|target| only.as_deref().is_none_or(|only| only == target.name)).collect();
-    assert!(!chosen.is_empty(), "no importer {only:?}; there are {:?}", TARGETS.map(|target| target.name));
+        targets::all().filter(|target| only.as_deref().is_none_or(|only| only == target.name)).collect();
+    let names: Vec<&str> = targets::all().map(|target| target.name).collect();
+    assert!(!chosen.is_empty(), "no reader {only:?}; there are {names:?}");
     // The faults are reported at the end; a stack trace each would drown them.
     std::panic::set_hook(Box::new(|_| {}));
     let is_long = seconds > 10.0;
@@ -179,10 +168,9 @@ fn the_corpus_is_answered() {
     let mut count = 0;
     for path in files {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
-        let Some(target) = TARGETS.iter().find(|target| name.starts_with(&format!("{}-", target.name)))
-        else {
-            continue;
-        };
+        let reader = name.rsplit_once('-').map_or("", |(reader, _)| reader);
+        let target = targets::all().find(|target| target.name == reader);
+        let target = target.unwrap_or_else(|| panic!("{name}: no reader is called {reader:?}"));
         let input = std::fs::read(&path).unwrap();
         if let Err(fault) = ask(target, &input) {
             panic!("{name}: {fault}");
@@ -194,7 +182,7 @@ fn the_corpus_is_answered() {
 
 #[test]
 fn files_made_to_unfold_are_held_in_proportion() {
-    let named = |name: &str| TARGETS.iter().find(|target| target.name == name).unwrap();
+    let named = |name: &str| targets::all().find(|target| target.name == name).unwrap();
     for (name, what, input) in targets::hostile() {
         match ask(named(name), &input) {
             Ok(answer) => println!("{name}, {what}, {} bytes: {answer}", input.len()),
