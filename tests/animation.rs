@@ -85,7 +85,8 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
         let levels = store.frame.level_count;
         let mut drawn = 0;
         for agent in 0..700 {
-            let usable = agent < 700 - 6; // the last six are impossible by construction
+            // the last six are impossible by construction, and one has no body
+            let usable = agent < 700 - 6 && store.look[agent][0] >> 17 & 1 == 0;
             let at = Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]);
             let scale = scale_of(&store, agent);
             let (height, radius) = (store.frame.agent_height * scale, store.frame.agent_radius * scale);

@@ -26,6 +26,7 @@ fn around(agents: u32, emotion: Emotion, gaze: &Gaze) -> Store {
         store.gait_weights[i] = [1.0, 0.0, 0.0, 0.0];
         store.gaze_frame[i] = 0;
         store.attention[i] = [0; 2];
+        store.elevation[i] = 0.0;
     }
     store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
     store.frame.gaze_time = 0;

@@ -119,6 +119,18 @@ mod tests {
     }
 
     #[test]
+    fn who_is_launched_by_counts_waits_for_them() {
+        // `pose` binds nothing that the first operation writes: the counts alone make it wait
+        let counts = BufferId::DispatchArgs;
+        let pose = KernelId::Pose;
+        assert!(pose.kernel().bindings.iter().all(|binding| binding.buffer != counts));
+        let launched =
+            |extent| text(&plan(&[Op::Set(counts), Op::Pass(Pass { kernel: pose, level: 0, extent })]));
+        assert_eq!(launched(Extent::Indirect(counts, 0)), "set dispatch_args\nbarrier\npose\n");
+        assert_eq!(launched(Extent::Invocations(64)), "set dispatch_args\npose\n");
+    }
+
+    #[test]
     fn reads_after_reads_need_no_barrier_and_writes_after_reads_do() {
         let (a, b) = (BufferId::Position, BufferId::Velocity);
         let mut hazards = Hazards::default();

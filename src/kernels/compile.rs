@@ -62,6 +62,17 @@ impl Source {
         Ok(source)
     }
 
+    /// The joined text.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// Where a file's text begins in the joined text, bytes.
+    pub fn start_of(&self, file: &Path) -> Option<usize> {
+        let (line, _) = self.parts.iter().find(|(_, part)| part == file)?;
+        Some(self.text.split_inclusive('\n').take(*line).map(str::len).sum())
+    }
+
     /// All files the text came from.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
         self.parts.iter().map(|(_, file)| file.as_path())

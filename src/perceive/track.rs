@@ -188,7 +188,10 @@ mod tests {
 
     #[test]
     fn those_who_stand_creep_or_turn_are_counted_apart() {
-        assert_eq!(track(0.3, 0.0).1.stride(), Seen::Nothing(Unusable::Slow));
+        for slow in [0.3, 0.4, 0.45] {
+            assert_eq!(track(slow, 0.0).1.stride(), Seen::Nothing(Unusable::Slow), "{slow}");
+        }
+        assert!(matches!(track(0.55, 0.0).1.stride(), Seen::Walk(_)), "half its speed is a walk");
         assert_eq!(track(1.0, 0.9).1.stride(), Seen::Nothing(Unusable::Turning));
         let (_, mut still) = track(1.0, 0.0);
         still.phase.fill(5);

@@ -305,6 +305,9 @@ mod tests {
         let (found, tied) = label([1.0, 4.0, 4.0, 2.0], THETA);
         assert_eq!((found, tied), (Some(Emotion::Angry), vec![Emotion::Angry, Emotion::Sad]));
         assert_eq!(label([f64::NAN; 4], THETA).0, None);
+        // spelled out, so that another threshold is noticed: ratings are sums of whole numbers over a handful of people
+        assert_eq!(label([3.5 + 1.0 / 64.0, 1.0, 1.0, 1.0], 3.5).0, Some(Emotion::Happy));
+        assert_eq!(THETA.to_bits(), 3.5_f64.to_bits());
     }
 
     #[test]

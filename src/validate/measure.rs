@@ -277,6 +277,19 @@ mod tests {
     }
 
     #[test]
+    fn who_crosses_a_line_again_has_passed_it_once_the_first_time() {
+        let mut tracks = Tracks::new(10.0);
+        // to and fro across x = 0, to its right after 0.45 s, 4.45 s and 8.45 s
+        (0..100).for_each(|frame| {
+            let phase = frame % 40;
+            let x = 0.1 * if phase < 20 { phase as f32 - 4.5 } else { 34.5 - phase as f32 };
+            tracks.push(&[Some(Vec2::new(x, 0.5))]);
+        });
+        let times = crossings(&tracks, Vec2::ZERO, Vec2::new(0.0, 1.0));
+        assert!(times.len() == 1 && (times[0] - 0.45).abs() < 1e-4, "{times:?}");
+    }
+
+    #[test]
     fn lanes_have_order_one_and_a_mixture_little() {
         let lanes: Vec<(f64, f64)> =
             (0..100).map(|i| (f64::from(i) * 0.04, if i < 50 { 1.0 } else { -1.0 })).collect();

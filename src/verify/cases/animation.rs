@@ -228,7 +228,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
         frame: FrameUniforms {
             planes: all_planes,
             user_eyes: user_eyes.extend(0.0).to_array(),
-            camera: user_eyes.extend(if seed % 3 == 1 { 17.0 } else { 0.0 }).to_array(),
+            camera: user_eyes.extend(if seed % 3 == 1 && seed & 4 == 0 { 17.0 } else { 0.0 }).to_array(),
             level_distance: [4.0, 9.0, 25.0, if seed % 3 == 1 { 12.0 } else { 0.0 }],
             standing_clips: [[3, 7, 0, 0], [0; 4], [0; 4], [0; 4]],
             agent_count: agents as u32,
@@ -243,7 +243,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             agent_height: 1.95,
             agent_radius: 0.6,
             clip_count: (AVATARS * CLIPS) as u32,
-            gaze_limit: [0, agents as u32 / 12 + 2, 0, 4][seed as usize % 4],
+            gaze_limit: [0, agents as u32 / 12 + 2, 0, 4, 3, 2, agents as u32 / 6 + 2, 4][seed as usize % 8],
             gaze_time: GAZE_TIME,
             turn_least: 1000,
             turn_most: 4000,
@@ -319,8 +319,9 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         _ => (FRAME_INDEX - 1) | VALID | ENGAGED,
     });
     store.attention.push(match dice.below(5) {
-        0 => [0; 2],                                               // never had a turn
-        1 => [GAZE_TIME - 500, FRAME_INDEX - 1],                   // rests
+        0 => [0; 2],                                                // never had a turn
+        1 => [GAZE_TIME - 500 - dice.below(3000), FRAME_INDEX - 1], // rests, or has rested for long enough
+        2 if agent.is_multiple_of(7) => [GAZE_TIME.wrapping_sub(500_000 + dice.below(99_999)), FRAME_INDEX], // for ever
         2 => [GAZE_TIME - 3000 - dice.below(15_000), FRAME_INDEX], // waits
         3 => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 1],  // looks, if there are not too many
         _ => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 2],  // was out of view meanwhile
@@ -342,9 +343,17 @@ enum Hard {
     ZeroWeights,
     PhaseAtTheEnd,
     StraightBehind,
+    AtTheRange,
+    Absent,
+    Undrawn,
+    TooDeep,
 }
 
-const HARD: [Hard; 12] = [
+const HARD: [Hard; 16] = [
+    Hard::Absent,
+    Hard::Undrawn,
+    Hard::TooDeep,
+    Hard::AtTheRange,
     Hard::UserAbove,
     Hard::AtTheCamera,
     Hard::OnTheUser,
@@ -367,7 +376,7 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::NegativeWeight => store.gait_weights[agent][2] = -0.5,
         Hard::NoSuchAvatar => store.look[agent][0] |= 0xff,
         Hard::NoSuchClip => {
-            store.gait_weights[agent][0] = 1.0;
+            store.gait_weights[agent] = [1.0, 0.0, 0.0, 0.0];
             store.gaits[agent][0] = (AVATARS * CLIPS) as u32;
         }
         Hard::NoSize => store.look[agent][1] = 0,
@@ -379,6 +388,15 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
             let shrink: f32 = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
             store.look[agent][1] = shrink.to_bits();
             store.stance[agent] = [0.0, 0.0];
+        }
+        Hard::Absent => store.position[agent] = [crate::ground::ABSENT; 2],
+        Hard::Undrawn => store.look[agent][0] |= 1 << 17,
+        Hard::TooDeep => store.elevation[agent] = -1e7,
+        Hard::AtTheRange => {
+            store.position[agent] = [user_eyes.x, user_eyes.z + 8.0];
+            store.look[agent][0] = angry_gazer;
+            store.stance[agent] = [std::f32::consts::PI, 0.0];
+            (store.gaze_frame[agent], store.attention[agent]) = (0, [0; 2]);
         }
         Hard::ZeroWeights => store.gait_weights[agent] = [0.0; 4],
         Hard::PhaseAtTheEnd => store.phase[agent] = u32::MAX,

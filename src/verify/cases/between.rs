@@ -26,7 +26,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
         let mut stood = [stands[0] + within(2, 0.25), stands[1] + within(3, 0.25)];
         let (mut turned, mut heading) = (within(4, 3.1), within(5, 3.1));
         let (mut was, mut phase) = ((random(6) * 4e9) as u32, (random(7) * 4e9) as u32);
-        match i % 12 {
+        match i % 14 {
             0 => stood = stands,
             1 => stood[0] = stands[0] + 2.0 * REACH,
             2 => stood = [ABSENT; 2],
@@ -38,6 +38,9 @@ pub fn between(agents: usize, seed: u32) -> Store {
             8 => (was, phase) = (0, u32::MAX),
             9 => heading = f32::INFINITY,
             10 => heading = turned,
+            // beyond what a float can turn by, alone and together
+            11 => (turned, heading) = (0.0, -20_000.0),
+            12 => (turned, heading) = (20_000.0, 20_000.5),
             _ => {}
         }
         store.position.push(stands);

@@ -12,7 +12,7 @@ const EVENTS: usize = 5;
 /// at the very place of an event; seeds differ in how far feelings reach. Led agents follow paths of every length.
 pub fn feelings(agents: usize, seed: u32) -> Store {
     let mut store = super::step::crowd(agents, seed);
-    store.step.step_index = 100;
+    store.step.step_index = [100, 1, 0][seed as usize % 3];
     add_feelings(&mut store, agents, seed);
     store
 }
@@ -26,7 +26,7 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
     };
     let now = store.step.step_index as f32;
     store.step.feels = 1;
-    let radius = [0.0, 3.0, 8.0][seed as usize % 3];
+    let radius = [0.0, 3.0, 8.0, 0.6][seed as usize % 4];
     store.mood = MoodUniforms { radius, contagion: 0.8, decay: 0.1, event_count: EVENTS as u32 };
     for i in 0..agents {
         let weights = |lane: u32| match i % 5 {
@@ -38,7 +38,9 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
                 [a / sum, b / sum, c / sum, 1.0 - (a + b + c) / sum]
             }
         };
-        store.feeling.push(weights(0));
+        // one is felt more than it can be: shares stay shares
+        let most = if i % 10 == 5 { 1.01 } else { 1.0 };
+        store.feeling.push(weights(0).map(|weight| weight * most));
         let mut character = [4, 5, 6, 7].map(|lane| unit(i, lane));
         match i % 7 {
             0 => character[0] = 0.0,

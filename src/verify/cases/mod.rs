@@ -14,6 +14,7 @@ pub mod flow;
 pub mod gaits;
 pub mod hidden;
 pub mod journeys;
+mod odd;
 pub mod step;
 
 use crate::kernels::{Extent, KernelId, Pass, Store};
@@ -45,7 +46,7 @@ impl Case {
     /// The step after this one, on the CPU; none for a case that is no step.
     #[must_use]
     pub fn next_step(mut self) -> Option<Self> {
-        if self.store.step.cell_count == 0 {
+        if !self.passes.iter().any(|pass| pass.kernel == KernelId::GridCount) {
             return None;
         }
         for pass in &self.passes {
@@ -70,6 +71,7 @@ pub fn all(size: usize, seed: u32) -> Vec<Case> {
             cases.push(Case::step(&format!("step of model {model}"), size, seed, store));
         }
         cases.push(Case::step("journeys", size, seed, journeys::journeys(size, seed)));
+        cases.extend(odd::cases(size, seed));
     }
     for number in numbers(8) {
         // the large case is of the tight kind, whose buffers are small

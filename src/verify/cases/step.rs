@@ -40,11 +40,12 @@ fn uniforms(agent_count: u32, side: f32, seed: u32) -> StepUniforms {
     let when = |bit: u32, value: f32| if bit & 1 == 1 { value } else { 0.0 };
     let cell_size = within(0, 0.9, 1.4);
     let cells = (side / cell_size).ceil() as u32 + 2;
-    let time_step = 1.0 / within(1, 15.0, 120.0);
+    // some are so long that a body has turned within one
+    let time_step = 1.0 / if seed % 3 == 2 { within(1, 5.0, 6.0) } else { within(1, 15.0, 120.0) };
     let time_horizon_obstacles = within(2, 0.5, 1.5);
     StepUniforms {
         agent_count,
-        step_index: seed % 1000,
+        step_index: seed % 1000 + 3000 * (seed >> 1 & 1),
         seed,
         cell_count: cells * cells,
         grid_columns: cells,
@@ -170,16 +171,20 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             0.3 + 2.0 * unit(seed, w, 14),
         ));
     }
-    for _ in 0..3 {
-        store.position.push([f32::NAN; 2]);
-        store.velocity.push([f32::NAN; 2]);
-        store.body.push([f32::NAN; 4]);
-        store.manners.push([f32::NAN; 4]);
-        store.elevation.push(f32::NAN);
-        store.lead.push([f32::NAN; 4]);
+    for spare in 0..3 {
+        // the first is like an agent, so that what is done to it shows; what reads the others is not a number
+        let like = (spare == 0 && agents > 0).then_some(agents / 2);
+        let of = |buffer: &[[f32; 4]]| like.map_or([f32::NAN; 4], |agent| buffer[agent]);
+        let of_two = |buffer: &[[f32; 2]]| like.map_or([f32::NAN; 2], |agent| buffer[agent]);
+        store.position.push(like.map_or([f32::NAN; 2], |_| [0.5 * side; 2]));
+        store.velocity.push(of_two(&store.velocity));
+        store.body.push(of(&store.body));
+        store.manners.push(of(&store.manners));
+        store.elevation.push(like.map_or(f32::NAN, |_| 0.5));
+        store.lead.push(of(&store.lead));
         store.reaction.push(u32::MAX);
         store.teleport_of.push(0);
-        store.stance.push([f32::NAN; 2]);
+        store.stance.push(of_two(&store.stance));
         store.phase.push(0);
         store.route.push([0, 3, 0, 0]);
     }
@@ -275,7 +280,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     crate::sim::flow::clear(store);
 }
 
-fn solids(side: f32) -> [Vec<[f32; 2]>; 2] {
+pub(super) fn solids(side: f32) -> [Vec<[f32; 2]>; 2] {
     let at = |x: f32, z: f32| [side * 0.6 + x, side * 0.3 + z];
     [
         vec![at(0.0, 0.0), at(1.5, 0.0), at(1.5, 1.0), at(0.0, 1.0)],
