@@ -96,3 +96,25 @@ pub(crate) fn bool_setting<'a>(name: &'a CStr, value: &'a [u8; 4]) -> vk::LayerS
         .ty(vk::LayerSettingTypeEXT::BOOL32)
         .values(value)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_the_layer_says_of_its_own_settings_is_not_kept() {
+        let before = validation_messages();
+        // as layers say it: with strings, and with none
+        for text in [Some(c"a limit was adjusted"), None] {
+            let mut data = vk::DebugUtilsMessengerCallbackDataEXT::default()
+                .message_id_name(c"WARNING-Setting-Limit-Adjusted");
+            if let Some(text) = text {
+                data = data.message(text);
+            }
+            let severity = vk::DebugUtilsMessageSeverityFlagsEXT::WARNING;
+            let kind = vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION;
+            assert_eq!(on_message(severity, kind, &raw const data, std::ptr::null_mut()), vk::FALSE);
+        }
+        assert_eq!(validation_messages(), before);
+    }
+}
