@@ -9,7 +9,7 @@
 //! ```
 //!
 //! What a part finds is kept in `target/mutants.json`, in the place of what was found there before. `page` writes the page from that, after
-//! `survivors.toml` was edited, say. `--most N` tries N errors in a file instead of forty.
+//! `survivors.toml` was edited, say. `--most N` tries N errors in a file instead of twenty.
 #![allow(
     clippy::print_stdout,
     clippy::print_stderr,
@@ -34,7 +34,7 @@ const SURVIVORS: &str = "tests/mutants/survivors.toml";
 const TABLES: &str = "tests/mutants/rust";
 const PAGE: &str = "docs/mutants.md";
 /// Errors tried in a file.
-const MOST: usize = 40;
+const MOST: usize = 20;
 
 /// What was found, by parts.
 const KEPT: &str = "target/mutants.json";

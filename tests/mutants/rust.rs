@@ -80,8 +80,7 @@ pub(crate) fn run(tables: &str, only: &str) -> Result<Vec<Tried>, Failure> {
     if entries.is_empty() {
         return Ok(Vec::new());
     }
-    let folder = copy_of_the_tree()?;
-    switch(&folder, &entries)?;
+    let folder = copy_of_the_tree(&switched(&entries)?)?;
     let programs = build(&folder, &entries)?;
     let mut passed = BTreeSet::new();
     let mut tried = Vec::new();
@@ -101,8 +100,9 @@ pub(crate) fn run(tables: &str, only: &str) -> Result<Vec<Tried>, Failure> {
     Ok(tried)
 }
 
-/// A copy of what git knows, and of what it would add, in a folder that stays between runs.
-fn copy_of_the_tree() -> Result<PathBuf, Failure> {
+/// A copy of what git knows, and of what it would add, in a folder that stays between runs; `texts` stand in the place of
+/// files.
+fn copy_of_the_tree(texts: &BTreeMap<String, String>) -> Result<PathBuf, Failure> {
     let folder = std::env::current_dir()?.join("target/mutants");
     let listing = Command::new("git")
         .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
@@ -111,25 +111,21 @@ fn copy_of_the_tree() -> Result<PathBuf, Failure> {
         return Err("git ls-files fails: the errors are planted in a copy of a git checkout".into());
     }
     for file in String::from_utf8(listing.stdout)?.split('\0').filter(|file| !file.is_empty()) {
-        let Ok(contents) = std::fs::read(file) else { continue };
-        write_if_new(&folder.join(file), &contents)?;
+        let Ok(original) = std::fs::read(file) else { continue };
+        let contents = texts.get(file).map_or(original, |text| text.clone().into_bytes());
+        let place = folder.join(file);
+        // what is the same is left alone, so that cargo need not build it again
+        if !std::fs::read(&place).is_ok_and(|old| old == contents) {
+            std::fs::create_dir_all(place.parent().unwrap_or(&folder))?;
+            std::fs::write(&place, contents)?;
+        }
+        std::fs::set_permissions(&place, std::fs::metadata(file)?.permissions())?;
     }
     Ok(folder)
 }
 
-/// Leaves a file that is the same alone, so that cargo need not build it again.
-fn write_if_new(path: &Path, contents: &[u8]) -> Result<(), Failure> {
-    if std::fs::read(path).is_ok_and(|old| old == contents) {
-        return Ok(());
-    }
-    if let Some(folder) = path.parent() {
-        std::fs::create_dir_all(folder)?;
-    }
-    Ok(std::fs::write(path, contents)?)
-}
-
-/// Puts the errors into the copy.
-fn switch(folder: &Path, entries: &[Entry]) -> Result<(), Failure> {
+/// The files with the errors in them.
+fn switched(entries: &[Entry]) -> Result<BTreeMap<String, String>, Failure> {
     let mut texts: BTreeMap<&str, (String, String)> = BTreeMap::new();
     for entry in entries {
         if !texts.contains_key(entry.file.as_str()) {
@@ -165,7 +161,7 @@ fn switch(folder: &Path, entries: &[Entry]) -> Result<(), Failure> {
         }
     };
     text.push_str(SWITCHED);
-    texts.iter().try_for_each(|(file, (_, text))| write_if_new(&folder.join(file), text.as_bytes()))
+    Ok(texts.into_iter().map(|(file, (_, text))| (file.to_owned(), text)).collect())
 }
 
 /// Builds the test programs, with what is built for the tests anyway.

@@ -69,6 +69,10 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
         }
     }
     store.step.path_count = store.paths.len() as u32;
+    // behind the last one a path that nobody is on, to see that it leads nobody
+    if let Some([_, first, count, _]) = store.paths.iter().copied().find(|path| path[2] > 1) {
+        store.paths.extend([[0, first, count, 0]; 2]);
+    }
     let at = if agents > 0 && store.position[0][0] < 1e6 { store.position[0] } else { [1.0, 1.0] };
     let times = [[-10.0, 10.0], [0.0, 1.0], [-10.0, 0.0], [1.0, 20.0], [-100.0, 900.0]];
     for (i, [first, end]) in times.into_iter().enumerate() {

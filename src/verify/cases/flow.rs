@@ -76,7 +76,7 @@ pub fn fields(cells: usize, seed: u32) -> Store {
     }
     for i in 0..cells {
         let absent = i % 9 == 4;
-        let at = [u(i, 4) * (width + 2.0) - 1.0, u(i, 5) * (depth + 2.0) - 1.0];
+        let at = [u(i, 4) * (width + 6.0) - 3.0, u(i, 5) * (depth + 6.0) - 3.0]; // some are off the grid
         store.position.push(if absent { [crate::reference::shared::ABSENT; 2] } else { at });
     }
     store.flow_distance.fill(f32::NAN);
@@ -84,6 +84,10 @@ pub fn fields(cells: usize, seed: u32) -> Store {
     store.flow_tiles.fill(7);
     store.flow_lists.fill(7);
     store.flow_counts.fill(7);
+    // behind the last cell, to see that it is none
+    store.flow_cells.extend([7; 2]);
+    store.flow_sums.extend([7; 2]);
+    store.flow_counts.extend([7; 2]);
     store
 }
 

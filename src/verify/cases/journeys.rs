@@ -58,6 +58,8 @@ fn queues(store: &mut Store, agents: usize, seed: u32) {
             }
         }
     }
+    // behind the last one a queue at which somebody would be served, to see that nobody is
+    store.queues.extend([0, 5, 7, 1, 1, 3, 2, 0]);
 }
 
 /// Seven journeys of five stages.

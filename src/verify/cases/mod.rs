@@ -46,7 +46,8 @@ impl Case {
     /// The step after this one, on the CPU; none for a case that is no step.
     #[must_use]
     pub fn next_step(mut self) -> Option<Self> {
-        if !self.passes.iter().any(|pass| pass.kernel == KernelId::GridCount) {
+        let has = |kernel| self.passes.iter().any(|pass| pass.kernel == kernel);
+        if !(has(KernelId::GridCount) && has(KernelId::Integrate)) {
             return None;
         }
         for pass in &self.passes {
