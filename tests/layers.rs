@@ -452,7 +452,7 @@ fn quoted(text: &str) -> impl Iterator<Item = (&str, &str)> {
 
 /// Files and modules that a document names and that are not there.
 fn missing(root: &Path, document: &str) -> Vec<String> {
-    let folders = ["src/", "tests/", "shaders/", "scripts/", "assets/", "benches/", ".ci/"];
+    let folders = ["src/", "tests/", "shaders/", "scripts/", "assets/", "benches/", "docs/", ".ci/"];
     let is_path = |name: &str| folders.iter().any(|folder| name.starts_with(folder));
     let is_pattern = |name: &str| name.contains(['*', '{', ' ', '<']) || name.contains("NAME");
     let mut found: Vec<String> = quoted(document)
