@@ -72,7 +72,7 @@ fn rows(path: &Path, least: usize, wanted: &'static str) -> Result<Vec<Vec<f64>>
     Ok(rows)
 }
 
-/// Somebody in a frame: its number, who, where, m.
+/// A person in a frame: the frame, the person, the place in m.
 type Row = (f64, f64, Vec2);
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "numbers of people and frames")]

@@ -17,7 +17,7 @@ pub fn feelings(agents: usize, seed: u32) -> Store {
     store
 }
 
-/// Gives a crowd feelings, and paths to those who are led.
+/// Gives a crowd feelings. Led agents get paths.
 pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
     let unit = |i: usize, lane: u32| {
         unit_f32(hash_u32(
@@ -69,7 +69,7 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
         }
     }
     store.step.path_count = store.paths.len() as u32;
-    // behind the last one a path that nobody is on, to see that it leads nobody
+    // A spare path stands behind the last one. It must lead no agent.
     if let Some([_, first, count, _]) = store.paths.iter().copied().find(|path| path[2] > 1) {
         store.paths.extend([[0, first, count, 0]; 2]);
     }

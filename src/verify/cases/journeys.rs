@@ -58,7 +58,7 @@ fn queues(store: &mut Store, agents: usize, seed: u32) {
             }
         }
     }
-    // behind the last one a queue at which somebody would be served, to see that nobody is
+    // A spare queue stands behind the last one. It must serve no agent.
     store.queues.extend([0, 5, 7, 1, 1, 3, 2, 0]);
 }
 
