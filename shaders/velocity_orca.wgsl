@@ -1,4 +1,4 @@
-// uses: step, storey, grid, orca, segments, neighbours, crowding, absent
+// uses: step, storey, grid, orca, segments, neighbours, crowding, precedence, absent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
@@ -71,10 +71,11 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
         let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
         new_velocity[slot] = try_on(others, own.rate, wanted, first);
     } else {
-        other_lines(others, own.rate);
+        other_lines(others, own.rate, wanted, false);
         let solved = within(0u, hard + others.count, traits.y, wanted, false);
         new_velocity[slot] = solved.velocity;
-        if !is_sure || solved.satisfied < hard + others.count {
+        let is_stuck = step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
+        if !is_sure || solved.satisfied < hard + others.count || is_stuck {
             leave(select(slot | UNTRIED, slot, is_sure));
         }
     }
@@ -89,8 +90,8 @@ fn leave(entry: u32) {
     }
 }
 
-// The attempts from number `first` on. When it is too crowded to plan that far an agent plans less far: what is near then
-// counts for more than what is far.
+// The attempts from number `first` on. When it is too crowded to plan that far, or nobody would get on, an agent plans less
+// far and asks who goes first: what is near then counts for more than what is far.
 fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> vec2<f32> {
     let max_speed = others.traits.y;
     let made = others.hard + others.count;
@@ -100,15 +101,16 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
     var solved = Solved(velocity, 0u);
     var again = true;
     for (var attempt = first; attempt < 3u && again; attempt++) {
-        other_lines(others, rate);
+        other_lines(others, rate, preferred, attempt > 0u);
         solved = within(0u, made, max_speed, preferred, false);
+        let is_done = solved.satisfied == made && (attempt > 0u || !gets_nowhere(solved.velocity, preferred));
         var next = 0.0;
         if attempt == 0u {
             next = step.inverse_time_horizon_dense;
         } else if attempt == 1u && is_slow {
             next = step.inverse_time_horizon_jam;
         }
-        again = solved.satisfied < made && next > 0.0;
+        again = !is_done && next > 0.0;
         rate = next;
     }
     return least_bad(made, others.hard, solved.satisfied, max_speed, solved.velocity);
@@ -125,33 +127,43 @@ struct Others {
 }
 
 // Lines of the user, who takes none of the avoidance, so the agent takes all, and of the neighbours, nearest first. Of two
-// agents the one of lower priority takes more.
-fn other_lines(o: Others, rate: f32) {
+// agents the one of lower priority takes more; of two alike, where it is dense, the one behind.
+fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
+    let heading = unit_or(wanted, vec2<f32>(0.0, 0.0));
     for (var k = 0u; k < o.count; k++) {
         let is_user = k < o.users;
         let other = found[max(k, o.users) - o.users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
-        var share = step.responsibility;
-        if (level & UNLIKE) != 0u {
-            share = share_of(step.responsibility, o.traits.z, slot_motion[other * 2u + 1u].z);
+        var pair = Precedence(step.responsibility, o.traits.x + their_radius, false);
+        if is_dense && !is_user && abs(slot_motion[other * 2u + 1u].z - o.traits.z) < PEERS {
+            let their_wish = unit_or(preferred_velocity[slot_manners[other].x], vec2<f32>(0.0, 0.0));
+            pair = precedence(theirs.xy - o.motion.xy, heading, their_wish, pair.radius, step.responsibility);
         }
-        let has_way = share <= 0.0 && !is_user;
+        if (level & UNLIKE) != 0u {
+            pair.share = share_of(pair.share, o.traits.z, slot_motion[other * 2u + 1u].z);
+        }
+        let has_way = pair.share <= 0.0 && !is_user;
         // members of a group walk near one another on purpose
         var clear = select(rate, max(rate, RIGHT_OF_WAY), has_way);
         if (level & GROUPS) != 0u && !is_user && is_with(o.slot, other) {
             clear = max(clear, TOGETHER);
         }
-        lines[o.hard + k] = agent_line(
+        let line = agent_line(
             o.motion.zw,
             theirs.xy - o.motion.xy,
             o.motion.zw - theirs.zw,
-            o.traits.x + their_radius + step.safety_margin,
+            (pair.radius + step.safety_margin) * select(1.0, SQUEEZE, has_way && is_dense),
             clear,
             step.inverse_time_step,
-            select(share, 1.0, is_user || has_way),
+            select(pair.share, 1.0, is_user || has_way),
             select(-1.0, 1.0, o.slot < other || is_user),
         );
+        if pair.follows {
+            lines[o.hard + k] = standing(line);
+        } else {
+            lines[o.hard + k] = line;
+        }
     }
 }
 

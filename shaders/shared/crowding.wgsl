@@ -1,15 +1,15 @@
 // How much slower somebody walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
-// Needs the bindings step and slot_motion and the list `found` of shared/neighbours.wgsl.
+// Needs the bindings step, slot_motion, slot_manners and preferred_velocity and the list `found` of shared/neighbours.wgsl.
 
 // The share of the own person in the density.
-const OWN_SHARE = 0.12;
+const OWN_SHARE = 0.2;
 // One over the density at which nobody moves any more, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
 const JAM_AREA = 0.18518518;
 const STEEPNESS = 2.7598755; // 1.913 log2(e)
-// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 3.6 people/m2: in a jam people
+// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 4.7 people/m2: in a jam people
 // shuffle on, or it would never dissolve.
-const LEAST_SHARE = 0.2;
+const LEAST_SHARE = 0.05;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2 = 0.04;
 
@@ -39,7 +39,11 @@ fn crowded(wanted: vec2<f32>, at: vec2<f32>, range: f32, cap: u32, count: u32) -
         let distance2 = dot2(to, to);
         let along = dot2(to, wanted);
         if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 {
-            people += (1.0 - distance2 / reach2) * (along / sqrt(distance2 * wanted2));
+            let theirs = preferred_velocity[slot_manners[found[k]].x];
+            let theirs2 = dot2(theirs, theirs);
+            // who stands is queued behind, who comes the other way is not
+            let same = select(dot2(theirs, wanted) / sqrt(theirs2 * wanted2), 1.0, theirs2 < 1e-8);
+            people += (1.0 - distance2 / reach2) * (along / sqrt(distance2 * wanted2)) * max(same, 0.0);
         }
     }
     let density = people / (0.5 * reach2);

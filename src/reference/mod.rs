@@ -20,6 +20,7 @@ pub mod crowding;
 pub mod exact;
 pub mod neighbours;
 pub mod orca;
+pub mod precedence;
 pub mod quaternion;
 pub mod segments;
 pub mod shared;

@@ -40,7 +40,7 @@ pub fn velocity_rvo(b: Slices<'_>) {
         has_storeys: b.level & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
-    let scene = Scene { slots, walls, level: b.level };
+    let scene = Scene { slots, walls, preferred: b.preferred_velocity, level: b.level };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
         if b.slot_manners[slot][0] == NOBODY {
             return;
@@ -55,6 +55,8 @@ pub fn velocity_rvo(b: Slices<'_>) {
 struct Scene<'a> {
     slots: Slots<'a>,
     walls: Walls<'a>,
+    /// `[agent]` m/s
+    preferred: &'a [[f32; 2]],
     level: u32,
 }
 
@@ -98,7 +100,7 @@ impl Scene<'_> {
         let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
         if self.level & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
-            preferred = crowded(&self.slots, preferred, at, own.range, own.cap, &nearest);
+            preferred = crowded(&self.slots, self.preferred, preferred, at, own.range, own.cap, &nearest);
         }
         let most = step.max_acceleration * step.time_step;
         let (others, count) = self.look_at_others(slot, own, most, &nearest);

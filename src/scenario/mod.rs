@@ -60,7 +60,8 @@ pub use people::{Class, Manners, Spread};
 pub use populate::{populate, populate_from, populate_with};
 pub use population::{Affect, EmotionMode, GaitChoice, GenderChoice, Groups, Population, Prefer, Shares};
 pub use schema::{
-    Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn, User,
+    BODY_RADIUS, Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn,
+    User,
 };
 pub use setting::Setting;
 pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};

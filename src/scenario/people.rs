@@ -402,7 +402,7 @@ fn check(population: &Population, class: &Class, key: &dyn Fn(&str) -> String) -
     let spreads = [
         ("age", class.age, [3.0, 120.0], "years"),
         ("speed", class.speed, [0.1, 5.0], "people walk at 0.5 to 1.8 m/s"),
-        ("radius", class.radius, [0.05, 2.0], "metres; 0.25 is usual"),
+        ("radius", class.radius, [0.05, 2.0], "metres; 0.2 is usual"),
         ("time_horizon", class.time_horizon, [0.1, 20.0], "seconds; 2 is usual"),
         ("neighbour_distance", class.neighbour_distance, [0.5, 50.0], "metres; 5 is usual"),
         ("priority", class.priority, [0.0, 1.0], "0 is usual"),

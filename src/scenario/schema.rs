@@ -150,6 +150,10 @@ pub enum Model {
     Rvo,
 }
 
+/// Disc radius of a body, m, where nothing else is said: that of `JuPedSim` and Vadere, and half of the 40 cm that `RiMEA` 1
+/// gives a body. Weidmann's ellipse (1993) has the area of a disc of 0.18 m, alone; with clothes and sway 0.22 m.
+pub const BODY_RADIUS: f32 = 0.2;
+
 /// How agents find their way past one another (spec 1.7).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -200,12 +204,12 @@ impl Default for Navigation {
             neighbour_distance: 5.0,
             neighbour_cap: 10,
             time_horizon: 2.0,
-            time_horizon_obstacles: 0.7,
+            time_horizon_obstacles: 0.3,
             time_horizon_dense: 1.0,
             time_horizon_jam: 0.15,
             safety_margin: 0.01,
             crowding: 1.0,
-            radius: 0.25,
+            radius: BODY_RADIUS,
             max_speed_factor: 1.5,
             max_speed: 2.5,
             perturbation: 0.02,

@@ -292,7 +292,7 @@ fn navigation(n: &Navigation) -> Result<(), Error> {
         20.0,
         "seconds; 0.5 to 1 is usual",
     )?;
-    within("navigation.radius", n.radius, 0.05, 2.0, "metres; 0.25 is usual")?;
+    within("navigation.radius", n.radius, 0.05, 2.0, "metres; 0.2 is usual")?;
     within(
         "navigation.max_speed_factor",
         n.max_speed_factor,

@@ -136,7 +136,7 @@ pub(super) fn validate(scenario: &Scenario) -> Result<(), Error> {
         within(&key("arrival"), walker.arrival, 0.01, 100.0, reach)?;
         for (name, value, low, high, hint) in [
             ("goal_arrival", walker.goal_arrival, 0.01, 100.0, reach),
-            ("radius", walker.radius, 0.05, 2.0, "metres; 0.25 is usual"),
+            ("radius", walker.radius, 0.05, 2.0, "metres; 0.2 is usual"),
             ("speed", walker.speed, 0.05, 5.0, "metres per second; 1.3 is usual"),
         ] {
             if let Some(value) = value {

@@ -18,7 +18,7 @@ const STOREY_HEIGHT: f32 = 2.0;
 /// Body turns at most this fast, rad/s.
 const TURN_RATE: f32 = 3.5;
 /// How far ahead an agent sees how crowded it is, m.
-const CROWDING_REACH: f32 = 2.5;
+const CROWDING_REACH: f32 = 1.05;
 /// Below this share of its preferred speed a body blends to standing.
 const WALK_SPEED: f32 = 0.12;
 /// How fast it blends, 1/s.

@@ -40,7 +40,7 @@ pub fn ring(density: f32, width: f32, seconds: f32) -> Result<Scene, Error> {
     let area = 0.5 * TAU * (outer * outer - inner * inner);
     let count = (density * area).round() as u32;
     // rows across, staggered, then shuffled a little
-    let radius = 0.2;
+    let radius = super::rooms::RADIUS;
     let lanes = ((width - 2.0 * radius) * density.sqrt() * 1.05).round().max(1.0) as u32;
     let rows = count.div_ceil(lanes);
     for i in 0..count {

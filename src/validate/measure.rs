@@ -140,13 +140,6 @@ pub fn flow(times: &[f64]) -> f64 {
     }
 }
 
-/// Smallest and greatest flow of `count` people in a row, each block after the other; `None` for fewer people.
-pub fn flow_spread(times: &[f64], count: usize) -> Option<[f64; 2]> {
-    let blocks = (0..).map(|k| k * count).map_while(|first| times.get(first..=first + count)).map(flow);
-    let (low, high) = blocks.fold((f64::INFINITY, 0.0_f64), |(low, high), j| (low.min(j), high.max(j)));
-    (low <= high).then_some([low, high])
-}
-
 /// How far two opposite streams have parted into lanes, 0 to 1 (after Rex and Löwen 2007): the mean over people of
 /// ((same - other) / (same + other))², where those count who are at most `half` m to either side and walk the same or the
 /// other way. `people`: place across the corridor and way (+1 or -1).
@@ -268,9 +261,7 @@ mod tests {
         let times = crossings(&tracks, Vec2::new(3.0, 0.0), Vec2::new(3.0, 1.0));
         assert_eq!(times.len(), 15);
         assert!((times[0] - 3.05).abs() < 1e-4 && (flow(&times) - 0.5).abs() < 1e-5, "{times:?}");
-        let [low, high] = flow_spread(&times, 5).unwrap();
-        assert!((low - 0.5).abs() < 1e-5 && (high - 0.5).abs() < 1e-5);
-        assert_eq!((flow(&[1.0]), flow_spread(&times, 15)), (0.0, None));
+        assert_eq!(flow(&[1.0]), 0.0);
         assert!(crossings(&tracks, Vec2::new(3.0, 2.0), Vec2::new(3.0, 3.0)).is_empty(), "beside the line");
         let v = tracks.velocity(100, 3, 0.4).unwrap();
         assert!((v - Vec2::X).length() < 1e-4);

@@ -6,9 +6,8 @@ use crate::Error;
 use crate::reference::exact::{hash_u32, unit_f32};
 use glam::Vec2;
 
-/// Disc radius of people in tests, m: half of what a body is wide where it is not told otherwise (shoulders of 0.46 m turn
-/// sideways in a crowd; Weidmann 1993 gives 0.15 m² a person, a disc of 0.22 m).
-pub const RADIUS: f32 = 0.2;
+/// Disc radius of people in tests, m: the body that users get.
+pub const RADIUS: f32 = crate::scenario::BODY_RADIUS;
 
 /// A number in [0, 1) for each (index, lane).
 pub fn unit(index: usize, lane: u32) -> f32 {

@@ -323,7 +323,7 @@ fn what_is_set_is_as_if_the_scenarios_file_said_so() {
         "obstacles.0.high=2",
     );
     // what is wrong in the file itself keeps its line
-    write(&garden.replace("radius = 0.25", "radius = 25.0"));
+    write(&garden.replace("radius = 0.2  ", "radius = 25.0"));
     fails(
         &["simulate", file, "--set", "population.agents=5"],
         "place.toml:23: navigation.radius = 25",

@@ -53,7 +53,7 @@ fn personality_changes_parameters_in_proportion_and_stays_in_range() {
     half.validate().unwrap();
     let p = person(&half, 0);
     assert!((p.radius_factor - 1.5).abs() < 1e-6 && (p.speed_factor - 0.946).abs() < 1e-3, "{p:?}");
-    assert!((largest_radius(&half) - 0.25 * 1.07 * 1.5).abs() < 1e-5);
+    assert!((largest_radius(&half) - crate::scenario::BODY_RADIUS * 1.07 * 1.5).abs() < 1e-5);
     let wild =
         scenario("[[classes]]\nshare = 1\npersonality = { impulsive = 1, tense = 1, neuroticism = 1 }\n");
     let p = person(&wild, 0);

@@ -10,17 +10,16 @@ use glam::Vec2;
 pub(super) const RIMEA_6: Test = Test {
     name: "rimea-6",
     title: "20 people walk round a left corner of a corridor 2 m wide",
-    about: "RiMEA guideline, test 6: all get round, nobody through a wall. Ours: nobody overlaps another by a tenth.",
-    run: |bench| twenty(bench, 30.0),
+    about: "After RiMEA 6 (3.0.0), with arms of 16 m: all get round, nobody through a wall. It has no bound for the time.",
+    run: twenty,
     has_variants: true,
 };
 
 pub(super) const NIST_CORNER: Test = Test {
     name: "nist-corner",
     title: "20 people walk round a corner without passing through its walls",
-    about: "NIST Technical Note 1822, verification of movement around a corner; as RiMEA 6, within 25 s (16 m at 1.3 m/s \
-            take 12 s).",
-    run: |bench| twenty(bench, 25.0),
+    about: "NIST Technical Note 1822, 2.3 (movement around a corner): as RiMEA 6.",
+    run: twenty,
     has_variants: true,
 };
 
@@ -44,7 +43,7 @@ fn crowd(scene: &mut Scene, width: f32, leg: f32, count: usize, start: Area, end
     }
 }
 
-fn twenty(bench: &Bench<'_>, limit: f64) -> Result<(), Error> {
+fn twenty(bench: &Bench<'_>) -> Result<(), Error> {
     let mut scene = corner(2.0, 16.0, 16.0, 40.0)?;
     crowd(&mut scene, 2.0, 16.0, 20, Area::new([0.3, 0.3], [6.0, 1.7]), [10.0, 15.6]);
     let run = bench.run(&scene)?;
@@ -52,8 +51,8 @@ fn twenty(bench: &Bench<'_>, limit: f64) -> Result<(), Error> {
     let round = u32::try_from(times.len()).unwrap_or(0);
     bench.say("round", f64::from(round), Criterion::AtLeast(20.0), "people");
     bench.say("outside", f64::from(run.outside), Criterion::AtMost(0.0), "places outside the walls");
-    bench.say("overlapping", f64::from(run.overlapping), Criterion::AtMost(0.0), "pairs");
-    bench.say("time", times.last().copied().unwrap_or(f64::NAN), Criterion::AtMost(limit), "s");
+    bench.say("overlapping", f64::from(run.overlapping), Criterion::Report, "");
+    bench.say("time", times.last().copied().unwrap_or(f64::NAN), Criterion::Report, "");
     Ok(())
 }
 

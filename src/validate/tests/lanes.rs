@@ -6,6 +6,7 @@ use super::super::rooms::{corridor, places, walker};
 use super::super::scene::{Run, Scene};
 use crate::Error;
 use crate::export::chart::{Curve, Plot, Stroke};
+use crate::reference::exact::hash_u32;
 use glam::Vec2;
 
 const BLUE: [u8; 3] = [66, 118, 190];
@@ -14,24 +15,29 @@ pub(super) const LANES: Test = Test {
     name: "lanes",
     title: "Two opposite streams part into lanes",
     about: "Observed in real counter-flow (Helbing et al. 2005; Zhang et al. 2012). Two groups of 90 people, 1 person/m², walk through one another \
-            in a corridor 4 m wide, keeping to no side of it. Ours: the order parameter (after Rex and Löwen 2007, over those \
-            within 0.4 m to either side and 3 m along; 1 is perfect) where both are is at least 0.6, and three in four are through in \
-            at most twice the time that they need without the others.",
+            in a corridor 4 m wide, keeping to no side of it. The order parameter (after Rex and Löwen 2007, over those \
+            within 0.4 m to either side and 3 m along; 1 is perfect) is taken where both are, from 8 to 20 s. The recording \
+            bi_corr_400_b_03 (Forschungszentrum Jülich), measured the same way, has 0.91, its least tenth 0.75, and 0.39 with \
+            directions shuffled. Ours: at least 0.75, and at least 0.6 of the way from the shuffled order to 1. Reported: the \
+            time in which three in four are through, over that without the others.",
     run: lanes,
     has_variants: true,
 };
 
 /// Order parameter of a frame: the middle of the corridor in pieces of 3 m.
-fn order(run: &Run, frame: usize, first_west: u32) -> Option<f64> {
+fn order(run: &Run, frame: usize, first_west: u32, is_shuffled: bool) -> Option<f64> {
     let people = run.tracks.frames.get(frame)?;
     let mut found = Vec::new();
     for k in 0..8_u8 {
         let from = 78.0 + 3.0 * f32::from(k);
-        let here: Vec<(f64, f64)> = people
+        let mut here: Vec<(f64, f64)> = people
             .iter()
             .filter(|person| (from..from + 3.0).contains(&person.1.x))
             .map(|&(who, at)| (f64::from(at.y), if who < first_west { 1.0 } else { -1.0 }))
             .collect();
+        if is_shuffled {
+            shuffle(&mut here, frame);
+        }
         let east = here.iter().filter(|person| person.1 > 0.0).count();
         // a piece in which only one stream is has no lanes to speak of
         if here.len() >= 6 && (2..=here.len() - 2).contains(&east) {
@@ -39,6 +45,15 @@ fn order(run: &Run, frame: usize, first_west: u32) -> Option<f64> {
         }
     }
     (!found.is_empty()).then(|| mean(&found))
+}
+
+/// Changes who goes where by chance.
+#[allow(clippy::cast_possible_truncation, reason = "a few dozen people, hundreds of frames")]
+fn shuffle(people: &mut [(f64, f64)], frame: usize) {
+    for i in (1..people.len()).rev() {
+        let other = hash_u32((i * 7919 + frame * 104_729) as u32) as usize % (i + 1);
+        (people[i].1, people[other].1) = (people[other].1, people[i].1);
+    }
 }
 
 /// The corridor with both groups; `others` says whether the second one is there.
@@ -64,11 +79,14 @@ fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
     let count = if bench.is_quick { 60 } else { 90 };
     let run = bench.run(&streams(count, true, 48.0)?)?;
     let frames = run.tracks.frames.len();
-    let points: Vec<[f64; 2]> = (0..frames)
-        .step_by(5)
-        .filter_map(|frame| Some([frame as f64 / run.tracks.rate, order(&run, frame, count as u32)?]))
-        .collect();
-    let between = |low: f64, high: f64| {
+    let course = |is_shuffled: bool| -> Vec<[f64; 2]> {
+        let at = |frame: usize| {
+            Some([frame as f64 / run.tracks.rate, order(&run, frame, count as u32, is_shuffled)?])
+        };
+        (0..frames).step_by(5).filter_map(at).collect()
+    };
+    let (points, shuffled) = (course(false), course(true));
+    let between = |points: &[[f64; 2]], low: f64, high: f64| {
         mean(&points.iter().filter(|p| p[0] >= low && p[0] < high).map(|p| p[1]).collect::<Vec<_>>())
     };
     let time = |run: &Run| {
@@ -76,9 +94,18 @@ fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
         past.get(count * 3 / 4).copied().unwrap_or(f64::NAN)
     };
     let alone = bench.run(&streams(count, false, 48.0)?)?;
-    bench.say("order-at-start", between(0.0, 6.0), Criterion::Report, "");
-    bench.say("order", between(8.0, 20.0), Criterion::AtLeast(0.6), "(1 is perfect)");
-    bench.say("time", time(&run) / time(&alone), Criterion::AtMost(2.0), "times that without the others");
+    let (order, chance) = (between(&points, 8.0, 20.0), between(&shuffled, 8.0, 20.0));
+    bench.say("order-at-start", between(&points, 0.0, 6.0), Criterion::Report, "");
+    bench.say("order-shuffled", chance, Criterion::Report, "");
+    bench.say("order", order, Criterion::AtLeast(0.75), "(1 is perfect)");
+    let above = (order - chance) / (1.0 - chance);
+    bench.say(
+        "order-above-chance",
+        above,
+        Criterion::AtLeast(0.6),
+        "of the way from the shuffled order to 1",
+    );
+    bench.say("time", time(&run) / time(&alone), Criterion::Report, "");
     bench.say("outside", f64::from(run.outside), Criterion::AtMost(0.0), "places outside the walls");
     bench.draw("lanes", || Plot {
         title: "Lanes in counter-flow".into(),
@@ -92,10 +119,11 @@ fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
 pub(super) const NIST_COUNTER_FLOW: Test = Test {
     name: "nist-counter-flow",
     title: "People who come the other way slow a crowd down, and nobody is stuck",
-    about: "NIST Technical Note 1822, verification of counter-flow: two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; \
-            100 people go over while 0, 10, 50, 100 come back. The time rises with those who come back. Ours: all arrive within 600 s. No bound \
-            for the time is stated; at the 1.5 people/(m s) that real counter-flow reaches (after Zhang et al. 2012) 100 against 100 \
-            would take about 70 s. With `navigation.patience` of 1 s: without it some are stuck for ever.",
+    about: "NIST Technical Note 1822, 2.8 (counter-flow): two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; \
+            100 people go over while 0, 10, 50, 100 come back. The time rises with those who come back; NIST states no figure. Ours: \
+            it is longer with most than with none, and all arrive. At the 1.0 to 1.5 people/(m s) of measured \
+            counter-flow (Jülich, bi_corr_400_b_03; Zhang et al. 2012) 100 against 100 take 75 to 110 s; ours: at most \
+            twice that, 200 s, and 150 s with 50.",
     run: counter_flow,
     has_variants: true,
 };
@@ -123,7 +151,6 @@ fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
     for &others in back {
         let mut scene = Scene::new("counter-flow", &outline, 600.0)?;
         scene.until = Some(3);
-        scene.scenario.navigation.patience = 1.0;
         let mut add = |from: Area, to: Area, count: usize, east: bool, lane: u32| {
             let ends = places(to, count, lane + 2);
             for (place, end) in places(from, count, lane).into_iter().zip(ends) {
@@ -148,11 +175,15 @@ fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
         outside += run.outside;
     }
     for (others, time) in back.iter().zip(&times) {
-        bench.say(&format!("time-{others}"), *time, Criterion::Report, "");
+        let criterion = match others {
+            50 => Criterion::AtMost(150.0),
+            100 => Criterion::AtMost(200.0),
+            _ => Criterion::Report,
+        };
+        bench.say(&format!("time-{others}"), *time, criterion, "s");
     }
-    let rises = times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
-    let rises = if times.iter().any(|time| time.is_nan()) { f64::NAN } else { rises };
-    bench.say("rise", rises, Criterion::AtLeast(0.0), "s more each time");
+    let rise = times.first().zip(times.last()).map_or(f64::NAN, |(none, most)| most - none);
+    bench.say("rise", rise, Criterion::AtLeast(1.0), "s from none to most");
     #[allow(clippy::cast_precision_loss, reason = "hundreds of people")]
     bench.say("missing", missing as f64, Criterion::AtMost(0.0), "people");
     bench.say("outside", f64::from(outside), Criterion::AtMost(0.0), "places outside the walls");

@@ -1,0 +1,125 @@
+//! Who goes first where it is crowded, and how much room a body takes there; twin of `shaders/shared/precedence.wgsl`.
+//!
+//! Reciprocal avoidance shares every evasion in halves, so discs that press towards a door from both sides hold one another in
+//! an arch. People do not: who is ahead goes, and who is behind waits. So where not everyone can be avoided, the share of an
+//! agent of the avoidance is, instead of ρ (the `responsibility`),
+//!
+//! s = clamp(ρ + 10 c a / R, 0, 1),    c = |u + w| / 2,    a = d · (u + w) / |u + w|
+//!
+//! where u and w are the directions in which both want to go, d leads to the other, and R is the sum of the radii. Both shares
+//! make 2 ρ together: what one takes less the other takes more. Opposed streams have c = 0 and share as before.
+//!
+//! Beside one another people are shoulders, behind one another chests: the sum of the radii is taken as
+//!
+//! R max(0.9, 1 + e c (1 - 2 a² / d²)),    e = (0.46 - 0.28) / (0.46 + 0.28)
+//!
+//! by the ellipse of 0.46 m by 0.28 m that Weidmann (1993) and Fruin give a body; no deeper than by a tenth into the disc. That there is a right of way at doors and
+//! that bodies turn are known to the literature; this form is ours.
+
+use super::exact::dot2;
+use super::orca::{Line, unit_or};
+
+/// How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
+const STEEPNESS: f32 = 10.0;
+/// e.
+const SHOULDERS: f32 = 0.243_243_24;
+/// Nobody comes nearer than this share of the sum of the radii.
+const NEAREST: f32 = 0.9;
+/// Who goes first touches the other only below this share of the sum of the radii.
+pub const SQUEEZE: f32 = 0.9;
+/// Priorities farther apart than this decide alone: robots, vehicles, who has been given the right of way.
+pub const PEERS: f32 = 1.0;
+/// The cosine above which two want to go the same way.
+const SAME_WAY: f32 = 0.95;
+/// Shares above this are all of the avoidance.
+const ALL: f32 = 0.99;
+/// A velocity that has less than this of the wanted one gets nowhere.
+const GAIN: f32 = 0.5;
+
+/// What a pair is to one of it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Precedence {
+    /// The part of the avoidance that it takes, 0 to 1.
+    pub share: f32,
+    /// The sum of the radii, m.
+    pub radius: f32,
+    /// Whether it follows the other the same way.
+    pub follows: bool,
+}
+
+/// Of the two, `to` the other, with the directions (unit, or 0 of who stands) `own` and `theirs` in which they want to go.
+///
+/// `radius` is the sum of the radii as discs, m; `equal` the share of both without precedence. Discs that overlap part by equal
+/// shares.
+pub fn precedence(to: [f32; 2], own: [f32; 2], theirs: [f32; 2], radius: f32, equal: f32) -> Precedence {
+    let both = [own[0] + theirs[0], own[1] + theirs[1]];
+    let agreement = 0.5 * dot2(both, both).sqrt();
+    let ahead = dot2(to, unit_or(both, [0.0, 0.0]));
+    let distance2 = dot2(to, to);
+    if distance2 < radius * radius {
+        return Precedence { share: equal, radius, follows: false };
+    }
+    let share = (equal + STEEPNESS * agreement * (ahead / radius)).clamp(0.0, 1.0);
+    let breadth = (1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2))).max(NEAREST);
+    Precedence { share, radius: radius * breadth, follows: share > ALL && dot2(own, theirs) > SAME_WAY }
+}
+
+/// The line of somebody who follows: nobody has to walk backwards because the one ahead is near.
+pub fn standing(line: Line) -> Line {
+    let [x, y, along_x, along_y] = line;
+    let need = x * -along_y + y * along_x;
+    if need > 0.0 { [x - -along_y * need, y - along_x * need, along_x, along_y] } else { line }
+}
+
+/// Whether a velocity leads nowhere although `wanted` is wanted, m/s.
+pub fn gets_nowhere(velocity: [f32; 2], wanted: [f32; 2]) -> bool {
+    dot2(velocity, wanted) < GAIN * dot2(wanted, wanted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EAST: [f32; 2] = [1.0, 0.0];
+    const WEST: [f32; 2] = [-1.0, 0.0];
+
+    #[test]
+    fn who_is_ahead_goes_and_who_is_behind_waits_and_both_take_all_together() {
+        for (to, own, theirs) in [
+            ([0.5, 0.1], EAST, EAST),
+            ([0.03, 0.6], EAST, [0.8, 0.6]),
+            ([0.4, -0.3], [0.6, -0.8], [0.6, 0.8]),
+        ] {
+            let own_part = precedence(to, own, theirs, 0.4, 0.5);
+            let their_part = precedence([-to[0], -to[1]], theirs, own, 0.4, 0.5);
+            assert!(own_part.share > 0.5, "the other is ahead");
+            assert!((own_part.share + their_part.share - 1.0).abs() < 1e-6);
+            assert_eq!(own_part.radius, their_part.radius);
+        }
+        assert!(precedence([0.5, 0.1], EAST, EAST, 0.4, 0.5).follows);
+        assert!(!precedence([-0.5, 0.1], EAST, EAST, 0.4, 0.5).follows, "who is ahead");
+    }
+
+    #[test]
+    fn who_meets_stands_or_overlaps_shares_as_before_and_is_a_disc() {
+        let plain = Precedence { share: 0.5, radius: 0.4, follows: false };
+        assert_eq!(precedence([0.5, 0.1], EAST, WEST, 0.4, 0.5), plain);
+        assert_eq!(precedence([0.5, 0.1], [0.0; 2], [0.0; 2], 0.4, 0.5), plain);
+        assert_eq!(precedence([0.3, 0.1], EAST, EAST, 0.4, 0.5), plain);
+    }
+
+    #[test]
+    fn shoulders_are_as_broad_as_the_ellipse_and_nobody_is_a_tenth_nearer_than_a_disc() {
+        let beside = precedence([0.0, 1.0], EAST, EAST, 0.37, 0.5).radius;
+        let behind = precedence([1.0, 0.0], EAST, EAST, 0.37, 0.5).radius;
+        assert!((beside - 0.46).abs() < 1e-6 && (behind - 0.9 * 0.37).abs() < 1e-6, "{beside} {behind}");
+    }
+
+    #[test]
+    fn who_follows_may_stand() {
+        // the one ahead (east) is so near that its line asks for 0.3 m/s to the west
+        assert_eq!(standing([-0.3, 0.7, 0.0, 1.0]), [0.0, 0.7, 0.0, 1.0]);
+        assert_eq!(standing([0.3, 0.7, 0.0, 1.0]), [0.3, 0.7, 0.0, 1.0], "what it may do anyway");
+        assert!(gets_nowhere([0.1, 1.0], EAST) && !gets_nowhere([0.6, 0.0], EAST));
+    }
+}
