@@ -53,7 +53,7 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
     let is_sure = count != UNSURE;
     count = select(0u, count, is_sure);
     if (level & CROWDED) != 0u && !has_right_of_way(slot) {
-        wanted = crowded(wanted, motion.xy, own.range, own.cap, count);
+        wanted = crowded(slot, wanted, own.range, own.cap, count);
     }
     let traits = slot_motion[slot * 2u + 1u];
     var hard = 0u;
@@ -74,7 +74,7 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
         other_lines(others, own.rate, wanted, false);
         let solved = within(0u, hard + others.count, traits.y, wanted, false);
         new_velocity[slot] = solved.velocity;
-        let is_stuck = step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
+        let is_stuck = (level & CROWDED) != 0u && step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
         if !is_sure || solved.satisfied < hard + others.count || is_stuck {
             leave(select(slot | UNTRIED, slot, is_sure));
         }
@@ -100,10 +100,12 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
     var rate = select(step.inverse_time_horizon_dense, own_rate, first == 0u);
     var solved = Solved(velocity, 0u);
     var again = true;
+    let is_crowded = (level & CROWDED) != 0u;
     for (var attempt = first; attempt < 3u && again; attempt++) {
-        other_lines(others, rate, preferred, attempt > 0u);
+        other_lines(others, rate, preferred, is_crowded && attempt > 0u);
         solved = within(0u, made, max_speed, preferred, false);
-        let is_done = solved.satisfied == made && (attempt > 0u || !gets_nowhere(solved.velocity, preferred));
+        let is_stuck = is_crowded && attempt == 0u && gets_nowhere(solved.velocity, preferred);
+        let is_done = solved.satisfied == made && !is_stuck;
         var next = 0.0;
         if attempt == 0u {
             next = step.inverse_time_horizon_dense;

@@ -92,7 +92,7 @@ fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     // shortened where it is crowded ahead
     if (level & CROWDED) != 0u && !has_right_of_way(slot) {
-        preferred = crowded(preferred, motion.xy, own.range, own.cap, count);
+        preferred = crowded(slot, preferred, own.range, own.cap, count);
     }
     let traits = slot_motion[slot * 2u + 1u];
     var me = Walker(motion, traits, preferred, step.max_acceleration * step.time_step, 0u, 0u);

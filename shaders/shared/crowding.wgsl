@@ -1,15 +1,16 @@
 // How much slower somebody walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
-// Needs the bindings step, slot_motion, slot_manners and preferred_velocity and the list `found` of shared/neighbours.wgsl.
+// Needs the bindings step, slot_motion, slot_manners and preferred_velocity, `level`, and the list `found` of
+// shared/neighbours.wgsl.
 
 // The share of the own person in the density.
-const OWN_SHARE = 0.2;
+const OWN_SHARE = 0.13;
 // One over the density at which nobody moves any more, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
 const JAM_AREA = 0.18518518;
 const STEEPNESS = 2.7598755; // 1.913 log2(e)
-// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 4.7 people/m2: in a jam people
+// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 5 people/m2: in a jam people
 // shuffle on, or it would never dissolve.
-const LEAST_SHARE = 0.05;
+const LEAST_SHARE = 0.03;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2 = 0.04;
 
@@ -18,9 +19,10 @@ fn has_right_of_way(slot: u32) -> bool {
     return slot_motion[slot * 2u + 1u].z >= RAISE;
 }
 
-// What is left of the velocity `wanted` by somebody at `at` with `count` neighbours in `found`, of at most `cap` looked for
+// What is left of the velocity `wanted` by the agent in `slot` with `count` neighbours in `found`, of at most `cap` looked for
 // within `range`, m.
-fn crowded(wanted: vec2<f32>, at: vec2<f32>, range: f32, cap: u32, count: u32) -> vec2<f32> {
+fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> vec2<f32> {
+    let at = slot_motion[slot * 2u].xy;
     let wanted2 = dot2(wanted, wanted);
     if step.crowding <= 0.0 || count == 0u || wanted2 < 1e-8 {
         return wanted;
@@ -38,7 +40,9 @@ fn crowded(wanted: vec2<f32>, at: vec2<f32>, range: f32, cap: u32, count: u32) -
         let to = slot_motion[found[k] * 2u].xy - at;
         let distance2 = dot2(to, to);
         let along = dot2(to, wanted);
-        if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 {
+        // members of a group walk near one another on purpose
+        let is_mate = (level & GROUPS) != 0u && is_with(slot, found[k]);
+        if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
             let theirs = preferred_velocity[slot_manners[found[k]].x];
             let theirs2 = dot2(theirs, theirs);
             // who stands is queued behind, who comes the other way is not

@@ -9,7 +9,7 @@ const SHOULDERS = 0.24324324;
 // Nobody comes nearer than this share of the sum of the radii.
 const NEAREST = 0.9;
 // Who goes first touches the other only below this share of the sum of the radii.
-const SQUEEZE = 0.9;
+const SQUEEZE = 0.8;
 // Priorities farther apart than this decide alone: robots, vehicles, who has been given the right of way.
 const PEERS = 1.0;
 // The cosine above which two want to go the same way.
@@ -27,13 +27,14 @@ struct Precedence {
 }
 
 // Of the two, `to` the other, with the directions (unit, or 0 of who stands) in which they want to go; radius is the sum of the
-// radii as discs, m; equal the share of both without precedence. Discs that overlap part by equal shares.
+// radii as discs, m; equal the share of both without precedence. Who stands, and discs that overlap, part by equal shares.
 fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equal: f32) -> Precedence {
     let both = own + theirs;
     let agreement = 0.5 * sqrt(dot2(both, both));
     let ahead = dot2(to, unit_or(both, vec2<f32>(0.0, 0.0)));
     let distance2 = dot2(to, to);
-    if distance2 < radius * radius {
+    let is_standing = dot2(own, own) < 0.5 || dot2(theirs, theirs) < 0.5;
+    if is_standing || distance2 < radius * radius {
         return Precedence(equal, radius, false);
     }
     let share = clamp(equal + PRECEDENCE_STEEPNESS * agreement * (ahead / radius), 0.0, 1.0);

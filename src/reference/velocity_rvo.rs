@@ -100,7 +100,7 @@ impl Scene<'_> {
         let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
         if self.level & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
-            preferred = crowded(&self.slots, self.preferred, preferred, at, own.range, own.cap, &nearest);
+            preferred = crowded(&self.slots, self.preferred, slot, own, preferred, &nearest, self.level);
         }
         let most = step.max_acceleration * step.time_step;
         let (others, count) = self.look_at_others(slot, own, most, &nearest);

@@ -1,5 +1,7 @@
 //! The report: one page of Markdown and its figures.
 
+use super::judge::Outcome;
+use super::tests::TRIED;
 use super::{Options, Validation, chosen};
 use crate::Error;
 use crate::export::{AtomicFile, chart};
@@ -30,63 +32,44 @@ pub fn write(folder: &Path, validation: &Validation, options: &Options) -> Resul
 /// When a test of the options is unknown.
 pub fn page(validation: &Validation, options: &Options) -> Result<String, Error> {
     let mut page = String::from("# Validation of gaitway's crowds\n\n");
-    let failed: Vec<_> = validation.outcomes.iter().filter(|outcome| !outcome.pass).collect();
-    let total = validation.outcomes.len();
     // writing into a String cannot fail
     let _ = writeln!(
         page,
         "gaitway {}, on {}{}. Seeds are fixed: the same program gives the same page, on every device whose arithmetic \
-         is exact.\n\n**gaitway is no certified evacuation tool.** These are tests of plausibility, most of them in our own \
-         words and with bounds of our own where the source states none; they say so. Nobody's safety may be built on them.\n",
+         is exact.\n\n**gaitway is no certified evacuation tool.** These are tests of plausibility; the column \"by\" says whose each \
+         criterion is. Nobody's safety may be built on them.\n\nPeople are what a scenario's defaults make them: discs of {} m, every \
+         setting of `[navigation]` left alone. Each test in which chance plays a part is drawn {} times, with other places and dice; \
+         every third draw lies turned by 37 degrees, every third is moved by half a cell. \"Found\" is the first draw. A value passes \
+         where nine draws in ten meet its criterion, all of them where nothing may happen at all. The next two columns are the first draw \
+         with half as many people more and with twice as many.\n",
         env!("CARGO_PKG_VERSION"),
         validation.device,
-        if options.is_quick { ", quick run (fewer people, scenes only as they are)" } else { "" },
+        if options.is_quick { ", quick run (fewer people, shorter, one draw)" } else { "" },
+        super::rooms::RADIUS,
+        if options.is_quick { 1 } else { options.draws },
     );
-    if failed.is_empty() {
-        let _ = writeln!(page, "All {total} values meet their criteria.\n");
-    } else {
-        let _ = writeln!(page, "**{} of {total} values fail:**\n", failed.len());
-        for outcome in &failed {
-            let _ = writeln!(
-                page,
-                "- {} ({}): {}, wanted {}",
-                outcome.name,
-                outcome.variant,
-                number(outcome.value),
-                outcome.criterion
-            );
-        }
-        page.push('\n');
-    }
-    if !validation.skipped.is_empty() {
-        page += "Left out, because the recordings are not there:\n\n";
-        for skipped in &validation.skipped {
-            let _ = writeln!(page, "- {skipped}");
-        }
-        page.push('\n');
-    }
+    summary(&mut page, validation);
     for test in chosen(&options.tests)? {
-        let of_test = |name: &str| name.strip_prefix(test.name).is_some_and(|rest| rest.starts_with('.'));
+        let of_test = |name: &str| belongs(name.split_once('.').map_or(name, |parts| parts.0), test.name);
         let outcomes: Vec<_> = validation.outcomes.iter().filter(|outcome| of_test(&outcome.name)).collect();
         let about = test.about.split_whitespace().collect::<Vec<_>>().join(" ");
-        let _ = writeln!(page, "## {}: {}\n\n{about}\n", test.name, test.title);
+        let _ = writeln!(page, "## {}: {}\n\n{}. {about}\n", test.name, test.title, test.source);
         if outcomes.is_empty() {
             page += "Left out.\n\n";
             continue;
         }
-        page += "| value | variant | found | criterion | |\n|---|---|---:|---|---|\n";
-        for outcome in outcomes {
-            let name = outcome.name.split_once('.').map_or("", |parts| parts.1);
+        page += "| value | found | unit | least to most | 1.5 times | twice | criterion | by | draws | |\n";
+        page += "|---|---:|---|---|---:|---:|---|---|---:|---|\n";
+        outcomes.into_iter().for_each(|outcome| row(&mut page, outcome));
+        page.push('\n');
+        let fails = validation.failed().any(|outcome| of_test(&outcome.name));
+        if let Some((_, tried)) = TRIED.iter().find(|tried| fails && tried.0 == test.name) {
             let _ = writeln!(
                 page,
-                "| {name} | {} | {} | {} | {} |",
-                outcome.variant,
-                number(outcome.value),
-                outcome.criterion,
-                if outcome.pass { "pass" } else { "**fail**" }
+                "What was tried: {}\n",
+                tried.split_whitespace().collect::<Vec<_>>().join(" ")
             );
         }
-        page.push('\n');
         for (name, figure) in validation.figures.iter().filter(|(name, _)| belongs(name, test.name)) {
             let _ = writeln!(page, "![{}]({name}.svg)\n", figure.title);
         }
@@ -94,11 +77,69 @@ pub fn page(validation: &Validation, options: &Options) -> Result<String, Error>
     Ok(page)
 }
 
-/// Which figure stands under which test.
-fn belongs(figure: &str, test: &str) -> bool {
-    figure.strip_prefix(test).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
+/// What fails, and what was left out.
+fn summary(page: &mut String, validation: &Validation) {
+    let failed: Vec<_> = validation.failed().collect();
+    let judged = validation.judged();
+    let shown = validation.outcomes.len() - judged;
+    if failed.is_empty() {
+        let _ = writeln!(page, "All {judged} judged values meet their criteria; {shown} more are shown.\n");
+    } else {
+        let _ =
+            writeln!(page, "**{} of {judged} judged values fail** ({shown} more are shown):\n", failed.len());
+        for outcome in &failed {
+            let _ = writeln!(
+                page,
+                "- {}: {} {}, wanted {}; {} of {} draws pass",
+                outcome.name,
+                number(outcome.value),
+                outcome.unit,
+                outcome.criterion.as_deref().unwrap_or_default(),
+                outcome.passes,
+                outcome.draws
+            );
+        }
+        page.push('\n');
+    }
+    if !validation.skipped.is_empty() {
+        *page += "Left out, because the recordings are not there:\n\n";
+        for skipped in &validation.skipped {
+            let _ = writeln!(page, "- {skipped}");
+        }
+        page.push('\n');
+    }
+}
+
+fn row(page: &mut String, outcome: &Outcome) {
+    let name = outcome.name.split_once('.').map_or("", |parts| parts.1);
+    let [least, most] = outcome.range;
+    let range =
+        if outcome.draws == 1 { String::new() } else { format!("{} to {}", number(least), number(most)) };
+    let larger = |size: usize| outcome.larger.get(size).map_or_else(String::new, |value| number(*value));
+    let origin = outcome.origin.map_or_else(String::new, |origin| origin.to_string());
+    let verdict = match (outcome.is_judged(), outcome.pass) {
+        (false, _) => "",
+        (true, true) => "pass",
+        (true, false) => "**FAIL**",
+    };
+    let draws =
+        if outcome.is_judged() { format!("{} of {}", outcome.passes, outcome.draws) } else { String::new() };
+    let _ = writeln!(
+        page,
+        "| {name} | {} | {} | {range} | {} | {} | {} | {origin} | {draws} | {verdict} |",
+        number(outcome.value),
+        outcome.unit,
+        larger(0),
+        larger(1),
+        outcome.criterion.as_deref().unwrap_or("shown only"),
+    );
+}
+
+/// Whether a figure or a group of values is of a test: it has its name, or that and more behind a hyphen.
+fn belongs(name: &str, test: &str) -> bool {
+    name.strip_prefix(test).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'))
 }
 
 fn number(value: f64) -> String {
-    if value.is_finite() { format!("{value:.3}") } else { "nothing (not everyone came through)".to_owned() }
+    if value.is_finite() { format!("{value:.3}") } else { "not all came".to_owned() }
 }

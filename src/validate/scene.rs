@@ -18,6 +18,9 @@ use std::sync::Arc;
 /// Degrees by which a scene is turned in [`Variant::Rotated`].
 pub const TURN_DEG: f32 = 37.0;
 
+/// Distances to walls are told up to this, m.
+pub const NEAR_WALL: f32 = 0.5;
+
 /// Steps that a scene goes on after everyone has come where it ends.
 const AFTER: u32 = 300;
 
@@ -141,6 +144,14 @@ impl Stage {
         }
     }
 
+    /// Whether crowds walk on a device; else on the CPU.
+    pub const fn is_on_device(&self) -> bool {
+        #[cfg(feature = "vulkan")]
+        return self.device.is_some();
+        #[cfg(not(feature = "vulkan"))]
+        false
+    }
+
     fn simulation(&self, store: Store) -> Result<Simulation, Error> {
         #[cfg(feature = "vulkan")]
         if let Some(device) = &self.device {
@@ -161,6 +172,8 @@ pub struct Run {
     pub outside: u32,
     /// Largest number of pairs in a frame that overlap by more than a tenth.
     pub overlapping: u32,
+    /// How near the centre of anyone came to a wall, over all recorded frames, m; at most [`NEAR_WALL`].
+    pub nearest_wall: f32,
     /// Hash of the last state.
     pub hash: u64,
     /// What it ran on.
@@ -268,7 +281,7 @@ impl Scene {
         let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
         let mut tracks =
             Tracks::new(1.0 / (f64::from(self.scenario.navigation.time_step) * f64::from(self.every)));
-        let (mut outside, mut overlapping) = (0, 0);
+        let (mut outside, mut overlapping, mut nearest_wall) = (0, 0, NEAR_WALL);
         let mut steps = self.steps();
         let mut done = 0;
         loop {
@@ -280,6 +293,9 @@ impl Scene {
             };
             let positions: Vec<Option<Vec2>> = store.position[..agents].iter().map(there).collect();
             outside += positions.iter().flatten().map(|p| u32::from(!free.walkable(*p))).sum::<u32>();
+            for place in positions.iter().flatten() {
+                nearest_wall = free.distance(*place, *place, nearest_wall);
+            }
             overlapping = overlapping.max(crate::sim::measure::moment(store).overlapping_pairs);
             tracks.push(&positions);
             let has_come = |route: &[u32; 4], point: u32| route[2] >= point || route[3] > 0;
@@ -292,7 +308,8 @@ impl Scene {
             if done >= steps {
                 let arrivals = store.route[..agents].iter().map(|route| route[3]).collect();
                 let hash = crate::sim::measure::state_hash(store);
-                return Ok(Run { tracks, arrivals, outside, overlapping, hash, device: simulation.device() });
+                let device = simulation.device();
+                return Ok(Run { tracks, arrivals, outside, overlapping, nearest_wall, hash, device });
             }
             let count = self.every.min(steps - done);
             simulation.step(count)?;

@@ -1,8 +1,8 @@
 //! Fundamental diagrams.
 
-use super::super::diagram::{ring, speed_round, weidmann};
+use super::super::diagram::{RING_RADIUS, Ring, speed_round, weidmann};
 use super::super::files;
-use super::super::judge::{Bench, Criterion, Test};
+use super::super::judge::{Bench, Criterion, Draws, Origin, Test};
 use super::super::measure::{Area, mean, voronoi};
 use super::super::tracks::Tracks;
 use crate::Error;
@@ -16,37 +16,63 @@ const YELLOW: [u8; 3] = [222, 158, 20];
 pub(super) const RIMEA_4: Test = Test {
     name: "rimea-4",
     title: "The more people to a square metre, the slower they walk, up to 6 people/m²",
-    about: "After RiMEA 4 (4.1.1 has no tolerance and no curve). All walk one way round a ring 3 m wide and 75 m long; density is \
-            people over its area, speed the mean along it. Judged: the speed never rises with density, and the greatest flow is \
-            1.2 to 1.8 people/(m s), the spread of the literature. The deviation from Weidmann's curve (1993) only verifies that \
-            `crowding`, which multiplies by it, does so: it is shown and not judged. Recorded speeds: juelich-corridor.",
+    source: "After RiMEA 4.1.1, test 4 (p. 29)",
+    about: "The source has a corridor of 1,000 m by 10 m and no tolerance and no curve. Here all walk one way round a ring 75 m long and 3 m wide, \
+            then one of 0.8 m, too narrow to overtake, for 60 s after 10 s; density is people over its area, speed the mean along it. Judged: \
+            the speed rises from no density to the next by more than 0.01 m/s (where all are free it is the same but for rounding), and the \
+            greatest flow is 1.2 to 1.8 people/(m s), the spread of the literature (Zhang and Seyfried 2010). Weidmann's curve (1993) only \
+            verifies that `crowding`, which multiplies by it, does so: the deviation is shown and not judged. Recorded speeds judge it in \
+            juelich-corridor.",
     run: ring_diagram,
-    has_variants: true,
+    draws: Draws::TurnedSeeds,
+    grows: true,
 };
 
-fn ring_diagram(bench: &Bench<'_>) -> Result<(), Error> {
-    let densities: &[f32] =
-        if bench.is_quick { &[0.5, 1.5, 3.0] } else { &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0] };
-    let seconds = if bench.is_quick { 12.0 } else { 70.0 };
-    let from = if bench.is_quick { 6.0 } else { 10.0 };
+/// Speeds round a ring of this width at each density; and how many places are outside its walls.
+fn speeds_round(bench: &Bench<'_>, width: f32, densities: &[f32]) -> Result<(Vec<[f64; 2]>, usize), Error> {
+    let (seconds, from) = if bench.is_quick { (12.0, 6.0) } else { (70.0, 10.0) };
     let (mut points, mut outside) = (Vec::new(), 0);
     for &density in densities {
-        let run = bench.run(&ring(density, 3.0, seconds)?)?;
-        let found = speed_round(&run.tracks, from);
-        outside += run.outside;
-        let density = f64::from(density);
-        points.push([density, found]);
-        bench.say(&format!("speed-{density:.1}"), found, Criterion::Report, "");
-        let deviation = found / weidmann(density) - 1.0;
-        if density < 5.0 {
-            bench.say(&format!("weidmann-{density:.1}"), deviation, Criterion::Report, "");
+        let ring = Ring { middle: bench.along(RING_RADIUS), width, density, lane: bench.lane(0) };
+        let run = bench.run(&ring.scene(seconds)?)?;
+        points.push([f64::from(density), speed_round(&run.tracks, from)]);
+        outside += run.outside as usize;
+    }
+    Ok((points, outside))
+}
+
+/// Speeds that differ by no more than this are alike, m/s: at low densities everyone walks freely.
+const FREE_ALIKE: f64 = 0.01;
+
+/// The greatest rise of speed from a density to the next, m/s.
+fn rise(points: &[[f64; 2]]) -> f64 {
+    points.windows(2).map(|pair| pair[1][1] - pair[0][1]).fold(f64::NEG_INFINITY, f64::max)
+}
+
+fn ring_diagram(bench: &Bench<'_>) -> Result<(), Error> {
+    let unit = "m/s from a density to the next";
+    let densities: &[f32] =
+        if bench.is_quick { &[0.5, 1.5, 3.0] } else { &[0.5, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0] };
+    let (points, outside) = speeds_round(bench, 3.0, densities)?;
+    for &[density, speed] in &points {
+        bench.report(&format!("speed-{density:.1}"), speed, "m/s");
+        // beyond 5.4 people/m² Weidmann has nobody walk
+        if density < 5.4 {
+            let deviation = speed / weidmann(density) - 1.0;
+            bench.report(&format!("weidmann-{density:.1}"), deviation, "from Weidmann's speed");
         }
     }
-    let rise = points.windows(2).map(|pair| pair[1][1] - pair[0][1]).fold(f64::NEG_INFINITY, f64::max);
-    bench.say("rise", rise, Criterion::AtMost(0.0), "m/s from a density to the next");
+    bench.judge("rise", rise(&points), Criterion::AtMost(FREE_ALIKE), unit, Origin::Ours);
     let capacity = points.iter().map(|point| point[0] * point[1]).fold(0.0, f64::max);
-    bench.say("capacity", capacity, Criterion::Within(1.2, 1.8), "people/(m s)");
-    bench.say("outside", f64::from(outside), Criterion::AtMost(0.0), "places outside the walls");
+    let literature = Origin::Source("spread of the literature");
+    bench.judge("capacity", capacity, Criterion::Within(1.2, 1.8), "people/(m s)", literature);
+    let narrow = if bench.is_quick { &[0.5, 2.0][..] } else { &[0.5, 1.0, 2.0, 3.0] };
+    let (in_file, outside_file) = speeds_round(bench, 0.8, narrow)?;
+    for &[density, speed] in &in_file {
+        bench.report(&format!("narrow-{density:.1}"), speed, "m/s");
+    }
+    bench.judge("narrow-rise", rise(&in_file), Criterion::AtMost(FREE_ALIKE), unit, Origin::Ours);
+    bench.never("outside", outside + outside_file, "places outside the walls", Origin::Ours);
     bench.draw("rimea-4", || Plot {
         title: "Speed over density, one way".into(),
         axes: ["density, people/m²".into(), "speed, m/s".into()],
@@ -80,12 +106,13 @@ const MEASURED: Area = Area::new([0.0, -2.0], [1.8, 0.0]);
 pub(super) const JUELICH_CORRIDOR: Test = Test {
     name: "juelich-corridor",
     title: "Speed over density as in the corridor of Jülich",
-    about: "Six experiments in a corridor 1.8 m wide (Forschungszentrum Jülich), Voronoi density and speed in x 0 to 1.8 m, y -2 to \
-            0 m, averaged in steps of 0.5 people/m². The ring is walked at the same density by people of the free speed of the \
-            experiment (its mean below 0.75 people/m²). Ours: the mean difference over the steps is at most 20 % of the \
-            measured speed.",
+    source: "Six recordings of uni-directional flow (Forschungszentrum Jülich)",
+    about: "Experiments in a corridor 1.8 m wide; Voronoi density and speed in x 0 to 1.8 m, y -2 to 0 m, averaged in steps of 0.5 people/m². \
+            The ring is walked at the same density by people of the free speed of the experiment (its mean below 0.75 people/m²). Ours: \
+            the mean difference over the steps is at most 20 % of the measured speed.",
     run: juelich,
-    has_variants: false,
+    draws: Draws::Seeds,
+    grows: false,
 };
 
 /// Density and speed in the measured area, once a second.
@@ -129,15 +156,21 @@ fn juelich(bench: &Bench<'_>) -> Result<(), Error> {
         }
         #[allow(clippy::cast_possible_truncation, reason = "a density and a speed")]
         let (density32, free32) = (density as f32, free as f32);
-        let mut scene = ring(density32, 1.8, if bench.is_quick { 12.0 } else { 24.0 })?;
+        let ring = Ring { middle: RING_RADIUS, width: 1.8, density: density32, lane: bench.lane(0) };
+        let mut scene = ring.scene(if bench.is_quick { 12.0 } else { 24.0 })?;
         scene.walkers.iter_mut().for_each(|walker| walker.speed = free32);
         let run = bench.run(&scene)?;
         let speed = speed_round(&run.tracks, 0.5 * f64::from(scene.seconds));
         found.push([density, speed]);
+        bench.report(&format!("measured-{density:.1}"), mean(&real), "m/s");
         differences.push((speed / mean(&real) - 1.0).abs());
     }
-    bench.say("free-speed", free, Criterion::Report, "");
-    bench.say("difference", mean(&differences), Criterion::AtMost(0.2), "of the measured speed");
+    for point in &found {
+        bench.report(&format!("speed-{:.1}", point[0]), point[1], "m/s");
+    }
+    bench.report("free-speed", free, "m/s");
+    let criterion = Criterion::AtMost(0.2);
+    bench.judge("difference", mean(&differences), criterion, "of the measured speed", Origin::Ours);
     bench.draw("juelich-corridor", || Plot {
         title: "Speed over density in a corridor".into(),
         axes: ["density, people/m²".into(), "speed, m/s".into()],

@@ -1,7 +1,7 @@
 //! Streets that were filmed.
 
 use super::super::files;
-use super::super::judge::{Bench, Criterion, Test};
+use super::super::judge::{Bench, Draws, Test};
 use super::super::measure::{kolmogorov_smirnov, nearest_distances, quantile};
 use super::super::rooms::{RADIUS, walker};
 use super::super::scene::Scene;
@@ -13,12 +13,14 @@ use glam::Vec2;
 pub(super) const UCY: Test = Test {
     name: "ucy",
     title: "Speeds and distances to the nearest other as in two streets that were filmed",
-    about: "UCY zara01 and students03 (Lerner et al. 2007). Every 8 s of the film are walked again: everyone present begins where and as \
+    source: "Recordings zara01 and students03 (Lerner et al. 2007)",
+    about: "Every 8 s of the film are walked again: everyone present begins where and as \
             fast as they were, and goes to where they were 8 s later at their mean speed. Kolmogorov-Smirnov distances of speeds and of \
             distances to the nearest other, over the same seconds. Reported, not judged: no published bound is known to us, \
             and who stands and talks in the film is not told apart from who walks slowly. Walls and benches are left out.",
     run: ucy,
-    has_variants: false,
+    draws: Draws::One,
+    grows: false,
 };
 
 /// Length of a piece, s.
@@ -110,7 +112,7 @@ fn ucy(bench: &Bench<'_>) -> Result<(), Error> {
         let [real, made] = walk_again(bench, &film)?;
         for (what, index) in [("speeds", 0), ("nearest", 1)] {
             let distance = kolmogorov_smirnov(&real[index], &made[index]);
-            bench.say(&format!("{name}-{what}"), distance, Criterion::Report, "");
+            bench.report(&format!("{name}-{what}"), distance, "Kolmogorov-Smirnov distance");
             let axis = if index == 0 { "speed, m/s" } else { "distance to the nearest other, m" };
             bench
                 .draw(&format!("ucy-{name}-{what}"), || distribution(name, axis, &real[index], &made[index]));
