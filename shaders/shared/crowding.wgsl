@@ -1,14 +1,14 @@
-// How much slower somebody walks the more people there are ahead; twin: reference::crowding, where the equations are.
+// How much slower an agent walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
 // Needs the bindings step, slot_motion, slot_manners and preferred_velocity, `level`, and the list `found` of
 // shared/neighbours.wgsl.
 
 // The share of the own person in the density.
 const OWN_SHARE = 0.13;
-// One over the density at which nobody moves any more, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
+// One over the density at which all stand, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
 const JAM_AREA = 0.18518518;
 const STEEPNESS = 2.7598755; // 1.913 log2(e)
-// Nobody wants to walk slower than this share of the free speed, which Weidmann has at 5 people/m2: in a jam people
+// The least speed wanted, as a share of the free speed, which Weidmann has at 5 people/m2: in a jam people
 // shuffle on, or it would never dissolve.
 const LEAST_SHARE = 0.03;
 // The density is measured over no less than this, m2.

@@ -6,11 +6,11 @@
 const PRECEDENCE_STEEPNESS = 10.0;
 // How much broader than deep a body is: (0.46 - 0.28) / (0.46 + 0.28).
 const SHOULDERS = 0.24324324;
-// Nobody comes nearer than this share of the sum of the radii.
+// The sum of the radii shrinks to no less than this share of it.
 const NEAREST = 0.9;
-// Who goes first touches the other only below this share of the sum of the radii.
+// An agent that goes first keeps this share of the sum of the radii from the other.
 const SQUEEZE = 0.8;
-// Priorities farther apart than this decide alone: robots, vehicles, who has been given the right of way.
+// Priorities that are farther apart decide alone: those of robots, of vehicles, of a right of way that was given.
 const PEERS = 1.0;
 // The cosine above which two want to go the same way.
 const SAME_WAY = 0.95;
@@ -26,8 +26,8 @@ struct Precedence {
     follows: bool, // whether it follows the other the same way
 }
 
-// Of the two, `to` the other, with the directions (unit, or 0 of who stands) in which they want to go; radius is the sum of the
-// radii as discs, m; equal the share of both without precedence. Who stands, and discs that overlap, part by equal shares.
+// Of two agents, `to` the other, m, with the directions in which they want to go (unit; 0: it stands); radius is the sum of the
+// radii as discs, m; equal the share of both without precedence. Where one stands, and where discs overlap, shares are equal.
 fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equal: f32) -> Precedence {
     let both = own + theirs;
     let agreement = 0.5 * sqrt(dot2(both, both));
@@ -42,7 +42,7 @@ fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equ
     return Precedence(share, radius * breadth, share > ALL_OF_IT && dot2(own, theirs) > SAME_WAY);
 }
 
-// The line of somebody who follows: nobody has to walk backwards because the one ahead is near.
+// The line of an agent that follows, without its demand to walk backwards because the one ahead is near.
 fn standing(line: vec4<f32>) -> vec4<f32> {
     let need = line.x * -line.w + line.y * line.z;
     if need > 0.0 {

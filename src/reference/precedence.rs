@@ -25,11 +25,11 @@ use super::orca::{Line, unit_or};
 const STEEPNESS: f32 = 10.0;
 /// e.
 const SHOULDERS: f32 = 0.243_243_24;
-/// Nobody comes nearer than this share of the sum of the radii.
+/// The sum of the radii shrinks to no less than this share of it.
 const NEAREST: f32 = 0.9;
-/// Who goes first touches the other only below this share of the sum of the radii.
+/// An agent that goes first keeps this share of the sum of the radii from the other.
 pub const SQUEEZE: f32 = 0.8;
-/// Priorities farther apart than this decide alone: robots, vehicles, who has been given the right of way.
+/// Priorities that are farther apart decide alone: those of robots, of vehicles, of a right of way that was given.
 pub const PEERS: f32 = 1.0;
 /// The cosine above which two want to go the same way.
 const SAME_WAY: f32 = 0.95;
@@ -49,7 +49,7 @@ pub struct Precedence {
     pub follows: bool,
 }
 
-/// Of the two, `to` the other, with the directions (unit, or 0 of who stands) `own` and `theirs` in which they want to go.
+/// Of two agents, `to` the other, m, with the directions `own` and `theirs` in which they want to go (unit; 0: it stands).
 ///
 /// `radius` is the sum of the radii as discs, m; `equal` the share of both without precedence. Where one stands, and where discs
 /// overlap, the shares are equal.
@@ -67,7 +67,7 @@ pub fn precedence(to: [f32; 2], own: [f32; 2], theirs: [f32; 2], radius: f32, eq
     Precedence { share, radius: radius * breadth, follows: share > ALL && dot2(own, theirs) > SAME_WAY }
 }
 
-/// The line of somebody who follows: nobody has to walk backwards because the one ahead is near.
+/// The line of an agent that follows, without its demand to walk backwards because the one ahead is near.
 pub fn standing(line: Line) -> Line {
     let [x, y, along_x, along_y] = line;
     let need = x * -along_y + y * along_x;
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn shoulders_are_as_broad_as_the_ellipse_and_nobody_is_a_tenth_nearer_than_a_disc() {
+    fn shoulders_are_as_broad_as_the_ellipse_and_chests_a_tenth_into_the_disc_at_most() {
         let beside = precedence([0.0, 1.0], EAST, EAST, 0.37, 0.5).radius;
         let behind = precedence([1.0, 0.0], EAST, EAST, 0.37, 0.5).radius;
         assert!((beside - 0.46).abs() < 1e-6 && (behind - 0.9 * 0.37).abs() < 1e-6, "{beside} {behind}");

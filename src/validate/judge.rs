@@ -49,7 +49,7 @@ impl fmt::Display for Criterion {
 pub enum Origin {
     /// The document or publication, with version and number.
     Source(&'static str),
-    /// Nobody else's.
+    /// The project's own.
     Ours,
 }
 

@@ -12,7 +12,7 @@ pub(super) const RIMEA_6: Test = Test {
     name: "rimea-6",
     title: "20 people walk round a left corner of a corridor 2 m wide",
     source: "RiMEA 4.1.1, test 6 (p. 30)",
-    about: "Arms of 10 m and 2 m of corner, the start spread over 6 m: all get round and nobody walks through a wall. The source has no \
+    about: "Arms of 10 m and 2 m of corner, the start spread over 6 m: all get round, none through a wall. The source has no \
             bound for the time. Ours: no centre comes nearer to a wall than 0.9 of the radius.",
     run: |bench| twenty(bench, Origin::Source("RiMEA 4.1.1, 6")),
     draws: Draws::TurnedSeeds,
@@ -51,7 +51,7 @@ fn corner(width: f32, inner: f32, line: f32, deep: f32, seconds: f32) -> Result<
     Scene::new("corner", &outline, seconds)
 }
 
-/// The way of somebody who starts at a place of the first arm: round the corner as far from its inner side as they start, then
+/// The way of a person who starts at a place of the first arm: round the corner as far from its inner side as they start, then
 /// past z = `line`, and to `end`.
 fn round(place: Vec2, width: f32, inner: f32, line: f32, end: Vec2) -> Vec<(Vec2, f32)> {
     let pivot = Vec2::new(inner, width);
@@ -104,7 +104,7 @@ pub(super) const RIMEA_15: Test = Test {
     grows: true,
 };
 
-/// When all have crossed a line, s; NaN if somebody has not.
+/// When all have crossed a line, s; NaN if one has not.
 fn last(times: &[f64], count: usize) -> f64 {
     if times.len() == count { times.last().copied().unwrap_or(0.0) } else { f64::NAN }
 }

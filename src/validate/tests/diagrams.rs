@@ -56,7 +56,7 @@ fn ring_diagram(bench: &Bench<'_>) -> Result<(), Error> {
     let (points, outside) = speeds_round(bench, 3.0, densities)?;
     for &[density, speed] in &points {
         bench.report(&format!("speed-{density:.1}"), speed, "m/s");
-        // beyond 5.4 people/m² Weidmann has nobody walk
+        // beyond 5.4 people/m² all stand, by Weidmann
         if density < 5.4 {
             let deviation = speed / weidmann(density) - 1.0;
             bench.report(&format!("weidmann-{density:.1}"), deviation, "from Weidmann's speed");

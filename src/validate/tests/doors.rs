@@ -14,10 +14,10 @@ use glam::Vec2;
 const BLUE: [u8; 3] = [66, 118, 190];
 const RED: [u8; 3] = [200, 66, 52];
 
-/// Walking speed of people whom nobody hinders, m/s (Weidmann 1993).
+/// Free walking speed, m/s (Weidmann 1993).
 const FREE: f32 = 1.34;
 
-/// Mean density, people/m², and speed, m/s, in an area over some frames (from, to); NaN where nobody is.
+/// Mean density, people/m², and speed, m/s, in an area over some frames (from, to); NaN where it is empty.
 fn crowd_in(tracks: &Tracks, area: Area, frames: [f64; 2]) -> (f64, f64) {
     let (mut densities, mut speeds) = (Vec::new(), Vec::new());
     for (frame, people) in tracks.frames.iter().enumerate() {
@@ -45,7 +45,7 @@ fn number(count: usize) -> f64 {
     count as f64
 }
 
-/// When everyone is out, s; NaN if somebody is not.
+/// When everyone is out, s; NaN if one is not.
 fn emptied(times: &[f64], count: usize) -> f64 {
     if times.len() == count { times.last().copied().unwrap_or(0.0) } else { f64::NAN }
 }

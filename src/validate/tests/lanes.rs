@@ -116,7 +116,7 @@ fn lanes(bench: &Bench<'_>) -> Result<(), Error> {
 
 pub(super) const NIST_COUNTER_FLOW: Test = Test {
     name: "nist-counter-flow",
-    title: "People who come the other way slow a crowd down, and nobody is stuck",
+    title: "People who come the other way slow a crowd down, and none is stuck",
     source: "NIST Technical Note 1822, 2.8; ISO 20414, test 6; IMO test 8",
     about: "Two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; 100 people go over while 0, 10, 50, 100 come back. The time \
             rises with those who come back; NIST states no figure. At the 1.0 to 1.5 people/(m s) of measured counter-flow (Jülich, \

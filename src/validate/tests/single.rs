@@ -37,7 +37,7 @@ pub(super) const NIST_CORRIDOR: Test = Test {
     grows: false,
 };
 
-/// How long somebody takes for 40 m of a corridor, s.
+/// How long one person takes for 40 m of a corridor, s.
 fn alone(bench: &Bench<'_>, speed: f32) -> Result<f64, Error> {
     let mut scene = corridor("corridor", 44.0, 2.0, 100.0)?;
     scene.walkers.push(walker(Vec2::new(1.0, 1.0), speed, vec![(Vec2::new(43.0, 1.0), 0.3)]));
