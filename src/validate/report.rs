@@ -37,7 +37,7 @@ pub fn page(validation: &Validation, options: &Options) -> Result<String, Error>
         page,
         "gaitway {}, on {}{}. Seeds are fixed: the same program gives the same page, on every device whose arithmetic \
          is exact.\n\n**gaitway is no certified evacuation tool.** These are tests of plausibility; the column \"by\" says whose each \
-         criterion is. Nobody's safety may be built on them.\n\nPeople are what a scenario's defaults make them: discs of {} m, every \
+         criterion is. No safety may be built on them.\n\nPeople are what a scenario's defaults make them: discs of {} m, every \
          setting of `[navigation]` left alone. Each test in which chance plays a part is drawn {} times, with other places and dice; \
          every third draw lies turned by 37 degrees, every third is moved by half a cell. \"Found\" is the first draw. A value passes \
          where nine draws in ten meet its criterion, all of them where nothing may happen at all. The next two columns are the first draw \
