@@ -8,6 +8,7 @@ use super::xml::{Source, children, count, kind, maybe, need, place, tag, wrong};
 use glam::Vec2;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// How far profiles may inherit.
 const DEPTH: usize = 32;
@@ -103,9 +104,10 @@ impl Value {
 pub(super) struct Placed {
     /// In Menge's plane, m.
     pub(super) position: Vec2,
-    pub(super) profile: Profile,
+    /// Shared by the agents of a group, who may be many.
+    pub(super) profile: Arc<Profile>,
     /// First state of its behaviour.
-    pub(super) state: String,
+    pub(super) state: Arc<str>,
     pub(super) radius: f32,
     pub(super) speed: f32,
 }
@@ -144,9 +146,9 @@ fn profiles(
     source: &Source,
     root: &Node<'_, '_>,
     report: &mut Report,
-) -> Result<BTreeMap<String, Profile>, Error> {
+) -> Result<BTreeMap<String, Arc<Profile>>, Error> {
     let nodes: Vec<_> = children(root).filter(|node| tag(node) == "AgentProfile").collect();
-    let mut found: BTreeMap<String, Profile> = BTreeMap::new();
+    let mut found: BTreeMap<String, Arc<Profile>> = BTreeMap::new();
     for node in &nodes {
         let name = node.attribute("name").unwrap_or("");
         // The chain of ancestors, eldest first.
@@ -172,7 +174,7 @@ fn profiles(
         for ancestor in chain.iter().rev() {
             extend(source, ancestor, &mut profile, report)?;
         }
-        found.insert(name.to_owned(), profile);
+        found.insert(name.to_owned(), Arc::new(profile));
     }
     Ok(found)
 }
@@ -255,24 +257,24 @@ fn common(
 fn group(
     source: &Source,
     node: &Node<'_, '_>,
-    profiles: &BTreeMap<String, Profile>,
+    profiles: &BTreeMap<String, Arc<Profile>>,
     seed: u64,
     agents: &mut Vec<Placed>,
     report: &mut Report,
 ) -> Result<(), Error> {
-    let (mut profile, mut state) = (None, String::new());
+    let (mut profile, mut state) = (None, Arc::from(""));
     for part in children(node).filter(|part| matches!(tag(part), "ProfileSelector" | "StateSelector")) {
         if kind(&part) != "const" {
             report.approximate(source, &part, "the first name in it is taken for all");
         }
         let inner = part.descendants().find_map(|inner| inner.attribute("name")).unwrap_or("");
         if tag(&part) == "StateSelector" {
-            inner.clone_into(&mut state);
+            state = Arc::from(inner);
         } else {
             let Some(found) = profiles.get(inner) else {
                 return Err(wrong(source, &part, format!("there is no profile {inner:?}")));
             };
-            profile = Some(found.clone());
+            profile = Some(Arc::clone(found));
         }
     }
     let profile = profile.ok_or_else(|| wrong(source, node, "an <AgentGroup> without a profile"))?;
@@ -298,8 +300,8 @@ fn group(
                         position: position + shift,
                         radius: draw(profile.radius, 1, 0.05, 2.0),
                         speed: draw(profile.speed, 2, 0.05, 5.0),
-                        profile: profile.clone(),
-                        state: state.clone(),
+                        profile: Arc::clone(&profile),
+                        state: Arc::clone(&state),
                     });
                 }
             }

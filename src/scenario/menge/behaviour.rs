@@ -292,7 +292,7 @@ impl Machine {
         walker: &mut Walker,
         report: &mut Report,
     ) -> Result<Vec<Vec2>, Error> {
-        let (mut at, mut name, mut way) = (agent.position, agent.state.clone(), Vec::new());
+        let (mut at, mut name, mut way) = (agent.position, agent.state.to_string(), Vec::new());
         let mut seen: Vec<String> = Vec::new();
         for _ in 0..MAX_STATES {
             let Some(state) = self.states.get(&name) else {
