@@ -11,7 +11,8 @@
 // that, and GAZE, whose force grows with the speed, divides it by 1 + GAZE a RELAXATION. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
 // the will to go on; nobody walks backwards; and a member that is farther along the route than another waits for it but does not hold it back.
 //
-// It also marks everyone with their group, by which `velocity_*` knows whom they need not avoid like a stranger.
+// It also marks everyone with their group, by which `velocity_*` knows whom they need not avoid like a stranger, and raises the
+// priority of those who have been left behind: people who press through a door let them catch up with their group. Ours, too.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                     // [agent] radius, maximum speed, preferred speed, travel per stride
@@ -20,6 +21,7 @@
 @group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> agent_slot: array<u32>;                     // [agent] NOBODY if absent
 @group(0) @binding(7) var<storage, read_write> slot_manners: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
+@group(0) @binding(8) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 
 const GAZE = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
 const GATHER = 3.0;      // m/s2, beta 2
@@ -29,6 +31,8 @@ const RELAXATION = 0.5;  // s
 const RAMP = 0.5;        // m over which gathering and keeping apart grow to full strength; ours
 const STRAY = 0.75;      // most of the speed that gathering takes, so that it holds nobody at a slanting wall; ours
 const FORWARD = 0.1;     // share of the pace that is always left, so that nobody walks backwards or waits for ever; ours
+const LEFT_BEHIND = 0.9; // m by which the first of the group is ahead that count; ours
+const HASTE = 1.0;       // 1/m: priority for each of them, so that they count like twice as many metres ahead (precedence: PLACE); ours
 
 @compute @workgroup_size(64)
 fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -48,6 +52,8 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
     var others_sum = vec2<f32>(0.0, 0.0);
     var away = vec2<f32>(0.0, 0.0);
     var count = 0.0;
+    var wanted = preferred_velocity[agent];
+    var behind = 0.0; // m that the first of the group is ahead, times the wanted speed
     for (var k = 0u; k < 4u; k++) {
         let other = others[k];
         if other < step.agent_count && !is_absent(position[min(other, step.agent_count - 1u)]) {
@@ -58,6 +64,7 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
             if distance < PERSONAL && distance > 0.0 {
                 away += off * (min((PERSONAL - distance) / RAMP, 1.0) / distance);
             }
+            behind = max(behind, -dot2(off, wanted));
             let is_ahead = way.w > own_way.w || (way.w == own_way.w && way.z > own_way.z);
             if !is_ahead {
                 others_sum += position[other];
@@ -65,7 +72,13 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
             }
         }
     }
-    var wanted = preferred_velocity[agent];
+    let wish = sqrt(dot2(wanted, wanted));
+    if behind > 0.0 && slot < step.agent_count {
+        // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given
+        let priority = slot_motion[slot * 2u + 1u].z;
+        let raised = min(priority + HASTE * min(behind / wish, LEFT_BEHIND), 1.0);
+        slot_motion[slot * 2u + 1u].z = max(priority, raised);
+    }
     let own_speed = body[agent].z;
     if own_speed > pace {
         wanted = wanted * (pace / own_speed);

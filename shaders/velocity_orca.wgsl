@@ -137,18 +137,22 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         let other = found[max(k, o.users) - o.users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
+        let is_mate = (level & GROUPS) != 0u && !is_user && is_with(o.slot, other);
+        // priorities do not count within a group
+        let higher = select(slot_motion[other * 2u + 1u].z - o.traits.z, 0.0, is_mate);
         var pair = Precedence(step.responsibility, o.traits.x + their_radius, false);
-        if is_dense && !is_user && abs(slot_motion[other * 2u + 1u].z - o.traits.z) < PEERS {
+        if is_dense && !is_user && abs(higher) < PEERS {
             let their_wish = unit_or(preferred_velocity[slot_manners[other].x], vec2<f32>(0.0, 0.0));
-            pair = precedence(theirs.xy - o.motion.xy, heading, their_wish, pair.radius, step.responsibility);
+            let to = theirs.xy - o.motion.xy;
+            pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }
         if (level & UNLIKE) != 0u {
-            pair.share = share_of(pair.share, o.traits.z, slot_motion[other * 2u + 1u].z);
+            pair.share = share_of(pair.share, higher);
         }
         let has_way = pair.share <= 0.0 && !is_user;
         // members of a group walk near one another on purpose
         var clear = select(rate, max(rate, RIGHT_OF_WAY), has_way);
-        if (level & GROUPS) != 0u && !is_user && is_with(o.slot, other) {
+        if is_mate {
             clear = max(clear, TOGETHER);
         }
         let line = agent_line(

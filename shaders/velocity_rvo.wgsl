@@ -243,15 +243,17 @@ fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
         let other = found[max(k, users) - users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_traits = slot_motion[other * 2u + 1u];
+        let is_mate = (level & GROUPS) != 0u && !is_user && is_with(slot, other);
         var share = step.responsibility;
-        if (level & UNLIKE) != 0u {
-            share = share_of(step.responsibility, me.traits.z, their_traits.z);
+        // priorities do not count within a group
+        if (level & UNLIKE) != 0u && !is_mate {
+            share = share_of(step.responsibility, their_traits.z - me.traits.z);
         }
         share = select(share, 1.0, is_user);
         let has_way = share <= 0.0;
         let factor = 1.0 / select(share, 1.0, has_way);
         var rate = select(own.rate, max(own.rate, RIGHT_OF_WAY), has_way);
-        if (level & GROUPS) != 0u && !is_user && is_with(slot, other) {
+        if is_mate {
             rate = max(rate, TOGETHER); // members of a group walk near one another on purpose
         }
         let to = theirs.xy - at;

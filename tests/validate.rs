@@ -49,15 +49,11 @@ fn people_in_a_ring_slow_down_as_weidmann_says_and_not_at_all_without_crowding()
     }
 }
 
-/// What the crowd fails in a quick run today. Strict: what passes again must be taken out.
-/// The group meets the slow ten at the door and is parted there.
-const KNOWN: [&str; 1] = ["nist-groups-quick.apart"];
-
 #[test]
-fn the_crowd_as_it_is_passes_a_quick_run_but_for_what_is_known() {
+fn the_crowd_as_it_is_passes_a_quick_run() {
     let validation = quick(&[], Fault::None);
-    let failed: Vec<_> = validation.failed().map(|outcome| outcome.name.as_str()).collect();
-    assert_eq!(failed, KNOWN, "{:#?}", validation.failed().collect::<Vec<_>>());
+    let failed: Vec<_> = validation.failed().collect();
+    assert!(failed.is_empty(), "{failed:#?}");
     assert!(validation.judged() > 30 && validation.device.contains("CPU"));
     for skipped in &validation.skipped {
         println!("skipped: {skipped}");
@@ -103,18 +99,17 @@ fn every_test_notices_a_broken_crowd() {
             ],
         ),
         (Fault::NoWalls, &["rimea-9", "rimea-12"]),
-        (Fault::Alone, &["groups"]),
+        (Fault::Alone, &["groups", "nist-groups"]),
         (Fault::Blind, &["lanes", "nist-maximum-flow", "juelich-bottleneck"]),
     ];
-    // one judges nothing, and one fails as it is
-    let mut seen: Vec<&str> = vec!["ucy", "nist-groups"];
-    assert!(KNOWN[0].starts_with(seen[1]));
+    // one judges nothing
+    let mut seen: Vec<&str> = vec!["ucy"];
     for (fault, names) in broken {
         for &name in names {
             seen.push(name);
             let validation = quick(&[name], fault);
             let left_out = !validation.skipped.is_empty() && validation.outcomes.is_empty();
-            let is_seen = validation.failed().any(|outcome| !KNOWN.contains(&outcome.name.as_str()));
+            let is_seen = validation.failed().next().is_some();
             assert!(left_out || is_seen, "{name} passes with {fault:?}: {:#?}", validation.outcomes);
         }
     }

@@ -5,10 +5,12 @@
 
 // The share of the own person in the density.
 const OWN_SHARE = 0.13;
+// v0 of Weidmann's diagram, m/s.
+const FREE_SPEED = 1.34;
 // One over the density at which all stand, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
 const JAM_AREA = 0.18518518;
 const STEEPNESS = 2.7598755; // 1.913 log2(e)
-// The least speed wanted, as a share of the free speed, which Weidmann has at 5 people/m2: in a jam people
+// The least speed wanted, as a share of v0, which Weidmann has at 5 people/m2: in a jam people
 // shuffle on, or it would never dissolve.
 const LEAST_SHARE = 0.03;
 // The density is measured over no less than this, m2.
@@ -51,6 +53,8 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         }
     }
     let density = people / (0.5 * reach2);
-    let share = max(1.0 - exact_exp2(-STEEPNESS * (1.0 / density - JAM_AREA)), LEAST_SHARE);
+    let room = max(1.0 - exact_exp2(-STEEPNESS * (1.0 / density - JAM_AREA)), LEAST_SHARE);
+    // the diagram's speed over the wanted one
+    let share = min(room * max(FREE_SPEED / sqrt(wanted2), 1.0), 1.0);
     return wanted * (1.0 - step.crowding * (1.0 - share));
 }

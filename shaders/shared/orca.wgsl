@@ -23,10 +23,10 @@ fn unit_or(v: vec2<f32>, fallback: vec2<f32>) -> vec2<f32> {
     return fallback;
 }
 
-// The part of the avoidance that an agent takes towards another: `equal` if they have the same priority.
-// 0: it has the right of way and leaves the avoidance to the other, but is not to run it over.
-fn share_of(equal: f32, own_priority: f32, their_priority: f32) -> f32 {
-    return clamp(equal + 0.5 * (their_priority - own_priority), 0.0, 1.0);
+// The part of the avoidance that an agent takes towards another: `equal` if they have the same priority; `higher`
+// is how much higher that of the other is. 0: it has the right of way and leaves the avoidance to the other, but is not to run it over.
+fn share_of(equal: f32, higher: f32) -> f32 {
+    return clamp(equal + 0.5 * higher, 0.0, 1.0);
 }
 
 // The line that another disc imposes. relative_position (m) and relative_velocity (m/s) are other minus own and own

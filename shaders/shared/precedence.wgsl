@@ -4,6 +4,8 @@
 
 // How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
 const PRECEDENCE_STEEPNESS = 10.0;
+// A priority that is higher by 1 counts like so much further ahead, m.
+const PLACE = 2.0;
 // How much broader than deep a body is: (0.46 - 0.28) / (0.46 + 0.28).
 const SHOULDERS = 0.24324324;
 // The sum of the radii shrinks to no less than this share of it.
@@ -27,8 +29,9 @@ struct Precedence {
 }
 
 // Of two agents, `to` the other, m, with the directions in which they want to go (unit; 0: it stands); radius is the sum of the
-// radii as discs, m; equal the share of both without precedence. Where one stands, and where discs overlap, shares are equal.
-fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equal: f32) -> Precedence {
+// radii as discs, m; equal the share of both without precedence; lead how much further ahead the other counts than it is, m. Where
+// one stands, and where discs overlap, shares are equal.
+fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equal: f32, lead: f32) -> Precedence {
     let both = own + theirs;
     let agreement = 0.5 * sqrt(dot2(both, both));
     let ahead = dot2(to, unit_or(both, vec2<f32>(0.0, 0.0)));
@@ -37,7 +40,7 @@ fn precedence(to: vec2<f32>, own: vec2<f32>, theirs: vec2<f32>, radius: f32, equ
     if is_standing || distance2 < radius * radius {
         return Precedence(equal, radius, false);
     }
-    let share = clamp(equal + PRECEDENCE_STEEPNESS * agreement * (ahead / radius), 0.0, 1.0);
+    let share = clamp(equal + PRECEDENCE_STEEPNESS * agreement * ((ahead + lead) / radius), 0.0, 1.0);
     let breadth = max(1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2)), NEAREST);
     return Precedence(share, radius * breadth, share > ALL_OF_IT && dot2(own, theirs) > SAME_WAY);
 }

@@ -21,6 +21,10 @@ const RAMP: f32 = 0.5;
 const STRAY: f32 = 0.75;
 /// Share of the pace that is always left; ours.
 const FORWARD: f32 = 0.1;
+/// So much that the first of the group is ahead counts, m; ours.
+const LEFT_BEHIND: f32 = 0.9;
+/// Priority for each metre of that, 1/m: they count like twice as many metres ahead ([`super::precedence::PLACE`]); ours.
+const HASTE: f32 = 1.0;
 
 /// Twin of `shaders/accompany.wgsl`.
 pub fn accompany(b: Slices<'_>) {
@@ -29,7 +33,13 @@ pub fn accompany(b: Slices<'_>) {
     for (agent, (slot, others)) in (0..).zip(b.agent_slot.iter().zip(companions)).take(agents) {
         let first = others.iter().copied().fold(NOBODY, u32::min);
         if first != NOBODY && *slot < b.step.agent_count && !is_absent(position[agent as usize]) {
-            b.slot_manners[*slot as usize][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
+            let slot = *slot as usize;
+            b.slot_manners[slot][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
+            let agent = agent as usize;
+            let behind = behind(agent, *others, b.preferred_velocity[agent], &position[..agents]);
+            // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given
+            let priority = &mut b.slot_motion[slot * 2 + 1][2];
+            *priority = priority.max((*priority + HASTE * behind.min(LEFT_BEHIND)).min(1.0));
         }
     }
     b.preferred_velocity[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(
@@ -39,6 +49,17 @@ pub fn accompany(b: Slices<'_>) {
             }
         },
     );
+}
+
+/// How far the first of the group is ahead of an agent who wants to go with the velocity `wanted`, m/s; in m, 0 for the first.
+fn behind(agent: usize, others: [u32; 4], wanted: [f32; 2], position: &[[f32; 2]]) -> f32 {
+    let at = position[agent];
+    let ahead = others
+        .into_iter()
+        .filter_map(|other| position.get(other as usize))
+        .filter(|other| !is_absent(**other))
+        .fold(0.0_f32, |most, other| most.max(-dot2([at[0] - other[0], at[1] - other[1]], wanted)));
+    if ahead > 0.0 { ahead / dot2(wanted, wanted).sqrt() } else { 0.0 }
 }
 
 fn together(

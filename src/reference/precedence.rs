@@ -4,11 +4,12 @@
 //! an arch. People do not: who is ahead goes, and who is behind waits. So where not everyone can be avoided, an agent's share of
 //! the avoidance is, instead of ρ (the `responsibility`),
 //!
-//! s = clamp(ρ + 10 c a / R, 0, 1),    c = |u + w| / 2,    a = d · (u + w) / |u + w|
+//! s = clamp(ρ + 10 c (a + 2 m p) / R, 0, 1),    c = |u + w| / 2,    a = d · (u + w) / |u + w|
 //!
-//! u and w are the directions in which both want to go, d leads to the other, and R is the sum of the radii. Both shares make 2 ρ
-//! together: what one takes less the other takes more. Of two who meet exactly head on c is 0, and they share as before. Who
-//! goes first yields at last, too: below 0.8 R.
+//! u and w are the directions in which both want to go, d leads to the other, and R is the sum of the radii. p is how much higher
+//! the priority of the other is: `accompany` raises that of people whom their group has left behind, so a group passes a door
+//! together. Both shares make 2 ρ together: what one takes less the other takes more. Of two who meet exactly head on c is 0,
+//! and they share as before. Who goes first yields at last, too: below 0.8 R.
 //!
 //! Beside one another people are shoulders, behind one another chests: the sum of the radii is taken as
 //!
@@ -23,6 +24,8 @@ use super::orca::{Line, unit_or};
 
 /// How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
 const STEEPNESS: f32 = 10.0;
+/// A priority that is higher by 1 counts like so much further ahead, m.
+pub const PLACE: f32 = 2.0;
 /// e.
 const SHOULDERS: f32 = 0.243_243_24;
 /// The sum of the radii shrinks to no less than this share of it.
@@ -51,9 +54,16 @@ pub struct Precedence {
 
 /// Of two agents, `to` the other, m, with the directions `own` and `theirs` in which they want to go (unit; 0: it stands).
 ///
-/// `radius` is the sum of the radii as discs, m; `equal` the share of both without precedence. Where one stands, and where discs
-/// overlap, the shares are equal.
-pub fn precedence(to: [f32; 2], own: [f32; 2], theirs: [f32; 2], radius: f32, equal: f32) -> Precedence {
+/// `radius` is the sum of the radii as discs, m; `equal` the share of both without precedence; `lead` how much further ahead the
+/// other counts than it is, m. Where one stands, and where discs overlap, the shares are equal.
+pub fn precedence(
+    to: [f32; 2],
+    own: [f32; 2],
+    theirs: [f32; 2],
+    radius: f32,
+    equal: f32,
+    lead: f32,
+) -> Precedence {
     let both = [own[0] + theirs[0], own[1] + theirs[1]];
     let agreement = 0.5 * dot2(both, both).sqrt();
     let ahead = dot2(to, unit_or(both, [0.0, 0.0]));
@@ -62,7 +72,7 @@ pub fn precedence(to: [f32; 2], own: [f32; 2], theirs: [f32; 2], radius: f32, eq
     if is_standing || distance2 < radius * radius {
         return Precedence { share: equal, radius, follows: false };
     }
-    let share = (equal + STEEPNESS * agreement * (ahead / radius)).clamp(0.0, 1.0);
+    let share = (equal + STEEPNESS * agreement * ((ahead + lead) / radius)).clamp(0.0, 1.0);
     let breadth = (1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2))).max(NEAREST);
     Precedence { share, radius: radius * breadth, follows: share > ALL && dot2(own, theirs) > SAME_WAY }
 }
@@ -93,29 +103,35 @@ mod tests {
             ([0.03, 0.6], EAST, [0.8, 0.6]),
             ([0.4, -0.3], [0.6, -0.8], [0.6, 0.8]),
         ] {
-            let own_part = precedence(to, own, theirs, 0.4, 0.5);
-            let their_part = precedence([-to[0], -to[1]], theirs, own, 0.4, 0.5);
+            let own_part = precedence(to, own, theirs, 0.4, 0.5, 0.0);
+            let their_part = precedence([-to[0], -to[1]], theirs, own, 0.4, 0.5, 0.0);
             assert!(own_part.share > 0.5, "the other is ahead");
+            let [left_behind, let_by] = [(to, own, theirs, -0.9), ([-to[0], -to[1]], theirs, own, 0.9)]
+                .map(|(to, own, theirs, lead)| precedence(to, own, theirs, 0.4, 0.5, lead).share);
+            assert!(
+                left_behind < 0.5 && (left_behind + let_by - 1.0).abs() < 1e-6,
+                "{left_behind} and {let_by}"
+            );
             assert!((own_part.share + their_part.share - 1.0).abs() < 1e-6);
             assert_eq!(own_part.radius, their_part.radius);
         }
-        assert!(precedence([0.5, 0.1], EAST, EAST, 0.4, 0.5).follows);
-        assert!(!precedence([-0.5, 0.1], EAST, EAST, 0.4, 0.5).follows, "who is ahead");
+        assert!(precedence([0.5, 0.1], EAST, EAST, 0.4, 0.5, 0.0).follows);
+        assert!(!precedence([-0.5, 0.1], EAST, EAST, 0.4, 0.5, 0.0).follows, "who is ahead");
     }
 
     #[test]
     fn who_meets_stands_or_overlaps_shares_as_before_and_is_a_disc() {
         let plain = Precedence { share: 0.5, radius: 0.4, follows: false };
-        assert_eq!(precedence([0.5, 0.1], EAST, WEST, 0.4, 0.5), plain);
-        assert_eq!(precedence([0.5, 0.1], EAST, [0.0; 2], 0.4, 0.5), plain);
-        assert_eq!(precedence([0.5, 0.1], [0.0; 2], EAST, 0.4, 0.5), plain);
-        assert_eq!(precedence([0.3, 0.1], EAST, EAST, 0.4, 0.5), plain);
+        assert_eq!(precedence([0.5, 0.1], EAST, WEST, 0.4, 0.5, 0.0), plain);
+        assert_eq!(precedence([0.5, 0.1], EAST, [0.0; 2], 0.4, 0.5, 0.0), plain);
+        assert_eq!(precedence([0.5, 0.1], [0.0; 2], EAST, 0.4, 0.5, 0.0), plain);
+        assert_eq!(precedence([0.3, 0.1], EAST, EAST, 0.4, 0.5, 0.0), plain);
     }
 
     #[test]
     fn shoulders_are_as_broad_as_the_ellipse_and_chests_a_tenth_into_the_disc_at_most() {
-        let beside = precedence([0.0, 1.0], EAST, EAST, 0.37, 0.5).radius;
-        let behind = precedence([1.0, 0.0], EAST, EAST, 0.37, 0.5).radius;
+        let beside = precedence([0.0, 1.0], EAST, EAST, 0.37, 0.5, 0.0).radius;
+        let behind = precedence([1.0, 0.0], EAST, EAST, 0.37, 0.5, 0.0).radius;
         assert!((beside - 0.46).abs() < 1e-6 && (behind - 0.9 * 0.37).abs() < 1e-6, "{beside} {behind}");
     }
 

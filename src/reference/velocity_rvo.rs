@@ -246,13 +246,14 @@ impl Scene<'_> {
         for other in &nearest.slots[..nearest.count] {
             let other = *other as usize;
             let [radius, _, priority, _] = self.slots.slot_motion[other * 2 + 1];
-            let share = if self.level & UNLIKE != 0 {
-                share_of(step.responsibility, own_priority, priority)
+            let is_mate = self.level & GROUPS != 0 && self.slots.are_together(slot, other);
+            // priorities do not count within a group
+            let share = if self.level & UNLIKE != 0 && !is_mate {
+                share_of(step.responsibility, priority - own_priority)
             } else {
                 step.responsibility
             };
             let side = if slot < other { -1.0 } else { 1.0 };
-            let is_mate = self.level & GROUPS != 0 && self.slots.are_together(slot, other);
             look(self.slots.slot_motion[other * 2], radius, share, side, is_mate);
         }
         (others, count)

@@ -71,8 +71,8 @@ pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
 fn contents(step: &StepUniforms) -> u32 {
     [
         (STOREYS, step.storey_height > 0.0),
-        // with patience some are given the right of way for a while
-        (UNLIKE, step.alike == 0 || step.patience > 0.0),
+        // with patience, and in groups, some are given the right of way for a while
+        (UNLIKE, step.alike == 0 || step.patience > 0.0 || step.group_count > 0),
         (WALLS, step.obstacle_count > 0),
         (USER, step.user_radius > 0.0),
         (CROWDED, step.crowding > 0.0),

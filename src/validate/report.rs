@@ -1,7 +1,7 @@
 //! The report: one page of Markdown and its figures.
 
 use super::judge::Outcome;
-use super::tests::TRIED;
+use super::tests::KNOWN;
 use super::{Options, Validation, chosen};
 use crate::Error;
 use crate::export::{AtomicFile, chart};
@@ -62,13 +62,8 @@ pub fn page(validation: &Validation, options: &Options) -> Result<String, Error>
         page += "|---|---:|---|---|---:|---:|---|---|---:|---|\n";
         outcomes.into_iter().for_each(|outcome| row(&mut page, outcome));
         page.push('\n');
-        let fails = validation.failed().any(|outcome| of_test(&outcome.name));
-        if let Some((_, tried)) = TRIED.iter().find(|tried| fails && tried.0 == test.name) {
-            let _ = writeln!(
-                page,
-                "What was tried: {}\n",
-                tried.split_whitespace().collect::<Vec<_>>().join(" ")
-            );
+        if let Some((_, known)) = KNOWN.iter().find(|known| known.0 == test.name) {
+            let _ = writeln!(page, "Known: {}\n", known.split_whitespace().collect::<Vec<_>>().join(" "));
         }
         for (name, figure) in validation.figures.iter().filter(|(name, _)| belongs(name, test.name)) {
             let _ = writeln!(page, "![{}]({name}.svg)\n", figure.title);
