@@ -3,7 +3,7 @@
 //! `scripts/test mutants` runs everything and writes `docs/mutants.md`. Parts:
 //!
 //! ```text
-//! scripts/gpu-env cargo test --features view,hot-reload --test mutants -- shaders [PART OF A FILE'S NAME]
+//! scripts/gpu-env cargo test --features view,hot-reload --test mutants -- shaders [PART OF A FILE'S NAME ...]
 //! scripts/gpu-env cargo test --features view,hot-reload --test mutants -- rust [PART OF AN ERROR'S NAME]
 //! scripts/gpu-env cargo test --features view,hot-reload --test mutants -- page
 //! ```
@@ -96,7 +96,7 @@ fn run() -> Result<bool, Failure> {
             done.map(|()| true).map_err(|error| error.to_string().into())
         }
         ["shaders", only @ ..] => {
-            let planted = plant_shaders(only.first().unwrap_or(&""), most)?;
+            let planted = plant_shaders(only, most)?;
             let is_caught =
                 planted.iter().flat_map(|file| file.fates.values()).all(|fate| *fate != Fate::Survived);
             Found::read()?.keep(planted, Vec::new())?;
@@ -110,17 +110,17 @@ fn run() -> Result<bool, Failure> {
         }
         ["page"] => page(most),
         ["all"] => {
-            let planted = plant_shaders("", most)?;
+            let planted = plant_shaders(&[], most)?;
             Found::default().keep(planted, rust::run(TABLES, "")?)?;
             page(most)
         }
         _ => {
-            Err("say what to plant: all, shaders [PART OF A NAME] or rust [PART OF A NAME]; or: page".into())
+            Err("say what to plant: all, shaders [PART OF A NAME ...] or rust [PART OF A NAME]; or: page".into())
         }
     }
 }
 
-fn plant_shaders(only: &str, most: usize) -> Result<Vec<shaders::Planted>, Failure> {
+fn plant_shaders(only: &[&str], most: usize) -> Result<Vec<shaders::Planted>, Failure> {
     let workers = std::thread::available_parallelism().map_or(1, usize::from);
     shaders::run(only, most, workers, &list::Survivors::read(SURVIVORS)?.always)
 }

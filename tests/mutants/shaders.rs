@@ -39,18 +39,21 @@ pub(crate) struct Planted {
     pub(crate) fates: BTreeMap<String, Fate>,
 }
 
-/// Plants at most `most` errors in every file whose name holds `only`, and tries them in `workers` processes at a time.
+/// Plants at most `most` errors in every file whose name holds one of `only` (none: every file), and tries them in `workers` processes at a time.
 ///
 /// Those that `always` names are among them.
 pub(crate) fn run(
-    only: &str,
+    only: &[&str],
     most: usize,
     workers: usize,
     always: &[String],
 ) -> Result<Vec<Planted>, Failure> {
     let files = files()?;
-    let queue: Mutex<VecDeque<PathBuf>> =
-        Mutex::new(files.into_iter().filter(|file| file.display().to_string().contains(only)).collect());
+    let is_meant = |file: &PathBuf| {
+        let name = file.display().to_string();
+        only.is_empty() || only.iter().any(|part| name.contains(part))
+    };
+    let queue: Mutex<VecDeque<PathBuf>> = Mutex::new(files.into_iter().filter(is_meant).collect());
     let found = Mutex::new(Vec::new());
     let next = || queue.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
     std::thread::scope(|scope| {
