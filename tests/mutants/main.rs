@@ -115,7 +115,8 @@ fn run() -> Result<bool, Failure> {
             page(most)
         }
         _ => {
-            Err("say what to plant: all, shaders [PART OF A NAME ...] or rust [PART OF A NAME]; or: page".into())
+            Err("say what to plant: all, shaders [PART OF A NAME ...] or rust [PART OF A NAME]; or: page"
+                .into())
         }
     }
 }

@@ -8,8 +8,8 @@ use crate::sim::flow::{Goal, Settings, lay_on};
 use crate::sim::order;
 use glam::Vec2;
 
-/// Three fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, and a crowd whose
-/// density counts; from a thousand cells on with a ramp that leads up to a floor above the ground. `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
+/// Three fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, on odd seeds a maze too,
+/// and a crowd whose density counts; from a thousand cells on with a ramp that leads up to a floor above the ground. `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
 pub fn fields(cells: usize, seed: u32) -> Store {
     let mut store = Store {
         step: StepUniforms { agent_count: cells as u32, ..StepUniforms::default() },
@@ -40,6 +40,9 @@ pub fn fields(cells: usize, seed: u32) -> Store {
             } else {
                 vec![[x, z], [x + w, z], [x + w, z + d], [x, z + d]]
             });
+        }
+        if seed % 2 == 1 {
+            outlines.extend(maze(width, depth, cells, seed));
         }
         let (x, z) = (width * 0.5, depth * 0.5);
         let corners = [[x, z], [x + 2.0, z], [x + 2.0, z + 2.0], [x, z + 2.0]];
@@ -89,6 +92,18 @@ pub fn fields(cells: usize, seed: u32) -> Store {
     store.flow_sums.extend([7; 2]);
     store.flow_counts.extend([7; 2]);
     store
+}
+
+/// Walls along the borders of cells: ways through them turn at every cell, and sweeps come to rest late.
+fn maze(width: f32, depth: f32, cells: usize, seed: u32) -> impl Iterator<Item = Vec<[f32; 2]>> {
+    let walls = (cells / 3).min(1500);
+    (0..walls).map(move |i| {
+        let on_border = |share: f32, extent: f32| (share * extent / 0.5).floor() * 0.5;
+        let (x, z) = (on_border(unit(seed, i, 6), width), on_border(unit(seed, i, 7), depth));
+        let length = if unit(seed, i, 8) < 0.3 { 1.0 } else { 0.5 };
+        let end = if unit(seed, i, 9) < 0.5 { [x + length, z] } else { [x, z + length] };
+        vec![[x, z], end]
+    })
 }
 
 /// Height of the floor, m.
