@@ -20,8 +20,12 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
     let mut store = Store { step: uniforms(agents as u32, side, seed), ..Store::default() };
     agent_arrays(&mut store, agents, side, seed);
     let half = 0.5 * side;
-    store.teleports =
-        vec![[0.0, 0.0, half, side], [half, 0.0, side, half], [-9.0, 0.0, -8.0, side], [1.0; 4]];
+    store.teleports = vec![
+        [0.3 * half, 0.0, half, 0.9 * side],
+        [half, 0.0, side, half],
+        [half, 0.4 * side, side, side],
+        [1.0; 4],
+    ];
     store.step.teleport_count = 2;
     groups(&mut store, agents, seed);
     obstacles(&mut store, side);
@@ -152,7 +156,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         let priority = if is_led { LED } else { (u(15) * 3.0).floor() * 0.5 };
         let speed = if i % 256 == 38 { 0.02 } else { 3.0 };
         let target = if (i / 64) % 4 == 3 { [ABSENT; 2] } else { [u(20) * side, u(21) * side] };
-        // taken away: of two boxes, one at the edge that many stand in, and one that nobody is in
+        // taken away from two boxes, in which many stand and many do not
         store.teleport_of.push(if i % 16 == 9 { u32::from(i % 64 == 9) } else { NOBODY });
         store.lead.push([target[0], target[1], (u(22) - 0.5) * speed, (u(23) - 0.5) * speed]);
         store.step.led_count += u32::from(is_led);
@@ -257,7 +261,8 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.run_sums = vec![0; cell_total.div_ceil(64)];
     store.slot_agent = vec![0; spare];
     store.agent_slot = vec![0; spare];
-    store.unsolved = vec![0; spare + 4];
+    // what is left of another step
+    store.unsolved = vec![1_000_000; spare + 4];
     store.slot_manners = vec![[0; 4]; spare];
     store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
