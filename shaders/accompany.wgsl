@@ -11,8 +11,8 @@
 // that, and GAZE, whose force grows with the speed, divides it by 1 + GAZE a RELAXATION. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
 // the will to go on; nobody walks backwards; and a member that is farther along the route than another waits for it but does not hold it back.
 //
-// It also marks everyone with their group, by which `velocity_*` knows whom they need not avoid like a stranger, and raises the
-// priority of those who have been left behind: people who press through a door let them catch up with their group. Ours, too.
+// It also marks everyone with their group. By that mark `velocity_*` knows whom they need not avoid like a stranger. And it raises
+// the priority of members whom their group has left behind. Strangers in a press then let them catch up. That is ours, too.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                     // [agent] radius, maximum speed, preferred speed, travel per stride
