@@ -11,7 +11,7 @@
 )]
 mod compile;
 
-use compile::{Binding, Entry, Layout, Shader, Source, Use};
+use compile::{Binding, Constant, Entry, Layout, Shader, Source, Use};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -41,15 +41,34 @@ fn generate() -> Result<(), String> {
     std::fs::create_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
     let kernels = compile_folder(Path::new("shaders"), &spirv)?;
     let draws = compile_folder(Path::new("shaders/draw"), &spirv)?;
+    let shared = shared_constants(kernels.iter().chain(&draws));
+    twins_declare_none_again(&kernels, &shared)?;
     let mut text = String::from("// Written by build.rs from shaders/*.wgsl.\n");
     kernel_ids(&kernels, &mut text)?;
     store(&kernels, &mut text)?;
     for (source, shader) in &kernels {
-        kernel(source, &shader.entries[0], &mut text);
+        let own = own_constants(source, shader);
+        kernel(source, &shader.entries[0], &own, &mut text);
     }
+    text.push_str("/// The constants of `shaders/shared/`.\npub mod shared {\n");
+    for (stem, constants) in &shared {
+        let constants = constants_text(constants.values().copied());
+        let _ = write!(
+            text,
+            "/// Constants of `shaders/shared/{stem}.wgsl`.\npub mod {stem} {{\n{constants}}}\n"
+        );
+    }
+    text.push_str("}\n");
     text.push_str("/// The draw shaders.\n#[allow(unused_imports, reason = \"empty while there is no draw shader\")]\npub mod draw {\nuse super::*;\n");
     for (source, shader) in &draws {
         draw_shader(source, shader, &mut text)?;
+        let (name, constants) = (&source.name, own_constants(source, shader));
+        if !constants.is_empty() {
+            let _ = write!(
+                text,
+                "/// Constants of `shaders/draw/{name}.wgsl`.\npub mod {name} {{\n{constants}}}\n"
+            );
+        }
     }
     text.push_str("}\n");
     layout_checks(kernels.iter().chain(&draws), &mut text)?;
@@ -192,7 +211,78 @@ fn words(spirv: &[u32]) -> String {
     spirv.iter().map(|word| format!("{word},")).collect()
 }
 
-fn kernel(source: &Source, entry: &Entry, text: &mut String) {
+/// Constants of shared texts, by file and name.
+type Shared<'a> = BTreeMap<String, BTreeMap<&'a str, &'a Constant>>;
+
+fn stem(file: &Path) -> String {
+    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn shared_constants<'a>(shaders: impl Iterator<Item = &'a (Source, Shader)>) -> Shared<'a> {
+    let mut shared = Shared::new();
+    for constant in shaders.flat_map(|(_, shader)| &shader.constants) {
+        if constant.file.starts_with("shaders/shared") {
+            shared.entry(stem(&constant.file)).or_default().insert(&constant.name, constant);
+        }
+    }
+    shared
+}
+
+/// Constants that a shader's own file declares.
+fn own_constants(source: &Source, shader: &Shader) -> String {
+    let own = |c: &&Constant| !c.file.starts_with("shaders/shared") && stem(&c.file) == source.name;
+    constants_text(shader.constants.iter().filter(own))
+}
+
+/// Constants in Rust; numbers without a sign also as lengths and indices.
+fn constants_text<'a>(constants: impl Iterator<Item = &'a Constant>) -> String {
+    let (mut text, mut lengths) = (String::new(), String::new());
+    for c in constants {
+        let (name, ty) = (&c.name, c.value.rust_type());
+        let doc = format!("/// `{}:{}`: {}\n", c.file.display(), c.line, c.value.text());
+        let _ = writeln!(text, "{doc}pub const {name}: {ty} = {};", c.value.rust());
+        if ty == "u32" {
+            let _ = writeln!(lengths, "{doc}pub const {name}: usize = super::{name} as usize;");
+        }
+    }
+    if !lengths.is_empty() {
+        let _ = write!(text, "/// The same, to count and to index with.\npub mod index {{\n{lengths}}}\n");
+    }
+    text
+}
+
+/// Refuses a constant in `src/reference` that has the name of one of its kernel's file or of a shared one.
+fn twins_declare_none_again(kernels: &[(Source, Shader)], shared: &Shared<'_>) -> Result<(), String> {
+    let folder = Path::new("src/reference");
+    let listing = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    let mut files: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.sort();
+    let mut errors = Vec::new();
+    for file in files {
+        let own = kernels.iter().find(|(source, _)| source.name == stem(&file));
+        let own = own.into_iter().flat_map(|(_, shader)| &shader.constants);
+        let known: Vec<&Constant> = own.chain(shared.values().flat_map(BTreeMap::values).copied()).collect();
+        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
+        for (number, line) in text.lines().enumerate() {
+            let words: Vec<&str> = line.split_whitespace().collect();
+            let declared = words.windows(2).find(|pair| matches!(pair[0], "const" | "static"));
+            let name = declared.and_then(|pair| pair[1].strip_suffix(':'));
+            if let Some(first) = known.iter().find(|constant| Some(constant.name.as_str()) == name) {
+                errors.push(format!(
+                    "{}:{}: `{}` stands at {}:{} already: import it from crate::kernels",
+                    file.display(),
+                    number + 1,
+                    first.name,
+                    first.file.display(),
+                    first.line
+                ));
+            }
+        }
+    }
+    if errors.is_empty() { Ok(()) } else { Err(errors.join("\n")) }
+}
+
+fn kernel(source: &Source, entry: &Entry, constants: &str, text: &mut String) {
     let name = &source.name;
     let bindings: String = entry
         .bindings
@@ -222,7 +312,7 @@ fn kernel(source: &Source, entry: &Entry, text: &mut String) {
          /// The kernel.\npub static KERNEL: Kernel = Kernel {{ id: KernelId::{id}, name: \"{name}\", workgroup_size: {size:?}, \
          bindings: &[{bindings}], has_level: {level}, spirv: &[{words}] }};\n\
          /// The bindings as slices, for the CPU twin.\n#[derive(Debug)]\npub struct Slices<'a> {{\n{fields}{level_field}}}\n\
-         impl<'a> Slices<'a> {{\n/// Borrows what the kernel binds.\npub fn of(store: &'a mut Store, {level_name}: u32) -> Self {{ Self {{ {borrows} {level_set} }} }}\n}}\n}}\n",
+         impl<'a> Slices<'a> {{\n/// Borrows what the kernel binds.\npub fn of(store: &'a mut Store, {level_name}: u32) -> Self {{ Self {{ {borrows} {level_set} }} }}\n}}\n{constants}}}\n",
         id = camel(name),
         size = entry.workgroup_size,
         words = words(&entry.spirv),

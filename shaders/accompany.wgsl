@@ -23,16 +23,16 @@
 @group(0) @binding(7) var<storage, read_write> slot_manners: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
 @group(0) @binding(8) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 
-const GAZE = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
-const GATHER = 3.0;      // m/s2, beta 2
-const APART = 1.0;       // m/s2, beta 3
-const PERSONAL = 0.8;    // m, d 0
-const RELAXATION = 0.5;  // s
-const RAMP = 0.5;        // m over which gathering and keeping apart grow to full strength; ours
-const STRAY = 0.75;      // most of the speed that gathering takes, so that it holds nobody at a slanting wall; ours
-const FORWARD = 0.1;     // share of the pace that is always left, so that nobody walks backwards or waits for ever; ours
-const LEFT_BEHIND = 0.9; // m by which the first of the group is ahead that count; ours
-const HASTE = 1.0;       // 1/m: priority for each of them, so that they count like twice as many metres ahead (precedence: PLACE); ours
+const GAZE: f32 = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
+const GATHER: f32 = 3.0;      // m/s2, beta 2
+const APART: f32 = 1.0;       // m/s2, beta 3
+const PERSONAL: f32 = 0.8;    // m, d 0
+const RELAXATION: f32 = 0.5;  // s
+const RAMP: f32 = 0.5;        // m over which gathering and keeping apart grow to full strength; ours
+const STRAY: f32 = 0.75;      // most of the speed that gathering takes, so that it holds nobody at a slanting wall; ours
+const FORWARD: f32 = 0.1;     // share of the pace that is always left, so that nobody walks backwards or waits for ever; ours
+const LEFT_BEHIND: f32 = 0.9; // m by which the first of the group is ahead that count; ours
+const HASTE: f32 = 1.0;       // 1/m: priority for each of them, so that they count like twice as many metres ahead (precedence: PLACE); ours
 
 @compute @workgroup_size(64)
 fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {

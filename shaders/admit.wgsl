@@ -1,9 +1,8 @@
-// uses: sight
+// uses: sight, dispatch
 // The list of those who are not hidden, in their old order, and what their draws take. A run is RUN slots.
 //   level 0 (run): how many of a run are seen,
 //   level 1 (one): exclusive prefix sums over the runs, the total behind the last,
 //   level 2 (run): `shown`, and the arguments of a bucket for as many runs as there are buckets.
-const RUN: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;       // [posed bucket + 1][far bucket + 1]

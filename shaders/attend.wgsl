@@ -1,4 +1,4 @@
-// uses: frame, exact, body
+// uses: frame, exact, body, attention
 // Whose turn it is to look at the user, so that a crowd never stares at once: of the drawn agents that would (happy
 // and angry ones who see the user; `paper` mode: all of them) at most frame.gaze_limit - 1 do at a time. A turn lasts
 // turn_least to turn_most; after it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. Whoever has waited
@@ -12,17 +12,12 @@
 //   2 (visible): how many wait with each lower half within that one,
 //   3 (one):     the least key that has room; more keys than there is room for wait for the next picture,
 //   4 (visible): turns begin.
-const RANGE: f32 = 8.0;             // m, as in `gaze`
-const RANGE_HYSTERESIS: f32 = 0.5;  // m, as in `gaze`
 const FIELD_START: f32 = 0.1;       // cosine of 84 degrees: turns begin a little within the field of regard
-const FIELD_END: f32 = -0.17364818; // cosine of 100 degrees, as in `gaze`
-const ANGRY: u32 = 1u;
 const REST_LEAST: u32 = 1000u;      // ms
 const REST_SPAN: u32 = 2000u;       // ms
 const WAIT_UNIT: f32 = 512.0;       // ms of waiting that make one step of a key
 const MOST_WAIT: f32 = 1023.0;
 
-const ATTENDS: u32 = 0x20000000u;   // in gaze_frame: it is the agent's turn
 const FRAME_BITS: u32 = 0x3fffu;
 
 const BINS: u32 = 512u;             // of each half of a key
@@ -31,6 +26,7 @@ const BORDER: u32 = 1025u;          //   the upper half in which the room ends, 
 const ROOM: u32 = 1026u;            //   room that is left for that half
 const LEAST: u32 = 1027u;           //   least key whose turn begins
 const OVER: u32 = 1028u;            //   1: there are fewer turns than there were, all end
+const COUNTS: u32 = 1029u;          // elements of attention_counts
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                        // [visible] agents, then NONE
@@ -39,7 +35,7 @@ const OVER: u32 = 1028u;            //   1: there are fewer turns than there wer
 @group(0) @binding(4) var<storage, read> look: array<vec4<u32>>;                     // [agent]
 @group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
 @group(0) @binding(6) var<storage, read_write> attention: array<vec2<u32>>;          // [agent]
-@group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [1029]
+@group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [COUNTS]
 var<immediate> level: u32;
 
 // How far the user is on the ground, m, or -1 if the agent would not look there.

@@ -1,4 +1,4 @@
-// uses: frame, body
+// uses: frame, body, dispatch
 // Turns agent_bucket into the list of visible agents, sorted by bucket and then by id, and into the arguments of the
 // launches and draws that follow. Six passes chosen by `level`; no atomics decide an order and no barrier is needed.
 // A run is RUN agents that one invocation walks. Row r of bucket_counts is run r, the row behind the last run holds
@@ -14,9 +14,7 @@
 // Far bodies (buckets from bucket_count on) have no pose: they stand in `visible` behind the room for those that have.
 // dispatch_args: 3 words of groups for kernels of one invocation per visible agent (64 a group), then 3 words per
 // avatar for `skin`: x covers the vertices of its level 0, y its near agents.
-const RUN: u32 = 64u;
 const COLUMNS: u32 = 32u;    // columns of a row of bucket_counts, the most buckets there can be
-const MOST_GROUPS: u32 = 65535u; // along one axis, on every device
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read_write> agent_bucket: array<u32>;    // [agent]

@@ -11,10 +11,10 @@
 @group(0) @binding(6) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
 // Least distance of a centre from a wall, m: far below any radius, far above rounding.
-const GAP = 0.01;
+const GAP: f32 = 0.01;
 // What is held at a wall leaves it at this speed, m/s: by rounding it might else cross again.
-const NUDGE = 0.02;
-const ROUNDS = 3u;
+const NUDGE: f32 = 0.02;
+const ROUNDS: u32 = 3u;
 
 @compute @workgroup_size(64)
 fn contain(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -12,11 +12,11 @@
 @group(0) @binding(8) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
 
 // Places tried in one step.
-const TRIES = 16u;
+const TRIES: u32 = 16u;
 // Gap left between two people, m.
-const GAP = 0.1;
+const GAP: f32 = 0.1;
 // Most people looked at for one place: more than fit near it.
-const MOST = 1024u;
+const MOST: u32 = 1024u;
 
 @compute @workgroup_size(64)
 fn enter(@builtin(global_invocation_id) id: vec3<u32>) {

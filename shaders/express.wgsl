@@ -2,7 +2,7 @@
 // What people show of how they feel: the weights of their gaits (one per emotion), with them the preferred and the
 // maximum speed and the travel per stride, so that feet do not slide, and the emotion that decides the gaze, which
 // changes only when another is stronger by a margin.
-const MARGIN = 0.1; // of weight, before the gaze follows another emotion
+const MARGIN: f32 = 0.1; // of weight, before the gaze follows another emotion
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> feeling: array<vec4<f32>>;              // [agent]

@@ -10,8 +10,8 @@
 // alpha_SR falling from 1 here to 0 at mood.radius. The bracket without q_R is held for the step and the rest is
 // solved exactly, so that no rate makes a weight leave 0 to 1. Three weights that together pass 1 are scaled to it.
 // The sums over those who are heard come from `hear`.
-const LOG2_E = 1.4426950;
-const EVENT_RATE = 2.0;      // 1/s: how fast an event is taken in
+const LOG2_E: f32 = 1.4426950;
+const EVENT_RATE: f32 = 2.0;      // 1/s: how fast an event is taken in
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;

@@ -1,4 +1,4 @@
-// uses: way, tile
+// uses: way, tile, dispatch
 // Way-finding: for every field the distance to its goal over the walkable cells, |grad T| = cost (the eikonal equation),
 // by Godunov's upwind scheme, and the direction in which it falls. Solved tile by tile: one invocation sweeps the
 // cells of a tile in four orders until none falls any more, then puts those neighbouring tiles on the list that its
@@ -17,10 +17,9 @@
 // A cell may be entered only from the neighbours that its bits name: a free cell from free cells to which a body fits
 // through, others from all, so that the field leads back whoever is outside.
 // flow_args: for each list groups along x, 1, 1, and its length.
-const SWEEPS = 64u;       // in one turn; a tile that needs more takes another turn
-const GROUP = 32u;
-const MOST_GROUPS = 65535u;
-const FAR = 1e30;         // m: not reached
+const SWEEPS: u32 = 64u;       // in one turn; a tile that needs more takes another turn
+const GROUP: u32 = 32u;
+const FAR: f32 = 1e30;         // m: not reached
 
 @group(0) @binding(0) var<uniform> flow_grid: FlowUniforms;
 @group(0) @binding(1) var<storage, read> flow_cells: array<u32>;              // [cell] bits and step, see way.wgsl

@@ -1,4 +1,4 @@
-// uses: step, exact, way, absent, floors
+// uses: step, exact, way, absent, floors, dispatch
 // What a metre costs on each cell of the flow grid: 1 + density_weight times the density of people around, agents/m2 of
 // free ground, so that the emptier of two ways is the shorter (after Treuille, Cooper and Popovic, Continuum crowds,
 // 2006, without their flow speed). Density is a mean over 2 window + 1 cells each way. Passes chosen by `level`:
@@ -6,7 +6,6 @@
 //   1 (agent): counts,
 //   2 (cell):  sums along rows,
 //   3 (cell):  sums along columns, the cost.
-const GROUPS_WIDE = 65535u;
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> flow_grid: FlowUniforms;
@@ -36,7 +35,7 @@ fn count(agent: u32) {
 
 @compute @workgroup_size(64)
 fn flow_density(@builtin(global_invocation_id) id: vec3<u32>) {
-    let index = id.x + id.y * GROUPS_WIDE * 64u;
+    let index = id.x + id.y * MOST_GROUPS * 64u;
     if level == 1u {
         count(index);
         return;

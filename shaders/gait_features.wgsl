@@ -1,13 +1,9 @@
-// uses: exact, quaternion
+// uses: exact, quaternion, body
 // The 29 expressive features of many gaits at once, in metres, seconds and degrees (paper, section 3.4; names, order and
 // formulas: perception::features). One invocation takes one gait: a whole walk cycle at equal steps of time, on the
 // spot; frame 0 follows the last one, a stride further on. A gait with an impossible position or no frames gets zeros
 // and is reported.
-const JOINTS: u32 = 16u;
 const ROOT: u32 = 0u;
-const SPINE: u32 = 1u;
-const NECK: u32 = 2u;
-const HEAD: u32 = 3u;
 const LEFT_SHOULDER: u32 = 4u;
 const LEFT_HAND: u32 = 6u;
 const RIGHT_SHOULDER: u32 = 7u;

@@ -1,4 +1,4 @@
-// uses: frame, exact, quaternion, body, rig
+// uses: frame, exact, quaternion, body, rig, attention
 // Where agents that gaze turn their heads, by their emotion (paper, section 4.5): happy and angry ones at the user,
 // sad ones down and ahead, neutral ones as their gait has it. Writes the neck (and head) of local_rotations.
 // Flexion (chin down) and rotation to the agent's left are positive. Frame: the agent's model space, heading along +z.
@@ -11,9 +11,6 @@
 // from the agent's heading. gaze_frame holds VALID, ENGAGED, ATTENDS and the low bits of frame_index of the last update, so a
 // buffer of zeros is an empty memory.
 const NATURAL: u32 = 0u;
-const HAPPY: u32 = 0u;
-const ANGRY: u32 = 1u;
-const SAD: u32 = 2u;
 
 const THETA_HAPPY: f32 = -0.08726646;     // -5 degrees, extension: paper, 4.5 happy
 const THETA_SAD: f32 = 0.17453293;        // +10 degrees: paper, 4.5 sad; positive is flexion (A-13)
@@ -22,10 +19,6 @@ const FLEXION_LIMIT: f32 = 0.7853982;     // 45 degrees (A-17)
 const EXTENSION_LIMIT: f32 = 0.7853982;   // 45 degrees (A-17)
 const TOO_CLOSE: f32 = 0.01;              // m: nearer on the ground than this, a direction means nothing (spec 1.8)
 const INSIDE: f32 = 0.25;                 // m, ours: the same for natural mode, the user stands in the agent's head
-const RANGE: f32 = 8.0;                   // m, spec 1.8 r_gaze
-const RANGE_HYSTERESIS: f32 = 0.5;        // m, ours
-const HALF_FIELD: f32 = 1.5707964;        // 90 degrees, spec 1.8 fov / 2
-const FIELD_HYSTERESIS: f32 = 0.17453293; // 10 degrees, spec 1.8
 const RATE_LIMIT: f32 = 3.1415927;        // 180 degrees/s, spec 1.8
 const SPRING: f32 = 8.0;                  // 1/s: 2 / 0.25 s, so that a moving target is trailed by 0.25 s (spec 1.8)
 const SPRING_LOG2: f32 = 11.541561;       // SPRING / ln 2: exp(-SPRING t) = exp2(-SPRING_LOG2 t)
@@ -35,7 +28,6 @@ const AIM_ROUNDS: u32 = 3u;               // the eyes move as the neck turns; ea
 
 const VALID: u32 = 0x40000000u;
 const ENGAGED: u32 = 0x80000000u;
-const ATTENDS: u32 = 0x20000000u; // it is the agent's turn: written by `attend`
 const FRAME_BITS: u32 = 0x1fffffffu;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;

@@ -1,11 +1,10 @@
-// uses: step
+// uses: step, dispatch
 // Exclusive prefix sum of cell_counts into cell_start, in three passes chosen by `level`:
 //   0: each invocation adds up a run of RUN cells into run_sums,
 //   1: one invocation turns run_sums into their exclusive prefix sum and writes the total behind the last cell; it
 //      empties the list of unsolved agents, too,
 //   2: each invocation walks its run again, writes cell_start and clears cell_counts, which grid_scatter uses next.
 // No workgroup barrier anywhere: on software devices a barrier costs more than the sums.
-const RUN: u32 = 64u;
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read_write> cell_counts: array<u32>; // [cell]

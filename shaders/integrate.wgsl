@@ -12,9 +12,9 @@
 @group(0) @binding(7) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>;    // [kernel] first agent that failed
 
-const TURNING_SPEED = 0.05; // m/s: slower than this the body does not turn
+const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 // How fast a body turns to where it goes, share of the difference a second.
-const FOLLOW = 6.0;
+const FOLLOW: f32 = 6.0;
 
 @compute @workgroup_size(64)
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {

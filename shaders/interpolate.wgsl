@@ -11,7 +11,7 @@
 @group(0) @binding(5) var<storage, read_write> elevation: array<f32>;          // [agent] m
 @group(0) @binding(6) var<storage, read_write> gait_weights: array<vec4<f32>>; // [agent]
 
-const TURN_LIMIT = 10000.0; // rad; beyond it a float has no direction left
+const TURN_LIMIT: f32 = 10000.0; // rad; beyond it a float has no direction left
 
 fn on_the_way(a: vec4<f32>, b: vec4<f32>, share: f32) -> vec4<f32> {
     return select(a + (b - a) * share, b, share >= 1.0);

@@ -1,4 +1,4 @@
-// uses: step, exact, absent, stages
+// uses: step, exact, absent, stages, climb
 // Where each agent is on its journey: finds out whether its present stage is done with, goes on to the next, and says what to walk to.
 // Who enters an exit is gone from this step on. First kernel of a step, so that the grid holds nobody who is gone.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
@@ -11,16 +11,14 @@
 @group(0) @binding(7) var<storage, read> elevation: array<f32>;                // [agent] m
 
 // A place in a region counts as taken within this distance, m,
-const STANDING = 0.3;
+const STANDING: f32 = 0.3;
 // which grows by this, m/s, for who has been in the region for this long, s: two people who stand in each other's way are content
 // in the end.
-const PATIENCE = 0.1;
-const TRYING = 20.0;
-// An agent this much higher or lower is not on the floor of a stage, m.
-const STEP = 0.6;
+const PATIENCE: f32 = 0.1;
+const TRYING: f32 = 20.0;
 // People in a line stand this near to their place, and are served from this near to the counter, m.
-const IN_LINE = 0.1;
-const AT_COUNTER = 0.25;
+const IN_LINE: f32 = 0.1;
+const AT_COUNTER: f32 = 0.25;
 
 @compute @workgroup_size(64)
 fn journey(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -13,7 +13,7 @@
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 var<immediate> level: u32;
 
-const WALKING_SPEED = 0.05; // m/s: who appears faster than this appears in mid-stride
+const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in mid-stride
 
 @compute @workgroup_size(64)
 fn lead_agents(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -21,27 +21,27 @@
 var<immediate> level: u32;
 
 // Who wants to go slower than this stands by choice, m/s.
-const STANDING = 0.1;
+const STANDING: f32 = 0.1;
 // Slower than this share of the wanted speed, in the wanted direction, is no progress.
-const PROGRESS = 0.15;
+const PROGRESS: f32 = 0.15;
 // Who is as near as this (and within two cells), ahead, and wants to go the other way (within 73 degrees) is in the way, m.
-const OPPOSED = 3.0;
+const OPPOSED: f32 = 3.0;
 // How long the right of way lasts, s.
-const TURN = 3.0;
+const TURN: f32 = 3.0;
 // A wall ahead is in the way from this distance on when one waits, and until one leaves it, m.
-const TOUCHED = 0.3;
-const CLEAR = 1.0;
+const TOUCHED: f32 = 0.3;
+const CLEAR: f32 = 1.0;
 // It is in the way of this share of the disc: a door post that a shoulder would touch is not.
-const THIN = 0.3;
+const THIN: f32 = 0.3;
 // The gap that is kept to a followed wall, and the distance at which a second one is ahead, m.
-const BESIDE = 0.1;
-const CORNERED = 0.25;
+const BESIDE: f32 = 0.1;
+const CORNERED: f32 = 0.25;
 // Nearer to the goal by this much than at the beginning is nearer, m.
-const GAINED = 0.1;
+const GAINED: f32 = 0.1;
 // Less slanted than this, the wall does not say to which side (cosine); nor do its ends if they are as near as this, m.
-const SLANTED = 0.3;
-const ONE_OF_TWO = 0.2;
-const NEAREST_RATE = 1000.0; // 1/m
+const SLANTED: f32 = 0.3;
+const ONE_OF_TWO: f32 = 0.2;
+const NEAREST_RATE: f32 = 1000.0; // 1/m
 
 @compute @workgroup_size(64)
 fn persevere(@builtin(global_invocation_id) id: vec3<u32>) {

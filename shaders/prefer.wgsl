@@ -13,7 +13,7 @@
 @group(0) @binding(8) var<storage, read> floors: array<vec4<f32>>;                     // [floor][9] see floors.wgsl
 
 // How fast people come to a place where they will stand: this share of the distance a second.
-const APPROACH = 2.0;
+const APPROACH: f32 = 2.0;
 
 @compute @workgroup_size(64)
 fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {

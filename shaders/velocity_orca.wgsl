@@ -21,10 +21,10 @@
 var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 // An agent slower than this share of its maximum speed is in a jam.
-const JAM_SPEED = 0.45;
+const JAM_SPEED: f32 = 0.45;
 
 // Beside a slot on the list: not even the first attempt was made.
-const UNTRIED = 0x80000000u;
+const UNTRIED: u32 = 0x80000000u;
 
 @compute @workgroup_size(64)
 fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {

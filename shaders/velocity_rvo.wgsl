@@ -25,15 +25,15 @@ var<immediate> level: u32;                                                     /
 
 // Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better: see
 // reference::velocity_rvo.
-const FOURS = 10u;
+const FOURS: u32 = 10u;
 // Cosine and sine of the golden angle, and of four times it.
-const GOLDEN = vec2<f32>(-0.7373689, 0.6754903);
-const GOLDEN_4 = vec2<f32>(-0.9847135, -0.17418195);
+const GOLDEN: vec2<f32> = vec2<f32>(-0.7373689, 0.6754903);
+const GOLDEN_4: vec2<f32> = vec2<f32>(-0.9847135, -0.17418195);
 // Contacts sooner than a tenth of a second count as that, 1/s.
-const SOONEST = 10.0;
+const SOONEST: f32 = 10.0;
 // Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more
 // than a contact, or who overlaps with one would stay there for fear of touching the next.
-const SEPARATE = 20.0;
+const SEPARATE: f32 = 20.0;
 
 // The user and the neighbours that can matter: where the disc is (if it overlaps: its direction), what the own relative
 // velocity lacks.

@@ -5,8 +5,8 @@
 
 use glam::{Vec2, Vec3};
 
-/// Where somebody stands who is not there (not yet, or no more), on both axes, m.
-pub const ABSENT: f32 = 1e9;
+/// Both coordinates of an agent that is not there (not yet, or no more), m.
+pub use crate::kernels::shared::absent::ABSENT;
 
 /// Whether that is the position of somebody who is not there.
 pub fn is_absent(position: [f32; 2]) -> bool {

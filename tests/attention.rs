@@ -1,10 +1,10 @@
 //! Claims about turns to look at the user: a crowd never stares at once.
 
 use gaitway::Emotion;
+use gaitway::kernels::gaze::{ENGAGED, VALID};
+use gaitway::kernels::shared::attention::ATTENDS;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
-use gaitway::reference::attend::ATTENDS;
-use gaitway::reference::gaze::{ENGAGED, VALID};
 use gaitway::scenario::{Budget, Gaze, GazeMode, Scenario};
 use gaitway::sim::{bodies, order};
 use gaitway::verify::cases::animation::{animation, passes};

@@ -16,9 +16,11 @@ mod gpu;
 mod storeys;
 
 use gaitway::avatar::{Sex, generated};
+use gaitway::kernels::flow::FAR;
+use gaitway::kernels::shared::way::SOLID;
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
-use gaitway::reference::way::{FAR, SOLID, flow_direction};
+use gaitway::reference::way::flow_direction;
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::flow::{Goal, Raster, Settings, lay};
 use gaitway::sim::{Backend, Cast, Simulation, measure};

@@ -10,10 +10,11 @@
     reason = "a test: a failure is a panic that prints, and equal means equal"
 )]
 
+use gaitway::kernels::shared::stages::index::STAGE_STRIDE;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::exact::{hash_u32, unit_f32};
-use gaitway::reference::stages::{STAGE_STRIDE, waypoint};
+use gaitway::reference::stages::waypoint;
 use gaitway::scenario::Clearance;
 use gaitway::sim::{order, setup};
 use gaitway::verify::cases::crossing::crossing;

@@ -1,4 +1,4 @@
-// uses: view, light, tint
+// uses: view, light, tint, body
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
@@ -12,8 +12,6 @@
 
 // which bucket is drawn
 var<immediate> bucket: u32;
-
-const JOINTS: u32 = 16u;
 
 struct Placed {
     world: vec3<f32>,

@@ -42,7 +42,7 @@ const LIMB_FIXED: u32 = 0u;
 const LIMB_HEAD: u32 = 2u;
 const LIMB_LEFT_ARM: u32 = 3u;
 const LIMB_RIGHT_ARM: u32 = 4u;
-const ARM_SWING: f32 = 0.32; // what the swing of arms in the mesh is meant for, as avatar::far::ARM_SWING
+const ARM_SWING: f32 = 0.32; // rad to either side: what the swing of arms in the mesh is meant for
 
 fn posture(agent: u32) -> vec4<f32> {
     let weights = gait_weights[agent];

@@ -1,10 +1,9 @@
+// uses: block
 // The farthest depth of each tile of a picture of several samples that `occlude` asks for, into an image of one texel a
 // tile. Depth is reversed: the farthest is the least.
 
 @group(0) @binding(0) var picture_depth: texture_depth_multisampled_2d;
 @group(0) @binding(1) var<storage, read> wanted: array<u32>; // [eye][block]
-
-const BLOCK: u32 = 8u; // as in shared/sight.wgsl
 
 // width of a tile, and height in the upper half, pixels; columns and rows of tiles; the eye
 var<immediate> tiles: vec4<u32>;

@@ -1,9 +1,8 @@
+// uses: block
 // `farthest` of a picture of one sample a pixel.
 
 @group(0) @binding(0) var picture_depth: texture_depth_2d;
 @group(0) @binding(1) var<storage, read> wanted: array<u32>; // [eye][block]
-
-const BLOCK: u32 = 8u; // as in shared/sight.wgsl
 
 // width of a tile, and height in the upper half, pixels; columns and rows of tiles; the eye
 var<immediate> tiles: vec4<u32>;

@@ -1,4 +1,4 @@
-// uses: view, light
+// uses: view, light, absent
 // Robots and vehicles: a model each, placed and turned as the agent of that number. One draw per agent.
 
 @group(0) @binding(3) var<storage, read> outsiders: array<array<vec4<f32>, 3>>; // position, normal, linear colour; model space
@@ -8,12 +8,6 @@
 
 // which agent is drawn
 var<immediate> agent: u32;
-
-const ABSENT: f32 = 1e9;
-
-fn is_absent() -> bool {
-    return position[agent].x >= 0.5 * ABSENT;
-}
 
 // About +y: a heading of 0 faces +z.
 fn turned(p: vec3<f32>) -> vec3<f32> {
@@ -38,7 +32,7 @@ struct OutsiderVertex {
 fn outsider_vertex(@builtin(vertex_index) vertex: u32, @builtin(view_index) eye: u32) -> OutsiderVertex {
     let world = placed(vertex);
     var clip = view.clip_from_world[eye] * vec4<f32>(world, 1.0);
-    if is_absent() {
+    if is_absent(position[agent]) {
         clip = vec4<f32>(0.0, 0.0, 0.0, 1.0); // no area: not drawn
     }
     return OutsiderVertex(clip, world, turned(outsiders[vertex][1].xyz), outsiders[vertex][2].rgb);
@@ -57,7 +51,7 @@ fn outsider_fragment(
 
 @vertex
 fn outsider_shadow(@builtin(vertex_index) vertex: u32) -> @builtin(position) vec4<f32> {
-    if is_absent() {
+    if is_absent(position[agent]) {
         return vec4<f32>(0.0, 0.0, 0.0, 1.0);
     }
     return view.shadow_from_world * vec4<f32>(placed(vertex), 1.0);

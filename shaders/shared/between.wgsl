@@ -7,7 +7,7 @@ struct BetweenUniforms {
 }
 
 // Elements of one agent in a moment: ground position, heading, walk weight; phase, elevation, 0, 0; gait weights. Bits.
-const MOMENT_STRIDE = 3u;
+const MOMENT_STRIDE: u32 = 3u;
 
 fn moment_start(place: u32, agent: u32) -> u32 {
     return (place * between.agent_count + agent) * MOMENT_STRIDE;

@@ -1,7 +1,7 @@
 // Times until bodies touch, as rates (1 / time, 1/s), since a rate needs no infinity; twin: reference::contact. Needs exact.
-const NEARLY_TOUCHING = 1e-9;
+const NEARLY_TOUCHING: f32 = 1e-9;
 // Corners of walls count as discs of this share of the own radius: who slides along a wall is not stopped by its joints.
-const CORNER = 0.98;
+const CORNER: f32 = 0.98;
 
 // Until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never. At most `most`; that much for
 // who is inside and goes farther in.

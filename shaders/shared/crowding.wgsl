@@ -4,17 +4,17 @@
 // shared/neighbours.wgsl.
 
 // The share of the own person in the density.
-const OWN_SHARE = 0.13;
+const OWN_SHARE: f32 = 0.13;
 // v0 of Weidmann's diagram, m/s.
-const FREE_SPEED = 1.34;
+const FREE_SPEED: f32 = 1.34;
 // One over the density at which all stand, m2, and how steeply speed falls, 1/m2 (Weidmann 1993).
-const JAM_AREA = 0.18518518;
-const STEEPNESS = 2.7598755; // 1.913 log2(e)
+const JAM_AREA: f32 = 0.18518518;
+const STEEPNESS: f32 = 2.7598755; // 1.913 log2(e)
 // The least speed wanted, as a share of v0, which Weidmann has at 5 people/m2: in a jam people
 // shuffle on, or it would never dissolve.
-const LEAST_SHARE = 0.03;
+const LEAST_SHARE: f32 = 0.03;
 // The density is measured over no less than this, m2.
-const LEAST_REACH2 = 0.04;
+const LEAST_REACH2: f32 = 0.04;
 
 // Who has been given the right of way (RAISE) does not slow down for the density.
 fn has_right_of_way(slot: u32) -> bool {

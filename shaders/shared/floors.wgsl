@@ -1,12 +1,11 @@
-// uses: step, exact
+// uses: step, exact, climb
 // The floor under an agent. Floors are bridges, ramps and storeys: convex pieces of planes. Of those under a point, the
 // agent stands on the one whose height is nearest to its own, if that is at most a step up or down. Otherwise it stands on
 // the ground, at 0. An agent under a bridge stays under it, and one on a ramp goes up.
 // Needs the bindings step and floors. Twin: reference::elevate.
 //   floors: [floor][9] height = x a + z b + c: (a, b, c, sheet of the flow grid); eight edges: inside if x n + z m + d >= 0: (n, m, d, 0)
-const FLOOR_STRIDE = 9u;
-const STEP = 0.6;   // m: nobody climbs more at once
-const EDGE = 0.02;  // m that a piece reaches beyond its edges, so that nobody falls between two that meet
+const FLOOR_STRIDE: u32 = 9u;
+const EDGE: f32 = 0.02;  // m that a piece reaches beyond its edges, so that nobody falls between two that meet
 
 struct Standing {
     height: f32,  // m

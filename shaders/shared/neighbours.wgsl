@@ -7,12 +7,12 @@
 //
 // Needs the bindings step, slot_motion, slot_manners, cell_start and the immediate `level`: with STOREYS those of another
 // storey do not count.
-const KEY_MASK = 0xffffff00u; // what a key keeps of the squared distance
-const PLACES = 255u;          // candidates that the low bits can number
-const NO_KEY = 0xffffffffu;
-const UNSURE = 0xffffffffu;
+const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
+const PLACES: u32 = 255u;          // candidates that the low bits can number
+const NO_KEY: u32 = 0xffffffffu;
+const UNSURE: u32 = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
-const SAFE = 0.999;
+const SAFE: f32 = 0.999;
 
 // How an agent behaves.
 struct Manners {

@@ -2,15 +2,15 @@
 // ORCA lines and the linear programs over them; twin: reference::orca.
 // Based on: van den Berg, Guy, Lin, Manocha, "Reciprocal n-Body Collision Avoidance" (2011); the treatment of
 // obstacle segments is RVO2's. A line is (point, direction): m/s, unit; velocities to its left are permitted.
-const NEIGHBOURS = 10u;
-const SEGMENTS = 12u;
-const LINES = 23u;
-const EPSILON = 0.00001;
+const NEIGHBOURS: u32 = 10u;
+const SEGMENTS: u32 = 12u;
+const LINES: u32 = 23u;
+const EPSILON: f32 = 0.00001;
 // Who has the right of way keeps clear of the others for this time only, 1/s (of 0.15 s).
-const RIGHT_OF_WAY = 6.6666665;
+const RIGHT_OF_WAY: f32 = 6.6666665;
 // Who walk together keep clear of one another for this time only, 1/s (of 0.25 s).
-const TOGETHER = 4.0;
-const FAR_AWAY = 3.4028235e38;
+const TOGETHER: f32 = 4.0;
+const FAR_AWAY: f32 = 3.4028235e38;
 
 // Lines in 0..LINES, their bisectors in LINES..2 LINES: one array, because the programs run over either.
 var<private> lines: array<vec4<f32>, 46>;
@@ -161,9 +161,9 @@ struct Segment {
 }
 
 // Added to the heights of a segment that stands at some heights only, so that they cannot be taken for flags.
-const RAISED = 3000.0;
+const RAISED: f32 = 3000.0;
 // Height of a body that has to pass under something, m.
-const TALL = 1.8;
+const TALL: f32 = 1.8;
 
 // Whether a segment with these two corners' words is in the way of somebody who stands at `elevation`.
 fn stands_at(words: vec2<f32>, elevation: f32) -> bool {

@@ -3,23 +3,23 @@
 // are.
 
 // How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
-const PRECEDENCE_STEEPNESS = 10.0;
+const PRECEDENCE_STEEPNESS: f32 = 10.0;
 // A priority that is higher by 1 counts like so much further ahead, m.
-const PLACE = 2.0;
+const PLACE: f32 = 2.0;
 // How much broader than deep a body is: (0.46 - 0.28) / (0.46 + 0.28).
-const SHOULDERS = 0.24324324;
+const SHOULDERS: f32 = 0.24324324;
 // The sum of the radii shrinks to no less than this share of it.
-const NEAREST = 0.9;
+const NEAREST: f32 = 0.9;
 // An agent that goes first keeps this share of the sum of the radii from the other.
-const SQUEEZE = 0.8;
+const SQUEEZE: f32 = 0.8;
 // Priorities that are farther apart decide alone: those of robots, of vehicles, of a right of way that was given.
-const PEERS = 1.0;
+const PEERS: f32 = 1.0;
 // The cosine above which two want to go the same way.
-const SAME_WAY = 0.95;
+const SAME_WAY: f32 = 0.95;
 // Shares above this are all of the avoidance.
-const ALL_OF_IT = 0.99;
+const ALL_OF_IT: f32 = 0.99;
 // A velocity that has less than this of the wanted one gets nowhere.
-const GAIN = 0.5;
+const GAIN: f32 = 0.5;
 
 // What a pair is to one of it.
 struct Precedence {

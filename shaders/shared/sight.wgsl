@@ -1,3 +1,4 @@
+// uses: block
 // What `occlude` and `admit` know about a pass of a picture and the people it sifts; the Rust twin is
 // kernels::layout::SightUniforms. World frame, y up, metres.
 struct SightUniforms {
@@ -16,9 +17,6 @@ struct SightUniforms {
     fewest: u32,                            // of fewer than this all are drawn: looking for them costs more
     eye_height: f32,                        // of the higher eye, y
 }
-
-// Tiles of a side of a block. For a block the depth of all tiles is found, or of none.
-const BLOCK: u32 = 8u;
 
 // First slot of a bucket, or end of the one before.
 fn start_of(bucket: u32) -> u32 {

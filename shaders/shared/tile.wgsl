@@ -3,8 +3,8 @@
 // keep them in registers: sweeping waits for no memory. Where rows are read or written one after the other all of them move
 // up by one each time, and it is always the same one that is read or written: less to compile than unrolling.
 // Needs the bindings flow_grid, flow_cells and flow_distance. Twin: in reference::flow.
-const TILE = 8u;          // cells along a side
-const RING = TILE + 2u;   // with the ring
+const TILE: u32 = 8u;          // cells along a side
+const RING: u32 = TILE + 2u;   // with the ring
 
 struct Tile {
     first: u32,           // cell at which the field begins

@@ -25,14 +25,14 @@ struct FlowUniforms {
 }
 
 // A word of flow_cells. Bits: the cell may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.
-const FROM_LEFT = 1u;
-const FROM_RIGHT = 2u;
-const FROM_BELOW = 4u;
-const FROM_ABOVE = 8u;
-const SOLID = 16u;
-const ALL_BITS = 31u;
+const FROM_LEFT: u32 = 1u;
+const FROM_RIGHT: u32 = 2u;
+const FROM_BELOW: u32 = 4u;
+const FROM_ABOVE: u32 = 8u;
+const SOLID: u32 = 16u;
+const ALL_BITS: u32 = 31u;
 // The upper 24 bits are those of what crossing it costs, a f32: its step, m (its size, times what a metre costs there).
-const STEP_BITS = 0xffffff00u;
+const STEP_BITS: u32 = 0xffffff00u;
 
 fn way_step(word: u32) -> f32 {
     return bitcast<f32>(word & STEP_BITS);
@@ -44,10 +44,10 @@ fn way_with_step(word: u32, step: f32) -> u32 {
 }
 
 // A word of flow_way: the same five bits, then
-const SEES = 32u; // the goal lies in a straight line
-const LEADS = 64u; // there is a way; where not, the goal cannot be reached from here
+const SEES: u32 = 32u; // the goal lies in a straight line
+const LEADS: u32 = 64u; // there is a way; where not, the goal cannot be reached from here
 // and the direction of the way, (x, z) in [-1, 1], twelve bits each.
-const WAY_SCALE = 2047.0;
+const WAY_SCALE: f32 = 2047.0;
 
 fn way_pack(direction: vec2<f32>) -> u32 {
     let x = u32(i32(floor(direction.x * WAY_SCALE + 0.5)) + 2048);

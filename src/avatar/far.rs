@@ -3,12 +3,11 @@
 
 use super::{Avatar, Material, Posture};
 use crate::gait::Joint;
+pub(super) use crate::kernels::draw::far::ARM_SWING;
 use glam::{Quat, Vec3};
 
 /// Swing of a leg to either side, radians: strides of 1.3 m on legs of 0.85 m.
 const SWING: f32 = 0.39;
-/// Swing of an arm to either side, radians.
-pub(super) const ARM_SWING: f32 = 0.32;
 /// Where an arm points that hangs, on the left.
 pub(super) const HANGING: Vec3 = Vec3::new(0.16, -1.0, 0.04);
 /// Points along an edge of a triangle at which it is sampled.

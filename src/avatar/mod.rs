@@ -24,7 +24,7 @@ pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;
 
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
-pub const CLIP_FRAMES: usize = 64;
+pub use crate::kernels::shared::body::index::CLIP_FRAMES;
 
 /// Most levels of detail an avatar may have; level 0 is the finest.
 pub const LEVELS: usize = 3;

@@ -5,9 +5,9 @@ use super::{EXTRAS, EYE_HEIGHT, SPACING, cast, dress};
 use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
 use crate::kernels::BufferId;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::{Extent, KernelId, Pass, Store};
 use crate::reference;
-use crate::reference::elevate::FLOOR_STRIDE;
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
 use crate::sim::{Backend, bodies, order};

@@ -3,7 +3,9 @@
 //! `build.rs` compiles every file and writes, for a kernel `integrate`:
 //! - [`KernelId::Integrate`] and its [`Kernel`] (bindings by name, access, workgroup size, SPIR-V),
 //! - `integrate::Slices`, the bindings as named Rust slices, which the CPU twin takes,
-//! - for every buffer name a [`BufferId`] and a field of [`Store`], the CPU's copy of all buffers.
+//! - for every buffer name a [`BufferId`] and a field of [`Store`], the CPU's copy of all buffers,
+//! - `integrate::TURNING_SPEED` and the other constants of the file, exact to the bit; `integrate::index` holds those of
+//!   type `u32` as `usize`. Constants of `shaders/shared/step.wgsl` stand in `shared::step`.
 //!
 //! Buffers are bound by name: a variable `position` in any shader is the buffer `position`.
 

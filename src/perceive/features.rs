@@ -1,9 +1,10 @@
 //! The 29 features of gaits by the kernel `gait_features`, on the device of a simulation or by the CPU twin.
 
 use crate::gait::Gait;
+use crate::kernels::gait_features::index::ROW;
 use crate::kernels::{Extent, KernelId, Pass, Store};
 use crate::perception::features::{Batch, FEATURE_COUNT};
-use crate::reference::{self, gait_features::ROW};
+use crate::reference;
 use crate::sim::{Error, Simulation};
 
 #[cfg(feature = "vulkan")]

@@ -4,16 +4,15 @@ use super::Track;
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint, Pose, Recording};
 use crate::kernels::layout::FrameUniforms;
+use crate::kernels::shared::body::NONE;
+use crate::kernels::shared::body::index::PALETTE_STRIDE;
 use crate::kernels::{BufferId, Store};
-use crate::reference::body::PALETTE_STRIDE;
 use crate::scenario::{GazeMode, Scenario};
 use crate::sim::{Cast, Simulation, bodies};
 use glam::{Vec3, Vec4};
 
 /// Frames before the recording in which the gaze settles, s.
 const SETTLING: f32 = 1.0;
-/// Ends the list of visible agents.
-const NONE: u32 = u32::MAX;
 /// Everyone is near enough, m.
 const FAR: f32 = 1e9;
 /// Most bytes of joint positions that are kept.

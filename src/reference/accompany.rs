@@ -1,30 +1,13 @@
 //! Keeps groups together.
 
 use super::exact::{atan2, det2, dot2};
-use super::shared::{GROUP_SHIFT, NOBODY, is_absent};
-use crate::kernels::accompany::Slices;
+use super::shared::is_absent;
+use crate::kernels::accompany::{
+    APART, FORWARD, GATHER, GAZE, HASTE, LEFT_BEHIND, PERSONAL, RAMP, RELAXATION, STRAY, Slices,
+};
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::step::GROUP_SHIFT;
 use rayon::prelude::*;
-
-/// 1/(rad s): how much the walk slows to keep the others in view (beta 1 of Moussaid et al. 2010, there 4).
-const GAZE: f32 = 2.0;
-/// m/s²: towards the centre of the group (beta 2).
-const GATHER: f32 = 3.0;
-/// m/s²: away from a member that is too near (beta 3).
-const APART: f32 = 1.0;
-/// Nearer than this is too near, m (d 0).
-const PERSONAL: f32 = 0.8;
-/// Time in which a wanted velocity is reached, s.
-const RELAXATION: f32 = 0.5;
-/// Distance over which the two forces grow to full strength, m; ours.
-const RAMP: f32 = 0.5;
-/// Most of the speed that gathering takes; ours.
-const STRAY: f32 = 0.75;
-/// Share of the pace that is always left; ours.
-const FORWARD: f32 = 0.1;
-/// So much that the first of the group is ahead counts, m; ours.
-const LEFT_BEHIND: f32 = 0.9;
-/// Priority for each metre of that, 1/m: they count like twice as many metres ahead ([`super::precedence::PLACE`]); ours.
-const HASTE: f32 = 1.0;
 
 /// Twin of `shaders/accompany.wgsl`.
 pub fn accompany(b: Slices<'_>) {

@@ -1,8 +1,8 @@
 //! The list of those who are not hidden, and what their draws take.
 
-use super::body::RUN;
 use super::sight::{bucket_of, start_of};
 use crate::kernels::admit::Slices;
+use crate::kernels::shared::dispatch::index::RUN;
 
 /// Slots that are seen before number `count` of the sifted ones, the first of which is `first`.
 fn seen_before(b: &Slices<'_>, first: u32, count: u32) -> u32 {

@@ -1,33 +1,13 @@
 //! Whose turn it is to look at the user, so that a crowd never stares at once.
 
-use super::body::{NONE, visible_agents};
+use super::body::visible_agents;
 use super::exact::{dot2, hash_u32, sin_cos};
-use crate::kernels::attend::Slices;
-
-const RANGE: f32 = 8.0;
-const RANGE_HYSTERESIS: f32 = 0.5;
-const FIELD_START: f32 = 0.1;
-const FIELD_END: f32 = -0.173_648_18;
-const ANGRY: u32 = 1;
-/// Shortest rest after a turn, ms.
-pub const REST_LEAST: u32 = 1000;
-/// Longest rest after a turn, less the shortest, ms.
-pub const REST_SPAN: u32 = 2000;
-const WAIT_UNIT: f32 = 512.0;
-const MOST_WAIT: f32 = 1023.0;
-
-/// In `gaze_frame`: it is the agent's turn to look at the user.
-pub const ATTENDS: u32 = 0x2000_0000;
-const FRAME_BITS: u32 = 0x3fff;
-
-const BINS: u32 = 512;
-const HELD: usize = 1024;
-const BORDER: usize = 1025;
-const ROOM: usize = 1026;
-const LEAST: usize = 1027;
-const OVER: usize = 1028;
-/// Elements of `attention_counts`.
-pub const COUNTS: usize = 1029;
+use crate::kernels::attend::index::{BORDER, HELD, LEAST, OVER, ROOM};
+use crate::kernels::attend::{
+    BINS, FIELD_START, FRAME_BITS, MOST_WAIT, REST_LEAST, REST_SPAN, Slices, WAIT_UNIT,
+};
+use crate::kernels::shared::attention::{ANGRY, ATTENDS, FIELD_END, RANGE, RANGE_HYSTERESIS};
+use crate::kernels::shared::body::NONE;
 
 /// Twin of `shaders/attend.wgsl`.
 pub fn attend(mut b: Slices<'_>) {

@@ -1,9 +1,7 @@
 //! Twin of `shaders/shared/between.wgsl`: how moments of a crowd are kept.
 
 use crate::kernels::layout::BetweenUniforms;
-
-/// Elements of one agent in a moment: ground position, heading, walk weight; phase, elevation, 0, 0; gait weights.
-pub const MOMENT_STRIDE: usize = 3;
+use crate::kernels::shared::between::index::MOMENT_STRIDE;
 
 /// Where an agent's elements of the moment at a place begin.
 pub fn moment_start(between: &BetweenUniforms, place: u32, agent: usize) -> usize {

@@ -1,12 +1,13 @@
 //! Sorts the visible agents by bucket and id, and writes the arguments of what follows.
 
-use super::body::{COLUMNS, NONE, RUN, far_slot};
+use super::body::far_slot;
 use crate::kernels::KernelId;
 use crate::kernels::compact::Slices;
+use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::layout::FrameUniforms;
-
-/// Groups along one axis, on every device.
-const MOST_GROUPS: u32 = 65535;
+use crate::kernels::shared::body::NONE;
+use crate::kernels::shared::dispatch::MOST_GROUPS;
+use crate::kernels::shared::dispatch::index::RUN;
 
 /// Twin of `shaders/compact.wgsl`.
 pub fn compact(mut b: Slices<'_>) {

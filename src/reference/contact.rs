@@ -1,11 +1,7 @@
 //! Times until bodies touch, as rates (1 / time, 1/s); twin of `shaders/shared/contact.wgsl`.
 
 use super::exact::{det2, dot2};
-
-/// Distances below this count as touching: m, m².
-const NEARLY_TOUCHING: f32 = 1e-9;
-/// Corners of walls count as discs of this share of the own radius: who slides along a wall is not stopped by its joints.
-const CORNER: f32 = 0.98;
+use crate::kernels::shared::contact::{CORNER, NEARLY_TOUCHING};
 
 /// Until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never. At most `most`; that much for
 /// who is inside and goes farther in.

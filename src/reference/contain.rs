@@ -2,15 +2,10 @@
 
 use super::exact::{det2, dot2, is_finite2};
 use super::segments::Walls;
-use super::shared::{LED, NOBODY};
-use crate::kernels::contain::Slices;
+use crate::kernels::contain::{GAP, NUDGE, ROUNDS, Slices};
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::step::LED;
 use rayon::prelude::*;
-
-/// Least distance of a centre from a wall, m: far below any radius, far above rounding.
-const GAP: f32 = 0.01;
-/// What is held at a wall leaves it at this speed, m/s: by rounding it might else cross again.
-const NUDGE: f32 = 0.02;
-const ROUNDS: u32 = 3;
 
 /// Twin of `shaders/contain.wgsl`.
 pub fn contain(b: Slices<'_>) {

@@ -1,16 +1,11 @@
 //! Which agents may be seen and how finely.
 
-use super::body::NONE;
 use super::exact::is_finite2;
 use super::shared::is_absent;
 use crate::kernels::KernelId;
-use crate::kernels::cull::Slices;
+use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, Slices, WEIGHT_LIMIT};
 use crate::kernels::layout::FrameUniforms;
-
-const HEADING_LIMIT: f32 = 10000.0;
-const SCALE_LIMIT: f32 = 100.0;
-const ELEVATION_LIMIT: f32 = 10000.0;
-const WEIGHT_LIMIT: f32 = 1_000_000.0;
+use crate::kernels::shared::body::NONE;
 
 fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
     (0.0..WEIGHT_LIMIT).contains(&weight) && (weight == 0.0 || clip < clip_count)

@@ -3,14 +3,10 @@
 use super::exact::dot2;
 use super::shared::is_absent;
 use crate::kernels::elevate::Slices;
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::floors::EDGE;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use rayon::prelude::*;
-
-/// Elements of a floor: its plane and eight edges.
-pub const FLOOR_STRIDE: usize = 9;
-/// Nobody climbs more at once, m.
-pub const STEP: f32 = 0.6;
-/// What a piece reaches beyond its edges, m.
-const EDGE: f32 = 0.02;
 
 /// Twin of `shaders/elevate.wgsl`.
 pub fn elevate(b: Slices<'_>) {

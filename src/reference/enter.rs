@@ -2,14 +2,7 @@
 
 use super::exact::{dot2, hash_u32};
 use super::shared::{grid_cell, on_storey};
-use crate::kernels::enter::Slices;
-
-/// Places tried in one step.
-const TRIES: u32 = 16;
-/// Gap left between two people, m.
-const GAP: f32 = 0.1;
-/// Most people looked at for one place: more than fit near it.
-const MOST: u32 = 1024;
+use crate::kernels::enter::{GAP, MOST, Slices, TRIES};
 
 /// Twin of `shaders/enter.wgsl`.
 pub fn enter(b: Slices<'_>) {

@@ -1,9 +1,6 @@
 //! What people show of how they feel: gait, speed, gaze.
 
-use crate::kernels::express::Slices;
-
-/// By how much another emotion must be stronger before the gaze follows it.
-pub const MARGIN: f32 = 0.1;
+use crate::kernels::express::{MARGIN, Slices};
 
 /// Twin of `shaders/express.wgsl`.
 pub fn express(b: Slices<'_>) {

@@ -2,13 +2,10 @@
 
 use super::exact::{dot2, exp2};
 use super::shared::is_absent;
-use crate::kernels::feel::Slices;
+use crate::kernels::feel::LOG2_E;
+use crate::kernels::feel::{EVENT_RATE, Slices};
 use crate::kernels::layout::StepUniforms;
 use rayon::prelude::*;
-use std::f32::consts::LOG2_E;
-
-/// How fast an event is taken in, 1/s.
-pub const EVENT_RATE: f32 = 2.0;
 
 /// Twin of `shaders/feel.wgsl`.
 pub fn feel(b: Slices<'_>) {

@@ -1,16 +1,14 @@
 //! Way-finding: distances to goals over the walkable cells, and the directions in which they fall.
 
-use super::way::{
-    ALL_BITS, FAR, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, GROUP, LEADS, SOLID, TILE, pack, step,
-};
-use crate::kernels::flow::Slices;
+use super::way::{pack, step};
+use crate::kernels::flow::{FAR, GROUP};
+use crate::kernels::flow::{SWEEPS, Slices};
 use crate::kernels::layout::FlowUniforms;
+use crate::kernels::shared::tile::TILE;
+use crate::kernels::shared::tile::index::RING;
+use crate::kernels::shared::way::{ALL_BITS, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, LEADS, SOLID};
 use rayon::prelude::*;
 
-/// Sweeps of a tile in one turn.
-const SWEEPS: u32 = 64;
-/// Cells of a tile with the ring of cells around it, along a side.
-const RING: usize = TILE as usize + 2;
 /// Fewest tiles of a turn that are worth a second thread.
 const MANY: usize = 12;
 

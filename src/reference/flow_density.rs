@@ -1,9 +1,11 @@
 //! What a metre costs on each cell of the flow grid.
 
-use super::elevate::{FLOOR_STRIDE, standing};
+use super::elevate::standing;
 use super::shared::is_absent;
-use super::way::{SOLID, first_row, with_step};
+use super::way::{first_row, with_step};
 use crate::kernels::flow_density::Slices;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::way::SOLID;
 use rayon::prelude::*;
 
 /// Twin of `shaders/flow_density.wgsl`.

@@ -3,34 +3,13 @@
 use super::exact::{atan2, dot2};
 use super::quaternion::{cross3, dot3, sub3, xyz};
 use crate::kernels::KernelId;
-use crate::kernels::gait_features::Slices;
+use crate::kernels::gait_features::index::{
+    LEFT_FOOT, LEFT_HAND, LEFT_HIP, LEFT_SHOULDER, MOTION, MOVING, POSTURE, RIGHT_FOOT, RIGHT_HAND,
+    RIGHT_HIP, RIGHT_SHOULDER, ROOT, ROW,
+};
+use crate::kernels::gait_features::{DEGREES, POSITION_LIMIT, RATE_LIMIT, SPEED_LIMIT, Slices};
+use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, SPINE};
 use rayon::prelude::*;
-
-/// Joints of a pose.
-const JOINTS: usize = 16;
-/// Vectors of a row of `feature_rows`: 29 features and three zeros.
-pub const ROW: usize = 8;
-
-const ROOT: usize = 0;
-const SPINE: usize = 1;
-const NECK: usize = 2;
-const HEAD: usize = 3;
-const LEFT_SHOULDER: usize = 4;
-const LEFT_HAND: usize = 6;
-const RIGHT_SHOULDER: usize = 7;
-const RIGHT_HAND: usize = 9;
-const LEFT_HIP: usize = 10;
-const LEFT_FOOT: usize = 12;
-const RIGHT_HIP: usize = 13;
-const RIGHT_FOOT: usize = 15;
-
-const POSTURE: usize = 12;
-const MOVING: usize = 5;
-const MOTION: usize = 15;
-const DEGREES: f32 = 57.295_78;
-const POSITION_LIMIT: f32 = 1000.0;
-const RATE_LIMIT: f32 = 10000.0;
-const SPEED_LIMIT: f32 = 100.0;
 
 type Vector = [f32; 3];
 

@@ -1,59 +1,20 @@
 //! Where agents that gaze turn their heads, by their emotion (paper, section 4.5).
 
-use super::attend::ATTENDS;
-use super::body::{
-    HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE, joint_forward, joint_translation,
-    visible_agents,
-};
+use super::body::{joint_forward, joint_translation, visible_agents};
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
     add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
     quat_yaw_pitch, sub3, xyz,
 };
-use crate::kernels::gaze::Slices;
-use std::f32::consts::{FRAC_PI_2, FRAC_PI_4, PI};
-
-const NATURAL: u32 = 0;
-const HAPPY: u32 = 0;
-const ANGRY: u32 = 1;
-const SAD: u32 = 2;
-
-/// -5 degrees, extension: paper, 4.5 happy.
-pub const THETA_HAPPY: f32 = -0.087_266_46;
-/// +10 degrees: paper, 4.5 sad; positive is flexion.
-pub const THETA_SAD: f32 = 0.174_532_93;
-/// 70 degrees from the torso.
-pub const ROTATION_LIMIT: f32 = 1.221_730_5;
-/// 45 degrees.
-pub const FLEXION_LIMIT: f32 = FRAC_PI_4;
-/// 45 degrees.
-pub const EXTENSION_LIMIT: f32 = FRAC_PI_4;
-/// Nearer on the ground than this, a direction means nothing, m.
-pub const TOO_CLOSE: f32 = 0.01;
-/// The same for natural mode: the user stands in the agent's head, m.
-pub const INSIDE: f32 = 0.25;
-/// Farther than this nobody is gazed at, m.
-pub const RANGE: f32 = 8.0;
-/// Added to [`RANGE`] while gazing, m.
-pub const RANGE_HYSTERESIS: f32 = 0.5;
-/// Half the field of regard, 90 degrees.
-pub const HALF_FIELD: f32 = FRAC_PI_2;
-/// Added to [`HALF_FIELD`] while gazing, 10 degrees.
-pub const FIELD_HYSTERESIS: f32 = 0.174_532_93;
-/// Fastest turn of the head, 180 degrees/s.
-pub const RATE_LIMIT: f32 = PI;
-/// Of the critically damped spring, 1/s: 2 / 0.25 s.
-pub const SPRING: f32 = 8.0;
-const SPRING_LOG2: f32 = 11.541_561;
-const SETTLED: f32 = 0.017_453_292;
-const NECK_SHARE: f32 = 0.5;
-const AIM_ROUNDS: u32 = 3;
-
-/// In `gaze_frame`: the state has been written.
-pub const VALID: u32 = 0x4000_0000;
-/// In `gaze_frame`: the agent gazed at the user.
-pub const ENGAGED: u32 = 0x8000_0000;
-const FRAME_BITS: u32 = 0x1fff_ffff;
+use crate::kernels::gaze::{
+    AIM_ROUNDS, ENGAGED, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NATURAL, NECK_SHARE, RATE_LIMIT,
+    ROTATION_LIMIT, SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, VALID,
+};
+use crate::kernels::shared::attention::ATTENDS;
+use crate::kernels::shared::attention::{
+    ANGRY, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, RANGE, RANGE_HYSTERESIS, SAD,
+};
+use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 
 /// Twin of `shaders/gaze.wgsl`.
 pub fn gaze(mut b: Slices<'_>) {

@@ -1,7 +1,8 @@
 //! Copies what neighbours read of each agent to its slot.
 
-use super::shared::{LED, LED_BIT, NOBODY, STOREYS, UNLIKE, WALLS};
 use crate::kernels::grid_pack::Slices;
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::step::{LED, LED_BIT, STOREYS, UNLIKE, WALLS};
 use rayon::prelude::*;
 
 /// Twin of `shaders/grid_pack.wgsl`.

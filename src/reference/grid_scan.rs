@@ -1,9 +1,7 @@
 //! Exclusive prefix sum of the cell counts.
 
 use crate::kernels::grid_scan::Slices;
-
-/// Cells that one invocation adds up.
-const RUN: usize = 64;
+use crate::kernels::shared::dispatch::index::RUN;
 
 /// Twin of `shaders/grid_scan.wgsl`.
 pub fn grid_scan(b: Slices<'_>) {

@@ -1,7 +1,8 @@
 //! Puts the agents in cell order, within a cell by id.
 
-use super::shared::{NOBODY, cell_index, is_absent};
+use super::shared::{cell_index, is_absent};
 use crate::kernels::grid_scatter::Slices;
+use crate::kernels::shared::absent::NOBODY;
 
 /// Twin of `shaders/grid_scatter.wgsl`.
 pub fn grid_scatter(b: Slices<'_>) {

@@ -2,13 +2,8 @@
 
 use super::exact::dot2;
 use super::shared::grid_cell;
-use crate::kernels::hear::Slices;
+use crate::kernels::hear::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
 use rayon::prelude::*;
-
-const SHARE: f32 = 1_048_576.0;
-const MOST_HEARD: u32 = 4095;
-const MOST_TURNS: u32 = 32_768;
-const ROWS_BETWEEN: u32 = 4;
 
 /// Twin of `shaders/hear.wgsl`.
 pub fn hear(mut b: Slices<'_>) {

@@ -1,18 +1,11 @@
 //! Moves, turns, advances the phase of the walk.
 
 use super::exact::{atan2, dot2, is_finite2, wrap};
-use super::shared::NOBODY;
 use crate::kernels::KernelId;
-use crate::kernels::integrate::Slices;
+use crate::kernels::integrate::{FOLLOW, Slices, TURNING_SPEED};
 use crate::kernels::layout::StepUniforms;
+use crate::kernels::shared::absent::NOBODY;
 use rayon::prelude::*;
-
-/// Slower than this the body does not turn, m/s.
-const TURNING_SPEED: f32 = 0.05;
-
-/// How fast a body turns to where it goes, share of the difference a second: it follows the path, not every small
-/// correction of the velocity, at which walkers would tremble.
-const FOLLOW: f32 = 6.0;
 
 /// Twin of `shaders/integrate.wgsl`.
 pub fn integrate(b: Slices<'_>) {

@@ -2,9 +2,7 @@
 
 use super::between::moment_start;
 use super::exact::{dot2, wrap};
-use crate::kernels::interpolate::Slices;
-
-const TURN_LIMIT: f32 = 10000.0;
+use crate::kernels::interpolate::{Slices, TURN_LIMIT};
 
 fn on_the_way(a: f32, b: f32, share: f32) -> f32 {
     if share >= 1.0 { b } else { a + (b - a) * share }

@@ -1,28 +1,14 @@
 //! Where each agent is on its journey.
 
-use super::elevate::STEP;
 use super::exact::dot2;
-use super::shared::{ABSENT, is_absent};
-use super::stages::{
-    EXIT, GOAL, PASS, QUEUE, STAGE_STRIDE, STOP, WAITING, WAYPOINT, in_region, nearest_place, own_place,
-};
-use crate::kernels::journey::Slices;
+use super::shared::is_absent;
+use super::stages::{in_region, nearest_place, own_place};
+use crate::kernels::journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
+use crate::kernels::shared::absent::ABSENT;
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::shared::stages::{EXIT, GOAL, PASS, QUEUE, STOP, WAITING, WAYPOINT};
 use rayon::prelude::*;
-
-/// A place in a region counts as taken within this distance, m.
-const STANDING: f32 = 0.3;
-
-/// By how much that distance grows for who has been in the region for [`TRYING`], m/s.
-const PATIENCE: f32 = 0.1;
-
-/// People in a line stand this near to their place, m.
-const IN_LINE: f32 = 0.1;
-
-/// They are served from this near to the counter, m.
-const AT_COUNTER: f32 = 0.25;
-
-/// How long people try to get to their place before they are content with less, s.
-const TRYING: f32 = 20.0;
 
 /// Twin of `shaders/journey.wgsl`.
 pub fn journey(b: Slices<'_>) {

@@ -1,11 +1,10 @@
 //! Agents that are led from outside.
 
 use super::exact::{atan2, dot2};
-use super::shared::{ABSENT, LED, is_absent};
-use crate::kernels::lead_agents::Slices;
-
-/// Who appears faster than this appears in mid-stride, m/s.
-const WALKING_SPEED: f32 = 0.05;
+use super::shared::is_absent;
+use crate::kernels::lead_agents::{Slices, WALKING_SPEED};
+use crate::kernels::shared::absent::ABSENT;
+use crate::kernels::shared::step::LED;
 
 /// Twin of `shaders/lead_agents.wgsl`.
 pub fn lead_agents(b: Slices<'_>) {

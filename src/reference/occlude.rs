@@ -1,14 +1,9 @@
 //! Who is hidden behind what has been drawn already.
 
-use super::sight::{BLOCK, bucket_of, start_of};
+use super::sight::{bucket_of, start_of};
 use crate::kernels::layout::SightUniforms;
-use crate::kernels::occlude::Slices;
-
-const PAD: f32 = 0.0625;
-const BEHIND: f32 = 0.01;
-const MOST_TILES: u32 = 256;
-const DOWN: f32 = 0.3;
-const NEARER: f32 = 1.00001;
+use crate::kernels::occlude::{BEHIND, DOWN, MOST_TILES, NEARER, PAD, Slices};
+use crate::kernels::shared::block::BLOCK;
 
 /// How an eye sees a box of an agent.
 struct Seen {

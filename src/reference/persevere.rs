@@ -5,36 +5,14 @@ use super::exact::{dot2, hash_u32, unit_f32};
 use super::neighbours::{Slots, manners_of};
 use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
-use super::shared::{NOBODY, RAISE, grid_cell};
+use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
-use crate::kernels::persevere::Slices;
-
-/// Who wants to go slower than this stands by choice, m/s.
-const STANDING: f32 = 0.1;
-/// Slower than this share of the wanted speed, in the wanted direction, is no progress.
-const PROGRESS: f32 = 0.15;
-/// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 73 degrees) is in the way, m.
-const OPPOSED: f32 = 3.0;
-/// How long the right of way lasts, s.
-const TURN: f32 = 3.0;
-/// A wall ahead is in the way from this distance on when one waits, m.
-const TOUCHED: f32 = 0.3;
-/// And until one leaves it, m.
-const CLEAR: f32 = 1.0;
-/// It is in the way of this share of the disc: a door post that a shoulder would touch is not.
-const THIN: f32 = 0.3;
-/// The gap that is kept to a followed wall, m.
-const BESIDE: f32 = 0.1;
-/// The distance at which a second wall is ahead, m.
-const CORNERED: f32 = 0.25;
-/// Nearer to the goal by this much than at the beginning is nearer, m.
-const GAINED: f32 = 0.1;
-/// Less slanted than this, the wall does not say to which side (cosine).
-const SLANTED: f32 = 0.3;
-/// Nor do its ends if they are as near as this, m.
-const ONE_OF_TWO: f32 = 0.2;
-/// Of a wall that is touched, 1/m.
-const NEAREST_RATE: f32 = 1000.0;
+use crate::kernels::persevere::{
+    BESIDE, CLEAR, CORNERED, GAINED, NEAREST_RATE, ONE_OF_TWO, OPPOSED, PROGRESS, SLANTED, STANDING, Slices,
+    THIN, TOUCHED, TURN,
+};
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::step::RAISE;
 
 /// Twin of `shaders/persevere.wgsl`.
 pub fn persevere(b: Slices<'_>) {

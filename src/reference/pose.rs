@@ -1,9 +1,10 @@
 //! The pose of every visible agent: up to four gaits and standing, blended.
 
-use super::body::{CLIP_FRAMES, CLIP_STRIDE, POSE_STRIDE, visible_agents};
+use super::body::{CLIP_STRIDE, visible_agents};
 use super::exact::unit_f32;
 use super::quaternion::{add4, dot4, lerp4, limit, negate4, quat_lerp, quat_normalize, scale4};
 use crate::kernels::pose::Slices;
+use crate::kernels::shared::body::index::{CLIP_FRAMES, POSE_STRIDE};
 use rayon::prelude::*;
 
 /// Twin of `shaders/pose.wgsl`.

@@ -21,25 +21,9 @@
 
 use super::exact::dot2;
 use super::orca::{Line, unit_or};
-
-/// How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
-const STEEPNESS: f32 = 10.0;
-/// A priority that is higher by 1 counts like so much further ahead, m.
-pub const PLACE: f32 = 2.0;
-/// e.
-const SHOULDERS: f32 = 0.243_243_24;
-/// The sum of the radii shrinks to no less than this share of it.
-const NEAREST: f32 = 0.9;
-/// An agent that goes first keeps this share of the sum of the radii from the other.
-pub const SQUEEZE: f32 = 0.8;
-/// Priorities that are farther apart decide alone: those of robots, of vehicles, of a right of way that was given.
-pub const PEERS: f32 = 1.0;
-/// The cosine above which two want to go the same way.
-const SAME_WAY: f32 = 0.95;
-/// Shares above this are all of the avoidance.
-const ALL: f32 = 0.99;
-/// A velocity that has less than this of the wanted one gets nowhere.
-const GAIN: f32 = 0.5;
+use crate::kernels::shared::precedence::{
+    ALL_OF_IT, GAIN, NEAREST, PRECEDENCE_STEEPNESS, SAME_WAY, SHOULDERS,
+};
 
 /// What a pair is to one of it.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -72,9 +56,9 @@ pub fn precedence(
     if is_standing || distance2 < radius * radius {
         return Precedence { share: equal, radius, follows: false };
     }
-    let share = (equal + STEEPNESS * agreement * ((ahead + lead) / radius)).clamp(0.0, 1.0);
+    let share = (equal + PRECEDENCE_STEEPNESS * agreement * ((ahead + lead) / radius)).clamp(0.0, 1.0);
     let breadth = (1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2))).max(NEAREST);
-    Precedence { share, radius: radius * breadth, follows: share > ALL && dot2(own, theirs) > SAME_WAY }
+    Precedence { share, radius: radius * breadth, follows: share > ALL_OF_IT && dot2(own, theirs) > SAME_WAY }
 }
 
 /// The line of an agent that follows, without its demand to walk backwards because the one ahead is near.

@@ -1,28 +1,26 @@
 //! The velocity an agent wants before avoidance.
 
-use super::elevate::{FLOOR_STRIDE, standing};
+use super::elevate::standing;
 use super::exact::{dot2, hash_u32, unit_f32};
 use super::shared::is_absent;
-use super::stages::STOP;
 use super::way::Around;
 use crate::kernels::layout::StepUniforms;
-use crate::kernels::prefer::Slices;
+use crate::kernels::prefer::{APPROACH, Slices};
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::stages::STOP;
 use rayon::prelude::*;
 
-/// How fast people come to a place where they will stand: this share of the distance a second.
-const APPROACH: f32 = 2.0;
-
 /// Agents whose fields are read together.
-const TOGETHER: usize = 32;
+const CHUNK: usize = 32;
 
 /// Twin of `shaders/prefer.wgsl`.
 pub fn prefer(b: Slices<'_>) {
     let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
     let has_sheets = b.flow_grid.sheet_rows < b.flow_grid.rows;
-    let preferred = b.preferred_velocity[..b.step.agent_count as usize].par_chunks_mut(TOGETHER);
+    let preferred = b.preferred_velocity[..b.step.agent_count as usize].par_chunks_mut(CHUNK);
     preferred.enumerate().with_min_len(32).for_each(|(chunk, preferred)| {
-        let first = chunk * TOGETHER;
-        let mut around = [None; TOGETHER];
+        let first = chunk * CHUNK;
+        let mut around = [None; CHUNK];
         for (agent, around) in (first..first + preferred.len()).zip(&mut around) {
             let field = b.aim[agent][3];
             if field >= 0.0 {

@@ -1,7 +1,7 @@
 //! Moves the queues on.
 
-use super::shared::NOBODY;
 use crate::kernels::queue::Slices;
+use crate::kernels::shared::absent::NOBODY;
 
 /// Twin of `shaders/queue.wgsl`.
 pub fn queue(b: Slices<'_>) {

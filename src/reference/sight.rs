@@ -2,9 +2,6 @@
 
 use crate::kernels::layout::SightUniforms;
 
-/// Tiles of a side of a block: for a block the depth of all tiles is found, or of none.
-pub const BLOCK: u32 = 8;
-
 /// First slot of a bucket, or end of the one before.
 pub fn start_of(sight: &SightUniforms, bucket_start: &[u32], bucket: u32) -> u32 {
     bucket_start[(bucket + sight.start_shift) as usize]

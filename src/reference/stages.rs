@@ -1,27 +1,8 @@
 //! The stages of journeys; twin of `shaders/shared/stages.wgsl`, which states the layout.
 
 use super::exact::{dot2, hash_u32, unit_f32};
-
-/// Elements of `stages` that one stage takes.
-pub const STAGE_STRIDE: usize = 4;
-/// Passed within its radius.
-pub const WAYPOINT: f32 = 0.0;
-/// A region, passed on entering it.
-pub const GOAL: f32 = 1.0;
-/// A region in which people stay for a time.
-pub const WAITING: f32 = 2.0;
-/// A line in which people stand one behind the other.
-pub const QUEUE: f32 = 3.0;
-/// A region; who enters it is gone.
-pub const EXIT: f32 = 4.0;
-
-/// The point of `aim` is passed at full speed.
-pub const PASS: f32 = 0.0;
-/// The agent stops at the point itself.
-pub const STOP: f32 = -2.0;
-
-/// Places of people in a region keep this share of its half axes.
-pub const INNER: f32 = 0.9;
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::shared::stages::{INNER, WAYPOINT};
 
 /// A waypoint as it lies in `stages`; x, z and radius in m.
 pub const fn waypoint(x: f32, z: f32, radius: f32) -> [[f32; 4]; STAGE_STRIDE] {

@@ -1,6 +1,7 @@
 //! Puts the pose of every visible agent on the floor it stands on.
 
-use super::body::{JOINTS, POSE_STRIDE, visible_agents};
+use super::body::visible_agents;
+use crate::kernels::shared::body::index::{JOINTS, POSE_STRIDE};
 use crate::kernels::stand::Slices;
 
 /// Twin of `shaders/stand.wgsl`.

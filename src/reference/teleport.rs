@@ -1,7 +1,7 @@
 //! Walkers on a way without an end.
 
 use super::exact::{hash_u32, unit_f32};
-use super::shared::NOBODY;
+use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::teleport::Slices;
 
 /// Twin of `shaders/teleport.wgsl`.

@@ -3,25 +3,17 @@
 use super::contact::{disc_rates, segment_rate};
 use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
-use super::neighbours::{Manners, Nearest, SAFE, Slots, manners_of};
-use super::orca::{NEIGHBOURS, RIGHT_OF_WAY, TOGETHER, share_of, unit_or};
+use super::neighbours::{Manners, Nearest, Slots, manners_of};
+use super::orca::{share_of, unit_or};
 use super::segments::{NearSegments, Walls};
-use super::shared::{AGAIN, CROWDED, GROUPS, NOBODY, STOREYS, UNLIKE, USER, on_storey};
-use crate::kernels::velocity_rvo::Slices;
+use super::shared::on_storey;
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::neighbours::SAFE;
+use crate::kernels::shared::orca::index::NEIGHBOURS;
+use crate::kernels::shared::orca::{RIGHT_OF_WAY, TOGETHER};
+use crate::kernels::shared::step::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER};
+use crate::kernels::velocity_rvo::{FOURS, GOLDEN, GOLDEN_4, SEPARATE, SOONEST, Slices};
 use rayon::prelude::*;
-
-/// Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better. With 8, 10, 16
-/// and 32 fours a crossing of 2 people/m² goes on at 1.07, 1.08, 1.07 and 1.05 m/s, one of 3 people/m² at 0.82, 0.81, 0.82 and 0.81,
-/// with as many overlaps (a program of its own: 2,500 agents without `crowding`, three seeds). Of the 22 layouts of `tests/jams.rs` with 24 seeds each 2, 1, 5 and 3 are late.
-const FOURS: u32 = 10;
-/// Cosine and sine of the golden angle, and of four times it.
-const GOLDEN: [f32; 2] = [-0.737_368_9, 0.675_490_3];
-const GOLDEN_4: [f32; 2] = [-0.984_713_5, -0.174_181_95];
-/// Contacts sooner than a tenth of a second count as that, 1/s.
-const SOONEST: f32 = 10.0;
-/// Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more
-/// than a contact, or who overlaps with one would stay there for fear of touching the next.
-const SEPARATE: f32 = 20.0;
 
 /// Twin of `shaders/velocity_rvo.wgsl`.
 ///

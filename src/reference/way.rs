@@ -2,31 +2,10 @@
 
 use super::exact::dot2;
 use crate::kernels::layout::FlowUniforms;
-
-/// A cell may be entered from its neighbour at -x.
-pub const FROM_LEFT: u32 = 1;
-/// A cell may be entered from its neighbour at +x.
-pub const FROM_RIGHT: u32 = 2;
-/// A cell may be entered from its neighbour at -z.
-pub const FROM_BELOW: u32 = 4;
-/// A cell may be entered from its neighbour at +z.
-pub const FROM_ABOVE: u32 = 8;
-/// Nobody can stand in a cell.
-pub const SOLID: u32 = 16;
-/// All bits of a cell.
-pub const ALL_BITS: u32 = 31;
-/// The bits of a word of `flow_cells` that are those of the cell's step.
-const STEP_BITS: u32 = 0xffff_ff00;
-/// The goal lies in a straight line from a cell.
-pub const SEES: u32 = 32;
-/// There is a way from a cell to the goal.
-pub const LEADS: u32 = 64;
-/// Not reached, m.
-pub const FAR: f32 = 1e30;
-/// Cells along the side of a tile.
-pub const TILE: u32 = 8;
-/// Invocations of a workgroup of `flow`.
-pub const GROUP: u32 = 32;
+use crate::kernels::shared::way::WAY_SCALE;
+use crate::kernels::shared::way::{
+    ALL_BITS, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, LEADS, SEES, SOLID, STEP_BITS,
+};
 
 /// What crossing a cell costs, m: its size, times what a metre costs there.
 pub const fn step(word: u32) -> f32 {
@@ -40,13 +19,13 @@ pub const fn with_step(word: u32, step: f32) -> u32 {
 
 /// A direction (both parts in [-1, 1]) as the upper 24 bits of a word.
 pub fn pack(direction: [f32; 2]) -> u32 {
-    let [x, z] = direction.map(|part| ((part * 2047.0 + 0.5).floor() as i32 + 2048) as u32);
+    let [x, z] = direction.map(|part| ((part * WAY_SCALE + 0.5).floor() as i32 + 2048) as u32);
     x << 8 | z << 20
 }
 
 /// The direction in a word of `flow_way`.
 pub fn direction(word: u32) -> [f32; 2] {
-    let part = |bits: u32| (bits as i32 - 2048) as f32 * (1.0 / 2047.0);
+    let part = |bits: u32| (bits as i32 - 2048) as f32 * (1.0 / WAY_SCALE);
     [part(word >> 8 & 0xfff), part(word >> 20)]
 }
 

@@ -3,13 +3,12 @@
 use super::CrowdBuffers;
 use super::pipelines::Program;
 use super::renderer::{CrowdMeshes, Renderer};
+use crate::kernels::draw::far::SIFTED;
 use ash::vk;
 use std::ops::Range;
 
 /// Bytes of a `VkDrawIndexedIndirectCommand`.
 const DRAW_ARGS_STRIDE: u32 = 20;
-/// Added to the number of a bucket whose hidden people are left out (`SIFTED` in the shader).
-const SIFTED: u32 = 1 << 31;
 
 /// Which list of people is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

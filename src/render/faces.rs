@@ -3,8 +3,9 @@
 use super::Show;
 use crate::Emotion;
 use crate::ground::ground_from_world;
+use crate::kernels::shared::body::index::{HEAD, PALETTE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 use crate::kernels::{BufferId, Store};
-use crate::reference::body::{HEAD, PALETTE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE, visible_agents};
+use crate::reference::body::visible_agents;
 use glam::{Mat4, Vec3, Vec4};
 
 /// The face of someone who was drawn, in the world.

@@ -5,22 +5,19 @@ use super::mesh::{Builder, EnvironmentMesh, srgb};
 use super::polygon;
 use super::schema::{Obstacle, Point, Scenario};
 use super::validate::{point, within};
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::floors::EDGE;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::orca::TALL;
 use glam::{Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 
-/// Most corners of a floor.
-const MAX_FLOOR_CORNERS: usize = 8;
+/// Most corners of a floor: its elements in the buffer `floors` are a plane and eight edges.
+const MAX_FLOOR_CORNERS: usize = FLOOR_STRIDE - 1;
 /// Most floors: every agent looks at all of them in every step.
 pub const MAX_FLOORS: usize = 1024;
 /// Height of a railing above the floor, m.
 pub const RAILING: f32 = 1.1;
-/// Elements of a floor in the buffer `floors`: its plane and eight edges.
-pub const FLOOR_STRIDE: usize = 1 + MAX_FLOOR_CORNERS;
-/// Nobody climbs more at once, m, and what a floor reaches beyond its edges, m: as in `shaders/elevate.wgsl`.
-const STEP: f32 = 0.6;
-const EDGE: f32 = 0.02;
-/// Nobody is taller, m: as in `shaders/shared/orca.wgsl`.
-const TALL: f32 = 1.8;
 /// Thickness of what is drawn, m.
 const SLAB: f32 = 0.25;
 

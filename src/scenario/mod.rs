@@ -47,7 +47,7 @@ pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
 pub use environment::{Environment, Ground, MAX_TRIANGLES, Prop, PropKind};
 pub use error::{BadValue, Error};
 pub use feelings::{EmotionDynamics, Event};
-pub use floors::{FLOOR_STRIDE, Floor, Floors, MAX_FLOORS, RAILING, Raised};
+pub use floors::{Floor, Floors, MAX_FLOORS, RAILING, Raised};
 pub use gaze::{Budget, DEFAULT_BUDGET, Gaze, GazeMode};
 pub use journeys::{Arrivals, Journey, Leg, Source, Stage, StageKind};
 pub use lanes::ROUTE_CLEARANCE;

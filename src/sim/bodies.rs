@@ -4,12 +4,13 @@
 use super::cast::Cast;
 use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
+use crate::kernels::attend::index::COUNTS;
+use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::layout::FrameUniforms;
-use crate::reference::attend::COUNTS;
-use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
-};
-use crate::reference::sight::BLOCK;
+use crate::kernels::shared::block::BLOCK;
+use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
+use crate::kernels::shared::dispatch::index::RUN;
+use crate::reference::body::far_slot;
 use crate::scenario::{Budget, EnvironmentMesh, Gaze, GazeMode};
 use glam::Vec3;
 
@@ -298,7 +299,7 @@ mod tests {
     use super::*;
     use crate::avatar::Material;
     use crate::gait::JOINT_COUNT;
-    use crate::reference::body::RIG_STRIDE;
+    use crate::kernels::shared::body::index::RIG_STRIDE;
     use glam::{Mat4, Quat, Vec3};
 
     fn mesh(vertices: usize, indices: &[u32]) -> Mesh {

@@ -4,7 +4,7 @@ use super::cast::Cast;
 use super::setup::set_led;
 use crate::kernels::Store;
 use crate::kernels::layout::MoodUniforms;
-use crate::reference::shared::LED;
+use crate::kernels::shared::step::LED;
 use crate::scenario::{Crowd, OutsiderKind, Scenario};
 
 /// In `look`: this agent has no body that is drawn.

@@ -3,7 +3,7 @@
 use super::setup::NEVER;
 use crate::ground::is_absent;
 use crate::kernels::Store;
-use crate::reference::shared::LED;
+use crate::kernels::shared::step::LED;
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.

@@ -24,6 +24,7 @@ mod ways;
 pub use cast::{Cast, MAX_AVATARS};
 pub use error::Error;
 
+use crate::kernels::shared::step::LED;
 use crate::kernels::{BufferId, KernelId, Pass, Store};
 use crate::reference;
 use crate::scenario::{Crowd, Scenario};
@@ -58,8 +59,6 @@ pub(crate) const STATE: [BufferId; 11] = [
 #[cfg(feature = "vulkan")]
 pub(crate) const FELT: [BufferId; 5] =
     [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Look];
-
-const _: () = assert!(crate::ground::ABSENT == reference::shared::ABSENT, "one place for absent people");
 
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -259,12 +258,12 @@ impl Simulation {
     /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
     /// finite or beyond what a scene holds.
     pub fn lead(&mut self, agent: u32, target: Option<(Vec2, Vec2)>) -> Result<(), crate::Error> {
-        let led = self.store.manners.get(agent as usize).is_some_and(|m| m[3] >= reference::shared::LED);
+        let led = self.store.manners.get(agent as usize).is_some_and(|m| m[3] >= LED);
         let Some(place) = self.store.lead.get_mut(agent as usize).filter(|_| led) else {
             return Err(Error::NotLed { agent }.into());
         };
-        let usable = |v: Vec2| v.is_finite() && v.abs().max_element() < 0.1 * reference::shared::ABSENT;
-        let (position, velocity) = target.unwrap_or((Vec2::splat(reference::shared::ABSENT), Vec2::ZERO));
+        let usable = |v: Vec2| v.is_finite() && v.abs().max_element() < 0.1 * crate::ground::ABSENT;
+        let (position, velocity) = target.unwrap_or((Vec2::splat(crate::ground::ABSENT), Vec2::ZERO));
         if target.is_some() && !(usable(position) && usable(velocity)) {
             return Err(Error::Lead { agent, position, velocity }.into());
         }

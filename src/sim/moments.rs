@@ -7,8 +7,8 @@ use super::bodies::SMALLEST_STORAGE_RANGE;
 use super::{Simulation, order};
 use crate::gpu::plan::Op;
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
+use crate::kernels::shared::between::index::MOMENT_STRIDE;
 use crate::kernels::{BufferId, Pass, Store};
-use crate::reference::between::MOMENT_STRIDE;
 
 /// Whoever is seen to move faster than this did not walk, m/s: was set to another place, came in, or went.
 const FASTEST: f64 = 10.0;

@@ -1,8 +1,9 @@
 //! Obstacle polygons as the segments that `velocity_orca` reads, and which segments matter in which cell.
 
 use crate::kernels::layout::StepUniforms;
+use crate::kernels::shared::orca::RAISED;
 use crate::reference::exact::{det2, dot2};
-use crate::reference::orca::{RAISED, Segment, unit_or};
+use crate::reference::orca::{Segment, unit_or};
 
 /// The segments of closed polygons.
 ///

@@ -1,12 +1,10 @@
 //! The order of the kernels in one step and in one picture, once, for both backends.
 
+use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
+use crate::kernels::shared::dispatch::RUN;
+use crate::kernels::shared::step::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
-use crate::reference::body::COLUMNS;
-use crate::reference::shared::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
-
-/// Cells that one invocation of `grid_scan` adds up (`RUN` in the shader).
-const RUN: u32 = 64;
 
 /// The launches of one step.
 pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {

@@ -4,9 +4,13 @@ use super::cast::Cast;
 use super::company::{set_feelings, set_outsiders};
 use super::obstacles::{at_heights, cell_lists, segments};
 use crate::kernels::layout::StepUniforms;
+use crate::kernels::shared::absent::{ABSENT, NOBODY};
+use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::stages;
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
-use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::reference::stages::{self, STAGE_STRIDE};
+use crate::reference::stages::waypoint;
 use crate::scenario::{
     AgentStart, Crowd, Entry, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario, SourceStart,
     Stop, StopKind, Teleport,
@@ -27,8 +31,6 @@ const BLEND_RATE: f32 = 2.5;
 const AGENTS_PER_CELL: f32 = 1.2;
 /// Most cells of a grid.
 const MAX_CELLS: f32 = 4_000_000.0;
-/// Cells that one invocation of `grid_scan` adds up.
-const RUN: usize = 64;
 /// `entry` of agents that never come in.
 pub const NEVER: u32 = u32::MAX;
 
@@ -41,7 +43,7 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cas
     store.stages = crowd.stages.iter().flat_map(stage).collect();
     crowd.stages.iter().for_each(|stop| set_queue(&mut store, stop));
     if store.stages.is_empty() {
-        store.stages.extend(stages::waypoint(0.0, 0.0, 0.0));
+        store.stages.extend(waypoint(0.0, 0.0, 0.0));
     }
     for source in &crowd.sources {
         push_source(&mut store, source);

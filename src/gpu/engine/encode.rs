@@ -4,8 +4,9 @@
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
 use super::{Copy, Engine, TIMED_PASSES};
-#[cfg(feature = "xr")]
 use crate::kernels::Store;
+#[cfg(feature = "xr")]
+use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::{BufferId, Extent, KernelId, Pass};
 use ash::{ext, vk};
 use std::ffi::CString;
@@ -14,9 +15,6 @@ use std::ffi::CString;
 const MOST_UPDATED: usize = 65_536;
 /// Bytes of the three group counts of an indirect dispatch.
 const ARGUMENTS: u64 = 12;
-
-/// Dispatches longer than this along x go on along y.
-const MAX_GROUPS_X: u32 = 65_535;
 
 impl Engine {
     /// Puts contents of buffers where [`Engine::encode`] takes them from; what was brought before and not yet taken is
@@ -244,12 +242,7 @@ impl Engine {
                 Extent::Invocations(count) => {
                     let groups = count.div_ceil(kernel.workgroup_size[0]);
                     if groups > 0 {
-                        raw.cmd_dispatch(
-                            commands,
-                            groups.min(MAX_GROUPS_X),
-                            groups.div_ceil(MAX_GROUPS_X),
-                            1,
-                        );
+                        raw.cmd_dispatch(commands, groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1);
                     }
                 }
                 Extent::Indirect(buffer, element) => {

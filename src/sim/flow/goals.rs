@@ -2,8 +2,8 @@
 
 use super::{Goal, Settings, Sheets, lay_on};
 use crate::kernels::Store;
-use crate::reference::elevate::STEP;
-use crate::reference::stages::STAGE_STRIDE;
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::scenario::{AgentStart, Crowd, Entry, Floors, Geometry, Scenario, Stop, StopKind, Way};
 use crate::sim::Error;
 use glam::Vec2;

@@ -12,8 +12,11 @@ pub use sheets::Sheets;
 
 use crate::kernels::Store;
 use crate::kernels::layout::FlowUniforms;
-use crate::reference::elevate::{FLOOR_STRIDE, STEP};
-use crate::reference::way::{SEES, TILE, with_step};
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::tile::TILE;
+use crate::kernels::shared::way::SEES;
+use crate::reference::way::with_step;
 use crate::scenario::{Floors, polygon};
 use glam::Vec2;
 

@@ -7,7 +7,8 @@
 //! separate, too. What a wall cuts off within a cell (the smaller part) is dropped.
 
 use crate::kernels::layout::FlowUniforms;
-use crate::reference::way::{FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, SOLID, TILE};
+use crate::kernels::shared::tile::TILE;
+use crate::kernels::shared::way::{FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, SOLID};
 use glam::{DVec2, Vec2};
 
 /// Samples along the side of a cell.

@@ -6,9 +6,10 @@
 
 use super::raster::Raster;
 use crate::kernels::layout::FlowUniforms;
-use crate::reference::elevate::STEP;
-use crate::reference::orca::TALL;
-use crate::reference::way::{FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, SOLID, TILE};
+use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::orca::TALL;
+use crate::kernels::shared::tile::TILE;
+use crate::kernels::shared::way::{FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, SOLID};
 use crate::scenario::{Floors, polygon};
 use glam::Vec2;
 use std::collections::BTreeMap;

@@ -12,14 +12,17 @@
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
+use crate::kernels::attend::index::COUNTS;
+use crate::kernels::compact::index::COLUMNS;
+use crate::kernels::gaze::{ENGAGED, VALID};
 use crate::kernels::layout::FrameUniforms;
-use crate::kernels::{KernelId, Pass, Store};
-use crate::reference::attend::COUNTS;
-use crate::reference::body::{
-    COLUMNS, PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, RUN, SKINNED_STRIDE, VERTEX_STRIDE, far_slot,
+use crate::kernels::shared::body::index::{
+    PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
+use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::{KernelId, Pass, Store};
+use crate::reference::body::far_slot;
 use crate::reference::exact::{hash_u32, unit_f32};
-use crate::reference::gaze::{ENGAGED, VALID};
 use glam::{Mat4, Quat, Vec3};
 
 /// Avatars of the made-up crowd.

@@ -2,8 +2,8 @@
 
 use crate::kernels::Store;
 use crate::kernels::layout::MoodUniforms;
+use crate::kernels::shared::step::LED;
 use crate::reference::exact::{hash_u32, unit_f32};
-use crate::reference::shared::LED;
 
 /// Events of the case, two elements each: going on, exactly now, just over, not begun, calming.
 const EVENTS: usize = 5;

@@ -80,7 +80,7 @@ pub fn fields(cells: usize, seed: u32) -> Store {
     for i in 0..cells {
         let absent = i % 9 == 4;
         let at = [u(i, 4) * (width + 6.0) - 3.0, u(i, 5) * (depth + 6.0) - 3.0]; // some are off the grid
-        store.position.push(if absent { [crate::reference::shared::ABSENT; 2] } else { at });
+        store.position.push(if absent { [crate::kernels::shared::absent::ABSENT; 2] } else { at });
     }
     store.flow_distance.fill(f32::NAN);
     store.flow_way.fill(u32::MAX);
@@ -165,7 +165,9 @@ pub fn passes(store: &Store) -> Vec<Pass> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reference::way::{FAR, SOLID, step};
+    use crate::kernels::flow::FAR;
+    use crate::kernels::shared::way::SOLID;
+    use crate::reference::way::step;
 
     #[test]
     fn the_cases_hold_free_cells_solid_ones_and_a_pocket_and_come_to_an_end() {

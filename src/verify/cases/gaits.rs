@@ -1,9 +1,9 @@
 //! Inputs for `gait_features`: cycles of one frame and of many, bodies without sides, joints at one place, and gaits that
 //! must be refused.
 
+use crate::kernels::gait_features::index::ROW;
 use crate::kernels::{Extent, KernelId, Pass, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
-use crate::reference::gait_features::ROW;
 
 /// Frames of the longest gait.
 const MOST_FRAMES: u32 = 70;

@@ -6,10 +6,10 @@
 
 use super::{animation, unit};
 use crate::kernels::layout::SightUniforms;
+use crate::kernels::shared::block::BLOCK;
+use crate::kernels::shared::dispatch::index::RUN;
 use crate::kernels::{KernelId, Pass, Store};
 use crate::reference;
-use crate::reference::body::RUN;
-use crate::reference::sight::BLOCK;
 use crate::sim::order;
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
 use glam::{Mat4, Vec3};

@@ -3,8 +3,9 @@
 use super::step::crowd;
 use super::unit;
 use crate::kernels::Store;
-use crate::reference::shared::{ABSENT, NOBODY};
-use crate::reference::stages::{EXIT, GOAL, QUEUE, STAGE_STRIDE, WAITING, WAYPOINT};
+use crate::kernels::shared::absent::{ABSENT, NOBODY};
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::shared::stages::{EXIT, GOAL, QUEUE, WAITING, WAYPOINT};
 
 /// Kinds of the stages, in turn; the last one of every journey may be an exit.
 const KINDS: [f32; 5] = [WAYPOINT, GOAL, WAITING, QUEUE, EXIT];

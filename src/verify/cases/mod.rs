@@ -183,7 +183,7 @@ mod tests {
             crate::reference::run(pass.kernel, &mut store, pass.level);
         }
         assert!(store.feeling != before && store.waiting != waiting);
-        assert!(store.companions.iter().any(|others| others[0] != crate::reference::shared::NOBODY));
+        assert!(store.companions.iter().any(|others| others[0] != crate::kernels::shared::absent::NOBODY));
         assert!(store.route.iter().any(|route| route[2] > 0) && store.sources.iter().any(|word| *word > 0));
     }
 }

@@ -2,8 +2,8 @@
 //! places to come in at that are nearly free, throngs.
 
 use super::{Case, unit};
+use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::{KernelId, Store};
-use crate::reference::shared::NOBODY;
 use crate::sim::obstacles::{cell_lists, segments};
 use crate::sim::order;
 

@@ -2,11 +2,13 @@
 
 use super::unit;
 use crate::kernels::layout::StepUniforms;
+use crate::kernels::shared::absent::{ABSENT, NOBODY};
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
-use crate::reference::elevate::FLOOR_STRIDE;
 use crate::reference::exact::hash_u32;
-use crate::reference::shared::{ABSENT, LED, NOBODY};
-use crate::reference::stages::{STAGE_STRIDE, waypoint};
+use crate::reference::stages::waypoint;
 use crate::sim::flow::{Goal, Settings, lay};
 use crate::sim::obstacles::{at_heights, cell_lists, segments};
 use crate::sim::order;

@@ -3,8 +3,9 @@
 use super::{Moment, Session};
 use crate::avatar::Avatar;
 use crate::kernels::Store;
+use crate::kernels::shared::attention::{RANGE, RANGE_HYSTERESIS};
 use crate::library::GaitLibrary;
-use crate::reference::gaze::{RANGE, RANGE_HYSTERESIS, user_in_model};
+use crate::reference::gaze::user_in_model;
 use crate::scenario::Scenario;
 use crate::sim::measure::{Hash, state_hash};
 
