@@ -148,7 +148,7 @@ fn each_gait_walked_alone_is_one_labelled_stride_on_each_avatar() {
     assert_eq!(seen.len(), 16);
     for (index, gait) in seen.iter().enumerate() {
         let played = &walkers.gaits()[index / 2];
-        assert_eq!((gait.label, &gait.subject), (played.label, &played.subject));
+        assert_eq!((gait.label, &gait.provenance), (played.label, &played.provenance));
         assert!(gait.name.starts_with(&played.name));
         // alone and straight, nothing but the body's size changes the walk
         assert!((gait.cycle_time() / played.cycle_time() - 1.0).abs() < 0.02, "{}", gait.name);

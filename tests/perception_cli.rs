@@ -94,7 +94,7 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     good(&["label", &sad, "--library", &walkers, "--model", &model, "--out", &grown]);
     let library = GaitLibrary::load_glb(&grown).unwrap();
     assert_eq!(library.gaits().len(), 25);
-    let origins: Vec<_> = library.gaits().iter().map(Gait::label_origin).collect();
+    let origins: Vec<_> = library.gaits().iter().map(|gait| gait.provenance.label_origin).collect();
     assert_eq!(origins[24], Some(LabelOrigin::Predicted));
     assert!(origins[..24].iter().all(|origin| *origin == Some(LabelOrigin::Generated)));
 }
@@ -133,7 +133,7 @@ fn what_the_model_has_not_seen_the_like_of_is_called_unlike_and_not_labelled() {
     assert!(!std::path::Path::new(&out).exists());
     good(&["label", &odd, "--even-unlike", "--out", &out]);
     let library = GaitLibrary::load_glb(std::path::Path::new(&out)).unwrap();
-    assert_eq!(library.gaits().last().unwrap().label_origin(), Some(LabelOrigin::Predicted));
+    assert_eq!(library.gaits().last().unwrap().provenance.label_origin, Some(LabelOrigin::Predicted));
 }
 
 #[test]

@@ -199,7 +199,7 @@ fn compare(arguments: &[&str]) -> (Value, String) {
         for index in 0..6 {
             let style = WalkerStyle::preset(emotion, Sex::Female).vary(3, index);
             let mut gait = walk(&style, &format!("{emotion}-{index}")).unwrap();
-            gait.subject = Some(format!("person {index}"));
+            gait.provenance.subject = Some(format!("person {index}"));
             gait.label = Some(emotion);
             gaits.push(gait);
         }

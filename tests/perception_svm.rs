@@ -183,11 +183,11 @@ fn imported_egait_gaits_know_their_person_and_data_set() {
     assert_eq!((gaits.len(), rows.len()), (232, 232));
     for gait in &gaits {
         let row = rows.iter().find(|row| row[1] == gait.name).unwrap();
-        assert_eq!(evaluate::dataset(gait), row[2], "{}: {}", gait.name, gait.source);
-        assert_eq!(evaluate::subject(gait), format!("{}/{}", row[2], row[3]));
+        assert_eq!(gait.provenance.dataset, row[2], "{}: {}", gait.name, gait.provenance);
+        assert_eq!(evaluate::person(gait), format!("{}/{}", row[2], row[3]));
         assert_eq!(gait.label.unwrap().name(), row[5]);
     }
-    let people: BTreeSet<String> = gaits.iter().map(evaluate::subject).collect();
+    let people: BTreeSet<String> = gaits.iter().map(evaluate::person).collect();
     println!("{} people", people.len());
     assert_eq!(people.len(), 92);
 }

@@ -45,7 +45,7 @@ fn a_library_without_preferences_gives_the_crowd_that_its_ids_give() {
 #[test]
 fn gaits_match_or_counter_the_gender_of_the_avatar() {
     let library = library();
-    let sex = |agent: &AgentStart| Sex::of(&library.gaits()[agent.gaits[0] as usize]).unwrap();
+    let sex = |agent: &AgentStart| library.gaits()[agent.gaits[0] as usize].provenance.sex.unwrap();
     for (word, same) in [("match", true), ("counter", false)] {
         for agent in agents(&scenario(&format!("prefer = {{ gender = \"{word}\" }}"))) {
             assert_eq!(sex(&agent) == Sex::ALL[agent.avatar as usize], same, "{word}");
@@ -80,7 +80,7 @@ struct Men;
 impl Perceiver for Men {
     fn probabilities(&self, gait: &Gait) -> [f64; 4] {
         let mut seen = [0.25; 4];
-        if let (Some(Sex::Male), Some(label)) = (Sex::of(gait), gait.label) {
+        if let (Some(Sex::Male), Some(label)) = (gait.provenance.sex, gait.label) {
             seen = [0.0; 4];
             seen[label.index()] = 1.0;
         }
@@ -93,7 +93,9 @@ fn clear_gaits_are_preferred_by_ratings_or_by_a_perceiver() {
     let library = library();
     let clear = scenario("prefer = { margin_temperature = 0.2 }");
     let crowd = populate_with(&clear, &library, Some(&Men)).unwrap();
-    assert!(crowd.agents.iter().all(|a| Sex::of(&library.gaits()[a.gaits[0] as usize]) == Some(Sex::Male)));
+    assert!(
+        crowd.agents.iter().all(|a| library.gaits()[a.gaits[0] as usize].provenance.sex == Some(Sex::Male))
+    );
     let message = populate_from(&clear, &library).unwrap_err().to_string();
     assert!(message.contains("no ratings") && message.contains("margin_temperature"), "{message}");
     let message = populate(&clear, |emotion| library.gaits_for(emotion)).unwrap_err().to_string();

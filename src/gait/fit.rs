@@ -9,7 +9,7 @@
 pub mod contrast;
 mod file;
 
-use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose};
+use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose, Provenance};
 use crate::emotion::Emotion;
 pub use file::{FORMAT, MAGIC, from_bytes, from_json, is_fitted, load, to_bytes, to_json};
 use glam::{DVec3, Vec3};
@@ -40,10 +40,8 @@ pub struct HarmonicGait {
     pub cycle_time: f32,
     /// As [`Gait::speed`], m/s.
     pub speed: f32,
-    /// As [`Gait::source`].
-    pub source: String,
-    /// As [`Gait::subject`].
-    pub subject: Option<String>,
+    /// As [`Gait::provenance`].
+    pub provenance: Provenance,
     /// As [`Gait::acted`].
     pub acted: Option<String>,
     /// As [`Gait::ratings`].
@@ -112,8 +110,7 @@ pub fn fit(gait: &Gait, harmonics: usize) -> Result<HarmonicGait, Error> {
         name: gait.name.clone(),
         cycle_time,
         speed: gait.speed,
-        source: gait.source.clone(),
-        subject: gait.subject.clone(),
+        provenance: gait.provenance.clone(),
         acted: gait.acted.clone(),
         ratings: gait.ratings,
         label: gait.label,
@@ -166,13 +163,14 @@ impl HarmonicGait {
         for point in poses.iter_mut().flatten() {
             point.y -= ground;
         }
+        let mut provenance = self.provenance.clone();
+        provenance.notes.push(format!("{} harmonics", self.harmonics()));
         Gait {
             name: self.name.clone(),
             frame_rate: single(real(frames) / f64::from(self.cycle_time)),
             poses,
             speed: self.speed,
-            source: format!("{}; {} harmonics", self.source, self.harmonics()),
-            subject: self.subject.clone(),
+            provenance,
             acted: self.acted.clone(),
             ratings: self.ratings,
             label: self.label,
@@ -243,7 +241,6 @@ mod tests {
             poses: (0..frames).map(pose).collect(),
             frame_rate: 30.0,
             speed: 1.2,
-            source: "test".into(),
             ..Gait::default()
         }
     }

@@ -6,13 +6,14 @@
 pub mod fit;
 pub mod import;
 mod norm;
+mod provenance;
 pub mod skeleton;
 pub mod stride;
 pub mod walker;
 
 use crate::emotion::Emotion;
 use glam::Vec3;
-use serde::{Deserialize, Serialize};
+pub use provenance::{LabelOrigin, Provenance};
 pub use skeleton::{JOINT_COUNT, Joint, JointSet};
 
 /// Positions of the 16 joints, indexed by [`Joint`], metres, y up.
@@ -29,10 +30,8 @@ pub struct Recording {
     pub poses: Vec<Pose>,
     /// Whether the poses are whole walk cycles, so that frame 0 follows the last frame.
     pub cyclic: bool,
-    /// Where it came from: file name and format.
-    pub source: String,
-    /// Who walked, if an index beside the file says so.
-    pub subject: Option<String>,
+    /// Where it comes from.
+    pub provenance: Provenance,
     /// The style the actor was asked for, if an index beside the file says so.
     pub acted: Option<String>,
     /// The perceived emotion, if an index beside the file says so.
@@ -65,10 +64,8 @@ pub struct Gait {
     pub frame_rate: f32,
     /// Preferred speed `v_des` in m/s: travel over one stride divided by its duration.
     pub speed: f32,
-    /// Where it came from: file, data set or generator and its parameters.
-    pub source: String,
-    /// Who walked, if known.
-    pub subject: Option<String>,
+    /// Where it comes from, who walked, and whose judgement the label is.
+    pub provenance: Provenance,
     /// The style the actor was asked for, if known. Acted is not perceived.
     pub acted: Option<String>,
     /// Mean responses `r^e` to the four questions, 1 to 5, in the order of [`Emotion::ALL`].
@@ -79,58 +76,13 @@ pub struct Gait {
     pub missing: JointSet,
 }
 
-/// Whose judgement a gait's label is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum LabelOrigin {
-    /// People's: the label came with the recording, or from ratings.
-    Rated,
-    /// A model's.
-    Predicted,
-    /// The generator's: what the walk was made to look like.
-    Generated,
-}
-
-impl LabelOrigin {
-    /// Lower-case name, as written in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rated => "rated",
-            Self::Predicted => "predicted",
-            Self::Generated => "generated",
-        }
-    }
-}
-
-/// Stands in [`Gait::source`] before the words for the model that gave the label.
-const PREDICTED_BY: &str = "label predicted by ";
-
 impl Gait {
-    /// Whose judgement the label is, by [`Gait::source`] and [`Gait::ratings`]; none without a label.
-    pub fn label_origin(&self) -> Option<LabelOrigin> {
-        self.label?;
-        Some(if self.source.contains(PREDICTED_BY) {
-            LabelOrigin::Predicted
-        } else if self.ratings.is_none() && self.source.starts_with("gaitway walker") {
-            LabelOrigin::Generated
-        } else {
-            LabelOrigin::Rated
-        })
-    }
-
-    /// Sets a label that a model gave, and says so in [`Gait::source`]; `by` is words for the model, such as
-    /// `affective-svm (p 0.83)`. What an earlier model said is forgotten; ratings stay.
+    /// Sets a label that a model gave; `by` is words for the model, such as `affective-svm (p 0.83)`. What an earlier
+    /// model said is forgotten; ratings stay.
     pub fn set_predicted(&mut self, emotion: Emotion, by: &str) {
-        if let Some(at) = self.source.find(PREDICTED_BY) {
-            self.source.truncate(at);
-            self.source.truncate(self.source.trim_end_matches([',', ' ']).len());
-        }
-        if !self.source.is_empty() {
-            self.source += ", ";
-        }
-        self.source += PREDICTED_BY;
-        self.source += by;
         self.label = Some(emotion);
+        self.provenance.label_origin = Some(LabelOrigin::Predicted);
+        self.provenance.label_model = Some(by.to_owned());
     }
 
     /// That every joint was captured, which all that judges a gait needs.

@@ -206,7 +206,12 @@ pub fn survey(recording: &Recording) -> Result<Survey, Error> {
     found.strides.sort_by(|a, b| a.begin.total_cmp(&b.begin));
     found.refused.sort_by(|a, b| a.begin.total_cmp(&b.begin));
     for stride in &mut found.strides {
-        stride.gait.source = source(recording, stride, &found.by_height);
+        let provenance = &mut stride.gait.provenance;
+        if provenance.take.is_empty() {
+            provenance.take.clone_from(&recording.name);
+        }
+        let notes = notes(stride, &found.by_height);
+        stride.gait.provenance.notes.extend(notes);
     }
     Ok(found)
 }
@@ -296,24 +301,22 @@ impl Survey {
     }
 }
 
-/// Where the gait of a stride comes from, in words.
-fn source(recording: &Recording, stride: &Stride, by_height: &[bool; 2]) -> String {
-    let mut source =
-        if recording.source.is_empty() { recording.name.clone() } else { recording.source.clone() };
-    source += &format!(", {:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration);
+/// What is worth knowing of a stride beside its numbers.
+fn notes(stride: &Stride, by_height: &[bool; 2]) -> Vec<String> {
+    let mut notes = vec![format!("{:.2} s to {:.2} s", stride.begin, stride.begin + stride.duration)];
     if stride.is_curved() {
-        source += &format!(", curved by {:.0} degrees", stride.turn.to_degrees());
+        notes.push(format!("curved by {:.0} degrees", stride.turn.to_degrees()));
     }
     if stride.support.is_some_and(|support| support.is_running()) {
-        source += ", running";
+        notes.push("running".to_owned());
     }
     if stride.on_the_spot {
-        source += ", on the spot: speed of the planted foot";
+        notes.push("on the spot: speed of the planted foot".to_owned());
     }
     if by_height.contains(&true) {
-        source += ", strikes by lowest foot";
+        notes.push("strikes by lowest foot".to_owned());
     }
-    source
+    notes
 }
 
 /// An angle in (-pi, pi].

@@ -9,7 +9,7 @@
 
 use super::Error;
 use crate::emotion::Emotion;
-use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, Pose};
+use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, Pose, Provenance};
 use glam::{DVec2, Vec3};
 
 /// Valence and arousal of the four emotions, in the order of [`Emotion::ALL`]: pleasure and arousal of Russell and
@@ -110,8 +110,12 @@ pub fn blend(name: &str, gaits: &[(&Gait, f32)]) -> Result<Gait, Error> {
         poses,
         frame_rate,
         speed,
-        source: format!("blend of {}", parts.join(", ")),
-        subject: None,
+        provenance: Provenance {
+            format: "gaitway blend".to_owned(),
+            take: name.to_owned(),
+            notes: vec![parts.join(", ")],
+            ..Provenance::default()
+        },
         acted: None,
         ratings: None,
         label: None,
@@ -196,7 +200,7 @@ mod tests {
         assert!((half.stride_travel() - 0.5 * (happy.stride_travel() + sad.stride_travel())).abs() < 1e-4);
         let head = |gait: &Gait| gait.poses[0][Joint::Head as usize].z;
         assert!(head(&happy) < head(&half) && head(&half) < head(&sad));
-        assert!(half.source.contains("0.500 happy-female-0") && half.label.is_none());
+        assert!(half.provenance.notes[0].contains("0.500 happy-female-0") && half.label.is_none());
         assert!(blend("none", &[(&happy, 0.0)]).is_err() && blend("none", &[]).is_err());
         assert!(blend("bad", &[(&happy, -1.0)]).unwrap_err().to_string().contains("-1"));
     }

@@ -92,7 +92,7 @@ impl Chooser {
         }
         let class = |emotion: Emotion, sex: Option<Sex>| {
             let gait = |id: u32| library.gaits().get(id as usize);
-            let of_sex = |id: &u32| sex.is_none() || gait(*id).and_then(Sex::of) == sex;
+            let of_sex = |id: &u32| sex.is_none() || gait(*id).and_then(|gait| gait.provenance.sex) == sex;
             let ids: Vec<u32> = library.gaits_for(emotion).iter().copied().filter(of_sex).collect();
             let speeds = ids.iter().map(|&id| gait(id).map_or(0.0, |gait| f64::from(gait.speed))).collect();
             let logs = clarity.map_or(Vec::new(), |clarity| logs(&ids, clarity));

@@ -1,12 +1,12 @@
-//! The library's file, version 1: a GLB whose animations play on a stick figure and carry, in `extras`, what a
+//! The library's file, version 2: a GLB whose animations play on a stick figure and carry, in `extras`, what a
 //! gait is; the exact joint positions are one more accessor that `extras` names.
 //!
 //! ```text
-//! extras.gaitway               { format: "gaitway-gait-library", version: 1, joints: [16 names] }
+//! extras.gaitway               { format: "gaitway-gait-library", version: 2, joints: [16 names] }
 //! animations[i].name           the gait's name
 //! animations[i].extras.gaitway { positions: accessor of VEC3 f32, [frame][joint], m; frame_rate (Hz); speed (m/s);
-//!                                source; subject?; acted?; ratings? [4]; label?;
-//!                                label_origin? (rated, predicted or generated);
+//!                                provenance { dataset?, file?, format?, take?, subject?, sex?, label_model?, notes? [],
+//!                                label_origin? (rated, predicted or generated) }; acted?; ratings? [4]; label?;
 //!                                missing? [names of the joints that were not captured] }
 //! ```
 
@@ -14,7 +14,7 @@ use super::figure::{Mesh, Skeleton};
 use super::glb::{self, Kind, Writer};
 use super::{MOST_FRAMES, check};
 use crate::emotion::Emotion;
-use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, LabelOrigin, Pose};
+use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, Pose, Provenance};
 use glam::{Mat4, Quat, Vec3};
 use gltf::json as gltf_json;
 use gltf_json::validation::Checked::Valid;
@@ -22,7 +22,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 
 const FORMAT: &str = "gaitway-gait-library";
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Bytes of one pose.
 const POSE_BYTES: usize = JOINT_COUNT * 12;
@@ -45,18 +45,14 @@ struct Description {
     positions: usize,
     frame_rate: f64,
     speed: f64,
-    source: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    subject: Option<String>,
+    #[serde(default)]
+    provenance: Provenance,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     acted: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     ratings: Option<[f64; 4]>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     label: Option<Emotion>,
-    /// Whose judgement the label is.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    label_origin: Option<LabelOrigin>,
     /// Joints that were not captured, by name.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     missing: Vec<String>,
@@ -181,12 +177,10 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
         positions,
         frame_rate: f64::from(gait.frame_rate),
         speed: f64::from(gait.speed),
-        source: gait.source.clone(),
-        subject: gait.subject.clone(),
+        provenance: gait.provenance.clone(),
         acted: gait.acted.clone(),
         ratings: gait.ratings.map(|ratings| ratings.map(f64::from)),
         label: gait.label,
-        label_origin: gait.label_origin(),
         missing: gait.missing.iter().map(|joint| joint.name().to_owned()).collect(),
     };
     json!({
@@ -318,23 +312,15 @@ fn gait(name: &str, description: Description, missing: JointSet, data: &[u8]) ->
         }
         poses.push(pose);
     }
-    let mut gait = Gait {
+    Gait {
         name: name.to_owned(),
         poses,
         frame_rate: description.frame_rate as f32,
         speed: description.speed as f32,
-        source: description.source,
-        subject: description.subject,
+        provenance: description.provenance,
         acted: description.acted,
         ratings: description.ratings.map(|ratings| ratings.map(|rating| rating as f32)),
         label: description.label,
         missing,
-    };
-    // A file by another hand may say it without the words in the source that carry it here.
-    if let (Some(LabelOrigin::Predicted), Some(label)) = (description.label_origin, gait.label)
-        && gait.label_origin() != Some(LabelOrigin::Predicted)
-    {
-        gait.set_predicted(label, "a model");
     }
-    gait
 }

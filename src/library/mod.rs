@@ -137,7 +137,7 @@ impl GaitLibrary {
     /// [`Error::NoGait`] if no gait looks like `emotion`.
     pub fn choose(&self, emotion: Emotion, sex: Option<Sex>, random: u32) -> Result<u32, Error> {
         let all = self.gaits_for(emotion);
-        let of_sex = |id: &&u32| sex.is_some() && Sex::of(&self.gaits[**id as usize]) == sex;
+        let of_sex = |id: &&u32| sex.is_some() && self.gaits[**id as usize].provenance.sex == sex;
         let count = all.iter().filter(of_sex).count();
         let chosen = match count {
             0 => all.get(scaled(random, all.len())),

@@ -121,8 +121,7 @@ fn labelled_strides(
         let played = gaits.get(gait as usize)?;
         Some(Gait {
             name: format!("{} on {}", played.name, cast.avatars().get(avatar as usize)?.name),
-            source: played.source.clone(),
-            subject: played.subject.clone(),
+            provenance: played.provenance.clone(),
             label: Some(track.wanted),
             ..*seen
         })

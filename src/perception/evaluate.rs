@@ -76,28 +76,12 @@ pub struct Evaluation {
     pub by_dataset: BTreeMap<String, f64>,
 }
 
-/// The data set that a gait came from, by [`Gait::source`].
-///
-/// A file of several takes is a data set under its stem (`bml` for `bml.csv (CSV), ...`); files of one take each are
-/// one under the name of their format (`BVH`); generated gaits are `walker`. Without a source: the empty name.
-pub fn dataset(gait: &Gait) -> String {
-    if gait.source.starts_with("gaitway walker") {
-        return "walker".to_owned();
-    }
-    let Some((file, rest)) = gait.source.split_once(" (") else {
-        return gait.source.split(',').next().unwrap_or_default().to_owned();
-    };
-    let stem = file.rsplit_once('.').map_or(file, |(stem, _)| stem);
-    let take = gait.name.split('#').next().unwrap_or_default();
-    let format = rest.split(')').next().unwrap_or_default();
-    if take == stem { format.to_owned() } else { stem.to_owned() }
-}
-
-/// Who walked: data set and subject, so that equal numbers in two data sets are two people; without a subject, the
-/// take is a person of its own.
-pub fn subject(gait: &Gait) -> String {
-    let take = gait.name.split('#').next().unwrap_or_default();
-    format!("{}/{}", dataset(gait), gait.subject.as_deref().unwrap_or(take))
+/// Who walked: data set and subject, so that equal subjects of two data sets are two people. Without a subject the take
+/// is a person of its own, and without a take the gait.
+pub fn person(gait: &Gait) -> String {
+    let from = &gait.provenance;
+    let take = if from.take.is_empty() { &gait.name } else { &from.take };
+    format!("{}/{}", from.dataset, from.subject.as_ref().unwrap_or(take))
 }
 
 /// The fold of each gait, 0 to k - 1.
@@ -119,8 +103,8 @@ pub fn folds(
             enough(gaits.len(), folds, "gaits")?;
             return Ok(stratified(&classes, folds, seed));
         }
-        Grouping::Subject { .. } => numbered(gaits.iter().map(|gait| subject(gait))),
-        Grouping::Dataset => numbered(gaits.iter().map(|gait| dataset(gait))),
+        Grouping::Subject { .. } => numbered(gaits.iter().map(|gait| person(gait))),
+        Grouping::Dataset => numbered(gaits.iter().map(|gait| gait.provenance.dataset.clone())),
     };
     let count = groups.iter().max().map_or(0, |last| last + 1);
     match grouping {
@@ -146,7 +130,7 @@ pub(super) fn inner_folds(gaits: &[&Gait], emotions: &[Emotion], most: usize, se
         .iter()
         .map(|gait| {
             let next = numbers.len();
-            *numbers.entry(subject(gait)).or_insert(next)
+            *numbers.entry(person(gait)).or_insert(next)
         })
         .collect();
     let classes: Vec<usize> = emotions.iter().map(|emotion| emotion.index()).collect();
@@ -302,7 +286,7 @@ fn count(
 ) -> Evaluation {
     let mut confusion = [[0_u64; 4]; 4];
     let mut of_dataset: BTreeMap<String, [u64; 2]> = BTreeMap::new();
-    let names: Vec<String> = gaits.iter().map(|gait| dataset(gait)).collect();
+    let names: Vec<String> = gaits.iter().map(|gait| gait.provenance.dataset.clone()).collect();
     for &(i, emotion) in repeats.iter().flatten() {
         confusion[emotions[i].index()][emotion.index()] += 1;
         let [right, all] = of_dataset.entry(names[i].clone()).or_default();

@@ -62,8 +62,8 @@ pub struct TrainedOn {
 
 impl TrainedOn {
     pub(super) fn of(gaits: &[&Gait], emotions: &[Emotion], settings: String, seed: u64) -> Self {
-        let datasets: BTreeSet<String> = gaits.iter().map(|gait| evaluate::dataset(gait)).collect();
-        let people: BTreeSet<String> = gaits.iter().map(|gait| evaluate::subject(gait)).collect();
+        let datasets: BTreeSet<String> = gaits.iter().map(|gait| gait.provenance.dataset.clone()).collect();
+        let people: BTreeSet<String> = gaits.iter().map(|gait| evaluate::person(gait)).collect();
         let counts = Emotion::ALL.map(|emotion| emotions.iter().filter(|&&other| other == emotion).count());
         Self { counts, datasets: datasets.into_iter().collect(), people: people.len(), settings, seed }
     }

@@ -11,7 +11,7 @@ mod key;
 mod read;
 
 use crate::emotion::Emotion;
-use crate::gait::Gait;
+use crate::gait::{Gait, LabelOrigin};
 pub use agreement::{Agreement, Correlation, Metric, agreement, correlation, krippendorff_alpha};
 pub use key::{KEY_HEAD, parse_key, read_key};
 pub use read::{Fault, MOST_BYTES, Options, Sheet, parse, read};
@@ -277,6 +277,8 @@ pub fn apply(analysis: &Analysis, gaits: &mut [Gait]) -> Vec<String> {
             let ratings = video.mean.map(|mean| mean as f32);
             gait.ratings = Some(ratings);
             gait.label = video.label;
+            gait.provenance.label_origin = video.label.and(Some(LabelOrigin::Rated));
+            gait.provenance.label_model = None;
         } else {
             unrated.push(gait.name.clone());
         }

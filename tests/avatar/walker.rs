@@ -96,7 +96,6 @@ impl Walker {
             poses,
             frame_rate: self.frames as f32 / self.cycle_time,
             speed: self.speed,
-            source: "test".to_owned(),
             ..Gait::default()
         }
     }

@@ -24,7 +24,7 @@ fn says(take: &Recording, line: &str) {
 fn a_c3d_of_ezc3d_is_read_with_its_unit_axis_subject_and_gap() {
     let take = import_file(&file("ezc3d.c3d")).unwrap().remove(0);
     assert!(largest_difference(&known(), &take) < 2e-3, "{}", largest_difference(&known(), &take));
-    assert_eq!(take.subject.as_deref(), Some("Anna"));
+    assert_eq!(take.provenance.subject.as_deref(), Some("Anna"));
     assert!((take.frame_rate - 50.0).abs() < 1e-4);
     says(&take, "0.001");
     says(&take, "+z, turned to +y");
@@ -329,7 +329,8 @@ fn every_subject_of_a_c3d_is_a_take_of_its_own() {
     let frames: Vec<Vec<Vec3>> = frames.iter().map(|frame| frame[..40].to_vec()).collect();
     let bytes = containers::c3d_points(cut, &frames, 60.0, 84, true, "mm");
     let takes = c3d::parse_c3d(&bytes, "pair.c3d", &Options::default()).unwrap();
-    let who: Vec<_> = takes.iter().map(|take| (take.name.as_str(), take.subject.as_deref())).collect();
+    let who: Vec<_> =
+        takes.iter().map(|take| (take.name.as_str(), take.provenance.subject.as_deref())).collect();
     assert_eq!(who, [("pair-Anna", Some("Anna")), ("pair-Ben", Some("Ben"))]);
     assert!(largest_difference(&ben, &takes[1]) < 1e-5);
 }

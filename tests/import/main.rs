@@ -153,7 +153,7 @@ fn a_walker_on_the_spot_gets_its_speed_from_the_planted_foot() {
     }
     let gait = stride::best(&treadmill).unwrap();
     assert!((gait.speed / walker.speed - 1.0).abs() < 0.03, "{}", gait.speed);
-    assert!(gait.source.contains("on the spot"), "{}", gait.source);
+    assert!(gait.provenance.to_string().contains("on the spot"), "{}", gait.provenance);
 }
 
 #[test]
@@ -253,7 +253,7 @@ fn a_gentle_curve_is_followed_and_named_a_sharp_one_refused() {
         for found in &strides {
             assert!((found.turn.to_degrees() - degrees).abs() < 1.5, "{}", found.turn.to_degrees());
             assert!((found.gait.speed / 1.2 - 1.0).abs() < 0.02, "{}", found.gait.speed);
-            assert!(found.gait.source.contains("curved"), "{}", found.gait.source);
+            assert!(found.gait.provenance.to_string().contains("curved"), "{}", found.gait.provenance);
             assert!(found.mismatch < 0.03, "{}", found.mismatch);
             check_gait(&found.gait);
         }
@@ -361,7 +361,7 @@ fn files_are_dispatched_by_extension_and_options_hold() {
     let read = import::import_file_with(&path, &options).unwrap().remove(0);
     assert!(largest_difference(&take, &read) < 1e-4);
     let gait = stride::best(&read).unwrap();
-    assert_eq!((gait.subject.as_deref(), gait.acted.as_deref()), (Some("s7"), Some("proud")));
+    assert_eq!((gait.provenance.subject.as_deref(), gait.acted.as_deref()), (Some("s7"), Some("proud")));
     assert_eq!(gait.label, Some(gaitway::Emotion::Happy));
     let map = JointMap { rig: "mine".into(), names: std::array::from_fn(|_| vec![("root".into(), 1.0)]) };
     let options = Options { joint_map: Some(map), ..Options::default() };
@@ -375,4 +375,33 @@ fn files_are_dispatched_by_extension_and_options_hold() {
     assert!(import::import_file(&amc).unwrap_err().to_string().contains("35.asf"));
     assert!(import::import_file(&write("x.fbx", "")).unwrap_err().to_string().contains("fbx"));
     assert!(matches!(import::import_file(&folder.path().join("no.bvh")), Err(Error::Read { .. })));
+}
+
+#[test]
+fn single_takes_are_of_the_data_set_of_their_folder_and_tables_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mocap = folder.path().join("mocap");
+    std::fs::create_dir(&mocap).unwrap();
+    let take = Walker::default().take(4.0, 60.0);
+    std::fs::write(mocap.join("w_01.bvh"), walker::bvh(&take, 7.0)).unwrap();
+    std::fs::write(mocap.join("many.csv"), csv_text_of_two()).unwrap();
+    let of = |path: &std::path::Path| -> Vec<[String; 4]> {
+        let takes = import::import_file(path).unwrap().into_iter().map(|take| take.provenance);
+        takes.map(|of| [of.dataset, of.file, of.format, of.take]).collect()
+    };
+    assert_eq!(of(&mocap.join("w_01.bvh")), [["mocap", "w_01.bvh", "BVH", "w_01"]]);
+    // the folder's name is not in the path
+    assert_eq!(of(&mocap.join("../mocap/./w_01.bvh"))[0][0], "mocap");
+    let two = [["many", "many.csv", "CSV", "a"], ["many", "many.csv", "CSV", "b"]];
+    assert_eq!(of(&mocap.join("many.csv")), two);
+}
+
+/// A table of two takes, `a` and `b`.
+fn csv_text_of_two() -> String {
+    let take = Walker::default().take(1.0, 30.0);
+    let text = walker::csv(&take, ',', true);
+    let (header, rows) = text.split_once('\n').unwrap();
+    let rows: Vec<&str> = rows.lines().collect();
+    let named = |name: &str| rows.iter().map(|row| format!("{name},{row}\n")).collect::<String>();
+    format!("take,{header}\n{}{}", named("a"), named("b"))
 }

@@ -176,7 +176,9 @@ fn a_treadmill_is_recognised_and_gives_the_speed_of_its_belt() {
             let what = format!("{emotion} {speed} m/s on a treadmill");
             check(&gait, way, 0.05, 0.08, &what);
             let survey = stride::survey(&recording).unwrap();
-            assert!(survey.on_the_spot && survey.strides[0].gait.source.contains("on the spot"));
+            assert!(
+                survey.on_the_spot && survey.strides[0].gait.provenance.to_string().contains("on the spot")
+            );
             assert!(stride::Course::of(&recording).unwrap().on_the_spot);
             let mean = survey.strides.iter().map(|s| s.gait.speed).sum::<f32>() / survey.strides.len() as f32;
             worst = worst.max((mean / gait.speed - 1.0).abs());
@@ -202,7 +204,7 @@ fn a_circle_is_followed_where_it_is_wide_and_refused_where_it_is_tight() {
                     "{emotion}: turns by {turn:.1} of {:.1}",
                     stride_deg(radius)
                 );
-                assert!(found.is_curved() && found.gait.source.contains("curved"));
+                assert!(found.is_curved() && found.gait.provenance.to_string().contains("curved"));
             }
             let course = stride::Course::of(&take(&gait, way)).unwrap();
             let whole = stride_deg(radius) * way.seconds / gait.cycle_time();
@@ -266,6 +268,9 @@ fn where_the_reach_says_nothing_the_lowest_foot_does() {
             }
         }
         assert!(survey.strides.iter().all(|s| (s.gait.speed / 0.2 - 1.0).abs() < 0.1));
-        assert!(survey.strides.len() >= 7 && survey.strides[0].gait.source.contains("by lowest foot"));
+        assert!(
+            survey.strides.len() >= 7
+                && survey.strides[0].gait.provenance.to_string().contains("by lowest foot")
+        );
     }
 }

@@ -63,12 +63,12 @@ fn a_wish_for_a_sex_is_heeded_where_it_can_be() {
         let wish = Wish { sex: Some(sex), speed: None };
         let counts = tally(&library, &chooser, Emotion::Sad, wish);
         for (gait, count) in library.gaits().iter().zip(counts) {
-            let wanted = gait.label == Some(Emotion::Sad) && Sex::of(gait) == Some(sex);
+            let wanted = gait.label == Some(Emotion::Sad) && gait.provenance.sex == Some(sex);
             assert_eq!(count > 0, wanted, "{}", gait.name);
         }
     }
     let men: Vec<Gait> =
-        library.gaits().iter().filter(|gait| Sex::of(gait) == Some(Sex::Male)).cloned().collect();
+        library.gaits().iter().filter(|gait| gait.provenance.sex == Some(Sex::Male)).cloned().collect();
     let men = GaitLibrary::from_gaits(men).unwrap();
     let wish = Wish { sex: Some(Sex::Female), speed: Some(1.0) };
     assert!(Chooser::new(&men, 0.1, None).unwrap().choose(Emotion::Happy, wish, 5).is_ok());

@@ -135,7 +135,6 @@ fn egait(folder: &std::path::Path, source: &str, labels: &BTreeMap<String, Emoti
         poses,
         frame_rate: 30.0,
         speed: 1.0,
-        source: source.to_owned(),
         ..Gait::default()
     };
     takes.into_iter().map(|(key, poses)| (labels[key], gait(key, poses))).collect()

@@ -2,7 +2,7 @@
 
 use gaitway::Emotion;
 use gaitway::gait::walker::Sex;
-use gaitway::gait::{Gait, Joint, LabelOrigin};
+use gaitway::gait::{Gait, Joint, LabelOrigin, Provenance};
 use gaitway::library::{DEFAULT_PER_CLASS, DEFAULT_SEED, Error, GaitLibrary, MOST_PER_CLASS};
 use glam::Vec3;
 use std::path::Path;
@@ -11,7 +11,7 @@ fn small() -> GaitLibrary {
     let mut gaits = GaitLibrary::generated(3, 1).unwrap().gaits().to_vec();
     gaits[0].ratings = Some([4.7, 1.1, 1.0 / 3.0 + 1.0, 2.05]);
     gaits[1].label = None;
-    gaits[1].subject = None;
+    gaits[1].provenance = Provenance::default();
     gaits[1].acted = None;
     gaits[2].name = "\"quoted\" \u{e9}\\n".to_owned();
     gaits[2].poses[3][5] = Vec3::new(-0.0, f32::MIN_POSITIVE / 2.0, 0.1 + 0.2);
@@ -50,20 +50,19 @@ fn a_file_tells_whose_judgement_each_label_is() {
     let mut gaits = GaitLibrary::generated(4, 1).unwrap().gaits().to_vec();
     gaits[0].set_predicted(Emotion::Sad, "affective-svm (p 0.80)");
     gaits[0].set_predicted(Emotion::Angry, "affective-svm (p 0.90)");
-    gaits[1].source = "07_01.bvh (BVH)".to_owned();
-    gaits[2].label = None;
-    gaits[3].ratings = Some([4.0, 1.0, 2.0, 1.5]);
+    gaits[1].provenance.label_origin = Some(LabelOrigin::Rated);
+    (gaits[2].label, gaits[2].provenance.label_origin) = (None, None);
     let library = GaitLibrary::from_gaits(gaits).unwrap();
     let read = GaitLibrary::from_glb_bytes(&library.to_glb_bytes(), "memory").unwrap();
     assert_eq!(read, library);
-    let origins: Vec<_> = read.gaits()[..5].iter().map(Gait::label_origin).collect();
+    let origins: Vec<_> = read.gaits()[..5].iter().map(|gait| gait.provenance.label_origin).collect();
     let [rated, predicted, generated] =
         [LabelOrigin::Rated, LabelOrigin::Predicted, LabelOrigin::Generated].map(Some);
-    assert_eq!(origins, [predicted, rated, None, rated, generated]);
+    assert_eq!(origins, [predicted, rated, None, generated, generated]);
     assert_eq!(read.gaits()[0].label, Some(Emotion::Angry));
-    assert_eq!(read.gaits()[0].source.matches("predicted").count(), 1, "{}", read.gaits()[0].source);
+    assert_eq!(read.gaits()[0].provenance.label_model.as_deref(), Some("affective-svm (p 0.90)"));
     let text = String::from_utf8_lossy(&library.to_glb_bytes()).matches("\"label_origin\":\"rated\"").count();
-    assert_eq!(text, 2, "the file says it in a field of its own");
+    assert_eq!(text, 1, "the file says it in a field of its own");
 }
 
 #[test]
@@ -79,7 +78,10 @@ fn the_default_library_is_what_the_program_generates() {
     assert_eq!(built_in.gaits().len(), generated.gaits().len());
     for (stored, made) in built_in.gaits().iter().zip(generated.gaits()) {
         assert_eq!((&stored.name, stored.label), (&made.name, made.label));
-        assert_eq!(stored.source, made.source, "raise walker::VERSION and set GAITWAY_UPDATE_ASSETS=1");
+        assert_eq!(
+            stored.provenance, made.provenance,
+            "raise walker::VERSION and set GAITWAY_UPDATE_ASSETS=1"
+        );
         assert!((stored.speed - made.speed).abs() < 1e-6);
         for (a, b) in stored.poses.iter().flatten().zip(made.poses.iter().flatten()) {
             assert!(a.distance(*b) < 1e-5, "{}: {a} is generated as {b}", stored.name);
@@ -145,7 +147,7 @@ fn gea_lists_each_emotion_and_choosing_is_uniform() {
             let id = library.choose(Emotion::Sad, sex, random).unwrap();
             let gait = &library.gaits()[id as usize];
             assert_eq!(gait.label, Some(Emotion::Sad));
-            assert!(sex.is_none() || Sex::of(gait) == sex);
+            assert!(sex.is_none() || gait.provenance.sex == sex);
             hits[id as usize] += u32::from(sex.is_none());
         }
     }
@@ -209,7 +211,7 @@ fn damaged_files_are_refused_with_what_was_found() {
     let bytes = small().to_glb_bytes();
     assert!(message_of(b"").contains("not a GLB file"));
     assert!(message_of(&bytes[..bytes.len() - 1]).contains("cut off"));
-    assert!(message_of(&edited(&bytes, "\"version\":1}", "\"version\":2}")).contains("library version 2"));
+    assert!(message_of(&edited(&bytes, "\"version\":2}", "\"version\":1}")).contains("library version 1"));
     assert!(message_of(&edited(&bytes, "gaitway-gait-library", "somebody-elses")).contains("somebody-elses"));
     assert!(
         message_of(&edited(&bytes, "\"left_knee\",\"left_foot\"", "\"left_foot\",\"left_knee\""))
@@ -255,7 +257,7 @@ fn one_block_of_positions_cannot_serve_many_gaits() {
     // Small enough to fit the file as a whole is allowed; that it is bounded is what matters.
     let _ = GaitLibrary::from_glb_bytes(&file, "shared");
     let many = "{\"channels\":[],\"samplers\":[],\"name\":\"x\",\"extras\":{\"gaitway\":{\"positions\":0,\"frame_rate\":60,\
-                \"speed\":1,\"source\":\"\"}}},"
+                \"speed\":1}}},"
         .repeat(200);
     let file = edited(&bytes, "\"animations\":[", &format!("\"animations\":[{many}"));
     let message = message_of(&file);

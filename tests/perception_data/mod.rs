@@ -1,7 +1,7 @@
 //! E-Gait as it is in its files, without the importer: what was compared with Python.
 
 use gaitway::Emotion;
-use gaitway::gait::{Gait, JOINT_COUNT, Joint};
+use gaitway::gait::{Gait, JOINT_COUNT, Joint, Provenance};
 use glam::Vec3;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -48,8 +48,11 @@ pub(crate) fn raw(set: &str, speed: f32) -> Option<Vec<Gait>> {
                 poses: vec![pose],
                 frame_rate: 30.0,
                 speed,
-                source: format!("{set}.csv (CSV)"),
-                subject: Some(index[row[0]][3].to_owned()),
+                provenance: Provenance {
+                    dataset: set.to_owned(),
+                    subject: Some(index[row[0]][3].to_owned()),
+                    ..Provenance::default()
+                },
                 label: index[row[0]][5].parse::<Emotion>().ok(),
                 ..Gait::default()
             }),

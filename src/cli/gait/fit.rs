@@ -108,7 +108,7 @@ fn fitted(arguments: &FitArguments, harmonics: usize) -> Result<Vec<(Gait, Harmo
         Some(path) if fit::is_fitted(path) => {
             let found = fit::load(path)?;
             let back = |fitted: HarmonicGait| {
-                let gait = Gait { source: fitted.source.clone(), ..fitted.to_gait(fit::FRAMES) };
+                let gait = Gait { provenance: fitted.provenance.clone(), ..fitted.to_gait(fit::FRAMES) };
                 let fitted = if arguments.harmonics.is_some() { fit::fit(&gait, harmonics)? } else { fitted };
                 Ok((gait, fitted))
             };

@@ -33,7 +33,8 @@ const FEW_GAITS: usize = 40;
                   \"Skull\"\n  left_hand = \"LWRA + LWRB\"\n\nReads .bvh, .amc with its .asf, .c3d, .trc, .npz, .npy, .csv, \
                   .tsv, .txt. What is no walking is refused, with the measure. A capture of the legs alone walks with the upper \
                   body of the norm; what judges gaits refuses it. A table labels.csv beside the files (columns file, subject, \
-                  style, label) names who walked, how, and the emotion that people saw: happy, angry, sad or neutral."
+                  sex, style, label) names who walked, how, and the emotion that people saw: happy, angry, sad or neutral. The \
+                  folder of the files is their data set."
 )]
 pub(super) struct Arguments {
     /// Motion files, and folders that are searched for them

@@ -147,7 +147,7 @@ fn labelled(gait: &mut Gait, model: &Model, arguments: &Arguments) -> Row {
         row.label = (!is_unlike).then_some(prediction.emotion);
         gait.set_predicted(prediction.emotion, &format!("{} (p {p:.2}, margin {margin:.2})", model.method()));
     }
-    row.origin = row.label.and_then(|_| gait.label_origin()).map(LabelOrigin::name);
+    row.origin = row.label.and(gait.provenance.label_origin).map(LabelOrigin::name);
     row
 }
 

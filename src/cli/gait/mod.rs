@@ -23,7 +23,7 @@ use crate::emotion::Emotion;
 use crate::export::{AtomicFile, image::write_png};
 use crate::gait::import::{Options, import_file_with};
 use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
-use crate::gait::{Gait, Joint, stride};
+use crate::gait::{Gait, Joint, LabelOrigin, stride};
 use crate::library::GaitLibrary;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
@@ -225,7 +225,7 @@ impl Row {
             v_des: gait.speed,
             stride_m: gait.stride_travel(),
             label: gait.label.map(Emotion::name),
-            source: gait.source.clone(),
+            source: gait.provenance.to_string(),
         }
     }
 
@@ -282,7 +282,8 @@ fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
     let ways_out = "leave out the --speed or --set that does not fit";
     let mut gait = walk(&style, &name).map_err(|error| usage(error.to_string(), ways_out))?;
     gait.label = Some(arguments.emotion);
-    gait.subject = Some(sex.name().to_owned());
+    gait.provenance.sex = Some(sex);
+    gait.provenance.label_origin = Some(LabelOrigin::Generated);
     match arguments.out.extension().and_then(|ending| ending.to_str()) {
         Some("csv") => write_csv(&gait, &arguments.out)?,
         Some("glb") => GaitLibrary::from_gaits(vec![gait.clone()])?.save_glb(&arguments.out)?,
@@ -327,7 +328,7 @@ fn write_csv(gait: &Gait, path: &Path) -> Result<(), Error> {
     let wrong = |source| crate::export::Error::Write { path: path.to_owned(), source };
     let mut file = AtomicFile::create(path)?;
     let mut write = || -> std::io::Result<()> {
-        writeln!(file, "# {}: {}; metres, y up, walks towards +z", gait.name, gait.source)?;
+        writeln!(file, "# {}: {}; metres, y up, walks towards +z", gait.name, gait.provenance)?;
         write!(file, "time")?;
         for joint in Joint::ALL {
             let name = joint.name();

@@ -6,7 +6,6 @@ use super::sources;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::gait::Gait;
-use crate::perception::evaluate::dataset;
 use crate::perception::model::{Model, Prediction};
 use clap::Args;
 use serde::Serialize;
@@ -160,7 +159,7 @@ fn remarks(report: &Report, model: &Model, gaits: &[&Gait]) {
         note("note: this model does not know what is unlike its training gaits; train it again to find out");
     }
     let known = &model.trained_on().datasets;
-    if gaits.iter().any(|gait| gait.label.is_some() && known.contains(&dataset(gait))) {
+    if gaits.iter().any(|gait| gait.label.is_some() && known.contains(&gait.provenance.dataset)) {
         note(
             "note: the model learned from data sets of these names; agreement with gaits that it learned from proves nothing",
         );

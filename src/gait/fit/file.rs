@@ -1,8 +1,8 @@
 //! Fitted gaits as files: JSON for people, and a compact binary form.
 //!
 //! ```text
-//! JSON   { format: "gaitway-harmonic-gaits", version: 1, joints: [16 names], gaits: [ { name, cycle_time (s), speed (m/s),
-//!          source, subject?, acted?, ratings?, label?, unit (m), rows: [[48 integers] mean, cos 1, sin 1, cos 2, ...] } ] }
+//! JSON   { format: "gaitway-harmonic-gaits", version: 2, joints: [16 names], gaits: [ { name, cycle_time (s), speed (m/s),
+//!          provenance (as in a library), acted?, ratings?, label?, unit (m), rows: [[48 integers] mean, cos 1, sin 1, cos 2, ...] } ] }
 //! binary "GWHG", version u16, gaits u16; each: length of the name u8, name (UTF-8), label u8 (255: none), harmonics u8,
 //!          cycle time f32, speed f32, unit f32, rows of 48 i16; all little-endian; joints in the order of Joint
 //! ```
@@ -10,7 +10,7 @@
 use super::{HarmonicGait, MOST_HARMONICS, Row};
 use crate::emotion::Emotion;
 use crate::file;
-use crate::gait::{Error, JOINT_COUNT, Joint};
+use crate::gait::{Error, JOINT_COUNT, Joint, Provenance};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -18,6 +18,9 @@ use std::path::Path;
 pub const FORMAT: &str = "gaitway-harmonic-gaits";
 /// First bytes of the binary form.
 pub const MAGIC: [u8; 4] = *b"GWHG";
+/// Version of the JSON form.
+const JSON_VERSION: u16 = 2;
+/// Version of the binary form.
 const VERSION: u16 = 1;
 /// Largest file that is read, bytes.
 const MOST_BYTES: u64 = 256 << 20;
@@ -38,9 +41,8 @@ struct Entry {
     name: String,
     cycle_time: f32,
     speed: f32,
-    source: String,
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    subject: Option<String>,
+    #[serde(default)]
+    provenance: Provenance,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     acted: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -73,8 +75,7 @@ pub fn to_json(gaits: &[HarmonicGait]) -> String {
         name: gait.name.clone(),
         cycle_time: gait.cycle_time,
         speed: gait.speed,
-        source: gait.source.clone(),
-        subject: gait.subject.clone(),
+        provenance: gait.provenance.clone(),
         acted: gait.acted.clone(),
         ratings: gait.ratings,
         label: gait.label,
@@ -83,7 +84,7 @@ pub fn to_json(gaits: &[HarmonicGait]) -> String {
     };
     let document = Document {
         format: FORMAT.to_owned(),
-        version: VERSION,
+        version: JSON_VERSION,
         joints: Joint::ALL.map(|joint| joint.name().to_owned()).to_vec(),
         gaits: gaits.iter().map(entry).collect(),
     };
@@ -100,11 +101,11 @@ pub fn from_json(bytes: &[u8], origin: &str) -> Result<Vec<HarmonicGait>, Error>
     let syntax = |line, message: String| Error::Syntax { path: origin.to_owned(), line, message };
     let document: Document = serde_json::from_slice(bytes)
         .map_err(|error| syntax(error.line(), format!("not a file of fitted gaits ({FORMAT}): {error}")))?;
-    if document.format != FORMAT || document.version != VERSION {
+    if document.format != FORMAT || document.version != JSON_VERSION {
         let (format, version) = (document.format, document.version);
         return Err(syntax(
             0,
-            format!("format {format:?} version {version}; {FORMAT:?} version {VERSION} is read"),
+            format!("format {format:?} version {version}; {FORMAT:?} version {JSON_VERSION} is read"),
         ));
     }
     if !document.joints.iter().eq(Joint::ALL.map(|joint| joint.name().to_owned()).iter()) {
@@ -122,8 +123,7 @@ pub fn from_json(bytes: &[u8], origin: &str) -> Result<Vec<HarmonicGait>, Error>
             name: entry.name,
             cycle_time: entry.cycle_time,
             speed: entry.speed,
-            source: entry.source,
-            subject: entry.subject,
+            provenance: entry.provenance,
             acted: entry.acted,
             ratings: entry.ratings,
             label: entry.label,
@@ -248,9 +248,12 @@ impl Reader<'_> {
                 format!("gait {name:?}: label {index}; it must be 0 to 3, or 255 for none")
             })?),
         };
-        let source = origin.to_owned();
-        let (subject, acted, ratings) = (None, None, None);
-        checked(HarmonicGait { name, cycle_time, speed, source, subject, acted, ratings, label, unit, rows })
+        let file = Path::new(origin)
+            .file_name()
+            .map_or_else(String::new, |file| file.to_string_lossy().into_owned());
+        let provenance = Provenance { file, take: name.clone(), ..Provenance::default() };
+        let (acted, ratings) = (None, None);
+        checked(HarmonicGait { name, cycle_time, speed, provenance, acted, ratings, label, unit, rows })
     }
 }
 
@@ -299,7 +302,7 @@ mod tests {
         }
         let json = to_json(&gaits());
         for (from, to, part) in [
-            ("\"version\":1", "\"version\":2", "version 2"),
+            ("\"version\":2", "\"version\":1", "version 1"),
             ("\"cycle_time\":", "\"cycle_time\":-", "0.05 to 60"),
             ("\"root\"", "\"toor\"", "16 of a gait"),
             ("\"rows\":[[", "\"rows\":[[7,", "48 numbers"),

@@ -9,7 +9,7 @@ mod asf;
 use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or};
 use super::text::{list, number, shown, syntax};
-use super::{MAX_FRAMES, Options, file_name, stem};
+use super::{MAX_FRAMES, Options, of_file, stem};
 use crate::gait::{Error, Pose, Recording};
 use asf::{Bone, Freedom};
 pub use asf::{Skeleton, parse_asf};
@@ -85,9 +85,9 @@ pub fn parse_amc(text: &str, path: &str, skeleton: &Skeleton, options: &Options)
         rate_line,
         format!("joint map: {rig}"),
     ];
-    let source = format!("{} (AMC)", file_name(path));
+    let provenance = of_file(path, "AMC");
     let missing = joints.missing();
-    let take = Recording { source, report, missing, ..Recording::new(stem(path), rate, poses) };
+    let take = Recording { provenance, report, missing, ..Recording::new(stem(path), rate, poses) };
     finish(take, Unit::Stated(skeleton.metres_per_unit), options)
 }
 

@@ -7,7 +7,7 @@
 use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_stated};
 use super::text::{count, number, shown, syntax};
-use super::{MAX_FRAMES, MAX_JOINTS, Options, file_name, stem};
+use super::{MAX_FRAMES, MAX_JOINTS, Options, of_file, stem};
 use crate::gait::{Error, Pose, Recording};
 use glam::{Quat, Vec3};
 
@@ -108,9 +108,9 @@ pub fn parse_bvh(text: &str, path: &str, options: &Options) -> Result<Recording,
         rate_line,
         format!("joint map: {rig}"),
     ];
-    let source = format!("{} (BVH)", file_name(path));
+    let provenance = of_file(path, "BVH");
     let missing = joints.missing();
-    let take = Recording { source, report, missing, ..Recording::new(stem(path), rate, poses) };
+    let take = Recording { provenance, report, missing, ..Recording::new(stem(path), rate, poses) };
     finish(take, Unit::Unstated, options)
 }
 

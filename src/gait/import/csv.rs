@@ -8,13 +8,15 @@
 use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or};
 use super::text::{frame_rate, list, number, shown, syntax};
-use super::{MAX_FRAMES, Options, egait, file_name, stem};
+use super::{MAX_FRAMES, Options, egait, of_data_set, of_file, stem};
 use crate::gait::{Error, JOINT_COUNT, Joint, Pose, Recording};
 use glam::Vec3;
 use std::collections::HashSet;
 
 /// Frame rate of a CSV that does not say: E-Gait's.
 const DEFAULT_RATE: f32 = 30.0;
+/// Name of the format.
+const FORMAT: &str = "CSV";
 /// Most columns read.
 const MAX_COLUMNS: usize = 4096;
 
@@ -140,9 +142,12 @@ fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Re
     };
     let report =
         vec![format!("CSV: {} frames", rows.poses.len()), rate_line, format!("joint map: {}", columns.rig)];
-    let source = format!("{} (CSV)", file_name(path));
+    let provenance = match columns.key {
+        Some(_) => of_data_set(path, FORMAT, &rows.name),
+        None => of_file(path, FORMAT),
+    };
     let missing = columns.joints.missing();
-    let take = Recording { source, report, missing, ..Recording::new(rows.name, rate, rows.poses) };
+    let take = Recording { provenance, report, missing, ..Recording::new(rows.name, rate, rows.poses) };
     if columns.egait { egait::repair(take, options) } else { finish(take, Unit::Unstated, options) }
 }
 

@@ -2,9 +2,9 @@
 //!
 //! `labels`, `gaits` or `trials` with the ending `.csv`, `.tsv` or `.txt`, in the folder of a motion file or the one above,
 //! in any case of letters. The header names a column `file`, `key`, `trial` or `name` (the take) and at least one of
-//! `subject`, `acted` (also `acted_emotion`, `style`) and `label` (also `emotion`, `perceived_label`,
-//! `perceived_emotion`, `egait_perceived_label`). Acted is not perceived: it may be any word. A label is happy,
-//! angry, sad or neutral, or empty. Case, separators and spaces are forgiven; an unknown word is an error with its line.
+//! `subject`, `sex`, `acted` (also `acted_emotion`, `style`) and `label` (also `emotion`, `perceived_label`,
+//! `perceived_emotion`, `egait_perceived_label`). Acted is not perceived: it may be any word. A sex is female, male, f or
+//! m, or empty; a label is happy, angry, sad or neutral, or empty. Case, separators and spaces are forgiven; an unknown word is an error with its line.
 //!
 //! A row means the take of that name, with or without the ending of its file. A name with folders (`anna/walk`) means
 //! the file in these folders only. What the take carries already stays.
@@ -12,7 +12,8 @@
 use super::table::{Record, Records, is_unsaid, normalised};
 use super::text::{list, syntax};
 use crate::emotion::Emotion;
-use crate::gait::{Error, Recording};
+use crate::gait::walker::Sex;
+use crate::gait::{Error, LabelOrigin, Recording};
 use crate::spelling::nearest;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
@@ -26,6 +27,7 @@ const MAX_BYTES: u64 = 16 << 20;
 /// Names that the columns may have.
 const TAKE: &[&str] = &["key", "file", "trial", "name", "filename", "file_name", "take", "gait"];
 const SUBJECT: &[&str] = &["subject", "participant", "person", "actor"];
+const SEX: &[&str] = &["sex", "gender"];
 const ACTED: &[&str] = &["acted", "acted_emotion", "style"];
 const LABEL: &[&str] = &["label", "emotion", "perceived_label", "perceived_emotion", "egait_perceived_label"];
 
@@ -58,6 +60,7 @@ struct Row {
     name: String,
     line: usize,
     subject: Option<String>,
+    sex: Option<Sex>,
     acted: Option<String>,
     label: Option<Emotion>,
 }
@@ -86,9 +89,13 @@ impl Labels {
             for take in takes.iter_mut() {
                 let Some(row) = table.row(path, &take.name) else { continue };
                 table.is_used.store(true, Ordering::Relaxed);
-                take.subject = take.subject.take().or_else(|| row.subject.clone());
+                let of = &mut take.provenance;
+                of.subject = of.subject.take().or_else(|| row.subject.clone());
+                of.sex = of.sex.or(row.sex);
                 take.acted = take.acted.take().or_else(|| row.acted.clone());
-                take.label = take.label.or(row.label);
+                if let (None, Some(label)) = (take.label, row.label) {
+                    (take.label, of.label_origin) = (Some(label), Some(LabelOrigin::Rated));
+                }
                 let name = table.path.file_name().map(|name| name.to_string_lossy()).unwrap_or_default();
                 take.report.push(format!("subject, style and label: {name}:{}", row.line));
             }
@@ -149,6 +156,7 @@ fn read(path: PathBuf) -> Result<Table, Error> {
 struct Columns {
     take: usize,
     subject: Option<usize>,
+    sex: Option<usize>,
     acted: Option<usize>,
     label: Option<usize>,
 }
@@ -163,11 +171,11 @@ impl Columns {
         let Some(take) = column(TAKE) else {
             return Err(format!("no column names the takes; call it one of {} {way_out}", TAKE.join(", ")));
         };
-        let [subject, acted, label] = [SUBJECT, ACTED, LABEL].map(column);
-        if subject.or(acted).or(label).is_none() {
-            return Err(format!("neither a column label nor subject nor acted {way_out}"));
+        let [subject, sex, acted, label] = [SUBJECT, SEX, ACTED, LABEL].map(column);
+        if subject.or(sex).or(acted).or(label).is_none() {
+            return Err(format!("none of the columns label, subject, sex and acted {way_out}"));
         }
-        Ok(Self { take, subject, acted, label })
+        Ok(Self { take, subject, sex, acted, label })
     }
 }
 
@@ -216,9 +224,22 @@ fn row(record: &Record, columns: &Columns) -> Result<Row, String> {
         name: name.replace('\\', "/"),
         line: record.line,
         subject: cell(columns.subject).map(str::to_owned),
+        sex: cell(columns.sex).map(sex).transpose()?,
         acted: cell(columns.acted).map(str::to_owned),
         label: cell(columns.label).map(label).transpose()?,
     })
+}
+
+/// The sex that a word or its first letter names.
+fn sex(word: &str) -> Result<Sex, String> {
+    let named = |sex: &Sex| {
+        let name = sex.name();
+        word.eq_ignore_ascii_case(name) || word.eq_ignore_ascii_case(&name[..1])
+    };
+    Sex::ALL
+        .into_iter()
+        .find(named)
+        .ok_or_else(|| format!("the sex is {word:?}; it must be female, male, f, m, or empty"))
 }
 
 /// The emotion of a label.
@@ -287,10 +308,19 @@ mod tests {
             labels("a", "file,subject,style,perceived_label\na_01.bvh,7,proud,happy\nc.bvh,8,sad,sad\n");
         let mut takes = takes(&["a_01", "b"]);
         all.apply(Path::new("a/a_01.bvh"), &mut takes);
-        assert_eq!(takes[0].subject.as_deref(), Some("7"));
+        assert_eq!(takes[0].provenance.subject.as_deref(), Some("7"));
         assert_eq!(takes[0].acted.as_deref(), Some("proud"));
         assert_eq!(takes[0].label, Some(Emotion::Happy));
-        assert_eq!((takes[1].label, takes[1].subject.as_deref()), (None, None));
+        assert_eq!((takes[1].label, takes[1].provenance.subject.as_deref()), (None, None));
+    }
+
+    #[test]
+    fn a_sex_is_a_word_or_its_first_letter() {
+        let all = labels("a", "file,Gender\nb,F\nc,male\n");
+        let mut takes = takes(&["b", "c"]);
+        all.apply(Path::new("a/b.bvh"), &mut takes);
+        assert_eq!([takes[0].provenance.sex, takes[1].provenance.sex], [Some(Sex::Female), Some(Sex::Male)]);
+        assert!(bad("file,sex\na,x\n").contains("the sex is \"x\"; it must be female, male, f, m, or empty"));
     }
 
     #[test]
@@ -319,7 +349,7 @@ mod tests {
         );
         for (text, parts) in [
             ("Datei;Gefühl\na;happy\n", &["labels.csv:1:", "no column names the takes", "Datei, Gefühl"][..]),
-            ("file,feeling\na,happy\n", &["labels.csv:1:", "column label", "file, feeling"]),
+            ("file,feeling\na,happy\n", &["labels.csv:1:", "columns label", "file, feeling"]),
             ("file,label\na,happy\na,sad\n", &["labels.csv:3:", "\"a\"", "line 2"]),
             ("file,label\n,happy\n", &["labels.csv:2:", "names no take"]),
             ("file,label\n\"a,happy\n", &["labels.csv:2:", "never closed"]),

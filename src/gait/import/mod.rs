@@ -25,7 +25,7 @@ pub(crate) mod table;
 mod text;
 pub mod trc;
 
-use super::{Error, Recording};
+use super::{Error, Provenance, Recording};
 use crate::file;
 pub use joint_map::JointMap;
 use labels::Labels;
@@ -97,6 +97,11 @@ fn labelled(
     labels: &Labels,
 ) -> Result<Vec<Recording>, Error> {
     labels.apply(path, &mut takes);
+    // a path such as "walk.bvh" does not name its folder
+    for take in takes.iter_mut().filter(|take| take.provenance.dataset.is_empty()) {
+        take.provenance.dataset =
+            std::fs::canonicalize(path).map_or_else(|_| String::new(), |p| folder_name(&p));
+    }
     match options.resample {
         Some(hertz) => takes.into_iter().map(|take| take.resampled(hertz)).collect(),
         None => Ok(takes),
@@ -160,4 +165,25 @@ fn stem(path: &str) -> String {
 /// File name without folder; names sources.
 fn file_name(path: &str) -> String {
     Path::new(path).file_name().map_or_else(|| path.to_owned(), |s| s.to_string_lossy().into_owned())
+}
+
+/// Name of the folder that a file is in; empty if the path does not say.
+fn folder_name(path: &Path) -> String {
+    path.parent().and_then(Path::file_name).map_or_else(String::new, |s| s.to_string_lossy().into_owned())
+}
+
+/// Where the only take of a file comes from: its folder is the data set.
+fn of_file(path: &str, format: &str) -> Provenance {
+    Provenance {
+        dataset: folder_name(Path::new(path)),
+        file: file_name(path),
+        format: format.to_owned(),
+        take: stem(path),
+        ..Provenance::default()
+    }
+}
+
+/// Where a take of a file of many comes from: the file is the data set.
+fn of_data_set(path: &str, format: &str, take: &str) -> Provenance {
+    Provenance { dataset: stem(path), take: take.to_owned(), ..of_file(path, format) }
 }

@@ -32,7 +32,7 @@ mod npy;
 use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or, rate_stated};
 use super::text::{MAX_MAGNITUDE, syntax};
-use super::{MAX_FRAMES, MAX_JOINTS, Options, egait, file_name, stem};
+use super::{MAX_FRAMES, MAX_JOINTS, Options, egait, of_data_set, of_file, stem};
 use crate::gait::{Error, JOINT_COUNT, Joint, Pose, Recording};
 use glam::Vec3;
 use npy::Array;
@@ -40,6 +40,8 @@ use std::io::{Cursor, Read as _};
 
 /// Frame rate of arrays that do not say: E-Gait's.
 const DEFAULT_RATE: f32 = 30.0;
+/// Name of the format.
+const FORMAT: &str = "NumPy";
 /// Most arrays in a file.
 const MAX_ARRAYS: usize = 20_000;
 /// Unpacked, a file may have this many bytes and 8 times its own (joint positions pack to about a third).
@@ -244,9 +246,13 @@ fn takes(arrays: &Arrays<'_>, options: &Options) -> Result<Vec<Recording>, Error
                 rate_line.clone(),
                 format!("joint map: {}", layout.rig),
             ];
-            let source = format!("{} (NumPy)", file_name(arrays.path));
+            let provenance = if is_only && layout.takes == 1 {
+                of_file(arrays.path, FORMAT)
+            } else {
+                of_data_set(arrays.path, FORMAT, &name)
+            };
             let missing = layout.sources.missing();
-            let take = Recording { source, report, missing, ..Recording::new(name, rate, poses) };
+            let take = Recording { provenance, report, missing, ..Recording::new(name, rate, poses) };
             found.push(if layout.egait {
                 egait::repair(take, options)?
             } else {

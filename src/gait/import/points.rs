@@ -6,8 +6,8 @@
 use super::joint_map::{self, Sources};
 use super::markers::{self, Markers};
 use super::repair::{Unit, finish};
-use super::{Options, file_name, gaps, stem, text};
-use crate::gait::{Error, JointSet, Pose, Recording};
+use super::{Options, gaps, of_file, stem, text};
+use crate::gait::{Error, JointSet, Pose, Provenance, Recording};
 use glam::Vec3;
 
 /// Most points of a frame.
@@ -99,9 +99,12 @@ impl Capture<'_> {
             let mut report = self.report.clone();
             report.extend([format!("joint map: {rig}"), gap_line]);
             let take = Recording {
-                source: format!("{} ({})", file_name(self.path), self.format),
+                provenance: Provenance {
+                    take: name.clone(),
+                    subject: Some(prefix).filter(|prefix| !prefix.is_empty()).map(str::to_owned),
+                    ..of_file(self.path, self.format)
+                },
                 report,
-                subject: Some(prefix).filter(|prefix| !prefix.is_empty()).map(str::to_owned),
                 missing: way.missing(),
                 ..Recording::new(name, self.rate, poses)
             };

@@ -16,7 +16,7 @@ mod upper;
 
 pub use style::{Body, STYLE_FIELDS, Sex, StyleField, WalkerStyle};
 
-use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose};
+use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, LabelOrigin, Pose, Provenance};
 use crate::emotion::Emotion;
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
@@ -116,8 +116,12 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
         poses,
         frame_rate: single(FRAMES_F64 / style.cycle_time),
         speed: single(style.speed),
-        source: format!("gaitway walker {VERSION}"),
-        subject: None,
+        provenance: Provenance {
+            dataset: "walker".to_owned(),
+            format: format!("gaitway walker {VERSION}"),
+            take: name.to_owned(),
+            ..Provenance::default()
+        },
         acted: None,
         ratings: None,
         label: None,
@@ -134,9 +138,13 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
 pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait, Error> {
     let style = WalkerStyle::preset(emotion, sex).vary(seed, index);
     let mut gait = walk(&style, &format!("{emotion}-{sex}-{index}"))?;
-    gait.source =
-        format!("gaitway walker {VERSION}: preset {emotion} {sex}, seed {seed}, individual {index}");
-    gait.subject = Some(format!("{sex} {index}"));
+    gait.provenance = Provenance {
+        subject: Some(format!("{sex} {index}")),
+        sex: Some(sex),
+        label_origin: Some(LabelOrigin::Generated),
+        notes: vec![format!("preset {emotion} {sex}, seed {seed}, individual {index}")],
+        ..gait.provenance
+    };
     gait.acted = Some(emotion.name().to_owned());
     gait.label = Some(emotion);
     Ok(gait)

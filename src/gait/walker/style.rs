@@ -1,7 +1,6 @@
 //! The numbers of a walk: their ranges, the presets of the four emotions, mixtures and individuals.
 
 use crate::emotion::Emotion;
-use crate::gait::Gait;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -21,11 +20,6 @@ pub enum Sex {
 impl Sex {
     /// Both.
     pub const ALL: [Self; 2] = [Self::Female, Self::Male];
-
-    /// Who walked a gait, if its subject says so: `person` writes "female 3", importers may do the same.
-    pub fn of(gait: &Gait) -> Option<Self> {
-        gait.subject.as_deref()?.split_whitespace().next()?.parse().ok()
-    }
 
     /// Lower-case name, as written in files and on the command line.
     pub const fn name(self) -> &'static str {

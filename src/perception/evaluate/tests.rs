@@ -1,25 +1,27 @@
 use super::*;
+use crate::gait::Provenance;
 use crate::perception::Perceiver;
 use glam::Vec3;
 
-fn gait(name: &str, source: &str, subject: Option<&str>) -> Gait {
+fn gait(name: &str, dataset: &str, subject: Option<&str>) -> Gait {
     Gait {
         name: name.to_owned(),
         poses: vec![[Vec3::ZERO; 16]; 2],
         frame_rate: 30.0,
         speed: 1.0,
-        source: source.to_owned(),
-        subject: subject.map(str::to_owned),
+        provenance: Provenance {
+            dataset: dataset.to_owned(),
+            subject: subject.map(str::to_owned),
+            ..Provenance::default()
+        },
         ..Gait::default()
     }
 }
 
 /// 60 gaits of 15 people in 3 data sets.
 fn gaits() -> (Vec<Gait>, Vec<Emotion>) {
-    let gaits = (0..60).map(|i| {
-        let source = format!("set{}.csv (CSV), 0.00 s to 1.00 s", i % 3);
-        gait(&format!("g{i}"), &source, Some(&format!("{}", i / 3 % 5)))
-    });
+    let gaits =
+        (0..60).map(|i| gait(&format!("g{i}"), &format!("set{}", i % 3), Some(&format!("{}", i / 3 % 5))));
     (gaits.collect(), (0..60).map(|i| Emotion::ALL[(i * i + i / 7) % 4]).collect())
 }
 
@@ -49,13 +51,12 @@ impl Perceiver for Fixed {
 }
 
 #[test]
-fn data_sets_and_people_are_told_by_the_source() {
-    let bml = gait("ale_walk_an_1_fin", "bml.csv (CSV), 0.00 s to 0.93 s, on the spot: speed", Some("ale"));
-    assert_eq!((dataset(&bml).as_str(), subject(&bml).as_str()), ("bml", "bml/ale"));
-    let take = gait("07_01#2", "07_01.bvh (BVH), 1.00 s to 2.00 s", None);
-    assert_eq!((dataset(&take).as_str(), subject(&take).as_str()), ("BVH", "BVH/07_01"));
-    let walker = gait("happy-female-0", "gaitway walker 1, seed 1", Some("female"));
-    assert_eq!(dataset(&walker), "walker");
+fn a_person_is_a_subject_of_a_data_set_or_else_a_take() {
+    assert_eq!(person(&gait("ale_walk_an_1_fin", "bml", Some("ale"))), "bml/ale");
+    let mut take = gait("07_01#2", "mocap", None);
+    assert_eq!(person(&take), "mocap/07_01#2");
+    take.provenance.take = "07_01".to_owned();
+    assert_eq!(person(&take), "mocap/07_01");
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn nobody_is_in_two_folds_and_folds_are_of_like_size() {
         let folds = folds(&gaits, &emotions, Grouping::Subject { folds: 5 }, seed).unwrap();
         let mut of_person = BTreeMap::new();
         for (gait, fold) in gaits.iter().zip(&folds) {
-            assert_eq!(of_person.entry(subject(gait)).or_insert(*fold), fold, "seed {seed}");
+            assert_eq!(of_person.entry(person(gait)).or_insert(*fold), fold, "seed {seed}");
         }
         let size = |fold| folds.iter().filter(|&&f| f == fold).count();
         assert!((0..5).all(|fold| (8..=16).contains(&size(fold))), "{folds:?}");

@@ -66,7 +66,7 @@ fn the_ridge_is_the_one_under_which_people_left_out_are_likeliest() {
 fn inner_folds_hold_people_apart() {
     let (mut gaits, emotions) = walkers(&Emotion::ALL, 6, 1);
     for (i, gait) in gaits.iter_mut().enumerate() {
-        gait.subject = Some((i % 8).to_string());
+        gait.provenance.subject = Some((i % 8).to_string());
     }
     let seen: Vec<&Gait> = gaits.iter().collect();
     let folds = inner_folds(&seen, &emotions, FOLDS, 2);

@@ -5,7 +5,7 @@
 //! are therefore those of that body, not of the walker's own; angles, timing and travel are the walker's.
 
 use super::super::text::MAX_MAGNITUDE;
-use super::super::{file_name, stem};
+use super::super::{of_file, stem};
 use super::npy::Array;
 use super::{SMPL, single};
 use crate::gait::Recording;
@@ -90,6 +90,6 @@ pub(super) fn recording(
         format!("AMASS: rotations of {} joints, {frames} frames, posed on a skeleton of our own", SMPL.len()),
         format!("joint map: {rig}"),
     ];
-    let source = format!("{} (AMASS)", file_name(path));
-    Ok(Recording { source, report, ..Recording::new(stem(path), rate, found) })
+    let provenance = of_file(path, "AMASS");
+    Ok(Recording { provenance, report, ..Recording::new(stem(path), rate, found) })
 }
