@@ -384,7 +384,8 @@ fn single_takes_are_of_the_data_set_of_their_folder_and_tables_of_their_own() {
     std::fs::create_dir(&mocap).unwrap();
     let take = Walker::default().take(4.0, 60.0);
     std::fs::write(mocap.join("w_01.bvh"), walker::bvh(&take, 7.0)).unwrap();
-    std::fs::write(mocap.join("many.csv"), csv_text_of_two()).unwrap();
+    let [a, b] = ["a", "b"].map(|name| Recording { name: name.to_owned(), ..take.clone() });
+    std::fs::write(mocap.join("many.csv"), walker::csv(&[&a, &b], 1.0)).unwrap();
     let of = |path: &std::path::Path| -> Vec<[String; 4]> {
         let takes = import::import_file(path).unwrap().into_iter().map(|take| take.provenance);
         takes.map(|of| [of.dataset, of.file, of.format, of.take]).collect()
@@ -394,14 +395,4 @@ fn single_takes_are_of_the_data_set_of_their_folder_and_tables_of_their_own() {
     assert_eq!(of(&mocap.join("../mocap/./w_01.bvh"))[0][0], "mocap");
     let two = [["many", "many.csv", "CSV", "a"], ["many", "many.csv", "CSV", "b"]];
     assert_eq!(of(&mocap.join("many.csv")), two);
-}
-
-/// A table of two takes, `a` and `b`.
-fn csv_text_of_two() -> String {
-    let take = Walker::default().take(1.0, 30.0);
-    let text = walker::csv(&take, ',', true);
-    let (header, rows) = text.split_once('\n').unwrap();
-    let rows: Vec<&str> = rows.lines().collect();
-    let named = |name: &str| rows.iter().map(|row| format!("{name},{row}\n")).collect::<String>();
-    format!("take,{header}\n{}{}", named("a"), named("b"))
 }
