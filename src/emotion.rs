@@ -44,6 +44,15 @@ impl Emotion {
         weights[self.index()] = 1.0;
         weights
     }
+
+    /// The emotion of the largest weight; of two alike the first.
+    pub fn strongest(weights: [f32; 4]) -> Self {
+        let of = |emotion: Self| weights[emotion.index()];
+        Self::ALL
+            .into_iter()
+            .reduce(|best, other| if of(other) > of(best) { other } else { best })
+            .unwrap_or(Self::Neutral)
+    }
 }
 
 impl fmt::Display for Emotion {

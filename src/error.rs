@@ -23,6 +23,9 @@ pub enum Error {
     /// A scenario is wrong.
     #[error(transparent)]
     Scenario(#[from] crate::scenario::Error),
+    /// The parts of a scene do not fit together.
+    #[error(transparent)]
+    Scene(#[from] crate::scene::Error),
     /// The simulation refused its input or failed.
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),
@@ -76,6 +79,7 @@ impl Error {
                 Some("use --backend cpu, or build with the feature `vulkan`")
             }
             Self::Avatar(error) => error.hint(),
+            Self::Scene(error) => error.hint(),
             Self::Replay(error) => error.hint(),
             #[cfg(feature = "xr")]
             Self::Xr(error) => error.hint(),

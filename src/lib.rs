@@ -44,6 +44,7 @@ pub mod reference;
 pub mod render;
 pub mod replay;
 pub mod scenario;
+pub mod scene;
 pub mod sim;
 mod spelling;
 pub mod stop;
@@ -61,3 +62,7 @@ pub mod xr;
 
 pub use emotion::Emotion;
 pub use error::{Error, Result};
+pub use library::GaitLibrary;
+pub use scenario::Scenario;
+pub use scene::Scene;
+pub use sim::Simulation;

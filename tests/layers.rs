@@ -20,6 +20,7 @@ const ORDER: &[&[&str]] = &[
     &["export"],
     &["replay"],
     &["render"],
+    &["scene"],
     &["view", "xr"],
     &["perceive", "validate", "verify"],
     &["bench"],
@@ -33,7 +34,7 @@ const FLOOR: &str = "kernels";
 const BACKENDS: &[&str] = &["reference", "gpu"];
 /// Who may touch a backend.
 const USES_BACKENDS: &[&str] =
-    &["sim", "render", "view", "xr", "perceive", "validate", "verify", "bench", "cli"];
+    &["sim", "render", "scene", "view", "xr", "perceive", "validate", "verify", "bench", "cli"];
 /// Gathers the errors of all layers, and every layer may return it: the one way round by intention.
 const ERROR: &str = "error";
 

@@ -3,15 +3,15 @@
 use super::output::{note, say, say_json, table, thousands, warn};
 use super::outputs::make_folder;
 use super::progress::Progress;
-use super::render::video;
-use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, people, seed};
+use super::render::{stage, video};
+use super::scene::{PlaceArguments, build, check_seconds, people, seed};
 use super::sheet;
 use super::simulate::{Length, Recording, simulate, steps_per_frame};
-use super::stage::{CameraName, Stage};
 use crate::Error;
 use crate::export::image::write_png;
 use crate::picture::Image;
 use crate::render::Markers;
+use crate::scene::{CameraChoice, Scene, Stage};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -105,23 +105,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let seconds = check_seconds("--seconds", arguments.seconds)?;
     make_folder(&arguments.out)?;
     let mut files = Files { folder: &arguments.out, written: Vec::new() };
-    let scene = Scene::load(&SceneArguments {
-        scene: "crossing".to_owned(),
-        list: false,
-        agents: Some(arguments.agents),
-        seed: Some(arguments.seed),
-        condition: None,
-        library: None,
-        rigs: super::avatars::RigArguments::default(),
-        set: Vec::new(),
-        preference: super::preference::PreferenceArguments::default(),
-        place: arguments.place.clone(),
-    })?;
+    let builder = Scene::load("crossing")?.agents(arguments.agents).seed(arguments.seed);
+    let scene = build(arguments.place.choose(builder)?, None)?;
     let length = Length { steps: scene.steps(seconds), until_empty: false };
     let path = arguments.out.join("trajectories.sqlite");
     let started = Instant::now();
     let recording = Recording::create(&path, RATES.0, &scene)?;
-    let mut stage = Stage::new(scene, &arguments.place, SIZE, false)?;
+    let mut stage = stage(scene, SIZE, false)?;
     let crowd = simulate(&stage.scene, &mut stage.simulation, length, Some(recording))?;
     files.add(&path, "trajectories (JuPedSim, PedPy)", started);
     if let Some(failure) = &crowd.failure {
@@ -152,9 +142,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 /// The crowd through the user's eyes and from above, and a video if that is cheap.
 fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
     let views = [
-        (CameraName::Eyes, "eyes.png", "through the user's eyes", false),
-        (CameraName::Orbit, "overview.png", "from above", false),
-        (CameraName::Top, "map.png", "map with the emotions marked", true),
+        (CameraChoice::Eyes, "eyes.png", "through the user's eyes", false),
+        (CameraChoice::Orbit, "overview.png", "from above", false),
+        (CameraChoice::Top, "map.png", "map with the emotions marked", true),
     ];
     for (camera, name, what, has_markers) in views {
         let started = Instant::now();
@@ -166,7 +156,7 @@ fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
     stage.show().renderer().set_markers(None);
     let (seconds, budget) = VIDEO;
     stage.resize(VIDEO_SIZE)?;
-    let (started, camera) = (Instant::now(), stage.camera(CameraName::Orbit, 0.0)?);
+    let (started, camera) = (Instant::now(), stage.camera(CameraChoice::Orbit, 0.0)?);
     stage.picture(&camera)?;
     if started.elapsed().as_secs_f64() * seconds * RATES.1 > budget {
         note("note: no video, since it would take more than a minute here; `gaitway render` makes one");
@@ -174,7 +164,7 @@ fn pictures(stage: &mut Stage, files: &mut Files<'_>) -> Result<(), Error> {
     }
     let steps = (stage.scene.steps(seconds), steps_per_frame(RATES.1, &stage.scene)?);
     let name = if cfg!(feature = "video") { "crowd.mp4" } else { "crowd.y4m" };
-    let (path, _) = video(stage, CameraName::Orbit, steps, &files.folder.join(name), RATES.1)?;
+    let (path, _) = video(stage, CameraChoice::Orbit, steps, &files.folder.join(name), RATES.1)?;
     files.add(&path, "video", started);
     Ok(())
 }

@@ -4,7 +4,6 @@
 //! error. Exit codes: 0 done, 1 it went wrong while doing (`error: …`, `hint: …`), 2 the command line is wrong, 130
 //! interrupted.
 
-mod avatars;
 mod bench;
 #[cfg(feature = "vulkan")]
 mod demo;
@@ -28,8 +27,6 @@ mod scenes;
 #[cfg(feature = "vulkan")]
 mod sheet;
 mod simulate;
-#[cfg(feature = "vulkan")]
-mod stage;
 mod threads;
 mod validate;
 #[cfg(feature = "vulkan")]
@@ -218,9 +215,9 @@ fn is_of_the_command_line(error: &Error) -> bool {
     use crate::export::image::Error as Picture;
     use crate::scenario::Error as Scenario;
     match error {
-        Error::Usage { .. } | Error::Scenario(Scenario::UnknownScene { .. } | Scenario::Setting { .. }) => {
-            true
-        }
+        Error::Usage { .. }
+        | Error::Scenario(Scenario::UnknownScene { .. } | Scenario::Setting { .. })
+        | Error::Scene(crate::scene::Error::NoAgent { .. }) => true,
         Error::Export(crate::export::Error::Picture(Picture::Ending { .. } | Picture::FrameRate(_))) => true,
         Error::Scenario(Scenario::Value(bad)) => is_set(&bad.place),
         Error::Scenario(Scenario::Syntax { place, .. }) => is_set(place),

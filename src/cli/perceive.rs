@@ -4,7 +4,7 @@ use super::failed;
 use super::gait::{model_or_default, sources};
 use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
-use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds, library, start};
+use super::scene::{PlaceArguments, SceneArguments, build, check_seconds, tell_place};
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};
@@ -16,7 +16,8 @@ use crate::perception::affective_svm::AffectiveSvm;
 use crate::perception::features::{FEATURE_COUNT, Variant};
 use crate::perception::model::{Model, Prediction, Preparation};
 use crate::scenario::Condition;
-use crate::sim::{Simulation, bodies};
+use crate::scene::Scene;
+use crate::sim::Simulation;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -145,12 +146,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let warm_up = check_seconds("--warm-up", arguments.warm_up)?;
     let begin = Instant::now();
     // What an agent shows of joints that were not captured is not its own.
-    library(arguments.scene.library.as_deref())?.gaits().iter().try_for_each(Gait::check_whole)?;
+    let builder = arguments.scene.builder()?;
+    builder.gaits()?.iter().try_for_each(Gait::check_whole)?;
     // a classifier that cannot be had is told before the crowd is simulated
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = build(builder, arguments.scene.library.as_deref())?;
     let (judges, is_complete) = judges(arguments, &scene)?;
-    let place = &arguments.scene.place;
-    let (gaits, simulation, mut report) = watch(&scene, place, [warm_up, seconds])?;
+    let (gaits, simulation, mut report) = watch(&scene, [warm_up, seconds])?;
     let seen: Vec<&Gait> = gaits.iter().collect();
     let on_device = features(&seen, &simulation)?;
     for judge in &judges {
@@ -169,15 +170,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 }
 
 /// Simulates and records the crowd: one stride of everyone who walks, labelled with what it is to show.
-fn watch(
-    scene: &Scene,
-    place: &PlaceArguments,
-    [warm_up, seconds]: [f64; 2],
-) -> Result<(Vec<Gait>, Simulation, Report), Error> {
-    let mut store = scene.store()?;
-    bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
-    let mut simulation = start(store, place)?;
-    let agents = simulation.store().step.agent_count;
+fn watch(scene: &Scene, [warm_up, seconds]: [f64; 2]) -> Result<(Vec<Gait>, Simulation, Report), Error> {
+    let (mut simulation, _) = scene.start_with_bodies()?;
+    tell_place(&simulation);
+    let agents = simulation.agent_count();
     let how = Recorder::of(&scene.scenario, scene.steps(warm_up), scene.steps(seconds));
     let mut progress = Progress::new(format!("watching {} agents", thousands(u64::from(agents))));
     let tracks = record(&mut simulation, &scene.cast, &how, &mut |share| progress.at("", share))?;

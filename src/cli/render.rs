@@ -3,12 +3,13 @@
 use super::output::{say, say_json, thousands};
 use super::outputs::make_folder;
 use super::progress::Progress;
-use super::scene::{PlaceArguments, Scene, SceneArguments, check_seconds};
+use super::scene::{SceneArguments, check_seconds, tell_place};
 use super::simulate::steps_per_frame;
-use super::stage::{CameraName, Stage, size};
 use super::usage;
 use crate::export::image::write_png;
 use crate::export::video::Video;
+use crate::render::{Markers, Settings};
+use crate::scene::{CameraChoice, Scene, Stage, atmosphere};
 use crate::{Error, stop};
 use clap::Args;
 use clap::builder::ArgPredicate;
@@ -32,7 +33,7 @@ pub(super) struct Arguments {
     scene: SceneArguments,
     /// eyes (the user's; without one: from near the middle), orbit, top (a map), `follow` or `follow:AGENT`
     #[arg(long, default_value = "orbit", value_name = "CAMERA")]
-    camera: CameraName,
+    camera: CameraChoice,
     /// Pixels
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WIDTHxHEIGHT")]
     size: (u32, u32),
@@ -111,7 +112,7 @@ impl Target {
 /// What is drawn of a scene.
 pub(super) struct Film<'a> {
     pub(super) out: &'a Path,
-    pub(super) camera: CameraName,
+    pub(super) camera: CameraChoice,
     pub(super) size: (u32, u32),
     pub(super) at: Option<f64>,
     pub(super) seconds: f64,
@@ -133,24 +134,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         markers: arguments.markers,
     };
     Target::of(picture.out)?; // before anything takes time
-    draw(Scene::load(&arguments.scene)?, &arguments.scene.place, &picture, arguments.json, begin)
+    draw(arguments.scene.load()?, &picture, arguments.json, begin)
 }
 
 /// Draws pictures of a scene and says what was written.
-pub(super) fn draw(
-    scene: Scene,
-    place: &PlaceArguments,
-    picture: &Film<'_>,
-    json: bool,
-    begin: Instant,
-) -> Result<bool, Error> {
+pub(super) fn draw(scene: Scene, picture: &Film<'_>, json: bool, begin: Instant) -> Result<bool, Error> {
     let target = Target::of(picture.out)?;
     let is_still = matches!(target, Target::Still(_));
     let at = check_seconds("--at", picture.at.unwrap_or(if is_still { 3.0 } else { 0.0 }))?;
     let rate = picture.fps.unwrap_or(1.0 / f64::from(scene.scenario.navigation.time_step));
     let every = steps_per_frame(rate, &scene)?;
     let (lead, steps) = (scene.steps(at), scene.steps(picture.seconds));
-    let mut stage = Stage::new(scene, place, picture.size, picture.markers)?;
+    let mut stage = stage(scene, picture.size, picture.markers)?;
     let heed = stop::heed();
     advance(&mut stage, lead)?;
     if stop::asked() {
@@ -211,6 +206,27 @@ fn print(outcome: &Outcome) {
     say(&format!("wall time  {:.2} s", outcome.wall_seconds));
 }
 
+/// Width and height of a picture in pixels, written `1280x720`.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let parts = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match parts {
+        Some((w, h)) if (1..=16_384).contains(&w) && (1..=16_384).contains(&h) => Ok((w, h)),
+        _ => Err("use WIDTHxHEIGHT in pixels, 1 to 16384 each, such as 1280x720".to_owned()),
+    }
+}
+
+/// A scene on stage for pictures of `size`, in the light of its place.
+pub(super) fn stage(scene: Scene, (width, height): (u32, u32), has_markers: bool) -> Result<Stage, Error> {
+    let settings = Settings {
+        atmosphere: atmosphere(scene.scenario.layout),
+        markers: has_markers.then(Markers::default),
+        ..Settings::sized(width, height)
+    };
+    let stage = Stage::new(scene, settings)?;
+    tell_place(&stage.simulation);
+    Ok(stage)
+}
+
 /// Simulates without drawing.
 fn advance(stage: &mut Stage, steps: u32) -> Result<(), Error> {
     let mut progress = Progress::new("simulating");
@@ -227,7 +243,7 @@ fn advance(stage: &mut Stage, steps: u32) -> Result<(), Error> {
 /// Draws a picture every `every` of `steps` steps and hands it on with its number; how many there were.
 pub(super) fn film(
     stage: &mut Stage,
-    camera: CameraName,
+    camera: CameraChoice,
     (steps, every): (u32, u32),
     take: &mut dyn FnMut(u64, &crate::picture::Image) -> Result<(), Error>,
 ) -> Result<u64, Error> {
@@ -252,7 +268,7 @@ pub(super) fn film(
 /// Films into a video file; its name and number of frames.
 pub(super) fn video(
     stage: &mut Stage,
-    camera: CameraName,
+    camera: CameraChoice,
     steps: (u32, u32),
     path: &Path,
     rate: f64,
@@ -263,4 +279,17 @@ pub(super) fn video(
         Ok(video.push(image).map_err(crate::export::Error::from)?)
     })?;
     Ok((video.finish().map_err(crate::export::Error::from)?, frames))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_read_and_wrong_ones_refused_with_the_way_out() {
+        assert_eq!(size("640x360"), Ok((640, 360)));
+        for wrong in ["640", "0x10", "99999x1", "ax2", ""] {
+            assert!(size(wrong).unwrap_err().contains("1280x720"), "{wrong}");
+        }
+    }
 }

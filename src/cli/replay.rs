@@ -1,20 +1,22 @@
 //! `gaitway replay`: other people's crowds, recorded or simulated, with bodies, gaits and emotions.
 
-use super::avatars::RigArguments;
 #[cfg(feature = "vulkan")]
 use super::output::note;
 use super::output::{say, say_json, thousands, warn};
 use super::preference::PreferenceArguments;
+#[cfg(feature = "vulkan")]
+use super::render::size;
 use super::scene::{
-    ConditionName, PlaceArguments, Scene, check_changed, check_seconds, library_for, people, scenario_of,
-    seed, start,
+    ConditionName, PlaceArguments, RigArguments, build, check_changed, check_seconds, people, seed, start,
+    with_library,
 };
 use super::simulate::{Length, Outcome, Recording, simulate};
-#[cfg(feature = "vulkan")]
-use super::stage::{CameraName, size};
 use super::usage;
 use crate::Error;
 use crate::replay::{Columns, Format, Options, Pixels, Replay, ReplayOptions, Report, name_of_unit, read};
+#[cfg(feature = "vulkan")]
+use crate::scene::CameraChoice;
+use crate::scene::Scene;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -132,7 +134,7 @@ struct PictureArguments {
     render: Option<PathBuf>,
     /// eyes (the scene's user's, or from near the middle), orbit, top (a map), `follow` or `follow:AGENT`
     #[arg(long, default_value = "orbit", value_name = "CAMERA", help_heading = "Pictures")]
-    camera: CameraName,
+    camera: CameraChoice,
     /// Pixels
     #[arg(long, default_value = "1280x720", value_parser = size, value_name = "WIDTHxHEIGHT", help_heading = "Pictures")]
     size: (u32, u32),
@@ -200,9 +202,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         if !arguments.json {
             print_report(&recording);
         }
-        return super::render::draw(scene, &arguments.place, &picture, arguments.json, begin);
+        return super::render::draw(scene, &picture, arguments.json, begin);
     }
-    let mut simulation = start(scene.store()?, &arguments.place)?;
+    let mut simulation = start(&scene)?;
     let length = Length { steps: scene.steps(seconds.unwrap_or(left).min(left)), until_empty: false };
     let rate = arguments.out_fps.unwrap_or(recording.frame_rate);
     let sink = arguments.out.as_ref().map(|path| Recording::create(path, rate, &scene)).transpose()?;
@@ -264,7 +266,7 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     };
     let recording = read(&arguments.file, &options)?;
     let mut scenario = match &arguments.scene {
-        Some(scene) => scenario_of(scene, &[])?,
+        Some(scene) => Scene::load(scene)?.scenario().clone(),
         None => {
             let name =
                 arguments.file.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
@@ -279,14 +281,13 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     check_changed(&scenario)?;
     let replay = Replay::new(&recording, ReplayOptions { smooth: reading.smooth, from });
     let base = arguments.scene.as_ref().and_then(|scene| Path::new(scene).parent());
-    let places = (base, &arguments.rigs);
-    let library = library_for(
-        arguments.library.as_deref(),
-        &mut scenario,
-        arguments.condition.map(ConditionName::get),
-    )?;
-    let scene = Scene::with_replay(scenario, &library, places, replay)?;
-    Ok((scene, recording.report))
+    let mut builder = Scene::of(scenario).folder(base).rig_maps(&arguments.rigs.rig_map).replay(replay);
+    if let Some(condition) = arguments.condition {
+        builder = builder.condition(condition.get());
+    }
+    let library = arguments.library.as_deref();
+    let builder = with_library(arguments.place.choose(builder)?, library)?;
+    Ok((build(builder, library)?, recording.report))
 }
 
 fn print_report(report: &Report) {

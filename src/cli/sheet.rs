@@ -1,15 +1,16 @@
 //! A contact sheet of the two bodies walking as each emotion, drawn by the renderer.
 
-use super::avatars::{RigArguments, avatars_of};
-use super::scene::{PlaceArguments, Scene, library};
-use super::stage::Stage;
+use super::scene::PlaceArguments;
 use crate::Error;
+use crate::avatar;
 use crate::emotion::Emotion;
 use crate::export::image::{Tile, contact_sheet};
 use crate::gait::walker::Sex;
+use crate::library::GaitLibrary;
 use crate::picture::Image;
 use crate::render::{Atmosphere, Camera, Settings};
-use crate::scenario::{AgentStart, Crowd, Entry, Scenario, Stop};
+use crate::scenario::{AgentStart, Crowd, Scenario, Stop};
+use crate::scene::{Scene, Stage};
 use crate::sim::Cast;
 use glam::{Vec2, Vec3};
 
@@ -37,7 +38,10 @@ pub(super) fn sheet(place: &PlaceArguments, progress: &mut dyn FnMut(f64)) -> Re
         atmosphere: Atmosphere { haze: 0.0, sun_direction: Vec3::new(-0.5, 0.8, 0.6), ..Atmosphere::DAY },
         ..Settings::sized(TILE.0, TILE.1)
     };
-    let mut stage = Stage::with(scene()?, place, settings)?;
+    let mut stage = {
+        let (backend, device) = place.get()?;
+        Stage::new(scene()?.on(backend, device), settings)?
+    };
     let (distance, fov) = CAMERA;
     stage.show().set_level_distances([1e3, 2e3, distance * 1.5]);
     let total = stage.scene.crowd.agents.len();
@@ -69,8 +73,8 @@ fn caption(number: usize) -> String {
 /// One agent per tile.
 fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
-    let library = library(None)?;
-    let cast = Cast::new(library.gaits(), avatars_of(&scenario, None, &RigArguments::default())?)?;
+    let library = GaitLibrary::built_in()?;
+    let cast = Cast::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
     let mut crowd = Crowd { stages: vec![Stop::waypoint(Vec2::ZERO, 1.0)], ..Crowd::default() };
     for emotion in Emotion::ALL {
         for (row, sex) in (0..ROWS).zip(Sex::ALL) {
@@ -80,7 +84,7 @@ fn scene() -> Result<Scene, Error> {
             }
         }
     }
-    Ok(Scene { geometry: scenario.geometry(), scenario, crowd, cast, replay: None })
+    Ok(Scene::of_crowd(scenario, crowd, cast))
 }
 
 fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32) -> AgentStart {
@@ -88,29 +92,12 @@ fn walker(place: usize, emotion: Emotion, (avatar, gait): (u32, u32), phase: u32
     #[allow(clippy::cast_precision_loss, reason = "a few dozen")]
     let x = place as f32 * APART;
     AgentStart {
-        entry: Entry::Start,
-        position: Vec2::new(x, 0.0),
-        velocity: Vec2::ZERO,
-        heading: 0.0,
-        radius: 0.25,
         emotion: emotion.weights(),
         gaits: [gait; 4],
-        gait_weights: [1.0, 0.0, 0.0, 0.0],
-        gazes: false,
         avatar,
-        scale: 1.0,
         colors: [0x00d2_9f7b, 0x0033_241b, TOPS[emotion.index()], 0x002a_3b55],
         phase: phase * (u32::MAX / PHASES),
-        route_start: 0,
-        route_length: 1,
         waypoint: 0,
-        loops: false,
-        speed: None,
-        teleport: None,
-        companions: [u32::MAX; 4],
-        manners: None,
-        speed_factor: 1.0,
-        reaction: 0.0,
-        elevation: 0.0,
+        ..AgentStart::at(Vec2::new(x, 0.0))
     }
 }

@@ -2,11 +2,12 @@
 
 use super::output::{note, rate, say, say_json, thousands};
 use super::progress::Progress;
-use super::scene::{Scene, SceneArguments, check_seconds, start};
+use super::scene::{SceneArguments, check_seconds, start};
 use super::usage;
 use crate::export::{Frame, Ground, TrajectoryFormat, TrajectoryWriter, Walkable};
 use crate::replay::Replay;
 use crate::scenario::Clearance;
+use crate::scene::Scene;
 use crate::sim::departures::{Departures, Evacuation};
 use crate::sim::{self, Simulation, measure};
 use crate::{Error, stop};
@@ -134,12 +135,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let longest = arguments.seconds.unwrap_or(if until_empty { LONGEST } else { SECONDS });
     let seconds = check_seconds("--seconds", longest)?;
     let begin = Instant::now();
-    let scene = Scene::load(&arguments.scene)?;
+    let scene = arguments.scene.load()?;
     if until_empty && !Departures::new(&scene.scenario, &scene.crowd).has_exits() {
         let message = format!("--until empty: nobody can leave {}, which has no exit", scene.scenario.name);
         return Err(usage(message, "end a journey with a stage of kind \"exit\", or give --seconds alone"));
     }
-    let mut simulation = start(scene.store()?, &arguments.scene.place)?;
+    let mut simulation = start(&scene)?;
     let length = Length { steps: scene.steps(seconds), until_empty };
     let recording = arguments.out.as_ref().map(|path| Recording::create(path, arguments.fps, &scene));
     let mut outcome = simulate(&scene, &mut simulation, length, recording.transpose()?)?;

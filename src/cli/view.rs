@@ -1,21 +1,13 @@
 //! `gaitway view`: a crowd in a window.
 
 use super::output::{note, say, say_json};
-use super::scene::{Scene, SceneArguments, check_seconds};
-use super::stage::{atmosphere, size};
+use super::render::size;
+use super::scene::{SceneArguments, check_seconds};
 use super::usage;
 use crate::Error;
-use crate::export::image::write_png;
-use crate::picture::Image;
-use crate::render::{Markers, Settings};
-use crate::scenario::Shares;
-use crate::sim::{Simulation, bodies};
-use crate::view::{self, Choice, Director, Outcome, Plan, Start};
+use crate::view::{self, Outcome, Plan};
 use clap::Args;
 use std::path::{Path, PathBuf};
-
-/// Most files that are tried for a free name.
-const MOST_FILES: u32 = 10_000;
 
 #[derive(Debug, Args)]
 #[command(
@@ -85,93 +77,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     if let Some(shot) = arguments.shot.as_deref().filter(|shot| !png(shot)) {
         return Err(usage(format!("--shot {}: a picture ends in .png", shot.display()), "use FILE.png"));
     }
-    let (backend, device) = arguments.scene.place.get()?;
-    let mut scene = Scene::load(&arguments.scene)?;
-    let (eyes, _) = scene.onlooker();
-    let (scenario, geometry) = (&scene.scenario, &scene.geometry);
-    let scenery = geometry.scenery();
-    let Shares { happy, angry, sad, neutral } = scenario.population.emotions;
     let plan = Plan {
-        title: scenario.name.clone(),
         size: arguments.size,
-        backend,
-        device: device.map(str::to_owned),
-        scenery,
-        settings: Settings {
-            atmosphere: atmosphere(scenario.layout),
-            markers: arguments.markers.then(Markers::default),
-            ..Settings::default()
-        },
-        gaze: scenario.gaze,
-        choice: Choice { condition: scenario.condition, shares: [happy, angry, sad, neutral] },
-        overview: geometry.overview,
-        user_eyes: (arguments.eyes == Eyes::User).then_some(eyes),
+        has_markers: arguments.markers,
+        eyes_follow_camera: arguments.eyes == Eyes::Camera,
         seconds,
         shot: arguments.shot.clone(),
         record: arguments.record.clone(),
         click: arguments.click,
         is_paused: arguments.pause,
+        note,
     };
-    let mut hall = Hall { arguments: &arguments.scene, scene, is_cast: false };
     let _heed = crate::stop::heed();
-    let outcome = view::run(plan, &mut hall)?;
+    let outcome = view::run(plan, arguments.scene.builder()?)?;
     if arguments.json {
         say_json(&outcome)?;
     } else {
         print(&outcome);
     }
     Ok(true)
-}
-
-/// Where crowds are cast.
-struct Hall<'a> {
-    arguments: &'a SceneArguments,
-    scene: Scene,
-    /// Whether the scene as it was loaded is on already.
-    is_cast: bool,
-}
-
-/// A file in the working folder that is not there yet.
-fn free_name(ending: &str) -> PathBuf {
-    let name = |number: u32| PathBuf::from(format!("gaitway-{number:04}.{ending}"));
-    (1..MOST_FILES).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(MOST_FILES))
-}
-
-impl Director for Hall<'_> {
-    fn cast(&mut self, choice: &Choice) -> Result<Start, Error> {
-        if self.is_cast {
-            let [happy, angry, sad, neutral] = choice.shares;
-            let shares = Shares { happy, angry, sad, neutral };
-            self.scene = Scene::load_with(self.arguments, |scenario| {
-                scenario.condition = choice.condition;
-                scenario.population.emotions = shares;
-            })?;
-        }
-        self.is_cast = true;
-        let mut store = self.scene.store()?;
-        let meshes = bodies::fill(&mut store, &self.scene.cast, bodies::SMALLEST_STORAGE_RANGE);
-        let crowd = &self.scene.crowd;
-        let emotions = crowd.agents.iter().chain(&crowd.outsiders).map(|agent| agent.emotion).collect();
-        Ok(Start { store, meshes, emotions })
-    }
-
-    fn step(&mut self, simulation: &mut Simulation, count: u32) -> Result<(), Error> {
-        self.scene.step(simulation, count)
-    }
-
-    fn keep(&mut self, image: &Image, file: Option<&Path>) -> Result<PathBuf, Error> {
-        let path = file.map_or_else(|| free_name("png"), Path::to_owned);
-        write_png(&path, image).map_err(crate::export::Error::from)?;
-        Ok(path)
-    }
-
-    fn film(&mut self) -> PathBuf {
-        free_name("mp4")
-    }
-
-    fn note(&mut self, line: &str) {
-        note(line);
-    }
 }
 
 fn print(outcome: &Outcome) {

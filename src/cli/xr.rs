@@ -5,18 +5,18 @@ use super::failed;
 use super::mirror;
 use super::output::{note, say, say_json};
 use super::progress::Progress;
-use super::scene::{Scene, SceneArguments, check_seconds, library, start};
-use super::stage::{atmosphere, size};
+use super::render::size;
+use super::scene::{SceneArguments, build, check_seconds, library, start, tell_place};
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::file;
 use crate::kernels::Store;
-use crate::render::Settings;
-use crate::scenario::{Clearance, Condition, GazeMode, User};
-use crate::sim::{bodies, measure};
+use crate::scenario::{Condition, GazeMode, User};
+use crate::scene::Scene;
+use crate::sim::measure;
 use crate::xr::{
     self, Moment, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError,
-    SessionHash, Shot, Way, World,
+    SessionHash, Shot, Way,
 };
 use clap::Args;
 use serde::Serialize;
@@ -27,8 +27,6 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "view")]
 use std::sync::Arc;
 
-/// Texels a side of the shadow map: a headset draws twice.
-const SHADOW_SIZE: u32 = 1024;
 /// Longest recording that is replayed, bytes: some days.
 const MOST_RECORDED: u64 = 1 << 30;
 
@@ -106,39 +104,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             failed(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
         })?;
     }
-    let scene = Scene::load_with(&arguments.scene, |scenario| scenario.put_in(User::default()))?;
+    let builder = arguments.scene.builder()?.change(|scenario| scenario.put_in(User::default()));
+    let scene = build(builder, arguments.scene.library.as_deref())?;
     if let Some(path) = &arguments.replay {
         return replay(arguments, &scene, path);
     }
-    let mut store = scene.store()?;
-    let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
-    let geometry = &scene.geometry;
-    let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
-    let floors = geometry.floors.clone();
-    let user = scene.scenario.user.unwrap_or_default();
-    let (at, radius) = (geometry.user.unwrap_or_default(), user.radius);
-    let full = store.frame.level_distance;
-    let world = World {
-        meshes,
-        scenery: geometry.scenery(),
-        settings: Settings {
-            atmosphere: atmosphere(scene.scenario.layout),
-            shadow_size: SHADOW_SIZE,
-            ..Settings::default()
-        },
-        gaze: scene.scenario.gaze,
-        level_distances: [full[0], full[1], full[2]],
-        start: xr::Stand {
-            position: at,
-            elevation: geometry.user_elevation,
-            heading: user.heading_deg.to_radians(),
-        },
-        floors: geometry.floors.clone(),
-        is_free: Box::new(move |place, height| {
-            free.admits(place, radius) && floors.admits(place, radius, height)
-        }),
-        store: store.clone(),
-    };
     let plan = Plan {
         seconds,
         eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
@@ -155,7 +125,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     };
     #[cfg(feature = "view")]
     let window = plan.mirror.as_ref().map(|mirror| mirror::open(mirror, &scene.scenario.name));
-    let mut simulation = start(store, &arguments.scene.place)?;
+    let (mut simulation, meshes) = scene.start_with_bodies()?;
+    tell_place(&simulation);
     let device = simulation.device();
     let mut observer = Keeper { record: None };
     if let Some(path) = &arguments.record {
@@ -168,7 +139,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         observer.record = Some((path.clone(), recorder));
     }
     let _heed = crate::stop::heed();
-    let outcome = xr::run(&mut simulation, world, plan, &mut observer);
+    let outcome = xr::run(&mut simulation, meshes, &scene, plan, &mut observer);
     #[cfg(feature = "view")]
     let mirrored = window.map(mirror::close);
     // what the user did is kept even if the session ended in an error
@@ -313,7 +284,7 @@ fn read(path: &Path) -> Result<Recording, Error> {
 /// Does the steps of a recording again, with the user as they were.
 fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
     let found = read(path)?;
-    let mut simulation = start(scene.store()?, &arguments.scene.place)?;
+    let mut simulation = start(scene)?;
     let session = session(&arguments.scene, scene, simulation.state()?)?;
     found.must_be_of(&session).map_err(recording(path))?;
     let mut progress = Progress::new("replaying".to_owned());

@@ -7,9 +7,10 @@ use crate::emotion::Emotion;
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::scenario::{
-    AgentStart, Condition, Crowd, EmotionMode, Entry, Prefer, Scenario, Shares, Stop, populate_from,
+    AgentStart, Condition, Crowd, EmotionMode, Manners, Prefer, Scenario, Shares, Stop, Way, populate_from,
 };
-use crate::sim::{Backend, Cast, Simulation, bodies, setup};
+use crate::scene::Scene;
+use crate::sim::{Backend, Cast};
 use glam::Vec2;
 
 /// Between the tracks, to the side, m: farther than avoidance looks.
@@ -51,26 +52,26 @@ pub fn practice_alone(
     let mut alone = scenario.clone();
     alone.user = None;
     alone.navigation.perturbation = 0.0;
-    let mut geometry = scenario.geometry();
+    alone.way_finding.way = Way::Straight;
+    let mut scene = Scene::of_crowd(alone, crowd, cast).on(backend, device);
+    let geometry = &mut scene.geometry;
     geometry.bounds = [[0.0, 0.0], [0.0, 1.0], [1.0, 1.0], [1.0, 0.0]]
         .map(|corner| (Vec2::from(corner) * 2.0 - 1.0) * (side + 3.0 * ROOM))
         .to_vec();
     geometry.obstacles.clear();
     geometry.spawns.clear();
     geometry.routes.clear();
-    let mut store = setup::store(&alone, &geometry, &crowd, &cast);
-    for manners in &mut store.manners {
-        manners[2] = 0.0;
-    }
-    bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
-    let mut simulation = Simulation::from_store(store, backend, device)?;
+    // nobody avoids anybody
+    let own = Manners { neighbour_cap: 0, ..Manners::of(&scene.scenario.navigation) };
+    scene.crowd.agents.iter_mut().for_each(|agent| agent.manners = Some(own));
+    let (mut simulation, _) = scene.start_with_bodies()?;
     let how = Recorder {
         user_eyes: None,
         ..Recorder::of(scenario, steps(scenario, WARM_UP), steps(scenario, SECONDS))
     };
-    let tracks = record(&mut simulation, &cast, &how, progress)?;
+    let tracks = record(&mut simulation, &scene.cast, &how, progress)?;
     let played = walks.iter().map(|&(gait, avatar, _)| [gait, avatar]);
-    Ok(labelled_strides(&tracks, played, gaits, &cast))
+    Ok(labelled_strides(&tracks, played, gaits, &scene.cast))
 }
 
 /// What is seen of a crowd that walks with these labelled gaits in the place of the scenario, under its condition (`eva-o`
@@ -100,13 +101,13 @@ pub fn practice_in_crowd(
     let library = GaitLibrary::from_gaits(gaits.to_vec())?;
     let crowd = populate_from(&others, &library)?;
     let cast = Cast::new(gaits, avatars)?;
-    let mut store = setup::store(&others, &others.geometry(), &crowd, &cast);
-    bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
-    let mut simulation = Simulation::from_store(store, backend, device)?;
-    let how = Recorder::of(&others, steps(&others, CROWD_WARM_UP), steps(&others, SECONDS));
-    let tracks = record(&mut simulation, &cast, &how, progress)?;
-    let played = crowd.agents.iter().map(|agent| [agent.gaits[0], agent.avatar]);
-    Ok(labelled_strides(&tracks, played, gaits, &cast))
+    let scene = Scene::of_crowd(others, crowd, cast).on(backend, device);
+    let (mut simulation, _) = scene.start_with_bodies()?;
+    let others = &scene.scenario;
+    let how = Recorder::of(others, steps(others, CROWD_WARM_UP), steps(others, SECONDS));
+    let tracks = record(&mut simulation, &scene.cast, &how, progress)?;
+    let played = scene.crowd.agents.iter().map(|agent| [agent.gaits[0], agent.avatar]);
+    Ok(labelled_strides(&tracks, played, gaits, &scene.cast))
 }
 
 /// The first walking stride of each track, under the name and label of the gait that was played on an avatar.
@@ -152,30 +153,16 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
         let size = (index as u32).wrapping_mul(0x9e37_79b9) >> 8;
         let scale = low + (high - low) * (size as f32 / (1 << 24) as f32);
         crowd.agents.push(AgentStart {
-            entry: Entry::Start,
-            position,
-            velocity: Vec2::ZERO,
-            heading: 0.0,
             radius: scenario.navigation.radius * scale,
             emotion: emotion.weights(),
             gaits: [gait; 4],
-            gait_weights: [1.0, 0.0, 0.0, 0.0],
             gazes: scenario.condition == Condition::EvaG,
             avatar,
             scale,
-            colors: [0; 4],
             phase: size << 8,
             route_start: index as u32,
-            route_length: 1,
             waypoint: 0,
-            loops: false,
-            speed: None,
-            teleport: None,
-            companions: [u32::MAX; 4],
-            manners: None,
-            speed_factor: 1.0,
-            reaction: 0.0,
-            elevation: 0.0,
+            ..AgentStart::at(position)
         });
         crowd.stages.push(Stop::waypoint(position + Vec2::new(0.0, 1000.0), 0.5));
     }

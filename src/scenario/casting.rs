@@ -168,30 +168,14 @@ impl<'a> Cast<'a> {
     pub(super) fn body(&self, agent: u32, emotion: Emotion, walks: bool) -> Result<AgentStart, Error> {
         let gait = if walks { self.gait(agent, emotion)? } else { 0 };
         Ok(AgentStart {
-            entry: Entry::Start,
-            position: Vec2::ZERO,
-            elevation: 0.0,
-            velocity: Vec2::ZERO,
-            heading: 0.0,
             radius: self.scenario.navigation.radius,
             emotion: emotion.weights(),
             gaits: [gait; 4],
-            gait_weights: [1.0, 0.0, 0.0, 0.0],
-            gazes: false,
             avatar: self.avatar(agent),
             scale: if walks { self.scale(agent) } else { 1.0 },
             colors: colors(self.scenario.seed, agent),
             phase: bits(self.scenario.seed, agent, Purpose::Phase, 0),
-            route_start: 0,
-            route_length: 1,
-            waypoint: 1, // it has no way to go: the only stage is behind it
-            teleport: None,
-            companions: [u32::MAX; 4],
-            manners: None,
-            speed: None,
-            speed_factor: 1.0,
-            reaction: 0.0,
-            loops: false,
+            ..AgentStart::at(Vec2::ZERO)
         })
     }
 
@@ -204,7 +188,6 @@ impl<'a> Cast<'a> {
         let speed = if walks { START_SPEED.min(self.scenario.navigation.max_speed) } else { 0.0 };
         Ok(AgentStart {
             entry,
-            position: if is_there { place.position } else { Vec2::splat(ABSENT) },
             elevation: place.elevation,
             velocity: place.direction * speed,
             heading: heading_from_ground(place.direction),
@@ -217,16 +200,15 @@ impl<'a> Cast<'a> {
             scale,
             colors: colors(seed, agent),
             phase: bits(seed, agent, Purpose::Phase, 0),
-            teleport: None,
             route_start: place.route_start,
             route_length: place.route_length,
             waypoint: place.waypoint,
             loops: place.loops,
-            companions: [u32::MAX; 4],
             manners: Some(person.manners),
             speed: person.speed,
             speed_factor: person.speed_factor,
             reaction: person.reaction,
+            ..AgentStart::at(if is_there { place.position } else { Vec2::splat(ABSENT) })
         })
     }
 }

@@ -1,8 +1,10 @@
 //! The start state of every agent: what [`crate::sim`] needs to begin, the same on every machine.
 
+use super::schema::Navigation;
 use super::people::Manners;
 use super::walkers::Teleport;
 use super::way_finding::Way;
+use crate::emotion::Emotion;
 use glam::Vec2;
 
 /// What a stage of a journey asks of who comes to it.
@@ -132,6 +134,53 @@ pub struct AgentStart {
     pub reaction: f32,
     /// After the last stage: walk the route again from its first one (true) or stay there (false).
     pub loops: bool,
+}
+
+impl AgentStart {
+    /// A neutral person who stands at `position` (x, z; m), faces +z and has no way to go: its route is the stage of its
+    /// number 0, which is behind it. Its body is that of the default navigation, its gait the first of the library.
+    ///
+    /// ```
+    /// use gaitway::Emotion;
+    /// use gaitway::scenario::AgentStart;
+    /// use glam::Vec2;
+    ///
+    /// let start = AgentStart {
+    ///     emotion: Emotion::Sad.weights(),
+    ///     route_length: 2,
+    ///     waypoint: 0,
+    ///     ..AgentStart::at(Vec2::new(3.0, -1.0))
+    /// };
+    /// assert_eq!((start.scale, start.companions), (1.0, [u32::MAX; 4]));
+    /// ```
+    pub fn at(position: Vec2) -> Self {
+        Self {
+            entry: Entry::Start,
+            position,
+            elevation: 0.0,
+            velocity: Vec2::ZERO,
+            heading: 0.0,
+            radius: Navigation::default().radius,
+            emotion: Emotion::Neutral.weights(),
+            gaits: [0; 4],
+            gait_weights: [1.0, 0.0, 0.0, 0.0],
+            gazes: false,
+            avatar: 0,
+            scale: 1.0,
+            colors: [0; 4],
+            phase: 0,
+            teleport: None,
+            route_start: 0,
+            route_length: 1,
+            waypoint: 1,
+            companions: [u32::MAX; 4],
+            manners: None,
+            speed: None,
+            speed_factor: 1.0,
+            reaction: 0.0,
+            loops: false,
+        }
+    }
 }
 
 /// All agents of a scenario, the routes they share, and where some of them come in.

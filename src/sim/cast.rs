@@ -56,6 +56,11 @@ impl Cast {
         &self.avatars
     }
 
+    /// How many gaits there are.
+    pub const fn gait_count(&self) -> usize {
+        self.gaits.len()
+    }
+
     /// The name of a gait, by index.
     pub fn gait_name(&self, gait: u32) -> Option<&str> {
         self.gaits.get(gait as usize).map(String::as_str)

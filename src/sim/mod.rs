@@ -18,11 +18,13 @@ pub mod measure;
 pub mod moments;
 pub mod obstacles;
 pub mod order;
+mod people;
 pub mod setup;
 mod ways;
 
 pub use cast::{Cast, MAX_AVATARS};
 pub use error::Error;
+pub use people::Person;
 
 use crate::kernels::shared::step::LED;
 use crate::kernels::{BufferId, KernelId, Pass, Store};
@@ -99,6 +101,8 @@ pub struct Simulation {
     fallback: Option<String>,
     /// Goals that have a field each, and how the flow grid is laid.
     ways: flow::Ways,
+    /// What each agent feels at the start, in the order of [`crate::Emotion::ALL`]; empty if unknown.
+    emotions: Vec<[f32; 4]>,
     /// How long kernels ran since [`Self::take_times`], if that is measured.
     times: Option<Vec<(KernelId, f64)>>,
 }
@@ -118,9 +122,13 @@ impl Simulation {
         let geometry = scenario.geometry();
         let mut store = setup::store(scenario, &geometry, crowd, cast);
         let ways = flow::equip(&mut store, scenario, &geometry, crowd)?;
-        let mut new = Self::from_store(store, backend, device)?;
-        new.ways = ways;
-        Ok(new)
+        let emotions = crowd.agents.iter().chain(&crowd.outsiders).map(|agent| agent.emotion).collect();
+        Ok(Self::from_store(store, backend, device)?.knowing(ways, emotions))
+    }
+
+    /// The same, which knows the ways that its store was equipped with, and what each agent feels at the start.
+    pub(crate) fn knowing(self, ways: flow::Ways, emotions: Vec<[f32; 4]>) -> Self {
+        Self { ways, emotions, ..self }
     }
 
     /// Runs passes on whichever backend there is, and reads buffers back.
@@ -180,6 +188,7 @@ impl Simulation {
             engine: None,
             fallback: None,
             ways: flow::Ways::default(),
+            emotions: Vec::new(),
             times: None,
         }
     }

@@ -8,7 +8,7 @@ use crate::gait::walker;
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Validation};
 use crate::kernels::Store;
-use crate::scenario::{AgentStart, Clearance, Crowd, Entry, Obstacle, Scenario, Stop};
+use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Stop};
 use crate::sim::{Backend, Cast, Simulation};
 use glam::Vec2;
 use serde::Serialize;
@@ -349,30 +349,16 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
     #[allow(clippy::cast_possible_truncation, reason = "thousands of people")]
     let number = |value: usize| value as u32;
     AgentStart {
-        entry: Entry::Start,
-        position: frame.there(walker.position),
         velocity: direction * walker.speed,
         heading: direction.x.atan2(direction.y),
         radius: walker.radius,
-        emotion: [0.0, 0.0, 0.0, 1.0],
-        gaits: [0; 4],
-        gait_weights: [1.0, 0.0, 0.0, 0.0],
-        gazes: false,
-        avatar: 0,
-        scale: 1.0,
-        colors: [0; 4],
         phase: crate::reference::exact::hash_u32(number(index)),
         route_start: number(first),
         route_length: number(walker.way.len()),
         waypoint: number(walker.next),
         loops: walker.loops,
-        teleport: None,
-        manners: None,
-        speed: None,
-        speed_factor: 1.0,
-        reaction: 0.0,
-        elevation: 0.0,
         companions: walker.companions,
+        ..AgentStart::at(frame.there(walker.position))
     }
 }
 

@@ -2,20 +2,21 @@
 
 use super::pick::{self, Pillar, Ray};
 use super::times::Times;
-use super::{Choice, Director, Plan, Start};
-use crate::emotion::Emotion;
+use super::{Choice, Plan};
 use crate::export::video::Video;
 use crate::gpu::Device;
-use crate::ground::{is_absent, world_from_ground};
+use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::kernels::shared::stages;
 use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::picture::Image;
 use crate::render::camera::View;
 use crate::render::{Markers, Settings, Show};
-use crate::scenario::{EnvironmentMesh, Gaze, GazeMode};
+use crate::scenario::{EnvironmentMesh, Gaze, GazeMode, Shares};
+use crate::scene::{Scene, SceneBuilder, Start, atmosphere};
+use crate::sim::bodies::MeshBuffers;
 use crate::sim::moments::make_room;
-use crate::sim::{Backend, Simulation};
+use crate::sim::{Backend, Person, Simulation};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -30,9 +31,9 @@ const LONGEST_STEPPING: Duration = Duration::from_millis(80);
 pub(super) const FILM_RATE: f64 = 30.0;
 /// Most pictures that one is repeated for in a video: the crowd ran faster than could be drawn.
 const MOST_REPEATED: u64 = 30;
-/// Somebody of the crowd at a moment.
+/// An agent that was picked, as it is now.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Person {
+pub struct Picked {
     /// Number of the agent.
     pub id: u32,
     /// The emotion felt most.
@@ -61,35 +62,25 @@ pub struct Person {
     pub rounds: u32,
 }
 
-impl Person {
-    /// An agent as it is now, unless it is not there.
-    pub(super) fn of(store: &Store, emotions: &[[f32; 4]], agent: u32) -> Option<Self> {
-        let i = agent as usize;
-        let position = *store.position.get(i).filter(|_| agent < store.step.agent_count)?;
-        if is_absent(position) {
-            return None;
-        }
-        let own = if store.step.feels > 0 { store.feeling.get(i) } else { emotions.get(i) };
-        let weights = own.copied().unwrap_or([0.0, 0.0, 0.0, 1.0]);
-        let emotion = Emotion::ALL.into_iter().max_by(|a, b| {
-            // of two alike the first
-            weights[a.index()].total_cmp(&weights[b.index()]).then(b.index().cmp(&a.index()))
-        });
-        let [heading, walking] = *store.stance.get(i)?;
+impl Picked {
+    /// A person with what the buffers say of its way.
+    fn of(store: &Store, person: &Person) -> Option<Self> {
+        let i = person.id as usize;
+        let [_, walking] = *store.stance.get(i)?;
         let [first, length, at, rounds] = *store.route.get(i)?;
         let length = (length & 0x7fff_ffff).max(1);
         let at = at.min(length - 1);
         let place = (first + at) as usize * STAGE_STRIDE;
         let [x, z, _, kind] = store.stages.get(place).copied().unwrap_or([0.0; 4]);
         Some(Self {
-            id: agent,
-            emotion: emotion.map_or("neutral", Emotion::name),
-            weights,
-            position,
-            elevation: store.elevation.get(i).copied().unwrap_or(0.0),
-            speed: Vec2::from_array(*store.velocity.get(i)?).length(),
+            id: person.id,
+            emotion: person.emotion().name(),
+            weights: person.emotions,
+            position: person.position.to_array(),
+            elevation: person.elevation,
+            speed: person.velocity.length(),
             preferred_speed: store.body.get(i)?[2],
-            heading_deg: heading.to_degrees(),
+            heading_deg: person.heading.to_degrees(),
             walking,
             stage: [at + 1, length],
             stage_kind: kind_name(kind),
@@ -119,14 +110,17 @@ struct Film {
 
 /// The crowd in the window.
 pub(super) struct Company {
+    /// What the crowd is cast from, again and again.
+    builder: SceneBuilder,
+    scene: Scene,
+    /// The eyes of the scene's user, or of an onlooker, m.
+    user_eyes: Vec3,
     simulation: Simulation,
     show: Show,
     device: Arc<Device>,
-    backend: Backend,
     scenery: EnvironmentMesh,
     settings: Settings,
     gaze: Gaze,
-    emotions: Vec<[f32; 4]>,
     height: f32,
     arrears: f64,
     /// Time of the crowd that is shown, s: up to a step ago, so that it is there to be shown.
@@ -137,48 +131,64 @@ pub(super) struct Company {
 }
 
 impl Company {
+    /// Puts the crowd of a scene on stage; `builder` makes others like it.
     pub(super) fn new(
         device: &Arc<Device>,
+        (builder, mut scene): (SceneBuilder, Scene),
         plan: &Plan,
-        director: &mut dyn Director,
         [width, height]: [u32; 2],
     ) -> Result<Self, crate::Error> {
-        let start = director.cast(&plan.choice)?;
-        let settings = Settings { width, height, ..plan.settings };
-        let mut company = {
-            let Staged { simulation, show, emotions, height } =
-                stage(start, device, plan.backend, (&plan.scenery, settings, &plan.gaze))?;
-            Self {
-                simulation,
-                show,
-                device: device.clone(),
-                backend: plan.backend,
-                scenery: plan.scenery.clone(),
-                settings,
-                gaze: plan.gaze,
-                emotions,
-                height,
-                arrears: 0.0,
-                shown: 0.0,
-                film: None,
-                times: Default::default(),
-            }
+        let (user_eyes, _) = scene.onlooker();
+        let settings = Settings {
+            atmosphere: atmosphere(scene.scenario.layout),
+            markers: plan.has_markers.then(Markers::default),
+            ..Settings::sized(width, height)
+        };
+        let scenery = scene.geometry.scenery();
+        let gaze = scene.scenario.gaze;
+        let Staged { simulation, show, height } =
+            stage(&scene, scene.buffers_with_bodies()?, device, (&scenery, settings, &gaze))?;
+        let mut company = Self {
+            builder,
+            scene,
+            user_eyes,
+            simulation,
+            show,
+            device: device.clone(),
+            scenery,
+            settings,
+            gaze,
+            height,
+            arrears: 0.0,
+            shown: 0.0,
+            film: None,
+            times: Default::default(),
         };
         company.measure();
         Ok(company)
     }
 
-    /// Other people in the same places: they go on where those before them were.
-    pub(super) fn recast(
-        &mut self,
-        director: &mut dyn Director,
-        choice: &Choice,
-    ) -> Result<(), crate::Error> {
-        let mut start = director.cast(choice)?;
+    /// The scene as it is cast now.
+    pub(super) const fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The eyes of the scene's user, or of an onlooker, m.
+    pub(super) const fn user_eyes(&self) -> Vec3 {
+        self.user_eyes
+    }
+
+    /// Other feelings in the same places: the crowd goes on where the one before was.
+    pub(super) fn recast(&mut self, choice: &Choice) -> Result<(), crate::Error> {
+        let [happy, angry, sad, neutral] = choice.shares;
+        let emotions = Shares { happy, angry, sad, neutral };
+        let builder = self.builder.clone().condition(choice.condition);
+        let scene = builder.change(|scenario| scenario.population.emotions = emotions).build()?;
+        let (mut start, meshes) = scene.buffers_with_bodies()?;
         carry_on(self.simulation.state()?, &mut start.store);
-        let made = stage(start, &self.device, self.backend, (&self.scenery, self.settings, &self.gaze))?;
-        (self.simulation, self.show) = (made.simulation, made.show);
-        (self.emotions, self.height) = (made.emotions, made.height);
+        let made = stage(&scene, (start, meshes), &self.device, (&self.scenery, self.settings, &self.gaze))?;
+        (self.simulation, self.show, self.height) = (made.simulation, made.show, made.height);
+        self.scene = scene;
         self.measure();
         Ok(())
     }
@@ -207,18 +217,13 @@ impl Company {
     }
 
     /// Lets `seconds` of the wall's clock pass at `speed` times its rate; how many steps that were.
-    pub(super) fn pass(
-        &mut self,
-        director: &mut dyn Director,
-        seconds: f64,
-        speed: f64,
-    ) -> Result<u32, crate::Error> {
+    pub(super) fn pass(&mut self, seconds: f64, speed: f64) -> Result<u32, crate::Error> {
         let time_step = f64::from(self.simulation.store().step.time_step);
         self.arrears = (self.arrears + seconds * speed).min((LONGEST_ARREARS * speed).max(time_step));
         let begin = Instant::now();
         let mut steps = 0;
         while self.arrears >= time_step && begin.elapsed() < LONGEST_STEPPING {
-            director.step(&mut self.simulation, 1)?;
+            self.scene.step(&mut self.simulation, 1)?;
             self.arrears -= time_step;
             steps += 1;
         }
@@ -228,10 +233,10 @@ impl Company {
     }
 
     /// Does one step, whatever the clock says.
-    pub(super) fn step_once(&mut self, director: &mut dyn Director) -> Result<(), crate::Error> {
+    pub(super) fn step_once(&mut self) -> Result<(), crate::Error> {
         self.arrears = 0.0;
         let begin = Instant::now();
-        director.step(&mut self.simulation, 1)?;
+        self.scene.step(&mut self.simulation, 1)?;
         self.shown = self.simulation.time();
         self.took_steps(begin, 1);
         Ok(())
@@ -305,12 +310,14 @@ impl Company {
         Ok(found.and_then(|(number, _)| u32::try_from(number).ok()))
     }
 
-    pub(super) fn person(&mut self, agent: u32) -> Result<Option<Person>, crate::Error> {
-        Ok(Person::of(self.simulation.state()?, &self.emotions, agent))
+    /// An agent as it is now, unless it is not there.
+    pub(super) fn picked(&mut self, agent: u32) -> Result<Option<Picked>, crate::Error> {
+        let Some(person) = self.simulation.person(agent)? else { return Ok(None) };
+        Ok(Picked::of(self.simulation.store(), &person))
     }
 
     /// Where an agent stands and how tall it is at most, m.
-    pub(super) fn place(person: &Person) -> Vec3 {
+    pub(super) fn place(person: &Picked) -> Vec3 {
         world_from_ground(Vec2::from_array(person.position), person.elevation)
     }
 
@@ -339,27 +346,27 @@ impl Company {
 struct Staged {
     simulation: Simulation,
     show: Show,
-    emotions: Vec<[f32; 4]>,
     height: f32,
 }
 
 /// Puts a crowd on stage.
 fn stage(
-    mut start: Start,
+    scene: &Scene,
+    (mut start, meshes): (Start, MeshBuffers),
     device: &Arc<Device>,
-    backend: Backend,
     (scenery, settings, gaze): (&EnvironmentMesh, Settings, &Gaze),
 ) -> Result<Staged, crate::Error> {
     let height = start.store.frame.agent_height;
     make_room(&mut start.store);
-    let mut simulation = if backend == Backend::Cpu {
-        Simulation::from_store(start.store, backend, None)?
+    let simulation = if scene.backend == Backend::Cpu {
+        Simulation::from_store(start.store, Backend::Cpu, None)?
     } else {
         Simulation::on_device(start.store, device)?
     };
-    let mut show = Show::with_device(&mut simulation, &start.meshes, scenery, settings, device)?;
+    let mut simulation = scene.introduce(simulation, start.ways);
+    let mut show = Show::with_device(&mut simulation, &meshes, scenery, settings, device)?;
     show.set_gaze(gaze);
-    Ok(Staged { simulation, show, emotions: start.emotions, height })
+    Ok(Staged { simulation, show, height })
 }
 
 /// Gives a crowd the places and ways of another one of as many people.
@@ -397,12 +404,13 @@ mod tests {
     #[test]
     fn a_person_is_told_with_emotion_speed_and_goal() {
         let emotions = [[0.1, 0.4, 0.4, 0.1]; 2];
-        let person = Person::of(&store(), &emotions, 0).unwrap();
+        let of = |id| Picked::of(&store(), &Person::of(&store(), &emotions, id)?);
+        let person = of(0).unwrap();
         assert_eq!((person.emotion, person.stage, person.stage_kind), ("angry", [2, 2], "goal"));
         assert!((person.speed - 5.0).abs() < 1e-6 && (person.heading_deg - 90.0).abs() < 1e-4);
         assert_eq!((person.goal, person.rounds), ([8.0, 0.5], 3));
-        assert_eq!(Person::of(&store(), &emotions, 1), None, "absent");
-        assert_eq!(Person::of(&store(), &emotions, 2), None, "nobody");
+        assert_eq!(of(1), None, "absent");
+        assert_eq!(of(2), None, "no agent");
     }
 
     #[test]

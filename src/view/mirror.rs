@@ -41,9 +41,9 @@ pub struct Mirrored {
 pub fn mirror(title: &str, size: [u32; 2], source: &mut dyn Source) -> Result<Mirrored, crate::Error> {
     let events = EventLoop::new().map_err(no_display)?;
     let mut app =
-        App { title, size, source, scene: None, mirrored: Mirrored::default(), failure: None, newest: None };
+        App { title, size, source, open: None, mirrored: Mirrored::default(), failure: None, newest: None };
     let ended = events.run_app(&mut app);
-    drop(app.scene.take());
+    drop(app.open.take());
     if let Some(error) = app.failure {
         return Err(error);
     }
@@ -52,7 +52,7 @@ pub fn mirror(title: &str, size: [u32; 2], source: &mut dyn Source) -> Result<Mi
 }
 
 /// What lives as long as the window. What uses the device goes before the surface, that before the window.
-struct Scene {
+struct Open {
     canvas: Canvas,
     surface: Surface,
     window: Window,
@@ -62,25 +62,25 @@ struct App<'a> {
     title: &'a str,
     size: [u32; 2],
     source: &'a mut dyn Source,
-    scene: Option<Scene>,
+    open: Option<Open>,
     newest: Option<Image>,
     mirrored: Mirrored,
     failure: Option<crate::Error>,
 }
 
 impl App<'_> {
-    fn open(&self, events: &ActiveEventLoop) -> Result<Scene, crate::Error> {
+    fn open(&self, events: &ActiveEventLoop) -> Result<Open, crate::Error> {
         let attributes = Window::default_attributes()
             .with_title(format!("{} - gaitway", self.title))
             .with_inner_size(PhysicalSize::new(self.size[0], self.size[1]));
         let window = events.create_window(attributes).map_err(no_display)?;
         let device = surface::open(&window, None, Validation::from_environment()?)?;
         let surface = Surface::new(&device, &window)?;
-        Ok(Scene { canvas: Canvas::new(&device, self.size)?, surface, window })
+        Ok(Open { canvas: Canvas::new(&device, self.size)?, surface, window })
     }
 
     fn show(&mut self) -> Result<(), crate::Error> {
-        let (Some(scene), Some(newest)) = (&mut self.scene, &self.newest) else { return Ok(()) };
+        let (Some(scene), Some(newest)) = (&mut self.open, &self.newest) else { return Ok(()) };
         let size: [u32; 2] = scene.window.inner_size().into();
         if !size.contains(&0) && scene.canvas.paint(newest, &mut scene.surface, size)? {
             self.mirrored.shown += 1;
@@ -96,9 +96,9 @@ impl App<'_> {
 
 impl ApplicationHandler for App<'_> {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        if self.scene.is_none() && self.failure.is_none() {
+        if self.open.is_none() && self.failure.is_none() {
             match self.open(events) {
-                Ok(scene) => self.scene = Some(scene),
+                Ok(scene) => self.open = Some(scene),
                 Err(error) => self.fail(events, error),
             }
         }
@@ -111,7 +111,7 @@ impl ApplicationHandler for App<'_> {
                 events.exit();
             }
             WindowEvent::Resized(_) => {
-                if let Some(scene) = &mut self.scene {
+                if let Some(scene) = &mut self.open {
                     scene.surface.forget();
                     scene.window.request_redraw();
                 }
@@ -130,7 +130,7 @@ impl ApplicationHandler for App<'_> {
             events.exit();
             return;
         }
-        if let (Some(image), Some(scene)) = (self.source.take(), &self.scene) {
+        if let (Some(image), Some(scene)) = (self.source.take(), &self.open) {
             self.newest = Some(image);
             scene.window.request_redraw();
         }

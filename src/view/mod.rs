@@ -1,6 +1,6 @@
 //! The desktop window: a crowd to look at, to stop, to ask and to film.
 //!
-//! [`run`] opens the window and gives it a crowd that a [`Director`] casts. Every frame the crowd is stepped by the clock,
+//! [`run`] opens the window and gives it the crowd of a scene. Every frame the crowd is stepped by the clock,
 //! drawn by the one renderer into an image of the window's size, the panel drawn over it, and the whole copied to the window.
 //! A machine without a window says so; `gaitway render` draws the same pictures into files.
 
@@ -16,16 +16,12 @@ mod times;
 mod window;
 
 pub use camera::{CameraMode, Rig};
-pub use crowd::Person;
+pub use crowd::Picked;
 pub use mirror::{Mirrored, Source, mirror};
 pub use times::MeanTimes;
 pub use window::run;
 
-use crate::kernels::Store;
-use crate::scenario::{Condition, EnvironmentMesh, Gaze, GazeMode};
-use crate::sim::Backend;
-use crate::sim::bodies::MeshBuffers;
-use glam::Vec3;
+use crate::scenario::{Condition, GazeMode};
 use serde::Serialize;
 use std::path::PathBuf;
 
@@ -68,71 +64,15 @@ pub struct Choice {
     pub shares: [f32; 4],
 }
 
-/// A crowd at its start.
-#[derive(Debug)]
-pub struct Start {
-    /// The buffers, with bodies filled in.
-    pub store: Store,
-    /// The bodies' meshes.
-    pub meshes: MeshBuffers,
-    /// Emotion weights of each agent.
-    pub emotions: Vec<[f32; 4]>,
-}
-
-/// Who casts crowds.
-pub trait Director {
-    /// The crowd of a choice; always the same people in number and places, with other feelings.
-    ///
-    /// # Errors
-    /// When the choice cannot be cast.
-    fn cast(&mut self, choice: &Choice) -> Result<Start, crate::Error>;
-
-    /// Does steps: recorded people among the crowd are led.
-    ///
-    /// # Errors
-    /// When the simulation fails.
-    fn step(&mut self, simulation: &mut crate::sim::Simulation, count: u32) -> Result<(), crate::Error>;
-
-    /// Keeps a picture under a name of its own or the given one; the file's name.
-    ///
-    /// # Errors
-    /// When it cannot be written.
-    fn keep(
-        &mut self,
-        image: &crate::picture::Image,
-        file: Option<&std::path::Path>,
-    ) -> Result<PathBuf, crate::Error>;
-
-    /// A file for a video that the user asks for.
-    fn film(&mut self) -> PathBuf;
-
-    /// Tells the user one line.
-    fn note(&mut self, line: &str);
-}
-
 /// What the window shows and how.
 #[derive(Debug, Clone)]
 pub struct Plan {
-    /// Name in the title.
-    pub title: String,
     /// Pixels of the window at the beginning.
     pub size: (u32, u32),
-    /// Where to simulate.
-    pub backend: Backend,
-    /// Vulkan device, by name or number.
-    pub device: Option<String>,
-    /// The scenery.
-    pub scenery: EnvironmentMesh,
-    /// Light and quality; the size follows the window.
-    pub settings: crate::render::Settings,
-    /// How agents gaze.
-    pub gaze: Gaze,
-    /// The crowd at the beginning.
-    pub choice: Choice,
-    /// The camera at the beginning: eye, and what it looks at, m.
-    pub overview: (Vec3, Vec3),
-    /// The eyes that agents look at, m; none: the camera's.
-    pub user_eyes: Option<Vec3>,
+    /// Rings on the ground in the colours of the emotions.
+    pub has_markers: bool,
+    /// Whether agents look at the camera, and not at the scene's user.
+    pub eyes_follow_camera: bool,
     /// Close the window after this time, s.
     pub seconds: Option<f64>,
     /// The window as it was last, with its panel, goes into this file.
@@ -143,6 +83,8 @@ pub struct Plan {
     pub click: Option<(u32, u32)>,
     /// Whether the crowd stands still at the beginning.
     pub is_paused: bool,
+    /// Takes lines for the user, besides those in the panel.
+    pub note: fn(&str),
 }
 
 /// What came of it.
@@ -165,7 +107,7 @@ pub struct Outcome {
     /// Pixels of the window at the end.
     pub size: [u32; 2],
     /// Who was picked last.
-    pub picked: Option<Person>,
+    pub picked: Option<Picked>,
     /// Pictures that were written.
     pub shots: Vec<PathBuf>,
     /// Videos that were written.

@@ -1,7 +1,7 @@
 //! The panel beside the picture: what the crowd does, and what can be changed.
 
 use super::camera::CameraMode;
-use super::crowd::Person;
+use super::crowd::Picked;
 use super::times::Times;
 use super::{CONDITIONS, Choice, GAZE_MODES, shares};
 use crate::emotion::Emotion;
@@ -53,7 +53,7 @@ pub(super) struct Facts<'a> {
     pub(super) rate: f64,
     pub(super) device: &'a str,
     pub(super) simulated_on: &'a str,
-    pub(super) picked: Option<&'a Person>,
+    pub(super) picked: Option<&'a Picked>,
     /// Where the picked person is in the picture: middle of the feet and of the head, points.
     pub(super) mark: Option<[egui::Pos2; 2]>,
     pub(super) is_filmed: bool,
@@ -194,7 +194,7 @@ fn camera(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>) {
     });
 }
 
-fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Person>) {
+fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Picked>) {
     let Some(person) = picked else {
         ui.label("Click somebody to see their state.");
         return;

@@ -4,17 +4,21 @@ mod input;
 
 use super::camera::{CameraMode, Push, Rig};
 use super::canvas::{Canvas, Overlay};
-use super::crowd::{Company, Person};
+use super::crowd::{Company, Picked};
 use super::panel::{self, Asked, Controls, Facts};
 use super::pick::Ray;
 use super::surface::{self, Surface};
-use super::{Choice, Director, Error, Outcome, Plan, shares};
+use super::{Choice, Error, Outcome, Plan, shares};
+use crate::export::image::write_png;
 use crate::gpu::Validation;
+use crate::picture::Image;
 use crate::render::camera::View;
+use crate::scenario::Shares;
+use crate::scene::{Scene, SceneBuilder};
 use glam::{Vec2, Vec3};
 use input::Pointer;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
@@ -27,6 +31,8 @@ use winit::window::{Window, WindowId};
 const HIDDEN: Duration = Duration::from_millis(20);
 /// How long a line for the user stays in the panel.
 const SAYING: Duration = Duration::from_secs(6);
+/// Most files that are tried for a free name.
+const MOST_FILES: u32 = 10_000;
 /// Pictures after which [`Plan::click`] comes.
 const CLICK_AFTER: u64 = 3;
 
@@ -35,17 +41,19 @@ const CLICK_AFTER: u64 = 3;
 /// # Errors
 /// [`Error::NoDisplay`] and [`Error::NoPresenter`] when there can be no window; when the crowd cannot be cast or the device
 /// fails.
-pub fn run(plan: Plan, director: &mut dyn Director) -> Result<Outcome, crate::Error> {
+pub fn run(plan: Plan, builder: SceneBuilder) -> Result<Outcome, crate::Error> {
+    let scene = builder.clone().build()?;
     let events = EventLoop::new().map_err(no_display)?;
     events.set_control_flow(ControlFlow::Poll);
-    let mut app = App { plan, director, scene: None, outcome: Outcome::default(), failure: None };
+    let cast = Some((builder, scene));
+    let mut app = App { plan, cast, open: None, outcome: Outcome::default(), failure: None };
     let ended = events.run_app(&mut app);
-    let scene = app.scene.take();
+    let open = app.open.take();
     if let Some(error) = app.failure {
         return Err(error);
     }
     ended.map_err(no_display)?;
-    drop(scene);
+    drop(open);
     Ok(app.outcome)
 }
 
@@ -56,16 +64,17 @@ pub(super) fn no_display(error: impl std::fmt::Display) -> Error {
     Error::NoDisplay(rest.map_or(text.as_str(), |rest| rest.trim_start_matches([':', ' '])).to_owned())
 }
 
-struct App<'a> {
+struct App {
     plan: Plan,
-    director: &'a mut dyn Director,
-    scene: Option<Scene>,
+    /// The crowd, until there is a window to show it in.
+    cast: Option<(SceneBuilder, Scene)>,
+    open: Option<Open>,
     outcome: Outcome,
     failure: Option<crate::Error>,
 }
 
 /// Everything that lives as long as the window. What uses the device goes before the surface, that before the window.
-struct Scene {
+struct Open {
     company: Company,
     canvas: Canvas,
     surface: Surface,
@@ -88,25 +97,25 @@ struct Scene {
     window: Window,
 }
 
-impl ApplicationHandler for App<'_> {
+impl ApplicationHandler for App {
     fn resumed(&mut self, events: &ActiveEventLoop) {
-        if self.scene.is_none() && self.failure.is_none() {
-            match Scene::open(&self.plan, self.director, events) {
-                Ok(scene) => self.scene = Some(scene),
+        if let Some(cast) = self.cast.take() {
+            match Open::new(&self.plan, cast, events) {
+                Ok(open) => self.open = Some(open),
                 Err(error) => self.fail(events, error),
             }
         }
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
-        let Some(scene) = &mut self.scene else { return };
-        let _ = scene.pen.on_window_event(&scene.window, &event);
+        let Some(open) = &mut self.open else { return };
+        let _ = open.pen.on_window_event(&open.window, &event);
         match event {
             WindowEvent::CloseRequested | WindowEvent::Destroyed => self.end(events),
             WindowEvent::RedrawRequested => self.redraw(events),
-            WindowEvent::Occluded(is_hidden) => scene.is_hidden = is_hidden,
+            WindowEvent::Occluded(is_hidden) => open.is_hidden = is_hidden,
             other => {
-                if let Err(error) = scene.take(&other) {
+                if let Err(error) = open.take(&other) {
                     self.fail(events, error);
                 }
             }
@@ -114,28 +123,28 @@ impl ApplicationHandler for App<'_> {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(scene) = &mut self.scene else { return };
-        let size = scene.window.inner_size();
-        if scene.is_hidden || size.width == 0 || size.height == 0 {
+        let Some(open) = &mut self.open else { return };
+        let size = open.window.inner_size();
+        if open.is_hidden || size.width == 0 || size.height == 0 {
             // nothing can be shown: the crowd goes on, and nobody else is kept waiting
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN));
-            let seconds = scene.seconds_since();
-            if let Err(error) = scene.advance(self.director, seconds) {
+            let seconds = open.seconds_since();
+            if let Err(error) = open.advance(seconds) {
                 self.fail(events, error);
             } else if self.is_over() {
                 self.redraw(events); // a picture that was asked for needs no window
             }
         } else {
             events.set_control_flow(ControlFlow::Poll);
-            scene.window.request_redraw();
+            open.window.request_redraw();
         }
     }
 }
 
-impl App<'_> {
+impl App {
     fn is_over(&self) -> bool {
-        let open = self.scene.as_ref().map(|scene| scene.begin.elapsed().as_secs_f64());
-        crate::stop::asked() || self.plan.seconds.zip(open).is_some_and(|(most, open)| open >= most)
+        let since = self.open.as_ref().map(|open| open.begin.elapsed().as_secs_f64());
+        crate::stop::asked() || self.plan.seconds.zip(since).is_some_and(|(most, since)| since >= most)
     }
 
     fn redraw(&mut self, events: &ActiveEventLoop) {
@@ -143,9 +152,9 @@ impl App<'_> {
             return;
         }
         let is_last = self.is_over();
-        let Some(scene) = &mut self.scene else { return };
+        let Some(open) = &mut self.open else { return };
         let shot = self.plan.shot.as_deref().filter(|_| is_last);
-        if let Err(error) = scene.frame(self.director, &self.plan, &mut self.outcome, shot) {
+        if let Err(error) = open.frame(&self.plan, &mut self.outcome, shot) {
             self.fail(events, error);
         } else if is_last {
             self.end(events);
@@ -159,10 +168,10 @@ impl App<'_> {
 
     /// Ends in good order.
     fn end(&mut self, events: &ActiveEventLoop) {
-        if let Some(scene) = &mut self.scene
+        if let Some(open) = &mut self.open
             && !events.exiting()
         {
-            match scene.finish(&mut self.outcome) {
+            match open.finish(&mut self.outcome) {
                 Ok(()) => {}
                 Err(error) => self.failure = Some(error),
             }
@@ -171,23 +180,19 @@ impl App<'_> {
     }
 }
 
-impl Scene {
-    fn open(
-        plan: &Plan,
-        director: &mut dyn Director,
-        events: &ActiveEventLoop,
-    ) -> Result<Self, crate::Error> {
+impl Open {
+    fn new(plan: &Plan, cast: (SceneBuilder, Scene), events: &ActiveEventLoop) -> Result<Self, crate::Error> {
         let attributes = Window::default_attributes()
-            .with_title(format!("{} - gaitway", plan.title))
+            .with_title(format!("{} - gaitway", cast.1.scenario.name))
             .with_inner_size(PhysicalSize::new(plan.size.0, plan.size.1));
         let window = events.create_window(attributes).map_err(no_display)?;
-        let device = surface::open(&window, plan.device.as_deref(), Validation::from_environment()?)?;
+        let device = surface::open(&window, cast.1.device.as_deref(), Validation::from_environment()?)?;
         let size: [u32; 2] = window.inner_size().into();
         let size = size.map(|side| side.max(1));
         let surface = Surface::new(&device, &window)?;
         let canvas = Canvas::new(&device, size)?;
-        let mut company = Company::new(&device, plan, director, size)?;
-        company.set_markers(plan.settings.markers.is_some());
+        let mut company = Company::new(&device, cast, plan, size)?;
+        company.set_markers(plan.has_markers);
         if let Some(path) = &plan.record {
             company.begin_film(path)?;
         }
@@ -195,7 +200,11 @@ impl Scene {
         context.set_theme(egui::Theme::Dark);
         let side = usize::try_from(device.limits.max_image_dimension2_d).ok();
         let pen = egui_winit::State::new(context, egui::ViewportId::ROOT, &window, None, None, side);
-        let rig = Rig::new(plan.overview.0, plan.overview.1);
+        let (eye, target) = company.scene().geometry.overview;
+        let rig = Rig::new(eye, target);
+        let scenario = &company.scene().scenario;
+        let Shares { happy, angry, sad, neutral } = scenario.population.emotions;
+        let (condition, gaze) = (scenario.condition, scenario.gaze.mode);
         let now = Instant::now();
         Ok(Self {
             devices: company.devices(),
@@ -209,10 +218,10 @@ impl Scene {
                 is_open: true,
                 is_paused: plan.is_paused,
                 speed: 1.0,
-                choice: Choice { shares: shares::whole(plan.choice.shares), ..plan.choice },
+                choice: Choice { condition, shares: shares::whole([happy, angry, sad, neutral]) },
                 held: None,
-                gaze: plan.gaze.mode,
-                has_markers: plan.settings.markers.is_some(),
+                gaze,
+                has_markers: plan.has_markers,
                 camera: CameraMode::default(),
                 shot_has_panel: true,
                 asked: Asked::default(),
@@ -246,12 +255,12 @@ impl Scene {
     }
 
     /// Lets the crowd go on.
-    fn advance(&mut self, director: &mut dyn Director, seconds: f64) -> Result<(), crate::Error> {
+    fn advance(&mut self, seconds: f64) -> Result<(), crate::Error> {
         let is_asked = std::mem::take(&mut self.controls.asked.step);
         if is_asked {
-            self.company.step_once(director)?;
+            self.company.step_once()?;
         } else if !self.controls.is_paused {
-            self.company.pass(director, seconds, self.controls.speed)?;
+            self.company.pass(seconds, self.controls.speed)?;
         }
         Ok(())
     }
@@ -261,13 +270,7 @@ impl Scene {
     }
 
     /// One picture.
-    fn frame(
-        &mut self,
-        director: &mut dyn Director,
-        plan: &Plan,
-        outcome: &mut Outcome,
-        shot: Option<&Path>,
-    ) -> Result<(), crate::Error> {
+    fn frame(&mut self, plan: &Plan, outcome: &mut Outcome, shot: Option<&Path>) -> Result<(), crate::Error> {
         let size: [u32; 2] = self.window.inner_size().into();
         if size.contains(&0) {
             return Ok(());
@@ -279,9 +282,9 @@ impl Scene {
         if outcome.frames > 0 {
             self.pace += (seconds - self.pace) * if self.pace > 0.0 { 0.1 } else { 1.0 };
         }
-        self.advance(director, seconds)?;
+        self.advance(seconds)?;
         let person = self.steer(seconds)?;
-        let eyes = plan.user_eyes.unwrap_or(self.view.eyes[0]);
+        let eyes = if plan.eyes_follow_camera { self.view.eyes[0] } else { self.company.user_eyes() };
         let asked = self.controls.asked;
         let overlay = self.lay(person.as_ref());
         let keeps = asked.shot || shot.is_some();
@@ -291,13 +294,13 @@ impl Scene {
         let (was_shown, full) = self.canvas.show(overlay, &mut self.surface, keeps && with_panel)?;
         outcome.frames += u64::from(was_shown);
         if let Some(image) = full.or(bare.filter(|_| keeps)) {
-            match director.keep(&image, shot) {
+            match keep(&image, shot) {
                 Ok(file) => {
                     self.say(format!("written {}", file.display()));
                     outcome.shots.push(file);
                 }
                 Err(error) if shot.is_some() => return Err(error),
-                Err(error) => self.complain(director, &error),
+                Err(error) => self.complain(plan, &error),
             }
         }
         self.controls.asked.shot &= !asked.shot;
@@ -305,7 +308,7 @@ impl Scene {
             self.click = None;
             self.pick(Vec2::new(side(at.0), side(at.1)))?;
         }
-        self.obey(director, outcome)
+        self.obey(plan, outcome)
     }
 
     /// Another size of the window.
@@ -321,9 +324,9 @@ impl Scene {
     }
 
     /// Moves the camera; who is picked, as they are now.
-    fn steer(&mut self, seconds: f64) -> Result<Option<Person>, crate::Error> {
+    fn steer(&mut self, seconds: f64) -> Result<Option<Picked>, crate::Error> {
         let person = match self.picked {
-            Some(agent) => self.company.person(agent)?,
+            Some(agent) => self.company.picked(agent)?,
             None => None,
         };
         let held = |code| f32::from(u8::from(self.keys.contains(&code)));
@@ -347,7 +350,7 @@ impl Scene {
     }
 
     /// The panel of this picture.
-    fn lay(&mut self, person: Option<&Person>) -> Overlay {
+    fn lay(&mut self, person: Option<&Picked>) -> Overlay {
         let input = self.pen.take_egui_input(&self.window);
         let context = self.pen.egui_ctx().clone();
         let points = egui_winit::pixels_per_point(&context, &self.window);
@@ -382,7 +385,7 @@ impl Scene {
     }
 
     /// Does what was asked for in the panel.
-    fn obey(&mut self, director: &mut dyn Director, outcome: &mut Outcome) -> Result<(), crate::Error> {
+    fn obey(&mut self, plan: &Plan, outcome: &mut Outcome) -> Result<(), crate::Error> {
         let asked = std::mem::take(&mut self.controls.asked);
         self.controls.asked = Asked { shot: asked.shot, step: asked.step, ..Asked::default() };
         self.company.set_gaze_mode(self.controls.gaze);
@@ -391,8 +394,8 @@ impl Scene {
             self.picked = None;
         }
         if asked.recast {
-            if let Err(error) = self.company.recast(director, &self.controls.choice) {
-                self.complain(director, &error);
+            if let Err(error) = self.company.recast(&self.controls.choice) {
+                self.complain(plan, &error);
             }
             self.before = Instant::now();
         }
@@ -400,18 +403,18 @@ impl Scene {
             if self.company.is_filmed() {
                 self.end_film(outcome)?;
             } else {
-                let path = director.film();
+                let path = free_name("mp4");
                 match self.company.begin_film(&path) {
                     Ok(()) => self.say(format!("filming {}", path.display())),
-                    Err(error) => self.complain(director, &error),
+                    Err(error) => self.complain(plan, &error),
                 }
             }
         }
         Ok(())
     }
 
-    fn complain(&mut self, director: &mut dyn Director, error: &crate::Error) {
-        director.note(&format!("error: {error}"));
+    fn complain(&mut self, plan: &Plan, error: &crate::Error) {
+        (plan.note)(&format!("error: {error}"));
         self.say(error.to_string());
     }
 
@@ -432,11 +435,24 @@ impl Scene {
         outcome.swapchains = self.surface.made();
         outcome.size = self.size;
         outcome.picked = match self.picked {
-            Some(agent) => self.company.person(agent)?,
+            Some(agent) => self.company.picked(agent)?,
             None => None,
         };
         Ok(())
     }
+}
+
+/// A file in the working folder that is not there yet.
+fn free_name(ending: &str) -> PathBuf {
+    let name = |number: u32| PathBuf::from(format!("gaitway-{number:04}.{ending}"));
+    (1..MOST_FILES).map(name).find(|path| !path.exists()).unwrap_or_else(|| name(MOST_FILES))
+}
+
+/// Writes an image into a file, or into one with a free name; the file's name.
+fn keep(image: &Image, file: Option<&Path>) -> Result<PathBuf, crate::Error> {
+    let path = file.map_or_else(|| free_name("png"), Path::to_owned);
+    write_png(&path, image).map_err(crate::export::Error::from)?;
+    Ok(path)
 }
 
 #[allow(clippy::cast_precision_loss, reason = "sides of windows are far below 2^24")]

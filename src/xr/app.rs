@@ -15,7 +15,8 @@ use crate::gpu::Validation;
 use crate::kernels::Store;
 use crate::picture::Image;
 use crate::render::{Face, Settings, Show};
-use crate::scenario::{EnvironmentMesh, Floors};
+use crate::scenario::{Clearance, EnvironmentMesh, Floors};
+use crate::scene::{Scene, atmosphere};
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
 use crate::sim::moments::make_room;
@@ -27,6 +28,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
+/// Texels a side of the shadow map: a headset draws twice.
+const SHADOW_SIZE: u32 = 1024;
 /// Longest the crowd may fall behind the clock before it lets time pass.
 const LONGEST_ARREARS: f64 = 0.25;
 /// Without a sign of life from the headset's thread for so long, the user is told.
@@ -108,31 +111,61 @@ impl Default for Plan {
     }
 }
 
-/// What the headset shows.
-pub struct World {
+/// What the headset shows, and where its user may go.
+pub(super) struct Surroundings {
     /// The crowd at its start, with bodies filled in.
-    pub store: Store,
+    pub(super) store: Store,
     /// The bodies' meshes.
-    pub meshes: MeshBuffers,
+    pub(super) meshes: MeshBuffers,
     /// The scenery.
-    pub scenery: EnvironmentMesh,
+    pub(super) scenery: EnvironmentMesh,
     /// Light and quality; size and number of eyes follow the headset.
-    pub settings: Settings,
+    pub(super) settings: Settings,
     /// How agents gaze.
-    pub gaze: crate::scenario::Gaze,
+    pub(super) gaze: crate::scenario::Gaze,
     /// Levels of detail end here, and the crowd, m.
-    pub level_distances: [f32; 3],
+    pub(super) level_distances: [f32; 3],
     /// Where the user begins.
-    pub start: Stand,
+    pub(super) start: Stand,
     /// What the user may stand on.
-    pub floors: Floors,
-    /// Whether the user may be moved to a place by stick or teleport, on a floor of some height, m.
-    pub is_free: Box<dyn Fn(Vec2, f32) -> bool + Send>,
+    pub(super) floors: Floors,
+    /// Where the user may be moved to by stick or teleport.
+    free: Clearance,
+    /// Radius of the user, m.
+    radius: f32,
 }
 
-impl std::fmt::Debug for World {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("World").field("start", &self.start).finish_non_exhaustive()
+impl Surroundings {
+    fn of(scene: &Scene, mut store: Store, meshes: MeshBuffers) -> Self {
+        let geometry = &scene.geometry;
+        let user = scene.scenario.user.unwrap_or_default();
+        let [near, middle, far, ..] = store.frame.level_distance;
+        make_room(&mut store);
+        Self {
+            store,
+            meshes,
+            scenery: geometry.scenery(),
+            settings: Settings {
+                atmosphere: atmosphere(scene.scenario.layout),
+                shadow_size: SHADOW_SIZE,
+                ..Settings::default()
+            },
+            gaze: scene.scenario.gaze,
+            level_distances: [near, middle, far],
+            start: Stand {
+                position: geometry.user.unwrap_or_default(),
+                elevation: geometry.user_elevation,
+                heading: user.heading_deg.to_radians(),
+            },
+            floors: geometry.floors.clone(),
+            free: Clearance::new(&geometry.bounds, &geometry.obstacles),
+            radius: user.radius,
+        }
+    }
+
+    /// Whether the user may be moved to a place, on a floor of some height, m.
+    pub(super) fn is_free(&self, place: Vec2, height: f32) -> bool {
+        self.free.admits(place, self.radius) && self.floors.admits(place, self.radius, height)
     }
 }
 
@@ -259,20 +292,22 @@ pub trait Observer {
     fn step(&mut self, user: &Moment, crowd: &Store) -> Result<(), crate::Error>;
 }
 
-/// Shows a crowd on the headset.
+/// Shows the crowd of a scene on the headset: the simulation and its meshes are those of
+/// [`Scene::start_with_bodies`], at its start.
 ///
 /// # Errors
 /// When there is no headset at the beginning (unless the plan waits for one), or the crowd fails.
 pub fn run(
     simulation: &mut Simulation,
-    mut world: World,
+    meshes: MeshBuffers,
+    scene: &Scene,
     plan: Plan,
     observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let time_step = f64::from(simulation.store().step.time_step);
+    let world = Surroundings::of(scene, simulation.store().clone(), meshes);
     let Stand { position: place, elevation, .. } = world.start;
     let start = Moment { place, elevation, ..Moment::default() };
-    make_room(&mut world.store);
     let first = Arc::new(Show::moment(simulation.state()?));
     let shared = Arc::new(Shared {
         moment: Mutex::new(Latest { store: first, number: 1, due: 0.0, late: 0.0 }),

@@ -4,7 +4,7 @@
 //! two things end it early: an error that waiting cannot mend and that comes again and again, and one of our own, such as
 //! a full disk.
 
-use super::app::{Outage, Outcome, Plan, Shared, Shot, World, lock};
+use super::app::{Outage, Outcome, Plan, Shared, Shot, Surroundings, lock};
 use super::input::Reading;
 use super::pace::{FrameTimes, Governor};
 use super::recording::{Moment, numbers};
@@ -41,7 +41,7 @@ fn our_reason() -> &'static str {
 /// The headset's thread.
 pub(super) struct Headset<'a> {
     shared: &'a Shared,
-    world: World,
+    world: Surroundings,
     plan: Plan,
     rig: Rig,
     times: FrameTimes,
@@ -55,7 +55,7 @@ pub(super) struct Headset<'a> {
 }
 
 impl<'a> Headset<'a> {
-    pub(super) fn new(shared: &'a Shared, world: World, plan: Plan) -> Self {
+    pub(super) fn new(shared: &'a Shared, world: Surroundings, plan: Plan) -> Self {
         Self {
             shared,
             rig: Rig::new(world.start),
@@ -140,7 +140,7 @@ impl<'a> Headset<'a> {
         self.shared.live();
         let [width, height] = session.size();
         let settings = Settings { width, height, eyes: 2, ..self.world.settings };
-        let World { store, meshes, scenery, gaze, .. } = &self.world;
+        let Surroundings { store, meshes, scenery, gaze, .. } = &self.world;
         let mut show = Show::on_device(&device, store, meshes, scenery, settings, session.format())?;
         show.set_gaze(gaze);
         self.outcome.runtime = Some(runtime.info().clone());
@@ -254,7 +254,10 @@ impl Headset<'_> {
     /// Moves the user, and tells the crowd where they are.
     fn follow(&mut self, head: Pose, input: &Reading, seconds: f32) {
         let hand = input.hands[1].or(input.hands[0]);
-        let terrain = Terrain { floors: &self.world.floors, is_free: &*self.world.is_free };
+        let terrain = Terrain {
+            floors: &self.world.floors,
+            is_free: &|place, height| self.world.is_free(place, height),
+        };
         self.rig.walk(&input.walk, head, hand, seconds, &terrain);
         let place = self.rig.user(head);
         let room = self.rig.world_from_room();

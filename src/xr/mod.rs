@@ -22,7 +22,7 @@ mod survey;
 mod swapchain;
 mod views;
 
-pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outage, Outcome, Plan, Shot, Shots, World, run};
+pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outage, Outcome, Plan, Shot, Shots, run};
 pub use mirror::Mirror;
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
 pub use recording::{

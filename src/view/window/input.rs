@@ -1,6 +1,6 @@
 //! Pointer and keys over the picture.
 
-use super::{Scene, side};
+use super::{Open, side};
 use crate::view::camera::CameraMode;
 use crate::view::panel;
 use glam::Vec2;
@@ -20,7 +20,7 @@ pub(super) struct Pointer {
     held: Option<(MouseButton, f32)>,
 }
 
-impl Scene {
+impl Open {
     /// Takes an event that is not the panel's.
     pub(super) fn take(&mut self, event: &WindowEvent) -> Result<(), crate::Error> {
         let context = self.pen.egui_ctx();

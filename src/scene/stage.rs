@@ -1,14 +1,12 @@
 //! A scene on stage: its crowd in motion, a renderer, cameras.
 
-use super::scene::{PlaceArguments, Scene, start};
-use super::usage;
-use crate::Error;
+use super::{Error, Scene};
 use crate::ground::world_from_ground;
 use crate::picture::Image;
 use crate::render::camera::{OrbitControl, View};
-use crate::render::{Atmosphere, Camera, Markers, Settings, Show};
+use crate::render::{Atmosphere, Camera, Settings, Show};
 use crate::scenario::Layout;
-use crate::sim::{Simulation, bodies};
+use crate::sim::Simulation;
 use glam::{Vec2, Vec3};
 use std::str::FromStr;
 
@@ -21,18 +19,18 @@ const MAP_MARGIN: f32 = 1.04;
 
 /// Which camera.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum CameraName {
+pub enum CameraChoice {
     /// The user's eyes, or an onlooker's where the scene has no user.
     Eyes,
     /// The scene at a glance, slowly going round in videos.
     Orbit,
     /// A map.
     Top,
-    /// Over an agent's shoulder.
+    /// Over an agent's shoulder; when the agent has left, where it was last seen.
     Follow(u32),
 }
 
-impl FromStr for CameraName {
+impl FromStr for CameraChoice {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -49,127 +47,131 @@ impl FromStr for CameraName {
     }
 }
 
-/// Width and height of a picture in pixels, written `1280x720`.
-pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
-    let parts = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    match parts {
-        Some((w, h)) if (1..=16_384).contains(&w) && (1..=16_384).contains(&h) => Ok((w, h)),
-        _ => Err("use WIDTHxHEIGHT in pixels, 1 to 16384 each, such as 1280x720".to_owned()),
-    }
-}
-
 /// A crowd in motion that can be drawn.
+///
+/// ```no_run
+/// use gaitway::render::Settings;
+/// use gaitway::scene::{CameraChoice, Scene, Stage};
+///
+/// # fn main() -> gaitway::Result<()> {
+/// let mut stage = Stage::new(Scene::load("garden")?.build()?, Settings::sized(1280, 720))?;
+/// for frame in 0..100_u8 {
+///     stage.step(1)?;
+///     let camera = stage.camera(CameraChoice::Orbit, f64::from(frame) / 30.0)?;
+///     let image = stage.picture(&camera)?;
+///     println!("{} by {} pixels", image.width, image.height);
+/// }
+/// # Ok(())
+/// # }
+/// ```
 #[derive(Debug)]
-pub(super) struct Stage {
-    pub(super) scene: Scene,
-    pub(super) simulation: Simulation,
+pub struct Stage {
+    /// What is on stage.
+    pub scene: Scene,
+    /// Its crowd in motion.
+    pub simulation: Simulation,
     show: Show,
     size: (u32, u32),
+    /// Where the camera was that followed an agent, for when the agent is gone.
+    followed: Option<Camera>,
 }
 
 impl Stage {
-    /// Puts a scene on stage for pictures of `size`.
-    pub(super) fn new(
-        scene: Scene,
-        place: &PlaceArguments,
-        size: (u32, u32),
-        has_markers: bool,
-    ) -> Result<Self, Error> {
-        let settings = Settings {
-            atmosphere: atmosphere(scene.scenario.layout),
-            markers: has_markers.then(Markers::default),
-            ..Settings::sized(size.0, size.1)
-        };
-        Self::with(scene, place, settings)
-    }
-
-    /// The same with other settings.
-    pub(super) fn with(scene: Scene, place: &PlaceArguments, settings: Settings) -> Result<Self, Error> {
-        let mut store = scene.store()?;
-        let meshes = bodies::fill(&mut store, &scene.cast, bodies::SMALLEST_STORAGE_RANGE);
-        let mut simulation = start(store, place)?;
-        let geometry = &scene.geometry;
-        let scenery = geometry.scenery();
-        let device = place.device.as_deref();
-        let mut show = Show::new(&mut simulation, &meshes, &scenery, settings, device)?;
+    /// Puts a scene on stage, in the light of its place unless `settings` say otherwise.
+    ///
+    /// # Errors
+    /// As [`Scene::start`], and when no Vulkan device can draw.
+    pub fn new(scene: Scene, settings: Settings) -> Result<Self, crate::Error> {
+        let (mut simulation, meshes) = scene.start_with_bodies()?;
+        let scenery = scene.geometry.scenery();
+        let mut show = Show::new(&mut simulation, &meshes, &scenery, settings, scene.device.as_deref())?;
         show.set_gaze(&scene.scenario.gaze);
-        Ok(Self { scene, simulation, show, size: (settings.width, settings.height) })
+        Ok(Self { scene, simulation, show, size: (settings.width, settings.height), followed: None })
     }
 
     /// Does steps without drawing.
-    pub(super) fn step(&mut self, count: u32) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// When the simulation fails.
+    pub fn step(&mut self, count: u32) -> Result<(), crate::Error> {
         self.scene.step(&mut self.simulation, count)
     }
 
     /// The device that draws.
-    pub(super) fn device(&self) -> String {
+    pub fn device(&self) -> String {
         self.show.device()
     }
 
     /// The device that simulates, and the one that draws if it is another.
-    pub(super) fn devices(&self) -> String {
+    pub fn devices(&self) -> String {
         let (simulates, draws) = (self.simulation.device(), self.device());
         if simulates == draws { draws } else { format!("{simulates}, drawn on {draws}") }
     }
 
     /// Pixels a row, and rows.
-    pub(super) const fn size(&self) -> (u32, u32) {
+    pub const fn size(&self) -> (u32, u32) {
         self.size
     }
 
     /// Draws in another size from now on.
-    pub(super) fn resize(&mut self, size: (u32, u32)) -> Result<(), Error> {
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<(), crate::Error> {
         self.show.renderer().resize(size.0, size.1)?;
         self.size = size;
         Ok(())
     }
 
     /// What draws.
-    pub(super) fn show(&mut self) -> &mut Show {
+    pub const fn show(&mut self) -> &mut Show {
         &mut self.show
     }
 
     /// A camera as it stands `since` seconds after the first picture.
-    pub(super) fn camera(&mut self, name: CameraName, since: f64) -> Result<Camera, Error> {
+    ///
+    /// # Errors
+    /// [`Error::NoAgent`] when an agent that is to be followed is not there; when the device fails.
+    pub fn camera(&mut self, name: CameraChoice, since: f64) -> Result<Camera, crate::Error> {
         let geometry = &self.scene.geometry;
         Ok(match name {
-            CameraName::Eyes => {
+            CameraChoice::Eyes => {
                 let (eyes, heading) = self.scene.onlooker();
                 Camera::user_eyes(eyes, heading, 0.0)
             }
-            CameraName::Orbit => {
+            CameraChoice::Orbit => {
                 let (eye, target) = geometry.overview;
                 orbit(eye, target, since)
             }
-            CameraName::Top => {
+            CameraChoice::Top => {
                 let low = geometry.bounds.iter().copied().fold(Vec2::MAX, Vec2::min);
                 let high = geometry.bounds.iter().copied().fold(Vec2::MIN, Vec2::max);
                 let aspect = crate::render::camera::aspect(self.size.0, self.size.1);
                 let extent = high - low;
                 Camera::top((low + high) * 0.5, MAP_MARGIN * extent.y.max(extent.x / aspect))
             }
-            CameraName::Follow(agent) => self.follow(agent)?,
+            CameraChoice::Follow(agent) => self.follow(agent)?,
         })
     }
 
-    fn follow(&mut self, agent: u32) -> Result<Camera, Error> {
-        let store = self.simulation.state()?;
-        let agents = store.step.agent_count;
-        let index = agent as usize;
-        match (store.position.get(index), store.stance.get(index), store.elevation.get(index)) {
-            (Some(position), Some([heading, ..]), Some(elevation)) if agent < agents => {
-                let at = world_from_ground(Vec2::from_array(*position), *elevation);
-                Ok(Camera::follow(at, *heading, FOLLOW_DISTANCE))
-            }
-            _ => Err(usage(
-                format!("--camera follow:{agent}: there are {agents} agents"),
-                format!("use follow:0 to follow:{}, or more --agents", agents.saturating_sub(1)),
-            )),
+    fn follow(&mut self, agent: u32) -> Result<Camera, crate::Error> {
+        let agents = self.simulation.agent_count();
+        if agent >= agents {
+            return Err(Error::NoAgent { agent, agents }.into());
         }
+        if let Some(person) = self.simulation.person(agent)? {
+            let at = world_from_ground(person.position, person.elevation);
+            self.followed = Some(Camera::follow(at, person.heading, FOLLOW_DISTANCE));
+        }
+        let (eye, target) = self.scene.geometry.overview;
+        Ok(self.followed.unwrap_or_else(|| orbit(eye, target, 0.0)))
     }
 
     /// A picture through a camera.
-    pub(super) fn picture(&mut self, camera: &Camera) -> Result<Image, Error> {
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn picture(&mut self, camera: &Camera) -> Result<Image, crate::Error> {
         let view = View::mono(camera, self.size.0, self.size.1);
         let eyes = self.scene.geometry.eyes(&self.scene.scenario);
         self.show.picture(&mut self.simulation, &view, eyes)
@@ -177,7 +179,7 @@ impl Stage {
 }
 
 /// The light of a place.
-pub(super) const fn atmosphere(layout: Layout) -> Atmosphere {
+pub const fn atmosphere(layout: Layout) -> Atmosphere {
     match layout {
         Layout::Scifi => Atmosphere { exposure: 1.6, ..Atmosphere::EVENING },
         _ => Atmosphere::DAY,
@@ -203,15 +205,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cameras_and_sizes_are_read_and_wrong_ones_refused_with_the_way_out() {
-        assert_eq!("follow:12".parse(), Ok(CameraName::Follow(12)));
-        assert_eq!("top".parse(), Ok(CameraName::Top));
-        assert!("follow:x".parse::<CameraName>().unwrap_err().contains("\"x\""));
-        assert!("behind".parse::<CameraName>().unwrap_err().contains("orbit"));
-        assert_eq!(size("640x360"), Ok((640, 360)));
-        for wrong in ["640", "0x10", "99999x1", "ax2", ""] {
-            assert!(size(wrong).unwrap_err().contains("1280x720"), "{wrong}");
-        }
+    fn cameras_are_read_and_wrong_ones_refused_with_the_way_out() {
+        assert_eq!("follow:12".parse(), Ok(CameraChoice::Follow(12)));
+        assert_eq!("top".parse(), Ok(CameraChoice::Top));
+        assert!("follow:x".parse::<CameraChoice>().unwrap_err().contains("\"x\""));
+        assert!("behind".parse::<CameraChoice>().unwrap_err().contains("orbit"));
     }
 
     #[test]
