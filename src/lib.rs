@@ -1,9 +1,43 @@
-//! Crowds of thousands of people who look happy, angry, sad or neutral.
+//! Crowds of thousands of people who look happy, angry, sad or neutral, by how they walk and where they look.
 //!
+//! ```
+//! use gaitway::sim::Backend;
+//! use gaitway::{Emotion, Scene};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! // 60 people in the built-in crossing, on the CPU; `Backend::Auto` takes the best Vulkan device
+//! let mut crowd = Scene::load("crossing")?.agents(60).seed(7).backend(Backend::Cpu).start()?;
+//! crowd.step(5 * 30)?; // five seconds
+//! let sad = crowd.people()?.filter(|person| person.emotion() == Emotion::Sad);
+//! for person in sad {
+//!     println!("{} at {} m walks {:.2} m/s", person.id, person.position, person.velocity.length());
+//! }
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! | you want | begin at |
+//! | --- | --- |
+//! | a crowd, from a built-in scene or a file | [`Scene::load`] |
+//! | a scene of your own, in code | [`Scenario`], [`Scene::of`] |
+//! | who is where and feels what | [`Simulation::people`], [`Simulation::person`] |
+//! | pictures and videos | `scene::Stage`, [`export`] |
+//! | trajectories for PedPy and JuPedSim | [`export`] |
+//! | to lead a robot or a tracked person | [`Simulation::lead`] |
+//! | your own motion capture | [`gait::import`], [`gait::stride`], [`GaitLibrary`] |
+//! | what people would see in a walk | [`perception::model::Model`] |
+//! | a recorded crowd that walks again | [`replay`] |
+//! | a window, a headset | `view`, `xr` |
+//! | to check your device | [`verify`], [`bench`](mod@bench), [`validate`] |
+//!
+//! What is guaranteed: the same version, scenario and seed give the same crowd, bit for bit, on the CPU and on every Vulkan
+//! device whose arithmetic is exact. [`verify`] tells whether yours is.
+//!
+//! # The rooms
 //! ```text
-//!  mocap files ─► gait ─► perception ─► library ─► avatar ─► scenario ─► sim ─► render ─► files
-//!  (BVH, AMC,     strides, ratings,     GEA(e),    rig map,  who walks   one    culling,
-//!   C3D, npz)     speed    features     clips      retarget  where, how  step   draw
+//!  mocap files ─► gait ─► perception ─► library ─► avatar ─► scenario ─► sim ─► render ─► scene ─► view, xr
+//!  (BVH, AMC,     strides, ratings,     GEA(e),    rig map,  who walks   one    culling,  the one
+//!   C3D, npz)     speed    features     clips      retarget  where, how  step   draw      assembly
 //! ```
 //! A module uses what stands to its left, never what stands to its right (`tests/layers.rs`).
 //! [`kernels`] is the floor under [`mod@reference`] (CPU) and `gpu` (Vulkan).

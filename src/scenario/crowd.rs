@@ -1,7 +1,7 @@
 //! The start state of every agent: what [`crate::sim`] needs to begin, the same on every machine.
 
-use super::schema::Navigation;
 use super::people::Manners;
+use super::schema::Navigation;
 use super::walkers::Teleport;
 use super::way_finding::Way;
 use crate::emotion::Emotion;

@@ -1,0 +1,33 @@
+//! A program leads a robot through a crowd: each step it is told where the robot is, and the people make room.
+#![allow(clippy::print_stdout, reason = "an example prints")]
+
+use gaitway::scenario::{Outsider, OutsiderKind};
+use gaitway::{Result, Scene};
+use glam::Vec2;
+
+fn main() -> Result<()> {
+    let robot = Outsider {
+        kind: OutsiderKind::Robot,
+        radius: Some(0.4),
+        comfort: 0.3,
+        model: None,
+        size: None,
+        path: Vec::new(), // this program is its path
+    };
+    let scene =
+        Scene::load("crossing")?.agents(300).change(|scenario| scenario.outsiders.push(robot)).build()?;
+    let id = scene.agents(); // outsiders are numbered after the people
+    let mut crowd = scene.start()?;
+    let velocity = Vec2::new(0.8, 0.0);
+    let mut at = crowd.person(0)?.map_or(Vec2::ZERO, |person| person.position);
+    let mut nearest = f32::MAX;
+    for _step in 0..10 * 30 {
+        at += velocity / 30.0;
+        crowd.lead(id, Some((at, velocity)))?;
+        crowd.step(1)?;
+        let others = crowd.people()?.filter(|person| person.id != id);
+        nearest = others.map(|person| person.position.distance(at)).fold(nearest, f32::min);
+    }
+    println!("the robot is at {at} m; nobody's centre came nearer than {nearest:.2} m");
+    Ok(())
+}
