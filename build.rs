@@ -10,8 +10,12 @@
     reason = "checked in the crate"
 )]
 mod compile;
+#[path = "build/constants.rs"]
+mod constants;
 
-use compile::{Binding, Constant, Entry, Layout, Shader, Source, Use};
+use compile::constants::Constant;
+use compile::{Binding, Entry, Layout, Shader, Source, Use};
+use constants::Shared;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -41,28 +45,20 @@ fn generate() -> Result<(), String> {
     std::fs::create_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
     let kernels = compile_folder(Path::new("shaders"), &spirv)?;
     let draws = compile_folder(Path::new("shaders/draw"), &spirv)?;
-    let shared = shared_constants(kernels.iter().chain(&draws));
-    twins_declare_none_again(&kernels, &shared)?;
+    let shared = constants::shared(kernels.iter().chain(&draws));
+    constants::are_declared_once(&kernels, &shared)?;
     let mut text = String::from("// Written by build.rs from shaders/*.wgsl.\n");
-    kernel_ids(&kernels, &mut text)?;
+    ids(&kernels, &mut text)?;
     store(&kernels, &mut text)?;
     for (source, shader) in &kernels {
-        let own = own_constants(source, shader);
-        kernel(source, &shader.entries[0], &own, &mut text);
+        let own = constants::own(source, shader);
+        kernel(source, shader, &own, &shared, &mut text)?;
     }
-    text.push_str("/// The constants of `shaders/shared/`.\npub mod shared {\n");
-    for (stem, constants) in &shared {
-        let constants = constants_text(constants.values().copied());
-        let _ = write!(
-            text,
-            "/// Constants of `shaders/shared/{stem}.wgsl`.\npub mod {stem} {{\n{constants}}}\n"
-        );
-    }
-    text.push_str("}\n");
+    constants::write_shared(&shared, &mut text);
     text.push_str("/// The draw shaders.\n#[allow(unused_imports, reason = \"empty while there is no draw shader\")]\npub mod draw {\nuse super::*;\n");
     for (source, shader) in &draws {
         draw_shader(source, shader, &mut text)?;
-        let (name, constants) = (&source.name, own_constants(source, shader));
+        let (name, constants) = (&source.name, constants::own(source, shader));
         if !constants.is_empty() {
             let _ = write!(
                 text,
@@ -114,31 +110,45 @@ fn camel(name: &str) -> String {
     name.split('_').filter(|part| !part.is_empty()).map(capital).collect()
 }
 
-fn kernel_ids(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> {
-    let mut names = Vec::new();
-    for (source, shader) in kernels {
-        let file = format!("shaders/{}.wgsl", source.name);
-        let [entry] = shader.entries.as_slice() else {
+/// What must be true of a kernel file, and the names that Rust has for it.
+fn check_kernel(source: &Source, shader: &Shader) -> Result<(), String> {
+    let file = format!("shaders/{}.wgsl", source.name);
+    let twin = format!("src/reference/{}.rs", source.name);
+    if shader.entries.is_empty() {
+        return Err(format!("{file}:1: a kernel file has an entry point for each of its phases, found none"));
+    }
+    if !Path::new(&twin).exists() {
+        return Err(format!("{file}:1: kernel without a CPU twin: write {twin}"));
+    }
+    for entry in &shader.entries {
+        let name = &entry.name;
+        if *name != source.name && !name.starts_with(&format!("{}_", source.name)) {
             return Err(format!(
-                "{file}:1: a kernel file has one entry point, found {}",
-                shader.entries.len()
+                "{file}:1: the entry point `{name}` must be named as its file, or `{}_` and the phase",
+                source.name
             ));
-        };
-        if entry.name != source.name {
-            return Err(format!("{file}:1: the entry point `{}` must be named as its file", entry.name));
         }
         if entry.workgroup_size.iter().product::<u32>() > 256 {
-            return Err(format!("{file}:1: workgroups over 256 invocations do not run everywhere"));
+            return Err(format!("{file}:1: {name}: workgroups over 256 invocations do not run everywhere"));
         }
         let storage = entry.bindings.iter().filter(|b| matches!(b.access, Use::Read | Use::Write)).count();
         if storage > 8 {
-            return Err(format!("{file}:1: {storage} storage buffers, at most 8 run everywhere"));
+            return Err(format!("{file}:1: {name}: {storage} storage buffers, at most 8 run everywhere"));
         }
-        let twin = format!("src/reference/{}.rs", source.name);
-        if !Path::new(&twin).exists() {
-            return Err(format!("{file}:1: kernel without a CPU twin: write {twin}"));
+        if entry.immediate.as_ref().is_some_and(|(_, size)| *size != 4) {
+            return Err(format!("{file}:1: {name}: the immediate of a kernel is one `u32`"));
         }
+    }
+    Ok(())
+}
+
+fn ids(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> {
+    let mut names = Vec::new();
+    let mut phases = Vec::new();
+    for (source, shader) in kernels {
+        check_kernel(source, shader)?;
         names.push(source.name.as_str());
+        phases.extend(shader.entries.iter().map(|entry| (source.name.as_str(), entry.name.as_str())));
     }
     let list = |f: &dyn Fn(&str) -> String| names.iter().map(|n| f(n)).collect::<String>();
     let _ = write!(
@@ -152,13 +162,40 @@ fn kernel_ids(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), Str
         list(&|n| format!("Self::{},", camel(n))),
         list(&|n| format!("Self::{} => &{n}::KERNEL,\n", camel(n))),
     );
+    let list = |f: &dyn Fn(&str, &str) -> String| phases.iter().map(|(k, n)| f(k, n)).collect::<String>();
+    let _ = write!(
+        text,
+        "/// A phase of a kernel; one variant per entry point of `shaders/`.\n\
+         #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]\npub enum Phase {{\n{}}}\n\
+         impl Phase {{\n/// All phases, those of a kernel in the order of its file.\npub const ALL: [Self; {}] = [{}];\n\
+         /// The entry point.\npub const fn entry(self) -> &'static Entry {{ match self {{\n{}}} }}\n}}\n",
+        list(&|k, n| format!("/// `{n}` in `shaders/{k}.wgsl`\n{},\n", camel(n))),
+        phases.len(),
+        list(&|_, n| format!("Self::{},", camel(n))),
+        list(&|k, n| format!("Self::{} => &{k}::{},\n", camel(n), n.to_uppercase())),
+    );
     Ok(())
+}
+
+/// The bindings of all phases together: written if one of them writes.
+fn union(shader: &Shader) -> Result<Vec<Binding>, String> {
+    let mut all: BTreeMap<u32, Binding> = BTreeMap::new();
+    for binding in shader.entries.iter().flat_map(|entry| &entry.bindings) {
+        let known = all.entry(binding.binding).or_insert_with(|| binding.clone());
+        if known.name != binding.name {
+            return Err(format!("{}: `{}` has the number of `{}`", binding.place, binding.name, known.name));
+        }
+        if binding.access == Use::Write {
+            known.access = Use::Write;
+        }
+    }
+    Ok(all.into_values().collect())
 }
 
 /// The buffers: one per binding name over all kernels.
 fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> {
     let mut buffers: BTreeMap<&str, &Binding> = BTreeMap::new();
-    for binding in kernels.iter().flat_map(|(_, shader)| &shader.entries[0].bindings) {
+    for binding in kernels.iter().flat_map(|(_, shader)| &shader.entries).flat_map(|entry| &entry.bindings) {
         let first = buffers.entry(&binding.name).or_insert(binding);
         if first.rust != binding.rust {
             return Err(format!(
@@ -211,91 +248,55 @@ fn words(spirv: &[u32]) -> String {
     spirv.iter().map(|word| format!("{word},")).collect()
 }
 
-/// Constants of shared texts, by file and name.
-type Shared<'a> = BTreeMap<String, BTreeMap<&'a str, &'a Constant>>;
-
-fn stem(file: &Path) -> String {
-    file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
+fn bindings_text(bindings: &[Binding]) -> String {
+    let one = |b: &Binding| {
+        let (buffer, index, access) = (camel(&b.name), b.binding, b.access);
+        format!("Binding {{ buffer: BufferId::{buffer}, index: {index}, access: Access::{access:?} }},")
+    };
+    bindings.iter().map(one).collect()
 }
 
-fn shared_constants<'a>(shaders: impl Iterator<Item = &'a (Source, Shader)>) -> Shared<'a> {
-    let mut shared = Shared::new();
-    for constant in shaders.flat_map(|(_, shader)| &shader.constants) {
-        if constant.file.starts_with("shaders/shared") {
-            shared.entry(stem(&constant.file)).or_default().insert(&constant.name, constant);
-        }
-    }
-    shared
-}
-
-/// Constants that a shader's own file declares.
-fn own_constants(source: &Source, shader: &Shader) -> String {
-    let own = |c: &&Constant| !c.file.starts_with("shaders/shared") && stem(&c.file) == source.name;
-    constants_text(shader.constants.iter().filter(own))
-}
-
-/// Constants in Rust; numbers without a sign also as lengths and indices.
-fn constants_text<'a>(constants: impl Iterator<Item = &'a Constant>) -> String {
-    let (mut text, mut lengths) = (String::new(), String::new());
-    for c in constants {
-        let (name, ty) = (&c.name, c.value.rust_type());
-        let doc = format!("/// `{}:{}`: {}\n", c.file.display(), c.line, c.value.text());
-        let _ = writeln!(text, "{doc}pub const {name}: {ty} = {};", c.value.rust());
-        if ty == "u32" {
-            let _ = writeln!(lengths, "{doc}pub const {name}: usize = super::{name} as usize;");
-        }
-    }
-    if !lengths.is_empty() {
-        let _ = write!(text, "/// The same, to count and to index with.\npub mod index {{\n{lengths}}}\n");
-    }
-    text
-}
-
-/// Refuses a constant in `src/reference` that has the name of one of its kernel's file or of a shared one.
-fn twins_declare_none_again(kernels: &[(Source, Shader)], shared: &Shared<'_>) -> Result<(), String> {
-    let folder = Path::new("src/reference");
-    let listing = std::fs::read_dir(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
-    let mut files: Vec<PathBuf> = listing.filter_map(|entry| Some(entry.ok()?.path())).collect();
-    files.sort();
-    let mut errors = Vec::new();
-    for file in files {
-        let own = kernels.iter().find(|(source, _)| source.name == stem(&file));
-        let own = own.into_iter().flat_map(|(_, shader)| &shader.constants);
-        let known: Vec<&Constant> = own.chain(shared.values().flat_map(BTreeMap::values).copied()).collect();
-        let text = std::fs::read_to_string(&file).map_err(|e| format!("{}: {e}", file.display()))?;
-        for (number, line) in text.lines().enumerate() {
-            let words: Vec<&str> = line.split_whitespace().collect();
-            let declared = words.windows(2).find(|pair| matches!(pair[0], "const" | "static"));
-            let name = declared.and_then(|pair| pair[1].strip_suffix(':'));
-            if let Some(first) = known.iter().find(|constant| Some(constant.name.as_str()) == name) {
-                errors.push(format!(
-                    "{}:{}: `{}` stands at {}:{} already: import it from crate::kernels",
-                    file.display(),
-                    number + 1,
-                    first.name,
-                    first.file.display(),
-                    first.line
-                ));
-            }
-        }
-    }
-    if errors.is_empty() { Ok(()) } else { Err(errors.join("\n")) }
-}
-
-fn kernel(source: &Source, entry: &Entry, constants: &str, text: &mut String) {
-    let name = &source.name;
-    let bindings: String = entry
-        .bindings
+/// The immediate of an entry point; the constants of a shared file of its name are its flags.
+fn immediate_text(entry: &Entry, shared: &Shared<'_>) -> String {
+    let Some((name, _)) = &entry.immediate else { return "None".to_owned() };
+    let mut flags: Vec<&Constant> =
+        shared.get(name).into_iter().flat_map(BTreeMap::values).copied().collect();
+    flags.sort_by_key(|constant| constant.line);
+    let flags: String = flags
         .iter()
-        .map(|b| {
-            format!(
-                "Binding {{ buffer: BufferId::{}, index: {}, access: Access::{:?} }},",
-                camel(&b.name),
-                b.binding,
-                b.access
-            )
-        })
+        .map(|c| format!("(\"{}\", shared::{name}::{}),", c.name.to_lowercase(), c.name))
         .collect();
+    format!("Some(Immediate {{ name: \"{name}\", flags: &[{flags}] }})")
+}
+
+/// One phase of a kernel.
+fn entry_text(kernel: &str, entry: &Entry, shared: &Shared<'_>) -> String {
+    let name = &entry.name;
+    let phase = name.strip_prefix(kernel).and_then(|rest| rest.strip_prefix('_'));
+    let label = phase.map_or_else(|| kernel.to_owned(), |phase| format!("{kernel}.{phase}"));
+    format!(
+        "/// Entry point `{name}`.\npub static {upper}: Entry = Entry {{ phase: Phase::{id}, kernel: KernelId::{kernel}, \
+         name: \"{name}\", label: \"{label}\", workgroup_size: {size:?}, bindings: &[{bindings}], \
+         immediate: {immediate}, spirv: &[{words}] }};\n",
+        upper = name.to_uppercase(),
+        id = camel(name),
+        kernel = camel(kernel),
+        size = entry.workgroup_size,
+        bindings = bindings_text(&entry.bindings),
+        immediate = immediate_text(entry, shared),
+        words = words(&entry.spirv),
+    )
+}
+
+fn kernel(
+    source: &Source,
+    shader: &Shader,
+    constants: &str,
+    shared: &Shared<'_>,
+    text: &mut String,
+) -> Result<(), String> {
+    let name = &source.name;
+    let bindings = union(shader)?;
     let field = |b: &Binding| match b.access {
         Use::Uniform => format!("&'a {}", b.rust),
         Use::Write => format!("&'a mut [{}]", b.rust),
@@ -305,27 +306,29 @@ fn kernel(source: &Source, entry: &Entry, constants: &str, text: &mut String) {
         Use::Write => format!("{0}: &mut store.{0},", b.name),
         _ => format!("{0}: &store.{0},", b.name),
     };
-    let level = entry.immediate.is_some();
+    let immediate = shader.entries.iter().find_map(|entry| Some(entry.immediate.as_ref()?.0.as_str()));
+    let entries = |f: &dyn Fn(&Entry) -> String| shader.entries.iter().map(f).collect::<String>();
     let _ = write!(
         text,
         "/// Kernel `{name}`.\npub mod {name} {{\nuse super::*;\n\
-         /// The kernel.\npub static KERNEL: Kernel = Kernel {{ id: KernelId::{id}, name: \"{name}\", workgroup_size: {size:?}, \
-         bindings: &[{bindings}], has_level: {level}, spirv: &[{words}] }};\n\
-         /// The bindings as slices, for the CPU twin.\n#[derive(Debug)]\npub struct Slices<'a> {{\n{fields}{level_field}}}\n\
-         impl<'a> Slices<'a> {{\n/// Borrows what the kernel binds.\npub fn of(store: &'a mut Store, {level_name}: u32) -> Self {{ Self {{ {borrows} {level_set} }} }}\n}}\n{constants}}}\n",
+         /// The kernel.\npub static KERNEL: Kernel = Kernel {{ id: KernelId::{id}, name: \"{name}\", phases: &[{phases}], bindings: &[{all}] }};\n{entries}\
+         /// The bindings as slices, for the CPU twin.\n#[derive(Debug)]\npub struct Slices<'a> {{\n{fields}{immediate_field}}}\n\
+         impl<'a> Slices<'a> {{\n/// Borrows what the kernel binds.\npub fn of(store: &'a mut Store, {argument}: u32) -> Self {{ Self {{ {borrows} {immediate_set} }} }}\n}}\n{constants}}}\n",
         id = camel(name),
-        size = entry.workgroup_size,
-        words = words(&entry.spirv),
-        fields = entry
-            .bindings
+        phases = entries(&|entry| format!("Phase::{},", camel(&entry.name))),
+        all = bindings_text(&bindings),
+        entries = entries(&|entry| entry_text(name, entry, shared)),
+        fields = bindings
             .iter()
             .map(|b| format!("/// `{}`\npub {}: {},\n", b.place, b.name, field(b)))
             .collect::<String>(),
-        level_field = if level { "/// Which pass of the kernel.\npub level: u32,\n" } else { "" },
-        level_name = if level { "level" } else { "_level" },
-        borrows = entry.bindings.iter().map(borrow).collect::<String>(),
-        level_set = if level { "level," } else { "" },
+        immediate_field =
+            immediate.map_or_else(String::new, |i| format!("/// The immediate.\npub {i}: u32,\n")),
+        argument = immediate.unwrap_or("_"),
+        borrows = bindings.iter().map(borrow).collect::<String>(),
+        immediate_set = immediate.map_or_else(String::new, |i| format!("{i},")),
     );
+    Ok(())
 }
 
 fn draw_shader(source: &Source, shader: &Shader, text: &mut String) -> Result<(), String> {
@@ -412,18 +415,22 @@ fn reference(kernels: &[(Source, Shader)]) -> Result<String, String> {
     let root = std::env::var("CARGO_MANIFEST_DIR").map_err(|e| format!("CARGO_MANIFEST_DIR: {e}"))?;
     let mut text = String::from("// Written by build.rs: one module per kernel.\n");
     let mut arms = String::new();
-    for (source, _) in kernels {
-        let (name, id) = (&source.name, camel(&source.name));
+    for (source, shader) in kernels {
+        let name = &source.name;
         let _ = writeln!(text, "#[path = \"{root}/src/reference/{name}.rs\"]\npub mod {name};");
-        let _ = writeln!(
-            arms,
-            "KernelId::{id} => {name}::{name}(crate::kernels::{name}::Slices::of(store, level)),"
-        );
+        for entry in &shader.entries {
+            let _ = writeln!(
+                arms,
+                "Phase::{id} => {name}::{twin}(crate::kernels::{name}::Slices::of(store, immediate)),",
+                id = camel(&entry.name),
+                twin = entry.name,
+            );
+        }
     }
     let _ = write!(
         text,
-        "/// Runs the CPU twin of a kernel over all of its invocations.\n\
-         pub fn run(kernel: KernelId, store: &mut Store, level: u32) {{ match kernel {{\n{arms}}} }}\n"
+        "/// Runs the CPU twin of a phase over all of its invocations.\n\
+         pub fn run(phase: Phase, store: &mut Store, immediate: u32) {{ match phase {{\n{arms}}} }}\n"
     );
     Ok(text)
 }

@@ -1,8 +1,9 @@
 // uses: sight, dispatch
 // The list of those who are not hidden, in their old order, and what their draws take. A run is RUN slots.
-//   level 0 (run): how many of a run are seen,
-//   level 1 (one): exclusive prefix sums over the runs, the total behind the last,
-//   level 2 (run): `shown`, and the arguments of a bucket for as many runs as there are buckets.
+// The phases, in this order:
+//   count (run): how many of a run are seen,
+//   scan (one):  exclusive prefix sums over the runs, the total behind the last,
+//   list (run):  `shown`, and the arguments of a bucket for as many runs as there are buckets.
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;       // [posed bucket + 1][far bucket + 1]
@@ -11,7 +12,6 @@
 @group(0) @binding(4) var<storage, read_write> shown: array<u32>;        // [slot] slots, those of a bucket from its first on
 @group(0) @binding(5) var<storage, read> draw_args: array<u32>;          // [2][bucket][5]
 @group(0) @binding(6) var<storage, read_write> shown_args: array<u32>;   // [bucket][5] VkDrawIndexedIndirectCommand
-var<immediate> level: u32;
 
 // Slots that are seen before number `count` of the sifted ones.
 fn seen_before(count: u32) -> u32 {
@@ -47,34 +47,51 @@ fn write_arguments(bucket: u32, first: u32) {
     shown_args[bucket * 5u + 1u] = seen_before(start_of(bucket + 1u) - first) - seen_before(start_of(bucket) - first);
 }
 
+// Slots that are sifted: the first, and the end.
+fn sifted() -> vec2<u32> {
+    return vec2<u32>(start_of(sight.first_bucket), start_of(sight.bucket_end));
+}
+
+fn run_count(slots: vec2<u32>) -> u32 {
+    return (slots.y - slots.x + RUN - 1u) / RUN;
+}
+
 @compute @workgroup_size(64)
-fn admit(@builtin(global_invocation_id) id: vec3<u32>) {
-    let first = start_of(sight.first_bucket);
-    let end = start_of(sight.bucket_end);
-    let runs = (end - first + RUN - 1u) / RUN;
-    if level == 1u && id.x == 0u {
-        var total = 0u;
-        for (var run = 0u; run < runs; run++) {
-            let seen = run_shown[run];
-            run_shown[run] = total;
-            total += seen;
-        }
-        run_shown[runs] = total;
-    }
-    if level == 2u && id.x < sight.bucket_end - sight.first_bucket {
-        write_arguments(sight.first_bucket + id.x, first);
-    }
-    if id.x >= runs {
+fn admit_count(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slots = sifted();
+    if id.x >= run_count(slots) {
         return;
     }
-    if level == 0u {
-        var seen = 0u;
-        for (var slot = first + id.x * RUN; slot < min(first + id.x * RUN + RUN, end); slot++) {
-            seen += 1u - hidden[slot];
-        }
-        run_shown[id.x] = seen;
+    let first = slots.x + id.x * RUN;
+    var seen = 0u;
+    for (var slot = first; slot < min(first + RUN, slots.y); slot++) {
+        seen += 1u - hidden[slot];
     }
-    if level == 2u {
-        write_shown(id.x, first, end);
+    run_shown[id.x] = seen;
+}
+
+@compute @workgroup_size(64)
+fn admit_scan(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x > 0u {
+        return;
+    }
+    let runs = run_count(sifted());
+    var total = 0u;
+    for (var run = 0u; run < runs; run++) {
+        let seen = run_shown[run];
+        run_shown[run] = total;
+        total += seen;
+    }
+    run_shown[runs] = total;
+}
+
+@compute @workgroup_size(64)
+fn admit_list(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slots = sifted();
+    if id.x < sight.bucket_end - sight.first_bucket {
+        write_arguments(sight.first_bucket + id.x, slots.x);
+    }
+    if id.x < run_count(slots) {
+        write_shown(id.x, slots.x, slots.y);
     }
 }

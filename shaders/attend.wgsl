@@ -6,12 +6,12 @@
 //
 // attention is (when the turn ends or ended, ms; key << 14 | low bits of frame_index of the last update). A key orders
 // those who wait: ten bits of waiting, then eight of a hash that changes from picture to picture, so that equal ones
-// do not stay equal. Sums of integers decide, in any order. Levels:
-//   0 (visible): who goes on, and how many wait with each upper half of a key,
-//   1 (one):     the half in which the room ends,
-//   2 (visible): how many wait with each lower half within that one,
-//   3 (one):     the least key that has room; more keys than there is room for wait for the next picture,
-//   4 (visible): turns begin.
+// do not stay equal. Sums of integers decide, in any order. The phases, in this order:
+//   look (visible):  who goes on, and how many wait with each upper half of a key,
+//   border (one):    the half in which the room ends,
+//   count (visible): how many wait with each lower half within that one,
+//   least (one):     the least key that has room; more keys than there is room for wait for the next picture,
+//   begin (visible): turns begin.
 const FIELD_START: f32 = 0.1;       // cosine of 84 degrees: turns begin a little within the field of regard
 const REST_LEAST: u32 = 1000u;      // ms
 const REST_SPAN: u32 = 2000u;       // ms
@@ -36,7 +36,6 @@ const COUNTS: u32 = 1029u;          // elements of attention_counts
 @group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
 @group(0) @binding(6) var<storage, read_write> attention: array<vec2<u32>>;          // [agent]
 @group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [COUNTS]
-var<immediate> level: u32;
 
 // How far the user is on the ground, m, or -1 if the agent would not look there.
 fn interest(agent: u32, looks: bool) -> f32 {
@@ -65,7 +64,12 @@ fn draw(agent: u32, time: u32) -> u32 {
     return hash_u32(agent ^ hash_u32(time));
 }
 
-fn look_on(agent: u32) {
+@compute @workgroup_size(64)
+fn attend_look(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = visible[id.x];
+    if agent == NONE {
+        return;
+    }
     let memory = attention[agent];
     let is_fresh = ((frame.frame_index - memory.y) & FRAME_BITS) <= 1u;
     let looks = is_fresh && left_of(memory.x) > 0;
@@ -114,7 +118,11 @@ fn border_of(first: u32, most: u32) -> u32 {
     return border;
 }
 
-fn find_border() {
+@compute @workgroup_size(64)
+fn attend_border(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x > 0u {
+        return;
+    }
     let most = frame.gaze_limit - 1u;
     let held = atomicLoad(&attention_counts[HELD]);
     atomicStore(&attention_counts[HELD], 0u);
@@ -122,7 +130,23 @@ fn find_border() {
     atomicStore(&attention_counts[BORDER], border_of(0u, most - min(held, most)));
 }
 
-fn find_least() {
+@compute @workgroup_size(64)
+fn attend_count(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = visible[id.x];
+    if agent == NONE {
+        return;
+    }
+    let key = attention[agent].y >> 14u;
+    if key != 0u && key / BINS == atomicLoad(&attention_counts[BORDER]) {
+        atomicAdd(&attention_counts[BINS + key % BINS], 1u);
+    }
+}
+
+@compute @workgroup_size(64)
+fn attend_least(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x > 0u {
+        return;
+    }
     let border = atomicLoad(&attention_counts[BORDER]);
     var least = 1u;
     if border != NONE {
@@ -132,7 +156,12 @@ fn find_least() {
     atomicStore(&attention_counts[LEAST], least);
 }
 
-fn begin(agent: u32) {
+@compute @workgroup_size(64)
+fn attend_begin(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = visible[id.x];
+    if agent == NONE {
+        return;
+    }
     let key = attention[agent].y >> 14u;
     if key != 0u && key >= atomicLoad(&attention_counts[LEAST]) {
         let span = frame.turn_most - frame.turn_least + 1u;
@@ -141,31 +170,5 @@ fn begin(agent: u32) {
     } else if atomicLoad(&attention_counts[OVER]) == 1u && left_of(attention[agent].x) > 0 {
         attention[agent].x = frame.gaze_time;
         gaze_frame[agent] = gaze_frame[agent] & ~ATTENDS;
-    }
-}
-
-@compute @workgroup_size(64)
-fn attend(@builtin(global_invocation_id) id: vec3<u32>) {
-    if level == 1u || level == 3u {
-        if id.x == 0u && level == 1u {
-            find_border();
-        } else if id.x == 0u {
-            find_least();
-        }
-        return;
-    }
-    let agent = visible[id.x];
-    if agent == NONE {
-        return;
-    }
-    if level == 0u {
-        look_on(agent);
-    } else if level == 2u {
-        let key = attention[agent].y >> 14u;
-        if key != 0u && key / BINS == atomicLoad(&attention_counts[BORDER]) {
-            atomicAdd(&attention_counts[BINS + key % BINS], 1u);
-        }
-    } else {
-        begin(agent);
     }
 }

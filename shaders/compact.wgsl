@@ -1,16 +1,16 @@
 // uses: frame, body, dispatch
 // Turns agent_bucket into the list of visible agents, sorted by bucket and then by id, and into the arguments of the
-// launches and draws that follow. Six passes chosen by `level`; no atomics decide an order and no barrier is needed.
+// launches and draws that follow. No atomics decide an order and no barrier is needed.
 // A run is RUN agents that one invocation walks. Row r of bucket_counts is run r, the row behind the last run holds
-// the totals.
-//   0 (run):    counts level-0 agents (column 0) and all visible agents (column 1),
-//   1 (column): exclusive prefix sums of these two over the runs,
-//   2 (run):    level-0 agents beyond near_capacity, in order of id, go down to level 1; agents beyond
-//               visible_capacity become far bodies, or, where there are none, are dropped and reported; then counts
-//               the agents of each bucket,
-//   3 (bucket): exclusive prefix sums over the runs, totals,
-//   4 (one):    bucket_start, draw_args, dispatch_args, and NONE behind the posed agents of `visible`,
-//   5 (run):    writes `visible`.
+// the totals. The phases, in this order:
+//   count (run):           counts level-0 agents (column 0) and all visible agents (column 1),
+//   scan_visible (column): exclusive prefix sums of these two over the runs,
+//   demote (run):          level-0 agents beyond near_capacity, in order of id, go down to level 1; agents beyond
+//                          visible_capacity become far bodies, or, where there are none, are dropped and reported;
+//                          then counts the agents of each bucket,
+//   scan_buckets (bucket): exclusive prefix sums over the runs, totals,
+//   arguments (one):       bucket_start, draw_args, dispatch_args, and NONE behind the posed agents of `visible`,
+//   list (run):            writes `visible`.
 // Far bodies (buckets from bucket_count on) have no pose: they stand in `visible` behind the room for those that have.
 // dispatch_args: 3 words of groups for kernels of one invocation per visible agent (64 a group), then 3 words per
 // avatar for `skin`: x covers the vertices of its level 0, y its near agents.
@@ -25,7 +25,6 @@ const COLUMNS: u32 = 32u;    // columns of a row of bucket_counts, the most buck
 @group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [2][bucket][5] VkDrawIndexedIndirectCommand: of pictures, of shadows
 @group(0) @binding(7) var<storage, read_write> dispatch_args: array<u32>;   // [1 + avatar][3]
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
-var<immediate> level: u32;
 
 fn run_count() -> u32 {
     return (frame.agent_count + RUN - 1u) / RUN;
@@ -40,7 +39,12 @@ fn far_buckets() -> u32 {
     return 2u * (frame.bucket_count / max(frame.level_count, 1u));
 }
 
-fn count_visible(run: u32) {
+@compute @workgroup_size(64)
+fn compact_count(@builtin(global_invocation_id) id: vec3<u32>) {
+    let run = id.x;
+    if run >= run_count() {
+        return;
+    }
     var near = 0u;
     var seen = 0u;
     for (var agent = run * RUN; agent < min(run * RUN + RUN, frame.agent_count); agent++) {
@@ -62,7 +66,26 @@ fn scan_column(column: u32) {
     bucket_counts[run_count() * COLUMNS + column] = total;
 }
 
-fn apply_capacities(run: u32) {
+@compute @workgroup_size(64)
+fn compact_scan_visible(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < 2u {
+        scan_column(id.x);
+    }
+}
+
+@compute @workgroup_size(64)
+fn compact_scan_buckets(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < COLUMNS {
+        scan_column(id.x);
+    }
+}
+
+@compute @workgroup_size(64)
+fn compact_demote(@builtin(global_invocation_id) id: vec3<u32>) {
+    let run = id.x;
+    if run >= run_count() {
+        return;
+    }
     var near = bucket_counts[run * COLUMNS];
     var seen = bucket_counts[run * COLUMNS + 1u];
     var counts = array<u32, 32>();
@@ -122,7 +145,11 @@ fn write_draw(bucket: u32) -> u32 {
     return count;
 }
 
-fn write_arguments() {
+@compute @workgroup_size(64)
+fn compact_arguments(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x > 0u {
+        return;
+    }
     var start = 0u;
     for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
         let count = write_draw(bucket);
@@ -150,7 +177,12 @@ fn write_arguments() {
     bucket_start[frame.bucket_count + far_buckets() + 1u] = far;
 }
 
-fn write_visible(run: u32) {
+@compute @workgroup_size(64)
+fn compact_list(@builtin(global_invocation_id) id: vec3<u32>) {
+    let run = id.x;
+    if run >= run_count() {
+        return;
+    }
     var next = array<u32, 32>();
     for (var bucket = 0u; bucket < frame.bucket_count; bucket++) {
         next[bucket] = bucket_start[bucket] + bucket_counts[run * COLUMNS + bucket];
@@ -164,30 +196,5 @@ fn write_visible(run: u32) {
             visible[next[bucket]] = agent;
             next[bucket] += 1u;
         }
-    }
-}
-
-@compute @workgroup_size(64)
-fn compact(@builtin(global_invocation_id) id: vec3<u32>) {
-    if level == 1u && id.x < 2u {
-        scan_column(id.x);
-    }
-    if level == 3u && id.x < COLUMNS {
-        scan_column(id.x);
-    }
-    if level == 4u && id.x == 0u {
-        write_arguments();
-    }
-    if id.x >= run_count() {
-        return;
-    }
-    if level == 0u {
-        count_visible(id.x);
-    }
-    if level == 2u {
-        apply_capacities(id.x);
-    }
-    if level == 5u {
-        write_visible(id.x);
     }
 }

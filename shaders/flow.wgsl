@@ -3,17 +3,18 @@
 // by Godunov's upwind scheme, and the direction in which it falls. Solved tile by tile: one invocation sweeps the
 // cells of a tile in four orders until none falls any more, then puts those neighbouring tiles on the list that its
 // border can still improve (after Jeong and Whitaker, A fast iterative method for eikonal equations, 2008). Tiles are
-// coloured like a chessboard and the two colours take turns, so no tile reads what another one writes in the same pass
-// and the order within a list does not matter. Passes chosen by `level`:
-//   0 (tile):     everything FAR, the lists empty,
-//   1 (seed):     known distances, their tiles on the lists,
-//   2..5 (place): one turn of list 0..3, again and again until all lists are empty; tiles of even colour are on even lists,
-//   6 (tile):     those with cells where nobody can stand on the lists: so far these were left out, which is quicker,
-//   7..10 (place): the same turns with them,
-//   11 (tile):    directions; clears the lists, whose order is arbitrary,
-//   12 (seed):    marks from where the goal is seen,
-//   13 (joint):   after the turns of 2..5: cells that are one place on several sheets are as far as the nearest of them,
-//                 and tiles that can fall because of it are on lists 0 and 1: the turns go on with list 0.
+// coloured like a chessboard and the two colours take turns, so no tile reads what another one writes in the same turn
+// and the order within a list does not matter. The phases, in this order:
+//   reset (tile):        everything FAR, the lists empty,
+//   sow (seed):          known distances, their tiles on the lists,
+//   sweep (place):       one turn of `list`, 0 to 3, again and again until all lists are empty; tiles of even colour are on
+//                        even lists,
+//   join (joint):        between such turns: cells that are one place on several sheets are as far as the nearest of them,
+//                        and tiles that can fall because of it are on lists 0 and 1: the turns go on with list 0,
+//   enlist_solid (tile): those with cells where nobody can stand on the lists: so far these were left out, which is quicker,
+//   sweep_solid (place): the same turns with them,
+//   point (tile):        directions; clears the lists, whose order is arbitrary,
+//   mark (seed):         marks from where the goal is seen.
 // A cell may be entered only from the neighbours that its bits name: a free cell from free cells to which a body fits
 // through, others from all, so that the field leads back whoever is outside.
 // flow_args: for each list groups along x, 1, 1, and its length.
@@ -30,10 +31,14 @@ const FAR: f32 = 1e30;         // m: not reached
 @group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>; // [4][4] arguments of the launches
 @group(0) @binding(7) var<storage, read_write> flow_way: array<u32>;          // [field][cell] see way.wgsl
 @group(0) @binding(8) var<storage, read> flow_joints: array<vec2<u32>>;       // [joint] cell of sheet 0, bits of the sheets
-var<immediate> level: u32;
+var<immediate> list: u32;
 
 fn tile_total() -> u32 {
     return flow_grid.field_count * flow_grid.tile_columns * flow_grid.tile_rows;
+}
+
+fn index_of(id: vec3<u32>) -> u32 {
+    return id.x + id.y * MOST_GROUPS * GROUP;
 }
 
 fn enlist(list: u32, tile: u32) {
@@ -44,7 +49,9 @@ fn enlist(list: u32, tile: u32) {
     }
 }
 
-fn reset(index: u32) {
+@compute @workgroup_size(32)
+fn flow_reset(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = index_of(id);
     let cells = flow_grid.field_count * flow_grid.cell_count;
     let end = min((index + 1u) * TILE * TILE, cells);
     for (var at = index * TILE * TILE; at < end; at++) {
@@ -74,7 +81,9 @@ fn clear_list(list: u32) {
     atomicStore(&flow_args[list * 4u + 3u], 0u);
 }
 
-fn sow(index: u32) {
+@compute @workgroup_size(32)
+fn flow_sow(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = index_of(id);
     if index >= flow_grid.seed_count {
         return;
     }
@@ -106,7 +115,9 @@ fn set_distance(field: u32, cell: u32, distance: f32) {
     }
 }
 
-fn join_sheets(index: u32) {
+@compute @workgroup_size(32)
+fn flow_join(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = index_of(id);
     if index >= flow_grid.joint_count * flow_grid.field_count {
         return;
     }
@@ -127,7 +138,9 @@ fn join_sheets(index: u32) {
     }
 }
 
-fn enlist_solid(tile: u32) {
+@compute @workgroup_size(32)
+fn flow_enlist_solid(@builtin(global_invocation_id) id: vec3<u32>) {
+    let tile = index_of(id);
     if tile >= tile_total() {
         return;
     }
@@ -146,13 +159,20 @@ fn enlist_solid(tile: u32) {
     }
 }
 
-// Bits of a cell that is left out in these turns.
-fn left_out() -> u32 {
-    return select(0u, SOLID, level < 6u);
+@compute @workgroup_size(32)
+fn flow_sweep(@builtin(global_invocation_id) id: vec3<u32>) {
+    let place = index_of(id);
+    turn(place, false);
 }
 
-fn turn(place: u32) {
-    let list = select(level - 7u, level - 2u, level < 6u);
+@compute @workgroup_size(32)
+fn flow_sweep_solid(@builtin(global_invocation_id) id: vec3<u32>) {
+    let place = index_of(id);
+    turn(place, true);
+}
+
+// A turn of a tile of the list, with the cells where nobody can stand or without.
+fn turn(place: u32, with_solid: bool) {
     if place == 0u {
         clear_list((list + 3u) & 3u);
     }
@@ -167,12 +187,12 @@ fn turn(place: u32) {
     let middle_column = tile.first + tile.x0 + tile.width / 2u;
     tile.from_right = outside(middle_row, 1u, tile.x0, tile.width, flow_grid.columns);
     tile.from_above = outside(middle_column, flow_grid.columns, tile.z0, tile.height, flow_grid.rows);
-    tile_load(tile, left_out());
+    tile_load(tile, select(SOLID, 0u, with_solid));
     let quiet = tile_sweeps(&tile, SWEEPS);
     if !quiet {
         enlist((list + 2u) & 3u, index);
     }
-    wake(tile, index, (list + 1u) & 3u);
+    wake(tile_wakes(tile, with_solid), tile, index);
     tile_store(tile);
 }
 
@@ -185,20 +205,20 @@ fn outside(line: u32, stride: u32, begin: u32, size: u32, end: u32) -> bool {
     return beyond < before;
 }
 
-// Puts those neighbouring tiles on a list that can fall now.
-fn wake(tile: Tile, index: u32, list: u32) {
-    let woken = tile_wakes(tile, level > 6u);
+// Puts those neighbouring tiles on the next list that can fall now.
+fn wake(woken: u32, tile: Tile, index: u32) {
+    let next = (list + 1u) & 3u;
     if (woken & FROM_RIGHT) != 0u && tile.x0 > 0u {
-        enlist(list, index - 1u);
+        enlist(next, index - 1u);
     }
     if (woken & FROM_LEFT) != 0u && tile.x0 + tile.width < flow_grid.columns {
-        enlist(list, index + 1u);
+        enlist(next, index + 1u);
     }
     if (woken & FROM_ABOVE) != 0u && tile.z0 > 0u {
-        enlist(list, index - flow_grid.tile_columns);
+        enlist(next, index - flow_grid.tile_columns);
     }
     if (woken & FROM_BELOW) != 0u && tile.z0 + tile.height < flow_grid.rows {
-        enlist(list, index + flow_grid.tile_columns);
+        enlist(next, index + flow_grid.tile_columns);
     }
 }
 
@@ -239,7 +259,9 @@ fn point_row(tile: Tile, z: u32) {
     }
 }
 
-fn point(index: u32) {
+@compute @workgroup_size(32)
+fn flow_point(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = index_of(id);
     if index < tile_total() {
         let tile = tile_at(index);
         tile_load_row(tile, 0u, 1u);
@@ -256,29 +278,11 @@ fn point(index: u32) {
     clear_lists(index);
 }
 
-fn mark(index: u32) {
+@compute @workgroup_size(32)
+fn flow_mark(@builtin(global_invocation_id) id: vec3<u32>) {
+    let index = index_of(id);
     if index < flow_grid.seed_count {
         let seed = flow_seeds[index];
         flow_way[seed.x * flow_grid.cell_count + seed.y] |= seed.w;
-    }
-}
-
-@compute @workgroup_size(32)
-fn flow(@builtin(global_invocation_id) id: vec3<u32>) {
-    let index = id.x + id.y * MOST_GROUPS * GROUP;
-    if level == 0u {
-        reset(index);
-    } else if level == 1u {
-        sow(index);
-    } else if level == 6u {
-        enlist_solid(index);
-    } else if level == 11u {
-        point(index);
-    } else if level == 12u {
-        mark(index);
-    } else if level == 13u {
-        join_sheets(index);
-    } else {
-        turn(index);
     }
 }

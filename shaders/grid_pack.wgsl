@@ -1,4 +1,4 @@
-// uses: step, absent
+// uses: step, contents, absent
 // Copies what neighbours read of each agent to its slot, so that what is read together lies together.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_agent: array<u32>;               // [slot]
@@ -9,7 +9,6 @@
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;                // [agent] m
 @group(0) @binding(7) var<storage, read_write> slot_motion: array<vec4<f32>>;  // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 @group(0) @binding(8) var<storage, read_write> slot_manners: array<vec4<u32>>; // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
-var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 @compute @workgroup_size(64)
 fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -24,7 +23,7 @@ fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     slot_motion[slot * 2u] = vec4<f32>(position[agent], velocity[agent]);
     var own = manners[0];
-    if (level & UNLIKE) != 0u {
+    if (contents & UNLIKE) != 0u {
         own = manners[agent];
     }
     // people keep their distance from those who are led from outside, and these avoid nobody
@@ -33,7 +32,7 @@ fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
     slot_manners[slot] =
         vec4<u32>(agent, bitcast<u32>(own.x), bitcast<u32>(own.y), u32(own.z) | select(0u, LED_BIT, is_led));
     var height = 0.0;
-    if (level & (STOREYS | WALLS)) != 0u { // some walls stand at some heights only
+    if (contents & (STOREYS | WALLS)) != 0u { // some walls stand at some heights only
         height = elevation[agent];
     }
     slot_motion[slot * 2u + 1u] = vec4<f32>(body[agent].x + comfort, body[agent].y, own.w, height);

@@ -1,30 +1,31 @@
 // uses: step, grid, absent
 // Puts the agents in cell order, within a cell by id, so that the order does not depend on which thread came first.
-// Absent agents have no slot; as many slots at the end have nobody. Two passes chosen by `level`:
-//   0: each agent takes the next free place of its cell (any order),
-//   1: each cell sorts its agents by id and clears its count.
+// Absent agents have no slot; as many slots at the end have nobody. The phases, in this order:
+//   place (agent): takes the next free place of its cell (any order),
+//   sort (cell):   sorts its agents by id and clears its count.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> cell_start: array<u32>;                // [cell + 1]
 @group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell], zero before and after
 @group(0) @binding(3) var<storage, read_write> slot_agent: array<u32>;          // [slot]
 @group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;            // [agent] m
 @group(0) @binding(5) var<storage, read_write> agent_slot: array<u32>;          // [agent] NOBODY if absent
-var<immediate> level: u32;
 
 @compute @workgroup_size(64)
-fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
-    if level == 0u {
-        if id.x < step.agent_count {
-            if is_absent(position[id.x]) {
-                agent_slot[id.x] = NOBODY;
-                return;
-            }
-            let at = grid_cell(position[id.x], step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-            let cell = u32(at.y) * step.grid_columns + u32(at.x);
-            slot_agent[cell_start[cell] + atomicAdd(&cell_counts[cell], 1u)] = id.x;
-        }
+fn grid_scatter_place(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x >= step.agent_count {
         return;
     }
+    if is_absent(position[id.x]) {
+        agent_slot[id.x] = NOBODY;
+        return;
+    }
+    let at = grid_cell(position[id.x], step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
+    let cell = u32(at.y) * step.grid_columns + u32(at.x);
+    slot_agent[cell_start[cell] + atomicAdd(&cell_counts[cell], 1u)] = id.x;
+}
+
+@compute @workgroup_size(64)
+fn grid_scatter_sort(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x < step.agent_count && id.x >= cell_start[step.cell_count] {
         slot_agent[id.x] = NOBODY;
     }

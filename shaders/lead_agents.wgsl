@@ -1,8 +1,8 @@
 // uses: step, exact, absent
 // Agents that are led from outside (priority LED): a recording, a robot, a tracked person. Each is told where it is to
-// be at the end of the step, or that it is not there. Two passes chosen by `level`:
-//   0, before the grid: who was absent appears one step short of the target; who is gone becomes absent
-//   1, after prefer: the velocity that ends the step at the target, v = (target - p) / dt
+// be at the end of the step, or that it is not there. The phases:
+//   appear, before the grid: who was absent appears one step short of the target; who is gone becomes absent
+//   steer, after prefer:     the velocity that ends the step at the target, v = (target - p) / dt
 // The target is a place, not a displacement, so that rounding does not add up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> manners: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
@@ -11,33 +11,22 @@
 @group(0) @binding(4) var<storage, read_write> velocity: array<vec2<f32>>;           // [agent] m/s
 @group(0) @binding(5) var<storage, read_write> stance: array<vec2<f32>>;             // [agent] heading about +y, rad; walk weight
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-var<immediate> level: u32;
 
 const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in mid-stride
 
 @compute @workgroup_size(64)
-fn lead_agents(@builtin(global_invocation_id) id: vec3<u32>) {
+fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count {
-        return;
-    }
-    if manners[agent].w < LED {
+    if agent >= step.agent_count || manners[agent].w < LED {
         return;
     }
     let target_point = lead[agent].xy;
-    let here = position[agent];
-    if level == 1u {
-        if !is_absent(here) {
-            preferred_velocity[agent] = (target_point - here) * step.inverse_time_step;
-        }
-        return;
-    }
     if is_absent(target_point) {
         position[agent] = vec2<f32>(ABSENT, ABSENT);
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
-    if is_absent(here) {
+    if is_absent(position[agent]) {
         let v = lead[agent].zw;
         position[agent] = target_point - v * step.time_step;
         velocity[agent] = v;
@@ -46,5 +35,17 @@ fn lead_agents(@builtin(global_invocation_id) id: vec3<u32>) {
         } else {
             stance[agent].y = 0.0;
         }
+    }
+}
+
+@compute @workgroup_size(64)
+fn lead_agents_steer(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x;
+    if agent >= step.agent_count || manners[agent].w < LED {
+        return;
+    }
+    let here = position[agent];
+    if !is_absent(here) {
+        preferred_velocity[agent] = (lead[agent].xy - here) * step.inverse_time_step;
     }
 }

@@ -2,8 +2,9 @@
 // Who is hidden behind what has been drawn already: an agent of the sifted buckets whose two boxes, as each eye sees them,
 // lie behind everything in the tiles of the picture that they touch. A tile holds the farthest depth of its samples (0 where
 // nothing is drawn), so no sample of a hidden body could have passed the test of depth: the picture is the same without it.
-//   level 0 (slot): marks the blocks of tiles whose depth is wanted; the renderer then fills `farthest` in for these,
-//   level 1 (slot): is it hidden?
+// The phases, in this order:
+//   mark (slot):  marks the blocks of tiles whose depth is wanted; the renderer then fills `farthest` in for these,
+//   judge (slot): is it hidden?
 // The boxes are upright, around trunk and limbs and around the head at any phase of the stride: at eye level it is heads
 // that stand out, and few are hidden if these count as wide as shoulders. Where it cannot be judged (it reaches behind the eye, or
 // touches many tiles) the agent counts as seen; and where the eye looks down on the agent's head, since no other head is in
@@ -23,7 +24,6 @@ const NEARER: f32 = 1.00001;   // depth is rounded too
 @group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>;        // [eye][block] 1 where somebody asks
 @group(0) @binding(7) var<storage, read> farthest: array<f32>;                    // [eye][tile] least depth, of a marked block
 @group(0) @binding(8) var<storage, read_write> hidden: array<u32>;                // [slot] 1 if nobody sees it
-var<immediate> level: u32;
 
 struct Seen {
     is_judged: bool,
@@ -113,40 +113,53 @@ fn is_behind(eye: u32, seen: Seen) -> bool {
     return true;
 }
 
+// Whether an agent of a bucket is shown whatever stands before it.
+fn is_shown(agent: u32, bucket: u32) -> bool {
+    let count = start_of(sight.bucket_end) - start_of(sight.first_bucket);
+    let head = sight.bounds[bucket][1].z * bitcast<f32>(look[agent].y);
+    return count < sight.fewest || sight.eye_height > elevation[agent] + head + DOWN;
+}
+
+// How one of the eyes sees one of the boxes: heads first, they are seen more often than what is below.
+fn look_at_part(part: u32, agent: u32, bucket: u32) -> Seen {
+    return look_at(part >> 1u, agent, sight.bounds[bucket][1u - (part & 1u)]);
+}
+
+fn part_count() -> u32 {
+    return 2u * min(sight.eye_count, 2u);
+}
+
 @compute @workgroup_size(64)
-fn occlude(@builtin(global_invocation_id) id: vec3<u32>) {
-    let first = start_of(sight.first_bucket);
-    let end = start_of(sight.bucket_end);
-    let slot = first + id.x;
-    if slot >= end {
+fn occlude_mark(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = start_of(sight.first_bucket) + id.x;
+    if slot >= start_of(sight.bucket_end) {
         return;
     }
     let bucket = bucket_of(slot, sight.first_bucket);
     let agent = visible[slot];
-    let head = sight.bounds[bucket][1].z * bitcast<f32>(look[agent].y);
-    if end - first < sight.fewest || sight.eye_height > elevation[agent] + head + DOWN {
-        if level == 1u {
-            hidden[slot] = 0u;
-        }
+    if is_shown(agent, bucket) {
         return;
     }
-    // heads first: they are seen more often than what is below
-    var is_hidden = true;
-    for (var part = 0u; part < 2u * min(sight.eye_count, 2u); part++) {
-        let eye = part >> 1u;
-        let seen = look_at(eye, agent, sight.bounds[bucket][1u - (part & 1u)]);
-        if level == 0u {
-            if seen.is_judged {
-                mark(eye, seen);
-            }
-        } else {
-            is_hidden = seen.is_judged && is_behind(eye, seen);
-            if !is_hidden {
-                break;
-            }
+    for (var part = 0u; part < part_count(); part++) {
+        let seen = look_at_part(part, agent, bucket);
+        if seen.is_judged {
+            mark(part >> 1u, seen);
         }
     }
-    if level == 1u {
-        hidden[slot] = select(0u, 1u, is_hidden);
+}
+
+@compute @workgroup_size(64)
+fn occlude_judge(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = start_of(sight.first_bucket) + id.x;
+    if slot >= start_of(sight.bucket_end) {
+        return;
     }
+    let bucket = bucket_of(slot, sight.first_bucket);
+    let agent = visible[slot];
+    var is_hidden = !is_shown(agent, bucket);
+    for (var part = 0u; is_hidden && part < part_count(); part++) {
+        let seen = look_at_part(part, agent, bucket);
+        is_hidden = seen.is_judged && is_behind(part >> 1u, seen);
+    }
+    hidden[slot] = select(0u, 1u, is_hidden);
 }

@@ -1,11 +1,11 @@
 // uses: step, grid, orca, segments, contact, absent
 // What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
 //
-// Turns (level 0): of those who wait and have somebody before them who wants to go the other way, the ones who want to go
+// Turns (phase turns): of those who wait and have somebody before them who wants to go the other way, the ones who want to go
 // to one side of a direction drawn anew every TURN seconds have the right of way (their priority is RAISEd, so their share
 // of the avoidance of those who have not is 0); the others make room. Where all want to go the same way nobody gains by it.
 //
-// Walls (level 1): who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
+// Walls (phase walls, after it): who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
 // slanted, else to the nearer end, else to a side drawn by agent) until it is nearer to where it wants to go than when it began, and nothing is straight ahead:
 // the rule by which Lumelsky and Stepanov's "bug" algorithms (1987) leave an obstacle. How much nearer it is comes from
 // the preferred velocity alone: the sum of the steps along it.
@@ -18,7 +18,6 @@
 @group(0) @binding(6) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 @group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(8) var<storage, read_write> waiting: array<vec4<f32>>;            // [agent] s without progress; along a wall: m lost since, side (0: none); 0
-var<immediate> level: u32;
 
 // Who wants to go slower than this stands by choice, m/s.
 const STANDING: f32 = 0.1;
@@ -43,28 +42,44 @@ const SLANTED: f32 = 0.3;
 const ONE_OF_TWO: f32 = 0.2;
 const NEAREST_RATE: f32 = 1000.0; // 1/m
 
-@compute @workgroup_size(64)
-fn persevere(@builtin(global_invocation_id) id: vec3<u32>) {
-    let agent = id.x;
+// The slot of an agent that wants to go somewhere by itself, else NOBODY.
+fn walker_slot(agent: u32) -> u32 {
     if agent >= step.agent_count {
-        return;
+        return NOBODY;
     }
     let slot = agent_slot[agent];
     if slot == NOBODY {
         waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-        return;
+        return NOBODY;
     }
     if (slot_manners[slot].w & LED_BIT) != 0u {
-        return;
+        return NOBODY;
     }
     let preferred = preferred_velocity[agent];
-    let speed = sqrt(dot2(preferred, preferred));
-    if speed < STANDING {
+    if sqrt(dot2(preferred, preferred)) < STANDING {
         waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-    } else if level == 0u {
-        take_turns(agent, slot, preferred / speed, speed);
-    } else {
-        follow_walls(agent, slot, preferred / speed, speed);
+        return NOBODY;
+    }
+    return slot;
+}
+
+@compute @workgroup_size(64)
+fn persevere_turns(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = walker_slot(id.x);
+    if slot != NOBODY {
+        let preferred = preferred_velocity[id.x];
+        let speed = sqrt(dot2(preferred, preferred));
+        take_turns(id.x, slot, preferred / speed, speed);
+    }
+}
+
+@compute @workgroup_size(64)
+fn persevere_walls(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = walker_slot(id.x);
+    if slot != NOBODY {
+        let preferred = preferred_velocity[id.x];
+        let speed = sqrt(dot2(preferred, preferred));
+        follow_walls(id.x, slot, preferred / speed, speed);
     }
 }
 

@@ -1,5 +1,5 @@
 // uses: frame, quaternion, body
-// Linear blend skinning of the visible agents at level of detail 0, one avatar a launch (`level` is the avatar), into
+// Linear blend skinning of the visible agents at level of detail 0, one `avatar` a dispatch, into
 // world space. x is the vertex of the mesh, y the agent within its bucket (dispatch_args says how many of each).
 // Where an agent's vertices begin: those of avatar a stand behind all those of the avatars before it, so agent n of
 // avatar a begins at vertex sum over b < a of (near agents of b * vertices of b) + n * vertices of a. `skinned` must
@@ -10,7 +10,7 @@
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>;  // [vertex][4]
 @group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;       // [visible][16][3] rows
 @group(0) @binding(5) var<storage, read_write> skinned: array<vec4<f32>>;  // [near vertex][2] world
-var<immediate> level: u32;
+var<immediate> avatar: u32;
 
 fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
     return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
@@ -18,7 +18,7 @@ fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
 
 @compute @workgroup_size(64)
 fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
-    let bucket = level * frame.level_count;
+    let bucket = avatar * frame.level_count;
     let mesh = mesh_table[bucket];
     let agents = bucket_start[bucket + 1u] - bucket_start[bucket];
     if id.x >= mesh.w || id.y >= agents {

@@ -1,10 +1,10 @@
-// uses: step, storey, grid, orca, segments, neighbours, crowding, precedence, absent
+// uses: step, storey, contents, grid, orca, segments, neighbours, crowding, precedence, absent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
 //
 // Most agents can keep all their lines. The others, one in ten in a crossing, have to try again, which takes longer than
-// all before, and a few need the exact search for neighbours. They are put on a list, and a second pass (AGAIN) does them
+// all before, and a few need the exact search for neighbours. They are put on a list, and a second phase (again) does them
 // side by side, since an invocation waits for the slowest beside it.
 //
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
@@ -17,8 +17,7 @@
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second pass along x, y, z; how many agents it has; their slots
-var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
+@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second phase along x, y, z; how many agents it has; their slots
 
 // An agent slower than this share of its maximum speed is in a jam.
 const JAM_SPEED: f32 = 0.45;
@@ -28,13 +27,17 @@ const UNTRIED: u32 = 0x80000000u;
 
 @compute @workgroup_size(64)
 fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
-    var entry = id.x;
-    if (level & AGAIN) != 0u {
-        if id.x >= atomicLoad(&unsolved[3]) {
-            return;
-        }
-        entry = atomicLoad(&unsolved[4u + id.x]);
+    avoid(id.x, false);
+}
+
+@compute @workgroup_size(64)
+fn velocity_orca_again(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < atomicLoad(&unsolved[3]) {
+        avoid(atomicLoad(&unsolved[4u + id.x]), true);
     }
+}
+
+fn avoid(entry: u32, again: bool) {
     let slot = entry & ~UNTRIED;
     if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
         return;
@@ -47,26 +50,26 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let motion = slot_motion[slot * 2u];
     var count = quick_neighbours(slot, motion.xy, own);
-    if (level & AGAIN) != 0u && count == UNSURE {
+    if again && count == UNSURE {
         count = search(slot, motion.xy, own);
     }
     let is_sure = count != UNSURE;
     count = select(0u, count, is_sure);
-    if (level & CROWDED) != 0u && !has_right_of_way(slot) {
+    if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         wanted = crowded(slot, wanted, own.range, own.cap, count);
     }
     let traits = slot_motion[slot * 2u + 1u];
     var hard = 0u;
-    if (level & WALLS) != 0u {
+    if (contents & WALLS) != 0u {
         hard = obstacle_lines(motion.xy, motion.zw, traits);
     }
     var users = 0u;
-    if (level & USER) != 0u {
+    if (contents & USER) != 0u {
         let to_user = step.user_position - motion.xy;
         users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(traits.w, step.user_elevation));
     }
     let others = Others(slot, motion, traits, hard, users, users + count);
-    if (level & AGAIN) != 0u {
+    if again {
         // without a shorter horizon the first attempt is all there is
         let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
         new_velocity[slot] = try_on(others, own.rate, wanted, first);
@@ -74,14 +77,14 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
         other_lines(others, own.rate, wanted, false);
         let solved = within(0u, hard + others.count, traits.y, wanted, false);
         new_velocity[slot] = solved.velocity;
-        let is_stuck = (level & CROWDED) != 0u && step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
+        let is_stuck = (contents & CROWDED) != 0u && step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
         if !is_sure || solved.satisfied < hard + others.count || is_stuck {
             leave(select(slot | UNTRIED, slot, is_sure));
         }
     }
 }
 
-// Leaves an agent to the second pass.
+// Leaves an agent to the second phase.
 fn leave(entry: u32) {
     let place = atomicAdd(&unsolved[3], 1u);
     atomicStore(&unsolved[4u + place], entry);
@@ -100,7 +103,7 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
     var rate = select(step.inverse_time_horizon_dense, own_rate, first == 0u);
     var solved = Solved(velocity, 0u);
     var again = true;
-    let is_crowded = (level & CROWDED) != 0u;
+    let is_crowded = (contents & CROWDED) != 0u;
     for (var attempt = first; attempt < 3u && again; attempt++) {
         other_lines(others, rate, preferred, is_crowded && attempt > 0u);
         solved = within(0u, made, max_speed, preferred, false);
@@ -137,7 +140,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         let other = found[max(k, o.users) - o.users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
-        let is_mate = (level & GROUPS) != 0u && !is_user && is_with(o.slot, other);
+        let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(o.slot, other);
         // priorities do not count within a group
         let higher = select(slot_motion[other * 2u + 1u].z - o.traits.z, 0.0, is_mate);
         var pair = Precedence(step.responsibility, o.traits.x + their_radius, false);
@@ -146,7 +149,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
             let to = theirs.xy - o.motion.xy;
             pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }
-        if (level & UNLIKE) != 0u {
+        if (contents & UNLIKE) != 0u {
             pair.share = share_of(pair.share, higher);
         }
         let has_way = pair.share <= 0.0 && !is_user;

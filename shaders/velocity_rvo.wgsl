@@ -1,4 +1,4 @@
-// uses: step, storey, grid, orca, segments, contact, neighbours, crowding, absent
+// uses: step, storey, contents, grid, orca, segments, contact, neighbours, crowding, absent
 // A new velocity by reciprocal velocity obstacles, after van den Berg, Lin, Manocha, "Reciprocal Velocity Obstacles for
 // Real-Time Multi-Agent Navigation" (2008): of some velocities v' that the agent can reach in this step
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
@@ -10,7 +10,7 @@
 // neighbours begin to count. Discs that overlap already cost what they lack of coming apart in this step.
 //
 // The reachable velocity nearest to the preferred one is taken if it costs nothing else: nothing can be better. The other
-// agents are put on a list, and a second pass (AGAIN) tries a pattern of velocities for them. Four velocities are looked at
+// agents are put on a list, and a second phase (again) tries a pattern of velocities for them. Four velocities are looked at
 // together, so that a neighbour is read once for all four.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
@@ -21,7 +21,6 @@
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 @group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
-var<immediate> level: u32;                                                     // what there is in the crowd, see StepUniforms
 
 // Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better: see
 // reference::velocity_rvo.
@@ -65,13 +64,17 @@ struct Four {
 
 @compute @workgroup_size(64)
 fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
-    var slot = id.x;
-    if (level & AGAIN) != 0u {
-        if id.x >= atomicLoad(&unsolved[3]) {
-            return;
-        }
-        slot = atomicLoad(&unsolved[4u + id.x]);
+    avoid(id.x, false);
+}
+
+@compute @workgroup_size(64)
+fn velocity_rvo_again(@builtin(global_invocation_id) id: vec3<u32>) {
+    if id.x < atomicLoad(&unsolved[3]) {
+        avoid(atomicLoad(&unsolved[4u + id.x]), true);
     }
+}
+
+fn avoid(slot: u32, again: bool) {
     if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
         return;
     }
@@ -84,33 +87,33 @@ fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
     let motion = slot_motion[slot * 2u];
     var count = quick_neighbours(slot, motion.xy, own);
     if count == UNSURE {
-        if (level & AGAIN) == 0u {
+        if !again {
             leave(slot);
             return;
         }
         count = search(slot, motion.xy, own);
     }
     // shortened where it is crowded ahead
-    if (level & CROWDED) != 0u && !has_right_of_way(slot) {
+    if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         preferred = crowded(slot, preferred, own.range, own.cap, count);
     }
     let traits = slot_motion[slot * 2u + 1u];
     var me = Walker(motion, traits, preferred, step.max_acceleration * step.time_step, 0u, 0u);
     me.others = look_at_others(slot, me, own, count);
-    if (level & WALLS) != 0u {
+    if (contents & WALLS) != 0u {
         me.walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
     }
     let wanted = slowed(reachable(four(preferred), me), me);
     if danger(wanted, me).x <= 0.0 {
         new_velocity[slot] = vec2<f32>(wanted.x.x, wanted.y.x);
-    } else if (level & AGAIN) != 0u {
+    } else if again {
         new_velocity[slot] = choose(me);
     } else {
         leave(slot);
     }
 }
 
-// Leaves an agent to the second pass.
+// Leaves an agent to the second phase.
 fn leave(slot: u32) {
     let place = atomicAdd(&unsolved[3], 1u);
     atomicStore(&unsolved[4u + place], slot);
@@ -231,7 +234,7 @@ fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
     let at = me.motion.xy;
     let to_user = step.user_position - at;
     var users = 0u;
-    if (level & USER) != 0u {
+    if (contents & USER) != 0u {
         users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.traits.w, step.user_elevation));
     }
     // who is faster than it may be slows down by more than `most`
@@ -243,10 +246,10 @@ fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
         let other = found[max(k, users) - users];
         let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
         let their_traits = slot_motion[other * 2u + 1u];
-        let is_mate = (level & GROUPS) != 0u && !is_user && is_with(slot, other);
+        let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(slot, other);
         var share = step.responsibility;
         // priorities do not count within a group
-        if (level & UNLIKE) != 0u && !is_mate {
+        if (contents & UNLIKE) != 0u && !is_mate {
             share = share_of(step.responsibility, their_traits.z - me.traits.z);
         }
         share = select(share, 1.0, is_user);

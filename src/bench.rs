@@ -6,7 +6,7 @@
 use crate::avatar::{self, Sex};
 use crate::emotion::Emotion;
 use crate::gait::walker;
-use crate::kernels::{BufferId, KernelId, Store};
+use crate::kernels::{BufferId, KernelId, Phase, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::{Backend, Cast, Simulation, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
@@ -283,7 +283,7 @@ fn step_bytes(simulation: &Simulation) -> usize {
     let store = simulation.store();
     let mut buffers: Vec<BufferId> = order::step_passes(&store.step)
         .iter()
-        .flat_map(|pass| pass.kernel.kernel().bindings.iter().map(|binding| binding.buffer))
+        .flat_map(|pass| pass.phase.entry().bindings.iter().map(|binding| binding.buffer))
         .collect();
     buffers.sort_unstable();
     buffers.dedup();
@@ -306,24 +306,44 @@ fn kernels(sequence: &mut Sequence) -> Result<Vec<Row>, crate::Error> {
     for _ in 0..WARM_UP {
         sequence.run()?;
     }
-    let mut all: Vec<(KernelId, Vec<f64>)> = Vec::new();
+    let mut all: Vec<(&'static str, Vec<f64>)> = Vec::new();
     let totals = repeat(|| {
         let times = sequence.run()?;
-        for (kernel, time) in &times {
-            match all.iter_mut().find(|(known, _)| known == kernel) {
-                Some((_, list)) => list.push(*time),
-                None => all.push((*kernel, vec![*time])),
+        for (name, time) in by_name(&times) {
+            match all.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, list)) => list.push(time),
+                None => all.push((name, vec![time])),
             }
         }
         Ok(times.iter().map(|(_, time)| time).sum())
     })?;
     let agents = sequence.agents;
-    let mut rows: Vec<Row> =
-        all.into_iter().map(|(kernel, times)| Row::new(kernel.kernel().name, agents, times)).collect();
+    let mut rows: Vec<Row> = all.into_iter().map(|(name, times)| Row::new(name, agents, times)).collect();
     if let Some(name) = sequence.name {
         rows.push(Row::new(name, agents, totals));
     }
     Ok(rows)
+}
+
+/// The time of each kernel, and behind it those of its phases if it has several, ms.
+fn by_name(times: &[(Phase, f64)]) -> Vec<(&'static str, f64)> {
+    let mut kernels: Vec<KernelId> = Vec::new();
+    for (phase, _) in times {
+        if !kernels.contains(&phase.kernel()) {
+            kernels.push(phase.kernel());
+        }
+    }
+    let mut rows = Vec::new();
+    for kernel in kernels {
+        let own = times.iter().filter(|(phase, _)| phase.kernel() == kernel);
+        rows.push((kernel.kernel().name, own.clone().map(|(_, time)| time).sum()));
+        if kernel.kernel().phases.len() > 1 {
+            // the phase that is named as its kernel has no row of its own: what the others leave of the sum is its time
+            let named = own.filter(|(phase, _)| phase.entry().label != kernel.kernel().name);
+            rows.extend(named.map(|(phase, time)| (phase.entry().label, *time)));
+        }
+    }
+    rows
 }
 
 /// One gait of each emotion on the two generated bodies.

@@ -26,7 +26,7 @@ fn on_the_ground(mut store: Store) -> Store {
 /// Runs all passes on the CPU.
 fn run(store: &mut Store) {
     for pass in passes(store) {
-        reference::run(pass.kernel, store, pass.level);
+        reference::run(pass.phase, store, pass.immediate);
     }
 }
 

@@ -44,8 +44,8 @@ fn picture(store: &mut Store) -> Vec<usize> {
     store.frame.gaze_time += PICTURE;
     store.frame.frame_time = PICTURE as f32 * 1e-3;
     let drawn = [KernelId::Palette, KernelId::Skin];
-    for pass in passes(store).into_iter().filter(|pass| !drawn.contains(&pass.kernel)) {
-        reference::run(pass.kernel, store, pass.level);
+    for pass in passes(store).into_iter().filter(|pass| !drawn.contains(&pass.kernel())) {
+        reference::run(pass.phase, store, pass.immediate);
     }
     let agents = store.frame.agent_count as usize;
     let now = store.frame.frame_index & 0x1fff_ffff;

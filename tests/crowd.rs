@@ -12,7 +12,7 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget};
 use gaitway::gait::walker;
 use gaitway::gait::{JOINT_COUNT, Joint};
-use gaitway::kernels::{KernelId, Store};
+use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
@@ -52,7 +52,7 @@ fn steps(store: &mut Store, count: u32) {
     let passes = sim::order::step_passes(&store.step);
     for _ in 0..count {
         for pass in &passes {
-            reference::run(pass.kernel, store, pass.level);
+            reference::run(pass.phase, store, pass.immediate);
         }
         store.step.step_index += 1;
     }
@@ -187,7 +187,7 @@ fn a_velocity_that_is_not_finite_is_reported_with_kernel_and_agent_and_not_taken
     steps(&mut store, 1);
     let (before, slot) = (store.position[4], store.agent_slot[4] as usize);
     store.new_velocity[slot] = [f32::NAN, 0.0];
-    reference::run(KernelId::Integrate, &mut store, 0);
+    reference::run(Phase::Integrate, &mut store, 0);
     assert_eq!(store.position[4], before);
     assert_eq!(store.failure[KernelId::Integrate as usize], 4);
 }
@@ -226,7 +226,7 @@ fn planted_feet_stay_within_two_centimetres_at_the_gaits_speed_and_at_half_of_it
             for _ in 0..180 {
                 store.agent_slot[0] = 0;
                 store.new_velocity[0] = [0.0, clip.speed * share];
-                reference::run(KernelId::Integrate, &mut store, 0);
+                reference::run(Phase::Integrate, &mut store, 0);
                 let frame = store.phase[0] as f32 / 2.0_f32.powi(32) * CLIP_FRAMES as f32;
                 let travelled = Vec3::new(0.0, 0.0, store.position[0][1]);
                 let feet =

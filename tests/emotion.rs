@@ -280,7 +280,7 @@ fn without_the_table_no_pass_is_recorded_and_the_start_is_the_same_with_it() {
     let crowd = "[population]\nagents = 50\n";
     let (without, with) = (simulation(crowd), simulation(&format!("{crowd}[emotion_dynamics]\n")));
     let feels =
-        |s: &Simulation| order::step_passes(&s.store().step).iter().any(|p| p.kernel == KernelId::Feel);
+        |s: &Simulation| order::step_passes(&s.store().step).iter().any(|p| p.kernel() == KernelId::Feel);
     assert!(!feels(&without) && feels(&with));
     assert!(without.store().feeling.is_empty() && measure::mean_feeling(without.store()).is_none());
     assert_eq!(without.store().position, with.store().position);

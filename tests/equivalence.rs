@@ -14,7 +14,7 @@ mod gpu;
 
 use gaitway::gpu::plan::Op;
 use gaitway::gpu::{Device, Engine, Error};
-use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
+use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Phase, Store};
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::{Backend, Cast, Simulation, measure, order};
 use gaitway::verify::cases::{
@@ -67,7 +67,7 @@ fn what_does_not_fit_its_buffer_is_refused_and_the_engine_goes_on() {
             let set = engine.run(&[Op::Set(BufferId::Step)], |_, _| vec![0; bytes], false);
             assert!(matches!(set, Err(Error::Contents { name: "step", .. })), "{bytes}: {set:?}");
         }
-        let integrate = |extent| Op::Pass(Pass { kernel: KernelId::Integrate, level: 0, extent });
+        let integrate = |extent| Op::Pass(Pass::new(Phase::Integrate, extent));
         for (buffer, element) in
             [(BufferId::Unsolved, 0), (BufferId::Position, 200), (BufferId::Step, u32::MAX)]
         {
@@ -129,10 +129,10 @@ fn the_comparison_notices_one_bit() {
         ];
         for (passes, mut store) in stages {
             for pass in &passes {
-                gaitway::reference::run(pass.kernel, &mut store, pass.level);
+                gaitway::reference::run(pass.phase, &mut store, pass.immediate);
             }
-            for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel == *k)) {
-                let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel == kernel).collect();
+            for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel() == *k)) {
+                let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel() == kernel).collect();
                 let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
                 let caught = found.iter().any(|c| c.exact < c.compared);
                 assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);

@@ -11,7 +11,7 @@
 )]
 
 use gaitway::kernels::shared::stages::index::STAGE_STRIDE;
-use gaitway::kernels::{KernelId, Store};
+use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::reference;
 use gaitway::reference::exact::{hash_u32, unit_f32};
 use gaitway::reference::stages::waypoint;
@@ -28,7 +28,7 @@ fn unit(seed: u32, index: usize, lane: u32) -> f32 {
 fn steps(store: &mut Store, count: u32) {
     for _ in 0..count {
         for pass in order::step_passes(&store.step) {
-            reference::run(pass.kernel, store, pass.level);
+            reference::run(pass.phase, store, pass.immediate);
         }
         store.step.step_index += 1;
     }
@@ -203,24 +203,20 @@ fn without_the_last_resort_somebody_does_leave_it() {
     setup::set_grid(&mut store.step, Vec2::splat(-5.0), Vec2::splat(5.0), 100.0, 5.0);
     setup::set_obstacles(&mut store, &[vec![[-1.0, -1.0], [1.0, -1.0], [1.0, 0.0], [-1.0, 0.0]]]);
     setup::scratch(&mut store);
-    let run = |store: &mut Store, kernel| reference::run(kernel, store, 0);
+    let run = |store: &mut Store, phase| reference::run(phase, store, 0);
     for (contained, inside) in [(true, false), (false, true)] {
         let mut store = store.clone();
-        for kernel in [KernelId::GridCount, KernelId::GridScatter, KernelId::GridPack] {
-            if kernel == KernelId::GridScatter {
-                order::step_passes(&store.step)
-                    .into_iter()
-                    .filter(|pass| [KernelId::GridScan, KernelId::GridScatter].contains(&pass.kernel))
-                    .for_each(|pass| reference::run(pass.kernel, &mut store, pass.level));
-            } else {
-                run(&mut store, kernel);
-            }
-        }
+        run(&mut store, Phase::GridCount);
+        order::step_passes(&store.step)
+            .into_iter()
+            .filter(|pass| [KernelId::GridScan, KernelId::GridScatter].contains(&pass.kernel()))
+            .for_each(|pass| reference::run(pass.phase, &mut store, pass.immediate));
+        run(&mut store, Phase::GridPack);
         store.new_velocity[0] = [3.0, -30.0];
         if contained {
-            run(&mut store, KernelId::Contain);
+            run(&mut store, Phase::Contain);
         }
-        run(&mut store, KernelId::Integrate);
+        run(&mut store, Phase::Integrate);
         assert_eq!(store.position[0][1] < 0.0, inside, "{:?}", store.position[0]);
         assert!(store.position[0][0] > 0.05, "it slides along: {:?}", store.position[0]);
     }

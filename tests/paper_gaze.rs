@@ -21,7 +21,7 @@ const EYES: Vec3 = Vec3::new(0.0, 1.63, 0.10);
 
 fn run(store: &mut Store) {
     for pass in passes(store) {
-        reference::run(pass.kernel, store, pass.level);
+        reference::run(pass.phase, store, pass.immediate);
     }
 }
 

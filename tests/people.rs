@@ -50,7 +50,7 @@ fn steps(store: &mut Store, count: u32) {
     let passes = order::step_passes(&store.step);
     for _ in 0..count {
         for pass in &passes {
-            reference::run(pass.kernel, store, pass.level);
+            reference::run(pass.phase, store, pass.immediate);
         }
         store.step.step_index += 1;
     }

@@ -8,7 +8,7 @@ mod data;
 use gaitway::Emotion;
 use gaitway::gait::walker::{Sex, WalkerStyle, person, walk};
 use gaitway::gait::{Gait, Joint, Pose};
-use gaitway::kernels::{KernelId, Store};
+use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::perception::features::{Batch, FEATURE_COUNT, FEATURES, Variant, features};
 use glam::{Quat, Vec3};
 
@@ -162,7 +162,7 @@ fn the_kernel_agrees_with_the_features_in_f64() {
         failure: vec![u32::MAX; KernelId::ALL.len()],
         ..Store::default()
     };
-    gaitway::reference::run(KernelId::GaitFeatures, &mut store, 0);
+    gaitway::reference::run(Phase::GaitFeatures, &mut store, 0);
     assert_eq!(store.failure[KernelId::GaitFeatures as usize], u32::MAX);
     for (gait, row) in gaits.iter().zip(store.feature_rows.chunks(8)) {
         let row: Vec<f64> = row.iter().flatten().take(FEATURE_COUNT).map(|x| f64::from(*x)).collect();

@@ -157,8 +157,8 @@ fn plain(layout: &Layout, store: &Store) -> Crowd {
 /// The reference's preferred velocities, then one step.
 fn step(store: &mut Store, layout: &Layout) {
     for pass in sim::order::step_passes(&store.step) {
-        if pass.kernel != KernelId::Prefer {
-            reference::run(pass.kernel, store, pass.level);
+        if pass.kernel() != KernelId::Prefer {
+            reference::run(pass.phase, store, pass.immediate);
             continue;
         }
         for agent in 0..layout.goal.len() {

@@ -120,7 +120,7 @@ fn did(mut crowd: Store, step: fn(&mut Store)) -> Did {
 
 fn kernel_step(crowd: &mut Store) {
     for pass in step_passes(&crowd.step) {
-        reference::run(pass.kernel, crowd, pass.level);
+        reference::run(pass.phase, crowd, pass.immediate);
     }
 }
 

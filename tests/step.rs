@@ -16,7 +16,7 @@ fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
     let want = "\
 set step
 barrier
-lead_agents 0
+lead_agents.appear
 barrier
 teleport
 barrier
@@ -24,32 +24,32 @@ journey
 barrier
 grid_count
 barrier
-grid_scan 0
+grid_scan.sum
 barrier
-grid_scan 1
+grid_scan.runs
 barrier
-grid_scan 2
+grid_scan.cells
 barrier
-grid_scatter 0
+grid_scatter.place
 barrier
-grid_scatter 1
+grid_scatter.sort
 barrier
-grid_pack 79
+grid_pack contents storeys+unlike+walls+user+groups
 prefer
 barrier
 accompany
 barrier
 react
 barrier
-lead_agents 1
+lead_agents.steer
 barrier
-persevere 0
+persevere.turns
 barrier
-persevere 1
+persevere.walls
 barrier
-velocity_orca 79
+velocity_orca contents storeys+unlike+walls+user+groups
 barrier
-velocity_orca 111
+velocity_orca.again contents storeys+unlike+walls+user+groups
 barrier
 contain
 barrier
@@ -59,7 +59,7 @@ elevate
 barrier
 set step
 barrier
-lead_agents 0
+lead_agents.appear
 ";
     assert_eq!(text(&plan(&two)), want);
 }
@@ -76,21 +76,21 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
     let want = [
         "set frame",
         "cull",
-        "compact 0",
-        "compact 1",
-        "compact 2",
-        "compact 3",
-        "compact 4",
-        "compact 5",
+        "compact.count",
+        "compact.scan_visible",
+        "compact.demote",
+        "compact.scan_buckets",
+        "compact.arguments",
+        "compact.list",
         "pose",
         "stand",
         "gaze",
         "palette",
-        "skin 0",
-        "skin 1",
+        "skin avatar 0",
+        "skin avatar 1",
     ];
     assert_eq!(names, want);
-    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "skin 0")] {
+    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "skin avatar 0")] {
         let at = |name| lines.iter().position(|line| *line == name);
         assert!(
             lines[at(pair.0).unwrap_or(0)..at(pair.1).unwrap_or(0)].contains(&"barrier"),

@@ -1,6 +1,7 @@
+// uses: contents
 // How much slower an agent walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
-// Needs the bindings step, slot_motion, slot_manners and preferred_velocity, `level`, and the list `found` of
+// Needs the bindings step, slot_motion, slot_manners and preferred_velocity, and the list `found` of
 // shared/neighbours.wgsl.
 
 // The share of the own person in the density.
@@ -43,7 +44,7 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         let distance2 = dot2(to, to);
         let along = dot2(to, wanted);
         // members of a group walk near one another on purpose
-        let is_mate = (level & GROUPS) != 0u && is_with(slot, found[k]);
+        let is_mate = (contents & GROUPS) != 0u && is_with(slot, found[k]);
         if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
             let theirs = preferred_velocity[slot_manners[found[k]].x];
             let theirs2 = dot2(theirs, theirs);

@@ -1,3 +1,4 @@
+// uses: contents
 // The nearest agents of one: the agent reads the five by five cells around it, whose rows are runs of slots, and keeps the
 // nearest as packed keys: squared distance with its low bits replaced by the candidate's place in the five runs. Where that
 // could differ from the order by (squared distance, id) (two keys agree in the bits left, fewer than wanted were found, a
@@ -5,8 +6,8 @@
 // neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
 // every device.
 //
-// Needs the bindings step, slot_motion, slot_manners, cell_start and the immediate `level`: with STOREYS those of another
-// storey do not count.
+// Needs the bindings step, slot_motion, slot_manners, and cell_start. With STOREYS those of another storey do not
+// count.
 const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES: u32 = 255u;          // candidates that the low bits can number
 const NO_KEY: u32 = 0xffffffffu;
@@ -139,7 +140,7 @@ fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: 
     let to = slot_motion[candidate * 2u].xy - at;
     let distance2 = dot2(to, to);
     var wanted = place < last && candidate != slot && distance2 < range2;
-    if (level & STOREYS) != 0u {
+    if (contents & STOREYS) != 0u {
         wanted = wanted && same_storey(candidate, elevation);
     }
     return select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
@@ -208,7 +209,7 @@ fn search(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
                         let to = slot_motion[other * 2u].xy - at;
                         let distance2 = dot2(to, to);
                         if other != slot && distance2 < range * range
-                            && ((level & STOREYS) == 0u || same_storey(other, elevation)) {
+                            && ((contents & STOREYS) == 0u || same_storey(other, elevation)) {
                             count = insert(count, cap, other, distance2);
                         }
                     }

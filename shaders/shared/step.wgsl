@@ -7,16 +7,6 @@ const LED_BIT: u32 = 256u;
 // Above it there: one more than the first member of the group that the agent walks with (accompany); 0: it walks alone.
 const GROUP_SHIFT: u32 = 9u;
 
-// What there is in a crowd, as bits of the immediate `level` of the kernels that look at neighbours: what there is not
-// costs nothing then. (Immediates, not uniforms, since drivers know that all invocations agree about them.)
-const STOREYS: u32 = 1u; // people walk above one another
-const UNLIKE: u32 = 2u;  // manners differ between people
-const WALLS: u32 = 4u;
-const USER: u32 = 8u;
-const CROWDED: u32 = 16u; // who sees a crowd ahead walks slower
-const GROUPS: u32 = 64u;  // some walk together
-const AGAIN: u32 = 32u;  // the pass over those whose first attempt failed
-
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).
 struct StepUniforms {
     agent_count: u32,

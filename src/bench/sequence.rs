@@ -6,7 +6,7 @@ use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
 use crate::kernels::BufferId;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
-use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::kernels::{KernelId, Pass, Phase, Store};
 use crate::reference;
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
@@ -183,7 +183,7 @@ impl Sequence {
             numerics_out: vec![[0.0; 4]; cases * 4],
             ..Store::default()
         };
-        let pass = Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(count) };
+        let pass = Pass::of(Phase::Numerics, count);
         Self::new(None, cases, store, vec![pass], (backend, device))
     }
 
@@ -231,7 +231,7 @@ impl Sequence {
         };
         (all.led_count, all.teleport_count, all.queue_count, all.source_count) = (1, 1, 1, 1);
         let step = order::step_passes(&all);
-        if step.iter().any(|pass| pass.kernel == kernel) {
+        if step.iter().any(|pass| pass.kernel() == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)
         } else {
             Self::picture(agents, backend, device)
@@ -250,7 +250,7 @@ impl Sequence {
         let engine = match backend {
             Backend::Cpu => None,
             Backend::Auto | Backend::Vulkan => {
-                let mut kernels: Vec<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+                let mut kernels: Vec<KernelId> = passes.iter().map(Pass::kernel).collect();
                 kernels.dedup();
                 let engine = Validation::from_environment()
                     .and_then(|validation| Device::open(device, validation))
@@ -272,11 +272,11 @@ impl Sequence {
         })
     }
 
-    /// Runs all passes once; the time of each kernel, ms.
+    /// Runs all passes once; the time of each phase, ms.
     ///
     /// # Errors
     /// When the device fails.
-    pub fn run(&mut self) -> Result<Vec<(KernelId, f64)>, crate::Error> {
+    pub fn run(&mut self) -> Result<Vec<(Phase, f64)>, crate::Error> {
         self.store.step.step_index = self.store.step.step_index.wrapping_add(1);
         self.store.frame.frame_index = self.store.frame.frame_index.wrapping_add(1);
         #[cfg(feature = "vulkan")]
@@ -289,25 +289,25 @@ impl Sequence {
             ops.extend(self.passes.iter().copied().map(Op::Pass));
             let store = &self.store;
             let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
-            return Ok(summed(times.into_iter().map(|time| (time.pass.kernel, time.milliseconds))));
+            return Ok(summed(times.into_iter().map(|time| (time.pass.phase, time.milliseconds))));
         }
         let mut times = Vec::with_capacity(self.passes.len());
         for pass in &self.passes {
             let begin = Instant::now();
-            reference::run(pass.kernel, &mut self.store, pass.level);
-            times.push((pass.kernel, begin.elapsed().as_secs_f64() * 1e3));
+            reference::run(pass.phase, &mut self.store, pass.immediate);
+            times.push((pass.phase, begin.elapsed().as_secs_f64() * 1e3));
         }
         Ok(summed(times))
     }
 }
 
-/// One time per kernel: the sum over its passes.
-fn summed(times: impl IntoIterator<Item = (KernelId, f64)>) -> Vec<(KernelId, f64)> {
-    let mut sums: Vec<(KernelId, f64)> = Vec::new();
-    for (kernel, time) in times {
-        match sums.iter_mut().find(|(known, _)| *known == kernel) {
+/// One time per phase: the sum over its passes.
+fn summed(times: impl IntoIterator<Item = (Phase, f64)>) -> Vec<(Phase, f64)> {
+    let mut sums: Vec<(Phase, f64)> = Vec::new();
+    for (phase, time) in times {
+        match sums.iter_mut().find(|(known, _)| *known == phase) {
             Some((_, sum)) => *sum += time,
-            None => sums.push((kernel, time)),
+            None => sums.push((phase, time)),
         }
     }
     sums

@@ -1,11 +1,11 @@
-//! One Vulkan buffer per [`BufferId`], one pipeline per kernel, and lists of passes run in one submission.
+//! One Vulkan buffer per [`BufferId`], one pipeline per phase of a kernel, and lists of passes run in one submission.
 
 mod encode;
 
-use super::pipeline::Pipeline;
+use super::pipeline::{self, Pipeline};
 use super::plan::Op;
 use super::{Buffer, Device, Error, Memory, call};
-use crate::kernels::{BufferId, KernelId, Pass, Store};
+use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
 
@@ -60,7 +60,7 @@ impl Engine {
         let mut engine = Self {
             device: device.clone(),
             buffers: BufferId::ALL.iter().map(|_| None).collect(),
-            pipelines: KernelId::ALL.iter().map(|_| None).collect(),
+            pipelines: Phase::ALL.iter().map(|_| None).collect(),
             descriptors: vk::DescriptorPool::null(),
             pool: vk::CommandPool::null(),
             commands: vk::CommandBuffer::null(),
@@ -70,13 +70,15 @@ impl Engine {
             brought: Vec::new(),
             reported: Vec::new(),
         };
-        engine.make_commands(kernels.len())?;
-        for &kernel in kernels {
-            for binding in kernel.kernel().bindings {
+        engine.make_commands(kernels.iter().map(|kernel| kernel.kernel().phases.len()).sum())?;
+        for kernel in kernels.iter().map(|kernel| kernel.kernel()) {
+            for binding in kernel.bindings {
                 engine.make_buffer(binding.buffer, store.bytes(binding.buffer).len() as u64)?;
             }
-            let pipeline = Pipeline::new(device, kernel.kernel(), engine.descriptors, &engine.buffers)?;
-            engine.pipelines[kernel as usize] = Some(pipeline);
+            for (&phase, code) in kernel.phases.iter().zip(pipeline::code(kernel)?) {
+                let made = Pipeline::new(device, phase.entry(), &code, engine.descriptors, &engine.buffers)?;
+                engine.pipelines[phase as usize] = Some(made);
+            }
         }
         let made: Vec<_> =
             BufferId::ALL.into_iter().filter(|id| engine.buffers[*id as usize].is_some()).collect();
@@ -99,8 +101,8 @@ impl Engine {
         self.buffers.iter().flatten().map(Buffer::size).sum()
     }
 
-    fn make_commands(&mut self, kernels: usize) -> Result<(), Error> {
-        let count = u32::try_from(kernels.max(1)).unwrap_or(u32::MAX);
+    fn make_commands(&mut self, phases: usize) -> Result<(), Error> {
+        let count = u32::try_from(phases.max(1)).unwrap_or(u32::MAX);
         let sizes = [
             vk::DescriptorPoolSize::default()
                 .ty(vk::DescriptorType::STORAGE_BUFFER)
@@ -179,10 +181,10 @@ impl Engine {
             }
         }
         if !made.is_empty() {
-            for kernel in KernelId::ALL {
-                let kernel_binds = kernel.kernel().bindings.iter().any(|b| made.contains(&b.buffer));
-                if let Some(pipeline) = self.pipelines[kernel as usize].as_ref().filter(|_| kernel_binds) {
-                    pipeline.bind(&self.device, kernel.kernel(), &self.buffers);
+            for entry in Phase::ALL.map(Phase::entry) {
+                let binds = entry.bindings.iter().any(|b| made.contains(&b.buffer));
+                if let Some(pipeline) = self.pipelines[entry.phase as usize].as_ref().filter(|_| binds) {
+                    pipeline.bind(&self.device, entry, &self.buffers);
                 }
             }
         }

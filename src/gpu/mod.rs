@@ -1,7 +1,7 @@
 //! Vulkan: devices, buffers, kernels. Knows nothing of gaits or emotions.
 //!
 //! [`Device`] is a Vulkan device with its queue and allocator; [`Engine`] holds one Vulkan buffer per
-//! [`BufferId`](crate::kernels::BufferId) and one pipeline per kernel and runs lists of passes; [`plan`] places the
+//! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel and runs lists of passes; [`plan`] places the
 //! barriers from what the kernels read and write.
 
 mod buffer;

@@ -1,12 +1,12 @@
-//! A kernel as a Vulkan pipeline with its descriptor set.
+//! A phase of a kernel as a Vulkan pipeline with its descriptor set.
 
 use super::{Buffer, Device, Error, call};
-use crate::kernels::{Access, Kernel};
+use crate::kernels::{Access, Entry, Kernel};
 use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
 
-/// One kernel, ready to be launched.
+/// One phase of a kernel, ready to be launched.
 pub(super) struct Pipeline {
     device: Arc<Device>,
     pub(super) raw: vk::Pipeline,
@@ -24,14 +24,15 @@ const fn kind(access: Access) -> vk::DescriptorType {
 }
 
 impl Pipeline {
-    /// Makes the pipeline and the descriptor set, with the buffers that the kernel binds by name.
+    /// Makes the pipeline of an entry point and the descriptor set, with the buffers that it binds by name.
     pub(super) fn new(
         device: &Arc<Device>,
-        kernel: &'static Kernel,
+        entry: &'static Entry,
+        spirv: &[u32],
         descriptors: vk::DescriptorPool,
         buffers: &[Option<Buffer>],
     ) -> Result<Self, Error> {
-        let bindings: Vec<_> = kernel
+        let bindings: Vec<_> = entry
             .bindings
             .iter()
             .map(|b| {
@@ -42,11 +43,10 @@ impl Pipeline {
                     .stage_flags(vk::ShaderStageFlags::COMPUTE)
             })
             .collect();
-        let levels = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
-        let levels = if kernel.has_level { &levels[..] } else { &[] };
-        let entry = CString::new(kernel.name).unwrap_or_default();
-        let spirv = code(kernel)?;
-        let label = CString::new(format!("gaitway.{}", kernel.name)).unwrap_or_default();
+        let word = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
+        let word = if entry.immediate.is_some() { &word[..] } else { &[] };
+        let name = CString::new(entry.name).unwrap_or_default();
+        let label = CString::new(format!("gaitway.{}", entry.label)).unwrap_or_default();
         // null handles until all is made: what has been made when a call fails is destroyed with the others
         let mut made = Self {
             device: device.clone(),
@@ -65,9 +65,8 @@ impl Pipeline {
                 .create_descriptor_set_layout(&create, None)
                 .map_err(call("vkCreateDescriptorSetLayout"))?;
             let set_layouts = [made.set_layout];
-            let create = vk::PipelineLayoutCreateInfo::default()
-                .set_layouts(&set_layouts)
-                .push_constant_ranges(levels);
+            let create =
+                vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(word);
             made.layout =
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
             let allocate = vk::DescriptorSetAllocateInfo::default()
@@ -80,12 +79,12 @@ impl Pipeline {
                 .copied()
                 .unwrap_or_default();
             let module = raw
-                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(&spirv), None)
+                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(spirv), None)
                 .map_err(call("vkCreateShaderModule"))?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
-                .name(&entry);
+                .name(&name);
             let create = [vk::ComputePipelineCreateInfo::default().layout(made.layout).stage(stage)];
             let pipelines = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
             raw.destroy_shader_module(module, None);
@@ -95,14 +94,14 @@ impl Pipeline {
                 .copied()
                 .unwrap_or_default();
         }
-        device.name(made.raw, kernel.name);
-        made.bind(device, kernel, buffers);
+        device.name(made.raw, entry.label);
+        made.bind(device, entry, buffers);
         Ok(made)
     }
 
-    /// Writes the buffers that the kernel binds into its descriptor set; nothing that uses it may be under way.
-    pub(super) fn bind(&self, device: &Device, kernel: &'static Kernel, buffers: &[Option<Buffer>]) {
-        let infos: Vec<_> = kernel
+    /// Writes the buffers that the entry point binds into its descriptor set; nothing that uses it may be under way.
+    pub(super) fn bind(&self, device: &Device, entry: &'static Entry, buffers: &[Option<Buffer>]) {
+        let infos: Vec<_> = entry
             .bindings
             .iter()
             .map(|b| {
@@ -110,7 +109,7 @@ impl Pipeline {
                 [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
             })
             .collect();
-        let writes: Vec<_> = kernel
+        let writes: Vec<_> = entry
             .bindings
             .iter()
             .zip(&infos)
@@ -139,33 +138,39 @@ impl Drop for Pipeline {
     }
 }
 
-/// The code of a kernel, as it was when the program was built.
+/// SPIR-V.
+type Code = std::borrow::Cow<'static, [u32]>;
+
+/// The code of a kernel's phases, as it was when the program was built.
 #[cfg(not(feature = "hot-reload"))]
 #[allow(clippy::unnecessary_wraps, reason = "reloading can fail")]
-fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
-    Ok(kernel.spirv.into())
+pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
+    Ok(kernel.phases.iter().map(|phase| phase.entry().spirv.into()).collect())
 }
 
-/// The code of a kernel: compiled anew from the folder that `GAITWAY_SHADERS` names, if it names one.
+/// The code of a kernel's phases: compiled again from the folder that `GAITWAY_SHADERS` names, if it names one.
 #[cfg(feature = "hot-reload")]
-fn code(kernel: &'static Kernel) -> Result<std::borrow::Cow<'static, [u32]>, Error> {
+pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
     use crate::kernels::compile::{Source, compile};
+    let entries = kernel.phases.iter().map(|phase| phase.entry());
     let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
-        return Ok(kernel.spirv.into());
+        return Ok(entries.map(|entry| entry.spirv.into()).collect());
     };
     let file = folder.join(kernel.name).with_extension("wgsl");
     let source = Source::read(&file, &folder.join("shared"), kernel.id as usize).map_err(Error::Shader)?;
-    let shader = compile(&source).map_err(Error::Shader)?;
-    let wanted = kernel.bindings.iter().map(|b| (b.buffer.name(), b.index));
-    match shader.entries.into_iter().next() {
-        Some(entry) if entry.bindings.iter().map(|b| (b.name.as_str(), b.binding)).eq(wanted) => {
-            Ok(entry.spirv.into())
-        }
-        _ => Err(Error::Shader(format!(
-            "{}: other bindings than when the program was built: build it anew",
-            file.display()
-        ))),
-    }
+    let mut found = compile(&source).map_err(Error::Shader)?.entries;
+    let code = entries.map(|entry| {
+        let wanted = entry.bindings.iter().map(|b| (b.buffer.name(), b.index));
+        let found = found.iter_mut().find(|found| found.name == entry.name)?;
+        let is_same = found.bindings.iter().map(|b| (b.name.as_str(), b.binding)).eq(wanted);
+        is_same.then(|| std::mem::take(&mut found.spirv).into())
+    });
+    code.collect::<Option<_>>().ok_or_else(|| {
+        let file = file.display();
+        Error::Shader(format!(
+            "{file}: other phases or bindings than when the program was built: build it again"
+        ))
+    })
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Where barriers stand in a list of passes: derived from what each kernel reads and writes.
 
-use crate::kernels::{Access, BufferId, Extent, Kernel, Pass};
+use crate::kernels::{Access, BufferId, Extent, Pass};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -50,9 +50,9 @@ fn touched(op: Op) -> (Vec<BufferId>, Vec<BufferId>) {
     match op {
         Op::Set(buffer) => (Vec::new(), vec![buffer]),
         Op::Pass(pass) => {
-            let kernel: &Kernel = pass.kernel.kernel();
+            let entry = pass.phase.entry();
             let of = |write: bool| {
-                let bindings = kernel.bindings.iter().filter(move |b| (b.access == Access::Write) == write);
+                let bindings = entry.bindings.iter().filter(move |b| (b.access == Access::Write) == write);
                 bindings.map(|b| b.buffer).collect::<Vec<_>>()
             };
             let mut reads = of(false);
@@ -86,11 +86,10 @@ pub fn text(commands: &[Command]) -> String {
             Command::Barrier => writeln!(text, "barrier"),
             Command::Op(_, Op::Set(buffer)) => writeln!(text, "set {}", buffer.name()),
             Command::Op(_, Op::Pass(pass)) => {
-                let kernel = pass.kernel.kernel();
-                if kernel.has_level {
-                    writeln!(text, "{} {}", kernel.name, pass.level)
-                } else {
-                    writeln!(text, "{}", kernel.name)
+                let entry = pass.phase.entry();
+                match &entry.immediate {
+                    Some(immediate) => writeln!(text, "{} {}", entry.label, immediate.text(pass.immediate)),
+                    None => writeln!(text, "{}", entry.label),
                 }
             }
         };
@@ -101,20 +100,20 @@ pub fn text(commands: &[Command]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::KernelId;
+    use crate::kernels::Phase;
 
     #[test]
     fn a_barrier_stands_wherever_a_pass_meets_what_another_wrote() {
-        let pass = |kernel, level| Op::Pass(Pass { kernel, level, extent: Extent::Invocations(1) });
+        let pass = |phase| Op::Pass(Pass::of(phase, 1));
         let ops = [
             Op::Set(BufferId::Step),
-            pass(KernelId::GridCount, 0),
-            pass(KernelId::GridScan, 0),
-            pass(KernelId::GridScan, 1),
+            pass(Phase::GridCount),
+            pass(Phase::GridScanSum),
+            pass(Phase::GridScanRuns),
         ];
         assert_eq!(
             text(&plan(&ops)),
-            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan 0\nbarrier\ngrid_scan 1\n"
+            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan.sum\nbarrier\ngrid_scan.runs\n"
         );
     }
 
@@ -122,10 +121,9 @@ mod tests {
     fn who_is_launched_by_counts_waits_for_them() {
         // `pose` binds nothing that the first operation writes: the counts alone make it wait
         let counts = BufferId::DispatchArgs;
-        let pose = KernelId::Pose;
-        assert!(pose.kernel().bindings.iter().all(|binding| binding.buffer != counts));
-        let launched =
-            |extent| text(&plan(&[Op::Set(counts), Op::Pass(Pass { kernel: pose, level: 0, extent })]));
+        let pose = Phase::Pose;
+        assert!(pose.entry().bindings.iter().all(|binding| binding.buffer != counts));
+        let launched = |extent| text(&plan(&[Op::Set(counts), Op::Pass(Pass::new(pose, extent))]));
         assert_eq!(launched(Extent::Indirect(counts, 0)), "set dispatch_args\nbarrier\npose\n");
         assert_eq!(launched(Extent::Invocations(64)), "set dispatch_args\npose\n");
     }

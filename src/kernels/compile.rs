@@ -4,15 +4,19 @@
 //! `build.rs` includes this file and compiles every shader when the crate is built; the feature `hot-reload`
 //! uses the same code while the program runs.
 
+#[path = "constants.rs"]
+pub mod constants;
 #[path = "spirv.rs"]
 mod spirv;
+
+use constants::Constant;
 
 use naga::back::spv;
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy, Layouter};
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
 use naga::{
-    AddressSpace, Block, BuiltIn, Expression, FunctionArgument, Handle, Literal, Module, ScalarKind,
-    ShaderStage, Statement, Type, TypeInner, VectorSize,
+    AddressSpace, Block, BuiltIn, Expression, FunctionArgument, Literal, Module, ScalarKind, ShaderStage,
+    Statement, Type, TypeInner, VectorSize,
 };
 use std::path::{Path, PathBuf};
 
@@ -141,71 +145,6 @@ pub struct Layout {
     pub place: String,
 }
 
-/// A constant of a module.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Constant {
-    /// Name.
-    pub name: String,
-    /// The file that declares it.
-    pub file: PathBuf,
-    /// The line of the declaration, from 1.
-    pub line: usize,
-    /// What it is.
-    pub value: Value,
-}
-
-/// The value of a constant, as it was evaluated.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Value {
-    /// A number of 32 bits, or a truth.
-    Scalar(Literal),
-    /// The components of a vector, or the elements of an array.
-    Many(Vec<Self>),
-}
-
-impl Value {
-    /// The type in Rust.
-    pub fn rust_type(&self) -> &'static str {
-        match self {
-            Self::Scalar(Literal::F32(_)) => "f32",
-            Self::Scalar(Literal::U32(_)) => "u32",
-            Self::Scalar(Literal::I32(_)) => "i32",
-            Self::Scalar(_) => "bool",
-            Self::Many(values) => match (values.len(), values.first().map_or("", Self::rust_type)) {
-                (2, "f32") => "[f32; 2]",
-                (3, "f32") => "[f32; 3]",
-                (4, "f32") => "[f32; 4]",
-                _ => "",
-            },
-        }
-    }
-
-    /// The value in Rust, exact to the bit.
-    pub fn rust(&self) -> String {
-        match self {
-            Self::Scalar(Literal::F32(x)) => {
-                let bits = x.to_bits();
-                format!("f32::from_bits(0x{:04x}_{:04x})", bits >> 16, bits & 0xffff)
-            }
-            Self::Scalar(Literal::U32(x)) => format!("{x}"),
-            Self::Scalar(Literal::I32(x)) => format!("{x}"),
-            Self::Scalar(x) => format!("{}", *x == Literal::Bool(true)),
-            Self::Many(values) => {
-                format!("[{}]", values.iter().map(Self::rust).collect::<Vec<_>>().join(", "))
-            }
-        }
-    }
-
-    /// The value as one reads it.
-    pub fn text(&self) -> String {
-        match self {
-            Self::Scalar(Literal::F32(x)) => format!("{x:?}"),
-            Self::Scalar(_) => self.rust(),
-            Self::Many(values) => values.iter().map(Self::text).collect::<Vec<_>>().join(", "),
-        }
-    }
-}
-
 /// One entry point.
 #[derive(Debug)]
 pub struct Entry {
@@ -260,51 +199,15 @@ pub fn compile(source: &Source) -> Result<Shader, String> {
         format!("{place}: {text}")
     })?;
     barriers_are_uniform(&module, source)?;
+    bindings_are_used(&module, &info, source)?;
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).map_err(|error| format!("{}: {error}", source.name))?;
     let mut entries = Vec::new();
     for index in 0..module.entry_points.len() {
         entries.push(entry(source, &module, &info, &layouter, index)?);
     }
-    let constants = constants(source, &module)?;
+    let constants = constants::of(source, &module)?;
     Ok(Shader { entries, layouts: layouts(source, &module, &layouter), constants })
-}
-
-/// The constants that the text declares.
-///
-/// naga drops those without a type once it has put them in where they are used, so every constant states its type.
-fn constants(source: &Source, module: &Module) -> Result<Vec<Constant>, String> {
-    let mut found = Vec::new();
-    for (at, line) in source.text.lines().enumerate() {
-        let Some(rest) = line.strip_prefix("const ") else { continue };
-        let name = rest.split([':', ' ', '=']).next().unwrap_or_default();
-        let (Some((file, line)), true) = (source.part(at), name != "KERNEL_ID") else { continue };
-        let is_it = |constant: &&naga::Constant| constant.name.as_deref() == Some(name);
-        let place = format!("{}:{line}", file.display());
-        let constant = module.constants.iter().map(|(_, constant)| constant).find(is_it);
-        let constant = constant.ok_or_else(|| {
-            format!("{place}: the constant `{name}` has no type: write it down, as in `const {name}: f32`")
-        })?;
-        let value = value(module, constant.init).filter(|value| !value.rust_type().is_empty());
-        let value = value.ok_or_else(|| format!("{place}: the constant `{name}` has no twin in Rust"))?;
-        found.push(Constant { name: name.to_owned(), file: file.to_path_buf(), line, value });
-    }
-    Ok(found)
-}
-
-/// What a constant expression came to.
-fn value(module: &Module, handle: Handle<Expression>) -> Option<Value> {
-    match &module.global_expressions[handle] {
-        Expression::Literal(literal) => Some(Value::Scalar(*literal)),
-        Expression::Constant(other) => value(module, module.constants[*other].init),
-        Expression::Compose { components, .. } => {
-            components.iter().map(|part| value(module, *part)).collect::<Option<_>>().map(Value::Many)
-        }
-        Expression::Splat { size, value: part } => {
-            Some(Value::Many(vec![value(module, *part)?; *size as usize]))
-        }
-        _ => None,
-    }
 }
 
 fn entry(
@@ -326,9 +229,6 @@ fn entry(
         }
         let Some(resource) = &variable.binding else { continue };
         if usage.is_empty() {
-            if module.entry_points.len() == 1 {
-                return Err(format!("{place}: binding `{name}` is never used: remove it"));
-            }
             continue;
         }
         let ty = &module.types[variable.ty];
@@ -360,7 +260,7 @@ fn entry(
         });
     }
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
-    let spirv = emit(module, info, index).map_err(|e| format!("{}: {e}", source.name))?;
+    let spirv = spirv_of(module, info, index).map_err(|e| format!("{}: {e}", source.name))?;
     let one_eye = one_eye(module, index).map_err(|e| format!("{}: {e}", source.name))?;
     Ok(Entry {
         name: point.name.clone(),
@@ -371,6 +271,32 @@ fn entry(
         spirv,
         one_eye,
     })
+}
+
+/// The SPIR-V of an entry point: of several phases in a file each has only what it needs.
+fn spirv_of(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, String> {
+    if module.entry_points.len() == 1 || module.entry_points[index].stage != ShaderStage::Compute {
+        return emit(module, info, index);
+    }
+    let mut module = module.clone();
+    module.entry_points = vec![module.entry_points.swap_remove(index)];
+    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
+    let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module);
+    emit(&module, &info.map_err(|error| error.to_string())?, 0)
+}
+
+/// A kernel binds nothing that none of its phases uses, nor does a draw shader of one entry point.
+fn bindings_are_used(module: &Module, info: &ModuleInfo, source: &Source) -> Result<(), String> {
+    let is_kernel = module.entry_points.iter().all(|point| point.stage == ShaderStage::Compute);
+    for (handle, variable) in module.global_variables.iter().filter(|(_, v)| v.binding.is_some()) {
+        let is_used = (0..module.entry_points.len()).any(|i| !info.get_entry_point(i)[handle].is_empty());
+        if !is_used && (is_kernel || module.entry_points.len() == 1) {
+            let place = source.place(module.global_variables.get_span(handle));
+            let name = variable.name.as_deref().unwrap_or_default();
+            return Err(format!("{place}: binding `{name}` is never used: remove it"));
+        }
+    }
+    Ok(())
 }
 
 /// The SPIR-V of an entry point that reads `view_index`, with 0 in its place; none for one that does not.

@@ -1,7 +1,9 @@
 //! The kernels, declared once: each is a WGSL file in `shaders/`, and everything else is read from it.
 //!
 //! `build.rs` compiles every file and writes, for a kernel `integrate`:
-//! - [`KernelId::Integrate`] and its [`Kernel`] (bindings by name, access, workgroup size, SPIR-V),
+//! - [`KernelId::Integrate`] and its [`Kernel`],
+//! - for every entry point, a phase of the kernel, a [`Phase`] and its [`Entry`] (bindings by name, access, workgroup size,
+//!   immediate, SPIR-V): [`Phase::Integrate`], or [`Phase::FlowSweep`] where there are several,
 //! - `integrate::Slices`, the bindings as named Rust slices, which the CPU twin takes,
 //! - for every buffer name a [`BufferId`] and a field of [`Store`], the CPU's copy of all buffers,
 //! - `integrate::TURNING_SPEED` and the other constants of the file, exact to the bit; `integrate::index` holds those of
@@ -38,24 +40,70 @@ pub struct Binding {
     pub access: Access,
 }
 
-/// A compute kernel.
+/// A compute kernel: a file of `shaders/`, with an entry point for each of its phases.
 #[derive(Debug)]
 pub struct Kernel {
     /// Which one.
     pub id: KernelId,
-    /// File stem, entry point, label, timer.
+    /// File stem.
     pub name: &'static str,
+    /// Its phases, in the order of the file.
+    pub phases: &'static [Phase],
+    /// Bindings of all phases together, by number.
+    pub bindings: &'static [Binding],
+}
+
+/// The word that a phase takes beside its buffers: a `var<immediate>`.
+#[derive(Debug)]
+pub struct Immediate {
+    /// Name of the variable.
+    pub name: &'static str,
+    /// Where it is a set of flags, their names and bits: the constants of the shared file that is named as the variable.
+    pub flags: &'static [(&'static str, u32)],
+}
+
+impl Immediate {
+    /// A value of it, as `name value`; flags by name.
+    pub fn text(&self, value: u32) -> String {
+        let set = self.flags.iter().filter(|(_, bit)| value & bit != 0);
+        let names: Vec<&str> = set.map(|(name, _)| *name).collect();
+        match (self.flags, names.as_slice()) {
+            ([], _) => format!("{} {value}", self.name),
+            (_, []) => format!("{} none", self.name),
+            _ => format!("{} {}", self.name, names.join("+")),
+        }
+    }
+}
+
+/// One phase of a kernel: an entry point.
+#[derive(Debug)]
+pub struct Entry {
+    /// Which one.
+    pub phase: Phase,
+    /// The kernel it belongs to.
+    pub kernel: KernelId,
+    /// Name of the entry point, and of the CPU twin.
+    pub name: &'static str,
+    /// Label and timer: `integrate`, or `flow.sweep` for a phase of several.
+    pub label: &'static str,
     /// Invocations per workgroup.
     pub workgroup_size: [u32; 3],
-    /// Bindings by number.
+    /// The bindings that it uses, by number.
     pub bindings: &'static [Binding],
-    /// Whether the kernel takes a level (an immediate `u32`): a kernel of several passes is dispatched once per level.
-    pub has_level: bool,
+    /// The word that it takes, if any.
+    pub immediate: Option<Immediate>,
     /// The code.
     pub spirv: &'static [u32],
 }
 
-/// How many invocations of a kernel a pass launches.
+impl Phase {
+    /// The kernel it belongs to.
+    pub const fn kernel(self) -> KernelId {
+        self.entry().kernel
+    }
+}
+
+/// How many invocations of a phase a pass launches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// At least this many invocations, along x.
@@ -64,15 +112,37 @@ pub enum Extent {
     Indirect(BufferId, u32),
 }
 
-/// One launch of a kernel.
+/// One launch of a phase of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Pass {
-    /// The kernel.
-    pub kernel: KernelId,
-    /// Which of its levels, 0 for kernels of one pass.
-    pub level: u32,
+    /// The phase.
+    pub phase: Phase,
+    /// Its immediate; 0 for phases without.
+    pub immediate: u32,
     /// How many invocations.
     pub extent: Extent,
+}
+
+impl Pass {
+    /// A launch of a phase without an immediate.
+    pub const fn new(phase: Phase, extent: Extent) -> Self {
+        Self { phase, immediate: 0, extent }
+    }
+
+    /// A launch of at least so many invocations.
+    pub const fn of(phase: Phase, invocations: u32) -> Self {
+        Self::new(phase, Extent::Invocations(invocations))
+    }
+
+    /// The same with an immediate.
+    pub const fn with(self, immediate: u32) -> Self {
+        Self { immediate, ..self }
+    }
+
+    /// The kernel.
+    pub const fn kernel(&self) -> KernelId {
+        self.phase.kernel()
+    }
 }
 
 /// One entry point of a draw shader.
@@ -133,3 +203,46 @@ impl DrawShader {
 }
 
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_phase_is_named_and_labelled_after_its_kernel_and_binds_no_more_than_it() {
+        for phase in Phase::ALL {
+            let (entry, kernel) = (phase.entry(), phase.kernel().kernel());
+            assert_eq!(entry.phase, phase);
+            assert!(kernel.phases.contains(&phase), "{}", entry.name);
+            let of_kernel = entry.label.split_once('.').map_or(entry.label, |(kernel, _)| kernel);
+            assert_eq!(of_kernel, kernel.name);
+            assert_eq!(entry.label.replacen('.', "_", 1), entry.name);
+            for binding in entry.bindings {
+                let whole = kernel.bindings.iter().find(|b| b.index == binding.index);
+                assert_eq!(whole.map(|b| b.buffer), Some(binding.buffer), "{}", entry.name);
+            }
+        }
+        assert_eq!(Phase::FlowSweep.entry().label, "flow.sweep");
+        // a phase binds what it uses, not what its kernel does
+        let binds = |phase: Phase, buffer| phase.entry().bindings.iter().any(|b| b.buffer == buffer);
+        assert!(binds(Phase::GridScanRuns, BufferId::Unsolved));
+        assert!(!binds(Phase::GridScanSum, BufferId::Unsolved));
+    }
+
+    #[test]
+    fn an_immediate_says_what_it_is() {
+        let text = |phase: Phase, value| phase.entry().immediate.as_ref().map(|i| i.text(value));
+        assert_eq!(text(Phase::Skin, 3).as_deref(), Some("avatar 3"));
+        let some = shared::contents::WALLS | shared::contents::GROUPS;
+        assert_eq!(text(Phase::GridPack, some).as_deref(), Some("contents walls+groups"));
+        assert_eq!(text(Phase::GridPack, 0).as_deref(), Some("contents none"));
+        assert_eq!(text(Phase::Integrate, 0), None);
+    }
+
+    #[test]
+    fn constants_are_those_of_the_shaders_to_the_bit() {
+        assert_eq!(velocity_rvo::GOLDEN.map(f32::to_bits), [-0.737_368_9_f32, 0.675_490_3].map(f32::to_bits));
+        assert_eq!(shared::tile::RING, shared::tile::TILE + 2, "an expression is evaluated");
+        assert_eq!(shared::tile::index::RING, 10);
+    }
+}

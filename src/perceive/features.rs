@@ -2,7 +2,7 @@
 
 use crate::gait::Gait;
 use crate::kernels::gait_features::index::ROW;
-use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::kernels::{KernelId, Pass, Phase, Store};
 use crate::perception::features::{Batch, FEATURE_COUNT};
 use crate::reference;
 use crate::sim::{Error, Simulation};
@@ -32,7 +32,7 @@ pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FE
         ..Store::default()
     };
     let count = u32::try_from(gaits.len()).unwrap_or(u32::MAX);
-    let pass = Pass { kernel: KernelId::GaitFeatures, level: 0, extent: Extent::Invocations(count) };
+    let pass = Pass::of(Phase::GaitFeatures, count);
     run(&mut store, pass, simulation)?;
     let agent = store.failure[KernelId::GaitFeatures as usize];
     if agent != u32::MAX {
@@ -49,11 +49,11 @@ pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FE
 fn run(store: &mut Store, pass: Pass, simulation: &Simulation) -> Result<(), crate::Error> {
     #[cfg(feature = "vulkan")]
     if let Some(of_crowd) = simulation.engine() {
-        let mut engine = Engine::new(of_crowd.device(), store, &[pass.kernel])?;
+        let mut engine = Engine::new(of_crowd.device(), store, &[pass.kernel()])?;
         engine.run(&[Op::Pass(pass)], |_, _| Vec::new(), false)?;
         engine.download(store, &[BufferId::FeatureRows, BufferId::Failure])?;
         return Ok(());
     }
-    reference::run(pass.kernel, store, pass.level);
+    reference::run(pass.phase, store, pass.immediate);
     Ok(())
 }

@@ -11,39 +11,54 @@ fn seen_before(b: &Slices<'_>, first: u32, count: u32) -> u32 {
     b.run_shown[run] + of_run.map(|i| 1 - b.hidden[(first + i) as usize]).sum::<u32>()
 }
 
-/// Twin of `shaders/admit.wgsl`.
-pub fn admit(mut b: Slices<'_>) {
+/// Slots that are sifted.
+fn sifted(b: &Slices<'_>) -> std::ops::Range<u32> {
     let sight = b.sight;
-    let first = start_of(sight, b.bucket_start, sight.first_bucket);
-    let end = start_of(sight, b.bucket_start, sight.bucket_end);
-    let runs = ((end - first) as usize).div_ceil(RUN);
-    let slots = |run: usize| first + (run * RUN) as u32..end.min(first + (run * RUN + RUN) as u32);
-    match b.level {
-        0 => {
-            for run in 0..runs {
-                b.run_shown[run] = slots(run).map(|slot| 1 - b.hidden[slot as usize]).sum();
-            }
-        }
-        1 => {
-            let mut total = 0;
-            for run in 0..runs {
-                let seen = b.run_shown[run];
-                b.run_shown[run] = total;
-                total += seen;
-            }
-            b.run_shown[runs] = total;
-        }
-        _ => {
-            (0..runs).for_each(|run| write_shown(&mut b, run, first, slots(run)));
-            for bucket in sight.first_bucket..sight.bucket_end {
-                let at = bucket as usize * 5;
-                let before =
-                    |bucket: u32| seen_before(&b, first, start_of(sight, b.bucket_start, bucket) - first);
-                let count = before(bucket + 1) - before(bucket);
-                b.shown_args[at..at + 5].copy_from_slice(&b.draw_args[at..at + 5]);
-                b.shown_args[at + 1] = count;
-            }
-        }
+    let start = |bucket| start_of(sight, b.bucket_start, bucket);
+    start(sight.first_bucket)..start(sight.bucket_end)
+}
+
+/// Slots of each run.
+fn runs(b: &Slices<'_>) -> impl Iterator<Item = (usize, std::ops::Range<u32>)> + use<> {
+    let all = sifted(b);
+    let of = move |run: usize| {
+        let first = all.start + (run * RUN) as u32;
+        (run, first..all.end.min(first + RUN as u32))
+    };
+    (0..sifted(b).len().div_ceil(RUN)).map(of)
+}
+
+/// Twin of phase `count` of `shaders/admit.wgsl`.
+pub fn admit_count(b: Slices<'_>) {
+    for (run, slots) in runs(&b) {
+        b.run_shown[run] = slots.map(|slot| 1 - b.hidden[slot as usize]).sum();
+    }
+}
+
+/// Twin of phase `scan` of `shaders/admit.wgsl`.
+pub fn admit_scan(b: Slices<'_>) {
+    let runs = sifted(&b).len().div_ceil(RUN);
+    let mut total = 0;
+    for run in 0..runs {
+        let seen = b.run_shown[run];
+        b.run_shown[run] = total;
+        total += seen;
+    }
+    b.run_shown[runs] = total;
+}
+
+/// Twin of phase `list` of `shaders/admit.wgsl`.
+pub fn admit_list(mut b: Slices<'_>) {
+    let (sight, first) = (b.sight, sifted(&b).start);
+    for (run, slots) in runs(&b) {
+        write_shown(&mut b, run, first, slots);
+    }
+    for bucket in sight.first_bucket..sight.bucket_end {
+        let at = bucket as usize * 5;
+        let before = |bucket: u32| seen_before(&b, first, start_of(sight, b.bucket_start, bucket) - first);
+        let count = before(bucket + 1) - before(bucket);
+        b.shown_args[at..at + 5].copy_from_slice(&b.draw_args[at..at + 5]);
+        b.shown_args[at + 1] = count;
     }
 }
 

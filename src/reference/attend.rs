@@ -9,26 +9,26 @@ use crate::kernels::attend::{
 use crate::kernels::shared::attention::{ANGRY, ATTENDS, FIELD_END, RANGE, RANGE_HYSTERESIS};
 use crate::kernels::shared::body::NONE;
 
-/// Twin of `shaders/attend.wgsl`.
-pub fn attend(mut b: Slices<'_>) {
-    match b.level {
-        1 => return find_border(&mut b),
-        3 => return find_least(&mut b),
-        _ => {}
-    }
+/// Twin of phase `look` of `shaders/attend.wgsl`.
+pub fn attend_look(mut b: Slices<'_>) {
     let visible = b.visible;
-    for &agent in visible_agents(visible) {
-        match b.level {
-            0 => look_on(&mut b, agent),
-            2 => {
-                let key = b.attention[agent as usize][1] >> 14;
-                if key != 0 && key / BINS == b.attention_counts[BORDER] {
-                    b.attention_counts[(BINS + key % BINS) as usize] += 1;
-                }
-            }
-            _ => begin(&mut b, agent),
+    visible_agents(visible).iter().for_each(|agent| look_on(&mut b, *agent));
+}
+
+/// Twin of phase `count` of `shaders/attend.wgsl`.
+pub fn attend_count(b: Slices<'_>) {
+    for agent in visible_agents(b.visible) {
+        let key = b.attention[*agent as usize][1] >> 14;
+        if key != 0 && key / BINS == b.attention_counts[BORDER] {
+            b.attention_counts[(BINS + key % BINS) as usize] += 1;
         }
     }
+}
+
+/// Twin of phase `begin` of `shaders/attend.wgsl`.
+pub fn attend_begin(mut b: Slices<'_>) {
+    let visible = b.visible;
+    visible_agents(visible).iter().for_each(|agent| begin(&mut b, *agent));
 }
 
 fn interest(b: &Slices<'_>, agent: usize, looks: bool) -> f32 {
@@ -99,16 +99,18 @@ fn border_of(counts: &mut [u32], first: u32, most: u32) -> u32 {
     border
 }
 
-fn find_border(b: &mut Slices<'_>) {
+/// Twin of phase `border` of `shaders/attend.wgsl`.
+pub fn attend_border(b: Slices<'_>) {
     let most = b.frame.gaze_limit.wrapping_sub(1);
-    let counts = &mut *b.attention_counts;
+    let counts = b.attention_counts;
     let held = std::mem::take(&mut counts[HELD]);
     counts[OVER] = u32::from(held > most);
     counts[BORDER] = border_of(counts, 0, most - held.min(most));
 }
 
-fn find_least(b: &mut Slices<'_>) {
-    let counts = &mut *b.attention_counts;
+/// Twin of phase `least` of `shaders/attend.wgsl`.
+pub fn attend_least(b: Slices<'_>) {
+    let counts = b.attention_counts;
     let border = counts[BORDER];
     counts[LEAST] = 1;
     if border != NONE {

@@ -9,41 +9,55 @@ use crate::kernels::shared::body::NONE;
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::shared::dispatch::index::RUN;
 
-/// Twin of `shaders/compact.wgsl`.
-pub fn compact(mut b: Slices<'_>) {
-    let agents = b.frame.agent_count as usize;
-    let runs = agents.div_ceil(RUN);
-    let run_agents = |run: usize| run * RUN..(run * RUN + RUN).min(agents);
-    match b.level {
-        0 => {
-            for run in 0..runs {
-                let buckets = &b.agent_bucket[run_agents(run)];
-                let near = buckets.iter().filter(|bucket| is_near(**bucket, b.frame)).count();
-                let seen = buckets.iter().filter(|bucket| **bucket < b.frame.bucket_count).count();
-                b.bucket_counts[run * COLUMNS] = near as u32;
-                b.bucket_counts[run * COLUMNS + 1] = seen as u32;
-            }
+/// Agents of each run.
+fn runs(frame: &FrameUniforms) -> impl ExactSizeIterator<Item = std::ops::Range<usize>> + use<> {
+    let agents = frame.agent_count as usize;
+    (0..agents.div_ceil(RUN)).map(move |run| run * RUN..(run * RUN + RUN).min(agents))
+}
+
+/// Twin of phase `count` of `shaders/compact.wgsl`.
+pub fn compact_count(b: Slices<'_>) {
+    for (run, agents) in runs(b.frame).enumerate() {
+        let buckets = &b.agent_bucket[agents];
+        let near = buckets.iter().filter(|bucket| is_near(**bucket, b.frame)).count();
+        let seen = buckets.iter().filter(|bucket| **bucket < b.frame.bucket_count).count();
+        b.bucket_counts[run * COLUMNS] = near as u32;
+        b.bucket_counts[run * COLUMNS + 1] = seen as u32;
+    }
+}
+
+/// Twin of phase `scan_visible` of `shaders/compact.wgsl`.
+pub fn compact_scan_visible(b: Slices<'_>) {
+    (0..2).for_each(|column| scan_column(b.bucket_counts, runs(b.frame).len(), column));
+}
+
+/// Twin of phase `demote` of `shaders/compact.wgsl`.
+pub fn compact_demote(mut b: Slices<'_>) {
+    for (run, agents) in runs(b.frame).enumerate() {
+        apply_capacities(&mut b, run, agents);
+    }
+}
+
+/// Twin of phase `scan_buckets` of `shaders/compact.wgsl`.
+pub fn compact_scan_buckets(b: Slices<'_>) {
+    (0..COLUMNS).for_each(|column| scan_column(b.bucket_counts, runs(b.frame).len(), column));
+}
+
+/// Twin of phase `list` of `shaders/compact.wgsl`.
+pub fn compact_list(b: Slices<'_>) {
+    for (run, agents) in runs(b.frame).enumerate() {
+        let mut next = [0; COLUMNS];
+        for (bucket, next) in next.iter_mut().enumerate().take(b.frame.bucket_count as usize) {
+            *next = b.bucket_start[bucket] + b.bucket_counts[run * COLUMNS + bucket];
         }
-        1 => (0..2).for_each(|column| scan_column(b.bucket_counts, runs, column)),
-        2 => (0..runs).for_each(|run| apply_capacities(&mut b, run, run_agents(run))),
-        3 => (0..COLUMNS).for_each(|column| scan_column(b.bucket_counts, runs, column)),
-        4 => write_arguments(&mut b, runs),
-        _ => {
-            for run in 0..runs {
-                let mut next = [0; COLUMNS];
-                for (bucket, next) in next.iter_mut().enumerate().take(b.frame.bucket_count as usize) {
-                    *next = b.bucket_start[bucket] + b.bucket_counts[run * COLUMNS + bucket];
-                }
-                for bucket in far_buckets(b.frame) {
-                    next[bucket] = b.bucket_start[bucket + 1] + b.bucket_counts[run * COLUMNS + bucket];
-                }
-                for agent in run_agents(run) {
-                    let bucket = b.agent_bucket[agent];
-                    if bucket != NONE {
-                        b.visible[next[bucket as usize] as usize] = agent as u32;
-                        next[bucket as usize] += 1;
-                    }
-                }
+        for bucket in far_buckets(b.frame) {
+            next[bucket] = b.bucket_start[bucket + 1] + b.bucket_counts[run * COLUMNS + bucket];
+        }
+        for agent in agents {
+            let bucket = b.agent_bucket[agent];
+            if bucket != NONE {
+                b.visible[next[bucket as usize] as usize] = agent as u32;
+                next[bucket as usize] += 1;
             }
         }
     }
@@ -127,10 +141,12 @@ fn write_draw(b: &mut Slices<'_>, runs: usize, bucket: usize) -> u32 {
     count
 }
 
-fn write_arguments(b: &mut Slices<'_>, runs: usize) {
+/// Twin of phase `arguments` of `shaders/compact.wgsl`.
+pub fn compact_arguments(mut b: Slices<'_>) {
+    let runs = runs(b.frame).len();
     let mut start = 0;
     for bucket in 0..b.frame.bucket_count as usize {
-        let count = write_draw(b, runs, bucket);
+        let count = write_draw(&mut b, runs, bucket);
         b.bucket_start[bucket] = start;
         start += count;
         let levels = b.frame.level_count as usize;
@@ -151,7 +167,7 @@ fn write_arguments(b: &mut Slices<'_>, runs: usize) {
     let far_buckets = far_buckets(b.frame);
     for bucket in far_buckets.clone() {
         b.bucket_start[bucket + 1] = far;
-        far += write_draw(b, runs, bucket);
+        far += write_draw(&mut b, runs, bucket);
     }
     b.bucket_start[far_buckets.end + 1] = far;
 }

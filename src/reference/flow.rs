@@ -12,25 +12,26 @@ use rayon::prelude::*;
 /// Fewest tiles of a turn that are worth a second thread.
 const MANY: usize = 12;
 
-/// Twin of `shaders/flow.wgsl`.
-pub fn flow(mut b: Slices<'_>) {
-    let total = b.flow_grid.field_count * b.flow_grid.tile_columns * b.flow_grid.tile_rows;
-    match b.level {
-        0 => {
-            let cells = (b.flow_grid.field_count * b.flow_grid.cell_count) as usize;
-            b.flow_distance[..cells].fill(FAR);
-            clear_lists(&mut b, total);
-        }
-        1 => sow(&mut b, total),
-        6 => enlist_solid(&mut b, total),
-        12 => mark(&mut b),
-        13 => join_sheets(&mut b, total),
-        11 => {
-            point(&mut b);
-            clear_lists(&mut b, total);
-        }
-        _ => turn(&mut b, total),
-    }
+fn tile_total(grid: &FlowUniforms) -> u32 {
+    grid.field_count * grid.tile_columns * grid.tile_rows
+}
+
+/// Twin of phase `reset` of `shaders/flow.wgsl`.
+pub fn flow_reset(mut b: Slices<'_>) {
+    let cells = (b.flow_grid.field_count * b.flow_grid.cell_count) as usize;
+    b.flow_distance[..cells].fill(FAR);
+    let total = tile_total(b.flow_grid);
+    clear_lists(&mut b, total);
+}
+
+/// Twin of phase `sweep` of `shaders/flow.wgsl`.
+pub fn flow_sweep(mut b: Slices<'_>) {
+    turn(&mut b, SOLID);
+}
+
+/// Twin of phase `sweep_solid` of `shaders/flow.wgsl`.
+pub fn flow_sweep_solid(mut b: Slices<'_>) {
+    turn(&mut b, 0);
 }
 
 fn clear_lists(b: &mut Slices<'_>, total: u32) {
@@ -55,10 +56,12 @@ fn enlist(b: &mut Slices<'_>, total: u32, list: u32, tile: u32) {
     }
 }
 
-fn sow(b: &mut Slices<'_>, total: u32) {
+/// Twin of phase `sow` of `shaders/flow.wgsl`.
+pub fn flow_sow(mut b: Slices<'_>) {
+    let total = tile_total(b.flow_grid);
     let seeds = b.flow_seeds;
     for &[field, cell, distance, _] in &seeds[..b.flow_grid.seed_count as usize] {
-        set_distance(b, total, [field, cell], f32::from_bits(distance));
+        set_distance(&mut b, total, [field, cell], f32::from_bits(distance));
     }
 }
 
@@ -85,8 +88,10 @@ fn set_distance(b: &mut Slices<'_>, total: u32, [field, cell]: [u32; 2], distanc
     }
 }
 
-/// Cells that are one place on several sheets are as far as the nearest of them.
-fn join_sheets(b: &mut Slices<'_>, total: u32) {
+/// Twin of phase `join` of `shaders/flow.wgsl`: cells that are one place on several sheets are as far as the
+/// nearest of them.
+pub fn flow_join(mut b: Slices<'_>) {
+    let total = tile_total(b.flow_grid);
     let (grid, joints) = (b.flow_grid, b.flow_joints);
     let sheet_cells = grid.sheet_rows * grid.columns;
     for field in 0..grid.field_count {
@@ -97,15 +102,17 @@ fn join_sheets(b: &mut Slices<'_>, total: u32) {
             let least = on().map(|sheet| b.flow_distance[distance(sheet)]).fold(FAR, f32::min);
             for sheet in on() {
                 if b.flow_distance[distance(sheet)] > least {
-                    set_distance(b, total, [field, cell + sheet * sheet_cells], least);
+                    set_distance(&mut b, total, [field, cell + sheet * sheet_cells], least);
                 }
             }
         }
     }
 }
 
-fn enlist_solid(b: &mut Slices<'_>, total: u32) {
+/// Twin of phase `enlist_solid` of `shaders/flow.wgsl`.
+pub fn flow_enlist_solid(mut b: Slices<'_>) {
     let grid = b.flow_grid;
+    let total = tile_total(grid);
     for tile in 0..total {
         let place = Place::of(grid, tile);
         let is_solid = (place.z0..place.z0 + place.height).any(|z| {
@@ -113,7 +120,7 @@ fn enlist_solid(b: &mut Slices<'_>, total: u32) {
             b.flow_cells[row..row + place.width as usize].iter().any(|bits| bits & SOLID != 0)
         });
         if is_solid {
-            enlist(b, total, (place.x0 / TILE + place.z0 / TILE) & 1, tile);
+            enlist(&mut b, total, (place.x0 / TILE + place.z0 / TILE) & 1, tile);
         }
     }
 }
@@ -130,8 +137,9 @@ struct Swept {
     wake: u32,
 }
 
-fn turn(b: &mut Slices<'_>, total: u32) {
-    let (list, left_out) = if b.level < 6 { (b.level - 2, SOLID) } else { (b.level - 7, 0) };
+/// A turn of the list, without the cells that have a bit of `left_out`.
+fn turn(b: &mut Slices<'_>, left_out: u32) {
+    let (total, list) = (tile_total(b.flow_grid), b.list);
     clear_list(b, (list + 3) & 3);
     let count = b.flow_args[4 * list as usize + 3];
     let first = (list * total) as usize;
@@ -324,7 +332,8 @@ fn slope(here: f32, low: f32, high: f32, both: bool) -> f32 {
     (here - high).max(0.0) - (here - low).max(0.0)
 }
 
-fn point(b: &mut Slices<'_>) {
+/// Twin of phase `point` of `shaders/flow.wgsl`.
+pub fn flow_point(mut b: Slices<'_>) {
     let cells = b.flow_grid.cell_count as usize;
     let columns = b.flow_grid.columns as usize;
     let total = b.flow_grid.field_count as usize * cells;
@@ -351,10 +360,12 @@ fn point(b: &mut Slices<'_>) {
         }
         *way = word;
     });
+    let total = tile_total(b.flow_grid);
+    clear_lists(&mut b, total);
 }
 
-/// Marks from where the goal is seen.
-fn mark(b: &mut Slices<'_>) {
+/// Twin of phase `mark` of `shaders/flow.wgsl`.
+pub fn flow_mark(b: Slices<'_>) {
     let grid = b.flow_grid;
     for &[field, cell, _, sees] in &b.flow_seeds[..grid.seed_count as usize] {
         b.flow_way[(field * grid.cell_count + cell) as usize] |= sees;

@@ -2,7 +2,8 @@
 
 use crate::kernels::grid_pack::Slices;
 use crate::kernels::shared::absent::NOBODY;
-use crate::kernels::shared::step::{LED, LED_BIT, STOREYS, UNLIKE, WALLS};
+use crate::kernels::shared::contents::{STOREYS, UNLIKE, WALLS};
+use crate::kernels::shared::step::{LED, LED_BIT};
 use rayon::prelude::*;
 
 /// Twin of `shaders/grid_pack.wgsl`.
@@ -15,7 +16,7 @@ pub fn grid_pack(b: Slices<'_>) {
             return;
         }
         let agent = *agent as usize;
-        let [rate, range, cap, priority] = b.manners[if b.level & UNLIKE == 0 { 0 } else { agent }];
+        let [rate, range, cap, priority] = b.manners[if b.contents & UNLIKE == 0 { 0 } else { agent }];
         let is_led = priority >= LED;
         let led_bit = if is_led { LED_BIT } else { 0 };
         *manners = [agent as u32, rate.to_bits(), range.to_bits(), cap as u32 | led_bit];
@@ -23,7 +24,7 @@ pub fn grid_pack(b: Slices<'_>) {
             (b.position[agent], b.velocity[agent], b.body[agent]);
         motion[0] = [x, y, vx, vy];
         let comfort = if is_led { rate } else { 0.0 };
-        let height = if b.level & (STOREYS | WALLS) == 0 { 0.0 } else { b.elevation[agent] };
+        let height = if b.contents & (STOREYS | WALLS) == 0 { 0.0 } else { b.elevation[agent] };
         motion[1] = [radius + comfort, max_speed, priority, height];
     });
 }

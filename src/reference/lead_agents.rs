@@ -6,27 +6,16 @@ use crate::kernels::lead_agents::{Slices, WALKING_SPEED};
 use crate::kernels::shared::absent::ABSENT;
 use crate::kernels::shared::step::LED;
 
-/// Twin of `shaders/lead_agents.wgsl`.
-pub fn lead_agents(b: Slices<'_>) {
-    for agent in 0..b.step.agent_count as usize {
-        if b.manners[agent][3] < LED {
-            continue;
-        }
+/// Twin of phase `appear` of `shaders/lead_agents.wgsl`.
+pub fn lead_agents_appear(b: Slices<'_>) {
+    for agent in led(&b) {
         let [x, y, vx, vy] = b.lead[agent];
-        let here = b.position[agent];
-        if b.level == 1 {
-            if !is_absent(here) {
-                let inverse = b.step.inverse_time_step;
-                b.preferred_velocity[agent] = [(x - here[0]) * inverse, (y - here[1]) * inverse];
-            }
-            continue;
-        }
         if is_absent([x, y]) {
             b.position[agent] = [ABSENT, ABSENT];
             b.velocity[agent] = [0.0, 0.0];
             continue;
         }
-        if is_absent(here) {
+        if is_absent(b.position[agent]) {
             b.position[agent] = [x - vx * b.step.time_step, y - vy * b.step.time_step];
             b.velocity[agent] = [vx, vy];
             if dot2([vx, vy], [vx, vy]).sqrt() > WALKING_SPEED {
@@ -36,4 +25,21 @@ pub fn lead_agents(b: Slices<'_>) {
             }
         }
     }
+}
+
+/// Twin of phase `steer` of `shaders/lead_agents.wgsl`.
+pub fn lead_agents_steer(b: Slices<'_>) {
+    let inverse = b.step.inverse_time_step;
+    for agent in led(&b) {
+        let ([x, y, ..], here) = (b.lead[agent], b.position[agent]);
+        if !is_absent(here) {
+            b.preferred_velocity[agent] = [(x - here[0]) * inverse, (y - here[1]) * inverse];
+        }
+    }
+}
+
+/// Agents that are led.
+fn led<'a>(b: &Slices<'a>) -> impl Iterator<Item = usize> + use<'a> {
+    let manners = &b.manners[..b.step.agent_count as usize];
+    manners.iter().enumerate().filter(|(_, manners)| manners[3] >= LED).map(|(agent, _)| agent)
 }

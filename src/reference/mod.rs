@@ -28,7 +28,7 @@ pub mod sight;
 pub mod stages;
 pub mod way;
 
-use crate::kernels::{KernelId, Store};
+use crate::kernels::{Phase, Store};
 
 include!(concat!(env!("OUT_DIR"), "/reference.rs"));
 

@@ -85,38 +85,53 @@ fn is_behind(b: &Slices<'_>, eye: usize, seen: &Seen) -> bool {
     tiles(b.sight, eye, seen).all(|tile| b.farthest[tile] > nearest)
 }
 
-/// Twin of `shaders/occlude.wgsl`.
-pub fn occlude(b: Slices<'_>) {
+/// Slots that are sifted, each with its bucket and agent.
+fn candidates<'a>(b: &Slices<'a>) -> impl Iterator<Item = (usize, usize, usize)> + use<'a> {
+    let (sight, starts, visible) = (b.sight, b.bucket_start, b.visible);
+    let mut bucket = sight.first_bucket;
+    (start_of(sight, starts, bucket)..start_of(sight, starts, sight.bucket_end)).map(move |slot| {
+        bucket = bucket_of(sight, starts, slot, bucket);
+        (slot as usize, bucket as usize, visible[slot as usize] as usize)
+    })
+}
+
+/// Whether an agent of a bucket is shown whatever stands before it.
+fn is_shown(b: &Slices<'_>, agent: usize, bucket: usize) -> bool {
     let sight = b.sight;
-    let first = start_of(sight, b.bucket_start, sight.first_bucket);
-    let end = start_of(sight, b.bucket_start, sight.bucket_end);
-    for slot in first..end {
-        let bucket = bucket_of(sight, b.bucket_start, slot, sight.first_bucket);
-        let agent = b.visible[slot as usize] as usize;
-        let head = sight.bounds[bucket as usize][1][2] * f32::from_bits(b.look[agent][1]);
-        if end - first < sight.fewest || sight.eye_height > b.elevation[agent] + head + DOWN {
-            if b.level == 1 {
-                b.hidden[slot as usize] = 0;
-            }
+    let start = |bucket| start_of(sight, b.bucket_start, bucket);
+    let head = sight.bounds[bucket][1][2] * f32::from_bits(b.look[agent][1]);
+    start(sight.bucket_end) - start(sight.first_bucket) < sight.fewest
+        || sight.eye_height > b.elevation[agent] + head + DOWN
+}
+
+/// How the eyes see the boxes of an agent, heads first.
+fn parts(b: &Slices<'_>, agent: usize, bucket: usize) -> impl Iterator<Item = (usize, Seen)> {
+    let count = 2 * b.sight.eye_count.min(2) as usize;
+    (0..count).map(move |part| {
+        let eye = part >> 1;
+        (eye, look_at(b, eye, agent, b.sight.bounds[bucket][1 - (part & 1)]))
+    })
+}
+
+/// Twin of phase `mark` of `shaders/occlude.wgsl`.
+pub fn occlude_mark(b: Slices<'_>) {
+    for (_, bucket, agent) in candidates(&b) {
+        if is_shown(&b, agent, bucket) {
             continue;
         }
-        let mut is_hidden = true;
-        for part in 0..2 * sight.eye_count.min(2) as usize {
-            let eye = part >> 1;
-            let seen = look_at(&b, eye, agent, sight.bounds[bucket as usize][1 - (part & 1)]);
-            if b.level == 0 {
-                if seen.is_judged {
-                    blocks(sight, eye, &seen).for_each(|block| b.wanted[block] = 1);
-                }
-            } else {
-                is_hidden = seen.is_judged && is_behind(&b, eye, &seen);
-                if !is_hidden {
-                    break;
-                }
-            }
-        }
-        if b.level == 1 {
-            b.hidden[slot as usize] = u32::from(is_hidden);
-        }
+        let marked: Vec<usize> = parts(&b, agent, bucket)
+            .filter(|(_, seen)| seen.is_judged)
+            .flat_map(|(eye, seen)| blocks(b.sight, eye, &seen))
+            .collect();
+        marked.into_iter().for_each(|block| b.wanted[block] = 1);
+    }
+}
+
+/// Twin of phase `judge` of `shaders/occlude.wgsl`.
+pub fn occlude_judge(b: Slices<'_>) {
+    for (slot, bucket, agent) in candidates(&b) {
+        let is_behind = |(eye, seen): (usize, Seen)| seen.is_judged && is_behind(&b, eye, &seen);
+        let is_hidden = !is_shown(&b, agent, bucket) && parts(&b, agent, bucket).all(is_behind);
+        b.hidden[slot] = u32::from(is_hidden);
     }
 }

@@ -14,41 +14,57 @@ use crate::kernels::persevere::{
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::step::RAISE;
 
-/// Twin of `shaders/persevere.wgsl`.
-pub fn persevere(b: Slices<'_>) {
+/// The slot, direction and speed of an agent that wants to go somewhere by itself.
+fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {
+    let slot = b.agent_slot[agent];
+    if slot == NOBODY {
+        b.waiting[agent] = [0.0; 4];
+        return None;
+    }
+    if manners_of(b.slot_manners[slot as usize]).is_led {
+        return None;
+    }
+    let preferred = b.preferred_velocity[agent];
+    let speed = dot2(preferred, preferred).sqrt();
+    if speed < STANDING {
+        b.waiting[agent] = [0.0; 4];
+        return None;
+    }
+    Some((slot as usize, [preferred[0] / speed, preferred[1] / speed], speed))
+}
+
+fn slots<'a>(b: &'a Slices<'_>) -> Slots<'a> {
+    Slots {
+        step: b.step,
+        slot_motion: b.slot_motion,
+        slot_manners: b.slot_manners,
+        cell_start: b.cell_start,
+        has_storeys: b.step.storey_height > 0.0,
+    }
+}
+
+/// Twin of phase `turns` of `shaders/persevere.wgsl`.
+pub fn persevere_turns(mut b: Slices<'_>) {
+    for agent in 0..b.step.agent_count as usize {
+        let Some((slot, ahead, speed)) = walker(&mut b, agent) else { continue };
+        let mut state = b.waiting[agent];
+        if take_turns(&slots(&b), b.preferred_velocity, slot, ahead, speed, &mut state) {
+            b.slot_motion[slot * 2 + 1][2] += RAISE;
+        }
+        b.waiting[agent] = state;
+    }
+}
+
+/// Twin of phase `walls` of `shaders/persevere.wgsl`.
+pub fn persevere_walls(mut b: Slices<'_>) {
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     for agent in 0..b.step.agent_count as usize {
-        let slot = b.agent_slot[agent];
-        if slot == NOBODY {
-            b.waiting[agent] = [0.0; 4];
-            continue;
-        }
-        let slot = slot as usize;
-        let preferred = b.preferred_velocity[agent];
-        let speed = dot2(preferred, preferred).sqrt();
-        if manners_of(b.slot_manners[slot]).is_led {
-            continue;
-        }
-        if speed < STANDING {
-            b.waiting[agent] = [0.0; 4];
-            continue;
-        }
-        let ahead = [preferred[0] / speed, preferred[1] / speed];
-        let slots = Slots {
-            step: b.step,
-            slot_motion: b.slot_motion,
-            slot_manners: b.slot_manners,
-            cell_start: b.cell_start,
-            has_storeys: b.step.storey_height > 0.0,
-        };
-        let state = &mut b.waiting[agent];
-        if b.level == 0 {
-            if take_turns(&slots, b.preferred_velocity, slot, ahead, speed, state) {
-                b.slot_motion[slot * 2 + 1][2] += RAISE;
-            }
-        } else if let Some(direction) = follow_walls(&walls, &slots, agent as u32, slot, ahead, state) {
+        let Some((slot, ahead, speed)) = walker(&mut b, agent) else { continue };
+        let mut state = b.waiting[agent];
+        if let Some(direction) = follow_walls(&walls, &slots(&b), agent as u32, slot, ahead, &mut state) {
             b.preferred_velocity[agent] = [direction[0] * speed, direction[1] * speed];
         }
+        b.waiting[agent] = state;
     }
 }
 

@@ -8,31 +8,28 @@ use super::orca::{share_of, unit_or};
 use super::segments::{NearSegments, Walls};
 use super::shared::on_storey;
 use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER};
 use crate::kernels::shared::neighbours::SAFE;
 use crate::kernels::shared::orca::index::NEIGHBOURS;
 use crate::kernels::shared::orca::{RIGHT_OF_WAY, TOGETHER};
-use crate::kernels::shared::step::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER};
 use crate::kernels::velocity_rvo::{FOURS, GOLDEN, GOLDEN_4, SEPARATE, SOONEST, Slices};
 use rayon::prelude::*;
 
-/// Twin of `shaders/velocity_rvo.wgsl`.
+/// Twin of phase `velocity_rvo` of `shaders/velocity_rvo.wgsl`.
 ///
-/// The shader leaves those who have to search to a second pass, so that invocations side by side do alike. Here the first
+/// The shader leaves those who have to search to a second phase, so that invocations side by side do alike. Here the first
 /// does all, and the second nothing.
 pub fn velocity_rvo(b: Slices<'_>) {
-    if b.level & AGAIN != 0 {
-        return;
-    }
     let agents = b.step.agent_count as usize;
     let slots = Slots {
         step: b.step,
         slot_motion: b.slot_motion,
         slot_manners: b.slot_manners,
         cell_start: b.cell_start,
-        has_storeys: b.level & STOREYS != 0,
+        has_storeys: b.contents & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
-    let scene = Scene { slots, walls, preferred: b.preferred_velocity, level: b.level };
+    let scene = Scene { slots, walls, preferred: b.preferred_velocity, contents: b.contents };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
         if b.slot_manners[slot][0] == NOBODY {
             return;
@@ -43,13 +40,16 @@ pub fn velocity_rvo(b: Slices<'_>) {
     });
 }
 
+/// Twin of phase `again`: all is done.
+pub fn velocity_rvo_again(_: Slices<'_>) {}
+
 /// What all agents read.
 struct Scene<'a> {
     slots: Slots<'a>,
     walls: Walls<'a>,
     /// `[agent]` m/s
     preferred: &'a [[f32; 2]],
-    level: u32,
+    contents: u32,
 }
 
 /// The user or a neighbour.
@@ -91,8 +91,8 @@ impl Scene<'_> {
         let (at, present) = ([x, y], [vx, vy]);
         let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
-        if self.level & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
-            preferred = crowded(&self.slots, self.preferred, slot, own, preferred, &nearest, self.level);
+        if self.contents & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
+            preferred = crowded(&self.slots, self.preferred, slot, own, preferred, &nearest, self.contents);
         }
         let most = step.max_acceleration * step.time_step;
         let (others, count) = self.look_at_others(slot, own, most, &nearest);
@@ -232,15 +232,15 @@ impl Scene<'_> {
         let to_user = [ux - x, uy - y];
         let is_near =
             dot2(to_user, to_user) < own.range * own.range && on_storey(step, elevation, step.user_elevation);
-        if self.level & USER != 0 && is_near {
+        if self.contents & USER != 0 && is_near {
             look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0, false);
         }
         for other in &nearest.slots[..nearest.count] {
             let other = *other as usize;
             let [radius, _, priority, _] = self.slots.slot_motion[other * 2 + 1];
-            let is_mate = self.level & GROUPS != 0 && self.slots.are_together(slot, other);
+            let is_mate = self.contents & GROUPS != 0 && self.slots.are_together(slot, other);
             // priorities do not count within a group
-            let share = if self.level & UNLIKE != 0 && !is_mate {
+            let share = if self.contents & UNLIKE != 0 && !is_mate {
                 share_of(step.responsibility, priority - own_priority)
             } else {
                 step.responsibility

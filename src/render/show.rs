@@ -7,7 +7,7 @@ use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
-use crate::kernels::{BufferId, KernelId, Store};
+use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
 use crate::scenario::{EnvironmentMesh, Gaze};
 use crate::sim::bodies::{self, FAR_PIXELS, LEVEL_DISTANCES, MeshBuffers, SPECK_PIXELS};
 use crate::sim::moments::Moments;
@@ -50,13 +50,12 @@ pub struct Show {
     /// Whether there is room for two moments.
     pub(super) has_moments: bool,
     /// How long the animator's kernels ran since that was last asked, if it is measured.
-    times: Option<Vec<(KernelId, f64)>>,
+    times: Option<Vec<(Phase, f64)>>,
 }
 
 /// The kernels of a picture.
 pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
-    let mut kernels: Vec<KernelId> =
-        order::frame_passes(&store.frame).iter().map(|pass| pass.kernel).collect();
+    let mut kernels: Vec<KernelId> = order::frame_passes(&store.frame).iter().map(Pass::kernel).collect();
     kernels.push(KernelId::Attend); // agents may have to take turns later
     kernels.extend([KernelId::Occlude, KernelId::Admit]);
     if !store.moments.is_empty() {
@@ -173,7 +172,7 @@ impl Show {
 
     /// Those kernels and how long each ran since this was last asked, ms.
     #[cfg(feature = "view")]
-    pub(crate) fn take_times(&mut self) -> Vec<(KernelId, f64)> {
+    pub(crate) fn take_times(&mut self) -> Vec<(Phase, f64)> {
         self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
@@ -278,7 +277,7 @@ impl Show {
             let (ops, contents) = animation(frame, between);
             let measured = animator.run(&ops, contents, self.times.is_some())?;
             if let Some(times) = &mut self.times {
-                times.extend(measured.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+                times.extend(measured.iter().map(|time| (time.pass.phase, time.milliseconds)));
             }
             let mut words = no_failures();
             animator.download(&mut words, &[BufferId::Failure])?;

@@ -27,7 +27,7 @@ pub use error::Error;
 pub use people::Person;
 
 use crate::kernels::shared::step::LED;
-use crate::kernels::{BufferId, KernelId, Pass, Store};
+use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
 use crate::reference;
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
@@ -103,8 +103,8 @@ pub struct Simulation {
     ways: flow::Ways,
     /// What each agent feels at the start, in the order of [`crate::Emotion::ALL`]; empty if unknown.
     emotions: Vec<[f32; 4]>,
-    /// How long kernels ran since [`Self::take_times`], if that is measured.
-    times: Option<Vec<(KernelId, f64)>>,
+    /// How long phases ran since [`Self::take_times`], if that is measured.
+    times: Option<Vec<(Phase, f64)>>,
 }
 
 impl Simulation {
@@ -213,7 +213,7 @@ impl Simulation {
     /// When the device fails.
     #[cfg(feature = "vulkan")]
     pub fn steps_on(store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
-        let mut kernels: Vec<KernelId> = order::step_passes(&store.step).iter().map(|p| p.kernel).collect();
+        let mut kernels: Vec<KernelId> = order::step_passes(&store.step).iter().map(Pass::kernel).collect();
         kernels.sort_unstable();
         kernels.dedup();
         let engine = Engine::new(device, &store, &kernels)?;
@@ -334,7 +334,7 @@ impl Simulation {
                 };
                 let times = engine.run(&ops, contents, self.times.is_some())?;
                 if let Some(all) = &mut self.times {
-                    all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+                    all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
                 }
                 self.store.step.step_index += batch;
                 left -= batch;
@@ -368,14 +368,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Measures how long each kernel of steps and pictures runs, or stops measuring.
+    /// Measures how long each phase of the kernels of steps and pictures runs, or stops measuring.
     pub fn measure_times(&mut self, is_on: bool) {
         self.times = is_on.then(Vec::new);
     }
 
-    /// Kernels that ran since this was last asked and for how long, ms: by the device's timestamps, or on the CPU by the
-    /// clock. A kernel stands there as often as it was launched. Empty unless [`Self::measure_times`] is on.
-    pub fn take_times(&mut self) -> Vec<(KernelId, f64)> {
+    /// Phases that ran since this was last asked and for how long, ms: by the device's timestamps, or on the CPU by the
+    /// clock. A phase stands there as often as it was launched. Empty unless [`Self::measure_times`] is on.
+    pub fn take_times(&mut self) -> Vec<(Phase, f64)> {
         self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
@@ -385,7 +385,7 @@ impl Simulation {
         for pass in passes {
             let begin = std::time::Instant::now();
             run_on_cpu(&mut self.store, &[*pass]);
-            times.push((pass.kernel, begin.elapsed().as_secs_f64() * 1e3));
+            times.push((pass.phase, begin.elapsed().as_secs_f64() * 1e3));
         }
     }
 
@@ -424,7 +424,7 @@ impl Simulation {
                 .collect();
             let times = engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), self.times.is_some())?;
             if let Some(all) = &mut self.times {
-                all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+                all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
             }
             return self.check_on_device();
         }
@@ -469,6 +469,6 @@ fn kernels(store: &Store) -> Vec<KernelId> {
 /// Runs passes on the reference kernels.
 fn run_on_cpu(store: &mut Store, passes: &[Pass]) {
     for pass in passes {
-        reference::run(pass.kernel, store, pass.level);
+        reference::run(pass.phase, store, pass.immediate);
     }
 }

@@ -101,7 +101,7 @@ impl Simulation {
         };
         let times = engine.run(&ops, contents, self.times.is_some())?;
         if let Some(all) = &mut self.times {
-            all.extend(times.iter().map(|time| (time.pass.kernel, time.milliseconds)));
+            all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
         }
         Ok(())
     }

@@ -1,71 +1,71 @@
 //! The order of the kernels in one step and in one picture, once, for both backends.
 
-use crate::kernels::compact::index::COLUMNS;
+use crate::kernels::compact::COLUMNS;
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
+use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::dispatch::RUN;
-use crate::kernels::shared::step::{AGAIN, CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
-use crate::kernels::{BufferId, Extent, KernelId, Pass};
+use crate::kernels::{BufferId, Extent, KernelId, Pass, Phase};
 
 /// The launches of one step.
 pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
-    let agents = Extent::Invocations(step.agent_count);
-    let runs = Extent::Invocations(step.cell_count.div_ceil(RUN));
-    let pass = |kernel, level, extent| Pass { kernel, level, extent };
+    let agents = |phase| Pass::of(phase, step.agent_count);
+    let runs = |phase| Pass::of(phase, step.cell_count.div_ceil(RUN));
+    let contents = contents(step);
     let mut passes = vec![
-        pass(KernelId::FollowPaths, 0, Extent::Invocations(step.path_count)),
-        pass(KernelId::LeadAgents, 0, agents),
-        pass(KernelId::Teleport, 0, agents),
-        pass(KernelId::Journey, 0, agents),
-        pass(KernelId::Queue, 0, Extent::Invocations(step.queue_count)),
-        pass(KernelId::GridCount, 0, agents),
-        pass(KernelId::GridScan, 0, runs),
-        pass(KernelId::GridScan, 1, Extent::Invocations(1)),
-        pass(KernelId::GridScan, 2, runs),
-        pass(KernelId::GridScatter, 0, agents),
-        pass(KernelId::GridScatter, 1, Extent::Invocations(step.cell_count.max(step.agent_count))),
-        pass(KernelId::GridPack, contents(step), agents),
-        pass(KernelId::Hear, 0, agents),
-        pass(KernelId::Feel, 0, agents),
-        pass(KernelId::Express, 0, agents),
+        Pass::of(Phase::FollowPaths, step.path_count),
+        agents(Phase::LeadAgentsAppear),
+        agents(Phase::Teleport),
+        agents(Phase::Journey),
+        Pass::of(Phase::Queue, step.queue_count),
+        agents(Phase::GridCount),
+        runs(Phase::GridScanSum),
+        Pass::of(Phase::GridScanRuns, 1),
+        runs(Phase::GridScanCells),
+        agents(Phase::GridScatterPlace),
+        Pass::of(Phase::GridScatterSort, step.cell_count.max(step.agent_count)),
+        agents(Phase::GridPack).with(contents),
+        agents(Phase::Hear),
+        agents(Phase::Feel),
+        agents(Phase::Express),
     ];
     if step.source_count > 0 {
-        passes.push(pass(KernelId::Enter, 0, Extent::Invocations(step.source_count)));
+        passes.push(Pass::of(Phase::Enter, step.source_count));
     }
-    passes.push(pass(KernelId::Prefer, 0, agents));
+    passes.push(agents(Phase::Prefer));
     if step.group_count > 0 {
-        passes.push(pass(KernelId::Accompany, 0, agents));
+        passes.push(agents(Phase::Accompany));
     }
     if step.step_index < step.reaction_steps {
-        passes.push(pass(KernelId::React, 0, agents));
+        passes.push(agents(Phase::React));
     }
+    let [first, again] = velocity_phases(step.model);
     passes.extend([
-        pass(KernelId::LeadAgents, 1, agents),
-        pass(KernelId::Persevere, 0, agents),
-        pass(KernelId::Persevere, 1, agents),
-        pass(velocity_kernel(step.model), contents(step), agents),
-    ]);
-    passes.extend([
-        pass(velocity_kernel(step.model), contents(step) | AGAIN, Extent::Indirect(BufferId::Unsolved, 0)),
-        pass(KernelId::Contain, 0, agents),
-        pass(KernelId::Integrate, 0, agents),
+        agents(Phase::LeadAgentsSteer),
+        agents(Phase::PersevereTurns),
+        agents(Phase::PersevereWalls),
+        agents(first).with(contents),
+        Pass::new(again, Extent::Indirect(BufferId::Unsolved, 0)).with(contents),
+        agents(Phase::Contain),
+        agents(Phase::Integrate),
     ]);
     if step.floor_count > 0 {
-        passes.push(pass(KernelId::Elevate, 0, agents));
+        passes.push(agents(Phase::Elevate));
     }
-    passes.retain(|pass| match pass.kernel {
-        KernelId::LeadAgents => step.led_count > 0,
-        KernelId::FollowPaths => step.path_count > 0,
-        KernelId::Hear | KernelId::Feel | KernelId::Express => step.feels > 0,
-        KernelId::Persevere => step.patience > 0.0 && (pass.level == 0 || step.obstacle_count > 0),
-        KernelId::Teleport => step.teleport_count > 0,
-        KernelId::Queue => step.queue_count > 0,
-        KernelId::Contain => step.obstacle_count > 0,
+    passes.retain(|pass| match pass.phase {
+        Phase::LeadAgentsAppear | Phase::LeadAgentsSteer => step.led_count > 0,
+        Phase::FollowPaths => step.path_count > 0,
+        Phase::Hear | Phase::Feel | Phase::Express => step.feels > 0,
+        Phase::PersevereTurns => step.patience > 0.0,
+        Phase::PersevereWalls => step.patience > 0.0 && step.obstacle_count > 0,
+        Phase::Teleport => step.teleport_count > 0,
+        Phase::Queue => step.queue_count > 0,
+        Phase::Contain => step.obstacle_count > 0,
         _ => true,
     });
     passes
 }
 
-/// What there is in a crowd, as bits of a level.
+/// What there is in a crowd, as flags of the immediate `contents`.
 fn contents(step: &StepUniforms) -> u32 {
     [
         (STOREYS, step.storey_height > 0.0),
@@ -78,7 +78,7 @@ fn contents(step: &StepUniforms) -> u32 {
     ]
     .into_iter()
     .filter(|(_, is_there)| *is_there)
-    .fold(0, |level, (bit, _)| level | bit)
+    .fold(0, |contents, (bit, _)| contents | bit)
 }
 
 /// Whether agents must take turns in looking at the user: more might than may.
@@ -94,37 +94,43 @@ pub const fn velocity_kernel(model: u32) -> KernelId {
     }
 }
 
+/// Its phases: the first attempt of all, and what comes after it for those who have to try again.
+const fn velocity_phases(model: u32) -> [Phase; 2] {
+    match velocity_kernel(model) {
+        KernelId::VelocityRvo => [Phase::VelocityRvo, Phase::VelocityRvoAgain],
+        _ => [Phase::VelocityOrca, Phase::VelocityOrcaAgain],
+    }
+}
+
 /// Numbers of models.
 pub const MODELS: std::ops::Range<u32> = 0..2;
 
 /// The launches that count people on the flow grid and price its cells by their density.
 pub fn density_passes(step: &StepUniforms, grid: &FlowUniforms) -> Vec<Pass> {
-    let pass =
-        |level, count| Pass { kernel: KernelId::FlowDensity, level, extent: Extent::Invocations(count) };
     vec![
-        pass(0, grid.cell_count),
-        pass(1, step.agent_count),
-        pass(2, grid.cell_count),
-        pass(3, grid.cell_count),
+        Pass::of(Phase::FlowDensityClear, grid.cell_count),
+        Pass::of(Phase::FlowDensityCount, step.agent_count),
+        Pass::of(Phase::FlowDensityRows, grid.cell_count),
+        Pass::of(Phase::FlowDensityCost, grid.cell_count),
     ]
 }
 
 /// The launches that begin to solve the fields.
 pub fn flow_start(grid: &FlowUniforms) -> Vec<Pass> {
-    vec![flow_pass(0, tiles_or_lists(grid)), flow_pass(1, grid.seed_count)]
+    vec![Pass::of(Phase::FlowReset, tiles_or_lists(grid)), Pass::of(Phase::FlowSow, grid.seed_count)]
 }
 
 /// The launch after whose turns cells where nobody can stand have a way out, too.
 pub fn flow_solid(grid: &FlowUniforms) -> Pass {
-    flow_pass(6, grid.field_count * grid.tile_columns * grid.tile_rows)
+    Pass::of(Phase::FlowEnlistSolid, grid.field_count * grid.tile_columns * grid.tile_rows)
 }
 
 /// `count` turns from number `first`, before or after [`flow_solid`], for as long as there are tiles on the lists; more do no harm.
 pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Pass> {
-    let turn = |number: u32| Pass {
-        kernel: KernelId::Flow,
-        level: if with_solid { 7 } else { 2 } + number % 4,
-        extent: Extent::Indirect(BufferId::FlowArgs, 4 * (number % 4)),
+    let phase = if with_solid { Phase::FlowSweepSolid } else { Phase::FlowSweep };
+    let turn = |number: u32| {
+        let list = number % 4;
+        Pass::new(phase, Extent::Indirect(BufferId::FlowArgs, 4 * list)).with(list)
     };
     (first..first + count).map(turn).collect()
 }
@@ -132,16 +138,12 @@ pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Pass> {
 /// The launch that joins sheets, where there are several: if it puts tiles on lists, the turns go on from one whose number
 /// is a multiple of four.
 pub fn flow_joint(grid: &FlowUniforms) -> Pass {
-    flow_pass(13, grid.field_count * grid.joint_count)
+    Pass::of(Phase::FlowJoin, grid.field_count * grid.joint_count)
 }
 
 /// The launches that end it.
 pub fn flow_end(grid: &FlowUniforms) -> Vec<Pass> {
-    vec![flow_pass(11, tiles_or_lists(grid)), flow_pass(12, grid.seed_count)]
-}
-
-fn flow_pass(level: u32, count: u32) -> Pass {
-    Pass { kernel: KernelId::Flow, level, extent: Extent::Invocations(count) }
+    vec![Pass::of(Phase::FlowPoint, tiles_or_lists(grid)), Pass::of(Phase::FlowMark, grid.seed_count)]
 }
 
 fn tiles_or_lists(grid: &FlowUniforms) -> u32 {
@@ -152,56 +154,57 @@ fn tiles_or_lists(grid: &FlowUniforms) -> u32 {
 /// The launches before a picture that shows what lies between two moments: the present one is kept at a place first, if
 /// it is to be.
 pub fn between_passes(agent_count: u32, keep: Option<u32>) -> Vec<Pass> {
-    let extent = Extent::Invocations(agent_count);
-    let keep = keep.map(|place| Pass { kernel: KernelId::Remember, level: place, extent });
-    keep.into_iter().chain([Pass { kernel: KernelId::Interpolate, level: 0, extent }]).collect()
+    let keep = keep.map(|place| Pass::of(Phase::Remember, agent_count).with(place));
+    keep.into_iter().chain([Pass::of(Phase::Interpolate, agent_count)]).collect()
 }
 
 /// The launches that mark where the picture's depth is wanted to see who is hidden.
 pub fn marking_passes(agent_count: u32) -> Vec<Pass> {
-    vec![Pass { kernel: KernelId::Occlude, level: 0, extent: Extent::Invocations(agent_count) }]
+    vec![Pass::of(Phase::OccludeMark, agent_count)]
 }
 
 /// The launches that leave out who is hidden behind that depth.
 pub fn sifting_passes(agent_count: u32) -> Vec<Pass> {
-    let pass = |kernel, level, count| Pass { kernel, level, extent: Extent::Invocations(count) };
     // at least as many as there are buckets
-    let runs = agent_count.div_ceil(RUN).max(COLUMNS as u32);
+    let runs = agent_count.div_ceil(RUN).max(COLUMNS);
     vec![
-        pass(KernelId::Occlude, 1, agent_count),
-        pass(KernelId::Admit, 0, runs),
-        pass(KernelId::Admit, 1, 1),
-        pass(KernelId::Admit, 2, runs),
+        Pass::of(Phase::OccludeJudge, agent_count),
+        Pass::of(Phase::AdmitCount, runs),
+        Pass::of(Phase::AdmitScan, 1),
+        Pass::of(Phase::AdmitList, runs),
     ]
 }
 
 /// The launches that prepare the bodies for one picture.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
-    let agents = frame.agent_count;
-    let runs = Extent::Invocations(agents.div_ceil(RUN));
+    let runs = |phase| Pass::of(phase, frame.agent_count.div_ceil(RUN));
     let avatars = frame.bucket_count / frame.level_count.max(1);
-    let pass = |kernel, level, extent| Pass { kernel, level, extent };
-    let per_visible = Extent::Indirect(BufferId::DispatchArgs, 0);
+    let per_visible = |phase| Pass::new(phase, Extent::Indirect(BufferId::DispatchArgs, 0));
     let mut passes = vec![
-        pass(KernelId::Cull, 0, Extent::Invocations(agents)),
-        pass(KernelId::Compact, 0, runs),
-        pass(KernelId::Compact, 1, Extent::Invocations(2)),
-        pass(KernelId::Compact, 2, runs),
-        pass(KernelId::Compact, 3, Extent::Invocations(COLUMNS as u32)),
-        pass(KernelId::Compact, 4, Extent::Invocations(1)),
-        pass(KernelId::Compact, 5, runs),
-        pass(KernelId::Pose, 0, per_visible),
-        pass(KernelId::Stand, 0, per_visible),
+        Pass::of(Phase::Cull, frame.agent_count),
+        runs(Phase::CompactCount),
+        Pass::of(Phase::CompactScanVisible, 2),
+        runs(Phase::CompactDemote),
+        Pass::of(Phase::CompactScanBuckets, COLUMNS),
+        Pass::of(Phase::CompactArguments, 1),
+        runs(Phase::CompactList),
+        per_visible(Phase::Pose),
+        per_visible(Phase::Stand),
     ];
     if has_turns(frame) {
-        let one = Extent::Invocations(1);
-        let levels = [per_visible, one, per_visible, one, per_visible];
-        passes.extend((0..).zip(levels).map(|(level, extent)| pass(KernelId::Attend, level, extent)));
+        passes.extend([
+            per_visible(Phase::AttendLook),
+            Pass::of(Phase::AttendBorder, 1),
+            per_visible(Phase::AttendCount),
+            Pass::of(Phase::AttendLeast, 1),
+            per_visible(Phase::AttendBegin),
+        ]);
     }
-    passes.push(pass(KernelId::Gaze, 0, per_visible));
-    passes.push(pass(KernelId::Palette, 0, per_visible));
+    passes.push(per_visible(Phase::Gaze));
+    passes.push(per_visible(Phase::Palette));
     for avatar in 0..avatars {
-        passes.push(pass(KernelId::Skin, avatar, Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar)));
+        let near = Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar);
+        passes.push(Pass::new(Phase::Skin, near).with(avatar));
     }
     passes
 }

@@ -83,7 +83,7 @@ fn is_integer(buffer: BufferId) -> bool {
 }
 
 fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
-    let set: BTreeSet<_> = passes.iter().map(|pass| pass.kernel).collect();
+    let set: BTreeSet<_> = passes.iter().map(Pass::kernel).collect();
     set.into_iter().collect()
 }
 
@@ -100,7 +100,7 @@ fn arguments_of(passes: &[Pass]) -> Vec<BufferId> {
 /// Runs `passes` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
 ///
 /// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive passes
-/// of one kernel are compared after the last (between its levels `grid_scatter` has no defined order).
+/// of one kernel are compared after the last (between its phases `grid_scatter` has no defined order).
 ///
 /// # Errors
 /// When the device fails.
@@ -161,11 +161,11 @@ impl Expected {
     /// Runs passes on the CPU, from one kernel to the next.
     pub fn of(store: &Store, passes: &[Pass]) -> impl Iterator<Item = Self> {
         let mut after = store.clone();
-        passes.chunk_by(|a, b| a.kernel == b.kernel).filter_map(move |group| {
-            let kernel = group.first()?.kernel;
+        passes.chunk_by(|a, b| a.kernel() == b.kernel()).filter_map(move |group| {
+            let kernel = group.first()?.kernel();
             let before = after.clone();
             for pass in group {
-                reference::run(pass.kernel, &mut after, pass.level);
+                reference::run(pass.phase, &mut after, pass.immediate);
             }
             Some(Self { kernel, passes: group.to_vec(), before, after: after.clone() })
         })

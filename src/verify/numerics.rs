@@ -3,7 +3,7 @@
 use super::cases::Case;
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Error};
-use crate::kernels::{BufferId, KernelId};
+use crate::kernels::{BufferId, KernelId, Phase};
 use crate::sim::measure::Hash;
 use std::sync::Arc;
 
@@ -89,7 +89,7 @@ pub fn numerics(device: &Arc<Device>) -> Result<Numerics, Error> {
     engine.run(&ops, |_, _| Vec::new(), false)?;
     let mut got = want.clone();
     engine.download(&mut got, &[BufferId::NumericsOut])?;
-    crate::reference::run(KernelId::Numerics, &mut want, 0);
+    crate::reference::run(Phase::Numerics, &mut want, 0);
     Ok(judged(&want.numerics_out, &got.numerics_out))
 }
 
@@ -147,7 +147,7 @@ mod tests {
 
     fn results() -> Vec<[f32; 4]> {
         let mut store = crate::verify::cases::probe().store;
-        crate::reference::run(KernelId::Numerics, &mut store, 0);
+        crate::reference::run(Phase::Numerics, &mut store, 0);
         store.numerics_out
     }
 

@@ -202,7 +202,8 @@ pub fn verify(
     let arithmetic = numerics(device)?;
     let mut found = vec![numerics_row(&arithmetic)];
     for (number, &size) in options.sizes.iter().enumerate() {
-        let is_wanted = |case: &Case| !case.passes.iter().any(|pass| options.without.contains(&pass.kernel));
+        let is_wanted =
+            |case: &Case| !case.passes.iter().any(|pass| options.without.contains(&pass.kernel()));
         for case in cases::all(size, options.seed).into_iter().filter(is_wanted) {
             #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
             progress(&format!("kernels, {size} agents"), 0.5 * number as f64 / options.sizes.len() as f64);
@@ -415,8 +416,10 @@ mod tests {
 
     #[test]
     fn the_cases_of_a_size_reach_every_kernel_but_the_probe() {
-        let reached: Vec<KernelId> =
-            cases::all(65, 1).iter().flat_map(|case| case.passes.iter().map(|pass| pass.kernel)).collect();
+        let reached: Vec<KernelId> = cases::all(65, 1)
+            .iter()
+            .flat_map(|case| case.passes.iter().map(crate::kernels::Pass::kernel))
+            .collect();
         for kernel in KernelId::ALL.into_iter().filter(|id| *id != KernelId::Numerics) {
             assert!(reached.contains(&kernel), "{}", kernel.kernel().name);
         }

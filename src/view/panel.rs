@@ -277,7 +277,7 @@ fn plot(ui: &mut Ui, name: &str, times: &Times) {
 #[allow(clippy::float_cmp, reason = "limits are exact")]
 mod tests {
     use super::*;
-    use crate::kernels::KernelId;
+    use crate::kernels::Phase;
     use crate::scenario::Condition;
     use egui::{Event, Modifiers, PointerButton, Pos2, RawInput, Rect, Shape, pos2};
     use std::time::Duration;
@@ -322,8 +322,8 @@ mod tests {
             }
         }
         let mut times = [Times::default(), Times::default()];
-        times[0].take(&[(KernelId::Prefer, 1.5)], 1, Duration::from_millis(2));
-        times[1].take(&[(KernelId::Cull, 0.25), (KernelId::Skin, 0.5)], 1, Duration::from_millis(8));
+        times[0].take(&[(Phase::Prefer, 1.5)], 1, Duration::from_millis(2));
+        times[1].take(&[(Phase::Cull, 0.25), (Phase::Skin, 0.5)], 1, Duration::from_millis(8));
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 1200.0)));
         let input = RawInput { screen_rect, events, ..RawInput::default() };
         let mut output = context.run_ui(input, |ui| lay(ui, controls, &facts(&times)));

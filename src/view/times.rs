@@ -1,6 +1,6 @@
 //! How long steps and pictures take, and their kernels.
 
-use crate::kernels::KernelId;
+use crate::kernels::Phase;
 use serde::Serialize;
 use std::collections::{BTreeMap, VecDeque};
 use std::time::Duration;
@@ -10,7 +10,7 @@ const HISTORY: usize = 240;
 /// Moments that means are taken over.
 const RECENT: usize = 30;
 
-/// How long kernels ran, moment by moment: of a step, or of a picture.
+/// How long the phases of kernels ran, moment by moment: of a step, or of a picture.
 #[derive(Debug, Default)]
 pub(super) struct Times {
     kernels: BTreeMap<&'static str, VecDeque<f64>>,
@@ -23,7 +23,7 @@ pub(super) struct Times {
 pub struct MeanTimes {
     /// By the clock, with everything beside the kernels.
     pub whole: f64,
-    /// Of each kernel.
+    /// Of each kernel, or phase of one (`flow.sweep`).
     pub kernels: BTreeMap<&'static str, f64>,
 }
 
@@ -43,13 +43,13 @@ fn mean(history: &VecDeque<f64>) -> f64 {
 
 impl Times {
     /// Takes what was measured over `count` steps or pictures, which is one moment, and how long all of it took.
-    pub(super) fn take(&mut self, measured: &[(KernelId, f64)], count: u32, whole: Duration) {
+    pub(super) fn take(&mut self, measured: &[(Phase, f64)], count: u32, whole: Duration) {
         if count == 0 {
             return;
         }
         let mut sums: BTreeMap<&'static str, f64> = BTreeMap::new();
-        for (kernel, milliseconds) in measured {
-            *sums.entry(kernel.kernel().name).or_default() += milliseconds / f64::from(count);
+        for (phase, milliseconds) in measured {
+            *sums.entry(phase.entry().label).or_default() += milliseconds / f64::from(count);
         }
         for name in sums.keys() {
             let before = self.whole.len();
@@ -84,8 +84,8 @@ mod tests {
     #[test]
     fn times_are_means_over_steps_and_begin_at_zero_for_kernels_that_come_later() {
         let mut times = Times::default();
-        times.take(&[(KernelId::Prefer, 4.0), (KernelId::Prefer, 2.0)], 2, Duration::from_millis(16));
-        times.take(&[(KernelId::Prefer, 1.0), (KernelId::Feel, 9.0)], 1, Duration::from_millis(12));
+        times.take(&[(Phase::Prefer, 4.0), (Phase::Prefer, 2.0)], 2, Duration::from_millis(16));
+        times.take(&[(Phase::Prefer, 1.0), (Phase::Feel, 9.0)], 1, Duration::from_millis(12));
         times.take(&[], 0, Duration::from_millis(99));
         let all = times.dearest();
         assert_eq!(all[0].0, "feel");

@@ -88,9 +88,9 @@ pub(crate) fn source(folder: &Path, kernel: KernelId) -> Result<Source, String> 
     Source::read(&file, &folder.join("shared"), kernel as usize)
 }
 
-fn spirv(folder: &Path, kernel: KernelId) -> Result<Vec<u32>, String> {
-    let mut shader = compile(&source(folder, kernel)?)?;
-    Ok(shader.entries.pop().map(|entry| entry.spirv).unwrap_or_default())
+/// The code of all phases of a kernel.
+fn spirv(folder: &Path, kernel: KernelId) -> Result<Vec<Vec<u32>>, String> {
+    Ok(compile(&source(folder, kernel)?)?.entries.into_iter().map(|entry| entry.spirv).collect())
 }
 
 /// Everything that the cases, and the trajectory of `verify`, ask of a kernel.
@@ -98,14 +98,14 @@ fn expected(kernel: KernelId) -> Vec<(String, Expected)> {
     let mut found = Vec::new();
     let mut add = |case: &Case| {
         say("ready");
-        let passes = case.passes.iter().rposition(|pass| pass.kernel == kernel).map_or(0, |last| last + 1);
+        let passes = case.passes.iter().rposition(|pass| pass.kernel() == kernel).map_or(0, |last| last + 1);
         let own = Expected::of(&case.store, &case.passes[..passes]).filter(|e| e.kernel == kernel);
         found.extend(own.map(|expected| (case.name.clone(), expected)));
     };
     if kernel == KernelId::Numerics {
         add(&cases::probe());
     }
-    let has = |case: &Case| case.passes.iter().any(|pass| pass.kernel == kernel);
+    let has = |case: &Case| case.passes.iter().any(|pass| pass.kernel() == kernel);
     for (size, seed) in SIZES {
         for case in cases::all(size, seed).into_iter().filter(has) {
             let rounds = std::iter::successors(Some(case), |case| case.clone().next_step());

@@ -99,7 +99,7 @@ impl Engine {
         match error {
             Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
                 let names = ops.iter().filter_map(|op| match op {
-                    Op::Pass(pass) => Some(pass.kernel.kernel().name),
+                    Op::Pass(pass) => Some(pass.phase.entry().label),
                     Op::Set(_) => None,
                 });
                 let mut names: Vec<_> = names.collect();
@@ -206,14 +206,14 @@ impl Engine {
     }
 
     fn dispatch(&self, commands: vk::CommandBuffer, pass: Pass, query: Option<u32>) -> Result<(), Error> {
-        let kernel = pass.kernel.kernel();
-        let Some(pipeline) = &self.pipelines[pass.kernel as usize] else {
-            return Err(Error::NoKernel(kernel.name));
+        let entry = pass.phase.entry();
+        let Some(pipeline) = &self.pipelines[pass.phase as usize] else {
+            return Err(Error::NoKernel(entry.label));
         };
         if let Extent::Indirect(buffer, element) = pass.extent {
             let size = self.buffer(buffer).map_or(0, Buffer::size);
             if u64::from(element) * 4 + ARGUMENTS > size {
-                return Err(Error::Arguments { kernel: kernel.name, buffer: buffer.name(), element });
+                return Err(Error::Arguments { kernel: entry.label, buffer: buffer.name(), element });
             }
         }
         let raw = &self.device.raw;
@@ -234,13 +234,13 @@ impl Engine {
                 &[pipeline.set],
                 &[],
             );
-            if kernel.has_level {
-                let level = pass.level.to_ne_bytes();
-                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &level);
+            if entry.immediate.is_some() {
+                let word = pass.immediate.to_ne_bytes();
+                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &word);
             }
             match pass.extent {
                 Extent::Invocations(count) => {
-                    let groups = count.div_ceil(kernel.workgroup_size[0]);
+                    let groups = count.div_ceil(entry.workgroup_size[0]);
                     if groups > 0 {
                         raw.cmd_dispatch(commands, groups.min(MOST_GROUPS), groups.div_ceil(MOST_GROUPS), 1);
                     }

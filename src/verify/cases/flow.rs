@@ -174,7 +174,7 @@ mod tests {
         let mut store = fields(5000, 3);
         let passes = passes(&store);
         for pass in &passes[..passes.len() - 1] {
-            crate::reference::run(pass.kernel, &mut store, pass.level);
+            crate::reference::run(pass.phase, &mut store, pass.immediate);
         }
         assert!((0..4).all(|list| store.flow_args[list * 4 + 3] == 0), "tiles are left on the lists");
         let count = |is: &dyn Fn(u32, f32) -> bool| {

@@ -2,7 +2,7 @@
 //! must be refused.
 
 use crate::kernels::gait_features::index::ROW;
-use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::kernels::{KernelId, Pass, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 
 /// Frames of the longest gait.
@@ -77,5 +77,5 @@ fn position(kind: u32, joint: u32, phase: f32, random: &impl Fn(u32) -> f32) -> 
 /// The launch of `gait_features` for a store.
 pub fn passes(store: &Store) -> Vec<Pass> {
     let gaits = store.gait_table.len() as u32;
-    vec![Pass { kernel: KernelId::GaitFeatures, level: 0, extent: Extent::Invocations(gaits) }]
+    vec![Pass::of(Phase::GaitFeatures, gaits)]
 }

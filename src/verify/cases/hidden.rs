@@ -36,8 +36,8 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
     let kind = seed.wrapping_mul(3).wrapping_add(1); // with far bodies
     let mut store = animation::animation(agents, kind);
     for pass in animation::passes(&store) {
-        if matches!(pass.kernel, KernelId::Cull | KernelId::Compact) {
-            reference::run(pass.kernel, &mut store, pass.level);
+        if matches!(pass.kernel(), KernelId::Cull | KernelId::Compact) {
+            reference::run(pass.phase, &mut store, pass.immediate);
         }
     }
     let [x, y, z, _] = store.frame.user_eyes;
@@ -105,7 +105,7 @@ mod tests {
         for seed in 0..10 {
             let mut store = hidden(700, seed);
             for pass in passes(&store) {
-                reference::run(pass.kernel, &mut store, pass.level);
+                reference::run(pass.phase, &mut store, pass.immediate);
             }
             let shift = store.sight.start_shift;
             let of = |bucket: u32| store.bucket_start[(bucket + shift) as usize];

@@ -17,7 +17,7 @@ pub mod journeys;
 mod odd;
 pub mod step;
 
-use crate::kernels::{Extent, KernelId, Pass, Store};
+use crate::kernels::{KernelId, Pass, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::order;
 
@@ -46,12 +46,12 @@ impl Case {
     /// The step after this one, on the CPU; none for a case that is no step.
     #[must_use]
     pub fn next_step(mut self) -> Option<Self> {
-        let has = |kernel| self.passes.iter().any(|pass| pass.kernel == kernel);
+        let has = |kernel| self.passes.iter().any(|pass| pass.kernel() == kernel);
         if !(has(KernelId::GridCount) && has(KernelId::Integrate)) {
             return None;
         }
         for pass in &self.passes {
-            crate::reference::run(pass.kernel, &mut self.store, pass.level);
+            crate::reference::run(pass.phase, &mut self.store, pass.immediate);
         }
         self.store.step.step_index += 1;
         self.passes = order::step_passes(&self.store.step);
@@ -130,7 +130,7 @@ pub const PROBED: u32 = 65_536;
 pub fn probe() -> Case {
     let mut store = Store { numerics_in: crate::reference::probe_cases(PROBED), ..Store::default() };
     store.numerics_out = vec![[0.0; 4]; store.numerics_in.len() * 4];
-    let passes = vec![Pass { kernel: KernelId::Numerics, level: 0, extent: Extent::Invocations(PROBED) }];
+    let passes = vec![Pass::of(Phase::Numerics, PROBED)];
     Case { name: "arithmetic".to_owned(), store, passes }
 }
 
@@ -161,7 +161,7 @@ mod tests {
         let mut store = everything(2_000, 1);
         assert!(store.step.crowding > 0.0 && store.step.patience > 0.0);
         let passes = order::step_passes(&store.step);
-        let reached: BTreeSet<KernelId> = passes.iter().map(|pass| pass.kernel).collect();
+        let reached: BTreeSet<KernelId> = passes.iter().map(Pass::kernel).collect();
         let wanted = [
             KernelId::FollowPaths,
             KernelId::LeadAgents,
@@ -180,7 +180,7 @@ mod tests {
         assert!(wanted.iter().all(|kernel| reached.contains(kernel)), "{reached:?}");
         let (before, waiting) = (store.feeling.clone(), store.waiting.clone());
         for pass in &passes {
-            crate::reference::run(pass.kernel, &mut store, pass.level);
+            crate::reference::run(pass.phase, &mut store, pass.immediate);
         }
         assert!(store.feeling != before && store.waiting != waiting);
         assert!(store.companions.iter().any(|others| others[0] != crate::kernels::shared::absent::NOBODY));

@@ -26,7 +26,7 @@ pub(super) fn cases(size: usize, seed: u32) -> Vec<Case> {
 /// The launches of these kernels alone.
 fn only(what: &str, size: usize, seed: u32, store: Store, kernels: &[KernelId]) -> Case {
     let mut passes = order::step_passes(&store.step);
-    passes.retain(|pass| kernels.contains(&pass.kernel));
+    passes.retain(|pass| kernels.contains(&pass.kernel()));
     Case { name: format!("{what}, size {size}, seed {seed}"), store, passes }
 }
 
@@ -34,8 +34,8 @@ fn only(what: &str, size: usize, seed: u32, store: Store, kernels: &[KernelId]) 
 fn into_grid(store: &mut Store) {
     use KernelId::{GridCount, GridPack, GridScan, GridScatter};
     for pass in order::step_passes(&store.step) {
-        if matches!(pass.kernel, GridCount | GridScan | GridScatter | GridPack) {
-            crate::reference::run(pass.kernel, store, pass.level);
+        if matches!(pass.kernel(), GridCount | GridScan | GridScatter | GridPack) {
+            crate::reference::run(pass.phase, store, pass.immediate);
         }
     }
 }
@@ -151,7 +151,7 @@ mod tests {
         let case = only("throngs", 1000, 1, throngs(1), &THRONGS);
         let mut store = case.store;
         for pass in case.passes {
-            crate::reference::run(pass.kernel, &mut store, pass.level);
+            crate::reference::run(pass.phase, &mut store, pass.immediate);
         }
         assert_eq!([store.sources[4], store.sources[12]], [1, 0]);
     }

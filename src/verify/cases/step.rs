@@ -109,7 +109,7 @@ fn ways(store: &mut Store) {
     passes.extend(order::flow_turns(0, turns, true));
     passes.extend(order::flow_end(&grid));
     for pass in passes {
-        crate::reference::run(pass.kernel, store, pass.level);
+        crate::reference::run(pass.phase, store, pass.immediate);
     }
     // what the fields say of the upper half of the area is taken as that of a second storey
     if grid.rows > 1 && store.step.agent_count % 2 == 1 {

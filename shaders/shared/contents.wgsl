@@ -1,0 +1,10 @@
+// What there is in a crowd, as flags, for the kernels that look at neighbours: what there is not costs nothing then. (An
+// immediate, not a uniform, since drivers know that all invocations agree about it.)
+var<immediate> contents: u32;
+
+const STOREYS: u32 = 1u; // people walk above one another
+const UNLIKE: u32 = 2u;  // manners differ between people
+const WALLS: u32 = 4u;
+const USER: u32 = 8u;
+const CROWDED: u32 = 16u; // who sees a crowd ahead walks slower
+const GROUPS: u32 = 32u;  // some walk together
