@@ -16,7 +16,7 @@ use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
 /// Harmonics unless something else is asked for: feet need more than the trunk does, and with 4 the root mean square error
-/// is some 3 mm (`tests/gait_fit.rs`).
+/// is some 3 mm (`tests/gait/fit.rs`).
 pub const HARMONICS: usize = 4;
 
 /// Most harmonics of a fitted gait.

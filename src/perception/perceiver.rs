@@ -9,7 +9,7 @@
 //! one under which those left out are likeliest. So no held-out gait has a say in it. The descriptor was drawn up with
 //! E-Gait in view, where it gives 66.4 % (people held out) and the 29 features with the SVM 57.5; with a data set held out
 //! 48.6 %. With 27 more numbers that tell of the rig (see [`descriptor()`]) it gave 67.4 and 47.0 %, and choosing among
-//! its parts inside the folds 65.7 to 66.1 %. Figures: `tests/perception_compare.rs`.
+//! its parts inside the folds 65.7 to 66.1 %. Figures: `tests/perception/compare.rs`.
 
 mod descriptor;
 

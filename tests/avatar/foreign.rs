@@ -1,7 +1,8 @@
 //! Rigs that are not recognised, hats, glass, and files that are packed.
 
+use crate::clips::picture;
 use crate::loading::edited;
-use crate::{picture, raster};
+use crate::raster;
 use gaitway::avatar::{Avatar, Error, Loaded, Material, RigMap, Sex, Vertex};
 use gaitway::avatar::{generated, glb, load_bytes, retarget};
 use gaitway::gait::{JOINT_COUNT, Joint};

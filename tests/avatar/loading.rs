@@ -1,8 +1,10 @@
 //! Characters as others make them: loading, units, names, broken files.
 
+use crate::clips::{contact, picture, pose, roughness};
+use crate::common::data_set;
 use crate::raster::{self, Sheet, rest};
+use crate::rigs;
 use crate::walker::Walker;
-use crate::{contact, picture, pose, rigs, roughness};
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Error, Loaded, RigMap, Sex};
 use gaitway::avatar::{generated, glb, load_bytes, load_with_map, retarget, standing, write_glb};
 use gaitway::gait::Joint;
@@ -11,10 +13,7 @@ use std::path::PathBuf;
 
 /// Where the characters made by others lie, if they are there.
 pub fn characters() -> Option<PathBuf> {
-    let data = std::env::var_os("GAITWAY_DATA")
-        .map_or_else(|| PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/data"), PathBuf::from);
-    let folder = data.join("characters");
-    folder.is_dir().then_some(folder)
+    data_set("characters")
 }
 
 fn character_files() -> Vec<PathBuf> {

@@ -6,14 +6,14 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "what fails here is a finding")]
 
 mod answer;
-#[path = "../import/containers.rs"]
+#[path = "../gait/import/containers.rs"]
 mod containers;
 mod crowds;
 mod memory;
 mod mutate;
 mod people;
 mod targets;
-#[path = "../import/walker.rs"]
+#[path = "../gait/import/walker.rs"]
 #[allow(dead_code, reason = "shared with the tests of import; not all of it is needed here")]
 mod walker;
 

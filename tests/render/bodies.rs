@@ -1,6 +1,6 @@
 //! Glass, robots and vehicles, and where shadows begin.
 
-use crate::gpu;
+use crate::common::gpu;
 use crate::support::*;
 use gaitway::avatar::{Avatar, Material, Vertex};
 use gaitway::ground::ABSENT;

@@ -1,6 +1,6 @@
 //! A device, scenes of boxes and a crowd as the kernels would have written it.
 
-use crate::gpu;
+use crate::common::gpu;
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};

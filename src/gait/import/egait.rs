@@ -11,7 +11,7 @@
 //! small turn and scale, which nothing in the data tells, and travel, which `stride` infers. Every repair is a line of
 //! [`Recording::report`], which `gaitway gait import --report` prints. [`Options::as_published`] repairs nothing.
 //!
-//! Measured against the CMU trials that nine of the gaits are cut from (`tests/import/data.rs`): pitch 12.1 degrees,
+//! Measured against the CMU trials that nine of the gaits are cut from (`tests/gait/import/data.rs`): pitch 12.1 degrees,
 //! standard deviation 1.3; the legs match to the last digit at 1.27 m a unit (1.19 to 1.31).
 
 use super::Options;

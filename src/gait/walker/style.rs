@@ -231,7 +231,7 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
 impl WalkerStyle {
     /// The style of an emotion as a person of this sex walks it.
     ///
-    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/library/`
+    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/gait/library/`
     /// has the numbers), as strong or somewhat stronger; the sad head hangs several times lower, so that it reads
     /// at a distance.
     pub fn preset(emotion: Emotion, sex: Sex) -> Self {

@@ -1,0 +1,189 @@
+//! Every kernel against its CPU twin on the Vulkan device, bit for bit, and whole crowds over many steps.
+//!
+//! Without a device the tests say so and pass, unless `GAITWAY_REQUIRE_GPU=1`.
+
+use crate::common::gpu;
+use gaitway::gpu::plan::Op;
+use gaitway::gpu::{Device, Engine, Error};
+use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Phase, Store};
+use gaitway::scenario::{Scenario, populate};
+use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::verify::cases::{
+    self, animation, between, crossing, feelings, flow, gaits, hidden, journeys, step,
+};
+use gaitway::verify::{Comparison, compare_passes, numerics};
+use gaitway::{avatar, library};
+use std::collections::BTreeSet;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// One test at a time: the messages of the validation layer are common to the process.
+static ONE: Mutex<()> = Mutex::new(());
+
+/// Runs a test on the device and asserts that the validation layer has said nothing, leaks included.
+fn on_device(test: impl FnOnce(&Arc<Device>)) {
+    let _one = ONE.lock().unwrap_or_else(PoisonError::into_inner);
+    let Some(device) = gpu::device() else { return };
+    test(&device);
+    drop(device);
+    gpu::assert_silent();
+}
+
+fn assert_exact(what: &str, comparisons: &[Comparison]) {
+    for c in comparisons {
+        let name = c.kernel.kernel().name;
+        assert!(
+            c.exact == c.compared,
+            "{what}: {name}: {} of {} differ, first {:?}",
+            c.compared - c.exact,
+            c.compared,
+            c.first
+        );
+    }
+}
+
+#[test]
+fn what_does_not_fit_its_buffer_is_refused_and_the_engine_goes_on() {
+    on_device(|device| {
+        let store = step::crowd_with(0, 65, 1);
+        let mut engine = Engine::new(device, &store, &[KernelId::Integrate]).unwrap();
+        let longer = Store { position: vec![[1.0; 2]; 100_100], ..store.clone() };
+        let all = [BufferId::Position];
+        let is_refused = |error: Error| {
+            let Error::Contents { name, bytes, size } = error else { panic!("{error}") };
+            assert_eq!((name, bytes), ("position", 800_800), "of {size}");
+        };
+        is_refused(engine.upload(&longer, &all).unwrap_err());
+        is_refused(engine.download(&mut longer.clone(), &all).unwrap_err());
+        for bytes in [0, 6, 4096, 70_000] {
+            let set = engine.run(&[Op::Set(BufferId::Step)], |_, _| vec![0; bytes], false);
+            assert!(matches!(set, Err(Error::Contents { name: "step", .. })), "{bytes}: {set:?}");
+        }
+        let integrate = |extent| Op::Pass(Pass::new(Phase::Integrate, extent));
+        for (buffer, element) in
+            [(BufferId::Unsolved, 0), (BufferId::Position, 200), (BufferId::Step, u32::MAX)]
+        {
+            let run = engine.run(&[integrate(Extent::Indirect(buffer, element))], |_, _| Vec::new(), false);
+            assert!(matches!(run, Err(Error::Arguments { kernel: "integrate", .. })), "{run:?}");
+        }
+        let mut back = store.clone();
+        back.position.fill([f32::NAN; 2]);
+        engine.download(&mut back, &all).unwrap();
+        assert!(back.bytes(all[0]) == store.bytes(all[0]), "what was refused has changed nothing");
+        engine.replace(&longer, &all).unwrap();
+        engine.run(&[integrate(Extent::Invocations(65))], |_, _| Vec::new(), false).unwrap();
+    });
+}
+
+#[test]
+fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
+    on_device(|device| {
+        let exact = numerics(device).unwrap();
+        println!("{}: {exact}", device.describe());
+        assert!(
+            exact.exact && exact.is_host_exact && exact.different == 0,
+            "the device's arithmetic is not exact: run `gaitway verify`, which knows tolerances"
+        );
+        let mut seen = BTreeSet::from([KernelId::Numerics]);
+        // each draws several seeds from its own
+        for (agents, seed) in [(0, 1), (1, 7), (63, 1), (64, 7), (65, 1), (1000, 7)] {
+            for case in cases::all(agents, seed) {
+                let rounds = std::iter::successors(Some(case), |case| case.clone().next_step());
+                for (round, case) in rounds.take(3).enumerate() {
+                    let found = compare_passes(device, &case.store, &case.passes).unwrap();
+                    assert_exact(&format!("{}, round {round}", case.name), &found);
+                    seen.extend(found.iter().map(|c| c.kernel));
+                }
+            }
+        }
+        assert_eq!(seen, KernelId::ALL.into_iter().collect(), "a kernel without a case");
+    });
+}
+
+#[test]
+fn the_comparison_notices_one_bit() {
+    on_device(|device| {
+        let (crowd, bodies, walks) =
+            (journeys::journeys(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
+        let of_model = |model| step::crowd_with(model, 65, 3);
+        let ways = flow::fields(300, 3);
+        let behind = hidden::hidden(300, 3);
+        let (moved, moments) = (feelings::feelings(65, 1), between::between(65, 1));
+        let stages = vec![
+            (order::step_passes(&moved.step), moved),
+            (order::step_passes(&crowd.step), crowd),
+            (order::step_passes(&of_model(1).step), of_model(1)),
+            (order::frame_passes(&bodies.frame), bodies),
+            (gaits::passes(&walks), walks), // gait_features
+            (hidden::passes(&behind), behind),
+            (flow::passes(&ways), ways),
+            (between::passes(&moments), moments),
+        ];
+        for (passes, mut store) in stages {
+            for pass in &passes {
+                gaitway::reference::run(pass.phase, &mut store, pass.immediate);
+            }
+            for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel() == *k)) {
+                let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel() == kernel).collect();
+                let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
+                let caught = found.iter().any(|c| c.exact < c.compared);
+                assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
+            }
+        }
+    });
+}
+
+fn cast() -> (library::GaitLibrary, Cast) {
+    let library = library::GaitLibrary::built_in().unwrap();
+    let avatars = avatar::Sex::ALL.map(avatar::generated).to_vec();
+    let cast = Cast::new(library.gaits(), avatars).unwrap();
+    (library, cast)
+}
+
+fn crowd_hash(agents: u32, steps: u32, backend: Backend) -> u64 {
+    let (library, cast) = cast();
+    let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
+    let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
+    let mut simulation = Simulation::new(&scenario, &crowd, &cast, backend, None).unwrap();
+    simulation.step(steps).unwrap();
+    measure::state_hash(simulation.state().unwrap())
+}
+
+#[test]
+fn a_crowd_of_the_crossing_is_the_same_on_both_backends_and_from_run_to_run() {
+    on_device(|_| {
+        let on_vulkan = crowd_hash(2000, 100, Backend::Vulkan);
+        assert_eq!(on_vulkan, crowd_hash(2000, 100, Backend::Vulkan), "run to run");
+        assert_eq!(on_vulkan, crowd_hash(2000, 100, Backend::Cpu), "Vulkan and CPU");
+    });
+}
+
+#[test]
+fn one_thread_gives_the_crowd_of_many() {
+    let run = |threads| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| crowd_hash(500, 60, Backend::Cpu))
+    };
+    assert_eq!(run(1), run(3));
+}
+
+#[test]
+fn a_dense_crowd_of_ten_thousand_is_the_same_on_both_backends() {
+    on_device(|_| {
+        let hash = |backend| {
+            let mut simulation =
+                Simulation::from_store(crossing::crossing(10_000, 0.8), backend, None).unwrap();
+            simulation.step(60).unwrap();
+            measure::state_hash(simulation.state().unwrap())
+        };
+        assert_eq!(hash(Backend::Vulkan), hash(Backend::Cpu));
+    });
+}
+
+#[test]
+fn every_buffer_a_kernel_writes_is_compared() {
+    // what compare_passes looks at is derived from the reflected access: a kernel that writes nothing would be blind
+    for kernel in KernelId::ALL {
+        let writes = kernel.kernel().bindings.iter().filter(|b| b.access == Access::Write).count();
+        assert!(writes > 0, "{} writes nothing", kernel.kernel().name);
+    }
+}

@@ -1,0 +1,99 @@
+//! The order of the kernels and the barriers between them, as text, without a GPU.
+
+use gaitway::gpu::plan::{Op, plan, text};
+use gaitway::kernels::BufferId;
+use gaitway::sim::order;
+use gaitway::verify::cases::{animation, step};
+
+#[test]
+fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
+    let store = step::crowd(100, 1);
+    let one = std::iter::once(Op::Set(BufferId::Step))
+        .chain(order::step_passes(&store.step).into_iter().map(Op::Pass));
+    let ops: Vec<_> = one.collect();
+    let two: Vec<_> = ops.iter().chain(&ops[..2]).copied().collect();
+    let want = "\
+set step
+barrier
+lead_agents.appear
+barrier
+teleport
+barrier
+journey
+barrier
+grid_count
+barrier
+grid_scan.sum
+barrier
+grid_scan.runs
+barrier
+grid_scan.cells
+barrier
+grid_scatter.place
+barrier
+grid_scatter.sort
+barrier
+grid_pack contents storeys+unlike+walls+user+groups
+prefer
+barrier
+accompany
+barrier
+react
+barrier
+lead_agents.steer
+barrier
+persevere.turns
+barrier
+persevere.walls
+barrier
+velocity_orca contents storeys+unlike+walls+user+groups
+barrier
+velocity_orca.again contents storeys+unlike+walls+user+groups
+barrier
+contain
+barrier
+integrate
+barrier
+elevate
+barrier
+set step
+barrier
+lead_agents.appear
+";
+    assert_eq!(text(&plan(&two)), want);
+}
+
+#[test]
+fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
+    let store = animation::animation(100, 0);
+    let ops: Vec<_> = std::iter::once(Op::Set(BufferId::Frame))
+        .chain(order::frame_passes(&store.frame).into_iter().map(Op::Pass))
+        .collect();
+    let found = text(&plan(&ops));
+    let lines: Vec<_> = found.lines().collect();
+    let names: Vec<_> = lines.iter().filter(|line| **line != "barrier").copied().collect();
+    let want = [
+        "set frame",
+        "cull",
+        "compact.count",
+        "compact.scan_visible",
+        "compact.demote",
+        "compact.scan_buckets",
+        "compact.arguments",
+        "compact.list",
+        "pose",
+        "stand",
+        "gaze",
+        "palette",
+        "skin avatar 0",
+        "skin avatar 1",
+    ];
+    assert_eq!(names, want);
+    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "skin avatar 0")] {
+        let at = |name| lines.iter().position(|line| *line == name);
+        assert!(
+            lines[at(pair.0).unwrap_or(0)..at(pair.1).unwrap_or(0)].contains(&"barrier"),
+            "{pair:?}\n{found}"
+        );
+    }
+}
