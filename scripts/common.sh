@@ -14,6 +14,7 @@ else
 fi
 vulkan_root=${GAITWAY_VULKAN_ROOT:-$cache/vulkan-trixie}
 pedpy_root=$cache/pedpy
+checkers_root=$cache/checkers
 # GNU's name of this machine, in library folders; Debian's own name of it is asked of dpkg.
 triplet=$(uname -m)-linux-gnu
 
@@ -34,6 +35,9 @@ first_of() {
     return 1
 }
 have() { command -v "$1" >/dev/null 2>&1; }
+
+# What scripts/setup fetched to check sources with; the machine's own programs come first.
+PATH=$PATH:$checkers_root/bin
 
 # rustup writes its PATH into the shell's start-up file: a shell from before does not know it.
 if ! have cargo && [[ -x ${CARGO_HOME:-${HOME:-/nonexistent}/.cargo}/bin/cargo ]]; then
