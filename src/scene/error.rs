@@ -23,7 +23,7 @@ pub enum Error {
         name: String,
     },
     /// A camera is to follow an agent that does not exist.
-    #[error("agent {agent}: there are {agents} agents")]
+    #[error("agent {agent}: there are {agents} agents, numbered from 0")]
     NoAgent {
         /// The agent, from 0.
         agent: u32,
@@ -40,7 +40,7 @@ impl Error {
             Self::Avatar { .. } => {
                 Some("use \"female\", \"male\", or the path of a .glb, .gltf or .vrm file")
             }
-            Self::NoAgent { .. } => Some("agents are numbered from 0"),
+            Self::NoAgent { .. } => Some("follow another one, or ask for more agents"),
         }
     }
 }

@@ -61,7 +61,7 @@ fn pictures_show_something_from_every_camera_whoever_simulates() {
     good(&["render", "garden", "--size", "64x36", "--seconds", "0.2", "--out", &frames]);
     assert_eq!(std::fs::read_dir(&frames).unwrap().count(), 6);
     let behind = ["render", "crossing", "--camera", "follow:8", "--force", "--out", file];
-    refused(&behind, "there are 8 agents", "follow:7");
+    refused(&behind, "there are 8 agents", "numbered from 0");
     refused(&["render", "crossing", "--out", "x.gif"], "x.gif", "hint: use FILE.png");
 }
 
