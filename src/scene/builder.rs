@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 /// use gaitway::scene::Scene;
 ///
 /// # fn main() -> gaitway::Result<()> {
-/// let library = GaitLibrary::load_glb("mine.glb".as_ref())?;
+/// let library = GaitLibrary::load_glb("mine.glb")?;
 /// let scene = Scene::load("hall.toml")?
 ///     .agents(500)
 ///     .condition(Condition::EvaG)
