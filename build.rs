@@ -213,13 +213,15 @@ fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> 
          impl BufferId {{\n/// All buffers by name.\npub const ALL: [Self; {}] = [{}];\n\
          /// Name, as in the shaders.\npub const fn name(self) -> &'static str {{ match self {{\n{}}} }}\n\
          /// Bytes of one element.\npub const fn stride(self) -> usize {{ match self {{\n{}}} }}\n\
-         /// Whether it is a uniform buffer.\npub const fn is_uniform(self) -> bool {{ match self {{\n{}}} }}\n}}\n",
+         /// Whether it is a uniform buffer.\npub const fn is_uniform(self) -> bool {{ match self {{\n{}}} }}\n\
+         /// Whether every word of it is an integer, or bits.\npub const fn is_integer(self) -> bool {{ match self {{\n{}}} }}\n}}\n",
         list(&|b| format!("/// `{}`\n{},\n", b.name, camel(&b.name))),
         buffers.len(),
         list(&|b| format!("Self::{},", camel(&b.name))),
         list(&|b| format!("Self::{} => \"{}\",\n", camel(&b.name), b.name)),
         list(&|b| format!("Self::{} => {},\n", camel(&b.name), b.stride)),
         list(&|b| format!("Self::{} => {},\n", camel(&b.name), is_uniform(b))),
+        list(&|b| format!("Self::{} => {},\n", camel(&b.name), b.is_integer)),
     );
     let (field, bytes, bytes_mut) = (
         list(&|b| {

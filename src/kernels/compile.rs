@@ -128,6 +128,8 @@ pub struct Binding {
     pub stride: u32,
     /// Element type in Rust.
     pub rust: String,
+    /// Whether every word of an element is an integer, or bits.
+    pub is_integer: bool,
     /// `file:line:column` of the declaration.
     pub place: String,
 }
@@ -232,6 +234,7 @@ fn entry(
             continue;
         }
         let ty = &module.types[variable.ty];
+        let is_integer = is_integer(module, ty);
         let (access, stride, rust) = match (&variable.space, &ty.inner) {
             (AddressSpace::Uniform, _) => (
                 Use::Uniform,
@@ -256,6 +259,7 @@ fn entry(
             access,
             stride,
             rust,
+            is_integer,
             place,
         });
     }
@@ -355,6 +359,17 @@ fn emit(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, St
     let pipeline = spv::PipelineOptions { shader_stage: point.stage, entry_point: point.name.clone() };
     let words = spv::write_vec(module, info, &options, Some(&pipeline)).map_err(|error| error.to_string())?;
     Ok(spirv::strip_private_layout(&spirv::no_contraction(&words)))
+}
+
+/// Whether a type holds nothing but integers.
+fn is_integer(module: &Module, ty: &Type) -> bool {
+    match &ty.inner {
+        TypeInner::Scalar(s) | TypeInner::Atomic(s) | TypeInner::Vector { scalar: s, .. } => {
+            matches!(s.kind, ScalarKind::Uint | ScalarKind::Sint)
+        }
+        TypeInner::Array { base, .. } => is_integer(module, &module.types[*base]),
+        _ => false,
+    }
 }
 
 /// The Rust twin of a WGSL type in a buffer.

@@ -240,6 +240,14 @@ mod tests {
     }
 
     #[test]
+    fn integer_buffers_are_those_whose_shader_type_is_integer() {
+        let integers = [BufferId::Look, BufferId::FlowWay, BufferId::Unsolved, BufferId::SlotManners];
+        assert!(integers.iter().all(|buffer| buffer.is_integer()));
+        let floats = [BufferId::Position, BufferId::FlowDistance, BufferId::Manners, BufferId::Step];
+        assert!(floats.iter().all(|buffer| !buffer.is_integer()));
+    }
+
+    #[test]
     fn constants_are_those_of_the_shaders_to_the_bit() {
         assert_eq!(velocity_rvo::GOLDEN.map(f32::to_bits), [-0.737_368_9_f32, 0.675_490_3].map(f32::to_bits));
         assert_eq!(shared::tile::RING, shared::tile::TILE + 2, "an expression is evaluated");

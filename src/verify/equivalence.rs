@@ -22,52 +22,6 @@ pub struct Comparison {
     pub first: Option<String>,
 }
 
-/// Buffers that hold integers (in every word): any difference there is an error.
-const INTEGERS: &[&str] = &[
-    "agent_bucket",
-    "agent_slot",
-    "attention",
-    "attention_counts",
-    "bucket_counts",
-    "bucket_start",
-    "cell_counts",
-    "cell_start",
-    "companions",
-    "dispatch_args",
-    "draw_args",
-    "entry",
-    "errand",
-    "failure",
-    "flow_args",
-    "flow_cells",
-    "flow_counts",
-    "flow_lists",
-    "flow_seeds",
-    "flow_sums",
-    "flow_tiles",
-    "flow_way",
-    "gaits",
-    "gaze_frame",
-    "hidden",
-    "look",
-    "mesh_table",
-    "moments",
-    "phase",
-    "queues",
-    "reaction",
-    "route",
-    "run_shown",
-    "run_sums",
-    "shown",
-    "shown_args",
-    "slot_agent",
-    "sources",
-    "teleport_of",
-    "unsolved",
-    "visible",
-    "wanted",
-];
-
 /// Words of a buffer that are defined after a kernel. Those of `unsolved` stand in the order in which invocations arrive, and only
 /// the kernel that wrote them reads them; but `grid_scan` empties the list, whose head is four words.
 fn defined(kernel: KernelId, buffer: BufferId) -> usize {
@@ -76,10 +30,6 @@ fn defined(kernel: KernelId, buffer: BufferId) -> usize {
         (BufferId::Unsolved, _) => 0,
         _ => usize::MAX,
     }
-}
-
-fn is_integer(buffer: BufferId) -> bool {
-    INTEGERS.contains(&buffer.name())
 }
 
 fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
@@ -237,7 +187,7 @@ fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8
         let bits = |bytes: &[u8]| u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         let (w, g) = (bits(w), bits(g));
         let (a, b) = (f32::from_bits(w), f32::from_bits(g));
-        let error = if is_integer(buffer) { f32::INFINITY } else { (a - b).abs() };
+        let error = if buffer.is_integer() { f32::INFINITY } else { (a - b).abs() };
         let error = if error.is_nan() { f32::INFINITY } else { error };
         comparison.max_error = comparison.max_error.max(error);
         if comparison.first.is_none() {
