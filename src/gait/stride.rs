@@ -6,7 +6,7 @@
 //! cycle, and the lowest point of the foot joints is put at y = 0. What is no walking is refused ([`Refusal`]); running,
 //! which has the same order of the feet, is not. `v_des` is the horizontal travel over the duration; walkers on the
 //! spot (treadmill, data centred on the root) first get their travel back from the foot under weight; a turn is
-//! followed along its arc, named in [`Gait::source`], and refused beyond [`MAX_TURN_DEG`].
+//! followed along its arc, named in [`Gait::provenance`], and refused beyond [`MAX_TURN_DEG`].
 
 mod course;
 mod cut;
@@ -26,7 +26,7 @@ pub use support::Support;
 
 /// A stride that turns further than this is refused, degrees.
 pub const MAX_TURN_DEG: f32 = 20.0;
-/// A stride that turns further than this is called curved in [`Gait::source`], degrees.
+/// A stride that turns further than this is called curved in [`Gait::provenance`], degrees.
 pub const CURVED_DEG: f32 = 10.0;
 /// Body and travel may point this far apart; beyond, it is walking sideways or backwards, degrees.
 const MAX_CRAB_DEG: f32 = 35.0;

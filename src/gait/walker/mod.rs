@@ -28,7 +28,7 @@ pub const FRAMES: usize = 64;
 /// [`FRAMES`] as a number to divide by.
 const FRAMES_F64: f64 = 64.0;
 
-/// Version of the generator, written into [`Gait::source`]; raised whenever the same style gives another gait.
+/// Version of the generator, written into [`Gait::provenance`]; raised whenever the same style gives another gait.
 pub const VERSION: u32 = 1;
 
 /// The pelvis is lowest this share of a cycle after a strike.
