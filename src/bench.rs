@@ -8,6 +8,7 @@ use crate::emotion::Emotion;
 use crate::gait::walker;
 use crate::kernels::{BufferId, KernelId, Phase, Store};
 use crate::reference::exact::hash_u32;
+use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::{Backend, Cast, Simulation, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use serde::Serialize;
@@ -352,6 +353,15 @@ fn cast() -> Result<Cast, crate::Error> {
     let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
     let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
     Ok(cast)
+}
+
+/// The crossing of bare agents with bodies, and their meshes.
+fn dressed(agents: usize) -> Result<(Store, MeshBuffers), crate::Error> {
+    let cast = cast()?;
+    let mut store = crossing(agents, SPACING);
+    dress(&mut store, &cast);
+    let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    Ok((store, meshes))
 }
 
 /// Gives the agents of a bare crowd a body, a gait and an emotion each.

@@ -6,12 +6,10 @@
 //! Both eyes as a headset has them, in one pass. Times as in [`super::stereo`].
 
 use super::stereo::{BEFORE, EYE, FIELD, INTERPUPILLARY, ground};
-use super::{EYE_HEIGHT, RUNS, Row, SPACING, WARM_UP, cast, dress};
+use super::{EYE_HEIGHT, RUNS, Row, WARM_UP, dressed};
 use crate::render::camera::{Camera, View};
 use crate::render::{Settings, Show};
-use crate::sim::bodies;
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::crossing;
 use glam::Vec3;
 use std::time::Instant;
 
@@ -21,10 +19,7 @@ pub(super) fn occlusion(
     backend: Backend,
     device: Option<&str>,
 ) -> Result<(Vec<Row>, String), crate::Error> {
-    let cast = cast()?;
-    let mut store = crossing(agents, SPACING);
-    dress(&mut store, &cast);
-    let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let (store, meshes) = dressed(agents)?;
     let side = store.step.wrap;
     let mut simulation = Simulation::from_store(store, backend, device)?;
     simulation.step(30)?;

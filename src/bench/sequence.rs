@@ -1,6 +1,6 @@
 //! Kernels in the order of a step, a picture or a case, run again and again, each timed.
 
-use super::{EXTRAS, EYE_HEIGHT, SPACING, cast, dress};
+use super::{EXTRAS, EYE_HEIGHT, SPACING, dressed};
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
@@ -108,10 +108,7 @@ impl Sequence {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     pub fn picture(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let cast = cast()?;
-        let mut store = crossing(agents, SPACING);
-        dress(&mut store, &cast);
-        let _ = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+        let (mut store, _) = dressed(agents)?;
         let middle = store.step.wrap * 0.5;
         store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12]; // everyone is in view
         store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];

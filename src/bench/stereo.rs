@@ -11,14 +11,13 @@
 //! The ways take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
 //! the simulation's state to the picture on the device; nothing is copied to the host.
 
-use super::{EYE_HEIGHT, RUNS, Row, SPACING, WARM_UP, cast, dress};
+use super::{EYE_HEIGHT, RUNS, Row, WARM_UP, dressed};
 use crate::render::camera::{Camera, View};
 use crate::render::show::level_distances;
 use crate::render::{Settings, Show, Stereo};
 use crate::scenario::EnvironmentMesh;
-use crate::sim::bodies::{self, LEVEL_DISTANCES};
+use crate::sim::bodies::LEVEL_DISTANCES;
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::crossing;
 use glam::Vec3;
 use std::time::Instant;
 
@@ -57,10 +56,7 @@ pub(super) fn stereo(
     backend: Backend,
     device: Option<&str>,
 ) -> Result<(Vec<Row>, String), crate::Error> {
-    let cast = cast()?;
-    let mut store = crossing(agents, SPACING);
-    dress(&mut store, &cast);
-    let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    let (store, meshes) = dressed(agents)?;
     let side = store.step.wrap;
     let mut simulation = Simulation::from_store(store, backend, device)?;
     simulation.step(30)?;
