@@ -405,7 +405,7 @@ fn a_module_without_a_place_and_a_glob_of_the_root_are_faults() {
 /// Lines of a test by which it would pass, and say nothing, where a device or a simulation fails.
 fn silent_skips(source: &str) -> Vec<&str> {
     let asks = |line: &str| {
-        ["var(", "var_os("].iter().any(|read| line.contains(&format!("{read}\"GAITWAY_REQUIRE_GPU")))
+        ["var(", "var_os("].iter().any(|read| line.contains(&format!("{read}\"GAITWAY_REQUIRE_")))
     };
     let drops = |line: &str| {
         let makes =
@@ -456,7 +456,9 @@ fn quoted(text: &str) -> impl Iterator<Item = (&str, &str)> {
 fn missing(root: &Path, document: &str) -> Vec<String> {
     let folders = ["src/", "tests/", "shaders/", "scripts/", "assets/", "benches/", "docs/", ".ci/"];
     let is_path = |name: &str| folders.iter().any(|folder| name.starts_with(folder));
-    let is_pattern = |name: &str| name.contains(['*', '{', ' ', '<']) || name.contains("NAME");
+    let is_pattern = |name: &str| {
+        name.contains(['*', '{', ' ', '<']) || ["NAME", "READER"].iter().any(|part| name.contains(part))
+    };
     let mut found: Vec<String> = quoted(document)
         .map(|(_, name)| name.split_once(':').map_or(name, |(path, _)| path))
         .filter(|name| is_path(name) && !is_pattern(name) && !root.join(name).exists())
@@ -478,14 +480,59 @@ fn missing(root: &Path, document: &str) -> Vec<String> {
     found
 }
 
+/// The files that a document links to, from its own folder.
+fn links(document: &str) -> Vec<&str> {
+    let targets = document.split("](").skip(1).filter_map(|rest| rest.split(')').next());
+    let files = targets.filter(|target| !target.contains("://") && !target.starts_with('#'));
+    files.map(|target| target.split('#').next().unwrap_or(target)).collect()
+}
+
 #[test]
 fn documents_name_files_and_modules_that_are_there() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    for name in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"] {
-        let document = fs::read_to_string(root.join(name)).expect("a document of the repository");
+    let docs = fs::read_dir(root.join("docs")).expect("a folder of the repository");
+    let docs = docs.map(|entry| entry.expect("a file of the repository").path());
+    let own = ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md"].map(|name| root.join(name));
+    for path in own.into_iter().chain(docs) {
+        let document = fs::read_to_string(&path).expect("a document of the repository");
+        let name = path.display();
         assert_eq!(missing(root, &document), Vec::<String>::new(), "{name}");
+        for target in links(&document) {
+            assert!(path.with_file_name(target).exists(), "{name}: no {target}");
+        }
     }
+    assert_eq!(links("[a](b.md#c) ![d](e.png) [f](https://g)"), ["b.md", "e.png"]);
     let planted =
         "`src/none.rs`\n| `src/xr/` | the headset: `session`, `stop` (Ctrl-C), built with feature `view` |";
     assert_eq!(missing(root, planted), ["src/none.rs", "src/xr/stop"]);
+}
+
+/// Texts of the errors that `mutants` plants in the sources which do not stand exactly once in their file.
+fn misplaced(list: &str, read: impl Fn(&str) -> String) -> Vec<String> {
+    let table: toml::Table = list.parse().expect("the list is TOML");
+    let entries = table["mutant"].as_array().expect("a list of tables");
+    let field = |entry: &toml::Value, name: &str| entry[name].as_str().unwrap_or_default().to_owned();
+    let count = |entry: &toml::Value| read(&field(entry, "file")).matches(&field(entry, "old")).count();
+    let fault = |entry: &toml::Value| match count(entry) {
+        1 => None,
+        found => Some(format!("{}: stands {found} times in {}", field(entry, "name"), field(entry, "file"))),
+    };
+    entries.iter().filter_map(fault).collect()
+}
+
+#[test]
+fn every_listed_error_can_be_planted_where_the_list_says() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let read = |file: &str| fs::read_to_string(root.join(file)).unwrap_or_default();
+    let mut lists = 0;
+    for list in fs::read_dir(root.join("tests/mutants/rust")).unwrap() {
+        let text = fs::read_to_string(list.unwrap().path()).unwrap();
+        assert_eq!(misplaced(&text, read), Vec::<String>::new());
+        lists += 1;
+    }
+    assert!(lists >= 4, "{lists} lists");
+    let moved = "[[mutant]]\nname = \"moved\"\nfile = \"a.rs\"\nold = \"x < y\"\n";
+    assert_eq!(misplaced(moved, |_| "x < y".into()), Vec::<String>::new());
+    assert_eq!(misplaced(moved, |_| "y > x".into()), ["moved: stands 0 times in a.rs"]);
+    assert_eq!(misplaced(moved, |_| "x < y, x < y".into()), ["moved: stands 2 times in a.rs"]);
 }

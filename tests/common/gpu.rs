@@ -10,7 +10,7 @@
 
 /// Whether a machine without Vulkan fails the tests.
 pub(crate) fn is_required() -> bool {
-    std::env::var("GAITWAY_REQUIRE_GPU").as_deref() == Ok("1")
+    super::is_demanded("GAITWAY_REQUIRE_GPU")
 }
 
 /// What was made on a device; none where there is no Vulkan and none is required.

@@ -51,7 +51,7 @@ fn steps(store: &mut Store, count: u32) {
 
 #[test]
 fn the_dense_crossing_is_no_worse_than_rvo2_at_any_density() {
-    // overlaps, smallest distance and progress of RVO2 after the same 10 s, 10,000 agents (see README, Speed); at 1/m² both
+    // overlaps, smallest distance and progress of RVO2 after the same 10 s, 10,000 agents (see docs/speed.md); at 1/m² both
     // are nearly as quick as they want, and 0.5 % is the tie
     for (spacing, time_step, count, overlapping, distance, progress) in [
         (1.0, 1.0 / 30.0, 300, 2e-5, 0.494, 0.995 * 1.287),

@@ -1,6 +1,6 @@
 //! The headset, for real: Monado without a display, its head moved by a script, on lavapipe with validation.
 //!
-//! Needs `scripts/setup --xr`; without it the tests say so and pass, unless `GAITWAY_REQUIRE_XR` is set.
+//! Needs `scripts/setup --xr`; without it the tests say so and pass, unless `GAITWAY_REQUIRE_XR=1`.
 #![cfg(feature = "xr")]
 #![allow(
     clippy::unwrap_used,
@@ -11,6 +11,8 @@
     reason = "a test: a failure is a panic that prints"
 )]
 
+#[path = "../common/mod.rs"]
+mod common;
 mod devices;
 mod endurance;
 mod faults;

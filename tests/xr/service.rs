@@ -42,7 +42,7 @@ pub(super) fn is_there() -> bool {
         return true;
     }
     assert!(
-        std::env::var_os("GAITWAY_REQUIRE_XR").is_none(),
+        !crate::common::is_demanded("GAITWAY_REQUIRE_XR"),
         "there is no Monado in {}: run scripts/setup --xr",
         root.display()
     );
