@@ -8,9 +8,14 @@
     reason = "for tests: a failure is a panic"
 )]
 
+/// Whether a test fails where what it needs is absent: `GAITWAY_REQUIRE_...=1` demands it.
+pub(crate) fn is_demanded(variable: &str) -> bool {
+    std::env::var(variable).as_deref() == Ok("1")
+}
+
 /// Whether a machine without Vulkan fails the tests.
 pub(crate) fn is_required() -> bool {
-    super::is_demanded("GAITWAY_REQUIRE_GPU")
+    is_demanded("GAITWAY_REQUIRE_GPU")
 }
 
 /// What was made on a device; none where there is no Vulkan and none is required.

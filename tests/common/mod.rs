@@ -6,11 +6,6 @@ pub(crate) mod gpu;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Whether a test fails where what it needs is absent: `GAITWAY_REQUIRE_...=1` demands it.
-pub(crate) fn is_demanded(variable: &str) -> bool {
-    std::env::var(variable).as_deref() == Ok("1")
-}
-
 /// The root of the repository.
 pub(crate) fn repository() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))

@@ -57,7 +57,7 @@ fn display() -> Option<Display> {
     let mut server = match started {
         Ok(server) => server,
         Err(error) => {
-            assert!(!crate::common::is_demanded("GAITWAY_REQUIRE_WINDOW"), "no Xvfb: {error}");
+            assert!(!crate::common::gpu::is_demanded("GAITWAY_REQUIRE_WINDOW"), "no Xvfb: {error}");
             println!("skipped: no Xvfb ({error}); scripts/setup --view brings it");
             return None;
         }

@@ -42,7 +42,7 @@ pub(super) fn is_there() -> bool {
         return true;
     }
     assert!(
-        !crate::common::is_demanded("GAITWAY_REQUIRE_XR"),
+        !crate::common::gpu::is_demanded("GAITWAY_REQUIRE_XR"),
         "there is no Monado in {}: run scripts/setup --xr",
         root.display()
     );
