@@ -6,63 +6,48 @@ use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, W
 use crate::kernels::shared::dispatch::RUN;
 use crate::kernels::{BufferId, Extent, KernelId, Pass, Phase};
 
-/// The launches of one step.
+/// The schedule of one step, from top to bottom: whether a launch is due, and the launch.
 pub fn step_passes(step: &StepUniforms) -> Vec<Pass> {
     let agents = |phase| Pass::of(phase, step.agent_count);
     let runs = |phase| Pass::of(phase, step.cell_count.div_ceil(RUN));
     let contents = contents(step);
-    let mut passes = vec![
-        Pass::of(Phase::FollowPaths, step.path_count),
-        agents(Phase::LeadAgentsAppear),
-        agents(Phase::Teleport),
-        agents(Phase::Journey),
-        Pass::of(Phase::Queue, step.queue_count),
-        agents(Phase::GridCount),
-        runs(Phase::GridScanSum),
-        Pass::of(Phase::GridScanRuns, 1),
-        runs(Phase::GridScanCells),
-        agents(Phase::GridScatterPlace),
-        Pass::of(Phase::GridScatterSort, step.cell_count.max(step.agent_count)),
-        agents(Phase::GridPack).with(contents),
-        agents(Phase::Hear),
-        agents(Phase::Feel),
-        agents(Phase::Express),
-    ];
-    if step.source_count > 0 {
-        passes.push(Pass::of(Phase::Enter, step.source_count));
-    }
-    passes.push(agents(Phase::Prefer));
-    if step.group_count > 0 {
-        passes.push(agents(Phase::Accompany));
-    }
-    if step.step_index < step.reaction_steps {
-        passes.push(agents(Phase::React));
-    }
     let [first, again] = velocity_phases(step.model);
-    passes.extend([
-        agents(Phase::LeadAgentsSteer),
-        agents(Phase::PersevereTurns),
-        agents(Phase::PersevereWalls),
-        agents(first).with(contents),
-        Pass::new(again, Extent::Indirect(BufferId::Unsolved, 0)).with(contents),
-        agents(Phase::Contain),
-        agents(Phase::Integrate),
-    ]);
-    if step.floor_count > 0 {
-        passes.push(agents(Phase::Elevate));
-    }
-    passes.retain(|pass| match pass.phase {
-        Phase::LeadAgentsAppear | Phase::LeadAgentsSteer => step.led_count > 0,
-        Phase::FollowPaths => step.path_count > 0,
-        Phase::Hear | Phase::Feel | Phase::Express => step.feels > 0,
-        Phase::PersevereTurns => step.patience > 0.0,
-        Phase::PersevereWalls => step.patience > 0.0 && step.obstacle_count > 0,
-        Phase::Teleport => step.teleport_count > 0,
-        Phase::Queue => step.queue_count > 0,
-        Phase::Contain => step.obstacle_count > 0,
-        _ => true,
-    });
-    passes
+    let (is_led, feels, is_patient) = (step.led_count > 0, step.feels > 0, step.patience > 0.0);
+    let has_walls = step.obstacle_count > 0;
+    due([
+        (step.path_count > 0, Pass::of(Phase::FollowPaths, step.path_count)),
+        (is_led, agents(Phase::LeadAgentsAppear)),
+        (step.teleport_count > 0, agents(Phase::Teleport)),
+        (true, agents(Phase::Journey)),
+        (step.queue_count > 0, Pass::of(Phase::Queue, step.queue_count)),
+        (true, agents(Phase::GridCount)),
+        (true, runs(Phase::GridScanSum)),
+        (true, Pass::of(Phase::GridScanRuns, 1)),
+        (true, runs(Phase::GridScanCells)),
+        (true, agents(Phase::GridScatterPlace)),
+        (true, Pass::of(Phase::GridScatterSort, step.cell_count.max(step.agent_count))),
+        (true, agents(Phase::GridPack).with(contents)),
+        (feels, agents(Phase::Hear)),
+        (feels, agents(Phase::Feel)),
+        (feels, agents(Phase::Express)),
+        (step.source_count > 0, Pass::of(Phase::Enter, step.source_count)),
+        (true, agents(Phase::Prefer)),
+        (step.group_count > 0, agents(Phase::Accompany)),
+        (step.step_index < step.reaction_steps, agents(Phase::React)),
+        (is_led, agents(Phase::LeadAgentsSteer)),
+        (is_patient, agents(Phase::PersevereTurns)),
+        (is_patient && has_walls, agents(Phase::PersevereWalls)),
+        (true, agents(first).with(contents)),
+        (true, Pass::new(again, Extent::Indirect(BufferId::Unsolved, 0)).with(contents)),
+        (has_walls, agents(Phase::Contain)),
+        (true, agents(Phase::Integrate)),
+        (step.floor_count > 0, agents(Phase::Elevate)),
+    ])
+}
+
+/// The launches of a schedule that are due, in its order.
+fn due<const N: usize>(schedule: [(bool, Pass); N]) -> Vec<Pass> {
+    schedule.into_iter().filter(|(is_due, _)| *is_due).map(|(_, pass)| pass).collect()
 }
 
 /// What there is in a crowd, as flags of the immediate `contents`.
@@ -175,36 +160,33 @@ pub fn sifting_passes(agent_count: u32) -> Vec<Pass> {
     ]
 }
 
-/// The launches that prepare the bodies for one picture.
+/// The schedule of the bodies for one picture, from top to bottom: whether a launch is due, and the launch.
 pub fn frame_passes(frame: &FrameUniforms) -> Vec<Pass> {
     let runs = |phase| Pass::of(phase, frame.agent_count.div_ceil(RUN));
-    let avatars = frame.bucket_count / frame.level_count.max(1);
     let per_visible = |phase| Pass::new(phase, Extent::Indirect(BufferId::DispatchArgs, 0));
-    let mut passes = vec![
-        Pass::of(Phase::Cull, frame.agent_count),
-        runs(Phase::CompactCount),
-        Pass::of(Phase::CompactScanVisible, 2),
-        runs(Phase::CompactDemote),
-        Pass::of(Phase::CompactScanBuckets, COLUMNS),
-        Pass::of(Phase::CompactArguments, 1),
-        runs(Phase::CompactList),
-        per_visible(Phase::Pose),
-        per_visible(Phase::Stand),
-    ];
-    if has_turns(frame) {
-        passes.extend([
-            per_visible(Phase::AttendLook),
-            Pass::of(Phase::AttendBorder, 1),
-            per_visible(Phase::AttendCount),
-            Pass::of(Phase::AttendLeast, 1),
-            per_visible(Phase::AttendBegin),
-        ]);
-    }
-    passes.push(per_visible(Phase::Gaze));
-    passes.push(per_visible(Phase::Palette));
-    for avatar in 0..avatars {
+    let takes_turns = has_turns(frame);
+    let mut passes = due([
+        (true, Pass::of(Phase::Cull, frame.agent_count)),
+        (true, runs(Phase::CompactCount)),
+        (true, Pass::of(Phase::CompactScanVisible, 2)),
+        (true, runs(Phase::CompactDemote)),
+        (true, Pass::of(Phase::CompactScanBuckets, COLUMNS)),
+        (true, Pass::of(Phase::CompactArguments, 1)),
+        (true, runs(Phase::CompactList)),
+        (true, per_visible(Phase::Pose)),
+        (true, per_visible(Phase::Stand)),
+        (takes_turns, per_visible(Phase::AttendLook)),
+        (takes_turns, Pass::of(Phase::AttendBorder, 1)),
+        (takes_turns, per_visible(Phase::AttendCount)),
+        (takes_turns, Pass::of(Phase::AttendLeast, 1)),
+        (takes_turns, per_visible(Phase::AttendBegin)),
+        (true, per_visible(Phase::Gaze)),
+        (true, per_visible(Phase::Palette)),
+    ]);
+    let avatars = frame.bucket_count / frame.level_count.max(1);
+    passes.extend((0..avatars).map(|avatar| {
         let near = Extent::Indirect(BufferId::DispatchArgs, 3 + 3 * avatar);
-        passes.push(Pass::new(Phase::Skin, near).with(avatar));
-    }
+        Pass::new(Phase::Skin, near).with(avatar)
+    }));
     passes
 }
