@@ -1,4 +1,4 @@
-//! A program leads a robot through a crowd: each step it is told where the robot is, and the people make room.
+//! A program leads a robot through a crowd. It says before each step where the robot goes, and the people make room.
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
 use gaitway::scenario::{Outsider, OutsiderKind};
@@ -26,7 +26,7 @@ fn main() -> Result<()> {
         crowd.lead(id, Some((at, velocity)))?;
         crowd.step(1)?;
         if step < 30 {
-            continue; // those who stood where it appeared walk out of its way first
+            continue; // it may appear beside a person, who needs a second to walk away
         }
         let others = crowd.people()?.filter(|person| person.id != id);
         nearest = others.map(|person| person.position.distance(at)).fold(nearest, f32::min);

@@ -29,8 +29,8 @@ const APART: f32 = 1.0;       // m/s2, beta 3
 const PERSONAL: f32 = 0.8;    // m, d 0
 const RELAXATION: f32 = 0.5;  // s
 const RAMP: f32 = 0.5;        // m over which gathering and keeping apart grow to full strength; ours
-const STRAY: f32 = 0.75;      // most of the speed that gathering takes, so that it holds nobody at a slanting wall; ours
-const FORWARD: f32 = 0.1;     // share of the pace that is always left, so that nobody walks backwards or waits for ever; ours
+const STRAY: f32 = 0.75;      // greatest share of the speed that gathering takes: more would hold agents at slanting walls; ours
+const FORWARD: f32 = 0.1;     // least share of the pace: with less, agents walk backwards or wait for ever; ours
 const LEFT_BEHIND: f32 = 0.9; // m by which the first of the group is ahead that count; ours
 const HASTE: f32 = 1.0;       // 1/m: priority for each of them, so that they count like twice as many metres ahead (precedence: PLACE); ours
 

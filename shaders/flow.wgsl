@@ -11,7 +11,7 @@
 //                        even lists,
 //   join (joint):        between such turns: cells that are one place on several sheets are as far as the nearest of them,
 //                        and tiles that can fall because of it are on lists 0 and 1: the turns go on with list 0,
-//   enlist_solid (tile): those with cells where nobody can stand on the lists: so far these were left out, which is quicker,
+//   enlist_solid (tile): puts tiles with solid cells on the lists; the sweeps before leave solid cells out, which is quicker,
 //   sweep_solid (place): the same turns with them,
 //   point (tile):        directions; clears the lists, whose order is arbitrary,
 //   mark (seed):         marks from where the goal is seen.
@@ -171,7 +171,7 @@ fn flow_sweep_solid(@builtin(global_invocation_id) id: vec3<u32>) {
     turn(place, true);
 }
 
-// A turn of a tile of the list, with the cells where nobody can stand or without.
+// Sweeps one tile of the list, with its solid cells or without.
 fn turn(place: u32, with_solid: bool) {
     if place == 0u {
         clear_list((list + 3u) & 3u);

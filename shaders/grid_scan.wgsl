@@ -41,7 +41,7 @@ fn grid_scan_runs(@builtin(global_invocation_id) id: vec3<u32>) {
         total += sum;
     }
     cell_start[step.cell_count] = total;
-    // nobody has to try again yet
+    // no agent has to try again yet
     unsolved[0] = 0u;
     unsolved[1] = 1u;
     unsolved[2] = 1u;

@@ -1,6 +1,6 @@
 // uses: step, grid, absent
 // Puts the agents in cell order, within a cell by id, so that the order does not depend on which thread came first.
-// Absent agents have no slot; as many slots at the end have nobody. The phases, in this order:
+// Absent agents have no slot; as many slots at the end are empty. The phases, in this order:
 //   place (agent): takes the next free place of its cell (any order),
 //   sort (cell):   sorts its agents by id and clears its count.
 @group(0) @binding(0) var<uniform> step: StepUniforms;

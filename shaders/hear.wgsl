@@ -8,7 +8,7 @@
 const SHARE: f32 = 1048576.0;     // units of a sum that make 1
 const MOST_HEARD: u32 = 4095u;    // voices that fit into a sum
 const MOST_TURNS: u32 = 32768u;   // candidates that are looked at, whatever the crowd
-const ROWS_BETWEEN: u32 = 4u;     // from one row that has its turn to the next; whoever changes rows may wait for nearly two rounds
+const ROWS_BETWEEN: u32 = 4u;     // from one row that has its turn to the next; an agent that changes rows may wait for nearly two rounds
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;

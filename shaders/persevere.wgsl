@@ -1,9 +1,9 @@
 // uses: step, grid, orca, segments, contact, absent
 // What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
 //
-// Turns (phase turns): of those who wait and have somebody before them who wants to go the other way, the ones who want to go
-// to one side of a direction drawn anew every TURN seconds have the right of way (their priority is RAISEd, so their share
-// of the avoidance of those who have not is 0); the others make room. Where all want to go the same way nobody gains by it.
+// Right of way (phase turns): every TURN seconds a random direction is drawn. A blocked agent that faces an oncoming agent
+// gains priority (RAISE) if its preferred velocity has a positive component along that direction. It then takes no share in
+// avoiding agents without priority, and these make room. Agents that all want to go the same way gain nothing by it.
 //
 // Walls (phase walls, after it): who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
 // slanted, else to the nearer end, else to a side drawn by agent) until it is nearer to where it wants to go than when it began, and nothing is straight ahead:

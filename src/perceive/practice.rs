@@ -61,7 +61,7 @@ pub fn practice_alone(
     geometry.obstacles.clear();
     geometry.spawns.clear();
     geometry.routes.clear();
-    // nobody avoids anybody
+    // no agent avoids another
     let own = Manners { neighbour_cap: 0, ..Manners::of(&scene.scenario.navigation) };
     scene.crowd.agents.iter_mut().for_each(|agent| agent.manners = Some(own));
     let (mut simulation, _) = scene.start_with_bodies()?;

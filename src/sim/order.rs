@@ -79,7 +79,7 @@ pub const fn velocity_kernel(model: u32) -> KernelId {
     }
 }
 
-/// Its phases: the first attempt of all, and what comes after it for those who have to try again.
+/// Its phases: the first attempt of all agents, then the second one of agents whose first attempt failed.
 const fn velocity_phases(model: u32) -> [Phase; 2] {
     match velocity_kernel(model) {
         KernelId::VelocityRvo => [Phase::VelocityRvo, Phase::VelocityRvoAgain],
@@ -105,7 +105,7 @@ pub fn flow_start(grid: &FlowUniforms) -> Vec<Pass> {
     vec![Pass::of(Phase::FlowReset, tiles_or_lists(grid)), Pass::of(Phase::FlowSow, grid.seed_count)]
 }
 
-/// The launch after whose turns cells where nobody can stand have a way out, too.
+/// The launch that enlists tiles with solid cells. After the sweeps that follow, solid cells lead out, too.
 pub fn flow_solid(grid: &FlowUniforms) -> Pass {
     Pass::of(Phase::FlowEnlistSolid, grid.field_count * grid.tile_columns * grid.tile_rows)
 }
