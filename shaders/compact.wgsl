@@ -1,6 +1,6 @@
 // uses: frame, body, dispatch
 // Turns agent_bucket into the list of visible agents, sorted by bucket and then by id, and into the arguments of the
-// launches and draws that follow. No atomics decide an order and no barrier is needed.
+// dispatches and draws that follow. No atomics decide an order and no barrier is needed.
 // A run is RUN agents that one invocation walks. Row r of bucket_counts is run r, the row behind the last run holds
 // the totals. The phases, in this order:
 //   count (run):           counts level-0 agents (column 0) and all visible agents (column 1),

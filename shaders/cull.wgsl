@@ -12,7 +12,7 @@ const WEIGHT_LIMIT: f32 = 1000000.0;
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
 @group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;          // [agent] heading rad, walk weight
-@group(0) @binding(3) var<storage, read> look: array<vec4<u32>>;            // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<vec4<u32>>;            // [agent]
 @group(0) @binding(4) var<storage, read> gaits: array<vec4<u32>>;           // [agent] clip ids
 @group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;    // [agent]
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;             // [agent] m
@@ -54,7 +54,7 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= frame.agent_count {
         return;
     }
-    let info = look[agent];
+    let info = appearance[agent];
     let avatar = info.x & 255u;
     let scale = bitcast<f32>(info.y);
     agent_bucket[agent] = NONE;

@@ -28,7 +28,7 @@ const FAR: f32 = 1e30;         // m: not reached
 @group(0) @binding(3) var<storage, read_write> flow_distance: array<f32>;     // [field][cell] m
 @group(0) @binding(4) var<storage, read_write> flow_tiles: array<atomic<u32>>; // [field][tile] 1 while it is on a list
 @group(0) @binding(5) var<storage, read_write> flow_lists: array<u32>;        // [4][field * tile]
-@group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>; // [4][4] arguments of the launches
+@group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>; // [4][4] arguments of the dispatches
 @group(0) @binding(7) var<storage, read_write> flow_way: array<u32>;          // [field][cell] see way.wgsl
 @group(0) @binding(8) var<storage, read> flow_joints: array<vec2<u32>>;       // [joint] cell of sheet 0, bits of the sheets
 var<immediate> list: u32;

@@ -34,7 +34,7 @@ const FRAME_BITS: u32 = 0x1fffffffu;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;              // [agent] m
 @group(0) @binding(3) var<storage, read> stance: array<vec2<f32>>;                // [agent] heading rad, walk weight
-@group(0) @binding(4) var<storage, read> look: array<vec4<u32>>;                  // [agent]
+@group(0) @binding(4) var<storage, read> appearance: array<vec4<u32>>;                  // [agent]
 @group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][65]
 @group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 @group(0) @binding(7) var<storage, read_write> gaze_state: array<vec4<f32>>;      // [agent]
@@ -88,7 +88,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NONE {
         return;
     }
-    let info = look[agent];
+    let info = appearance[agent];
     let emotion = (info.x >> 8u) & 255u;
     if ((info.x >> 16u) & 1u) == 0u {
         return;

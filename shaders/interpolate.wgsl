@@ -1,10 +1,10 @@
 // uses: between, exact
-// Puts everyone where they are between the last two moments that `remember` kept: along the straight way, the heading
+// Puts everyone where they are between the last two snapshots that `keep_snapshot` kept: along the straight way, the heading
 // by the shorter turn, the phase of the walk forwards (it wraps by itself). Whoever is farther from where they were
-// than people walk in the time between (set to another place, just come in, gone) is shown as in the newest moment.
-// A share of 1 gives the newest moment bit for bit.
+// than people walk in the time between (set to another place, just come in, gone) is shown as in the newest snapshot.
+// A share of 1 gives the newest snapshot bit for bit.
 @group(0) @binding(0) var<uniform> between: BetweenUniforms;
-@group(0) @binding(1) var<storage, read> moments: array<vec4<u32>>;            // [2][agent][3] bits, see shared/between.wgsl
+@group(0) @binding(1) var<storage, read> snapshots: array<vec4<u32>>;            // [2][agent][3] bits, see shared/between.wgsl
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
 @group(0) @binding(3) var<storage, read_write> stance: array<vec2<f32>>;       // [agent] heading rad, walk weight
 @group(0) @binding(4) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
@@ -25,8 +25,8 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let a = moment_start(1u - between.newest, agent);
     let b = moment_start(between.newest, agent);
-    let stood = bitcast<vec4<f32>>(moments[a]);
-    let stands = bitcast<vec4<f32>>(moments[b]);
+    let stood = bitcast<vec4<f32>>(snapshots[a]);
+    let stands = bitcast<vec4<f32>>(snapshots[b]);
     let way = stands.xy - stood.xy;
     // a place or a heading that is no number is not on the way
     let walked = dot2(way, way) <= between.reach * between.reach && abs(stands.z - stood.z) < TURN_LIMIT;
@@ -37,14 +37,14 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     let turned = exact_wrap(stood.z + exact_wrap(stands.z - stood.z) * share);
     stance[agent] = vec2<f32>(select(turned, stands.z, share >= 1.0), there.w);
 
-    let was = moments[a + 1u];
-    let now = moments[b + 1u];
+    let was = snapshots[a + 1u];
+    let now = snapshots[b + 1u];
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
     let strides = u32(f32((now.x - was.x) >> 8u) * min(share, 0.99999994));
     phase[agent] = select(was.x + (strides << 8u), now.x, share >= 1.0);
     let floor_now = vec4<f32>(bitcast<f32>(now.y));
     elevation[agent] = on_the_way(vec4<f32>(bitcast<f32>(was.y)), floor_now, share).x;
 
-    let showed = bitcast<vec4<f32>>(moments[a + 2u]);
-    gait_weights[agent] = on_the_way(showed, bitcast<vec4<f32>>(moments[b + 2u]), share);
+    let showed = bitcast<vec4<f32>>(snapshots[a + 2u]);
+    gait_weights[agent] = on_the_way(showed, bitcast<vec4<f32>>(snapshots[b + 2u]), share);
 }

@@ -5,7 +5,7 @@
 //   steer, after prefer:     the velocity that ends the step at the target, v = (target - p) / dt
 // The target is a place, not a displacement, so that rounding does not add up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> manners: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(1) var<storage, read> avoidance: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
 @group(0) @binding(2) var<storage, read> lead: array<vec4<f32>>;                     // [agent] target, m (ABSENT: not there); velocity on appearing, m/s
 @group(0) @binding(3) var<storage, read_write> position: array<vec2<f32>>;           // [agent] m
 @group(0) @binding(4) var<storage, read_write> velocity: array<vec2<f32>>;           // [agent] m/s
@@ -17,7 +17,7 @@ const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in
 @compute @workgroup_size(64)
 fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count || manners[agent].w < LED {
+    if agent >= step.agent_count || avoidance[agent].w < LED {
         return;
     }
     let target_point = lead[agent].xy;
@@ -41,7 +41,7 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn lead_agents_steer(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count || manners[agent].w < LED {
+    if agent >= step.agent_count || avoidance[agent].w < LED {
         return;
     }
     let here = position[agent];

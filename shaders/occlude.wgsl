@@ -3,7 +3,7 @@
 // lie behind everything in the tiles of the picture that they touch. A tile holds the farthest depth of its samples (0 where
 // nothing is drawn), so no sample of a hidden body could have passed the test of depth: the picture is the same without it.
 // The phases, in this order:
-//   mark (slot):  marks the blocks of tiles whose depth is wanted; the renderer then fills `farthest` in for these,
+//   mark (slot):  marks the blocks of tiles whose depth is wanted; the renderer then fills `tile_depth` in for these,
 //   judge (slot): is it hidden?
 // The boxes are upright, around trunk and limbs and around the head at any phase of the stride: at eye level it is heads
 // that stand out, and few are hidden if these count as wide as shoulders. Where it cannot be judged (it reaches behind the eye, or
@@ -20,9 +20,9 @@ const NEARER: f32 = 1.00001;   // depth is rounded too
 @group(0) @binding(2) var<storage, read> visible: array<u32>;                     // [slot] agent
 @group(0) @binding(3) var<storage, read> position: array<vec2<f32>>;              // [agent] m
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;                   // [agent] m
-@group(0) @binding(5) var<storage, read> look: array<vec4<u32>>;                  // [agent]
+@group(0) @binding(5) var<storage, read> appearance: array<vec4<u32>>;                  // [agent]
 @group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>;        // [eye][block] 1 where somebody asks
-@group(0) @binding(7) var<storage, read> farthest: array<f32>;                    // [eye][tile] least depth, of a marked block
+@group(0) @binding(7) var<storage, read> tile_depth: array<f32>;                    // [eye][tile] least depth, of a marked block
 @group(0) @binding(8) var<storage, read_write> hidden: array<u32>;                // [slot] 1 if nobody sees it
 
 struct Seen {
@@ -45,7 +45,7 @@ fn tile_at(pixel: f32, side: u32, most: u32) -> u32 {
 
 fn look_at(eye: u32, agent: u32, bounds: vec4<f32>) -> Seen {
     let m = sight.clip_from_world[eye];
-    let scale = bitcast<f32>(look[agent].y);
+    let scale = bitcast<f32>(appearance[agent].y);
     let at = position[agent];
     let foot = elevation[agent];
     let radius = bounds.x * scale;
@@ -105,7 +105,7 @@ fn is_behind(eye: u32, seen: Seen) -> bool {
     let nearest = seen.nearest * NEARER;
     for (var row = seen.low.y; row < seen.high.y; row++) {
         for (var column = seen.low.x; column < seen.high.x; column++) {
-            if !(farthest[base + row * sight.tile_columns + column] > nearest) {
+            if !(tile_depth[base + row * sight.tile_columns + column] > nearest) {
                 return false;
             }
         }
@@ -116,7 +116,7 @@ fn is_behind(eye: u32, seen: Seen) -> bool {
 // Whether an agent of a bucket is shown whatever stands before it.
 fn is_shown(agent: u32, bucket: u32) -> bool {
     let count = start_of(sight.bucket_end) - start_of(sight.first_bucket);
-    let head = sight.bounds[bucket][1].z * bitcast<f32>(look[agent].y);
+    let head = sight.bounds[bucket][1].z * bitcast<f32>(appearance[agent].y);
     return count < sight.fewest || sight.eye_height > elevation[agent] + head + DOWN;
 }
 

@@ -4,7 +4,7 @@
 @group(0) @binding(0) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;       // [agent] m
 @group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;         // [agent] heading rad, walk weight
-@group(0) @binding(3) var<storage, read> look: array<vec4<u32>>;           // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<vec4<u32>>;           // [agent]
 @group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][65]
 @group(0) @binding(5) var<storage, read> local_rotations: array<vec4<f32>>; // [visible][17]
 @group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][16][3] rows
@@ -18,8 +18,8 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NONE {
         return;
     }
-    let avatar = look[agent].x & 255u;
-    let scale = bitcast<f32>(look[agent].y);
+    let avatar = appearance[agent].x & 255u;
+    let scale = bitcast<f32>(appearance[agent].y);
     let at = position[agent];
     let heading = stance[agent].x;
 

@@ -1,9 +1,9 @@
 // uses: step, absent
 // Moves the queues on, one invocation each: who has been served for its time leaves, and of those who came to the end of the line in this
-// step the one with the lowest number gets the next place. `journey` says who is there, and walks everyone to their place.
+// step the one with the lowest number gets the next place. `advance_journey` says who is there, and walks everyone to their place.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read_write> queues: array<u32>; // [queue][8] who wants to join (NOBODY: none), first and next ticket in the line, 1 if the first stands at the counter, steps it has been served, places, steps of service, 0
-@group(0) @binding(2) var<storage, read_write> errand: array<u32>; // [agent] in a queue: its ticket + 1
+@group(0) @binding(2) var<storage, read_write> stage_progress: array<u32>; // [agent] in a queue: its ticket + 1
 
 @compute @workgroup_size(64)
 fn queue(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -26,7 +26,7 @@ fn queue(@builtin(global_invocation_id) id: vec3<u32>) {
     let joins = queues[base];
     if joins != NOBODY {
         if next - first < queues[base + 5u] {
-            errand[joins] = next + 1u;
+            stage_progress[joins] = next + 1u;
             queues[base + 2u] = next + 1u;
         }
         queues[base] = NOBODY;

@@ -11,7 +11,7 @@
 // SwiftShader, needs more than 20 GiB to compile it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
@@ -39,7 +39,7 @@ fn velocity_orca_again(@builtin(global_invocation_id) id: vec3<u32>) {
 
 fn avoid(entry: u32, again: bool) {
     let slot = entry & ~UNTRIED;
-    if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
+    if slot >= step.agent_count || slot_avoidance[slot].x == NOBODY {
         return;
     }
     let own = manners_of(slot);
@@ -145,7 +145,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         let higher = select(slot_motion[other * 2u + 1u].z - o.traits.z, 0.0, is_mate);
         var pair = Precedence(step.responsibility, o.traits.x + their_radius, false);
         if is_dense && !is_user && abs(higher) < PEERS {
-            let their_wish = unit_or(preferred_velocity[slot_manners[other].x], vec2<f32>(0.0, 0.0));
+            let their_wish = unit_or(preferred_velocity[slot_avoidance[other].x], vec2<f32>(0.0, 0.0));
             let to = theirs.xy - o.motion.xy;
             pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }

@@ -14,7 +14,7 @@
 // together, so that a neighbour is read once for all four.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
@@ -75,7 +75,7 @@ fn velocity_rvo_again(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn avoid(slot: u32, again: bool) {
-    if slot >= step.agent_count || slot_manners[slot].x == NOBODY {
+    if slot >= step.agent_count || slot_avoidance[slot].x == NOBODY {
         return;
     }
     let own = manners_of(slot);

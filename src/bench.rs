@@ -9,7 +9,7 @@ use crate::gait::walker;
 use crate::kernels::{BufferId, KernelId, Phase, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::bodies::{self, MeshBuffers};
-use crate::sim::{Backend, Cast, Simulation, order};
+use crate::sim::{AvatarSet, Backend, Simulation, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
 use serde::Serialize;
 use std::time::{Duration, Instant};
@@ -27,13 +27,18 @@ pub use sequence::Sequence;
 /// Metres between agents of the crossing: one to a square metre.
 const SPACING: f32 = 1.0;
 /// Kernels that not every step has.
-const EXTRAS: [KernelId; 5] =
-    [KernelId::Express, KernelId::Feel, KernelId::FollowPaths, KernelId::Hear, KernelId::LeadAgents];
+const EXTRAS: [KernelId; 5] = [
+    KernelId::EmotionApply,
+    KernelId::EmotionUpdate,
+    KernelId::FollowPaths,
+    KernelId::EmotionGather,
+    KernelId::LeadAgents,
+];
 /// Kernels that a step has when somebody needs them, each timed in a step that does.
 const OTHERS: [KernelId; 6] = [
-    KernelId::Accompany,
+    KernelId::GroupCohesion,
     KernelId::Elevate,
-    KernelId::Enter,
+    KernelId::Spawn,
     KernelId::Queue,
     KernelId::React,
     KernelId::Teleport,
@@ -282,9 +287,9 @@ fn quality_of(
 /// Bytes of the buffers that a step touches.
 fn step_bytes(simulation: &Simulation) -> usize {
     let store = simulation.store();
-    let mut buffers: Vec<BufferId> = order::step_passes(&store.step)
+    let mut buffers: Vec<BufferId> = order::step_dispatches(&store.step)
         .iter()
-        .flat_map(|pass| pass.phase.entry().bindings.iter().map(|binding| binding.buffer))
+        .flat_map(|dispatch| dispatch.phase.entry().bindings.iter().map(|binding| binding.buffer))
         .collect();
     buffers.sort_unstable();
     buffers.dedup();
@@ -348,10 +353,10 @@ fn by_name(times: &[(Phase, f64)]) -> Vec<(&'static str, f64)> {
 }
 
 /// One gait of each emotion on the two generated bodies.
-fn cast() -> Result<Cast, crate::Error> {
+fn cast() -> Result<AvatarSet, crate::Error> {
     let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0));
     let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
+    let cast = AvatarSet::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
     Ok(cast)
 }
 
@@ -365,11 +370,11 @@ fn dressed(agents: usize) -> Result<(Store, MeshBuffers), crate::Error> {
 }
 
 /// Gives the agents of a bare crowd a body, a gait and an emotion each.
-fn dress(store: &mut Store, cast: &Cast) {
+fn dress(store: &mut Store, cast: &AvatarSet) {
     for agent in 0..store.step.agent_count {
         let dice = hash_u32(agent);
         let (avatar, emotion) = (dice & 1, dice >> 1 & 3);
-        store.look.push([avatar | emotion << 8 | 1 << 16, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+        store.appearance.push([avatar | emotion << 8 | 1 << 16, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
         store.gaits.push([cast.clip_index(avatar, emotion); 4]);
         store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
         store.gaze_state.push([0.0; 4]);

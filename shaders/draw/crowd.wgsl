@@ -8,7 +8,7 @@
 @group(0) @binding(6) var<storage, read> mesh_table: array<vec4<u32>>; // per bucket: first index, indices, first vertex, vertices
 @group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>; // [slot][joint], rows of world_from_mesh
 @group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;  // near agents: world position, world normal
-@group(0) @binding(9) var<storage, read> look: array<vec4<u32>>;      // [agent]
+@group(0) @binding(9) var<storage, read> appearance: array<vec4<u32>>;      // [agent]
 
 // which bucket is drawn
 var<immediate> bucket: u32;
@@ -59,7 +59,7 @@ fn pose(vertex: u32, instance: u32) -> Placed {
 // The vertex colour, tinted with the agent's colour of its material, and its alpha.
 fn agent_color(vertex: u32, instance: u32) -> vec4<f32> {
     let color = bitcast<vec4<f32>>(mesh_vertices[vertex][3]);
-    let colors = look[visible[bucket_start[bucket] + instance]].zw;
+    let colors = appearance[visible[bucket_start[bucket] + instance]].zw;
     return vec4<f32>(tinted(color.rgb, mesh_vertices[vertex][0].w, colors), color.a);
 }
 

@@ -7,13 +7,13 @@
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1]
 @group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits: position, material; normal, limb;
                                                                       // hinge, swing; linear colour, height of the hips
-@group(0) @binding(6) var<storage, read> look: array<vec4<u32>>;      // [agent]
+@group(0) @binding(6) var<storage, read> appearance: array<vec4<u32>>;      // [agent]
 @group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;  // [agent] ground, m
 @group(0) @binding(8) var<storage, read> stance: array<vec2<f32>>;    // [agent] heading rad, walk weight
 @group(0) @binding(9) var<storage, read> phase: array<u32>;           // [agent] the whole range is one stride
 @group(0) @binding(10) var<storage, read> elevation: array<f32>;      // [agent] m
 
-@group(0) @binding(11) var<storage, read> shown: array<u32>;          // slots of those who are not hidden, see kernel `admit`
+@group(0) @binding(11) var<storage, read> shown: array<u32>;          // slots of those who are not hidden, see kernel `occlusion_compact`
 
 @group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;        // [agent] clip ids
 @group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>; // [agent]
@@ -94,7 +94,7 @@ fn place(vertex: u32, agent: u32) -> Placed {
     }
     // about +y: 0 faces +z
     let ahead = vec2<f32>(sin(body.x), cos(body.x));
-    let scale = bitcast<f32>(look[agent].y);
+    let scale = bitcast<f32>(appearance[agent].y);
     let at = position[agent];
     return Placed(
         vec3<f32>(
@@ -123,7 +123,7 @@ fn far_vertex(
     let placed = place(vertex, agent);
     let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
     let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
-    return FarVertex(clip, placed.world, placed.normal, tinted(color, mesh_vertices[vertex][0].w, look[agent].zw));
+    return FarVertex(clip, placed.world, placed.normal, tinted(color, mesh_vertices[vertex][0].w, appearance[agent].zw));
 }
 
 @fragment

@@ -3,7 +3,7 @@
 
 @group(0) @binding(3) var<storage, read> visible: array<u32>;
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;
-@group(0) @binding(5) var<storage, read> look: array<vec4<u32>>;
+@group(0) @binding(5) var<storage, read> appearance: array<vec4<u32>>;
 @group(0) @binding(6) var<storage, read> position: array<vec2<f32>>; // [agent], ground
 @group(0) @binding(7) var<storage, read> elevation: array<f32>;      // [agent], m
 
@@ -35,7 +35,7 @@ fn marker_vertex(
     let offset = side * (view.marker_radius + view.marker_width);
     let ground = position[agent] + offset;
     let clip = view.clip_from_world[eye] * vec4<f32>(ground.x, elevation[agent] + HEIGHT, ground.y, 1.0);
-    return MarkerVertex(clip, view.emotion_colors[(look[agent].x >> 8u) & 3u], offset);
+    return MarkerVertex(clip, view.emotion_colors[(appearance[agent].x >> 8u) & 3u], offset);
 }
 
 @fragment

@@ -1,4 +1,4 @@
-// When an agent looks at the user: what `gaze` and `attend` agree on.
+// When an agent looks at the user: what `gaze` and `gaze_schedule` agree on.
 const HAPPY: u32 = 0u; // emotions, by number
 const ANGRY: u32 = 1u;
 const SAD: u32 = 2u;
@@ -9,4 +9,4 @@ const HALF_FIELD: f32 = 1.5707964;        // 90 degrees, spec 1.8 fov / 2
 const FIELD_HYSTERESIS: f32 = 0.17453293; // 10 degrees, spec 1.8
 const FIELD_END: f32 = -0.17364818;       // cosine of the two together
 
-const ATTENDS: u32 = 0x20000000u; // in gaze_frame: it is the agent's turn; `attend` writes it
+const ATTENDS: u32 = 0x20000000u; // in gaze_frame: it is the agent's turn; `gaze_schedule` writes it

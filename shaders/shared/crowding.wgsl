@@ -46,7 +46,7 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         // members of a group walk near one another on purpose
         let is_mate = (contents & GROUPS) != 0u && is_with(slot, found[k]);
         if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
-            let theirs = preferred_velocity[slot_manners[found[k]].x];
+            let theirs = preferred_velocity[slot_avoidance[found[k]].x];
             let theirs2 = dot2(theirs, theirs);
             // who stands is queued behind, who comes the other way is not
             let same = select(dot2(theirs, wanted) / sqrt(theirs2 * wanted2), 1.0, theirs2 < 1e-8);

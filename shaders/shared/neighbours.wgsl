@@ -25,14 +25,14 @@ struct Manners {
 }
 
 fn manners_of(slot: u32) -> Manners {
-    let own = slot_manners[slot];
+    let own = slot_avoidance[slot];
     return Manners(own.x, bitcast<f32>(own.y), bitcast<f32>(own.z), own.w & (LED_BIT - 1u), (own.w & LED_BIT) != 0u);
 }
 
 // Whether two walk together.
 fn is_with(slot: u32, other: u32) -> bool {
-    let group = slot_manners[slot].w >> GROUP_SHIFT;
-    return group != 0u && group == slot_manners[other].w >> GROUP_SHIFT;
+    let group = slot_avoidance[slot].w >> GROUP_SHIFT;
+    return group != 0u && group == slot_avoidance[other].w >> GROUP_SHIFT;
 }
 
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
@@ -239,11 +239,11 @@ fn safe_distance(at: vec2<f32>, centre: vec2<i32>, ring: i32) -> f32 {
 // Whether (distance2, id) of a candidate comes before place `i` of the list.
 fn comes_before(i: u32, distance2: f32, id: u32) -> bool {
     let there = found_distance2[i];
-    return distance2 < there || (distance2 == there && id < slot_manners[found[i]].x);
+    return distance2 < there || (distance2 == there && id < slot_avoidance[found[i]].x);
 }
 
 fn insert(count: u32, cap: u32, slot: u32, distance2: f32) -> u32 {
-    let id = slot_manners[slot].x;
+    let id = slot_avoidance[slot].x;
     if count == cap && !comes_before(cap - 1u, distance2, id) {
         return count;
     }

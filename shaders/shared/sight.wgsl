@@ -1,5 +1,5 @@
 // uses: block
-// What `occlude` and `admit` know about a pass of a picture and the people it sifts; the Rust twin is
+// What `occlude` and `occlusion_compact` know about a pass of a picture and the people it sifts; the Rust twin is
 // kernels::layout::SightUniforms. World frame, y up, metres.
 struct SightUniforms {
     clip_from_world: array<mat4x4<f32>, 2>, // per eye; depth 1 near, 0 far

@@ -6,7 +6,7 @@ use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
 use crate::kernels::BufferId;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
-use crate::kernels::{KernelId, Pass, Phase, Store};
+use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference;
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
@@ -23,7 +23,7 @@ pub struct Sequence {
     pub(super) name: Option<&'static str>,
     pub(super) agents: usize,
     store: Store,
-    passes: Vec<Pass>,
+    dispatches: Vec<Dispatch>,
     #[cfg(feature = "vulkan")]
     engine: Option<Engine>,
 }
@@ -45,7 +45,7 @@ impl Sequence {
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
         let mut store = crossing(agents, SPACING);
-        if kernel == Some(KernelId::Accompany) {
+        if kernel == Some(KernelId::GroupCohesion) {
             for first in (0..u32::try_from(agents).unwrap_or(0).saturating_sub(2)).step_by(3) {
                 join(&mut store, &[first, first + 1, first + 2]);
             }
@@ -67,13 +67,13 @@ impl Sequence {
             store.teleport_of.fill(0);
             (store.teleports, store.step.teleport_count) = (vec![[0.0; 4]; 2], 1);
         }
-        let passes = order::step_passes(&store.step);
-        Self::new(None, agents, store, passes, (backend, device))
+        let dispatches = order::step_dispatches(&store.step);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// Kernels of a step that the plain crossing does without.
     pub(super) const ALTERNATIVES: [KernelId; 3] =
-        [KernelId::Contain, KernelId::Persevere, KernelId::VelocityRvo];
+        [KernelId::ClipToWalls, KernelId::Unjam, KernelId::VelocityRvo];
 
     /// A step of the crossing with one of [`Self::ALTERNATIVES`]; beside every sixteenth agent stands
     /// a post where the kernel looks at obstacles.
@@ -88,10 +88,10 @@ impl Sequence {
         {
             store.step.model = model;
         }
-        if kernel == KernelId::Persevere {
+        if kernel == KernelId::Unjam {
             store.step.patience = 1.0;
         }
-        if kernel == KernelId::Contain || kernel == KernelId::Persevere {
+        if kernel == KernelId::ClipToWalls || kernel == KernelId::Unjam {
             let post = |at: &[f32; 2]| {
                 let [x, z] = [at[0] + 0.5, at[1] + 0.5];
                 vec![[x, z], [x + 0.1, z], [x + 0.1, z + 0.1]]
@@ -99,8 +99,8 @@ impl Sequence {
             let posts: Vec<_> = store.position.iter().step_by(16).take(10_000).map(post).collect();
             setup::set_obstacles(&mut store, &posts);
         }
-        let passes = order::step_passes(&store.step);
-        Self::new(None, agents, store, passes, (backend, device))
+        let dispatches = order::step_dispatches(&store.step);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// The kernels that prepare a picture of everyone in the crossing, from the middle of it.
@@ -115,8 +115,8 @@ impl Sequence {
         store.frame.camera = store.frame.user_eyes;
         store.frame.frame_time = 1.0 / 72.0;
         bodies::set_gaze(&mut store.frame, &Gaze::default());
-        let passes = order::frame_passes(&store.frame);
-        Self::new(Some("picture"), agents, store, passes, (backend, device))
+        let dispatches = order::frame_dispatches(&store.frame);
+        Self::new(Some("picture"), agents, store, dispatches, (backend, device))
     }
 
     /// Two fields over so many cells, with walls and a crowd on them.
@@ -125,8 +125,8 @@ impl Sequence {
     /// When a Vulkan device is demanded but cannot be used.
     pub fn flow(cells: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         let store = flow::fields(cells, 0);
-        let passes = flow::passes(&store);
-        Self::new(None, cells, store, passes, (backend, device))
+        let dispatches = flow::dispatches(&store);
+        Self::new(None, cells, store, dispatches, (backend, device))
     }
 
     /// A step with everything that a crowd need not have: feelings that change, agents that are led.
@@ -135,8 +135,8 @@ impl Sequence {
     /// When a Vulkan device is demanded but cannot be used.
     pub fn extras(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         let store = feelings(agents, 1);
-        let passes = order::step_passes(&store.step);
-        Self::new(None, agents, store, passes, (backend, device))
+        let dispatches = order::step_dispatches(&store.step);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// The kernels that show what lies between two moments.
@@ -145,8 +145,8 @@ impl Sequence {
     /// When a Vulkan device is demanded but cannot be used.
     pub fn between(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         let store = between::between(agents, 1);
-        let passes = between::passes(&store);
-        Self::new(None, agents, store, passes, (backend, device))
+        let dispatches = between::dispatches(&store);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// The kernels that leave out people whom nobody sees.
@@ -155,8 +155,8 @@ impl Sequence {
     /// When a Vulkan device is demanded but cannot be used.
     pub fn hidden(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         let store = hidden::hidden(agents, 0);
-        let passes = hidden::passes(&store);
-        Self::new(None, agents, store, passes, (backend, device))
+        let dispatches = hidden::dispatches(&store);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// The expressive features of so many gaits of about 35 frames.
@@ -165,8 +165,8 @@ impl Sequence {
     /// When a Vulkan device is demanded but cannot be used.
     pub fn features(count: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
         let store = gaits::gaits(count, 0);
-        let passes = gaits::passes(&store);
-        Self::new(None, count, store, passes, (backend, device))
+        let dispatches = gaits::dispatches(&store);
+        Self::new(None, count, store, dispatches, (backend, device))
     }
 
     /// The arithmetic probe.
@@ -180,8 +180,8 @@ impl Sequence {
             numerics_out: vec![[0.0; 4]; cases * 4],
             ..Store::default()
         };
-        let pass = Pass::of(Phase::Numerics, count);
-        Self::new(None, cases, store, vec![pass], (backend, device))
+        let dispatch = Dispatch::of(Phase::Numerics, count);
+        Self::new(None, cases, store, vec![dispatch], (backend, device))
     }
 
     /// The sequence that a kernel is part of.
@@ -200,19 +200,19 @@ impl Sequence {
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);
         }
-        if matches!(kernel, KernelId::Remember | KernelId::Interpolate) {
+        if matches!(kernel, KernelId::KeepSnapshot | KernelId::Interpolate) {
             return Self::between(agents, backend, device);
         }
-        if matches!(kernel, KernelId::Occlude | KernelId::Admit) {
+        if matches!(kernel, KernelId::Occlude | KernelId::OcclusionCompact) {
             return Self::hidden(agents, backend, device);
         }
         if matches!(kernel, KernelId::Flow | KernelId::FlowDensity) {
             return Self::flow(agents, backend, device);
         }
-        if matches!(kernel, KernelId::Enter | KernelId::Queue) {
+        if matches!(kernel, KernelId::Spawn | KernelId::Queue) {
             let store = journeys(agents, 1);
-            let passes = order::step_passes(&store.step);
-            return Self::new(None, agents, store, passes, (backend, device));
+            let dispatches = order::step_dispatches(&store.step);
+            return Self::new(None, agents, store, dispatches, (backend, device));
         }
         if EXTRAS.contains(&kernel) {
             return Self::extras(agents, backend, device);
@@ -227,8 +227,8 @@ impl Sequence {
             ..Default::default()
         };
         (all.led_count, all.teleport_count, all.queue_count, all.source_count) = (1, 1, 1, 1);
-        let step = order::step_passes(&all);
-        if step.iter().any(|pass| pass.kernel() == kernel) {
+        let step = order::step_dispatches(&all);
+        if step.iter().any(|dispatch| dispatch.kernel() == kernel) {
             Self::step_with(Some(kernel), agents, backend, device)
         } else {
             Self::picture(agents, backend, device)
@@ -240,14 +240,14 @@ impl Sequence {
         name: Option<&'static str>,
         agents: usize,
         store: Store,
-        passes: Vec<Pass>,
+        dispatches: Vec<Dispatch>,
         (backend, device): (Backend, Option<&str>),
     ) -> Result<Self, crate::Error> {
         #[cfg(feature = "vulkan")]
         let engine = match backend {
             Backend::Cpu => None,
             Backend::Auto | Backend::Vulkan => {
-                let mut kernels: Vec<KernelId> = passes.iter().map(Pass::kernel).collect();
+                let mut kernels: Vec<KernelId> = dispatches.iter().map(Dispatch::kernel).collect();
                 kernels.dedup();
                 let engine = Validation::from_environment()
                     .and_then(|validation| Device::open(device, validation))
@@ -263,13 +263,13 @@ impl Sequence {
             name,
             agents,
             store,
-            passes,
+            dispatches,
             #[cfg(feature = "vulkan")]
             engine,
         })
     }
 
-    /// Runs all passes once; the time of each phase, ms.
+    /// Runs all dispatches once; the time of each phase, ms.
     ///
     /// # Errors
     /// When the device fails.
@@ -283,22 +283,22 @@ impl Sequence {
                 .filter(|id| engine.buffer(*id).is_some())
                 .map(Op::Set)
                 .collect();
-            ops.extend(self.passes.iter().copied().map(Op::Pass));
+            ops.extend(self.dispatches.iter().copied().map(Op::Dispatch));
             let store = &self.store;
             let times = engine.run(&ops, |_, buffer| store.bytes(buffer).to_vec(), true)?;
-            return Ok(summed(times.into_iter().map(|time| (time.pass.phase, time.milliseconds))));
+            return Ok(summed(times.into_iter().map(|time| (time.dispatch.phase, time.milliseconds))));
         }
-        let mut times = Vec::with_capacity(self.passes.len());
-        for pass in &self.passes {
+        let mut times = Vec::with_capacity(self.dispatches.len());
+        for dispatch in &self.dispatches {
             let begin = Instant::now();
-            reference::run(pass.phase, &mut self.store, pass.immediate);
-            times.push((pass.phase, begin.elapsed().as_secs_f64() * 1e3));
+            reference::run(dispatch.phase, &mut self.store, dispatch.immediate);
+            times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
         }
         Ok(summed(times))
     }
 }
 
-/// One time per phase: the sum over its passes.
+/// One time per phase: the sum over its dispatches.
 fn summed(times: impl IntoIterator<Item = (Phase, f64)>) -> Vec<(Phase, f64)> {
     let mut sums: Vec<(Phase, f64)> = Vec::new();
     for (phase, time) in times {

@@ -11,7 +11,7 @@ use crate::picture::Image;
 use crate::render::{Atmosphere, Camera, Settings};
 use crate::scenario::{AgentStart, Crowd, Scenario, Stop};
 use crate::scene::{Scene, Stage};
-use crate::sim::Cast;
+use crate::sim::AvatarSet;
 use glam::{Vec2, Vec3};
 
 /// Pixels of a tile.
@@ -74,7 +74,7 @@ fn caption(number: usize) -> String {
 fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
     let library = GaitLibrary::built_in()?;
-    let cast = Cast::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
+    let cast = AvatarSet::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
     let mut crowd = Crowd { stages: vec![Stop::waypoint(Vec2::ZERO, 1.0)], ..Crowd::default() };
     for emotion in Emotion::ALL {
         for (row, sex) in (0..ROWS).zip(Sex::ALL) {

@@ -232,7 +232,7 @@ struct Measures {
     /// Sum of the speeds of people over the steps, m/s, and of how many.
     speed: (f64, u64),
     departures: Departures,
-    last: Option<measure::Moment>,
+    last: Option<measure::Measures>,
     min_clearance: f32,
     overlapping: u32,
     outside: u32,
@@ -255,7 +255,7 @@ impl Measures {
     /// Measures the crowd after `done` steps.
     fn take(&mut self, simulation: &mut Simulation, free: &Clearance, done: u32) -> Result<(), Error> {
         let store = simulation.state()?;
-        let moment = measure::moment(store);
+        let moment = measure::measures(store);
         self.steps += 1;
         let (sum, count) = measure::speeds(store, |agent| agent < self.people);
         self.speed = (self.speed.0 + sum, self.speed.1 + u64::from(count));

@@ -2,7 +2,7 @@
 
 use crate::emotion::Emotion;
 use crate::scenario::{AgentStart, Crowd, OutsiderKind, Scenario};
-use crate::sim::{Cast, setup};
+use crate::sim::{AvatarSet, setup};
 
 /// What an agent of a trajectory file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -52,7 +52,12 @@ pub struct AgentInfo {
 
 impl AgentInfo {
     /// Everyone of a crowd, by index; from `recorded` on they are people of a recording.
-    pub fn of_crowd(scenario: &Scenario, crowd: &Crowd, cast: &Cast, recorded: Option<u32>) -> Vec<Self> {
+    pub fn of_crowd(
+        scenario: &Scenario,
+        crowd: &Crowd,
+        cast: &AvatarSet,
+        recorded: Option<u32>,
+    ) -> Vec<Self> {
         let people = (0_u32..).zip(&crowd.agents).map(|(index, agent)| {
             let others = agent.companions.iter().filter(|other| **other != u32::MAX);
             let is_led = recorded.is_some_and(|first| index >= first);
@@ -78,7 +83,7 @@ impl AgentInfo {
         people.chain(outsiders).collect()
     }
 
-    fn of_person(scenario: &Scenario, agent: &AgentStart, cast: &Cast) -> Self {
+    fn of_person(scenario: &Scenario, agent: &AgentStart, cast: &AvatarSet) -> Self {
         let gait = agent.gaits[strongest(agent.gait_weights)];
         Self {
             emotion: Some(agent.emotion),

@@ -1,16 +1,16 @@
-//! One Vulkan buffer per [`BufferId`], one pipeline per phase of a kernel, and lists of passes run in one submission.
+//! One Vulkan buffer per [`BufferId`], one pipeline per phase of a kernel, and lists of dispatches run in one submission.
 
 mod encode;
 
 use super::pipeline::{self, Pipeline};
 use super::plan::Op;
 use super::{Buffer, Device, Error, Memory, call};
-use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
 
-/// Most passes that one submission can time.
-const TIMED_PASSES: u32 = 2048;
+/// Most dispatches that one submission can time.
+const TIMED_DISPATCHES: u32 = 2048;
 
 /// Largest staging buffer that is kept for smaller copies, bytes.
 const STAGING_KEPT: u64 = 4 << 20;
@@ -18,11 +18,11 @@ const STAGING_KEPT: u64 = 4 << 20;
 /// A buffer, and where its contents stand in staging memory: offset and length, bytes.
 type Copy = (BufferId, usize, usize);
 
-/// How long a pass ran on the device.
+/// How long a dispatch ran on the device.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PassTime {
-    /// The pass.
-    pub pass: Pass,
+pub struct DispatchTime {
+    /// The dispatch.
+    pub dispatch: Dispatch,
     /// Milliseconds between the device's timestamps.
     pub milliseconds: f64,
 }
@@ -117,7 +117,7 @@ impl Engine {
             .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
         let queries = vk::QueryPoolCreateInfo::default()
             .query_type(vk::QueryType::TIMESTAMP)
-            .query_count(2 * TIMED_PASSES);
+            .query_count(2 * TIMED_DISPATCHES);
         let raw = &self.device.raw;
         // SAFETY: the create-infos are complete and the device is alive; `Drop` destroys what was made.
         unsafe {
@@ -139,7 +139,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Makes buffers that no kernel of this engine binds, for group counts of its passes, as long as in `store`.
+    /// Makes buffers that no kernel of this engine binds, for group counts of its dispatches, as long as in `store`.
     ///
     /// # Errors
     /// As of [`Engine::new`].
@@ -306,28 +306,28 @@ impl Engine {
     /// `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
     ///
     /// # Errors
-    /// When a pass needs a kernel that this engine lacks, contents are longer than their buffer, group counts are to come from
+    /// When a dispatch needs a kernel that this engine lacks, contents are longer than their buffer, group counts are to come from
     /// where none are, a call fails or the device is lost.
     pub fn run(
         &mut self,
         ops: &[Op],
         contents: impl Fn(usize, BufferId) -> Vec<u8>,
         timed: bool,
-    ) -> Result<Vec<PassTime>, Error> {
-        let passes = ops.iter().filter(|op| matches!(op, Op::Pass(_))).count();
-        let timed = timed && passes <= TIMED_PASSES as usize;
+    ) -> Result<Vec<DispatchTime>, Error> {
+        let dispatches = ops.iter().filter(|op| matches!(op, Op::Dispatch(_))).count();
+        let timed = timed && dispatches <= TIMED_DISPATCHES as usize;
         let outcome = self.record(|engine, _, commands| engine.encode_ops(commands, ops, &contents, timed));
         outcome.map_err(|error| Self::named(error, ops))?;
         if timed { self.times(ops) } else { Ok(Vec::new()) }
     }
 
-    fn times(&self, ops: &[Op]) -> Result<Vec<PassTime>, Error> {
-        let passes = ops.iter().filter_map(|op| match op {
-            Op::Pass(pass) => Some(*pass),
+    fn times(&self, ops: &[Op]) -> Result<Vec<DispatchTime>, Error> {
+        let dispatches = ops.iter().filter_map(|op| match op {
+            Op::Dispatch(dispatch) => Some(*dispatch),
             Op::Set(_) => None,
         });
-        let passes: Vec<_> = passes.collect();
-        let mut stamps = vec![0_u64; passes.len() * 2];
+        let dispatches: Vec<_> = dispatches.collect();
+        let mut stamps = vec![0_u64; dispatches.len() * 2];
         if stamps.is_empty() {
             return Ok(Vec::new());
         }
@@ -336,10 +336,13 @@ impl Engine {
         unsafe { self.device.raw.get_query_pool_results(self.queries, 0, &mut stamps, flags) }
             .map_err(call("vkGetQueryPoolResults"))?;
         let period = f64::from(self.device.limits.timestamp_period) * 1e-6;
-        Ok(passes
+        Ok(dispatches
             .into_iter()
             .zip(stamps.chunks_exact(2))
-            .map(|(pass, s)| PassTime { pass, milliseconds: s[1].saturating_sub(s[0]) as f64 * period })
+            .map(|(dispatch, s)| DispatchTime {
+                dispatch,
+                milliseconds: s[1].saturating_sub(s[0]) as f64 * period,
+            })
             .collect())
     }
 }

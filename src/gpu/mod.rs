@@ -1,7 +1,7 @@
 //! Vulkan: devices, buffers, kernels. Knows nothing of gaits or emotions.
 //!
 //! [`Device`] is a Vulkan device with its queue and allocator; [`Engine`] holds one Vulkan buffer per
-//! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel and runs lists of passes; [`plan`] places the
+//! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel and runs lists of dispatches; [`plan`] places the
 //! barriers from what the kernels read and write.
 
 mod buffer;
@@ -20,7 +20,7 @@ mod watch;
 
 pub use buffer::{Buffer, Memory};
 pub use device::Device;
-pub use engine::{Engine, PassTime};
+pub use engine::{DispatchTime, Engine};
 #[cfg(any(feature = "xr", feature = "view"))]
 pub(crate) use instance::Maker;
 pub use instance::{DeviceInfo, DeviceKind, list};
@@ -74,11 +74,11 @@ pub enum Error {
         /// What it said.
         result: ash::vk::Result,
     },
-    /// The device was lost while passes ran.
-    #[error("the device was lost; the last passes submitted were {passes}")]
+    /// The device was lost while dispatches ran.
+    #[error("the device was lost; the last dispatches submitted were {dispatches}")]
     DeviceLost {
-        /// The passes, first to last.
-        passes: String,
+        /// The dispatches, first to last.
+        dispatches: String,
     },
     /// Memory could not be had.
     #[error("cannot allocate {bytes} bytes for {name:?}: {reason}")]
@@ -119,10 +119,10 @@ pub enum Error {
         /// Bytes of the buffer.
         size: u64,
     },
-    /// Group counts of a pass are to come from where none are: a buffer that no kernel of the engine binds, or beyond its end.
+    /// Group counts of a dispatch are to come from where none are: a buffer that no kernel of the engine binds, or beyond its end.
     #[error("{kernel}: no group counts at element {element} of buffer {buffer:?}")]
     Arguments {
-        /// Kernel of the pass.
+        /// Kernel of the dispatch.
         kernel: &'static str,
         /// Buffer.
         buffer: &'static str,
@@ -133,7 +133,7 @@ pub enum Error {
     #[cfg(feature = "hot-reload")]
     #[error("{0}")]
     Shader(String),
-    /// A pass needs a kernel that the engine was not built with.
+    /// A dispatch needs a kernel that the engine was not built with.
     #[error("kernel {0} is not part of this engine")]
     NoKernel(&'static str),
 }

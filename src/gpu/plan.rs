@@ -1,6 +1,6 @@
-//! Where barriers stand in a list of passes: derived from what each kernel reads and writes.
+//! Where barriers stand in a list of dispatches: derived from what each kernel reads and writes.
 
-use crate::kernels::{Access, BufferId, Extent, Pass};
+use crate::kernels::{Access, BufferId, Dispatch, Extent};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -10,7 +10,7 @@ pub enum Op {
     /// Overwrite a uniform buffer with the contents given for this place in the list.
     Set(BufferId),
     /// Launch a kernel.
-    Pass(Pass),
+    Dispatch(Dispatch),
 }
 
 /// One thing recorded.
@@ -49,14 +49,14 @@ impl Hazards {
 fn touched(op: Op) -> (Vec<BufferId>, Vec<BufferId>) {
     match op {
         Op::Set(buffer) => (Vec::new(), vec![buffer]),
-        Op::Pass(pass) => {
-            let entry = pass.phase.entry();
+        Op::Dispatch(dispatch) => {
+            let entry = dispatch.phase.entry();
             let of = |write: bool| {
                 let bindings = entry.bindings.iter().filter(move |b| (b.access == Access::Write) == write);
                 bindings.map(|b| b.buffer).collect::<Vec<_>>()
             };
             let mut reads = of(false);
-            if let Extent::Indirect(buffer, _) = pass.extent {
+            if let Extent::Indirect(buffer, _) = dispatch.extent {
                 reads.push(buffer);
             }
             (reads, of(true))
@@ -85,10 +85,12 @@ pub fn text(commands: &[Command]) -> String {
         let _ = match command {
             Command::Barrier => writeln!(text, "barrier"),
             Command::Op(_, Op::Set(buffer)) => writeln!(text, "set {}", buffer.name()),
-            Command::Op(_, Op::Pass(pass)) => {
-                let entry = pass.phase.entry();
+            Command::Op(_, Op::Dispatch(dispatch)) => {
+                let entry = dispatch.phase.entry();
                 match &entry.immediate {
-                    Some(immediate) => writeln!(text, "{} {}", entry.label, immediate.text(pass.immediate)),
+                    Some(immediate) => {
+                        writeln!(text, "{} {}", entry.label, immediate.text(dispatch.immediate))
+                    }
                     None => writeln!(text, "{}", entry.label),
                 }
             }
@@ -104,12 +106,12 @@ mod tests {
 
     #[test]
     fn a_barrier_stands_wherever_a_pass_meets_what_another_wrote() {
-        let pass = |phase| Op::Pass(Pass::of(phase, 1));
+        let dispatch = |phase| Op::Dispatch(Dispatch::of(phase, 1));
         let ops = [
             Op::Set(BufferId::Step),
-            pass(Phase::GridCount),
-            pass(Phase::GridScanSum),
-            pass(Phase::GridScanRuns),
+            dispatch(Phase::GridCount),
+            dispatch(Phase::GridScanSum),
+            dispatch(Phase::GridScanRuns),
         ];
         assert_eq!(
             text(&plan(&ops)),
@@ -123,7 +125,7 @@ mod tests {
         let counts = BufferId::DispatchArgs;
         let pose = Phase::Pose;
         assert!(pose.entry().bindings.iter().all(|binding| binding.buffer != counts));
-        let launched = |extent| text(&plan(&[Op::Set(counts), Op::Pass(Pass::new(pose, extent))]));
+        let launched = |extent| text(&plan(&[Op::Set(counts), Op::Dispatch(Dispatch::new(pose, extent))]));
         assert_eq!(launched(Extent::Indirect(counts, 0)), "set dispatch_args\nbarrier\npose\n");
         assert_eq!(launched(Extent::Invocations(64)), "set dispatch_args\npose\n");
     }

@@ -98,7 +98,7 @@ pub struct MoodUniforms {
     pub event_count: u32,
 }
 
-/// Two moments of a crowd; units and meaning stand in `shaders/shared/between.wgsl`.
+/// Two snapshots of a crowd; units and meaning stand in `shaders/shared/between.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Pod, Zeroable)]
 #[repr(C)]
 #[allow(missing_docs, reason = "documented beside the WGSL twin, where the fields are declared")]

@@ -103,18 +103,18 @@ impl Phase {
     }
 }
 
-/// How many invocations of a phase a pass launches.
+/// How many invocations a dispatch has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Extent {
     /// At least this many invocations, along x.
     Invocations(u32),
-    /// Three `u32` (workgroups along x, y, z) that an earlier pass wrote, from this element of a buffer of `u32`.
+    /// Three `u32` (workgroups along x, y, z) that an earlier dispatch wrote, from this element of a buffer of `u32`.
     Indirect(BufferId, u32),
 }
 
-/// One launch of a phase of a kernel.
+/// One dispatch of a phase of a kernel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Pass {
+pub struct Dispatch {
     /// The phase.
     pub phase: Phase,
     /// Its immediate; 0 for phases without.
@@ -123,13 +123,13 @@ pub struct Pass {
     pub extent: Extent,
 }
 
-impl Pass {
-    /// A launch of a phase without an immediate.
+impl Dispatch {
+    /// A dispatch of a phase without an immediate.
     pub const fn new(phase: Phase, extent: Extent) -> Self {
         Self { phase, immediate: 0, extent }
     }
 
-    /// A launch of at least so many invocations.
+    /// A dispatch of at least so many invocations.
     pub const fn of(phase: Phase, invocations: u32) -> Self {
         Self::new(phase, Extent::Invocations(invocations))
     }
@@ -152,7 +152,7 @@ pub struct DrawEntry {
     pub name: &'static str,
     /// The code.
     pub spirv: &'static [u32],
-    /// The same for one eye a pass, where the code reads the number of the eye: needs no multiview.
+    /// The same for one eye a render pass, where the code reads the number of the eye: needs no multiview.
     pub one_eye: Option<&'static [u32]>,
 }
 
@@ -241,9 +241,9 @@ mod tests {
 
     #[test]
     fn integer_buffers_are_those_whose_shader_type_is_integer() {
-        let integers = [BufferId::Look, BufferId::FlowWay, BufferId::Unsolved, BufferId::SlotManners];
+        let integers = [BufferId::Appearance, BufferId::FlowWay, BufferId::Unsolved, BufferId::SlotAvoidance];
         assert!(integers.iter().all(|buffer| buffer.is_integer()));
-        let floats = [BufferId::Position, BufferId::FlowDistance, BufferId::Manners, BufferId::Step];
+        let floats = [BufferId::Position, BufferId::FlowDistance, BufferId::Avoidance, BufferId::Step];
         assert!(floats.iter().all(|buffer| !buffer.is_integer()));
     }
 

@@ -2,7 +2,7 @@
 
 use crate::gait::Gait;
 use crate::kernels::gait_features::index::ROW;
-use crate::kernels::{KernelId, Pass, Phase, Store};
+use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::perception::features::{Batch, FEATURE_COUNT};
 use crate::reference;
 use crate::sim::{Error, Simulation};
@@ -32,8 +32,8 @@ pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FE
         ..Store::default()
     };
     let count = u32::try_from(gaits.len()).unwrap_or(u32::MAX);
-    let pass = Pass::of(Phase::GaitFeatures, count);
-    run(&mut store, pass, simulation)?;
+    let dispatch = Dispatch::of(Phase::GaitFeatures, count);
+    run(&mut store, dispatch, simulation)?;
     let agent = store.failure[KernelId::GaitFeatures as usize];
     if agent != u32::MAX {
         return Err(Error::Failure { kernel: KernelId::GaitFeatures.kernel().name, agent }.into());
@@ -46,14 +46,14 @@ pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FE
     not(feature = "vulkan"),
     allow(clippy::unnecessary_wraps, unused_variables, reason = "as with Vulkan")
 )]
-fn run(store: &mut Store, pass: Pass, simulation: &Simulation) -> Result<(), crate::Error> {
+fn run(store: &mut Store, dispatch: Dispatch, simulation: &Simulation) -> Result<(), crate::Error> {
     #[cfg(feature = "vulkan")]
     if let Some(of_crowd) = simulation.engine() {
-        let mut engine = Engine::new(of_crowd.device(), store, &[pass.kernel()])?;
-        engine.run(&[Op::Pass(pass)], |_, _| Vec::new(), false)?;
+        let mut engine = Engine::new(of_crowd.device(), store, &[dispatch.kernel()])?;
+        engine.run(&[Op::Dispatch(dispatch)], |_, _| Vec::new(), false)?;
         engine.download(store, &[BufferId::FeatureRows, BufferId::Failure])?;
         return Ok(());
     }
-    reference::run(pass.phase, store, pass.immediate);
+    reference::run(dispatch.phase, store, dispatch.immediate);
     Ok(())
 }

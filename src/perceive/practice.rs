@@ -10,7 +10,7 @@ use crate::scenario::{
     AgentStart, Condition, Crowd, EmotionMode, Manners, Prefer, Scenario, Shares, Stop, Way, populate_from,
 };
 use crate::scene::Scene;
-use crate::sim::{Backend, Cast};
+use crate::sim::{AvatarSet, Backend};
 use glam::Vec2;
 
 /// Between the tracks, to the side, m: farther than avoidance looks.
@@ -43,7 +43,7 @@ pub fn practice_alone(
     let labelled: Vec<(u32, Emotion)> =
         (0..).zip(gaits).filter_map(|(id, gait)| Some((id, gait.label?))).collect();
     let avatar_count = u32::try_from(avatars.len()).unwrap_or(u32::MAX);
-    let cast = Cast::new(gaits, avatars)?;
+    let cast = AvatarSet::new(gaits, avatars)?;
     let walks: Vec<(u32, u32, Emotion)> = labelled
         .iter()
         .flat_map(|&(gait, emotion)| (0..avatar_count).map(move |avatar| (gait, avatar, emotion)))
@@ -100,7 +100,7 @@ pub fn practice_in_crowd(
     }
     let library = GaitLibrary::from_gaits(gaits.to_vec())?;
     let crowd = populate_from(&others, &library)?;
-    let cast = Cast::new(gaits, avatars)?;
+    let cast = AvatarSet::new(gaits, avatars)?;
     let scene = Scene::of_crowd(others, crowd, cast).on(backend, device);
     let (mut simulation, _) = scene.start_with_bodies()?;
     let others = &scene.scenario;
@@ -115,7 +115,7 @@ fn labelled_strides(
     tracks: &[Track],
     played: impl Iterator<Item = [u32; 2]>,
     gaits: &[Gait],
-    cast: &Cast,
+    cast: &AvatarSet,
 ) -> Vec<Gait> {
     let stride = |(track, [gait, avatar]): (&Track, [u32; 2])| {
         let Seen::Walk(seen) = track.stride() else { return None };

@@ -8,7 +8,7 @@ use crate::kernels::shared::body::NONE;
 use crate::kernels::shared::body::index::PALETTE_STRIDE;
 use crate::kernels::{BufferId, Store};
 use crate::scenario::{GazeMode, Scenario};
-use crate::sim::{Cast, Simulation, bodies};
+use crate::sim::{AvatarSet, Simulation, bodies};
 use glam::{Vec3, Vec4};
 
 /// Frames before the recording in which the gaze settles, s.
@@ -50,7 +50,7 @@ impl Recorder {
 /// When the device or a kernel fails, or more agents are to be recorded than one picture shows or memory holds.
 pub fn record(
     simulation: &mut Simulation,
-    cast: &Cast,
+    cast: &AvatarSet,
     how: &Recorder,
     progress: &mut dyn FnMut(f64),
 ) -> Result<Vec<Track>, crate::Error> {
@@ -118,7 +118,7 @@ fn start(store: &Store) -> Vec<Track> {
     let agents = store.step.agent_count as usize;
     let rate = 1.0 / store.step.time_step;
     let track = |agent: usize| {
-        let emotion = (store.look[agent][0] >> 8 & 0xff) as usize;
+        let emotion = (store.appearance[agent][0] >> 8 & 0xff) as usize;
         Track {
             wanted: Emotion::ALL[emotion.min(3)],
             preferred_speed: store.body[agent][2],
@@ -139,7 +139,9 @@ fn take(store: &Store, rest: &[[Vec3; JOINT_COUNT]], tracks: &mut [Track]) {
     let slots = store.visible.iter().zip(store.palettes.chunks_exact(PALETTE_STRIDE));
     for (&agent, palette) in slots.take_while(|(agent, _)| **agent != NONE) {
         let agent = agent as usize;
-        let (Some(track), Some(look)) = (tracks.get_mut(agent), store.look.get(agent)) else { continue };
+        let (Some(track), Some(look)) = (tracks.get_mut(agent), store.appearance.get(agent)) else {
+            continue;
+        };
         let Some(rest) = rest.get((look[0] & 0xff) as usize) else { continue };
         let pose: Pose = std::array::from_fn(|joint| {
             let rows: [Vec4; 3] = std::array::from_fn(|axis| Vec4::from(palette[3 * joint + axis]));

@@ -37,7 +37,7 @@ fn eye_sees(frame: &FrameUniforms, eye: usize, x: f32, low: f32, high: f32, z: f
 pub fn cull(b: Slices<'_>) {
     let frame = b.frame;
     for agent in 0..frame.agent_count as usize {
-        let info = b.look[agent];
+        let info = b.appearance[agent];
         let avatar = info[0] & 255;
         let scale = f32::from_bits(info[1]);
         b.agent_bucket[agent] = NONE;

@@ -90,7 +90,7 @@ struct Body {
 }
 
 fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
-    let info = b.look[agent];
+    let info = b.appearance[agent];
     let emotion = (info[0] >> 8) & 255;
     if (info[0] >> 16) & 1 == 0 {
         return;

@@ -9,14 +9,14 @@ use rayon::prelude::*;
 /// Twin of `shaders/grid_pack.wgsl`.
 pub fn grid_pack(b: Slices<'_>) {
     let slot_agent = &b.slot_agent[..b.step.agent_count as usize];
-    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(b.slot_manners).zip(slot_agent).with_min_len(1024);
+    let slots = b.slot_motion.par_chunks_exact_mut(2).zip(b.slot_avoidance).zip(slot_agent).with_min_len(1024);
     slots.for_each(|((motion, manners), agent)| {
         if *agent == NOBODY {
             *manners = [NOBODY, 0, 0, 0];
             return;
         }
         let agent = *agent as usize;
-        let [rate, range, cap, priority] = b.manners[if b.contents & UNLIKE == 0 { 0 } else { agent }];
+        let [rate, range, cap, priority] = b.avoidance[if b.contents & UNLIKE == 0 { 0 } else { agent }];
         let is_led = priority >= LED;
         let led_bit = if is_led { LED_BIT } else { 0 };
         *manners = [agent as u32, rate.to_bits(), range.to_bits(), cap as u32 | led_bit];

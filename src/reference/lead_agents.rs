@@ -40,6 +40,6 @@ pub fn lead_agents_steer(b: Slices<'_>) {
 
 /// Agents that are led.
 fn led<'a>(b: &Slices<'a>) -> impl Iterator<Item = usize> + use<'a> {
-    let manners = &b.manners[..b.step.agent_count as usize];
+    let manners = &b.avoidance[..b.step.agent_count as usize];
     manners.iter().enumerate().filter(|(_, manners)| manners[3] >= LED).map(|(agent, _)| agent)
 }

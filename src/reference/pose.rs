@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// Twin of `shaders/pose.wgsl`.
 pub fn pose(b: Slices<'_>) {
-    let Slices { frame, visible, phase, stance, look, gaits, gait_weights, clip_frames, local_rotations } = b;
+    let Slices { frame, visible, phase, stance, appearance, gaits, gait_weights, clip_frames, local_rotations } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(agent, pose)| {
         let agent = *agent as usize;
@@ -17,7 +17,7 @@ pub fn pose(b: Slices<'_>) {
         let sum = w0 + w1 + w2 + w3;
         let walk = if sum > 1e-6 { limit(stance[agent][1], 0.0, 1.0) } else { 0.0 };
         let unit = walk / if sum > 1e-6 { sum } else { 1.0 };
-        let avatar = (look[agent][0] & 255) as usize;
+        let avatar = (appearance[agent][0] & 255) as usize;
         let [c0, c1, c2, c3] = gaits[agent];
         let ids = [c0, c1, c2, c3, frame.standing_clips[avatar / 4][avatar % 4]];
         let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, 1.0 - walk];

@@ -7,7 +7,7 @@
 //! s = clamp(ρ + 10 c (a + 2 m p) / R, 0, 1),    c = |u + w| / 2,    a = d · (u + w) / |u + w|
 //!
 //! u and w are the directions in which both want to go, d leads to the other, and R is the sum of the radii. p is how much higher
-//! the priority of the other is: `accompany` raises that of people whom their group has left behind, so a group passes a door
+//! the priority of the other is: `group_cohesion` raises that of people whom their group has left behind, so a group passes a door
 //! together. Both shares make 2 ρ together: what one takes less the other takes more. Of two who meet exactly head on c is 0,
 //! and they share as before. Who goes first yields at last, too: below 0.8 R.
 //!

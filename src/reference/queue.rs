@@ -19,7 +19,7 @@ pub fn queue(b: Slices<'_>) {
         }
         if joins != NOBODY {
             if next.wrapping_sub(first) < places {
-                b.errand[joins as usize] = next.wrapping_add(1);
+                b.stage_progress[joins as usize] = next.wrapping_add(1);
                 line[2] = next.wrapping_add(1);
             }
             line[0] = NOBODY;

@@ -24,17 +24,17 @@ pub fn velocity_rvo(b: Slices<'_>) {
     let slots = Slots {
         step: b.step,
         slot_motion: b.slot_motion,
-        slot_manners: b.slot_manners,
+        slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
         has_storeys: b.contents & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     let scene = Scene { slots, walls, preferred: b.preferred_velocity, contents: b.contents };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
-        if b.slot_manners[slot][0] == NOBODY {
+        if b.slot_avoidance[slot][0] == NOBODY {
             return;
         }
-        let own = manners_of(b.slot_manners[slot]);
+        let own = manners_of(b.slot_avoidance[slot]);
         let preferred = b.preferred_velocity[own.agent];
         *velocity = if own.is_led { preferred } else { scene.new_velocity(slot, own, preferred) };
     });

@@ -7,7 +7,7 @@ use crate::kernels::BufferId;
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdBuffers<'a> {
-    /// The engine that can find out who is hidden, if there is one: it has the kernels `occlude` and `admit`.
+    /// The engine that can find out who is hidden, if there is one: it has the kernels `occlude` and `occlusion_compact`.
     pub engine: Option<&'a Engine>,
     /// Agent of each slot, sorted by bucket, far bodies behind the room for the others: `u32 [slot]`.
     pub visible: &'a Buffer,
@@ -24,7 +24,7 @@ pub struct CrowdBuffers<'a> {
     /// Skinned vertices of the near agents: `vec4<f32> [near vertex][2]`.
     pub skinned: &'a Buffer,
     /// `vec4<u32> [agent]`.
-    pub look: &'a Buffer,
+    pub appearance: &'a Buffer,
     /// Ground position: `vec2<f32> [agent]`.
     pub position: &'a Buffer,
     /// Height of the floor stood on, m: `f32 [agent]`.
@@ -58,7 +58,7 @@ impl<'a> CrowdBuffers<'a> {
             mesh_table: find("mesh_table")?,
             palettes: find("palettes")?,
             skinned: find("skinned")?,
-            look: find("look")?,
+            appearance: find("appearance")?,
             position: find("position")?,
             elevation: find("elevation")?,
             stance: find("stance")?,
@@ -81,7 +81,7 @@ impl<'a> CrowdBuffers<'a> {
 
     /// At least as many as there are agents.
     pub(crate) fn most_agents(&self) -> u32 {
-        u32::try_from(self.look.size() / 16).unwrap_or(u32::MAX)
+        u32::try_from(self.appearance.size() / 16).unwrap_or(u32::MAX)
     }
 
     pub(crate) fn buffer(&self, name: &str) -> Option<&'a Buffer> {
@@ -94,7 +94,7 @@ impl<'a> CrowdBuffers<'a> {
             "mesh_table" => self.mesh_table,
             "palettes" => self.palettes,
             "skinned" => self.skinned,
-            "look" => self.look,
+            "appearance" => self.appearance,
             "position" => self.position,
             "elevation" => self.elevation,
             "stance" => self.stance,

@@ -53,7 +53,7 @@ impl Show {
 }
 
 fn face(store: &Store, agent: u32, palette: &[[f32; 4]]) -> Option<Face> {
-    let look = store.look.get(agent as usize)?[0];
+    let look = store.appearance.get(agent as usize)?[0];
     let rig = store.rig.get((look & 255) as usize * RIG_STRIDE..)?;
     let head = world_from_mesh(palette, HEAD);
     let joint_from_mesh = rows(&rig[HEAD * 4 + 1..HEAD * 4 + 4]);

@@ -1,5 +1,5 @@
-//! Pictures of a crowd that is simulated elsewhere: its moments come to the device that draws, and everything of a picture
-//! is one submission, from the newest moment to the last pixel.
+//! Pictures of a crowd that is simulated elsewhere: its snapshots come to the device that draws, and everything of a picture
+//! is one submission, from the newest snapshot to the last pixel.
 
 use super::show::{READ, animation, check, kernels, no_failures, surface};
 use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, View};
@@ -11,7 +11,7 @@ use glam::Vec3;
 use std::sync::Arc;
 
 impl Show {
-    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its moments.
+    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its snapshots.
     pub(crate) fn on_device(
         device: &Arc<Device>,
         store: &Store,
@@ -28,37 +28,37 @@ impl Show {
     }
 
     /// What a picture needs of a crowd's state.
-    pub(crate) fn moment(store: &Store) -> Store {
-        let mut moment = Store {
+    pub(crate) fn snapshot(store: &Store) -> Store {
+        let mut snapshot = Store {
             position: store.position.clone(),
             stance: store.stance.clone(),
             phase: store.phase.clone(),
             ..Store::default()
         };
         if store.step.floor_count != 0 {
-            moment.elevation.clone_from(&store.elevation);
+            snapshot.elevation.clone_from(&store.elevation);
         }
         if store.step.feels != 0 {
-            moment.gait_weights.clone_from(&store.gait_weights);
-            moment.look.clone_from(&store.look);
+            snapshot.gait_weights.clone_from(&store.gait_weights);
+            snapshot.appearance.clone_from(&store.appearance);
         }
-        moment
+        snapshot
     }
 
-    /// Takes a moment of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
-    pub(crate) fn take(&mut self, moment: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
+    /// Takes a snapshot of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
+    pub(crate) fn take(&mut self, snapshot: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
             // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
             let [position, stance, phase, elevation] = READ;
-            let felt = [BufferId::GaitWeights, BufferId::Look];
-            animator.bring(moment, &[position, stance, phase, elevation, felt[0], felt[1]])?;
+            let felt = [BufferId::GaitWeights, BufferId::Appearance];
+            animator.bring(snapshot, &[position, stance, phase, elevation, felt[0], felt[1]])?;
             self.taken = number;
-            self.keep = self.has_moments.then(|| self.moments.keep(time));
+            self.keep = self.has_snapshots.then(|| self.snapshots.keep(time));
         }
         Ok(())
     }
 
-    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the moments taken last, into an
+    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the snapshots taken last, into an
     /// image of one layer per eye, `seconds` after the picture before; copies it to the host if that is wanted.
     pub(crate) fn draw_into(
         &mut self,
@@ -101,8 +101,8 @@ mod tests {
     use crate::gpu::for_tests;
     use crate::library::GaitLibrary;
     use crate::scenario::{Scenario, populate_from};
-    use crate::sim::moments::make_room;
-    use crate::sim::{Cast, bodies, setup};
+    use crate::sim::snapshots::make_room;
+    use crate::sim::{AvatarSet, bodies, setup};
     use ash::vk;
 
     const SIDE: u32 = 64;
@@ -111,7 +111,7 @@ mod tests {
         let library = GaitLibrary::built_in().unwrap();
         let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
         let people = populate_from(&scenario, &library).unwrap();
-        let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+        let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
         let geometry = scenario.geometry();
         let mut store = setup::store(&scenario, &geometry, &people, &cast);
         let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
@@ -132,10 +132,10 @@ mod tests {
             let mut show =
                 Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
             let mut pictures = Vec::new();
-            // a moment, the same again, and one in which everybody is elsewhere
+            // a snapshot, the same again, and one in which everybody is elsewhere
             for (number, bytes) in [(1_u32, 20 * agents as usize), (1, 0), (2, 20 * agents as usize)] {
                 let before = device.submissions();
-                show.take(&Show::moment(&store), number.into(), number.into()).unwrap();
+                show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), bytes, "{agents}, {number}");
                 let (image, is_wanted) = ((image.raw, image.view), true);
                 let drawn = show.draw_into(&view, Vec3::Y, (9.0, 0.02), image, is_wanted).unwrap();
@@ -151,7 +151,7 @@ mod tests {
             let [first, same, other] = &pictures[..] else { panic!("three pictures") };
             let differ =
                 |a: &Image, b: &Image| a.pixels.iter().zip(&b.pixels).filter(|(a, b)| a != b).count();
-            assert!(differ(first, other) > 20 + 4 * differ(first, same), "the new moment is what is seen");
+            assert!(differ(first, other) > 20 + 4 * differ(first, same), "the new snapshot is what is seen");
         }
         drop((image, device));
         for_tests::assert_silent();

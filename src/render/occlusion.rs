@@ -2,8 +2,8 @@
 //!
 //! A picture is drawn from what is near to what is far: people with a pose and the scenery, far bodies, specks. Before
 //! the far bodies, and before the specks, the depth drawn so far tells who of them nobody can see: for every tile of the
-//! picture that one of them touches, its farthest depth is found (`shaders/draw/farthest.wgsl`); whoever lies behind it in
-//! all tiles is left out (kernels `occlude` and `admit`). Nothing is remembered from picture to picture, and the order of
+//! picture that one of them touches, its farthest depth is found (`shaders/draw/depth_reduce.wgsl`); whoever lies behind it in
+//! all tiles is left out (kernels `occlude` and `occlusion_compact`). Nothing is remembered from picture to picture, and the order of
 //! the others stays: the picture is the same, bit for bit. Bodies of the same depth at a sample are no exception: who is
 //! hidden is farther than everything in its tiles, never equal.
 
@@ -82,9 +82,9 @@ impl Occlusion {
         let tiling = tiling(settings.width, settings.height);
         let count = layers(settings);
         let (shader, vertex, fragment) = if attachments.multisampled.is_some() {
-            (&draw::FARTHEST, "farthest_vertex", "farthest_fragment")
+            (&draw::DEPTH_REDUCE, "depth_reduce_vertex", "depth_reduce_fragment")
         } else {
-            (&draw::FARTHEST_ONE, "farthest_one_vertex", "farthest_one_fragment")
+            (&draw::DEPTH_REDUCE_ONE, "depth_reduce_one_vertex", "depth_reduce_one_fragment")
         };
         let mut program = Program::new(device, shader, count as usize)?;
         let pipeline = program.pipeline(&PipelineSpec {
@@ -185,8 +185,9 @@ impl Renderer {
         if agents < SMALL_CROWD {
             return None;
         }
-        let engine = crowd?.engine.filter(|engine| engine.has(&[KernelId::Occlude, KernelId::Admit]))?;
-        let room = engine.buffer(BufferId::Farthest)?.size();
+        let engine =
+            crowd?.engine.filter(|engine| engine.has(&[KernelId::Occlude, KernelId::OcclusionCompact]))?;
+        let room = engine.buffer(BufferId::TileDepth)?.size();
         (room >= 8 * MOST_TILES as u64 && self.meshes.is_some()).then_some((occlusion, engine, agents))
     }
 
@@ -230,7 +231,7 @@ impl Renderer {
             unsafe { self.device.raw.cmd_fill_buffer(commands, wanted.raw, 0, vk::WHOLE_SIZE, 0) };
         }
         let mut ops = vec![Op::Set(BufferId::Sight)];
-        ops.extend(order::marking_passes(agents).into_iter().map(Op::Pass));
+        ops.extend(order::marking_dispatches(agents).into_iter().map(Op::Dispatch));
         engine.record_into(commands, &ops, contents)?;
         self.barrier(
             commands,
@@ -240,7 +241,7 @@ impl Renderer {
         self.find_farthest(commands, occlusion, engine);
         // `occlude` may write what the tiles were told to read
         self.barrier(commands, (SHADERS, Access::NONE), next);
-        let ops: Vec<Op> = order::sifting_passes(agents).into_iter().map(Op::Pass).collect();
+        let ops: Vec<Op> = order::occlusion_dispatches(agents).into_iter().map(Op::Dispatch).collect();
         engine.record_into(commands, &ops, contents)?;
         // the next part goes on in the same picture
         let color = Stage::COLOR_ATTACHMENT_OUTPUT;
@@ -281,9 +282,9 @@ impl Renderer {
         }
     }
 
-    /// Fills the buffer `farthest` from the depth of the picture, which is a depth attachment before and afterwards.
+    /// Fills the buffer `tile_depth` from the depth of the picture, which is a depth attachment before and afterwards.
     fn find_farthest(&self, commands: vk::CommandBuffer, occlusion: &Occlusion, engine: &Engine) {
-        let Some(farthest) = engine.buffer(BufferId::Farthest) else { return };
+        let Some(farthest) = engine.buffer(BufferId::TileDepth) else { return };
         let aspect = vk::ImageAspectFlags::DEPTH;
         let image = self.attachments.depth.raw;
         let attachment = (DEPTH_TESTS, DEPTH_USE, Layout::DEPTH_ATTACHMENT_OPTIMAL);

@@ -7,10 +7,10 @@ use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
-use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
 use crate::scenario::{EnvironmentMesh, Gaze};
 use crate::sim::bodies::{self, FAR_PIXELS, LEVEL_DISTANCES, MeshBuffers, SPECK_PIXELS};
-use crate::sim::moments::Moments;
+use crate::sim::snapshots::Snapshots;
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
@@ -40,26 +40,27 @@ pub struct Show {
     /// What does not depend on the camera.
     frame: FrameUniforms,
     pub(super) time: Option<f64>,
-    /// Number of the moment that the animator has.
+    /// Number of the snapshot that the animator has.
     #[cfg(feature = "xr")]
     pub(super) taken: u64,
-    /// When the last two moments were that pictures lie between.
-    pub(super) moments: Moments,
+    /// When the last two snapshots were that pictures lie between.
+    pub(super) snapshots: Snapshots,
     /// Where the newest is to be kept with the next picture.
     pub(super) keep: Option<u32>,
-    /// Whether there is room for two moments.
-    pub(super) has_moments: bool,
+    /// Whether there is room for two snapshots.
+    pub(super) has_snapshots: bool,
     /// How long the animator's kernels ran since that was last asked, if it is measured.
     times: Option<Vec<(Phase, f64)>>,
 }
 
 /// The kernels of a picture.
 pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
-    let mut kernels: Vec<KernelId> = order::frame_passes(&store.frame).iter().map(Pass::kernel).collect();
-    kernels.push(KernelId::Attend); // agents may have to take turns later
-    kernels.extend([KernelId::Occlude, KernelId::Admit]);
-    if !store.moments.is_empty() {
-        kernels.extend([KernelId::Remember, KernelId::Interpolate]);
+    let mut kernels: Vec<KernelId> =
+        order::frame_dispatches(&store.frame).iter().map(Dispatch::kernel).collect();
+    kernels.push(KernelId::GazeSchedule); // agents may have to take turns later
+    kernels.extend([KernelId::Occlude, KernelId::OcclusionCompact]);
+    if !store.snapshots.is_empty() {
+        kernels.extend([KernelId::KeepSnapshot, KernelId::Interpolate]);
     }
     kernels.sort_unstable();
     kernels.dedup();
@@ -76,7 +77,7 @@ pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     }
 }
 
-/// The kernels that prepare the bodies for a picture, of the moment that the animator has or of one between two, and what
+/// The kernels that prepare the bodies for a picture, of the snapshot that the animator has or of one between two, and what
 /// the uniforms among them contain.
 pub(super) fn animation(
     frame: FrameUniforms,
@@ -85,9 +86,9 @@ pub(super) fn animation(
     let mut ops = vec![Op::Set(BufferId::Frame)];
     if let Some((between, keep)) = &between {
         ops.push(Op::Set(BufferId::Between));
-        ops.extend(order::between_passes(between.agent_count, *keep).into_iter().map(Op::Pass));
+        ops.extend(order::between_dispatches(between.agent_count, *keep).into_iter().map(Op::Dispatch));
     }
-    ops.extend(order::frame_passes(&frame).into_iter().map(Op::Pass));
+    ops.extend(order::frame_dispatches(&frame).into_iter().map(Op::Dispatch));
     let contents = move |_, buffer| match (buffer, &between) {
         (BufferId::Between, Some((between, _))) => bytemuck::bytes_of(between).to_vec(),
         _ => bytemuck::bytes_of(&frame).to_vec(),
@@ -144,18 +145,18 @@ impl Show {
             time: None,
             #[cfg(feature = "xr")]
             taken: 0,
-            moments: Moments::default(),
+            snapshots: Snapshots::default(),
             keep: None,
-            has_moments: !store.moments.is_empty(),
+            has_snapshots: !store.snapshots.is_empty(),
             times: None,
         }
     }
 
-    /// What lies between the last two moments at a time, and where the newest is to be kept; none without room for them.
+    /// What lies between the last two snapshots at a time, and where the newest is to be kept; none without room for them.
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(super) fn between(&mut self, shown: f64) -> Option<(BetweenUniforms, Option<u32>)> {
         let keep = self.keep.take();
-        self.has_moments.then(|| (self.moments.at(shown, self.frame.agent_count), keep))
+        self.has_snapshots.then(|| (self.snapshots.at(shown, self.frame.agent_count), keep))
     }
 
     /// The device that draws, in words.
@@ -193,7 +194,7 @@ impl Show {
         bodies::set_gaze(&mut self.frame, gaze);
     }
 
-    /// A picture of the present moment; agents that gaze look at `user_eyes` (world frame, m), if there are any.
+    /// A picture of the present snapshot; agents that gaze look at `user_eyes` (world frame, m), if there are any.
     ///
     /// # Errors
     /// When the device fails.
@@ -223,7 +224,7 @@ impl Show {
         Ok(())
     }
 
-    /// The same of the crowd as it was at `shown`, s of its time, between the moments that this was called at, into
+    /// The same of the crowd as it was at `shown`, s of its time, between the snapshots that this was called at, into
     /// somebody else's image, which is left in the layout of a colour attachment; copies it to the host if that is wanted.
     #[cfg(feature = "view")]
     pub(crate) fn picture_into(
@@ -235,8 +236,8 @@ impl Show {
         is_wanted: bool,
     ) -> Result<Option<Image>, crate::Error> {
         let time = simulation.time();
-        if self.has_moments && self.moments.newest() != Some(time) {
-            self.keep = Some(self.moments.keep(time));
+        if self.has_snapshots && self.snapshots.newest() != Some(time) {
+            self.keep = Some(self.snapshots.keep(time));
         }
         let between = self.between(shown);
         self.prepare_between(simulation, view, Some(user_eyes), between)?;
@@ -259,7 +260,7 @@ impl Show {
         self.prepare_between(simulation, view, Some(user_eyes), None)
     }
 
-    /// The same now, or between two moments.
+    /// The same now, or between two snapshots.
     fn prepare_between(
         &mut self,
         simulation: &mut Simulation,
@@ -272,12 +273,12 @@ impl Show {
             let store = simulation.state()?;
             animator.upload(store, &READ)?;
             if store.step.feels != 0 {
-                animator.upload(store, &[BufferId::GaitWeights, BufferId::Look])?;
+                animator.upload(store, &[BufferId::GaitWeights, BufferId::Appearance])?;
             }
             let (ops, contents) = animation(frame, between);
             let measured = animator.run(&ops, contents, self.times.is_some())?;
             if let Some(times) = &mut self.times {
-                times.extend(measured.iter().map(|time| (time.pass.phase, time.milliseconds)));
+                times.extend(measured.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
             }
             let mut words = no_failures();
             animator.download(&mut words, &[BufferId::Failure])?;

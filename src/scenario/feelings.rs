@@ -14,7 +14,7 @@ const MAX_EVENTS: usize = 256;
 /// How feelings change: everyone catches them from those around and returns to the own state, with which it started.
 ///
 /// The model is the emotion part of ASCRIBE, after Bosse, Duell, Memon, Treur and van der Wal (2009; 2015), applied to the
-/// weight of each emotion; `shaders/feel.wgsl` states it. It has not been validated for walking crowds, nor have its
+/// weight of each emotion; `shaders/emotion_update.wgsl` states it. It has not been validated for walking crowds, nor have its
 /// numbers: they are to be chosen for a scene. Each of the four traits is one number or `[least, greatest]`, of which
 /// every agent draws its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

@@ -178,7 +178,7 @@ pub struct Population {
     pub classes: Vec<Class>,
 }
 
-/// Groups that walk together (`shaders/accompany.wgsl`).
+/// Groups that walk together (`shaders/group_cohesion.wgsl`).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Groups {

@@ -6,7 +6,7 @@ use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
 use crate::scenario::{Condition, Scenario, Setting, outsider_bodies, populate_from};
-use crate::sim::{Backend, Cast, Simulation};
+use crate::sim::{AvatarSet, Backend, Simulation};
 use std::path::{Path, PathBuf};
 
 /// A scene that is being put together: each method changes one choice, [`Self::build`] or [`Self::start`] makes it.
@@ -186,7 +186,7 @@ impl SceneBuilder {
         let folder = folder.as_deref();
         let outsiders = outsider_bodies(&scenario, folder)?;
         let avatars = avatars_of(&scenario, folder, &rig_maps)?;
-        let cast = Cast::new(library.gaits(), avatars)?.with_outsiders(outsiders);
+        let cast = AvatarSet::new(library.gaits(), avatars)?.with_outsiders(outsiders);
         let geometry = scenario.geometry();
         Ok(Scene { scenario, geometry, crowd, cast, replay, backend, device, is_unlabelled })
     }

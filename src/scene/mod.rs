@@ -34,7 +34,7 @@ use crate::replay::Replay;
 use crate::scenario::{Crowd, Geometry, Scenario, User};
 use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::flow::{self, Ways};
-use crate::sim::{Backend, Cast, Simulation, setup};
+use crate::sim::{AvatarSet, Backend, Simulation, setup};
 use glam::Vec3;
 
 /// A crowd that is ready to be simulated.
@@ -47,7 +47,7 @@ pub struct Scene {
     /// Its people at their start.
     pub crowd: Crowd,
     /// Their bodies and walks.
-    pub cast: Cast,
+    pub cast: AvatarSet,
     /// Recorded people among the crowd.
     pub replay: Option<Replay>,
     /// Where it is simulated.
@@ -79,7 +79,7 @@ impl Scene {
     }
 
     /// A scene of people who were placed by hand.
-    pub fn of_crowd(scenario: Scenario, crowd: Crowd, cast: Cast) -> Self {
+    pub fn of_crowd(scenario: Scenario, crowd: Crowd, cast: AvatarSet) -> Self {
         Self {
             geometry: scenario.geometry(),
             scenario,

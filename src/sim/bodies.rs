@@ -1,11 +1,11 @@
 //! Avatars and clips as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the
 //! layouts. [`fill`] gives a simulation everything that its pictures need.
 
-use super::cast::Cast;
+use super::avatar_set::AvatarSet;
 use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
-use crate::kernels::attend::index::COUNTS;
 use crate::kernels::compact::index::COLUMNS;
+use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
@@ -106,7 +106,7 @@ pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
 }
 
 /// The same of a cast, whose far bodies take the postures of its clips.
-fn pack_cast(cast: &Cast) -> MeshBuffers {
+fn pack_cast(cast: &AvatarSet) -> MeshBuffers {
     let of_avatar = cast.clips().len() / cast.avatars().len().max(1);
     let of_clip = |(number, clip)| {
         cast.avatars().get(number / of_avatar.max(1)).map_or_else(Posture::default, |a| Posture::of(a, clip))
@@ -204,7 +204,7 @@ pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
 /// Fills every buffer that pictures of a crowd need, in capacities that fit buffers of `storage_range` bytes.
 ///
 /// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
-pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
+pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuffers {
     let mut meshes = pack_cast(cast);
     let agents = store.step.agent_count as usize;
     meshes.outsiders = outsiders(cast, agents);
@@ -222,7 +222,7 @@ pub fn fill(store: &mut Store, cast: &Cast, storage_range: u64) -> MeshBuffers {
     store.visible = vec![u32::MAX; far_slot(visible) + agents];
     store.draw_args = vec![0; 2 * meshes.mesh_table.len() * 5];
     store.wanted = vec![0; 2 * MOST_BLOCKS];
-    store.farthest = vec![0.0; 2 * MOST_TILES];
+    store.tile_depth = vec![0.0; 2 * MOST_TILES];
     store.hidden = vec![0; store.visible.len()];
     store.shown = vec![0; store.visible.len()];
     store.run_shown = vec![0; agents.div_ceil(RUN) + 1];
@@ -263,7 +263,7 @@ pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniform
 }
 
 /// Robots and vehicles: outsiders are the last agents.
-fn outsiders(cast: &Cast, agents: usize) -> Vec<OutsiderMesh> {
+fn outsiders(cast: &AvatarSet, agents: usize) -> Vec<OutsiderMesh> {
     let bodies = cast.outsiders();
     let first = agents.saturating_sub(bodies.mesh_of.len());
     let drawn_as = |number: usize| {

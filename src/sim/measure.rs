@@ -11,7 +11,7 @@ pub const OVERLAP: f32 = 0.9;
 
 /// One moment of a crowd.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Moment {
+pub struct Measures {
     /// Agents that are there.
     pub present: u32,
     /// Mean speed of those, m/s; 0 for none.
@@ -51,7 +51,7 @@ pub fn speeds(store: &Store, is_counted: impl Fn(usize) -> bool) -> (f64, u32) {
 }
 
 /// Measures the agents of a store.
-pub fn moment(store: &Store) -> Moment {
+pub fn measures(store: &Store) -> Measures {
     let agents = store.step.agent_count as usize;
     let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
     let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
@@ -65,7 +65,7 @@ pub fn moment(store: &Store) -> Moment {
         let late = all.skip(source[4] as usize).filter(|agent| entry[*agent] <= store.step.step_index);
         late.count() as u32
     };
-    Moment {
+    Measures {
         entered,
         left: entered - (present as u32).min(entered),
         waiting_outside: sources().map(due).sum(),
@@ -166,7 +166,7 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.floor_count > 0 {
         add(bytemuck::cast_slice(&store.elevation[..agents]));
     }
-    let errand = &store.errand[..agents.min(store.errand.len())];
+    let errand = &store.stage_progress[..agents.min(store.stage_progress.len())];
     if errand.iter().any(|word| *word > 0) {
         add(bytemuck::cast_slice(errand));
     }
@@ -179,7 +179,7 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.feels != 0 {
         add(bytemuck::cast_slice(&store.feeling[..agents]));
         add(bytemuck::cast_slice(&store.heard[..agents]));
-        let shown: Vec<u32> = store.look[..agents].iter().map(|look| look[0]).collect();
+        let shown: Vec<u32> = store.appearance[..agents].iter().map(|look| look[0]).collect();
         add(bytemuck::cast_slice(&shown));
     }
     hash.value()
@@ -191,7 +191,7 @@ pub fn mean_feeling(store: &Store) -> Option<[f32; 4]> {
         return None;
     }
     let (mut sums, mut count) = ([0.0_f64; 4], 0.0);
-    let agents = store.feeling.iter().zip(&store.position).zip(&store.manners);
+    let agents = store.feeling.iter().zip(&store.position).zip(&store.avoidance);
     for ((feeling, position), manners) in agents.take(store.step.agent_count as usize) {
         if !is_absent(*position) && manners[3] < LED {
             count += 1.0;

@@ -7,27 +7,27 @@
     reason = "counts and cells are far below 2^24; the grid's limits are checked when it is laid out"
 )]
 
+mod avatar_set;
 pub mod bodies;
-mod cast;
-mod company;
 pub mod departures;
 mod error;
 pub mod flow;
 pub mod measure;
-#[cfg(feature = "vulkan")]
-pub mod moments;
 pub mod obstacles;
+mod optional;
 pub mod order;
 mod people;
 pub mod setup;
+#[cfg(feature = "vulkan")]
+pub mod snapshots;
 mod ways;
 
-pub use cast::{Cast, MAX_AVATARS};
+pub use avatar_set::{AvatarSet, MAX_AVATARS};
 pub use error::Error;
 pub use people::Person;
 
 use crate::kernels::shared::step::LED;
-use crate::kernels::{BufferId, KernelId, Pass, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
 use crate::reference;
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
@@ -50,7 +50,7 @@ pub(crate) const STATE: [BufferId; 11] = [
     BufferId::Stance,
     BufferId::Phase,
     BufferId::Route,
-    BufferId::Errand,
+    BufferId::StageProgress,
     BufferId::Queues,
     BufferId::Sources,
     BufferId::Waiting,
@@ -60,7 +60,7 @@ pub(crate) const STATE: [BufferId; 11] = [
 /// What changes besides where feelings change.
 #[cfg(feature = "vulkan")]
 pub(crate) const FELT: [BufferId; 5] =
-    [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Look];
+    [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Appearance];
 
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -115,7 +115,7 @@ impl Simulation {
     pub fn new(
         scenario: &Scenario,
         crowd: &Crowd,
-        cast: &Cast,
+        cast: &AvatarSet,
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
@@ -131,17 +131,17 @@ impl Simulation {
         Self { ways, emotions, ..self }
     }
 
-    /// Runs passes on whichever backend there is, and reads buffers back.
-    fn run(&mut self, passes: &[Pass], read: &[BufferId]) -> Result<(), crate::Error> {
+    /// Runs dispatches on whichever backend there is, and reads buffers back.
+    fn run(&mut self, dispatches: &[Dispatch], read: &[BufferId]) -> Result<(), crate::Error> {
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
-            let ops: Vec<Op> = passes.iter().copied().map(Op::Pass).collect();
+            let ops: Vec<Op> = dispatches.iter().copied().map(Op::Dispatch).collect();
             engine.run(&ops, |_, _| Vec::new(), false)?;
             engine.download(&mut self.store, read)?;
             return Ok(());
         }
         let _ = read;
-        run_on_cpu(&mut self.store, passes);
+        run_on_cpu(&mut self.store, dispatches);
         Ok(())
     }
 
@@ -213,7 +213,8 @@ impl Simulation {
     /// When the device fails.
     #[cfg(feature = "vulkan")]
     pub fn steps_on(store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
-        let mut kernels: Vec<KernelId> = order::step_passes(&store.step).iter().map(Pass::kernel).collect();
+        let mut kernels: Vec<KernelId> =
+            order::step_dispatches(&store.step).iter().map(Dispatch::kernel).collect();
         kernels.sort_unstable();
         kernels.dedup();
         let engine = Engine::new(device, &store, &kernels)?;
@@ -267,7 +268,7 @@ impl Simulation {
     /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
     /// finite or beyond what a scene holds.
     pub fn lead(&mut self, agent: u32, target: Option<(Vec2, Vec2)>) -> Result<(), crate::Error> {
-        let led = self.store.manners.get(agent as usize).is_some_and(|m| m[3] >= LED);
+        let led = self.store.avoidance.get(agent as usize).is_some_and(|m| m[3] >= LED);
         let Some(place) = self.store.lead.get_mut(agent as usize).filter(|_| led) else {
             return Err(Error::NotLed { agent }.into());
         };
@@ -312,7 +313,7 @@ impl Simulation {
 
     /// Does `count` steps with the ways as they are.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
-        let passes = order::step_passes(&self.store.step);
+        let dispatches = order::step_dispatches(&self.store.step);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             if self.is_led_anew {
@@ -322,8 +323,8 @@ impl Simulation {
             let mut left = count;
             while left > 0 {
                 let batch = left.min(BATCH);
-                let one =
-                    std::iter::once(Op::Set(BufferId::Step)).chain(passes.iter().copied().map(Op::Pass));
+                let one = std::iter::once(Op::Set(BufferId::Step))
+                    .chain(dispatches.iter().copied().map(Op::Dispatch));
                 let one: Vec<Op> = one.collect();
                 let ops = one.repeat(batch as usize);
                 let first = self.store.step;
@@ -334,7 +335,7 @@ impl Simulation {
                 };
                 let times = engine.run(&ops, contents, self.times.is_some())?;
                 if let Some(all) = &mut self.times {
-                    all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
+                    all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
                 }
                 self.store.step.step_index += batch;
                 left -= batch;
@@ -343,7 +344,7 @@ impl Simulation {
             return self.check_on_device();
         }
         for _ in 0..count {
-            self.run_on_cpu(&passes);
+            self.run_on_cpu(&dispatches);
             self.store.step.step_index += 1;
         }
         self.check()
@@ -379,13 +380,13 @@ impl Simulation {
         self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Runs passes of a step or a picture on the reference kernels.
-    fn run_on_cpu(&mut self, passes: &[Pass]) {
-        let Some(times) = &mut self.times else { return run_on_cpu(&mut self.store, passes) };
-        for pass in passes {
+    /// Runs dispatches of a step or a picture on the reference kernels.
+    fn run_on_cpu(&mut self, dispatches: &[Dispatch]) {
+        let Some(times) = &mut self.times else { return run_on_cpu(&mut self.store, dispatches) };
+        for dispatch in dispatches {
             let begin = std::time::Instant::now();
-            run_on_cpu(&mut self.store, &[*pass]);
-            times.push((pass.phase, begin.elapsed().as_secs_f64() * 1e3));
+            run_on_cpu(&mut self.store, &[*dispatch]);
+            times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
         }
     }
 
@@ -416,19 +417,19 @@ impl Simulation {
     /// When the device fails.
     pub fn animate(&mut self, frame: crate::kernels::layout::FrameUniforms) -> Result<(), crate::Error> {
         self.store.frame = frame;
-        let passes = order::frame_passes(&frame);
+        let dispatches = order::frame_dispatches(&frame);
         #[cfg(feature = "vulkan")]
         if let Some(engine) = &mut self.engine {
             let ops: Vec<Op> = std::iter::once(Op::Set(BufferId::Frame))
-                .chain(passes.iter().copied().map(Op::Pass))
+                .chain(dispatches.iter().copied().map(Op::Dispatch))
                 .collect();
             let times = engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), self.times.is_some())?;
             if let Some(all) = &mut self.times {
-                all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
+                all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
             }
             return self.check_on_device();
         }
-        self.run_on_cpu(&passes);
+        self.run_on_cpu(&dispatches);
         self.check()
     }
 
@@ -449,7 +450,7 @@ impl Simulation {
 /// Whether all have the same manners.
 #[allow(clippy::float_cmp, reason = "copies of the same numbers")]
 fn find_alike(store: &mut Store) {
-    store.step.alike = u32::from(store.manners.windows(2).all(|pair| pair[0] == pair[1]));
+    store.step.alike = u32::from(store.avoidance.windows(2).all(|pair| pair[0] == pair[1]));
 }
 
 /// The kernels of a crowd's steps and pictures.
@@ -458,17 +459,17 @@ fn kernels(store: &Store) -> Vec<KernelId> {
     let model = order::velocity_kernel(store.step.model);
     let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
     let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
-    let has_moments = !store.moments.is_empty();
+    let has_moments = !store.snapshots.is_empty();
     let is_wanted = |kernel: &KernelId| {
         !others.contains(kernel)
-            && (has_moments || !matches!(kernel, KernelId::Remember | KernelId::Interpolate))
+            && (has_moments || !matches!(kernel, KernelId::KeepSnapshot | KernelId::Interpolate))
     };
     KernelId::ALL.into_iter().filter(is_wanted).collect()
 }
 
-/// Runs passes on the reference kernels.
-fn run_on_cpu(store: &mut Store, passes: &[Pass]) {
-    for pass in passes {
-        reference::run(pass.phase, store, pass.immediate);
+/// Runs dispatches on the reference kernels.
+fn run_on_cpu(store: &mut Store, dispatches: &[Dispatch]) {
+    for dispatch in dispatches {
+        reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }

@@ -1,8 +1,8 @@
 //! The buffers of a simulation at its start.
 
-use super::cast::Cast;
-use super::company::{set_feelings, set_outsiders};
+use super::avatar_set::AvatarSet;
 use super::obstacles::{at_heights, cell_lists, segments};
+use super::optional::{set_feelings, set_outsiders};
 use crate::kernels::layout::StepUniforms;
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::dispatch::index::RUN;
@@ -35,7 +35,7 @@ const MAX_CELLS: f32 = 4_000_000.0;
 pub const NEVER: u32 = u32::MAX;
 
 /// Fills every buffer that a step needs.
-pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Cast) -> Store {
+pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &AvatarSet) -> Store {
     let mut store = Store { step: uniforms(scenario, geometry, crowd), ..Store::default() };
     for agent in crowd.agents.iter().chain(&crowd.outsiders) {
         push_agent(&mut store, agent, &scenario.navigation, cast);
@@ -179,7 +179,7 @@ pub fn scratch(store: &mut Store) {
     store.slot_agent = vec![0; agents];
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];
-    store.slot_manners = vec![[0; 4]; agents];
+    store.slot_avoidance = vec![[0; 4]; agents];
     store.slot_motion = vec![[0.0; 4]; agents * 2];
     store.new_velocity = vec![[0.0; 2]; agents];
     store.waiting = vec![[0.0; 4]; agents];
@@ -187,7 +187,7 @@ pub fn scratch(store: &mut Store) {
     store.floors.resize(store.floors.len().max(1), [0.0; 4]);
     store.companions.resize(agents, [NOBODY; 4]);
     store.aim = vec![[0.0; 4]; agents];
-    store.errand.resize(agents, 0);
+    store.stage_progress.resize(agents, 0);
     store.entry.resize(agents, 0);
     store.queues.resize(store.queues.len().max(8), 0);
     store.sources.resize(store.sources.len().max(8), 0);
@@ -211,9 +211,9 @@ pub fn set_led(store: &mut Store, agent: u32) {
     if store.step.led_count == 0 {
         store.lead.fill([ABSENT, ABSENT, 0.0, 0.0]);
     }
-    if store.manners[agent][3] < LED {
-        store.manners[agent][3] = LED;
-        store.manners[agent][0] = 0.0; // of the led: the comfort distance, m
+    if store.avoidance[agent][3] < LED {
+        store.avoidance[agent][3] = LED;
+        store.avoidance[agent][0] = 0.0; // of the led: the comfort distance, m
         store.step.led_count += 1;
     }
     store.position[agent] = [ABSENT, ABSENT];
@@ -224,7 +224,7 @@ pub fn set_led(store: &mut Store, agent: u32) {
 }
 
 /// The speed that an agent would walk at alone, m/s: its own, or that of its gaits.
-pub fn preferred_speed(agent: &AgentStart, cast: &Cast) -> f32 {
+pub fn preferred_speed(agent: &AgentStart, cast: &AvatarSet) -> f32 {
     let mut speed = 0.0;
     for (gait, weight) in agent.gaits.iter().zip(agent.gait_weights) {
         speed += weight * cast.clip(cast.clip_index(agent.avatar, *gait)).speed * agent.scale;
@@ -232,7 +232,7 @@ pub fn preferred_speed(agent: &AgentStart, cast: &Cast) -> f32 {
     agent.speed.unwrap_or(speed) * agent.speed_factor
 }
 
-fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &Cast) {
+fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &AvatarSet) {
     let clips = agent.gaits.map(|gait| cast.clip_index(agent.avatar, gait));
     let mut stride_travel = 0.0;
     for (clip, weight) in clips.iter().zip(agent.gait_weights) {
@@ -245,7 +245,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.velocity.push(agent.velocity.to_array());
     store.body.push([agent.radius, max_speed, preferred_speed, stride_travel]);
     let own = agent.manners.unwrap_or_else(|| Manners::of(navigation));
-    store.manners.push(manners(own.time_horizon, own.neighbour_distance, own.neighbour_cap, own.priority));
+    store.avoidance.push(manners(own.time_horizon, own.neighbour_distance, own.neighbour_cap, own.priority));
     store.companions.push(agent.companions);
     store.elevation.push(agent.elevation);
     store.entry.push(match agent.entry {
@@ -268,7 +268,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.route.push([agent.route_start, agent.route_length.max(1) | loops, agent.waypoint, 0]);
     store.gaits.push(clips);
     store.gait_weights.push(agent.gait_weights);
-    store.look.push(look(agent));
+    store.appearance.push(look(agent));
     store.gaze_state.push([0.0; 4]);
     store.gaze_frame.push(u32::MAX);
     store.attention.push([0; 2]);
@@ -305,7 +305,7 @@ fn set_queue(store: &mut Store, stop: &Stop) {
     store.queues[number as usize * 8..][..8].copy_from_slice(&queue);
 }
 
-/// A source and its places (`shaders/enter.wgsl`); the bodies must be there.
+/// A source and its places (`shaders/spawn.wgsl`); the bodies must be there.
 fn push_source(store: &mut Store, source: &SourceStart) {
     let widest = store.body.iter().map(|body| body[0]).fold(0.0, f32::max);
     let (first, places) = (store.source_places.len() as u32, source.places.len() as u32);

@@ -70,23 +70,23 @@ impl Simulation {
         if grid.field_count == 0 {
             return Ok(());
         }
-        let mut passes =
-            if grid.every > 0 { order::density_passes(&self.store.step, &grid) } else { Vec::new() };
-        passes.extend(order::flow_start(&grid));
+        let mut dispatches =
+            if grid.every > 0 { order::density_dispatches(&self.store.step, &grid) } else { Vec::new() };
+        dispatches.extend(order::flow_start(&grid));
         let tiles = grid.field_count * grid.tile_columns * grid.tile_rows;
         let most = tiles.saturating_mul(8).saturating_add(1024);
         let open = flow::tiles_to_cross(&grid, &self.store.flow_seeds[..grid.seed_count as usize]);
         for with_solid in [false, true] {
             if with_solid {
-                passes.push(order::flow_solid(&grid));
+                dispatches.push(order::flow_solid(&grid));
             }
             // in an open place it takes so many turns and the few that look back; then so many at a time
             let mut batch = if with_solid { 16 } else { open + 8 };
             let mut turns = 0;
             loop {
-                passes.extend(order::flow_turns(turns, batch, with_solid));
-                self.run(&passes, &[BufferId::FlowArgs])?;
-                passes.clear();
+                dispatches.extend(order::flow_turns(turns, batch, with_solid));
+                self.run(&dispatches, &[BufferId::FlowArgs])?;
+                dispatches.clear();
                 turns += batch;
                 batch = 32;
                 let mut is_done = self.lists_are_empty();

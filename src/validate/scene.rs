@@ -9,7 +9,7 @@ use crate::gait::walker;
 use crate::gpu::{Device, Validation};
 use crate::kernels::Store;
 use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Stop};
-use crate::sim::{Backend, Cast, Simulation};
+use crate::sim::{AvatarSet, Backend, Simulation};
 use glam::Vec2;
 use serde::Serialize;
 #[cfg(feature = "vulkan")]
@@ -106,7 +106,7 @@ pub enum Fault {
 /// What everybody runs on.
 #[derive(Debug)]
 pub struct Stage {
-    cast: Cast,
+    cast: AvatarSet,
     #[cfg(feature = "vulkan")]
     device: Option<Arc<Device>>,
     /// Why the CPU is used although Vulkan was tried.
@@ -123,7 +123,7 @@ impl Stage {
     /// When the walker cannot be made, or a Vulkan device is demanded but cannot be used.
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
-        let cast = Cast::new(&[gait], vec![generated(Sex::Female)])?;
+        let cast = AvatarSet::new(&[gait], vec![generated(Sex::Female)])?;
         #[cfg(feature = "vulkan")]
         {
             let open = || Device::open(device, Validation::from_environment()?);
@@ -296,7 +296,7 @@ impl Scene {
             for place in positions.iter().flatten() {
                 nearest_wall = free.distance(*place, *place, nearest_wall);
             }
-            overlapping = overlapping.max(crate::sim::measure::moment(store).overlapping_pairs);
+            overlapping = overlapping.max(crate::sim::measure::measures(store).overlapping_pairs);
             tracks.push(&positions);
             let has_come = |route: &[u32; 4], point: u32| route[2] >= point || route[3] > 0;
             let all_came =
@@ -377,7 +377,7 @@ impl Fault {
                 return;
             }
             Self::Blind => {
-                store.manners.iter_mut().for_each(|manners| manners[2] = 0.0);
+                store.avoidance.iter_mut().for_each(|manners| manners[2] = 0.0);
                 return;
             }
         };

@@ -1,8 +1,8 @@
-//! Runs passes on both sides from the same inputs and compares every buffer that they write.
+//! Runs dispatches on both sides from the same inputs and compares every buffer that they write.
 
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Error};
-use crate::kernels::{Access, BufferId, Extent, KernelId, Pass, Store};
+use crate::kernels::{Access, BufferId, Dispatch, Extent, KernelId, Store};
 use crate::reference;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -32,14 +32,14 @@ fn defined(kernel: KernelId, buffer: BufferId) -> usize {
     }
 }
 
-fn kernels_of(passes: &[Pass]) -> Vec<KernelId> {
-    let set: BTreeSet<_> = passes.iter().map(Pass::kernel).collect();
+fn kernels_of(dispatches: &[Dispatch]) -> Vec<KernelId> {
+    let set: BTreeSet<_> = dispatches.iter().map(Dispatch::kernel).collect();
     set.into_iter().collect()
 }
 
 /// Where group counts stand.
-fn arguments_of(passes: &[Pass]) -> Vec<BufferId> {
-    let buffers = passes.iter().filter_map(|pass| match pass.extent {
+fn arguments_of(dispatches: &[Dispatch]) -> Vec<BufferId> {
+    let buffers = dispatches.iter().filter_map(|dispatch| match dispatch.extent {
         Extent::Indirect(buffer, _) => Some(buffer),
         Extent::Invocations(_) => None,
     });
@@ -47,19 +47,19 @@ fn arguments_of(passes: &[Pass]) -> Vec<BufferId> {
     set.into_iter().collect()
 }
 
-/// Runs `passes` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
+/// Runs `dispatches` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
 ///
-/// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive passes
+/// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive dispatches
 /// of one kernel are compared after the last (between its phases `grid_scatter` has no defined order).
 ///
 /// # Errors
 /// When the device fails.
-pub fn compare_passes(
+pub fn compare_dispatches(
     device: &Arc<Device>,
     store: &Store,
-    passes: &[Pass],
+    dispatches: &[Dispatch],
 ) -> Result<Vec<Comparison>, Error> {
-    compare_with(device, store, passes, |_, _| ())
+    compare_with(device, store, dispatches, |_, _| ())
 }
 
 /// The same, but one bit of what the device gave back is changed for every kernel: the test of the comparison itself.
@@ -70,9 +70,9 @@ pub fn compare_passes(
 pub fn compare_tampered(
     device: &Arc<Device>,
     store: &Store,
-    passes: &[Pass],
+    dispatches: &[Dispatch],
 ) -> Result<Vec<Comparison>, Error> {
-    compare_with(device, store, passes, |gpu, writes| {
+    compare_with(device, store, dispatches, |gpu, writes| {
         if let Some(byte) = writes.first().and_then(|buffer| gpu.bytes_mut(*buffer).first_mut()) {
             *byte ^= 1;
         }
@@ -82,12 +82,12 @@ pub fn compare_tampered(
 fn compare_with(
     device: &Arc<Device>,
     store: &Store,
-    passes: &[Pass],
+    dispatches: &[Dispatch],
     tamper: impl Fn(&mut Store, &[BufferId]),
 ) -> Result<Vec<Comparison>, Error> {
-    let mut engine = Engine::new(device, store, &kernels_of(passes))?;
+    let mut engine = Engine::new(device, store, &kernels_of(dispatches))?;
     let mut found: Vec<Comparison> = Vec::new();
-    for expected in Expected::of(store, passes) {
+    for expected in Expected::of(store, dispatches) {
         let new = expected.compare(&mut engine, &tamper)?;
         match found.iter_mut().find(|old| old.kernel == new.kernel) {
             Some(old) => old.merge(new),
@@ -97,27 +97,27 @@ fn compare_with(
     Ok(found)
 }
 
-/// Consecutive passes of one kernel, what they are given, and what the CPU makes of it.
+/// Consecutive dispatches of one kernel, what they are given, and what the CPU makes of it.
 #[derive(Debug, Clone)]
 pub struct Expected {
     /// The kernel.
     pub kernel: KernelId,
-    passes: Vec<Pass>,
+    dispatches: Vec<Dispatch>,
     before: Store,
     after: Store,
 }
 
 impl Expected {
-    /// Runs passes on the CPU, from one kernel to the next.
-    pub fn of(store: &Store, passes: &[Pass]) -> impl Iterator<Item = Self> {
+    /// Runs dispatches on the CPU, from one kernel to the next.
+    pub fn of(store: &Store, dispatches: &[Dispatch]) -> impl Iterator<Item = Self> {
         let mut after = store.clone();
-        passes.chunk_by(|a, b| a.kernel() == b.kernel()).filter_map(move |group| {
+        dispatches.chunk_by(|a, b| a.kernel() == b.kernel()).filter_map(move |group| {
             let kernel = group.first()?.kernel();
             let before = after.clone();
-            for pass in group {
-                reference::run(pass.phase, &mut after, pass.immediate);
+            for dispatch in group {
+                reference::run(dispatch.phase, &mut after, dispatch.immediate);
             }
-            Some(Self { kernel, passes: group.to_vec(), before, after: after.clone() })
+            Some(Self { kernel, dispatches: group.to_vec(), before, after: after.clone() })
         })
     }
 
@@ -129,7 +129,7 @@ impl Expected {
         Engine::new(device, &self.before, &[self.kernel])
     }
 
-    /// Runs the passes on an engine that has the kernel, and compares every buffer that they write. `tamper` may change what
+    /// Runs the dispatches on an engine that has the kernel, and compares every buffer that they write. `tamper` may change what
     /// the device gave back.
     ///
     /// # Errors
@@ -144,9 +144,9 @@ impl Expected {
         let written = bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer);
         let writes: Vec<_> = written.collect();
         // the kernel that counts the groups need not be among the engine's
-        engine.add_buffers(&self.before, &arguments_of(&self.passes))?;
+        engine.add_buffers(&self.before, &arguments_of(&self.dispatches))?;
         engine.replace(&self.before, &all)?;
-        let ops: Vec<_> = self.passes.iter().copied().map(Op::Pass).collect();
+        let ops: Vec<_> = self.dispatches.iter().copied().map(Op::Dispatch).collect();
         engine.run(&ops, |_, _| Vec::new(), false)?;
         let mut got = self.before.clone();
         engine.download(&mut got, &writes)?;

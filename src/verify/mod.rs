@@ -9,7 +9,7 @@ mod numerics;
 pub mod report;
 
 #[cfg(feature = "vulkan")]
-pub use equivalence::{Comparison, Expected, compare_passes, compare_tampered};
+pub use equivalence::{Comparison, Expected, compare_dispatches, compare_tampered};
 #[cfg(feature = "vulkan")]
 pub use numerics::{CASES, Numerics, numerics};
 #[cfg(feature = "vulkan")]

@@ -83,9 +83,9 @@ fn ulps(a: f32, b: f32) -> u32 {
 /// # Errors
 /// When the device fails.
 pub fn numerics(device: &Arc<Device>) -> Result<Numerics, Error> {
-    let Case { store: mut want, passes, .. } = super::cases::probe();
+    let Case { store: mut want, dispatches, .. } = super::cases::probe();
     let mut engine = Engine::new(device, &want, &[KernelId::Numerics])?;
-    let ops: Vec<Op> = passes.into_iter().map(Op::Pass).collect();
+    let ops: Vec<Op> = dispatches.into_iter().map(Op::Dispatch).collect();
     engine.run(&ops, |_, _| Vec::new(), false)?;
     let mut got = want.clone();
     engine.download(&mut got, &[BufferId::NumericsOut])?;

@@ -1,7 +1,7 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
 use super::cases::{self, Case};
-use super::{CASES, Comparison, Numerics, compare_passes, numerics};
+use super::{CASES, Comparison, Numerics, compare_dispatches, numerics};
 use crate::gpu::Device;
 use crate::kernels::{KernelId, Store};
 use crate::sim::{Backend, FELT, STATE, Simulation, measure::state_hash, order};
@@ -70,8 +70,8 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
         KernelId::GridCount
         | KernelId::GridScan
         | KernelId::GridScatter
-        | KernelId::Attend
-        | KernelId::Admit
+        | KernelId::GazeSchedule
+        | KernelId::OcclusionCompact
         | KernelId::Compact
         | KernelId::Queue
         | KernelId::Cull => (0.0, "", "integers: counts, places, lists"),
@@ -83,18 +83,18 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
             (0.5, "m", "a root per cell, and which neighbour is lower may change along a ridge")
         }
         KernelId::FlowDensity => (1e-4, "m", "one quotient per cell"),
-        KernelId::Enter => (0.0, "m", "copies of places; who is near is a comparison of squares"),
-        KernelId::Journey => (1e-4, "m", "places in regions of up to a kilometre"),
+        KernelId::Spawn => (0.0, "m", "copies of places; who is near is a comparison of squares"),
+        KernelId::AdvanceJourney => (1e-4, "m", "places in regions of up to a kilometre"),
         KernelId::GridPack => (1e-6, "m", "copies, one sum"),
         KernelId::FollowPaths => (1e-3, "m, m/s", "quotients of times, times metres of a path"),
-        KernelId::Hear => (1e-5, "", "sums of rounded shares"),
-        KernelId::Feel => (1e-5, "", "exponentials"),
-        KernelId::Express => (1e-5, "m, m/s", "sums of four products"),
+        KernelId::EmotionGather => (1e-5, "", "sums of rounded shares"),
+        KernelId::EmotionUpdate => (1e-5, "", "exponentials"),
+        KernelId::EmotionApply => (1e-5, "m, m/s", "sums of four products"),
         KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
         KernelId::Teleport => (1e-5, "m", "one product and one sum"),
         KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
         KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
-        KernelId::Accompany => {
+        KernelId::GroupCohesion => {
             (1e-5, "m/s", "a root, an arc tangent and quotients by distances within a group")
         }
         KernelId::VelocityOrca => {
@@ -104,18 +104,18 @@ pub const fn tolerance(kernel: KernelId) -> Tolerance {
             // the choice is among some velocities a tenth of a m/s apart: a tie may fall either way
             (0.5, "m/s", "a choice among samples: where two cost nearly the same, another one may win")
         }
-        KernelId::Contain => {
+        KernelId::ClipToWalls => {
             (1e-3, "m/s", "a comparison with a wall: by rounding an agent may be held or not")
         }
         KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
         KernelId::React => (0.0, "", "zeros"),
         KernelId::Occlude => (0.0, "", "integers: tiles that are marked, who is hidden"),
-        KernelId::Remember => (0.0, "", "copies of bits"),
+        KernelId::KeepSnapshot => (0.0, "", "copies of bits"),
         KernelId::Interpolate => {
             (1e-4, "m, rad", "one product and one sum, world coordinates of up to 100 m")
         }
         KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
-        KernelId::Persevere => (
+        KernelId::Unjam => (
             3.0,
             "m/s, s, m",
             "a decision (has it waited long enough, is a wall ahead): by rounding it may come a step later",
@@ -202,12 +202,13 @@ pub fn verify(
     let arithmetic = numerics(device)?;
     let mut found = vec![numerics_row(&arithmetic)];
     for (number, &size) in options.sizes.iter().enumerate() {
-        let is_wanted =
-            |case: &Case| !case.passes.iter().any(|pass| options.without.contains(&pass.kernel()));
+        let is_wanted = |case: &Case| {
+            !case.dispatches.iter().any(|dispatch| options.without.contains(&dispatch.kernel()))
+        };
         for case in cases::all(size, options.seed).into_iter().filter(is_wanted) {
             #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
             progress(&format!("kernels, {size} agents"), 0.5 * number as f64 / options.sizes.len() as f64);
-            let compared = compare_passes(device, &case.store, &case.passes)?;
+            let compared = compare_dispatches(device, &case.store, &case.dispatches)?;
             merge(&mut found, compared, &case.name);
         }
     }
@@ -374,7 +375,7 @@ fn single_steps(
         let mut cpu = Simulation::from_store(walk.start(model), Backend::Cpu, None)?;
         while let Some(count) = walk.stride(None, progress) {
             let state = cpu.state()?;
-            let compared = compare_passes(device, state, &order::step_passes(&state.step))?;
+            let compared = compare_dispatches(device, state, &order::step_dispatches(&state.step))?;
             merge(&mut crowd, compared, &format!("crowd, step {}", walk.done));
             cpu.step(count)?;
             walk.done += count;
@@ -418,7 +419,7 @@ mod tests {
     fn the_cases_of_a_size_reach_every_kernel_but_the_probe() {
         let reached: Vec<KernelId> = cases::all(65, 1)
             .iter()
-            .flat_map(|case| case.passes.iter().map(crate::kernels::Pass::kernel))
+            .flat_map(|case| case.dispatches.iter().map(crate::kernels::Dispatch::kernel))
             .collect();
         for kernel in KernelId::ALL.into_iter().filter(|id| *id != KernelId::Numerics) {
             assert!(reached.contains(&kernel), "{}", kernel.kernel().name);

@@ -15,7 +15,7 @@ use crate::render::{Markers, Settings, Show};
 use crate::scenario::{EnvironmentMesh, Gaze, GazeMode, Shares};
 use crate::scene::{Scene, SceneBuilder, Start, atmosphere};
 use crate::sim::bodies::MeshBuffers;
-use crate::sim::moments::make_room;
+use crate::sim::snapshots::make_room;
 use crate::sim::{Backend, Person, Simulation};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
@@ -380,7 +380,20 @@ fn carry_on(before: &Store, after: &mut Store) {
             $(if before.$field.len() == after.$field.len() { after.$field.clone_from(&before.$field); })*
         };
     }
-    copy!(elevation, position, velocity, stance, phase, route, errand, queues, sources, waiting, lead, paths);
+    copy!(
+        elevation,
+        position,
+        velocity,
+        stance,
+        phase,
+        route,
+        stage_progress,
+        queues,
+        sources,
+        waiting,
+        lead,
+        paths
+    );
 }
 
 #[cfg(test)]

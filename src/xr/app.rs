@@ -19,7 +19,7 @@ use crate::scenario::{Clearance, EnvironmentMesh, Floors};
 use crate::scene::{Scene, atmosphere};
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
-use crate::sim::moments::make_room;
+use crate::sim::snapshots::make_room;
 use crate::stop;
 use glam::Vec2;
 use serde::Serialize;
@@ -308,7 +308,7 @@ pub fn run(
     let world = Surroundings::of(scene, simulation.store().clone(), meshes);
     let Stand { position: place, elevation, .. } = world.start;
     let start = Moment { place, elevation, ..Moment::default() };
-    let first = Arc::new(Show::moment(simulation.state()?));
+    let first = Arc::new(Show::snapshot(simulation.state()?));
     let shared = Arc::new(Shared {
         moment: Mutex::new(Latest { store: first, number: 1, due: 0.0, late: 0.0 }),
         time_step,
@@ -375,7 +375,7 @@ pub fn run(
             done?;
         }
         steps += 1;
-        let store = Arc::new(Show::moment(simulation.state()?));
+        let store = Arc::new(Show::snapshot(simulation.state()?));
         let due = passed + f64::from(steps) * time_step;
         let late = (shared.now() - due).max(0.0);
         *lock(&shared.moment) = Latest { store, number: u64::from(steps) + 1, due, late };

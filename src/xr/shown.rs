@@ -59,12 +59,12 @@ impl Shown {
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "made-up times")]
 mod tests {
     use super::*;
-    use crate::sim::moments::Moments;
+    use crate::sim::snapshots::Snapshots;
 
     /// Seconds of a display at `rate` Hz with steps of `step` s that are there after `late` s; the thread wakes up to
     /// `jitter` s late. How far apart frames were of which none moved less than it should by half, and the worst delay.
     fn run(rate: f64, step: f64, late: f64, jitter: f64) -> (usize, f64) {
-        let (mut shown, mut moments) = (Shown::default(), Moments::default());
+        let (mut shown, mut moments) = (Shown::default(), Snapshots::default());
         let (mut taken, mut before, mut still, mut worst) = (0, f64::NAN, 0, 0.0_f64);
         for frame in 0..(4.0 * rate) as u32 {
             let display = 1000.0 + f64::from(frame) / rate;

@@ -10,7 +10,7 @@ use gaitway::kernels::shared::body::index::{
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slots};
-use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes, vertex_elements};
+use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, dispatches, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// The same people, all on the ground: what is tested here stands at one height.
@@ -19,10 +19,10 @@ fn on_the_ground(mut store: Store) -> Store {
     store
 }
 
-/// Runs all passes on the CPU.
+/// Runs all dispatches on the CPU.
 fn run(store: &mut Store) {
-    for pass in passes(store) {
-        reference::run(pass.phase, store, pass.immediate);
+    for dispatch in dispatches(store) {
+        reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
 
@@ -39,11 +39,11 @@ fn far_buckets(store: &Store) -> std::ops::Range<usize> {
 }
 
 fn avatar_of(store: &Store, agent: usize) -> usize {
-    (store.look[agent][0] & 255) as usize
+    (store.appearance[agent][0] & 255) as usize
 }
 
 fn scale_of(store: &Store, agent: usize) -> f32 {
-    f32::from_bits(store.look[agent][1])
+    f32::from_bits(store.appearance[agent][1])
 }
 
 fn world_from_model(store: &Store, agent: usize) -> Mat4 {
@@ -82,7 +82,7 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
         let mut drawn = 0;
         for agent in 0..700 {
             // the last six are impossible by construction, and one has no body
-            let usable = agent < 700 - 6 && store.look[agent][0] >> 17 & 1 == 0;
+            let usable = agent < 700 - 6 && store.appearance[agent][0] >> 17 & 1 == 0;
             let at = Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]);
             let scale = scale_of(&store, agent);
             let (height, radius) = (store.frame.agent_height * scale, store.frame.agent_radius * scale);
@@ -101,7 +101,7 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
             let want = if usable && seen && distance <= store.frame.level_distance[2] {
                 let finer = store.frame.level_distance[..2].iter().filter(|d| distance >= **d).count();
                 let level = u32::try_from(finer).unwrap().min(levels - 1);
-                let (avatar, far) = (store.look[agent][0] & 255, store.frame.level_distance[3]);
+                let (avatar, far) = (store.appearance[agent][0] & 255, store.frame.level_distance[3]);
                 let is_far = far > 0.0 && distance >= far;
                 seen_far += usize::from(is_far);
                 let is_speck = is_far && distance >= store.frame.camera[3];
@@ -259,7 +259,7 @@ fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];
     store.stance[0] = [0.4, 1.0];
-    store.look[0] = [0, 1.0_f32.to_bits(), 0, 0];
+    store.appearance[0] = [0, 1.0_f32.to_bits(), 0, 0];
     store.gaits[0] = [0, 1, 2, 0];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
     store
@@ -313,10 +313,10 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
         |s| s.stance[0][0] = f32::NAN,
         |s| s.stance[0][0] = 1e9,
         |s| s.stance[0][1] = f32::NEG_INFINITY,
-        |s| s.look[0][0] = 2, // avatars are 0 and 1
-        |s| s.look[0][1] = f32::NAN.to_bits(),
-        |s| s.look[0][1] = 0,
-        |s| s.look[0][1] = (-1.0_f32).to_bits(),
+        |s| s.appearance[0][0] = 2, // avatars are 0 and 1
+        |s| s.appearance[0][1] = f32::NAN.to_bits(),
+        |s| s.appearance[0][1] = 0,
+        |s| s.appearance[0][1] = (-1.0_f32).to_bits(),
         |s| s.gait_weights[0][3] = -0.1,
         |s| s.gait_weights[0][1] = f32::NAN,
         |s| s.gaits[0][0] = s.frame.clip_count,
@@ -474,7 +474,7 @@ fn a_bent_elbow_moves_each_vertex_by_its_weights() {
 mod device {
     use super::*;
     use crate::common::gpu;
-    use gaitway::verify::{compare_passes, numerics};
+    use gaitway::verify::{compare_dispatches, numerics};
 
     #[test]
     fn every_animation_kernel_agrees_with_its_twin() {
@@ -484,7 +484,7 @@ mod device {
         for agents in [0, 1, 63, 64, 65, 1000] {
             for seed in 0..8 {
                 let store = on_the_ground(animation(agents, seed));
-                for found in compare_passes(&device, &store, &passes(&store)).unwrap() {
+                for found in compare_dispatches(&device, &store, &dispatches(&store)).unwrap() {
                     let fits = if exact { found.exact == found.compared } else { found.max_error < 1e-4 };
                     assert!(fits, "{agents} agents, seed {seed}: {found:?}");
                 }

@@ -7,7 +7,7 @@ use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::scenario::{Budget, Gaze, GazeMode, Scenario};
 use gaitway::sim::{bodies, order};
-use gaitway::verify::cases::animation::{animation, passes};
+use gaitway::verify::cases::animation::{animation, dispatches};
 
 /// Milliseconds between pictures.
 const PICTURE: u32 = 50;
@@ -21,7 +21,7 @@ fn around(agents: u32, emotion: Emotion, gaze: &Gaze) -> Store {
         let angle = i as f32 * 2.4;
         store.position[i] = [user[0] + away * angle.sin(), user[1] + away * angle.cos()];
         store.stance[i] = [angle + std::f32::consts::PI, 0.0];
-        store.look[i] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
+        store.appearance[i] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
         store.gaits[i] = [0; 4];
         store.gait_weights[i] = [1.0, 0.0, 0.0, 0.0];
         store.gaze_frame[i] = 0;
@@ -44,8 +44,8 @@ fn picture(store: &mut Store) -> Vec<usize> {
     store.frame.gaze_time += PICTURE;
     store.frame.frame_time = PICTURE as f32 * 1e-3;
     let drawn = [KernelId::Palette, KernelId::Skin];
-    for pass in passes(store).into_iter().filter(|pass| !drawn.contains(&pass.kernel())) {
-        reference::run(pass.phase, store, pass.immediate);
+    for dispatch in dispatches(store).into_iter().filter(|dispatch| !drawn.contains(&dispatch.kernel())) {
+        reference::run(dispatch.phase, store, dispatch.immediate);
     }
     let agents = store.frame.agent_count as usize;
     let now = store.frame.frame_index & 0x1fff_ffff;

@@ -10,7 +10,7 @@ use gaitway::kernels::shared::body::index::POSE_STRIDE;
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
 use gaitway::sim::bodies::looking_at;
-use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, passes};
+use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, dispatches};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 const NATURAL: u32 = 0;
@@ -20,8 +20,8 @@ const NECK: Vec3 = Vec3::new(0.0, 1.45, -0.01);
 const EYES: Vec3 = Vec3::new(0.0, 1.63, 0.10);
 
 fn run(store: &mut Store) {
-    for pass in passes(store) {
-        reference::run(pass.phase, store, pass.immediate);
+    for dispatch in dispatches(store) {
+        reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
 
@@ -31,7 +31,7 @@ fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     store.elevation.fill(0.0);
     store.position[0] = [0.0, 0.0];
     store.stance[0] = [0.0, 0.0];
-    store.look[0] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
+    store.appearance[0] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
     store.gaits[0] = [0; 4];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
     store.gaze_frame[0] = 0;
@@ -100,7 +100,7 @@ fn neutral_keeps_the_angles_of_the_gait() {
         let mut store = standing(Emotion::Neutral, mode, seen_from_neck(60.0, 2.0, 1.6));
         store.stance[0][1] = 1.0; // walks
         let mut without = store.clone();
-        without.look[0][0] &= !(1 << 16);
+        without.appearance[0][0] &= !(1 << 16);
         run(&mut store);
         run(&mut without);
         assert_eq!(store.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
@@ -134,7 +134,7 @@ fn without_a_user_happy_and_angry_heads_keep_the_angles_of_the_gait_in_either_mo
         let mut seen = alone.clone();
         alone.frame = looking_at(alone.frame, None);
         let mut without = alone.clone();
-        without.look[0][0] &= !(1 << 16);
+        without.appearance[0][0] &= !(1 << 16);
         for store in [&mut alone, &mut seen, &mut without] {
             run(store);
         }
@@ -207,7 +207,7 @@ fn a15_rotation_is_seen_from_the_neck_and_flexion_from_the_height_of_the_eyes() 
     close(flexion, (-0.2_f32 / 2.01).asin().to_degrees());
     // a person of half the size has their eyes at half the height
     let mut store = standing(Emotion::Angry, PAPER, seen_from_neck(0.0, 2.0, EYES.y));
-    store.look[0][1] = 0.5_f32.to_bits();
+    store.appearance[0][1] = 0.5_f32.to_bits();
     close(neck_of(store).0, ((EYES.y * 0.5 - EYES.y) / (2.0 + NECK.z * 0.5)).asin().to_degrees());
 }
 
@@ -269,7 +269,7 @@ fn eyes_and_face(store: &Store, slot: usize, avatar: &Avatar) -> (Vec3, Vec3) {
     let head = avatar.model_from_joint(&rotations, root)[Joint::Head as usize];
     let agent = store.visible[slot] as usize;
     let world = Mat4::from_scale_rotation_translation(
-        Vec3::splat(f32::from_bits(store.look[agent][1])),
+        Vec3::splat(f32::from_bits(store.appearance[agent][1])),
         Quat::from_rotation_y(store.stance[agent][0]),
         Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]),
     );
@@ -286,7 +286,8 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
         store.elevation.fill(0.0);
         store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
         for agent in 0..1000 {
-            store.look[agent][0] = store.look[agent][0] & 0xff | (Emotion::Angry as u32) << 8 | 1 << 16;
+            store.appearance[agent][0] =
+                store.appearance[agent][0] & 0xff | (Emotion::Angry as u32) << 8 | 1 << 16;
             store.gaze_frame[agent] = 0; // starts at the target
         }
         run(&mut store);
@@ -299,7 +300,8 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
             if store.gaze_frame[agent] & ENGAGED == 0 || at_limit {
                 continue;
             }
-            let (eyes, face) = eyes_and_face(&store, slot, &avatars[(store.look[agent][0] & 255) as usize]);
+            let (eyes, face) =
+                eyes_and_face(&store, slot, &avatars[(store.appearance[agent][0] & 255) as usize]);
             let off = face.angle_between(user - eyes).to_degrees();
             let away = eyes.distance(user);
             assert!(off < 1.0, "agent {agent}, seed {seed}: {off} degrees off at {away} m");
@@ -371,7 +373,7 @@ fn natural_gaze_ends_beyond_eight_metres_and_hands_the_head_back_to_the_gait() {
     assert!(store.gaze_frame[0] & ENGAGED == 0);
     assert!(angles[0].1 > 0.6, "let go with a jerk");
     let mut without = store.clone();
-    without.look[0][0] &= !(1 << 16);
+    without.appearance[0][0] &= !(1 << 16);
     run(&mut store);
     run(&mut without);
     assert_eq!(store.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);

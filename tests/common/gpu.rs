@@ -65,7 +65,7 @@ fn only_a_machine_without_vulkan_is_a_reason_to_skip() {
     use gaitway::gpu::Error;
     let absence = Error::NoLoader("libvulkan.so.1".to_owned());
     assert!(is_absence(&absence.into()) && is_absence(&gaitway::sim::Error::NoVulkan.into()));
-    let lost = Error::DeviceLost { passes: "integrate".to_owned() };
+    let lost = Error::DeviceLost { dispatches: "integrate".to_owned() };
     let faults: [gaitway::Error; 3] =
         [lost.into(), Error::NoValidationLayer.into(), gaitway::sim::Error::NoGaits.into()];
     for fault in faults {

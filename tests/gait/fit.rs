@@ -7,7 +7,7 @@ use gaitway::gait::fit::{self, FRAMES, HARMONICS, HarmonicGait, fit};
 use gaitway::gait::{Gait, Joint, import, stride};
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::{Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, setup};
 
 fn built_in() -> Vec<Gait> {
     GaitLibrary::built_in().unwrap().gaits().to_vec()
@@ -72,7 +72,7 @@ fn a_fitted_library_is_read_back_and_walks() {
         let scenario = Scenario::builtin("garden").unwrap().with_agents(12);
         let crowd = populate_from(&scenario, &library).unwrap();
         let bodies = gaitway::avatar::Sex::ALL.map(gaitway::avatar::generated).to_vec();
-        let cast = Cast::new(library.gaits(), bodies).unwrap();
+        let cast = AvatarSet::new(library.gaits(), bodies).unwrap();
         let store = setup::store(&scenario, &scenario.geometry(), &crowd, &cast);
         let mut simulation = Simulation::from_store(store, Backend::Cpu, None).unwrap();
         let start = simulation.state().unwrap().position.clone();

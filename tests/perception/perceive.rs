@@ -10,7 +10,7 @@ use gaitway::library::GaitLibrary;
 use gaitway::perceive::{Recorder, Score, Seen, Track, features, practice_alone, practice_in_crowd, record};
 use gaitway::perception::affective_svm::AffectiveSvm;
 use gaitway::scenario::{Condition, Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, bodies, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
 use glam::{Quat, Vec2};
 use serde_json::Value;
 use std::process::Output;
@@ -40,11 +40,11 @@ fn library(is_swapped: bool) -> GaitLibrary {
 }
 
 /// The crossing under `eva-g`.
-fn crossing(agents: u32, library: &GaitLibrary) -> (Scenario, Cast, Simulation) {
+fn crossing(agents: u32, library: &GaitLibrary) -> (Scenario, AvatarSet, Simulation) {
     let mut scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
     scenario.condition = Condition::EvaG;
     let crowd = populate_from(&scenario, library).unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
     let mut store = setup::store(&scenario, &scenario.geometry(), &crowd, &cast);
     bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     (scenario, cast, Simulation::from_store(store, Backend::Cpu, None).unwrap())
@@ -90,7 +90,7 @@ fn the_joints_are_those_of_the_bodies_as_posed_with_the_gaze() {
         let pose = &store.local_rotations[slot * 17..slot * 17 + 17];
         let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
         let [x, y, z, _] = pose[16];
-        let look = store.look[agent];
+        let look = store.appearance[agent];
         let model = cast.avatars()[(look[0] & 255) as usize].model_from_joint(&rotations, [x, y, z].into());
         let turn = Quat::from_rotation_y(store.stance[agent][0]);
         let at = world_from_ground(Vec2::from(store.position[agent]), 0.0);

@@ -10,7 +10,7 @@ use gaitway::reference::exact::hash_u32;
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Settings, Show};
 use gaitway::scenario::{EnvironmentMesh, Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, bodies, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
 use gaitway::verify::cases::crossing;
 use glam::Vec3;
 
@@ -22,7 +22,7 @@ fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
     let library = GaitLibrary::built_in().unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
     let crowd = populate_from(&scenario, &library).unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
     let geometry = scenario.geometry();
     let mut store = setup::store(&scenario, &geometry, &crowd, &cast);
     let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
@@ -107,12 +107,12 @@ fn where_far_bodies_begin_the_picture_hardly_changes() {
 #[test]
 fn far_bodies_are_held_as_their_emotion_walks() {
     let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0).unwrap());
-    let cast = Cast::new(&gaits, Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(&gaits, Sex::ALL.map(avatar::generated).to_vec()).unwrap();
     let draw = |emotion: Emotion| {
         let mut store = crossing::crossing(400, 1.0);
         for agent in 0..400 {
             let (avatar, dice) = (agent & 1, hash_u32(agent));
-            store.look.push([avatar | (emotion as u32) << 8, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+            store.appearance.push([avatar | (emotion as u32) << 8, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
             store.gaits.push([cast.clip_index(avatar, emotion as u32); 4]);
             store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
             store.gaze_state.push([0.0; 4]);

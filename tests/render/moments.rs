@@ -5,8 +5,8 @@ use gaitway::avatar::{self, Sex};
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::{Scenario, populate_from};
-use gaitway::sim::moments::{Moments, make_room};
-use gaitway::sim::{Backend, Cast, Simulation, bodies, measure, setup};
+use gaitway::sim::snapshots::{Snapshots, make_room};
+use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, measure, setup};
 use glam::Vec2;
 
 /// The crossing with bodies and room for two moments.
@@ -14,7 +14,7 @@ fn crowd() -> Store {
     let library = GaitLibrary::built_in().unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(200);
     let crowd = populate_from(&scenario, &library).unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
     let mut store = setup::store(&scenario, &scenario.geometry(), &crowd, &cast);
     bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     make_room(&mut store);
@@ -28,7 +28,7 @@ fn pictures_between_steps_show_what_lies_between_and_change_nothing() {
     let Some(mut drawn) = gpu::on_device(made) else { return };
     let mut plain = Simulation::from_store(crowd(), Backend::Cpu, None).unwrap();
     let agents = plain.store().step.agent_count;
-    let (mut moments, mut before) = (Moments::default(), plain.state().unwrap().clone());
+    let (mut moments, mut before) = (Snapshots::default(), plain.state().unwrap().clone());
     let mut keep = Some(moments.keep(0.0));
     let mut between = moments.at(0.0, agents);
     drawn.animate_between(before.frame, between, keep.take()).unwrap();

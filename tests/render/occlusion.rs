@@ -8,7 +8,7 @@ use gaitway::reference::exact::{hash_u32, unit_f32};
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Image, Settings, Show, Stereo};
 use gaitway::scenario::{EnvironmentMesh, Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, bodies, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
 use gaitway::verify::cases::crossing::crossing;
 use glam::Vec3;
 
@@ -32,12 +32,12 @@ enum Place {
 }
 
 /// A crowd on a plane, one to a square metre.
-fn dense(agents: u32, cast: &Cast) -> Store {
+fn dense(agents: u32, cast: &AvatarSet) -> Store {
     let mut store = crossing(agents as usize, 1.0);
     for agent in 0..agents {
         let (avatar, dice) = (agent & 1, hash_u32(agent));
         let scale = 0.95 + 0.1 * unit_f32(dice);
-        store.look.push([avatar | (dice & 3) << 8, scale.to_bits(), dice, hash_u32(dice)]);
+        store.appearance.push([avatar | (dice & 3) << 8, scale.to_bits(), dice, hash_u32(dice)]);
         store.gaits.push([cast.clip_index(avatar, dice & 3); 4]);
         store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
         store.gaze_state.push([0.0; 4]);
@@ -61,7 +61,7 @@ fn ground() -> EnvironmentMesh {
 /// None without a device. `shrink` makes the boxes around the bodies smaller than these.
 fn crowd(place: Place, agents: u32, settings: Settings, shrink: f32) -> Option<Crowd> {
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(avatar::generated).to_vec()).unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
     let geometry = scenario.geometry();
     let (mut store, scenery, user) = if place == Place::Plane {

@@ -278,7 +278,7 @@ impl HandMade {
             mesh_table: &b[4],
             palettes: &b[5],
             skinned: &b[6],
-            look: &b[7],
+            appearance: &b[7],
             position: &b[8],
             elevation: &b[9],
             stance: &b[10],

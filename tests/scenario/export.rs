@@ -169,7 +169,7 @@ fn the_table_of_agents_says_who_felt_what_and_robots_are_no_pedestrians() {
     let library = gaitway::library::GaitLibrary::built_in().unwrap();
     let crowd = gaitway::scenario::populate_from(&scenario, &library).unwrap();
     let avatars = gaitway::avatar::Sex::ALL.map(gaitway::avatar::generated).to_vec();
-    let cast = gaitway::sim::Cast::new(library.gaits(), avatars).unwrap();
+    let cast = gaitway::sim::AvatarSet::new(library.gaits(), avatars).unwrap();
     let agents = AgentInfo::of_crowd(&scenario, &crowd, &cast, None);
     assert_eq!((agents.len(), agents[600].kind), (601, AgentKind::Robot));
     let folder = tempfile::tempdir().unwrap();

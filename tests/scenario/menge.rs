@@ -6,7 +6,7 @@ use gaitway::ground::is_absent;
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::menge::{Imported, import};
 use gaitway::scenario::{RouteMode, Scenario, Way, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation};
+use gaitway::sim::{AvatarSet, Backend, Simulation};
 use glam::Vec2;
 
 const PROFILES: &str = r#"
@@ -52,7 +52,7 @@ const MIRROR: &str = r#"<State name="Walk" final="0"><GoalSelector type="mirror"
 fn arrive(scenario: &Scenario, most: f64) -> Result<f64, String> {
     let library = GaitLibrary::built_in().unwrap();
     let crowd = populate_from(scenario, &library).unwrap();
-    let cast = Cast::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
+    let cast = AvatarSet::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
     let mut simulation = Simulation::new(scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
     let bounds: Vec<Vec2> = scenario.bounds.iter().map(|p| Vec2::from(*p)).collect();
     while simulation.time() < most {
@@ -342,7 +342,7 @@ fn circles_of_states_are_walked_in_circles_and_teleports_by_boxes() {
     assert_eq!(found.report.with_an_end, 0);
     let library = GaitLibrary::built_in().unwrap();
     let crowd = populate_from(&found.scenario, &library).unwrap();
-    let cast = Cast::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
+    let cast = AvatarSet::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
     let mut simulation = Simulation::new(&found.scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
     let (mut jumps, mut before) = (0, simulation.state().unwrap().position.clone());
     for _ in 0..1200 {
@@ -453,7 +453,7 @@ fn in_every_scene_of_menge_everyone_arrives() {
 fn menges_scenes_without_an_end_go_on() {
     let Some(folder) = data_set("crowd-menge") else { return };
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
+    let cast = AvatarSet::new(library.gaits(), vec![generated(Sex::Female), generated(Sex::Male)]).unwrap();
     for (name, agents) in [("swap", 2), ("periodic", 200)] {
         let found = import(&folder.join(format!("{name}.xml")), 1).unwrap();
         println!("{name}: {:?} {:?}", found.report.unsupported, found.report.notes);

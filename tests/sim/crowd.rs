@@ -7,7 +7,7 @@ use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
-use gaitway::sim::{Backend, Cast, Simulation, measure};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure};
 use gaitway::verify::cases::crossing::{crossing, crossing_quality};
 use gaitway::{Emotion, reference, sim};
 use glam::{Quat, Vec2, Vec3};
@@ -15,7 +15,7 @@ use glam::{Quat, Vec2, Vec3};
 #[test]
 fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(1500);
     let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
     let geometry = scenario.geometry();
@@ -25,7 +25,7 @@ fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
     for second in 0..20 {
         simulation.step(30).unwrap();
         let store = simulation.state().unwrap();
-        let moment = measure::moment(store);
+        let moment = measure::measures(store);
         assert!(moment.overlapping_pairs <= 1, "second {second}: {moment:?}");
         assert_eq!(measure::outside(store, |p| walkable.walkable(p)), 0, "second {second}");
         for (count, v) in still.iter_mut().zip(&store.velocity) {
@@ -36,14 +36,14 @@ fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
             assert!(v[0].hypot(v[1]) <= body[1] * 1.0001, "faster than the maximum");
         }
     }
-    assert!(measure::moment(simulation.state().unwrap()).mean_speed > 0.9);
+    assert!(measure::measures(simulation.state().unwrap()).mean_speed > 0.9);
 }
 
 fn steps(store: &mut Store, count: u32) {
-    let passes = sim::order::step_passes(&store.step);
+    let dispatches = sim::order::step_dispatches(&store.step);
     for _ in 0..count {
-        for pass in &passes {
-            reference::run(pass.phase, store, pass.immediate);
+        for dispatch in &dispatches {
+            reference::run(dispatch.phase, store, dispatch.immediate);
         }
         store.step.step_index += 1;
     }
@@ -96,7 +96,7 @@ fn two_people_exactly_head_on_pass_each_other() {
 #[test]
 fn a_walker_through_the_origin_of_a_custom_scene_stays_on_its_line() {
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
     let farthest = |user: &str| {
         let text = format!(
             "name = \"line\"\nbounds = [[-12, -5], [12, -5], [12, 5], [-12, 5]]\n{user}[population]\nagents = 0\n\

@@ -4,7 +4,7 @@ use crate::common::gpu;
 use gaitway::kernels::layout::MoodUniforms;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::scenario::{Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
 use gaitway::verify::cases::crossing::crossing;
 use gaitway::verify::cases::feelings::feelings;
 use gaitway::{avatar, library};
@@ -32,7 +32,7 @@ fn standing(
         store.feeling.push(feeling);
         store.temperament.extend([own, character]);
         store.paces.extend([[0.0; 4]; 3]);
-        store.look.push([3 << 8, 1.0_f32.to_bits(), 0, 0]);
+        store.appearance.push([3 << 8, 1.0_f32.to_bits(), 0, 0]);
         store.gait_weights.push(feeling);
     }
     store.heard = vec![[0.0; 4]; agents];
@@ -214,7 +214,7 @@ fn simulation(text: &str) -> Simulation {
     let scenario = Scenario::parse(&format!("{PLACE}{text}"), "place").unwrap();
     let library = library::GaitLibrary::built_in().unwrap();
     let crowd = populate_from(&scenario, &library).unwrap();
-    let cast = Cast::new(library.gaits(), vec![avatar::generated(avatar::Sex::ALL[0])]).unwrap();
+    let cast = AvatarSet::new(library.gaits(), vec![avatar::generated(avatar::Sex::ALL[0])]).unwrap();
     Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap()
 }
 
@@ -238,7 +238,7 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
             let span = speeds.iter().fold(0.0_f32, |span, speed| span.max((speed - speeds[2]).abs()));
             let change = (store.body[i][2] - before.body[i][2]).abs();
             assert!(change <= 0.1 * span + 1e-4, "step {step}: {change} m/s of {span}");
-            let emotion = store.look[i][0] >> 8 & 255;
+            let emotion = store.appearance[i][0] >> 8 & 255;
             changes[i] += u32::from(emotion != shown[i]);
             shown[i] = emotion;
             let moved = f32::hypot(store.velocity[i][0], store.velocity[i][1]) * DT;
@@ -268,8 +268,9 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
 fn without_the_table_no_pass_is_recorded_and_the_start_is_the_same_with_it() {
     let crowd = "[population]\nagents = 50\n";
     let (without, with) = (simulation(crowd), simulation(&format!("{crowd}[emotion_dynamics]\n")));
-    let feels =
-        |s: &Simulation| order::step_passes(&s.store().step).iter().any(|p| p.kernel() == KernelId::Feel);
+    let feels = |s: &Simulation| {
+        order::step_dispatches(&s.store().step).iter().any(|p| p.kernel() == KernelId::EmotionUpdate)
+    };
     assert!(!feels(&without) && feels(&with));
     assert!(without.store().feeling.is_empty() && measure::mean_feeling(without.store()).is_none());
     assert_eq!(without.store().position, with.store().position);

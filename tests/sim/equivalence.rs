@@ -5,13 +5,13 @@
 use crate::common::gpu;
 use gaitway::gpu::plan::Op;
 use gaitway::gpu::{Device, Engine, Error};
-use gaitway::kernels::{Access, BufferId, Extent, KernelId, Pass, Phase, Store};
+use gaitway::kernels::{Access, BufferId, Dispatch, Extent, KernelId, Phase, Store};
 use gaitway::scenario::{Scenario, populate};
-use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
 use gaitway::verify::cases::{
     self, animation, between, crossing, feelings, flow, gaits, hidden, journeys, step,
 };
-use gaitway::verify::{Comparison, compare_passes, numerics};
+use gaitway::verify::{Comparison, compare_dispatches, numerics};
 use gaitway::{avatar, library};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -58,7 +58,7 @@ fn what_does_not_fit_its_buffer_is_refused_and_the_engine_goes_on() {
             let set = engine.run(&[Op::Set(BufferId::Step)], |_, _| vec![0; bytes], false);
             assert!(matches!(set, Err(Error::Contents { name: "step", .. })), "{bytes}: {set:?}");
         }
-        let integrate = |extent| Op::Pass(Pass::new(Phase::Integrate, extent));
+        let integrate = |extent| Op::Dispatch(Dispatch::new(Phase::Integrate, extent));
         for (buffer, element) in
             [(BufferId::Unsolved, 0), (BufferId::Position, 200), (BufferId::Step, u32::MAX)]
         {
@@ -89,7 +89,7 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
             for case in cases::all(agents, seed) {
                 let rounds = std::iter::successors(Some(case), |case| case.clone().next_step());
                 for (round, case) in rounds.take(3).enumerate() {
-                    let found = compare_passes(device, &case.store, &case.passes).unwrap();
+                    let found = compare_dispatches(device, &case.store, &case.dispatches).unwrap();
                     assert_exact(&format!("{}, round {round}", case.name), &found);
                     seen.extend(found.iter().map(|c| c.kernel));
                 }
@@ -107,23 +107,23 @@ fn the_comparison_notices_one_bit() {
         let of_model = |model| step::crowd_with(model, 65, 3);
         let ways = flow::fields(300, 3);
         let behind = hidden::hidden(300, 3);
-        let (moved, moments) = (feelings::feelings(65, 1), between::between(65, 1));
+        let (moved, snapshots) = (feelings::feelings(65, 1), between::between(65, 1));
         let stages = vec![
-            (order::step_passes(&moved.step), moved),
-            (order::step_passes(&crowd.step), crowd),
-            (order::step_passes(&of_model(1).step), of_model(1)),
-            (order::frame_passes(&bodies.frame), bodies),
-            (gaits::passes(&walks), walks), // gait_features
-            (hidden::passes(&behind), behind),
-            (flow::passes(&ways), ways),
-            (between::passes(&moments), moments),
+            (order::step_dispatches(&moved.step), moved),
+            (order::step_dispatches(&crowd.step), crowd),
+            (order::step_dispatches(&of_model(1).step), of_model(1)),
+            (order::frame_dispatches(&bodies.frame), bodies),
+            (gaits::dispatches(&walks), walks), // gait_features
+            (hidden::dispatches(&behind), behind),
+            (flow::dispatches(&ways), ways),
+            (between::dispatches(&snapshots), snapshots),
         ];
-        for (passes, mut store) in stages {
-            for pass in &passes {
-                gaitway::reference::run(pass.phase, &mut store, pass.immediate);
+        for (dispatches, mut store) in stages {
+            for dispatch in &dispatches {
+                gaitway::reference::run(dispatch.phase, &mut store, dispatch.immediate);
             }
-            for kernel in KernelId::ALL.into_iter().filter(|k| passes.iter().any(|p| p.kernel() == *k)) {
-                let group: Vec<_> = passes.iter().copied().filter(|p| p.kernel() == kernel).collect();
+            for kernel in KernelId::ALL.into_iter().filter(|k| dispatches.iter().any(|p| p.kernel() == *k)) {
+                let group: Vec<_> = dispatches.iter().copied().filter(|p| p.kernel() == kernel).collect();
                 let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
                 let caught = found.iter().any(|c| c.exact < c.compared);
                 assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
@@ -132,10 +132,10 @@ fn the_comparison_notices_one_bit() {
     });
 }
 
-fn cast() -> (library::GaitLibrary, Cast) {
+fn cast() -> (library::GaitLibrary, AvatarSet) {
     let library = library::GaitLibrary::built_in().unwrap();
     let avatars = avatar::Sex::ALL.map(avatar::generated).to_vec();
-    let cast = Cast::new(library.gaits(), avatars).unwrap();
+    let cast = AvatarSet::new(library.gaits(), avatars).unwrap();
     (library, cast)
 }
 
@@ -181,7 +181,7 @@ fn a_dense_crowd_of_ten_thousand_is_the_same_on_both_backends() {
 
 #[test]
 fn every_buffer_a_kernel_writes_is_compared() {
-    // what compare_passes looks at is derived from the reflected access: a kernel that writes nothing would be blind
+    // what compare_dispatches looks at is derived from the reflected access: a kernel that writes nothing would be blind
     for kernel in KernelId::ALL {
         let writes = kernel.kernel().bindings.iter().filter(|b| b.access == Access::Write).count();
         assert!(writes > 0, "{} writes nothing", kernel.kernel().name);

@@ -11,7 +11,7 @@ use gaitway::library::GaitLibrary;
 use gaitway::reference::way::flow_direction;
 use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::flow::{Goal, Raster, Settings, lay};
-use gaitway::sim::{Backend, Cast, Simulation, measure};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure};
 use glam::Vec2;
 
 type Outlines = Vec<Vec<[f32; 2]>>;
@@ -247,13 +247,13 @@ fn scene(agents: u32, solids: &[Vec<[f32; 2]>], way_finding: &str) -> Scenario {
 
 fn simulation(scenario: &Scenario, backend: Backend) -> Result<Simulation, gaitway::Error> {
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
     let crowd = populate(scenario, |emotion| library.gaits_for(emotion)).unwrap();
     Simulation::new(scenario, &crowd, &cast, backend, None)
 }
 
 fn present(simulation: &mut Simulation) -> u32 {
-    measure::moment(simulation.state().unwrap()).present
+    measure::measures(simulation.state().unwrap()).present
 }
 
 #[test]

@@ -18,8 +18,8 @@ fn unit(seed: u32, index: usize, lane: u32) -> f32 {
 
 fn steps(store: &mut Store, count: u32) {
     for _ in 0..count {
-        for pass in order::step_passes(&store.step) {
-            reference::run(pass.phase, store, pass.immediate);
+        for dispatch in order::step_dispatches(&store.step) {
+            reference::run(dispatch.phase, store, dispatch.immediate);
         }
         store.step.step_index += 1;
     }
@@ -187,7 +187,7 @@ fn nobody_ever_leaves_the_walkable_area() {
 
 #[test]
 fn without_the_last_resort_somebody_does_leave_it() {
-    // the test above would see it: a velocity straight through a wall, with and without `contain`
+    // the test above would see it: a velocity straight through a wall, with and without `clip_to_walls`
     let mut store = crossing(1, 1.0);
     store.position = vec![[0.0, 0.3]];
     store.step.wrap = 0.0;
@@ -198,14 +198,14 @@ fn without_the_last_resort_somebody_does_leave_it() {
     for (contained, inside) in [(true, false), (false, true)] {
         let mut store = store.clone();
         run(&mut store, Phase::GridCount);
-        order::step_passes(&store.step)
+        order::step_dispatches(&store.step)
             .into_iter()
-            .filter(|pass| [KernelId::GridScan, KernelId::GridScatter].contains(&pass.kernel()))
-            .for_each(|pass| reference::run(pass.phase, &mut store, pass.immediate));
+            .filter(|dispatch| [KernelId::GridScan, KernelId::GridScatter].contains(&dispatch.kernel()))
+            .for_each(|dispatch| reference::run(dispatch.phase, &mut store, dispatch.immediate));
         run(&mut store, Phase::GridPack);
         store.new_velocity[0] = [3.0, -30.0];
         if contained {
-            run(&mut store, Phase::Contain);
+            run(&mut store, Phase::ClipToWalls);
         }
         run(&mut store, Phase::Integrate);
         assert_eq!(store.position[0][1] < 0.0, inside, "{:?}", store.position[0]);

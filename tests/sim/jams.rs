@@ -9,7 +9,7 @@ use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::{AgentStart, Clearance, Crowd, Model, Scenario, Stop, populate};
-use gaitway::sim::{Backend, Cast, Simulation, measure, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure, setup};
 use glam::Vec2;
 use std::f32::consts::TAU;
 use std::sync::OnceLock;
@@ -215,11 +215,11 @@ fn layouts() -> Vec<Layout> {
 }
 
 /// Bodies, and an agent to make others of.
-fn people() -> &'static (Cast, AgentStart) {
-    static PEOPLE: OnceLock<(Cast, AgentStart)> = OnceLock::new();
+fn people() -> &'static (AvatarSet, AgentStart) {
+    static PEOPLE: OnceLock<(AvatarSet, AgentStart)> = OnceLock::new();
     PEOPLE.get_or_init(|| {
         let library = GaitLibrary::built_in().unwrap();
-        let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+        let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
         let scenario = Scenario::builtin("crossing").unwrap().with_agents(1);
         let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
         (cast, crowd.agents[0].clone())
@@ -305,7 +305,7 @@ fn run(layout: &Layout, model: Model, seed: u64) -> Outcome {
             outside += u32::from(*been && !is_in);
             *been |= is_in;
         }
-        overlaps = overlaps.max(measure::moment(store).overlapping_pairs);
+        overlaps = overlaps.max(measure::measures(store).overlapping_pairs);
         if store.route.iter().all(|route| route[3] > 0) {
             needed = Some(store.step.step_index as f32 * store.step.time_step);
         }

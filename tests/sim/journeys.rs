@@ -5,8 +5,8 @@ use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::Store;
 use gaitway::library::GaitLibrary;
 use gaitway::scenario::{Crowd, Entry, Scenario, populate};
-use gaitway::sim::measure::{self, Moment};
-use gaitway::sim::{Backend, Cast, Simulation};
+use gaitway::sim::measure::{self, Measures};
+use gaitway::sim::{AvatarSet, Backend, Simulation};
 use glam::Vec2;
 use std::sync::OnceLock;
 
@@ -17,11 +17,11 @@ bounds = [[-20, -10], [20, -10], [20, 10], [-20, 10]]
 avoided = false
 ";
 
-fn library() -> &'static (GaitLibrary, Cast) {
-    static ALL: OnceLock<(GaitLibrary, Cast)> = OnceLock::new();
+fn library() -> &'static (GaitLibrary, AvatarSet) {
+    static ALL: OnceLock<(GaitLibrary, AvatarSet)> = OnceLock::new();
     ALL.get_or_init(|| {
         let library = GaitLibrary::built_in().unwrap();
-        let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+        let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
         (library, cast)
     })
 }
@@ -50,8 +50,8 @@ fn refused(more: &str) -> String {
     }
 }
 
-fn moment(simulation: &mut Simulation) -> Moment {
-    measure::moment(simulation.state().unwrap())
+fn moment(simulation: &mut Simulation) -> Measures {
+    measure::measures(simulation.state().unwrap())
 }
 
 fn present(store: &Store, agent: usize) -> bool {
@@ -194,7 +194,7 @@ fn a_waiting_area_holds_people_for_their_time_and_until_its_time() {
         let store = simulation.state().unwrap();
         for (agent, waited) in waited.iter_mut().enumerate() {
             assert!(step >= 30 * 30 || store.route[agent][2] == 0, "left before its time");
-            *waited += u32::from(store.errand[agent] > 0);
+            *waited += u32::from(store.stage_progress[agent] > 0);
         }
     }
     assert_eq!(moment(&mut simulation).left, 20);
@@ -347,9 +347,9 @@ fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
         assert!(now.overlapping_pairs <= 1 && now.min_clearance > -0.2 * 0.42, "step {step}: {now:?}");
         let store = simulation.state().unwrap();
         for agent in 0..40_usize {
-            if store.errand[agent] > 0 && !joined.contains(&agent) {
+            if store.stage_progress[agent] > 0 && !joined.contains(&agent) {
                 joined.push(agent);
-                assert_eq!(store.errand[agent] as usize, joined.len(), "tickets are given in order");
+                assert_eq!(store.stage_progress[agent] as usize, joined.len(), "tickets are given in order");
             }
             if store.route[agent][2] > 0 && served.iter().all(|(other, _)| *other != agent) {
                 served.push((agent, step));

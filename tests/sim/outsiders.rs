@@ -2,7 +2,7 @@
 
 use crate::common::gpu;
 use gaitway::scenario::{Scenario, populate_from};
-use gaitway::sim::{Backend, Cast, Error, Simulation, measure};
+use gaitway::sim::{AvatarSet, Backend, Error, Simulation, measure};
 use gaitway::{avatar, library};
 use glam::Vec2;
 
@@ -14,7 +14,7 @@ fn scene(text: &str, backend: Backend) -> Result<Simulation, gaitway::Error> {
     let scenario = Scenario::parse(&format!("{PLACE}{text}"), "place")?;
     let library = library::GaitLibrary::built_in()?;
     let crowd = populate_from(&scenario, &library)?;
-    let cast = Cast::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
+    let cast = AvatarSet::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
     Simulation::new(&scenario, &crowd, &cast, backend, None)
 }
 
@@ -71,8 +71,8 @@ fn outsiders_on_paths_and_by_hand_are_the_same_on_both_backends() {
         assert!(Vec2::from_array(store.position[60]).distance(Vec2::new(9.0, 5.0)) < 1e-4);
         assert!(Vec2::from_array(store.velocity[60]).length() < 1e-2, "it waits");
         assert!(gaitway::ground::is_absent(store.position[62]), "nobody said where it is");
-        assert_eq!(store.look[60][0] >> 17 & 1, 1, "robots have no body");
-        assert_eq!(store.look[61][0] >> 17 & 1, 0, "people have one");
+        assert_eq!(store.appearance[60][0] >> 17 & 1, 1, "robots have no body");
+        assert_eq!(store.appearance[61][0] >> 17 & 1, 0, "people have one");
         // now the robot is led by hand, off its path
         simulation.lead(60, Some((Vec2::new(9.05, 5.0), Vec2::ZERO))).unwrap();
         simulation.lead(62, Some((Vec2::new(25.0, 9.0), Vec2::ZERO))).unwrap();

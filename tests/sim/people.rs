@@ -10,7 +10,7 @@ use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::setup::{
     join, manners, scratch, set_floors, set_grid, set_obstacles, set_raised_obstacles,
 };
-use gaitway::sim::{Backend, Cast, Simulation, measure, order};
+use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
 use gaitway::verify::cases::crossing::crossing;
 use glam::Vec2;
 
@@ -23,7 +23,7 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     store.position = places.to_vec();
     store.velocity = vec![[0.0; 2]; count];
     store.body = (0..count).map(|i| speeds[i % speeds.len()]).map(|v| [0.25, 1.5 * v, v, 1.4]).collect();
-    store.manners = vec![manners(2.0, 5.0, 10, 0.0); count];
+    store.avoidance = vec![manners(2.0, 5.0, 10, 0.0); count];
     store.elevation = vec![0.0; count];
     store.stance = vec![[0.0, 1.0]; count];
     store.phase = vec![0; count];
@@ -38,10 +38,10 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
 }
 
 fn steps(store: &mut Store, count: u32) {
-    let passes = order::step_passes(&store.step);
+    let dispatches = order::step_dispatches(&store.step);
     for _ in 0..count {
-        for pass in &passes {
-            reference::run(pass.phase, store, pass.immediate);
+        for dispatch in &dispatches {
+            reference::run(dispatch.phase, store, dispatch.immediate);
         }
         store.step.step_index += 1;
     }
@@ -91,7 +91,7 @@ fn members_of_a_group_do_not_avoid_one_another_like_strangers() {
         assert!(stranger < 1.25 && member > 1.29, "model {model}: {stranger} and {member} m/s");
         for _ in 0..30 * 10 {
             steps(&mut store, 1);
-            assert_eq!(measure::moment(&store).overlapping_pairs, 0, "model {model}: {:?}", store.position);
+            assert_eq!(measure::measures(&store).overlapping_pairs, 0, "model {model}: {:?}", store.position);
         }
         assert!(spread(&store, 2) < 1.0, "model {model}: {:?}", store.position);
     }
@@ -121,7 +121,7 @@ fn a_group_splits_at_a_pillar_and_comes_together_behind_it() {
         for _ in 0..30 * 14 {
             steps(&mut store, 1);
             widest = widest.max(spread(&store, size as usize));
-            assert_eq!(measure::moment(&store).overlapping_pairs, 0, "{:?}", store.position);
+            assert_eq!(measure::measures(&store).overlapping_pairs, 0, "{:?}", store.position);
         }
         assert!(store.position.iter().all(|p| p[0] > 12.0), "{size}: {:?}", store.position);
         assert!(spread(&store, size as usize) < 0.9 * size as f32, "{size}: {:?}", store.position);
@@ -157,7 +157,7 @@ fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
     "#;
     let scenario: Scenario = toml::from_str(text).unwrap();
     let library = GaitLibrary::built_in().unwrap();
-    let cast = Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
     let crowd = populate(&scenario, |emotion| library.gaits_for(emotion)).unwrap();
     let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
     assert!(simulation.store().step.group_count > 20, "{}", simulation.store().step.group_count);
@@ -167,7 +167,7 @@ fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
     for second in 0..40 {
         simulation.step(30).unwrap();
         let store = simulation.state().unwrap();
-        assert_eq!(measure::moment(store).overlapping_pairs, 0, "second {second}");
+        assert_eq!(measure::measures(store).overlapping_pairs, 0, "second {second}");
         assert_eq!(measure::outside(store, |p| walkable.walkable(p)), 0, "second {second}");
         for (agent, others) in store.companions.iter().enumerate().filter(|_| second >= 10) {
             let at = Vec2::from(store.position[agent]);
@@ -198,7 +198,7 @@ fn deviations(priority: f32) -> [f32; 2] {
     store.step.perturbation = 0.0;
     store.stages = [waypoint(1e4, 0.0, 1.0), waypoint(-1e4, 0.0, 1.0)].concat();
     store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
-    store.manners[0][3] = priority;
+    store.avoidance[0][3] = priority;
     let mut most = [0.0_f32; 2];
     for _ in 0..30 * 10 {
         steps(&mut store, 1);
@@ -218,8 +218,8 @@ fn whoever_has_priority_leaves_its_way_less() {
     assert!(full[0] < 0.02 && full[1] > 0.35, "{full:?}");
 }
 
-fn cast_of(library: &GaitLibrary) -> Cast {
-    Cast::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap()
+fn cast_of(library: &GaitLibrary) -> AvatarSet {
+    AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap()
 }
 
 #[test]
@@ -241,7 +241,7 @@ fn a_class_walks_at_its_speed_with_the_strides_of_its_gaits() {
             "{own:?} {before:?}"
         );
     }
-    assert!(slow.store().manners.iter().all(|m| m[3] == 0.5 && m[2] == 6.0));
+    assert!(slow.store().avoidance.iter().all(|m| m[3] == 0.5 && m[2] == 6.0));
     // a stride of the feet for every stride of the way: they do not slide
     let before = slow.store().clone();
     slow.step(1).unwrap();

@@ -98,7 +98,7 @@ fn store(layout: &Layout) -> Store {
         position: layout.start.clone(),
         velocity: vec![[0.0; 2]; count],
         body: vec![[layout.radius, layout.max_speed, 1.0, 1.4]; count],
-        manners: vec![sim::setup::manners(layout.horizon, layout.distance, 10, 0.0); count],
+        avoidance: vec![sim::setup::manners(layout.horizon, layout.distance, 10, 0.0); count],
         elevation: vec![0.0; count],
         stance: vec![[0.0; 2]; count],
         phase: vec![0; count],
@@ -144,9 +144,9 @@ fn plain(layout: &Layout, store: &Store) -> Crowd {
 
 /// The reference's preferred velocities, then one step.
 fn step(store: &mut Store, layout: &Layout) {
-    for pass in sim::order::step_passes(&store.step) {
-        if pass.kernel() != KernelId::Prefer {
-            reference::run(pass.phase, store, pass.immediate);
+    for dispatch in sim::order::step_dispatches(&store.step) {
+        if dispatch.kernel() != KernelId::Prefer {
+            reference::run(dispatch.phase, store, dispatch.immediate);
             continue;
         }
         for agent in 0..layout.goal.len() {

@@ -7,7 +7,7 @@
 use gaitway::kernels::Store;
 use gaitway::reference;
 use gaitway::reference::exact::{hash_u32, unit_f32};
-use gaitway::sim::order::step_passes;
+use gaitway::sim::order::step_dispatches;
 use gaitway::verify::cases::crossing::crossing;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -113,8 +113,8 @@ fn did(mut crowd: Store, step: fn(&mut Store)) -> Did {
 }
 
 fn kernel_step(crowd: &mut Store) {
-    for pass in step_passes(&crowd.step) {
-        reference::run(pass.phase, crowd, pass.immediate);
+    for dispatch in step_dispatches(&crowd.step) {
+        reference::run(dispatch.phase, crowd, dispatch.immediate);
     }
 }
 

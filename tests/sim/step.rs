@@ -9,7 +9,7 @@ use gaitway::verify::cases::{animation, step};
 fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
     let store = step::crowd(100, 1);
     let one = std::iter::once(Op::Set(BufferId::Step))
-        .chain(order::step_passes(&store.step).into_iter().map(Op::Pass));
+        .chain(order::step_dispatches(&store.step).into_iter().map(Op::Dispatch));
     let ops: Vec<_> = one.collect();
     let two: Vec<_> = ops.iter().chain(&ops[..2]).copied().collect();
     let want = "\
@@ -19,7 +19,7 @@ lead_agents.appear
 barrier
 teleport
 barrier
-journey
+advance_journey
 barrier
 grid_count
 barrier
@@ -36,21 +36,21 @@ barrier
 grid_pack contents storeys+unlike+walls+user+groups
 prefer
 barrier
-accompany
+group_cohesion
 barrier
 react
 barrier
 lead_agents.steer
 barrier
-persevere.turns
+unjam.turns
 barrier
-persevere.walls
+unjam.walls
 barrier
 velocity_orca contents storeys+unlike+walls+user+groups
 barrier
 velocity_orca.again contents storeys+unlike+walls+user+groups
 barrier
-contain
+clip_to_walls
 barrier
 integrate
 barrier
@@ -67,7 +67,7 @@ lead_agents.appear
 fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
     let store = animation::animation(100, 0);
     let ops: Vec<_> = std::iter::once(Op::Set(BufferId::Frame))
-        .chain(order::frame_passes(&store.frame).into_iter().map(Op::Pass))
+        .chain(order::frame_dispatches(&store.frame).into_iter().map(Op::Dispatch))
         .collect();
     let found = text(&plan(&ops));
     let lines: Vec<_> = found.lines().collect();

@@ -1,13 +1,13 @@
-//! What an engine records: copies, uniforms, passes and the barriers between them, into its own command buffer or into
+//! What an engine records: copies, uniforms, dispatches and the barriers between them, into its own command buffer or into
 //! somebody else's, so that a picture and the kernels before it are one submission.
 
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
-use super::{Copy, Engine, TIMED_PASSES};
+use super::{Copy, Engine, TIMED_DISPATCHES};
 use crate::kernels::Store;
 #[cfg(feature = "xr")]
 use crate::kernels::shared::dispatch::MOST_GROUPS;
-use crate::kernels::{BufferId, Extent, KernelId, Pass};
+use crate::kernels::{BufferId, Dispatch, Extent, KernelId};
 use ash::{ext, vk};
 use std::ffi::CString;
 
@@ -99,13 +99,13 @@ impl Engine {
         match error {
             Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
                 let names = ops.iter().filter_map(|op| match op {
-                    Op::Pass(pass) => Some(pass.phase.entry().label),
+                    Op::Dispatch(dispatch) => Some(dispatch.phase.entry().label),
                     Op::Set(_) => None,
                 });
                 let mut names: Vec<_> = names.collect();
                 names.dedup();
                 names.truncate(16);
-                Error::DeviceLost { passes: names.join(", ") }
+                Error::DeviceLost { dispatches: names.join(", ") }
             }
             other => other,
         }
@@ -144,7 +144,7 @@ impl Engine {
     }
 
     /// Records operations into somebody else's commands, outside of rendering: everything written before is visible to
-    /// them, and what they write to later passes, draws and their arguments.
+    /// them, and what they write to later dispatches, draws and their arguments.
     ///
     /// # Errors
     /// As of [`Engine::run`], without what only a submission meets.
@@ -174,7 +174,7 @@ impl Engine {
         let raw = &self.device.raw;
         if timed {
             // SAFETY: recording has begun and the queries are not in use.
-            unsafe { raw.cmd_reset_query_pool(commands, self.queries, 0, 2 * TIMED_PASSES) };
+            unsafe { raw.cmd_reset_query_pool(commands, self.queries, 0, 2 * TIMED_DISPATCHES) };
         }
         let mut query = 0;
         for command in plan(ops) {
@@ -195,8 +195,8 @@ impl Engine {
                     // SAFETY: the contents lie within the buffer and are as long as an update may be.
                     unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents) };
                 }
-                Command::Op(_, Op::Pass(pass)) => {
-                    self.dispatch(commands, pass, timed.then_some(query))?;
+                Command::Op(_, Op::Dispatch(dispatch)) => {
+                    self.dispatch(commands, dispatch, timed.then_some(query))?;
                     query += 2;
                 }
             }
@@ -205,12 +205,17 @@ impl Engine {
         Ok(())
     }
 
-    fn dispatch(&self, commands: vk::CommandBuffer, pass: Pass, query: Option<u32>) -> Result<(), Error> {
-        let entry = pass.phase.entry();
-        let Some(pipeline) = &self.pipelines[pass.phase as usize] else {
+    fn dispatch(
+        &self,
+        commands: vk::CommandBuffer,
+        dispatch: Dispatch,
+        query: Option<u32>,
+    ) -> Result<(), Error> {
+        let entry = dispatch.phase.entry();
+        let Some(pipeline) = &self.pipelines[dispatch.phase as usize] else {
             return Err(Error::NoKernel(entry.label));
         };
-        if let Extent::Indirect(buffer, element) = pass.extent {
+        if let Extent::Indirect(buffer, element) = dispatch.extent {
             let size = self.buffer(buffer).map_or(0, Buffer::size);
             if u64::from(element) * 4 + ARGUMENTS > size {
                 return Err(Error::Arguments { kernel: entry.label, buffer: buffer.name(), element });
@@ -235,10 +240,10 @@ impl Engine {
                 &[],
             );
             if entry.immediate.is_some() {
-                let word = pass.immediate.to_ne_bytes();
+                let word = dispatch.immediate.to_ne_bytes();
                 raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &word);
             }
-            match pass.extent {
+            match dispatch.extent {
                 Extent::Invocations(count) => {
                     let groups = count.div_ceil(entry.workgroup_size[0]);
                     if groups > 0 {

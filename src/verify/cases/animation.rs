@@ -12,15 +12,15 @@
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
-use crate::kernels::attend::index::COUNTS;
 use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::gaze::{ENGAGED, VALID};
+use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::shared::body::index::{
     PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
 use crate::kernels::shared::dispatch::index::RUN;
-use crate::kernels::{KernelId, Pass, Store};
+use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference::body::far_slot;
 use crate::reference::exact::{hash_u32, unit_f32};
 use glam::{Mat4, Quat, Vec3};
@@ -297,7 +297,7 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     store.stance.push([dice.between(-3.1, 3.1), walk]);
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), u32::from(dice.below(8) > 0));
-    store.look.push([
+    store.appearance.push([
         avatar | emotion << 8 | gazes << 16,
         dice.between(0.9, 1.1).to_bits(),
         dice.bits(),
@@ -377,27 +377,27 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::NotANumber => store.position[agent][1] = f32::NAN,
         Hard::Infinite => store.stance[agent][0] = f32::INFINITY,
         Hard::NegativeWeight => store.gait_weights[agent][2] = -0.5,
-        Hard::NoSuchAvatar => store.look[agent][0] |= 0xff,
+        Hard::NoSuchAvatar => store.appearance[agent][0] |= 0xff,
         Hard::NoSuchClip => {
             store.gait_weights[agent] = [1.0, 0.0, 0.0, 0.0];
             store.gaits[agent][0] = (AVATARS * CLIPS) as u32;
         }
-        Hard::NoSize => store.look[agent][1] = 0,
+        Hard::NoSize => store.appearance[agent][1] = 0,
         Hard::AtTheCamera => store.position[agent] = [user_eyes.x, user_eyes.z + 0.001],
         Hard::OnTheUser | Hard::UserAbove => {
             // the neck of avatar 0 stands 1 cm behind the origin
             store.position[agent] = [user_eyes.x, user_eyes.z + 0.01];
-            store.look[agent][0] = angry_gazer;
+            store.appearance[agent][0] = angry_gazer;
             let shrink: f32 = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
-            store.look[agent][1] = shrink.to_bits();
+            store.appearance[agent][1] = shrink.to_bits();
             store.stance[agent] = [0.0, 0.0];
         }
         Hard::Absent => store.position[agent] = [crate::ground::ABSENT; 2],
-        Hard::Undrawn => store.look[agent][0] |= 1 << 17,
+        Hard::Undrawn => store.appearance[agent][0] |= 1 << 17,
         Hard::TooDeep => store.elevation[agent] = -1e7,
         Hard::AtTheRange => {
             store.position[agent] = [user_eyes.x, user_eyes.z + 8.0];
-            store.look[agent][0] = angry_gazer;
+            store.appearance[agent][0] = angry_gazer;
             store.stance[agent] = [std::f32::consts::PI, 0.0];
             (store.gaze_frame[agent], store.attention[agent]) = (0, [0; 2]);
         }
@@ -407,7 +407,7 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
             // faces away from the user, in front of the camera
             store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
             store.stance[agent] = [0.0, 1.0];
-            store.look[agent][0] = angry_gazer;
+            store.appearance[agent][0] = angry_gazer;
         }
     }
 }
@@ -421,7 +421,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
         store.elevation.push(NAN);
         store.stance.push([NAN; 2]);
         store.phase.push(POISON);
-        store.look.push([POISON; 4]);
+        store.appearance.push([POISON; 4]);
         store.gaits.push([POISON; 4]);
         store.gait_weights.push([NAN; 4]);
         store.gaze_state.push([NAN; 4]);
@@ -443,7 +443,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     store.skinned = vec![[NAN; 4]; (near_capacity * most_vertices + 1) * SKINNED_STRIDE];
 }
 
-/// The launches of the animation kernels for one picture, in order.
-pub fn passes(store: &Store) -> Vec<Pass> {
-    crate::sim::order::frame_passes(&store.frame)
+/// The dispatches of the animation kernels for one picture, in order.
+pub fn dispatches(store: &Store) -> Vec<Dispatch> {
+    crate::sim::order::frame_dispatches(&store.frame)
 }

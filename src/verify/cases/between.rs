@@ -1,24 +1,24 @@
-//! Inputs for `remember` and `interpolate`: two moments of a crowd of whom some walk, turn across the back, end a
+//! Inputs for `keep_snapshot` and `interpolate`: two snapshots of a crowd of whom some walk, turn across the back, end a
 //! stride, stand, are set to another place, come in, go, or have no place that is a number.
 
 use super::unit;
 use crate::ground::ABSENT;
 use crate::kernels::layout::BetweenUniforms;
-use crate::kernels::{Pass, Store};
-use crate::sim::order::between_passes;
+use crate::kernels::{Dispatch, Store};
+use crate::sim::order::between_dispatches;
 
 /// Elements behind the last agent that hold NaN.
 const SPARE: usize = 3;
-/// Farthest that the made-up people walk between the moments, m.
+/// Farthest that the made-up people walk between the snapshots, m.
 const REACH: f32 = 0.4;
 
-/// A crowd whose moment before is kept and whose newest is not yet. Seeds differ in the share: none of the way, some of
-/// it, nearly all, all; and in the place of the newest moment.
+/// A crowd whose snapshot before is kept and whose newest is not yet. Seeds differ in the share: none of the way, some of
+/// it, nearly all, all; and in the place of the newest snapshot.
 pub fn between(agents: usize, seed: u32) -> Store {
     let newest = seed >> 1 & 1;
     let share = [0.0, 0.37, 0.999_999_94, 1.0][seed as usize % 4];
     let between = BetweenUniforms { agent_count: agents as u32, newest, share, reach: REACH };
-    let mut store = Store { between, moments: vec![[0xdead_beef; 4]; agents * 6], ..Store::default() };
+    let mut store = Store { between, snapshots: vec![[0xdead_beef; 4]; agents * 6], ..Store::default() };
     for i in 0..agents {
         let random = |lane: u32| unit(seed ^ 0x0be7_0000, i, lane);
         let within = |lane: u32, size: f32| (2.0 * random(lane) - 1.0) * size;
@@ -49,11 +49,11 @@ pub fn between(agents: usize, seed: u32) -> Store {
         store.elevation.push(within(9, 4.0));
         store.gait_weights.push([10, 11, 12, 13].map(random));
         let at = (1 - newest) as usize * agents + i;
-        store.moments[3 * at] = [stood[0], stood[1], turned, random(14)].map(f32::to_bits);
-        store.moments[3 * at + 1] = [was, within(15, 4.0).to_bits(), 0, 0];
-        store.moments[3 * at + 2] = [16, 17, 18, 19].map(|lane| random(lane).to_bits());
+        store.snapshots[3 * at] = [stood[0], stood[1], turned, random(14)].map(f32::to_bits);
+        store.snapshots[3 * at + 1] = [was, within(15, 4.0).to_bits(), 0, 0];
+        store.snapshots[3 * at + 2] = [16, 17, 18, 19].map(|lane| random(lane).to_bits());
     }
-    store.moments.extend([[0xdead_beef; 4]; SPARE]);
+    store.snapshots.extend([[0xdead_beef; 4]; SPARE]);
     store.position.extend([[f32::NAN; 2]; SPARE]);
     store.stance.extend([[f32::NAN; 2]; SPARE]);
     store.phase.extend([0xdead_beef; SPARE]);
@@ -62,7 +62,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
     store
 }
 
-/// The launches: the newest moment is kept, then everyone is put between the two.
-pub fn passes(store: &Store) -> Vec<Pass> {
-    between_passes(store.between.agent_count, Some(store.between.newest))
+/// The dispatches: the newest snapshot is kept, then everyone is put between the two.
+pub fn dispatches(store: &Store) -> Vec<Dispatch> {
+    between_dispatches(store.between.agent_count, Some(store.between.newest))
 }

@@ -58,7 +58,7 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
         store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
         store.body.push([0.25, 2.0, 1.3, 1.4]);
-        store.manners.push(manners(2.0, 5.0, 10, 0.0));
+        store.avoidance.push(manners(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
         store.stance.push([0.0, 1.0]);
         store.phase.push(hash_u32(cell));

@@ -55,10 +55,10 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
             [16, 17, 18, 19].map(|lane| 0.9 + 0.6 * unit(i, lane)),
             [ratio, 1.8, 0.0, 0.0],
         ]);
-        store.look.push([(i as u32 % 6) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0]);
+        store.appearance.push([(i as u32 % 6) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0]);
         store.gait_weights.push([0.25; 4]);
         store.gaits.push([0; 4]);
-        if store.manners[i][3] >= LED {
+        if store.avoidance[i][3] >= LED {
             let (first, count) = (store.keyframes.len() as u32, [3, 0, 1, 4][i / 64 % 4]);
             let start = now * store.step.time_step - 2.0 * unit(i, 20);
             for k in 0..count {
@@ -87,7 +87,7 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
         store.feeling.push([f32::NAN; 4]);
         store.temperament.extend([[f32::NAN; 4]; 2]);
         store.paces.extend([[f32::NAN; 4]; 3]);
-        store.look.push([0; 4]);
+        store.appearance.push([0; 4]);
         store.gait_weights.push([f32::NAN; 4]);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::unit;
 use crate::kernels::layout::{FlowUniforms, StepUniforms};
-use crate::kernels::{Pass, Store};
+use crate::kernels::{Dispatch, Store};
 use crate::scenario::{Floor, Floors};
 use crate::sim::flow::{Goal, Settings, lay_on};
 use crate::sim::order;
@@ -144,22 +144,22 @@ fn one_cell(store: &mut Store) {
     store.flow_room = vec![0.25];
 }
 
-/// The launches that count, price and solve.
-pub fn passes(store: &Store) -> Vec<Pass> {
+/// The dispatches that count, price and solve.
+pub fn dispatches(store: &Store) -> Vec<Dispatch> {
     let grid = &store.flow_grid;
-    let mut passes = order::density_passes(&store.step, grid);
-    passes.extend(order::flow_start(grid));
+    let mut dispatches = order::density_dispatches(&store.step, grid);
+    dispatches.extend(order::flow_start(grid));
     // enough for any of these cases: the lists are empty long before
     let turns = (grid.tile_columns * grid.tile_rows).min(600) + 16;
-    passes.extend(order::flow_turns(0, turns, false));
+    dispatches.extend(order::flow_turns(0, turns, false));
     for _ in 0..if grid.joint_count > 0 { 4 } else { 0 } {
-        passes.push(order::flow_joint(grid));
-        passes.extend(order::flow_turns(0, turns, false));
+        dispatches.push(order::flow_joint(grid));
+        dispatches.extend(order::flow_turns(0, turns, false));
     }
-    passes.push(order::flow_solid(grid));
-    passes.extend(order::flow_turns(0, turns, true));
-    passes.extend(order::flow_end(grid));
-    passes
+    dispatches.push(order::flow_solid(grid));
+    dispatches.extend(order::flow_turns(0, turns, true));
+    dispatches.extend(order::flow_end(grid));
+    dispatches
 }
 
 #[cfg(test)]
@@ -172,9 +172,9 @@ mod tests {
     #[test]
     fn the_cases_hold_free_cells_solid_ones_and_a_pocket_and_come_to_an_end() {
         let mut store = fields(5000, 3);
-        let passes = passes(&store);
-        for pass in &passes[..passes.len() - 1] {
-            crate::reference::run(pass.phase, &mut store, pass.immediate);
+        let dispatches = dispatches(&store);
+        for dispatch in &dispatches[..dispatches.len() - 1] {
+            crate::reference::run(dispatch.phase, &mut store, dispatch.immediate);
         }
         assert!((0..4).all(|list| store.flow_args[list * 4 + 3] == 0), "tiles are left on the lists");
         let count = |is: &dyn Fn(u32, f32) -> bool| {

@@ -2,7 +2,7 @@
 //! must be refused.
 
 use crate::kernels::gait_features::index::ROW;
-use crate::kernels::{KernelId, Pass, Phase, Store};
+use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 
 /// Frames of the longest gait.
@@ -74,8 +74,8 @@ fn position(kind: u32, joint: u32, phase: f32, random: &impl Fn(u32) -> f32) -> 
     }
 }
 
-/// The launch of `gait_features` for a store.
-pub fn passes(store: &Store) -> Vec<Pass> {
+/// The dispatch of `gait_features` for a store.
+pub fn dispatches(store: &Store) -> Vec<Dispatch> {
     let gaits = store.gait_table.len() as u32;
-    vec![Pass::of(Phase::GaitFeatures, gaits)]
+    vec![Dispatch::of(Phase::GaitFeatures, gaits)]
 }

@@ -1,4 +1,4 @@
-//! Inputs for `occlude` and `admit`: the crowd of [`super::animation`] as `cull` and `compact` leave it, and a depth that
+//! Inputs for `occlude` and `occlusion_compact`: the crowd of [`super::animation`] as `cull` and `compact` leave it, and a depth that
 //! hides some of it.
 //!
 //! Hard by design: agents at and behind the eye, far too near or large to be judged, out of one eye's picture, tiles where
@@ -8,7 +8,7 @@ use super::{animation, unit};
 use crate::kernels::layout::SightUniforms;
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::dispatch::index::RUN;
-use crate::kernels::{KernelId, Pass, Store};
+use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference;
 use crate::sim::order;
 use glam::camera::rh::{proj::vulkan, view::look_at_mat4};
@@ -35,9 +35,9 @@ fn clip_from_world(user_eyes: Vec3, aside: f32) -> [[f32; 4]; 4] {
 pub fn hidden(agents: usize, seed: u32) -> Store {
     let kind = seed.wrapping_mul(3).wrapping_add(1); // with far bodies
     let mut store = animation::animation(agents, kind);
-    for pass in animation::passes(&store) {
-        if matches!(pass.kernel(), KernelId::Cull | KernelId::Compact) {
-            reference::run(pass.phase, &mut store, pass.immediate);
+    for dispatch in animation::dispatches(&store) {
+        if matches!(dispatch.kernel(), KernelId::Cull | KernelId::Compact) {
+            reference::run(dispatch.phase, &mut store, dispatch.immediate);
         }
     }
     let [x, y, z, _] = store.frame.user_eyes;
@@ -70,7 +70,7 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
     store.sight.fewest = [2, judged + 1, judged, 2, u32::MAX][seed as usize % 5];
     // heads just as high as the eye may look down on
     for agent in (0..agents).step_by(9) {
-        let head = 1.75 * f32::from_bits(store.look[agent][1]);
+        let head = 1.75 * f32::from_bits(store.appearance[agent][1]);
         store.elevation[agent] = store.sight.eye_height - head - 0.3;
     }
     let tiles = (2 * columns * rows) as usize;
@@ -81,7 +81,7 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
         let depth = unit(kind, column / 6, 0) * 0.02;
         if unit(kind, tile, 1) < 0.01 { 0.0 } else { depth }
     };
-    store.farthest = (0..tiles).map(wall).collect();
+    store.tile_depth = (0..tiles).map(wall).collect();
     store.hidden = vec![POISON; store.visible.len()];
     store.shown = vec![POISON; store.visible.len()];
     store.run_shown = vec![POISON; agents.div_ceil(RUN) + 1];
@@ -89,10 +89,10 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
     store
 }
 
-/// The launches of one sifting.
-pub fn passes(store: &Store) -> Vec<Pass> {
+/// The dispatches of one sifting.
+pub fn dispatches(store: &Store) -> Vec<Dispatch> {
     let agents = store.frame.agent_count;
-    order::marking_passes(agents).into_iter().chain(order::sifting_passes(agents)).collect()
+    order::marking_dispatches(agents).into_iter().chain(order::occlusion_dispatches(agents)).collect()
 }
 
 #[cfg(test)]
@@ -104,8 +104,8 @@ mod tests {
         let mut all = [0, 0];
         for seed in 0..10 {
             let mut store = hidden(700, seed);
-            for pass in passes(&store) {
-                reference::run(pass.phase, &mut store, pass.immediate);
+            for dispatch in dispatches(&store) {
+                reference::run(dispatch.phase, &mut store, dispatch.immediate);
             }
             let shift = store.sight.start_shift;
             let of = |bucket: u32| store.bucket_start[(bucket + shift) as usize];

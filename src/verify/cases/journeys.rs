@@ -24,7 +24,7 @@ pub fn journeys(agents: usize, seed: u32) -> Store {
         let next = (u(22) * 6.0) as u32; // 5: all done
         store.route[agent] = [5 * (agent as u32 % 7), 5 | loops, next, 0];
         let arrived = u(23) * (store.step.step_index + 2) as f32;
-        store.errand[agent] = if u(24) < 0.5 { 0 } else { arrived as u32 };
+        store.stage_progress[agent] = if u(24) < 0.5 { 0 } else { arrived as u32 };
         store.aim[agent] = [0.0; 4];
     }
     sources(&mut store, agents, side, seed);
@@ -51,7 +51,7 @@ fn queues(store: &mut Store, agents: usize, seed: u32) {
         let mine = (0..agents).filter(|agent| agent % 7 == queue && store.route[*agent][2] == 3);
         let in_line: Vec<usize> = mine.collect();
         for (k, agent) in in_line.into_iter().enumerate() {
-            store.errand[agent] =
+            store.stage_progress[agent] =
                 if k % 3 == 0 { 0 } else { first + 1 + k as u32 % 4 - u32::from(k % 8 == 7) };
             if k % 4 == 0 && store.position[agent][0] < 1e8 {
                 let counter = store.stages[stage];

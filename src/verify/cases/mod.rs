@@ -17,7 +17,7 @@ pub mod journeys;
 mod odd;
 pub mod step;
 
-use crate::kernels::{KernelId, Pass, Phase, Store};
+use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::order;
 
@@ -28,33 +28,39 @@ pub struct Case {
     pub name: String,
     /// The buffers.
     pub store: Store,
-    /// The launches, in order.
-    pub passes: Vec<Pass>,
+    /// The dispatches, in order.
+    pub dispatches: Vec<Dispatch>,
 }
 
 impl Case {
     fn step(what: &str, size: usize, seed: u32, store: Store) -> Self {
-        let passes = order::step_passes(&store.step);
-        Self { name: format!("{what}, {size} agents, seed {seed}"), store, passes }
+        let dispatches = order::step_dispatches(&store.step);
+        Self { name: format!("{what}, {size} agents, seed {seed}"), store, dispatches }
     }
 
-    fn new(what: &str, size: usize, seed: u32, store: Store, passes: fn(&Store) -> Vec<Pass>) -> Self {
-        let passes = passes(&store);
-        Self { name: format!("{what}, size {size}, seed {seed}"), store, passes }
+    fn new(
+        what: &str,
+        size: usize,
+        seed: u32,
+        store: Store,
+        dispatches: fn(&Store) -> Vec<Dispatch>,
+    ) -> Self {
+        let dispatches = dispatches(&store);
+        Self { name: format!("{what}, size {size}, seed {seed}"), store, dispatches }
     }
 
     /// The step after this one, on the CPU; none for a case that is no step.
     #[must_use]
     pub fn next_step(mut self) -> Option<Self> {
-        let has = |kernel| self.passes.iter().any(|pass| pass.kernel() == kernel);
+        let has = |kernel| self.dispatches.iter().any(|dispatch| dispatch.kernel() == kernel);
         if !(has(KernelId::GridCount) && has(KernelId::Integrate)) {
             return None;
         }
-        for pass in &self.passes {
-            crate::reference::run(pass.phase, &mut self.store, pass.immediate);
+        for dispatch in &self.dispatches {
+            crate::reference::run(dispatch.phase, &mut self.store, dispatch.immediate);
         }
         self.store.step.step_index += 1;
-        self.passes = order::step_passes(&self.store.step);
+        self.dispatches = order::step_dispatches(&self.store.step);
         Some(self)
     }
 }
@@ -77,15 +83,15 @@ pub fn all(size: usize, seed: u32) -> Vec<Case> {
     for number in numbers(8) {
         // the large case is of the tight kind, whose buffers are small
         let seed = seed.wrapping_mul(8).wrapping_add(if few { 1 } else { number });
-        cases.push(Case::new("picture", size, seed, animation::animation(size, seed), animation::passes));
+        cases.push(Case::new("picture", size, seed, animation::animation(size, seed), animation::dispatches));
     }
     for number in numbers(5) {
         let seed = seed.wrapping_mul(8).wrapping_add(number);
-        cases.push(Case::new("who is hidden", size, seed, hidden::hidden(size, seed), hidden::passes));
+        cases.push(Case::new("who is hidden", size, seed, hidden::hidden(size, seed), hidden::dispatches));
     }
     for number in numbers(2) {
         let seed = seed.wrapping_mul(8).wrapping_add(number);
-        cases.push(Case::new("ways", size, seed, flow::fields(size, seed), flow::passes));
+        cases.push(Case::new("ways", size, seed, flow::fields(size, seed), flow::dispatches));
     }
     for number in numbers(3) {
         let seed = seed.wrapping_mul(3).wrapping_add(if few { 1 } else { number });
@@ -93,11 +99,11 @@ pub fn all(size: usize, seed: u32) -> Vec<Case> {
     }
     for number in numbers(4) {
         let seed = seed.wrapping_mul(4).wrapping_add(number);
-        cases.push(Case::new("two moments", size, seed, between::between(size, seed), between::passes));
+        cases.push(Case::new("two snapshots", size, seed, between::between(size, seed), between::dispatches));
     }
     // the large case is of the kind in which every gait is usable
     for seed in numbers(2) {
-        cases.push(Case::new("features of gaits", size, seed, gaits::gaits(size, seed), gaits::passes));
+        cases.push(Case::new("features of gaits", size, seed, gaits::gaits(size, seed), gaits::dispatches));
     }
     cases
 }
@@ -130,8 +136,8 @@ pub const PROBED: u32 = 65_536;
 pub fn probe() -> Case {
     let mut store = Store { numerics_in: crate::reference::probe_cases(PROBED), ..Store::default() };
     store.numerics_out = vec![[0.0; 4]; store.numerics_in.len() * 4];
-    let passes = vec![Pass::of(Phase::Numerics, PROBED)];
-    Case { name: "arithmetic".to_owned(), store, passes }
+    let dispatches = vec![Dispatch::of(Phase::Numerics, PROBED)];
+    Case { name: "arithmetic".to_owned(), store, dispatches }
 }
 
 #[cfg(test)]
@@ -160,27 +166,27 @@ mod tests {
     fn the_crowd_of_the_trajectory_has_everything() {
         let mut store = everything(2_000, 1);
         assert!(store.step.crowding > 0.0 && store.step.patience > 0.0);
-        let passes = order::step_passes(&store.step);
-        let reached: BTreeSet<KernelId> = passes.iter().map(Pass::kernel).collect();
+        let dispatches = order::step_dispatches(&store.step);
+        let reached: BTreeSet<KernelId> = dispatches.iter().map(Dispatch::kernel).collect();
         let wanted = [
             KernelId::FollowPaths,
             KernelId::LeadAgents,
             KernelId::Teleport,
-            KernelId::Journey,
+            KernelId::AdvanceJourney,
             KernelId::Queue,
-            KernelId::Hear,
-            KernelId::Feel,
-            KernelId::Express,
-            KernelId::Enter,
-            KernelId::Accompany,
-            KernelId::Persevere,
-            KernelId::Contain,
+            KernelId::EmotionGather,
+            KernelId::EmotionUpdate,
+            KernelId::EmotionApply,
+            KernelId::Spawn,
+            KernelId::GroupCohesion,
+            KernelId::Unjam,
+            KernelId::ClipToWalls,
             KernelId::Elevate,
         ];
         assert!(wanted.iter().all(|kernel| reached.contains(kernel)), "{reached:?}");
         let (before, waiting) = (store.feeling.clone(), store.waiting.clone());
-        for pass in &passes {
-            crate::reference::run(pass.phase, &mut store, pass.immediate);
+        for dispatch in &dispatches {
+            crate::reference::run(dispatch.phase, &mut store, dispatch.immediate);
         }
         assert!(store.feeling != before && store.waiting != waiting);
         assert!(store.companions.iter().any(|others| others[0] != crate::kernels::shared::absent::NOBODY));

@@ -9,13 +9,13 @@ use crate::sim::order;
 
 /// What throngs are tried with: the grid, which sorts them, too.
 const THRONGS: [KernelId; 5] =
-    [KernelId::GridCount, KernelId::GridScan, KernelId::GridScatter, KernelId::GridPack, KernelId::Enter];
+    [KernelId::GridCount, KernelId::GridScan, KernelId::GridScatter, KernelId::GridPack, KernelId::Spawn];
 
 /// What [`super::all`] holds of these.
 pub(super) fn cases(size: usize, seed: u32) -> Vec<Case> {
     let mut cases = vec![
-        only("walls", size, seed, walls(size, seed), &[KernelId::Contain, KernelId::Integrate]),
-        only("nearly free places", size, seed, places(size, seed), &[KernelId::Enter]),
+        only("walls", size, seed, walls(size, seed), &[KernelId::ClipToWalls, KernelId::Integrate]),
+        only("nearly free places", size, seed, places(size, seed), &[KernelId::Spawn]),
     ];
     if size == 1_000 {
         cases.push(only("throngs", size, seed, throngs(seed), &THRONGS));
@@ -23,19 +23,19 @@ pub(super) fn cases(size: usize, seed: u32) -> Vec<Case> {
     cases
 }
 
-/// The launches of these kernels alone.
+/// The dispatches of these kernels alone.
 fn only(what: &str, size: usize, seed: u32, store: Store, kernels: &[KernelId]) -> Case {
-    let mut passes = order::step_passes(&store.step);
-    passes.retain(|pass| kernels.contains(&pass.kernel()));
-    Case { name: format!("{what}, size {size}, seed {seed}"), store, passes }
+    let mut dispatches = order::step_dispatches(&store.step);
+    dispatches.retain(|dispatch| kernels.contains(&dispatch.kernel()));
+    Case { name: format!("{what}, size {size}, seed {seed}"), store, dispatches }
 }
 
 /// Puts everyone into the grid.
 fn into_grid(store: &mut Store) {
     use KernelId::{GridCount, GridPack, GridScan, GridScatter};
-    for pass in order::step_passes(&store.step) {
-        if matches!(pass.kernel(), GridCount | GridScan | GridScatter | GridPack) {
-            crate::reference::run(pass.phase, store, pass.immediate);
+    for dispatch in order::step_dispatches(&store.step) {
+        if matches!(dispatch.kernel(), GridCount | GridScan | GridScatter | GridPack) {
+            crate::reference::run(dispatch.phase, store, dispatch.immediate);
         }
     }
 }
@@ -130,7 +130,7 @@ fn throngs(seed: u32) -> Store {
     for agent in 0..=2 * MOST {
         store.position[agent] = if agent < MOST { [2.0, 2.0] } else { [34.0, 2.0] };
     }
-    store.manners.iter_mut().for_each(|manners| manners[3] = 0.0); // nobody is led, and keeps more clear
+    store.avoidance.iter_mut().for_each(|manners| manners[3] = 0.0); // nobody is led, and keeps more clear
     store.cell_start = vec![0; 101];
     store.cell_counts = vec![0; 100];
     store.run_sums = vec![0; 2];
@@ -150,8 +150,8 @@ mod tests {
     fn a_throng_lets_in_and_one_more_does_not() {
         let case = only("throngs", 1000, 1, throngs(1), &THRONGS);
         let mut store = case.store;
-        for pass in case.passes {
-            crate::reference::run(pass.phase, &mut store, pass.immediate);
+        for dispatch in case.dispatches {
+            crate::reference::run(dispatch.phase, &mut store, dispatch.immediate);
         }
         assert_eq!([store.sources[4], store.sources[12]], [1, 0]);
     }

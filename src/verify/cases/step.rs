@@ -103,13 +103,13 @@ fn ways(store: &mut Store) {
     }
     let grid = store.flow_grid;
     let turns = (grid.tile_columns * grid.tile_rows).min(400) + 16;
-    let mut passes = order::flow_start(&grid);
-    passes.extend(order::flow_turns(0, turns, false));
-    passes.push(order::flow_solid(&grid));
-    passes.extend(order::flow_turns(0, turns, true));
-    passes.extend(order::flow_end(&grid));
-    for pass in passes {
-        crate::reference::run(pass.phase, store, pass.immediate);
+    let mut dispatches = order::flow_start(&grid);
+    dispatches.extend(order::flow_turns(0, turns, false));
+    dispatches.push(order::flow_solid(&grid));
+    dispatches.extend(order::flow_turns(0, turns, true));
+    dispatches.extend(order::flow_end(&grid));
+    for dispatch in dispatches {
+        crate::reference::run(dispatch.phase, store, dispatch.immediate);
     }
     // what the fields say of the upper half of the area is taken as that of a second storey
     if grid.rows > 1 && store.step.agent_count % 2 == 1 {
@@ -162,7 +162,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.teleport_of.push(if i % 16 == 9 { u32::from(i % 64 == 9) } else { NOBODY });
         store.lead.push([target[0], target[1], (u(22) - 0.5) * speed, (u(23) - 0.5) * speed]);
         store.step.led_count += u32::from(is_led);
-        store.manners.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
+        store.avoidance.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.reaction.push(if i % 32 == 9 { (u(21) * 16.0) as u32 } else { 0 });
         store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
@@ -185,7 +185,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.position.push(like.map_or([f32::NAN; 2], |_| [0.5 * side; 2]));
         store.velocity.push(of_two(&store.velocity));
         store.body.push(of(&store.body));
-        store.manners.push(of(&store.manners));
+        store.avoidance.push(of(&store.avoidance));
         store.elevation.push(like.map_or(f32::NAN, |_| 0.5));
         store.lead.push(of(&store.lead));
         store.reaction.push(u32::MAX);
@@ -265,13 +265,13 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.agent_slot = vec![0; spare];
     // what is left of another step
     store.unsolved = vec![1_000_000; spare + 4];
-    store.slot_manners = vec![[0; 4]; spare];
+    store.slot_avoidance = vec![[0; 4]; spare];
     store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
     store.aim = vec![[f32::NAN; 4]; spare];
-    store.errand = vec![0; spare];
+    store.stage_progress = vec![0; spare];
     store.entry = vec![0; spare];
     store.queues = vec![0; 8];
     store.sources = vec![0; 8];

@@ -51,7 +51,7 @@ impl SessionHash {
     fn gaze(&mut self, head: [f32; 3], crowd: &Store) {
         let range = RANGE + RANGE_HYSTERESIS;
         for agent in 0..crowd.step.agent_count as usize {
-            let (look, [x, z]) = (crowd.look[agent], crowd.position[agent]);
+            let (look, [x, z]) = (crowd.appearance[agent], crowd.position[agent]);
             let away = [head[0] - x, head[2] - z];
             let is_near = self.sees_far || away[0] * away[0] + away[1] * away[1] < range * range;
             if look[0] & GAZES != 0 && is_near {
@@ -78,8 +78,8 @@ pub fn hash_start(crowd: &Store) -> u64 {
     let mut hash = Hash::default();
     hash.add(&state_hash(crowd).to_le_bytes());
     hash.add(bytemuck::cast_slice(&crowd.body));
-    hash.add(bytemuck::cast_slice(&crowd.manners));
-    hash.add(bytemuck::cast_slice(&crowd.look));
+    hash.add(bytemuck::cast_slice(&crowd.avoidance));
+    hash.add(bytemuck::cast_slice(&crowd.appearance));
     hash.add(bytemuck::cast_slice(&crowd.gaits));
     hash.add(bytemuck::cast_slice(&crowd.gait_weights));
     hash.value()

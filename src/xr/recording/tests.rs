@@ -30,7 +30,7 @@ fn crowd(gazes: bool) -> Store {
         route: vec![[0; 4]],
         waiting: vec![[0.0; 4]],
         elevation: vec![0.0],
-        look: vec![[u32::from(gazes) << 16, 1.0_f32.to_bits(), 0, 0]],
+        appearance: vec![[u32::from(gazes) << 16, 1.0_f32.to_bits(), 0, 0]],
         ..Store::default()
     }
 }

@@ -7,7 +7,7 @@ use gaitway::ground::is_absent;
 use gaitway::library::GaitLibrary;
 use gaitway::replay::{Options, Replay, ReplayOptions, Trajectories, read};
 use gaitway::scenario::{Crowd, Scenario, Shares, populate_from};
-use gaitway::sim::{Backend, Cast, Simulation, setup};
+use gaitway::sim::{AvatarSet, Backend, Simulation, setup};
 use glam::Vec2;
 use std::path::Path;
 
@@ -15,7 +15,7 @@ pub(crate) struct Stage {
     pub(crate) scenario: Scenario,
     pub(crate) crowd: Crowd,
     pub(crate) replay: Replay,
-    pub(crate) cast: Cast,
+    pub(crate) cast: AvatarSet,
 }
 
 impl Stage {
@@ -29,7 +29,7 @@ impl Stage {
         let mut replay = Replay::new(recording, ReplayOptions { from, ..ReplayOptions::default() });
         replay.join(&scenario, &library, &mut crowd).unwrap();
         let avatars = vec![gaitway::avatar::generated(gaitway::avatar::Sex::Female)];
-        let cast = Cast::new(library.gaits(), avatars).unwrap();
+        let cast = AvatarSet::new(library.gaits(), avatars).unwrap();
         Self { scenario, crowd, replay, cast }
     }
 
@@ -175,7 +175,7 @@ fn what_a_simulation_wrote_is_walked_again_and_written_again_in_every_format() {
         use gaitway::avatar::{Sex, generated};
         vec![generated(Sex::Female), generated(Sex::Male)]
     };
-    let cast = Cast::new(library.gaits(), avatars()).unwrap();
+    let cast = AvatarSet::new(library.gaits(), avatars()).unwrap();
     let mut simulation = Simulation::new(&scenario, &crowd, &cast, Backend::Cpu, None).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let mut frames: Vec<(Vec<Vec2>, Vec<f32>)> = Vec::new();

@@ -2,18 +2,18 @@
 
 use super::exact::{det2, dot2, is_finite2};
 use super::segments::Walls;
-use crate::kernels::contain::{GAP, NUDGE, ROUNDS, Slices};
+use crate::kernels::clip_to_walls::{GAP, NUDGE, ROUNDS, Slices};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::step::LED;
 use rayon::prelude::*;
 
-/// Twin of `shaders/contain.wgsl`.
-pub fn contain(b: Slices<'_>) {
+/// Twin of `shaders/clip_to_walls.wgsl`.
+pub fn clip_to_walls(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     b.new_velocity[..agents].par_iter_mut().with_min_len(1024).enumerate().for_each(|(slot, velocity)| {
         let agent = b.slot_agent[slot];
-        if agent == NOBODY || b.manners[agent as usize][3] >= LED || !is_finite2(*velocity) {
+        if agent == NOBODY || b.avoidance[agent as usize][3] >= LED || !is_finite2(*velocity) {
             return;
         }
         let [x, y, ..] = b.slot_motion[slot * 2];

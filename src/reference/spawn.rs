@@ -2,10 +2,10 @@
 
 use super::exact::{dot2, hash_u32};
 use super::shared::{grid_cell, on_storey};
-use crate::kernels::enter::{GAP, MOST, Slices, TRIES};
+use crate::kernels::spawn::{GAP, MOST, Slices, TRIES};
 
-/// Twin of `shaders/enter.wgsl`.
-pub fn enter(b: Slices<'_>) {
+/// Twin of `shaders/spawn.wgsl`.
+pub fn spawn(b: Slices<'_>) {
     for source in 0..b.step.source_count {
         let base = source as usize * 8;
         let [first_place, places, first, agents, next] = std::array::from_fn(|word| b.sources[base + word]);

@@ -1,7 +1,7 @@
 //! The list of those who are not hidden, and what their draws take.
 
 use super::sight::{bucket_of, start_of};
-use crate::kernels::admit::Slices;
+use crate::kernels::occlusion_compact::Slices;
 use crate::kernels::shared::dispatch::index::RUN;
 
 /// Slots that are seen before number `count` of the sifted ones, the first of which is `first`.
@@ -28,15 +28,15 @@ fn runs(b: &Slices<'_>) -> impl Iterator<Item = (usize, std::ops::Range<u32>)> +
     (0..sifted(b).len().div_ceil(RUN)).map(of)
 }
 
-/// Twin of phase `count` of `shaders/admit.wgsl`.
-pub fn admit_count(b: Slices<'_>) {
+/// Twin of phase `count` of `shaders/occlusion_compact.wgsl`.
+pub fn occlusion_compact_count(b: Slices<'_>) {
     for (run, slots) in runs(&b) {
         b.run_shown[run] = slots.map(|slot| 1 - b.hidden[slot as usize]).sum();
     }
 }
 
-/// Twin of phase `scan` of `shaders/admit.wgsl`.
-pub fn admit_scan(b: Slices<'_>) {
+/// Twin of phase `scan` of `shaders/occlusion_compact.wgsl`.
+pub fn occlusion_compact_scan(b: Slices<'_>) {
     let runs = sifted(&b).len().div_ceil(RUN);
     let mut total = 0;
     for run in 0..runs {
@@ -47,8 +47,8 @@ pub fn admit_scan(b: Slices<'_>) {
     b.run_shown[runs] = total;
 }
 
-/// Twin of phase `list` of `shaders/admit.wgsl`.
-pub fn admit_list(mut b: Slices<'_>) {
+/// Twin of phase `list` of `shaders/occlusion_compact.wgsl`.
+pub fn occlusion_compact_list(mut b: Slices<'_>) {
     let (sight, first) = (b.sight, sifted(&b).start);
     for (run, slots) in runs(&b) {
         write_shown(&mut b, run, first, slots);

@@ -1,29 +1,29 @@
-//! The last two moments of a crowd that pictures were told of, and what lies between them.
+//! The last two snapshots of a crowd that pictures were told of, and what lies between them.
 //!
 //! Pictures come at the display's rate, steps at their own. A picture shows the crowd as it was a step ago: between the
-//! last two moments, never beyond the newest, so that nobody is ever shown where they will not have been.
+//! last two snapshots, never beyond the newest, so that nobody is ever shown where they will not have been.
 
 use super::bodies::SMALLEST_STORAGE_RANGE;
 use super::{Simulation, order};
 use crate::gpu::plan::Op;
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
-use crate::kernels::shared::between::index::MOMENT_STRIDE;
-use crate::kernels::{BufferId, Pass, Store};
+use crate::kernels::shared::between::index::SNAPSHOT_STRIDE;
+use crate::kernels::{BufferId, Dispatch, Store};
 
 /// Whoever is seen to move faster than this did not walk, m/s: was set to another place, came in, or went.
 const FASTEST: f64 = 10.0;
 
-/// When the two moments were, and where they are kept.
+/// When the two snapshots were, and where they are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Moments {
-    /// Times of the moments at the two places, s.
+pub struct Snapshots {
+    /// Times of the snapshots at the two places, s.
     times: [f64; 2],
     newest: usize,
     count: u32,
 }
 
-impl Moments {
-    /// Notes that the present moment is of this time (s) and the newest; the place where `remember` shall keep it.
+impl Snapshots {
+    /// Notes that the present snapshot is of this time (s) and the newest; the place where `keep_snapshot` shall keep it.
     pub fn keep(&mut self, time: f64) -> u32 {
         self.newest = if self.count == 0 { 0 } else { 1 - self.newest };
         self.times[self.newest] = time;
@@ -31,7 +31,7 @@ impl Moments {
         self.newest as u32
     }
 
-    /// Time of the newest moment, s.
+    /// Time of the newest snapshot, s.
     pub fn newest(&self) -> Option<f64> {
         (self.count > 0).then(|| self.times[self.newest])
     }
@@ -40,7 +40,7 @@ impl Moments {
     pub fn at(&self, time: f64, agent_count: u32) -> BetweenUniforms {
         let (newest, before) = (self.times[self.newest], self.times[1 - self.newest]);
         let span = newest - before;
-        // of one moment, or two at the wrong way round, the newest
+        // of one snapshot, or two at the wrong way round, the newest
         let is_span = self.count > 1 && span > 0.0 && time.is_finite();
         let share = if is_span { ((time - before) / span).clamp(0.0, 1.0) } else { 1.0 };
         let reach = (FASTEST * span.clamp(0.0, 10.0)) as f32;
@@ -48,17 +48,17 @@ impl Moments {
     }
 }
 
-/// Makes room for two moments; must be done before the engine is made. A crowd whose moments would be larger than every
-/// device can bind gets none: its pictures show the newest moment.
+/// Makes room for two snapshots; must be done before the engine is made. A crowd whose snapshots would be larger than every
+/// device can bind gets none: its pictures show the newest snapshot.
 pub fn make_room(store: &mut Store) {
-    let elements = 2 * store.step.agent_count as usize * MOMENT_STRIDE;
+    let elements = 2 * store.step.agent_count as usize * SNAPSHOT_STRIDE;
     if elements as u64 * 16 <= SMALLEST_STORAGE_RANGE {
-        store.moments = vec![[0; 4]; elements];
+        store.snapshots = vec![[0; 4]; elements];
     }
 }
 
 impl Simulation {
-    /// Prepares bodies as [`Simulation::animate`] does, between two moments: the present one is kept at a place first, if
+    /// Prepares bodies as [`Simulation::animate`] does, between two snapshots: the present one is kept at a place first, if
     /// it is to be. [`Simulation::restore`] must follow once the picture is drawn. On Vulkan, of a crowd that there was
     /// [`make_room`] for; elsewhere nothing happens.
     ///
@@ -71,37 +71,37 @@ impl Simulation {
         keep: Option<u32>,
     ) -> Result<(), crate::Error> {
         self.store.frame = frame;
-        let passes = order::between_passes(between.agent_count, keep);
-        self.run_between(passes.into_iter().chain(order::frame_passes(&frame)), &frame, &between)?;
+        let dispatches = order::between_dispatches(between.agent_count, keep);
+        self.run_between(dispatches.into_iter().chain(order::frame_dispatches(&frame)), &frame, &between)?;
         self.check_on_device()
     }
 
-    /// Puts the present moment back, which is the newest of those that were kept.
+    /// Puts the present snapshot back, which is the newest of those that were kept.
     ///
     /// # Errors
     /// When the device fails.
     pub fn restore(&mut self, between: BetweenUniforms) -> Result<(), crate::Error> {
         let between = BetweenUniforms { share: 1.0, ..between };
         let frame = self.store.frame;
-        self.run_between(order::between_passes(between.agent_count, None).into_iter(), &frame, &between)
+        self.run_between(order::between_dispatches(between.agent_count, None).into_iter(), &frame, &between)
     }
 
     fn run_between(
         &mut self,
-        passes: impl Iterator<Item = Pass>,
+        dispatches: impl Iterator<Item = Dispatch>,
         frame: &FrameUniforms,
         between: &BetweenUniforms,
     ) -> Result<(), crate::Error> {
         let Some(engine) = &mut self.engine else { return Ok(()) };
         let sets = [Op::Set(BufferId::Between), Op::Set(BufferId::Frame)];
-        let ops: Vec<Op> = sets.into_iter().chain(passes.map(Op::Pass)).collect();
+        let ops: Vec<Op> = sets.into_iter().chain(dispatches.map(Op::Dispatch)).collect();
         let contents = |_, buffer| match buffer {
             BufferId::Between => bytemuck::bytes_of(between).to_vec(),
             _ => bytemuck::bytes_of(frame).to_vec(),
         };
         let times = engine.run(&ops, contents, self.times.is_some())?;
         if let Some(all) = &mut self.times {
-            all.extend(times.iter().map(|time| (time.pass.phase, time.milliseconds)));
+            all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
         }
         Ok(())
     }
@@ -114,15 +114,15 @@ mod tests {
 
     #[test]
     fn a_picture_lies_between_the_last_two_moments_and_never_beyond_the_newest() {
-        let mut moments = Moments::default();
-        assert_eq!(moments.at(3.0, 7).share, 1.0);
-        assert_eq!(moments.keep(1.0), 0);
-        assert_eq!(moments.at(0.5, 7).share, 1.0);
-        assert_eq!(moments.keep(1.5), 1);
-        let at = |time| moments.at(time, 7);
+        let mut snapshots = Snapshots::default();
+        assert_eq!(snapshots.at(3.0, 7).share, 1.0);
+        assert_eq!(snapshots.keep(1.0), 0);
+        assert_eq!(snapshots.at(0.5, 7).share, 1.0);
+        assert_eq!(snapshots.keep(1.5), 1);
+        let at = |time| snapshots.at(time, 7);
         assert_eq!([0.0, 1.0, 1.25, 1.5, 9.0, f64::NAN].map(|t| at(t).share), [0.0, 0.0, 0.5, 1.0, 1.0, 1.0]);
         assert_eq!((at(1.25).newest, at(1.25).agent_count, at(1.25).reach), (1, 7, 5.0));
-        assert_eq!(moments.keep(1.4), 0);
-        assert_eq!(moments.at(1.45, 7).share, 1.0);
+        assert_eq!(snapshots.keep(1.4), 0);
+        assert_eq!(snapshots.at(1.45, 7).share, 1.0);
     }
 }

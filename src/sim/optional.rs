@@ -1,6 +1,6 @@
 //! The buffers of what a crowd need not have: feelings that change, and agents that are led from outside.
 
-use super::cast::Cast;
+use super::avatar_set::AvatarSet;
 use super::setup::set_led;
 use crate::kernels::Store;
 use crate::kernels::layout::MoodUniforms;
@@ -11,7 +11,7 @@ use crate::scenario::{Crowd, OutsiderKind, Scenario};
 const UNDRAWN: u32 = 1 << 17;
 
 /// Fills what changing feelings need; bodies and gaits must be there, and nothing may change them afterwards.
-pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd, cast: &Cast) {
+pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd, cast: &AvatarSet) {
     let Some(dynamics) = &scenario.emotion_dynamics else { return };
     store.step.feels = 1;
     store.mood = MoodUniforms {
@@ -29,7 +29,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         // whoever walks faster or slower than the gait says does so with every gait
         let blended: f32 = speeds.iter().zip(agent.gait_weights).map(|(speed, weight)| speed * weight).sum();
         let own = if blended > 0.0 { preferred / blended } else { 1.0 };
-        let is_led = store.manners[index][3] >= LED;
+        let is_led = store.avoidance[index][3] >= LED;
         let ratio = if is_led || preferred <= 0.0 { 0.0 } else { scenario.navigation.max_speed_factor };
         store.paces.extend([
             speeds.map(|speed| speed * own),
@@ -58,9 +58,9 @@ pub(super) fn set_outsiders(store: &mut Store, scenario: &Scenario, crowd: &Crow
     let first = crowd.agents.len() as u32;
     for (agent, outsider) in (first..).zip(&scenario.outsiders).take(crowd.outsiders.len()) {
         set_led(store, agent);
-        store.manners[agent as usize][0] = outsider.comfort;
+        store.avoidance[agent as usize][0] = outsider.comfort;
         if outsider.kind != OutsiderKind::Person {
-            store.look[agent as usize][0] |= UNDRAWN;
+            store.appearance[agent as usize][0] |= UNDRAWN;
         }
         if !outsider.path.is_empty() {
             let start = store.keyframes.len() as u32;

@@ -2,21 +2,21 @@
 
 use super::body::visible_agents;
 use super::exact::{dot2, hash_u32, sin_cos};
-use crate::kernels::attend::index::{BORDER, HELD, LEAST, OVER, ROOM};
-use crate::kernels::attend::{
+use crate::kernels::gaze_schedule::index::{BORDER, HELD, LEAST, OVER, ROOM};
+use crate::kernels::gaze_schedule::{
     BINS, FIELD_START, FRAME_BITS, MOST_WAIT, REST_LEAST, REST_SPAN, Slices, WAIT_UNIT,
 };
 use crate::kernels::shared::attention::{ANGRY, ATTENDS, FIELD_END, RANGE, RANGE_HYSTERESIS};
 use crate::kernels::shared::body::NONE;
 
-/// Twin of phase `look` of `shaders/attend.wgsl`.
-pub fn attend_look(mut b: Slices<'_>) {
+/// Twin of phase `look` of `shaders/gaze_schedule.wgsl`.
+pub fn gaze_schedule_look(mut b: Slices<'_>) {
     let visible = b.visible;
     visible_agents(visible).iter().for_each(|agent| look_on(&mut b, *agent));
 }
 
-/// Twin of phase `count` of `shaders/attend.wgsl`.
-pub fn attend_count(b: Slices<'_>) {
+/// Twin of phase `count` of `shaders/gaze_schedule.wgsl`.
+pub fn gaze_schedule_count(b: Slices<'_>) {
     for agent in visible_agents(b.visible) {
         let key = b.attention[*agent as usize][1] >> 14;
         if key != 0 && key / BINS == b.attention_counts[BORDER] {
@@ -25,14 +25,14 @@ pub fn attend_count(b: Slices<'_>) {
     }
 }
 
-/// Twin of phase `begin` of `shaders/attend.wgsl`.
-pub fn attend_begin(mut b: Slices<'_>) {
+/// Twin of phase `begin` of `shaders/gaze_schedule.wgsl`.
+pub fn gaze_schedule_begin(mut b: Slices<'_>) {
     let visible = b.visible;
     visible_agents(visible).iter().for_each(|agent| begin(&mut b, *agent));
 }
 
 fn interest(b: &Slices<'_>, agent: usize, looks: bool) -> f32 {
-    let info = b.look[agent][0];
+    let info = b.appearance[agent][0];
     if (info >> 16) & 1 == 0 || (info >> 8) & 255 > ANGRY {
         return -1.0;
     }
@@ -99,8 +99,8 @@ fn border_of(counts: &mut [u32], first: u32, most: u32) -> u32 {
     border
 }
 
-/// Twin of phase `border` of `shaders/attend.wgsl`.
-pub fn attend_border(b: Slices<'_>) {
+/// Twin of phase `border` of `shaders/gaze_schedule.wgsl`.
+pub fn gaze_schedule_border(b: Slices<'_>) {
     let most = b.frame.gaze_limit.wrapping_sub(1);
     let counts = b.attention_counts;
     let held = std::mem::take(&mut counts[HELD]);
@@ -108,8 +108,8 @@ pub fn attend_border(b: Slices<'_>) {
     counts[BORDER] = border_of(counts, 0, most - held.min(most));
 }
 
-/// Twin of phase `least` of `shaders/attend.wgsl`.
-pub fn attend_least(b: Slices<'_>) {
+/// Twin of phase `least` of `shaders/gaze_schedule.wgsl`.
+pub fn gaze_schedule_least(b: Slices<'_>) {
     let counts = b.attention_counts;
     let border = counts[BORDER];
     counts[LEAST] = 1;

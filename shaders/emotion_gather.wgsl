@@ -1,5 +1,5 @@
 // uses: step, grid, exact, mood
-// Whom people hear: how strongly all who are near together, and their mean feelings, for `feel`.
+// Whom people hear: how strongly all who are near together, and their mean feelings, for `emotion_update`.
 // In each step a quarter of the rows of cells have their turn, and in the first step all: feelings change over seconds.
 // Rows, not agents, take turns so that neighbouring threads do the same, and the numbering of people does not matter.
 //
@@ -29,7 +29,7 @@ fn total(sum: u32) -> f32 {
 }
 
 @compute @workgroup_size(64)
-fn hear(@builtin(global_invocation_id) id: vec3<u32>) {
+fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
     if slot >= cell_start[step.cell_count] {
         return;

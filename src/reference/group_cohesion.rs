@@ -2,22 +2,22 @@
 
 use super::exact::{atan2, det2, dot2};
 use super::shared::is_absent;
-use crate::kernels::accompany::{
+use crate::kernels::group_cohesion::{
     APART, FORWARD, GATHER, GAZE, HASTE, LEFT_BEHIND, PERSONAL, RAMP, RELAXATION, STRAY, Slices,
 };
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::step::GROUP_SHIFT;
 use rayon::prelude::*;
 
-/// Twin of `shaders/accompany.wgsl`.
-pub fn accompany(b: Slices<'_>) {
+/// Twin of `shaders/group_cohesion.wgsl`.
+pub fn group_cohesion(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let Slices { position, body, route, companions, .. } = b;
     for (agent, (slot, others)) in (0..).zip(b.agent_slot.iter().zip(companions)).take(agents) {
         let first = others.iter().copied().fold(NOBODY, u32::min);
         if first != NOBODY && *slot < b.step.agent_count && !is_absent(position[agent as usize]) {
             let slot = *slot as usize;
-            b.slot_manners[slot][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
+            b.slot_avoidance[slot][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
             let agent = agent as usize;
             let behind = behind(agent, *others, b.preferred_velocity[agent], &position[..agents]);
             // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clip after its gaits.
 #[derive(Debug, Clone)]
-pub struct Cast {
+pub struct AvatarSet {
     avatars: Vec<Avatar>,
     clips: Vec<Clip>,
     clips_per_avatar: usize,
@@ -16,7 +16,7 @@ pub struct Cast {
     outsiders: OutsiderBodies,
 }
 
-impl Cast {
+impl AvatarSet {
     /// Retargets `gaits` onto every avatar, in parallel.
     ///
     /// # Errors

@@ -1,7 +1,8 @@
 // uses: block
-// `farthest` of a picture of one sample a pixel.
+// The farthest depth of each tile of a picture of several samples that `occlude` asks for, into an image of one texel a
+// tile. Depth is reversed: the farthest is the least.
 
-@group(0) @binding(0) var picture_depth: texture_depth_2d;
+@group(0) @binding(0) var picture_depth: texture_depth_multisampled_2d;
 @group(0) @binding(1) var<storage, read> wanted: array<u32>; // [eye][block]
 
 // width of a tile, and height in the upper half, pixels; columns and rows of tiles; the eye
@@ -14,7 +15,7 @@ struct TileVertex {
 
 // An instance for each block; those that nobody asks for have no area.
 @vertex
-fn farthest_one_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) block: u32) -> TileVertex {
+fn depth_reduce_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) block: u32) -> TileVertex {
     let count = (tiles.yz + BLOCK - 1u) / BLOCK;
     if wanted[tiles.w * count.x * count.y + block] == 0u {
         return TileVertex(vec4<f32>(0.0, 0.0, 0.0, 1.0), vec2<u32>(1u));
@@ -28,15 +29,18 @@ fn farthest_one_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_ind
 }
 
 @fragment
-fn farthest_one_fragment(in: TileVertex) -> @location(0) vec4<f32> {
+fn depth_reduce_fragment(in: TileVertex) -> @location(0) vec4<f32> {
     let tile = vec2<u32>(in.clip.xy);
     let size = textureDimensions(picture_depth);
+    let samples = i32(textureNumSamples(picture_depth));
     let first = tile * in.side;
     let end = min(first + in.side, size);
     var least = 1.0;
     for (var y = first.y; y < end.y; y++) {
         for (var x = first.x; x < end.x; x++) {
-            least = min(least, textureLoad(picture_depth, vec2<i32>(vec2<u32>(x, y)), 0));
+            for (var number = 0; number < samples; number++) {
+                least = min(least, textureLoad(picture_depth, vec2<i32>(vec2<u32>(x, y)), number));
+            }
         }
     }
     return vec4<f32>(least);

@@ -3,21 +3,21 @@
 use super::exact::dot2;
 use super::shared::is_absent;
 use super::stages::{in_region, nearest_place, own_place};
-use crate::kernels::journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
+use crate::kernels::advance_journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
 use crate::kernels::shared::absent::ABSENT;
 use crate::kernels::shared::climb::STEP;
 use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::kernels::shared::stages::{EXIT, GOAL, PASS, QUEUE, STOP, WAITING, WAYPOINT};
 use rayon::prelude::*;
 
-/// Twin of `shaders/journey.wgsl`.
-pub fn journey(b: Slices<'_>) {
+/// Twin of `shaders/advance_journey.wgsl`.
+pub fn advance_journey(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let lines: &[u32] = b.queues;
     let stages = Stages { lines, now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
     let elevation = b.elevation;
     let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
-    let state = state.zip(&mut b.errand[..agents]).zip(&mut b.aim[..agents]);
+    let state = state.zip(&mut b.stage_progress[..agents]).zip(&mut b.aim[..agents]);
     let state = state.enumerate().with_min_len(1024);
     let signs = state.filter_map(|(agent, (((position, way), errand), aim))| {
         if is_absent(*position) {

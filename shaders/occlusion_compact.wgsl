@@ -57,7 +57,7 @@ fn run_count(slots: vec2<u32>) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn admit_count(@builtin(global_invocation_id) id: vec3<u32>) {
+fn occlusion_compact_count(@builtin(global_invocation_id) id: vec3<u32>) {
     let slots = sifted();
     if id.x >= run_count(slots) {
         return;
@@ -71,7 +71,7 @@ fn admit_count(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn admit_scan(@builtin(global_invocation_id) id: vec3<u32>) {
+fn occlusion_compact_scan(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x > 0u {
         return;
     }
@@ -86,7 +86,7 @@ fn admit_scan(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn admit_list(@builtin(global_invocation_id) id: vec3<u32>) {
+fn occlusion_compact_list(@builtin(global_invocation_id) id: vec3<u32>) {
     let slots = sifted();
     if id.x < sight.bucket_end - sight.first_bucket {
         write_arguments(sight.first_bucket + id.x, slots.x);

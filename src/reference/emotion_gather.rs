@@ -2,11 +2,11 @@
 
 use super::exact::dot2;
 use super::shared::grid_cell;
-use crate::kernels::hear::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
+use crate::kernels::emotion_gather::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
 use rayon::prelude::*;
 
-/// Twin of `shaders/hear.wgsl`.
-pub fn hear(mut b: Slices<'_>) {
+/// Twin of `shaders/emotion_gather.wgsl`.
+pub fn emotion_gather(mut b: Slices<'_>) {
     let heard = std::mem::take(&mut b.heard);
     let b = &b;
     let has_turn = |slot: &usize| {

@@ -9,7 +9,7 @@
 //   PI = 1 - (1 - q*)(1 - q_R),  NI = q* q_R,
 // alpha_SR falling from 1 here to 0 at mood.radius. The bracket without q_R is held for the step and the rest is
 // solved exactly, so that no rate makes a weight leave 0 to 1. Three weights that together pass 1 are scaled to it.
-// The sums over those who are heard come from `hear`.
+// The sums over those who are heard come from `emotion_gather`.
 const LOG2_E: f32 = 1.4426950;
 const EVENT_RATE: f32 = 2.0;      // 1/s: how fast an event is taken in
 
@@ -59,7 +59,7 @@ fn roused(q: vec4<f32>, emotion: u32, level: f32, take: f32) -> vec4<f32> {
 }
 
 @compute @workgroup_size(64)
-fn feel(@builtin(global_invocation_id) id: vec3<u32>) {
+fn emotion_update(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count {
         return;

@@ -19,7 +19,7 @@ const GAP: f32 = 0.1;
 const MOST: u32 = 1024u;
 
 @compute @workgroup_size(64)
-fn enter(@builtin(global_invocation_id) id: vec3<u32>) {
+fn spawn(@builtin(global_invocation_id) id: vec3<u32>) {
     let source = id.x;
     if source >= step.source_count {
         return;

@@ -5,7 +5,7 @@
 @group(0) @binding(1) var<storage, read> stages: array<vec4<f32>>;             // [stage][STAGE_STRIDE] see shared/stages.wgsl
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
 @group(0) @binding(3) var<storage, read_write> route: array<vec4<u32>>;        // [agent] first, length | loops << 31, next, arrivals
-@group(0) @binding(4) var<storage, read_write> errand: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
+@group(0) @binding(4) var<storage, read_write> stage_progress: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
 @group(0) @binding(5) var<storage, read_write> aim: array<vec4<f32>>;          // [agent] x, z, how, flow field or -1
 @group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>;     // [queue][8] see queue.wgsl
 @group(0) @binding(7) var<storage, read> elevation: array<f32>;                // [agent] m
@@ -21,7 +21,7 @@ const IN_LINE: f32 = 0.1;
 const AT_COUNTER: f32 = 0.25;
 
 @compute @workgroup_size(64)
-fn journey(@builtin(global_invocation_id) id: vec3<u32>) {
+fn advance_journey(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count || is_absent(position[agent]) {
         return;
@@ -41,7 +41,7 @@ fn journey(@builtin(global_invocation_id) id: vec3<u32>) {
         }
         route[agent] = way;
         let stays = way.z == length && stages[stage * STAGE_STRIDE].w == GOAL;
-        errand[agent] = select(0u, step.step_index + 1u, stays);
+        stage_progress[agent] = select(0u, step.step_index + 1u, stays);
         if stages[stage * STAGE_STRIDE].w == EXIT {
             position[agent] = vec2<f32>(ABSENT, ABSENT);
             return;
@@ -67,19 +67,19 @@ fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
     }
     if place.w == QUEUE {
         let line = u32(stages[stage * STAGE_STRIDE + 1u].w) * 8u;
-        return errand[agent] > 0u && errand[agent] <= atomicLoad(&queues[line + 1u]);
+        return stage_progress[agent] > 0u && stage_progress[agent] <= atomicLoad(&queues[line + 1u]);
     }
     let inside = is_here && in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
     if place.w != WAITING {
         return inside;
     }
-    var arrived = errand[agent];
+    var arrived = stage_progress[agent];
     if arrived == 0u {
         if !inside {
             return false;
         }
         arrived = step.step_index + 1u;
-        errand[agent] = arrived;
+        stage_progress[agent] = arrived;
     }
     let terms = stages[stage * STAGE_STRIDE + 2u];
     return step.step_index + 1u - arrived >= u32(terms.y) && step.step_index >= u32(terms.z);
@@ -102,8 +102,8 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
     var how = PASS;
     if is_last || place.w == WAITING {
         how = STANDING;
-        if errand[agent] > 0u && in_region(at, place.xy, axes) {
-            let inside = f32(step.step_index + 1u - errand[agent]) * step.time_step;
+        if stage_progress[agent] > 0u && in_region(at, place.xy, axes) {
+            let inside = f32(step.step_index + 1u - stage_progress[agent]) * step.time_step;
             how += PATIENCE * max(inside - TRYING, 0.0);
         }
     }
@@ -115,7 +115,7 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
 fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>, is_here: bool) -> vec3<f32> {
     let base = u32(line.w) * 8u;
     let first = atomicLoad(&queues[base + 1u]);
-    let ticket = errand[agent];
+    let ticket = stage_progress[agent];
     if ticket > 0u {
         let number = ticket - 1u - first;
         let place = first_place.xy + f32(number) * line.xy;

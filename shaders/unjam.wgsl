@@ -11,7 +11,7 @@
 // the preferred velocity alone: the sum of the steps along it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
-@group(0) @binding(2) var<storage, read> slot_manners: array<vec4<u32>>;             // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;             // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
 @group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;                // [segment][3], see reference::orca::Segment
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
@@ -52,7 +52,7 @@ fn walker_slot(agent: u32) -> u32 {
         waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
         return NOBODY;
     }
-    if (slot_manners[slot].w & LED_BIT) != 0u {
+    if (slot_avoidance[slot].w & LED_BIT) != 0u {
         return NOBODY;
     }
     let preferred = preferred_velocity[agent];
@@ -64,7 +64,7 @@ fn walker_slot(agent: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn persevere_turns(@builtin(global_invocation_id) id: vec3<u32>) {
+fn unjam_turns(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = walker_slot(id.x);
     if slot != NOBODY {
         let preferred = preferred_velocity[id.x];
@@ -74,7 +74,7 @@ fn persevere_turns(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn persevere_walls(@builtin(global_invocation_id) id: vec3<u32>) {
+fn unjam_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = walker_slot(id.x);
     if slot != NOBODY {
         let preferred = preferred_velocity[id.x];
@@ -142,7 +142,7 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
             let to = slot_motion[other * 2u].xy - at;
             let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
-            let wanted = preferred_velocity[slot_manners[other].x];
+            let wanted = preferred_velocity[slot_avoidance[other].x];
             let speed2 = dot2(wanted, wanted);
             let against = -dot2(wanted, ahead);
             is_there = is_there || (dot2(to, to) < OPPOSED * OPPOSED && dot2(to, ahead) > 0.0

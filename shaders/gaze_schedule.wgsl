@@ -32,14 +32,14 @@ const COUNTS: u32 = 1029u;          // elements of attention_counts
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                        // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(3) var<storage, read> stance: array<vec2<f32>>;                   // [agent] heading rad, walk weight
-@group(0) @binding(4) var<storage, read> look: array<vec4<u32>>;                     // [agent]
+@group(0) @binding(4) var<storage, read> appearance: array<vec4<u32>>;                     // [agent]
 @group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
 @group(0) @binding(6) var<storage, read_write> attention: array<vec2<u32>>;          // [agent]
 @group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [COUNTS]
 
 // How far the user is on the ground, m, or -1 if the agent would not look there.
 fn interest(agent: u32, looks: bool) -> f32 {
-    let info = look[agent].x;
+    let info = appearance[agent].x;
     if ((info >> 16u) & 1u) == 0u || ((info >> 8u) & 255u) > ANGRY {
         return -1.0;
     }
@@ -65,7 +65,7 @@ fn draw(agent: u32, time: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn attend_look(@builtin(global_invocation_id) id: vec3<u32>) {
+fn gaze_schedule_look(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = visible[id.x];
     if agent == NONE {
         return;
@@ -119,7 +119,7 @@ fn border_of(first: u32, most: u32) -> u32 {
 }
 
 @compute @workgroup_size(64)
-fn attend_border(@builtin(global_invocation_id) id: vec3<u32>) {
+fn gaze_schedule_border(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x > 0u {
         return;
     }
@@ -131,7 +131,7 @@ fn attend_border(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn attend_count(@builtin(global_invocation_id) id: vec3<u32>) {
+fn gaze_schedule_count(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = visible[id.x];
     if agent == NONE {
         return;
@@ -143,7 +143,7 @@ fn attend_count(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn attend_least(@builtin(global_invocation_id) id: vec3<u32>) {
+fn gaze_schedule_least(@builtin(global_invocation_id) id: vec3<u32>) {
     if id.x > 0u {
         return;
     }
@@ -157,7 +157,7 @@ fn attend_least(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 @compute @workgroup_size(64)
-fn attend_begin(@builtin(global_invocation_id) id: vec3<u32>) {
+fn gaze_schedule_begin(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = visible[id.x];
     if agent == NONE {
         return;

@@ -20,7 +20,7 @@
 @group(0) @binding(4) var<storage, read> companions: array<vec4<u32>>;               // [agent] the others of its group, NOBODY for none
 @group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> agent_slot: array<u32>;                     // [agent] NOBODY if absent
-@group(0) @binding(7) var<storage, read_write> slot_manners: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
+@group(0) @binding(7) var<storage, read_write> slot_avoidance: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
 @group(0) @binding(8) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
 
 const GAZE: f32 = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
@@ -35,7 +35,7 @@ const LEFT_BEHIND: f32 = 0.9; // m by which the first of the group is ahead that
 const HASTE: f32 = 1.0;       // 1/m: priority for each of them, so that they count like twice as many metres ahead (precedence: PLACE); ours
 
 @compute @workgroup_size(64)
-fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
+fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count || is_absent(position[agent]) {
         return;
@@ -44,7 +44,7 @@ fn accompany(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = agent_slot[agent];
     let first = min(min(others.x, others.y), min(others.z, others.w));
     if first != NOBODY && slot < step.agent_count {
-        slot_manners[slot].w |= (min(agent, first) + 1u) << GROUP_SHIFT;
+        slot_avoidance[slot].w |= (min(agent, first) + 1u) << GROUP_SHIFT;
     }
     let own_way = route[agent];
     let at = position[agent];

@@ -7,7 +7,7 @@
 @group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]
 @group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(5) var<storage, read> manners: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(5) var<storage, read> avoidance: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
 @group(0) @binding(6) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
 // Least distance of a centre from a wall, m: far below any radius, far above rounding.
@@ -17,12 +17,12 @@ const NUDGE: f32 = 0.02;
 const ROUNDS: u32 = 3u;
 
 @compute @workgroup_size(64)
-fn contain(@builtin(global_invocation_id) id: vec3<u32>) {
+fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
     if slot >= step.agent_count || slot_agent[slot] == NOBODY || step.obstacle_count == 0u {
         return;
     }
-    if manners[slot_agent[slot]].w >= LED {
+    if avoidance[slot_agent[slot]].w >= LED {
         return;
     }
     let at = slot_motion[slot * 2u].xy;

@@ -1,9 +1,9 @@
 //! What people show of how they feel: gait, speed, gaze.
 
-use crate::kernels::express::{MARGIN, Slices};
+use crate::kernels::emotion_apply::{MARGIN, Slices};
 
-/// Twin of `shaders/express.wgsl`.
-pub fn express(b: Slices<'_>) {
+/// Twin of `shaders/emotion_apply.wgsl`.
+pub fn emotion_apply(b: Slices<'_>) {
     for agent in 0..b.step.agent_count as usize {
         let q = b.feeling[agent];
         let limits = b.paces[agent * 3 + 2];
@@ -16,10 +16,10 @@ pub fn express(b: Slices<'_>) {
         let most = speed.max((speed * limits[0]).min(limits[1]));
         b.body[agent] = [b.body[agent][0], most, speed, travel];
 
-        let shown = ((b.look[agent][0] >> 8 & 255) as usize).min(3);
+        let shown = ((b.appearance[agent][0] >> 8 & 255) as usize).min(3);
         let strongest = (0..4).fold(shown, |best, emotion| if q[emotion] > q[best] { emotion } else { best });
         if q[strongest] > q[shown] + MARGIN {
-            b.look[agent][0] = (b.look[agent][0] & 0xffff_00ff) | (strongest as u32) << 8;
+            b.appearance[agent][0] = (b.appearance[agent][0] & 0xffff_00ff) | (strongest as u32) << 8;
         }
     }
 }

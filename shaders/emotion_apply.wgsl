@@ -9,14 +9,14 @@ const MARGIN: f32 = 0.1; // of weight, before the gaze follows another emotion
 @group(0) @binding(2) var<storage, read> paces: array<vec4<f32>>;                // [agent][3] preferred speed with each gait, m/s; travel per stride, m; maximum speed over preferred (0: shows nothing) and at most, m/s
 @group(0) @binding(3) var<storage, read_write> gait_weights: array<vec4<f32>>;   // [agent]
 @group(0) @binding(4) var<storage, read_write> body: array<vec4<f32>>;           // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(5) var<storage, read_write> look: array<vec4<u32>>;           // [agent]
+@group(0) @binding(5) var<storage, read_write> appearance: array<vec4<u32>>;           // [agent]
 
 fn sum_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
 }
 
 @compute @workgroup_size(64)
-fn express(@builtin(global_invocation_id) id: vec3<u32>) {
+fn emotion_apply(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
     if agent >= step.agent_count {
         return;
@@ -31,7 +31,7 @@ fn express(@builtin(global_invocation_id) id: vec3<u32>) {
     let travel = sum_of(q, paces[agent * 3u + 1u]);
     body[agent] = vec4<f32>(body[agent].x, max(speed, min(speed * limits.x, limits.y)), speed, travel);
 
-    let shown = min((look[agent].x >> 8u) & 255u, 3u);
+    let shown = min((appearance[agent].x >> 8u) & 255u, 3u);
     var strongest = shown;
     for (var emotion = 0u; emotion < 4u; emotion++) {
         if q[emotion] > q[strongest] {
@@ -39,6 +39,6 @@ fn express(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     if q[strongest] > q[shown] + MARGIN {
-        look[agent].x = (look[agent].x & 0xffff00ffu) | (strongest << 8u);
+        appearance[agent].x = (appearance[agent].x & 0xffff00ffu) | (strongest << 8u);
     }
 }

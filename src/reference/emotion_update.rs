@@ -2,13 +2,13 @@
 
 use super::exact::{dot2, exp2};
 use super::shared::is_absent;
-use crate::kernels::feel::LOG2_E;
-use crate::kernels::feel::{EVENT_RATE, Slices};
+use crate::kernels::emotion_update::LOG2_E;
+use crate::kernels::emotion_update::{EVENT_RATE, Slices};
 use crate::kernels::layout::StepUniforms;
 use rayon::prelude::*;
 
-/// Twin of `shaders/feel.wgsl`.
-pub fn feel(b: Slices<'_>) {
+/// Twin of `shaders/emotion_update.wgsl`.
+pub fn emotion_update(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let Slices { step, mood, position, temperament, stimuli, heard, feeling } = b;
     let people = feeling[..agents].par_iter_mut().zip(&mut heard[..agents]).enumerate();

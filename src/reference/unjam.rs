@@ -7,7 +7,7 @@ use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
 use super::shared::grid_cell;
 use crate::kernels::layout::StepUniforms;
-use crate::kernels::persevere::{
+use crate::kernels::unjam::{
     BESIDE, CLEAR, CORNERED, GAINED, NEAREST_RATE, ONE_OF_TWO, OPPOSED, PROGRESS, SLANTED, STANDING, Slices,
     THIN, TOUCHED, TURN,
 };
@@ -21,7 +21,7 @@ fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {
         b.waiting[agent] = [0.0; 4];
         return None;
     }
-    if manners_of(b.slot_manners[slot as usize]).is_led {
+    if manners_of(b.slot_avoidance[slot as usize]).is_led {
         return None;
     }
     let preferred = b.preferred_velocity[agent];
@@ -37,14 +37,14 @@ fn slots<'a>(b: &'a Slices<'_>) -> Slots<'a> {
     Slots {
         step: b.step,
         slot_motion: b.slot_motion,
-        slot_manners: b.slot_manners,
+        slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
         has_storeys: b.step.storey_height > 0.0,
     }
 }
 
-/// Twin of phase `turns` of `shaders/persevere.wgsl`.
-pub fn persevere_turns(mut b: Slices<'_>) {
+/// Twin of phase `turns` of `shaders/unjam.wgsl`.
+pub fn unjam_turns(mut b: Slices<'_>) {
     for agent in 0..b.step.agent_count as usize {
         let Some((slot, ahead, speed)) = walker(&mut b, agent) else { continue };
         let mut state = b.waiting[agent];
@@ -55,8 +55,8 @@ pub fn persevere_turns(mut b: Slices<'_>) {
     }
 }
 
-/// Twin of phase `walls` of `shaders/persevere.wgsl`.
-pub fn persevere_walls(mut b: Slices<'_>) {
+/// Twin of phase `walls` of `shaders/unjam.wgsl`.
+pub fn unjam_walls(mut b: Slices<'_>) {
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     for agent in 0..b.step.agent_count as usize {
         let Some((slot, ahead, speed)) = walker(&mut b, agent) else { continue };
@@ -140,7 +140,7 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
             let [x, y, ..] = slots.slot_motion[other * 2];
             let to = [x - at[0], y - at[1]];
-            let wanted = preferred[slots.slot_manners[other][0] as usize];
+            let wanted = preferred[slots.slot_avoidance[other][0] as usize];
             let (speed2, against) = (dot2(wanted, wanted), -dot2(wanted, ahead));
             dot2(to, to) < OPPOSED * OPPOSED
                 && dot2(to, ahead) > 0.0
