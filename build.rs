@@ -12,9 +12,11 @@
 mod compile;
 #[path = "build/constants.rs"]
 mod constants;
+#[path = "build/structs.rs"]
+mod structs;
 
 use compile::constants::Constant;
-use compile::{Binding, Entry, Layout, Shader, Source, Use};
+use compile::{Binding, Entry, Shader, Source, Use};
 use constants::Shared;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -67,8 +69,8 @@ fn generate() -> Result<(), String> {
         }
     }
     text.push_str("}\n");
-    layout_checks(kernels.iter().chain(&draws), &mut text)?;
     write(&out.join("kernels.rs"), &text)?;
+    write(&out.join("layout.rs"), &structs::text(kernels.iter().chain(&draws))?)?;
     write(&out.join("reference.rs"), &reference(&kernels)?)
 }
 
@@ -214,14 +216,15 @@ fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> 
          /// Name, as in the shaders.\npub const fn name(self) -> &'static str {{ match self {{\n{}}} }}\n\
          /// Bytes of one element.\npub const fn stride(self) -> usize {{ match self {{\n{}}} }}\n\
          /// Whether it is a uniform buffer.\npub const fn is_uniform(self) -> bool {{ match self {{\n{}}} }}\n\
-         /// Whether every word of it is an integer, or bits.\npub const fn is_integer(self) -> bool {{ match self {{\n{}}} }}\n}}\n",
+         /// Bit `i`: whether word `i` of an element is an integer, or bits. Words from 64 on count as numbers.\n\
+         pub const fn integer_words(self) -> u64 {{ match self {{\n{}}} }}\n}}\n",
         list(&|b| format!("/// `{}`\n{},\n", b.name, camel(&b.name))),
         buffers.len(),
         list(&|b| format!("Self::{},", camel(&b.name))),
         list(&|b| format!("Self::{} => \"{}\",\n", camel(&b.name), b.name)),
         list(&|b| format!("Self::{} => {},\n", camel(&b.name), b.stride)),
         list(&|b| format!("Self::{} => {},\n", camel(&b.name), is_uniform(b))),
-        list(&|b| format!("Self::{} => {},\n", camel(&b.name), b.is_integer)),
+        list(&|b| format!("Self::{} => {:#b},\n", camel(&b.name), mask(&b.integer_words))),
     );
     let (field, bytes, bytes_mut) = (
         list(&|b| {
@@ -244,6 +247,11 @@ fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> 
          /// The bytes of a buffer, to be overwritten.\npub fn bytes_mut(&mut self, buffer: BufferId) -> &mut [u8] {{ match buffer {{\n{bytes_mut}}} }}\n}}\n",
     );
     Ok(())
+}
+
+/// Bit `i` is flag `i`, of the first 64.
+fn mask(flags: &[bool]) -> u64 {
+    flags.iter().take(64).enumerate().fold(0, |mask, (bit, is_set)| mask | u64::from(*is_set) << bit)
 }
 
 fn words(spirv: &[u32]) -> String {
@@ -376,39 +384,6 @@ fn draw_shader(source: &Source, shader: &Shader, text: &mut String) -> Result<()
         name = source.name,
         upper = source.name.to_uppercase(),
     );
-    Ok(())
-}
-
-/// One assertion per field: a Rust struct that disagrees with its WGSL twin does not compile.
-fn layout_checks<'a>(
-    shaders: impl Iterator<Item = &'a (Source, Shader)>,
-    text: &mut String,
-) -> Result<(), String> {
-    let mut layouts: BTreeMap<&str, &Layout> = BTreeMap::new();
-    for layout in shaders.flat_map(|(_, shader)| &shader.layouts) {
-        if let Some(first) = layouts.insert(&layout.name, layout)
-            && (first.fields != layout.fields)
-        {
-            return Err(format!("{}: `{}` differs from {}", layout.place, layout.name, first.place));
-        }
-    }
-    for layout in layouts.values() {
-        let (name, place) = (&layout.name, &layout.place);
-        for (field, offset, size) in &layout.fields {
-            let _ = write!(
-                text,
-                "const _: () = assert!(core::mem::offset_of!(layout::{name}, {field}) == {offset}, \
-                 \"{place}: offset of {name}.{field} is {offset} in WGSL, not in Rust\");\n\
-                 const _: () = assert!(layout::field_size(|x: &layout::{name}| &x.{field}) == {size}, \
-                 \"{place}: size of {name}.{field} is {size} in WGSL, not in Rust\");\n",
-            );
-        }
-        let _ = writeln!(
-            text,
-            "const _: () = assert!(core::mem::size_of::<layout::{name}>() == {}, \"{place}: size of {name} differs\");",
-            layout.size
-        );
-    }
     Ok(())
 }
 

@@ -91,6 +91,15 @@ impl Source {
         }
     }
 
+    /// The comment on the line of a struct's field.
+    fn comment_of(&self, name: &str, field: &str) -> Option<String> {
+        let start = format!("struct {name} {{");
+        let lines = self.text.lines().skip_while(|line| !line.starts_with(&start)).skip(1);
+        let mut lines = lines.take_while(|line| !line.starts_with('}')).map(str::trim);
+        let line = lines.find(|line| line.split_once(':').is_some_and(|(own, _)| own.trim() == field))?;
+        Some(line.split_once("//")?.1.trim().to_owned())
+    }
+
     /// The file of a line (from 0) of the joined text, and the number (from 1) that the line has there.
     fn part(&self, line: usize) -> Option<(&Path, usize)> {
         let (first, file) = self.parts.iter().rev().find(|(first, _)| *first <= line)?;
@@ -128,10 +137,21 @@ pub struct Binding {
     pub stride: u32,
     /// Element type in Rust.
     pub rust: String,
-    /// Whether every word of an element is an integer, or bits.
-    pub is_integer: bool,
+    /// Of each word of an element whether it is an integer, or bits.
+    pub integer_words: Vec<bool>,
     /// `file:line:column` of the declaration.
     pub place: String,
+}
+
+/// A field of a struct that a buffer holds.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// Name.
+    pub name: String,
+    /// Type in Rust.
+    pub rust: String,
+    /// The comment behind it.
+    pub comment: String,
 }
 
 /// A struct that a buffer holds.
@@ -139,10 +159,8 @@ pub struct Binding {
 pub struct Layout {
     /// Name.
     pub name: String,
-    /// Fields: name, offset, size.
-    pub fields: Vec<(String, u32, u32)>,
-    /// Bytes of one element in an array.
-    pub size: u32,
+    /// Fields, one behind the other without a gap.
+    pub fields: Vec<Field>,
     /// `file:line:column` of the declaration.
     pub place: String,
 }
@@ -209,7 +227,7 @@ pub fn compile(source: &Source) -> Result<Shader, String> {
         entries.push(entry(source, &module, &info, &layouter, index)?);
     }
     let constants = constants::of(source, &module)?;
-    Ok(Shader { entries, layouts: layouts(source, &module, &layouter), constants })
+    Ok(Shader { entries, layouts: layouts(source, &module, &layouter)?, constants })
 }
 
 fn entry(
@@ -234,7 +252,11 @@ fn entry(
             continue;
         }
         let ty = &module.types[variable.ty];
-        let is_integer = is_integer(module, ty);
+        let element = match &ty.inner {
+            TypeInner::Array { base, .. } => &module.types[*base],
+            _ => ty,
+        };
+        let integer_words = integer_words(module, element);
         let (access, stride, rust) = match (&variable.space, &ty.inner) {
             (AddressSpace::Uniform, _) => (
                 Use::Uniform,
@@ -259,7 +281,7 @@ fn entry(
             access,
             stride,
             rust,
-            is_integer,
+            integer_words,
             place,
         });
     }
@@ -361,14 +383,19 @@ fn emit(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, St
     Ok(spirv::strip_private_layout(&spirv::no_contraction(&words)))
 }
 
-/// Whether a type holds nothing but integers.
-fn is_integer(module: &Module, ty: &Type) -> bool {
+/// Of each word of a type whether it is an integer; of what holds no numbers nothing.
+fn integer_words(module: &Module, ty: &Type) -> Vec<bool> {
+    let is_integer = |s: &naga::Scalar| matches!(s.kind, ScalarKind::Uint | ScalarKind::Sint);
+    let of = |handle: naga::Handle<Type>| integer_words(module, &module.types[handle]);
     match &ty.inner {
-        TypeInner::Scalar(s) | TypeInner::Atomic(s) | TypeInner::Vector { scalar: s, .. } => {
-            matches!(s.kind, ScalarKind::Uint | ScalarKind::Sint)
+        TypeInner::Scalar(s) | TypeInner::Atomic(s) => vec![is_integer(s)],
+        TypeInner::Vector { size, scalar } => vec![is_integer(scalar); *size as usize],
+        TypeInner::Matrix { columns, rows, .. } => vec![false; *columns as usize * *rows as usize],
+        TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } => {
+            of(*base).repeat(n.get() as usize)
         }
-        TypeInner::Array { base, .. } => is_integer(module, &module.types[*base]),
-        _ => false,
+        TypeInner::Struct { members, .. } => members.iter().flat_map(|member| of(member.ty)).collect(),
+        _ => Vec::new(),
     }
 }
 
@@ -386,6 +413,9 @@ fn rust_type(module: &Module, ty: &Type) -> Result<String, String> {
             Err("vec3 is padded differently in Rust: use vec2 or vec4".to_owned())
         }
         TypeInner::Vector { size, scalar: s } => Ok(format!("[{}; {}]", scalar(s)?, *size as u32)),
+        TypeInner::Matrix { columns, rows, scalar: s } => {
+            Ok(format!("[[{}; {}]; {}]", scalar(s)?, *rows as u32, *columns as u32))
+        }
         TypeInner::Array { base, size: naga::ArraySize::Constant(n), .. } => {
             Ok(format!("[{}; {n}]", rust_type(module, &module.types[*base])?))
         }
@@ -399,7 +429,7 @@ fn rust_type(module: &Module, ty: &Type) -> Result<String, String> {
 }
 
 /// Layouts of all structs that a buffer variable holds.
-fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Vec<Layout> {
+fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<Layout>, String> {
     let mut reached: Vec<_> = module
         .global_variables
         .iter()
@@ -413,20 +443,36 @@ fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Vec<Layout>
             TypeInner::Array { base, .. } => reached.push(*base),
             TypeInner::Struct { members, .. } => {
                 reached.extend(members.iter().map(|member| member.ty));
-                found.push(Layout {
-                    name: ty.name.clone().unwrap_or_default(),
-                    fields: members
-                        .iter()
-                        .map(|m| (m.name.clone().unwrap_or_default(), m.offset, layouter[m.ty].size))
-                        .collect(),
-                    size: layouter[handle].to_stride(),
-                    place: source.place(module.types.get_span(handle)),
-                });
+                let name = ty.name.clone().unwrap_or_default();
+                let place = source.place(module.types.get_span(handle));
+                let (mut fields, mut end) = (Vec::new(), 0);
+                for member in members {
+                    let field = member.name.clone().unwrap_or_default();
+                    if member.offset != end {
+                        return Err(format!(
+                            "{place}: {} bytes lie unnamed before {name}.{field}: name them",
+                            member.offset - end
+                        ));
+                    }
+                    end += layouter[member.ty].size;
+                    let rust = rust_type(module, &module.types[member.ty])
+                        .map_err(|e| format!("{place}: {field}: {e}"))?;
+                    let comment = source.comment_of(&name, &field).unwrap_or_default();
+                    fields.push(Field { name: field, rust, comment });
+                }
+                let size = layouter[handle].to_stride();
+                if size != end {
+                    return Err(format!(
+                        "{place}: {} bytes lie unnamed at the end of {name}: name them",
+                        size - end
+                    ));
+                }
+                found.push(Layout { name, fields, place });
             }
             _ => {}
         }
     }
-    found
+    Ok(found)
 }
 
 /// naga lets a `workgroupBarrier` through where not every invocation may reach it; a GPU would hang there.

@@ -240,11 +240,12 @@ mod tests {
     }
 
     #[test]
-    fn integer_buffers_are_those_whose_shader_type_is_integer() {
-        let integers = [BufferId::Appearance, BufferId::FlowWay, BufferId::Unsolved, BufferId::SlotAvoidance];
-        assert!(integers.iter().all(|buffer| buffer.is_integer()));
-        let floats = [BufferId::Position, BufferId::FlowDistance, BufferId::Avoidance, BufferId::Step];
-        assert!(floats.iter().all(|buffer| !buffer.is_integer()));
+    fn integer_words_are_those_whose_shader_type_is_integer() {
+        assert_eq!(BufferId::FlowWay.integer_words(), 1);
+        assert_eq!(BufferId::Companions.integer_words(), 0b1111);
+        assert_eq!(BufferId::Position.integer_words(), 0);
+        // agent_count, step_index, seed, cell_count, grid_columns, grid_rows; grid_origin
+        assert_eq!(BufferId::Step.integer_words() & 0xff, 0b0011_1111);
     }
 
     #[test]
