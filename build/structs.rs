@@ -1,6 +1,6 @@
 //! Structs that buffers hold, as Rust.
 
-use crate::compile::{Layout, Shader, Source};
+use crate::compile::{Field, Layout, Shader, Source};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
@@ -23,9 +23,7 @@ pub(crate) fn text<'a>(shaders: impl Iterator<Item = &'a (Source, Shader)>) -> R
              #[repr(C)]\npub struct {name} {{\n"
         );
         for field in &layout.fields {
-            let comment =
-                if field.comment.is_empty() { field.name.replace('_', " ") } else { field.comment.clone() };
-            let comment = comment.replace('[', "\\[").replace(']', "\\]");
+            let comment = documentation(field);
             let _ = writeln!(text, "/// {comment}\npub {}: {},", field.name, field.rust);
         }
         let _ = write!(
@@ -34,4 +32,17 @@ pub(crate) fn text<'a>(shaders: impl Iterator<Item = &'a (Source, Shader)>) -> R
         );
     }
     Ok(text)
+}
+
+/// What is said of a field, as Markdown: names of WGSL as code.
+fn documentation(field: &Field) -> String {
+    if field.comment.is_empty() {
+        return field.name.replace('_', " ");
+    }
+    let word = |word: &str| {
+        let name = word.trim_matches(|c: char| !(c.is_alphanumeric() || c == '_'));
+        if name.contains('_') { word.replacen(name, &format!("`{name}`"), 1) } else { word.to_owned() }
+    };
+    let words: Vec<String> = field.comment.split(' ').map(word).collect();
+    words.join(" ").replace('[', "\\[").replace(']', "\\]")
 }

@@ -1,14 +1,14 @@
-// uses: step, exact, absent, stages, climb
+// uses: step, exact, absent, stages, climb, agent
 // Where each agent is on its journey: finds out whether its present stage is done with, goes on to the next, and says what to walk to.
 // Who enters an exit is gone from this step on. First kernel of a step, so that the grid holds nobody who is gone.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> stages: array<vec4<f32>>;             // [stage][STAGE_STRIDE] see shared/stages.wgsl
-@group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
-@group(0) @binding(3) var<storage, read_write> route: array<vec4<u32>>;        // [agent] first, length | loops << 31, next, arrivals
-@group(0) @binding(4) var<storage, read_write> stage_progress: array<u32>;             // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
-@group(0) @binding(5) var<storage, read_write> aim: array<vec4<f32>>;          // [agent] x, z, how, flow field or -1
-@group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>;     // [queue][8] see queue.wgsl
-@group(0) @binding(7) var<storage, read> elevation: array<f32>;                // [agent] m
+@group(0) @binding(1) var<storage, read> stages: array<Stage>;             // [stage]
+@group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
+@group(0) @binding(3) var<storage, read_write> route: array<Route>;        // [agent]
+@group(0) @binding(4) var<storage, read_write> stage_progress: array<u32>; // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
+@group(0) @binding(5) var<storage, read_write> aim: array<Aim>;            // [agent]
+@group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>; // [queue][8] see queue.wgsl
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;            // [agent] m
 
 // A place in a region counts as taken within this distance, m,
 const STANDING: f32 = 0.3;
@@ -28,49 +28,48 @@ fn advance_journey(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = position[agent];
     var way = route[agent];
-    let length = way.y & 0x7fffffffu;
-    let loops = (way.y >> 31u) == 1u;
-    var stage = way.x + min(way.z, length - 1u);
-    if way.z < length && is_done(agent, stage, at) {
-        way.z += 1u;
-        if way.z == length {
-            way.w += 1u;
+    let length = route_length(way);
+    let loops = route_loops(way);
+    var stage = way.first + min(way.next, length - 1u);
+    if way.next < length && is_done(agent, stage, at) {
+        way.next += 1u;
+        if way.next == length {
+            way.arrivals += 1u;
             if loops {
-                way.z = 0u;
+                way.next = 0u;
             }
         }
         route[agent] = way;
-        let stays = way.z == length && stages[stage * STAGE_STRIDE].w == GOAL;
+        let stays = way.next == length && stages[stage].kind == GOAL;
         stage_progress[agent] = select(0u, step.step_index + 1u, stays);
-        if stages[stage * STAGE_STRIDE].w == EXIT {
+        if stages[stage].kind == EXIT {
             position[agent] = vec2<f32>(ABSENT, ABSENT);
             return;
         }
-        stage = way.x + min(way.z, length - 1u);
+        stage = way.first + min(way.next, length - 1u);
     }
-    aim[agent] = aim_at(agent, stage, at, !loops && way.z + 1u >= length);
+    aim[agent] = aim_at(agent, stage, at, !loops && way.next + 1u >= length);
 }
 
 // Whether the agent is on the floor of a stage.
 fn is_level(agent: u32, stage: u32) -> bool {
-    let floor = stages[stage * STAGE_STRIDE + 3u];
-    return floor.y == 0.0 || abs(elevation[agent] - floor.x) < STEP;
+    return stages[stage].has_elevation == 0.0 || abs(elevation[agent] - stages[stage].elevation) < STEP;
 }
 
 // Whether the agent is done with a stage; begins its wait where it has one.
 fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
-    let place = stages[stage * STAGE_STRIDE];
+    let own = stages[stage];
     let is_here = is_level(agent, stage);
-    if place.w == WAYPOINT {
-        let to = place.xy - at;
-        return is_here && dot2(to, to) < place.z * place.z;
+    if own.kind == WAYPOINT {
+        let to = own.place - at;
+        return is_here && dot2(to, to) < own.radius * own.radius;
     }
-    if place.w == QUEUE {
-        let line = u32(stages[stage * STAGE_STRIDE + 1u].w) * 8u;
+    if own.kind == QUEUE {
+        let line = u32(own.across.y) * 8u;
         return stage_progress[agent] > 0u && stage_progress[agent] <= atomicLoad(&queues[line + 1u]);
     }
-    let inside = is_here && in_region(at, place.xy, stages[stage * STAGE_STRIDE + 1u]);
-    if place.w != WAITING {
+    let inside = is_here && in_region(at, own);
+    if own.kind != WAITING {
         return inside;
     }
     var arrived = stage_progress[agent];
@@ -81,55 +80,52 @@ fn is_done(agent: u32, stage: u32, at: vec2<f32>) -> bool {
         arrived = step.step_index + 1u;
         stage_progress[agent] = arrived;
     }
-    let terms = stages[stage * STAGE_STRIDE + 2u];
-    return step.step_index + 1u - arrived >= u32(terms.y) && step.step_index >= u32(terms.z);
+    return step.step_index + 1u - arrived >= u32(own.least_wait) && step.step_index >= u32(own.first_leave);
 }
 
 // What an agent on its way to a stage, or in it, walks to.
-fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> vec4<f32> {
-    let place = stages[stage * STAGE_STRIDE];
-    let terms = stages[stage * STAGE_STRIDE + 2u];
-    if place.w == WAYPOINT {
-        return vec4<f32>(place.xy, select(PASS, STOP, is_last), terms.x);
+fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> Aim {
+    let own = stages[stage];
+    if own.kind == WAYPOINT {
+        return Aim(own.place, select(PASS, STOP, is_last), own.field);
     }
-    let axes = stages[stage * STAGE_STRIDE + 1u];
-    if place.w == QUEUE {
-        return vec4<f32>(line_up(agent, place, axes, at, is_level(agent, stage)), terms.x);
+    if own.kind == QUEUE {
+        return line_up(agent, own, at, is_level(agent, stage));
     }
-    if place.w == EXIT {
-        return vec4<f32>(nearest_place(at, place.xy, axes), PASS, terms.x);
+    if own.kind == EXIT {
+        return Aim(nearest_place(at, own), PASS, own.field);
     }
     var how = PASS;
-    if is_last || place.w == WAITING {
+    if is_last || own.kind == WAITING {
         how = STANDING;
-        if stage_progress[agent] > 0u && in_region(at, place.xy, axes) {
+        if stage_progress[agent] > 0u && in_region(at, own) {
             let inside = f32(step.step_index + 1u - stage_progress[agent]) * step.time_step;
             how += PATIENCE * max(inside - TRYING, 0.0);
         }
     }
-    return vec4<f32>(own_place(agent, u32(terms.w), place.xy, axes), how, terms.x);
+    return Aim(own_place(agent, own), how, own.field);
 }
 
-// The place in a line that an agent walks to, x, z, and how: its own, or if it has none the one behind the last, where it asks to be let in. Says
+// The place in a line that an agent walks to: its own, or if it has none the one behind the last, where it asks to be let in. Says
 // so when the agent stands at the counter. Neither is said by who is on another floor.
-fn line_up(agent: u32, first_place: vec4<f32>, line: vec4<f32>, at: vec2<f32>, is_here: bool) -> vec3<f32> {
-    let base = u32(line.w) * 8u;
+fn line_up(agent: u32, line: Stage, at: vec2<f32>, is_here: bool) -> Aim {
+    let base = u32(line.across.y) * 8u;
     let first = atomicLoad(&queues[base + 1u]);
     let ticket = stage_progress[agent];
     if ticket > 0u {
         let number = ticket - 1u - first;
-        let place = first_place.xy + f32(number) * line.xy;
+        let place = line.place + f32(number) * line.along;
         let to = place - at;
         if is_here && number == 0u && dot2(to, to) < AT_COUNTER * AT_COUNTER {
             atomicMax(&queues[base + 3u], 1u);
         }
-        return vec3<f32>(place, IN_LINE);
+        return Aim(place, IN_LINE, line.field);
     }
-    let last = min(atomicLoad(&queues[base + 2u]) - first, u32(line.z) - 1u);
-    let end = first_place.xy + f32(last) * line.xy;
+    let last = min(atomicLoad(&queues[base + 2u]) - first, u32(line.across.x) - 1u);
+    let end = line.place + f32(last) * line.along;
     let to = end - at;
-    if is_here && dot2(to, to) < first_place.z * first_place.z {
+    if is_here && dot2(to, to) < line.radius * line.radius {
         atomicMin(&queues[base], agent);
     }
-    return vec3<f32>(end, 0.5 * first_place.z);
+    return Aim(end, 0.5 * line.radius, line.field);
 }

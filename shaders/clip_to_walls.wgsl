@@ -1,13 +1,13 @@
-// uses: step, grid, orca, absent
+// uses: step, grid, orca, absent, agent
 // The last resort of collision avoidance: nobody walks through a wall. A velocity that would bring an agent's centre across
 // an obstacle segment (or nearer than GAP to it) loses what leads into the wall, twice if need be (a corner), and is zero
 // where that does not help. The way out of a solid is open. Agents led from outside are not held.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
+@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
 @group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]
-@group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
+@group(0) @binding(3) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(5) var<storage, read> avoidance: array<vec4<f32>>;            // [agent] 1/horizon, neighbour distance, neighbour cap, priority
+@group(0) @binding(5) var<storage, read> avoidance: array<Avoidance>;          // [agent]
 @group(0) @binding(6) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
 // Least distance of a centre from a wall, m: far below any radius, far above rounding.
@@ -22,11 +22,11 @@ fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= step.agent_count || slot_agent[slot] == NOBODY || step.obstacle_count == 0u {
         return;
     }
-    if avoidance[slot_agent[slot]].w >= LED {
+    if avoidance[slot_agent[slot]].priority >= LED {
         return;
     }
-    let at = slot_motion[slot * 2u].xy;
-    let elevation = slot_motion[slot * 2u + 1u].w;
+    let at = slot_motion[slot].position;
+    let elevation = slot_motion[slot].elevation;
     let wanted = new_velocity[slot];
     if !is_finite2(wanted) {
         return; // for integrate to report
@@ -39,14 +39,13 @@ fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var round = 0u; round < ROUNDS && held > 0u; round++) {
         held = 0u;
         for (var entry = obstacle_cells[cell]; entry < end; entry++) {
-            let number = obstacle_cells[entry] * 3u;
-            let along = obstacles[number + 1u].xy;
-            let ends = obstacles[number];
-            let there = step.storey_height <= 0.0 || stands_at(obstacles[number + 2u].zw, elevation);
-            if there && crosses(at, velocity, ends.xy, ends.zw, along) {
+            let wall = obstacles[obstacle_cells[entry]];
+            let along = wall.along;
+            let there = step.storey_height <= 0.0 || stands_at(wall.corners, elevation);
+            if there && crosses(at, velocity, wall.a, wall.b, along) {
                 held++;
                 velocity = along * dot2(along, velocity) + vec2<f32>(along.y, -along.x) * NUDGE;
-                if round + 1u == ROUNDS || crosses(at, velocity, ends.xy, ends.zw, along) {
+                if round + 1u == ROUNDS || crosses(at, velocity, wall.a, wall.b, along) {
                     velocity = vec2<f32>(0.0, 0.0);
                 }
             }

@@ -21,7 +21,7 @@ const COLUMNS: u32 = 32u;    // columns of a row of bucket_counts, the most buck
 @group(0) @binding(2) var<storage, read_write> bucket_counts: array<u32>;   // [run + 1][32]
 @group(0) @binding(3) var<storage, read_write> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1], each with its end
 @group(0) @binding(4) var<storage, read_write> visible: array<u32>;         // [(visible_capacity / 64 + 1) * 64] agents, then NONE; then far bodies
-@group(0) @binding(5) var<storage, read> mesh_table: array<vec4<u32>>;      // [bucket] first_index, index_count, first_vertex, vertex_count
+@group(0) @binding(5) var<storage, read> mesh_table: array<MeshRange>;      // [bucket]
 @group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [2][bucket][5] VkDrawIndexedIndirectCommand: of pictures, of shadows
 @group(0) @binding(7) var<storage, read_write> dispatch_args: array<u32>;   // [1 + avatar][3]
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
@@ -127,11 +127,11 @@ fn compact_demote(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-fn write_command(command: u32, mesh: vec4<u32>, count: u32) {
-    draw_args[command * 5u] = mesh.y;      // index_count
-    draw_args[command * 5u + 1u] = count;  // instance_count
-    draw_args[command * 5u + 2u] = mesh.x; // first_index
-    draw_args[command * 5u + 3u] = mesh.z; // vertex_offset: indices count from the mesh's first vertex
+fn write_command(command: u32, mesh: MeshRange, count: u32) {
+    draw_args[command * 5u] = mesh.index_count;
+    draw_args[command * 5u + 1u] = count; // instance_count
+    draw_args[command * 5u + 2u] = mesh.first_index;
+    draw_args[command * 5u + 3u] = mesh.first_vertex; // vertex_offset: indices count from the mesh's first vertex
     draw_args[command * 5u + 4u] = 0u;     // first_instance: the draw shader adds bucket_start
 }
 
@@ -157,7 +157,7 @@ fn compact_arguments(@builtin(global_invocation_id) id: vec3<u32>) {
         start += count;
         if bucket % frame.level_count == 0u {
             let at = 3u + bucket / frame.level_count * 3u;
-            dispatch_args[at] = (mesh_table[bucket].w + RUN - 1u) / RUN;
+            dispatch_args[at] = (mesh_table[bucket].vertex_count + RUN - 1u) / RUN;
             dispatch_args[at + 1u] = count;
             dispatch_args[at + 2u] = 1u;
         }

@@ -1,4 +1,4 @@
-// uses: frame, exact, body, absent
+// uses: frame, exact, body, absent, agent
 // Which agents may be seen and how finely: each agent's bucket (avatar * levels + level of detail; far bodies
 // bucket_count + avatar, specks behind all of these), or NONE.
 // An upright capsule of agent_height and agent_radius, times the agent's scale, is tested against the frusta;
@@ -11,8 +11,8 @@ const WEIGHT_LIMIT: f32 = 1000000.0;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
-@group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;          // [agent] heading rad, walk weight
-@group(0) @binding(3) var<storage, read> appearance: array<vec4<u32>>;            // [agent]
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;             // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<Appearance>;     // [agent]
 @group(0) @binding(4) var<storage, read> gaits: array<vec4<u32>>;           // [agent] clip ids
 @group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;    // [agent]
 @group(0) @binding(6) var<storage, read> elevation: array<f32>;             // [agent] m
@@ -25,11 +25,11 @@ fn gait_is_usable(clip: u32, weight: f32) -> bool {
 }
 
 fn is_usable(agent: u32, avatar: u32, scale: f32) -> bool {
-    let body = stance[agent];
+    let own = stance[agent];
     let clips = gaits[agent];
     let weights = gait_weights[agent];
     return is_finite2(position[agent]) && abs(elevation[agent]) < ELEVATION_LIMIT
-        && abs(body.x) < HEADING_LIMIT && abs(body.y) < WEIGHT_LIMIT
+        && abs(own.heading) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT
         && scale > 0.0 && scale < SCALE_LIMIT
         && frame.clip_count > 0u && (avatar + 1u) * frame.level_count <= frame.bucket_count
         && gait_is_usable(clips.x, weights.x) && gait_is_usable(clips.y, weights.y)
@@ -55,15 +55,15 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let info = appearance[agent];
-    let avatar = info.x & 255u;
-    let scale = bitcast<f32>(info.y);
+    let avatar = avatar_of(info);
+    let scale = info.scale;
     agent_bucket[agent] = NONE;
     if !is_usable(agent, avatar, scale) {
         atomicMin(&failure[KERNEL_ID], agent);
         return;
     }
     let at = position[agent];
-    if is_absent(at) || ((info.x >> 17u) & 1u) == 1u { // the second: has no body to draw
+    if is_absent(at) || is_bodiless(info) {
         return;
     }
     let height = frame.agent_height * scale;

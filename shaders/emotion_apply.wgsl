@@ -1,15 +1,15 @@
-// uses: step
+// uses: step, agent, mood
 // What people show of how they feel: the weights of their gaits (one per emotion), with them the preferred and the
 // maximum speed and the travel per stride, so that feet do not slide, and the emotion that decides the gaze, which
 // changes only when another is stronger by a margin.
 const MARGIN: f32 = 0.1; // of weight, before the gaze follows another emotion
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> feeling: array<vec4<f32>>;              // [agent]
-@group(0) @binding(2) var<storage, read> paces: array<vec4<f32>>;                // [agent][3] preferred speed with each gait, m/s; travel per stride, m; maximum speed over preferred (0: shows nothing) and at most, m/s
-@group(0) @binding(3) var<storage, read_write> gait_weights: array<vec4<f32>>;   // [agent]
-@group(0) @binding(4) var<storage, read_write> body: array<vec4<f32>>;           // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(5) var<storage, read_write> appearance: array<vec4<u32>>;           // [agent]
+@group(0) @binding(1) var<storage, read> feeling: array<vec4<f32>>;            // [agent]
+@group(0) @binding(2) var<storage, read> paces: array<Paces>;                  // [agent]
+@group(0) @binding(3) var<storage, read_write> gait_weights: array<vec4<f32>>; // [agent]
+@group(0) @binding(4) var<storage, read_write> body: array<Body>;              // [agent]
+@group(0) @binding(5) var<storage, read_write> appearance: array<Appearance>;  // [agent]
 
 fn sum_of(a: vec4<f32>, b: vec4<f32>) -> f32 {
     return a.x * b.x + a.y * b.y + a.z * b.z + a.w * b.w;
@@ -22,16 +22,16 @@ fn emotion_apply(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let q = feeling[agent];
-    let limits = paces[agent * 3u + 2u];
-    if !(limits.x > 0.0) {
+    let own = paces[agent];
+    if !(own.max_speed_factor > 0.0) {
         return;
     }
     gait_weights[agent] = q;
-    let speed = sum_of(q, paces[agent * 3u]);
-    let travel = sum_of(q, paces[agent * 3u + 1u]);
-    body[agent] = vec4<f32>(body[agent].x, max(speed, min(speed * limits.x, limits.y)), speed, travel);
+    let speed = sum_of(q, own.preferred_speeds);
+    let travel = sum_of(q, own.stride_travels);
+    body[agent] = Body(body[agent].radius, max(speed, min(speed * own.max_speed_factor, own.max_speed)), speed, travel);
 
-    let shown = min((appearance[agent].x >> 8u) & 255u, 3u);
+    let shown = min(emotion_of(appearance[agent]), 3u);
     var strongest = shown;
     for (var emotion = 0u; emotion < 4u; emotion++) {
         if q[emotion] > q[strongest] {
@@ -39,6 +39,6 @@ fn emotion_apply(@builtin(global_invocation_id) id: vec3<u32>) {
         }
     }
     if q[strongest] > q[shown] + MARGIN {
-        appearance[agent].x = (appearance[agent].x & 0xffff00ffu) | (strongest << 8u);
+        appearance[agent].traits = with_emotion(appearance[agent].traits, strongest);
     }
 }

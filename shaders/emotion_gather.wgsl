@@ -1,4 +1,4 @@
-// uses: step, grid, exact, mood
+// uses: step, grid, exact, mood, agent
 // Whom people hear: how strongly all who are near together, and their mean feelings, for `emotion_update`.
 // In each step a quarter of the rows of cells have their turn, and in the first step all: feelings change over seconds.
 // Rows, not agents, take turns so that neighbouring threads do the same, and the numbering of people does not matter.
@@ -12,12 +12,12 @@ const ROWS_BETWEEN: u32 = 4u;     // from one row that has its turn to the next;
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;
-@group(0) @binding(2) var<storage, read> slot_motion: array<vec4<f32>>; // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(3) var<storage, read> slot_agent: array<u32>;        // [slot]
-@group(0) @binding(4) var<storage, read> cell_start: array<u32>;        // [cell + 1]
-@group(0) @binding(5) var<storage, read> feeling: array<vec4<f32>>;     // [agent] weights of happy, angry, sad, neutral; sum 1
-@group(0) @binding(6) var<storage, read> temperament: array<vec4<f32>>; // [agent][2] the weights it returns to; expressiveness, openness, amplification, bias
-@group(0) @binding(7) var<storage, read_write> heard: array<vec4<f32>>; // [agent] sum of epsilon alpha; q* of happy, angry, sad
+@group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;  // [slot]
+@group(0) @binding(3) var<storage, read> slot_agent: array<u32>;          // [slot]
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;          // [cell + 1]
+@group(0) @binding(5) var<storage, read> feeling: array<vec4<f32>>;       // [agent] weights of happy, angry, sad, neutral; sum 1
+@group(0) @binding(6) var<storage, read> temperament: array<Temperament>; // [agent]
+@group(0) @binding(7) var<storage, read_write> heard: array<Heard>;       // [agent]
 
 fn units(share: f32) -> u32 {
     return u32(share * SHARE + 0.5);
@@ -34,16 +34,16 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= cell_start[step.cell_count] {
         return;
     }
-    let at = slot_motion[slot * 2u].xy;
+    let at = slot_motion[slot].position;
     let row = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows).y;
     if step.step_index > 0u && (u32(row) + step.step_index) % ROWS_BETWEEN != 0u {
         return;
     }
     let agent = slot_agent[slot];
-    let elevation = slot_motion[slot * 2u + 1u].w;
+    let elevation = slot_motion[slot].elevation;
     let reach = mood.radius;
     var sums = vec4<u32>(0u);
-    if reach > 0.0 && temperament[agent * 2u + 1u].y > 0.0 {
+    if reach > 0.0 && temperament[agent].openness > 0.0 {
         let low = grid_cell(at - vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
         let high = grid_cell(at + vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
         var count = 0u;
@@ -53,29 +53,29 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
             let end = cell_start[first + high.x + 1];
             for (var other = cell_start[first + low.x]; other < end && turns < MOST_TURNS; other++) {
                 turns++;
-                let to = slot_motion[other * 2u].xy - at;
+                let to = slot_motion[other].position - at;
                 let distance2 = dot2(to, to);
                 if !(distance2 < reach * reach) || other == slot || count >= MOST_HEARD {
                     continue;
                 }
-                let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
+                let apart = abs(slot_motion[other].elevation - elevation);
                 if step.storey_height > 0.0 && apart >= step.storey_height {
                     continue;
                 }
                 count++;
                 let speaker = slot_agent[other];
-                let voice = temperament[speaker * 2u + 1u].x * (1.0 - sqrt(distance2) / reach);
+                let voice = temperament[speaker].expressiveness * (1.0 - sqrt(distance2) / reach);
                 let weighted = voice * feeling[speaker];
                 sums += vec4<u32>(units(voice), units(weighted.x), units(weighted.y), units(weighted.z));
             }
         }
     }
     if sums.x == 0u {
-        heard[agent] = vec4<f32>(0.0);
+        heard[agent] = Heard();
         return;
     }
     let voices = total(sums.x);
-    heard[agent] = vec4<f32>(
+    heard[agent] = Heard(
         voices / SHARE,
         min(total(sums.y) / voices, 1.0),
         min(total(sums.z) / voices, 1.0),

@@ -15,11 +15,11 @@ const EVENT_RATE: f32 = 2.0;      // 1/s: how fast an event is taken in
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;
-@group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;        // [agent] m
-@group(0) @binding(3) var<storage, read> temperament: array<vec4<f32>>;     // [agent][2] the weights it returns to; expressiveness, openness, amplification, bias
-@group(0) @binding(4) var<storage, read> stimuli: array<vec4<f32>>;         // [event][2] x, z, radius, strength; emotion, first step, step after the last, 0
-@group(0) @binding(5) var<storage, read_write> heard: array<vec4<f32>>;     // [agent] sum of epsilon alpha; q* of happy, angry, sad
-@group(0) @binding(6) var<storage, read_write> feeling: array<vec4<f32>>;   // [agent] weights of happy, angry, sad, neutral; sum 1
+@group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;      // [agent] m
+@group(0) @binding(3) var<storage, read> temperament: array<Temperament>; // [agent]
+@group(0) @binding(4) var<storage, read> stimuli: array<Stimulus>;        // [event]
+@group(0) @binding(5) var<storage, read_write> heard: array<Heard>;       // [agent]
+@group(0) @binding(6) var<storage, read_write> feeling: array<vec4<f32>>; // [agent] weights of happy, angry, sad, neutral; sum 1
 
 // Share of the way to its goal that something takes in this step at that rate, 1/s.
 fn taken(rate: f32) -> f32 {
@@ -27,11 +27,11 @@ fn taken(rate: f32) -> f32 {
 }
 
 // One weight after contagion.
-fn caught(q: f32, heard: f32, take: f32, character: vec4<f32>) -> f32 {
+fn caught(q: f32, heard: f32, take: f32, character: Temperament) -> f32 {
     let rising = 1.0 - (1.0 - heard) * (1.0 - q);
     let falling = heard * q;
-    let amplified = character.w * rising + (1.0 - character.w) * falling;
-    let goal = character.z * amplified + (1.0 - character.z) * heard;
+    let amplified = character.bias * rising + (1.0 - character.bias) * falling;
+    let goal = character.amplification * amplified + (1.0 - character.amplification) * heard;
     return q + take * (goal - q);
 }
 
@@ -66,32 +66,32 @@ fn emotion_update(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = position[agent];
     if is_absent(at) {
-        heard[agent] = vec4<f32>(0.0); // whoever comes in its place has heard nothing yet
+        heard[agent] = Heard(); // whoever comes in its place has heard nothing yet
         return;
     }
     var q = feeling[agent];
-    let character = temperament[agent * 2u + 1u];
+    let character = temperament[agent];
     let others = heard[agent];
-    if others.x > 0.0 {
-        let take = taken(mood.contagion * (character.y * others.x));
+    if others.strength > 0.0 {
+        let take = taken(mood.contagion * (character.openness * others.strength));
         q = completed(vec4<f32>(
-            caught(q.x, others.y, take, character),
-            caught(q.y, others.z, take, character),
-            caught(q.z, others.w, take, character),
+            caught(q.x, others.happy, take, character),
+            caught(q.y, others.angry, take, character),
+            caught(q.z, others.sad, take, character),
             0.0,
         ));
     }
     let now = f32(step.step_index);
     for (var i = 0u; i < mood.event_count; i++) {
-        let place = stimuli[i * 2u];
-        let what = stimuli[i * 2u + 1u];
-        if now >= what.y && now < what.z {
-            let to = at - place.xy;
-            q = roused(q, min(u32(what.x), 3u), place.w * (1.0 - sqrt(dot2(to, to)) / place.z), taken(EVENT_RATE));
+        let event = stimuli[i];
+        if now >= event.first_step && now < event.end_step {
+            let to = at - event.place;
+            let level = event.strength * (1.0 - sqrt(dot2(to, to)) / event.radius);
+            q = roused(q, min(u32(event.emotion), 3u), level, taken(EVENT_RATE));
         }
     }
     let back = taken(mood.decay);
-    let own = temperament[agent * 2u];
+    let own = character.rest;
     feeling[agent] = completed(vec4<f32>(
         q.x + back * (own.x - q.x),
         q.y + back * (own.y - q.y),

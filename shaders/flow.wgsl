@@ -23,14 +23,14 @@ const GROUP: u32 = 32u;
 const FAR: f32 = 1e30;         // m: not reached
 
 @group(0) @binding(0) var<uniform> flow_grid: FlowUniforms;
-@group(0) @binding(1) var<storage, read> flow_cells: array<u32>;              // [cell] bits and step, see way.wgsl
-@group(0) @binding(2) var<storage, read> flow_seeds: array<vec4<u32>>;        // [seed] field, cell, distance as bits, SEES or 0
-@group(0) @binding(3) var<storage, read_write> flow_distance: array<f32>;     // [field][cell] m
+@group(0) @binding(1) var<storage, read> flow_cells: array<u32>;               // [cell] bits and step, see way.wgsl
+@group(0) @binding(2) var<storage, read> flow_seeds: array<FlowSeed>;          // [seed]
+@group(0) @binding(3) var<storage, read_write> flow_distance: array<f32>;      // [field][cell] m
 @group(0) @binding(4) var<storage, read_write> flow_tiles: array<atomic<u32>>; // [field][tile] 1 while it is on a list
-@group(0) @binding(5) var<storage, read_write> flow_lists: array<u32>;        // [4][field * tile]
-@group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>; // [4][4] arguments of the dispatches
-@group(0) @binding(7) var<storage, read_write> flow_way: array<u32>;          // [field][cell] see way.wgsl
-@group(0) @binding(8) var<storage, read> flow_joints: array<vec2<u32>>;       // [joint] cell of sheet 0, bits of the sheets
+@group(0) @binding(5) var<storage, read_write> flow_lists: array<u32>;         // [4][field * tile]
+@group(0) @binding(6) var<storage, read_write> flow_args: array<atomic<u32>>;  // [4][4] arguments of the dispatches
+@group(0) @binding(7) var<storage, read_write> flow_way: array<u32>;           // [field][cell] see way.wgsl
+@group(0) @binding(8) var<storage, read> flow_joints: array<FlowJoint>;        // [joint]
 var<immediate> list: u32;
 
 fn tile_total() -> u32 {
@@ -88,7 +88,7 @@ fn flow_sow(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let seed = flow_seeds[index];
-    set_distance(seed.x, seed.y, bitcast<f32>(seed.z));
+    set_distance(seed.field, seed.cell, seed.distance);
 }
 
 // Sets the distance of a cell of a field; puts the tiles that can fall because of it on lists 0 and 1.
@@ -124,16 +124,16 @@ fn flow_join(@builtin(global_invocation_id) id: vec3<u32>) {
     let field = index / flow_grid.joint_count;
     let joint = flow_joints[index % flow_grid.joint_count];
     let sheet_cells = flow_grid.sheet_rows * flow_grid.columns;
-    let first = field * flow_grid.cell_count + joint.x;
+    let first = field * flow_grid.cell_count + joint.cell;
     var least = FAR;
     for (var sheet = 0u; sheet < 32u; sheet++) {
-        if (joint.y >> sheet & 1u) != 0u {
+        if (joint.sheets >> sheet & 1u) != 0u {
             least = min(least, flow_distance[first + sheet * sheet_cells]);
         }
     }
     for (var sheet = 0u; sheet < 32u; sheet++) {
-        if (joint.y >> sheet & 1u) != 0u && flow_distance[first + sheet * sheet_cells] > least {
-            set_distance(field, joint.x + sheet * sheet_cells, least);
+        if (joint.sheets >> sheet & 1u) != 0u && flow_distance[first + sheet * sheet_cells] > least {
+            set_distance(field, joint.cell + sheet * sheet_cells, least);
         }
     }
 }
@@ -283,6 +283,6 @@ fn flow_mark(@builtin(global_invocation_id) id: vec3<u32>) {
     let index = index_of(id);
     if index < flow_grid.seed_count {
         let seed = flow_seeds[index];
-        flow_way[seed.x * flow_grid.cell_count + seed.y] |= seed.w;
+        flow_way[seed.field * flow_grid.cell_count + seed.cell] |= seed.sees;
     }
 }

@@ -22,12 +22,18 @@ const POSITION_LIMIT: f32 = 1000.0; // m; beyond it a float has no millimetres l
 const RATE_LIMIT: f32 = 10000.0;    // Hz
 const SPEED_LIMIT: f32 = 100.0;     // m/s
 
-@group(0) @binding(0) var<storage, read> gait_frames: array<vec4<f32>>;         // [frame][16] positions, m
-@group(0) @binding(1) var<storage, read> gait_table: array<vec4<u32>>;          // [gait] see below
-@group(0) @binding(2) var<storage, read_write> feature_rows: array<vec4<f32>>;  // [gait][8]
-@group(0) @binding(3) var<storage, read_write> failure: array<atomic<u32>>;     // [kernel] smallest gait that failed
+@group(0) @binding(0) var<storage, read> gait_frames: array<vec4<f32>>;        // [frame][16] positions, m
+@group(0) @binding(1) var<storage, read> gait_table: array<GaitEntry>;         // [gait]
+@group(0) @binding(2) var<storage, read_write> feature_rows: array<vec4<f32>>; // [gait][8]
+@group(0) @binding(3) var<storage, read_write> failure: array<atomic<u32>>;    // [kernel] smallest gait that failed
 
-// gait_table: first frame, number of frames, then as floats frames per second (Hz) and speed along +z (m/s)
+// Where the frames of a gait lie.
+struct GaitEntry {
+    first_frame: u32,
+    frames: u32,
+    rate: f32,  // frames per second, Hz
+    speed: f32, // along +z, m/s
+}
 
 fn joint_at(frame: u32, joint: u32) -> vec3<f32> {
     return gait_frames[frame * JOINTS + joint].xyz;
@@ -77,10 +83,10 @@ fn gait_features(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let info = gait_table[gait];
-    let first = info.x;
-    let count = info.y;
-    let rate = bitcast<f32>(info.z);
-    let speed = bitcast<f32>(info.w);
+    let first = info.first_frame;
+    let count = info.frames;
+    let rate = info.rate;
+    let speed = info.speed;
     let frame_total = arrayLength(&gait_frames) / JOINTS;
 
     for (var i = 0u; i < ROW; i++) {

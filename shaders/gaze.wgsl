@@ -1,4 +1,4 @@
-// uses: frame, exact, quaternion, body, rig, attention
+// uses: frame, exact, quaternion, body, rig, attention, agent
 // Where agents that gaze turn their heads, by their emotion (paper, section 4.5): happy and angry ones at the user,
 // sad ones down and ahead, neutral ones as their gait has it. Writes the neck (and head) of local_rotations.
 // Flexion (chin down) and rotation to the agent's left are positive. Frame: the agent's model space, heading along +z.
@@ -7,9 +7,16 @@
 // `natural` mode (default) turns neck and head so that the face points exactly where it should, upright whatever the
 // torso does, within limits, only for a user in view, and smoothly.
 //
-// gaze_state is (flexion, rotation, flexion rate, rotation rate), radians and radians/s: of the face, rotation counted
-// from the agent's heading. gaze_frame holds VALID, ENGAGED, ATTENDS and the low bits of frame_index of the last update, so a
+// gaze_frame holds VALID, ENGAGED, ATTENDS and the low bits of frame_index of the last update, so a
 // buffer of zeros is an empty memory.
+// What a face does, and how fast.
+struct GazeState {
+    flexion: f32,       // rad
+    rotation: f32,      // rad, counted from the agent's heading
+    flexion_rate: f32,  // rad/s
+    rotation_rate: f32, // rad/s
+}
+
 const NATURAL: u32 = 0u;
 
 const THETA_HAPPY: f32 = -0.08726646;     // -5 degrees, extension: paper, 4.5 happy
@@ -33,16 +40,16 @@ const FRAME_BITS: u32 = 0x1fffffffu;
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;              // [agent] m
-@group(0) @binding(3) var<storage, read> stance: array<vec2<f32>>;                // [agent] heading rad, walk weight
-@group(0) @binding(4) var<storage, read> appearance: array<vec4<u32>>;                  // [agent]
+@group(0) @binding(3) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(4) var<storage, read> appearance: array<Appearance>;           // [agent]
 @group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][65]
 @group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
-@group(0) @binding(7) var<storage, read_write> gaze_state: array<vec4<f32>>;      // [agent]
+@group(0) @binding(7) var<storage, read_write> gaze_state: array<GazeState>;      // [agent]
 @group(0) @binding(8) var<storage, read_write> gaze_frame: array<u32>;            // [agent]
 
 // The user's eyes in the agent's model space.
 fn user_in_model(agent: u32, scale: f32) -> vec3<f32> {
-    let turn = exact_sin_cos(stance[agent].x);
+    let turn = exact_sin_cos(stance[agent].heading);
     let x = frame.user_eyes.x - position[agent].x;
     let z = frame.user_eyes.z - position[agent].y;
     return vec3<f32>((turn.y * x - turn.x * z) / scale, frame.user_eyes.y / scale, (turn.x * x + turn.y * z) / scale);
@@ -71,7 +78,7 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> vec2<f32> {
     return vec2<f32>(value + step, limit((rate - SPRING * push) * decay, -RATE_LIMIT, RATE_LIMIT));
 }
 
-fn remember(agent: u32, state: vec4<f32>, engaged: bool) {
+fn keep_state(agent: u32, state: GazeState, engaged: bool) {
     gaze_state[agent] = state;
     gaze_frame[agent] = (frame.frame_index & FRAME_BITS) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
 }
@@ -89,12 +96,12 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let info = appearance[agent];
-    let emotion = (info.x >> 8u) & 255u;
-    if ((info.x >> 16u) & 1u) == 0u {
+    let emotion = emotion_of(info);
+    if !gazes(info) {
         return;
     }
-    let avatar = info.x & 255u;
-    let scale = bitcast<f32>(info.y);
+    let avatar = avatar_of(info);
+    let scale = info.scale;
     let base = id.x * POSE_STRIDE;
 
     // forward kinematics from the root to the eyes, in model space
@@ -128,13 +135,13 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
         var rotation = 0.0;
         var flexion = THETA_SAD;
         if emotion != SAD {
-            rotation = select(yaw, select(0.0, exact_wrap(old.y - torso), is_fresh), is_too_close);
+            rotation = select(yaw, select(0.0, exact_wrap(old.rotation - torso), is_fresh), is_too_close);
             flexion = THETA_HAPPY; // A-16: constant, whatever the relative height
         }
         if emotion == ANGRY {
             let rise = neck_at.y + head_arm.y + eyes_arm.y - user.y; // A-15: y_i is the height of the eyes
             // A-12: arcsin of a ratio that may pass 1; exact_asin clamps it
-            flexion = select(0.0, old.x, is_fresh);
+            flexion = select(0.0, old.flexion, is_fresh);
             if !is_too_close {
                 flexion = exact_asin(rise / ground);
             }
@@ -148,7 +155,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
         let neck_rest = quat_from_rows(rig[neck_bind].xyz, rig[neck_bind + 1u].xyz, rig[neck_bind + 2u].xyz);
         let turned = quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
         local_rotations[base + NECK] = quat_normalize(turned);
-        remember(agent, vec4<f32>(flexion, torso + rotation, 0.0, 0.0), emotion != SAD);
+        keep_state(agent, GazeState(flexion, torso + rotation, 0.0, 0.0), emotion != SAD);
         return;
     }
 
@@ -185,8 +192,8 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
             flexion = within_flexion(flexion + THETA_HAPPY); // A-16: at the user, tilted up
         }
         if is_too_close && is_fresh {
-            rotation = old.y;
-            flexion = old.x;
+            rotation = old.rotation;
+            flexion = old.flexion;
         }
     }
     let sad = emotion == SAD;
@@ -195,22 +202,22 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
         flexion = select(THETA_SAD, own_flexion, own_flexion > THETA_SAD); // never lifts a head that hangs lower
     }
 
-    var state = vec4<f32>(flexion, rotation, 0.0, 0.0);
+    var state = GazeState(flexion, rotation, 0.0, 0.0);
     if is_fresh {
-        let nod = follow(old.x, old.z, flexion, frame.frame_time);
-        let turn = follow(old.y, old.w, old.y + exact_wrap(rotation - old.y), frame.frame_time);
-        state = vec4<f32>(within_flexion(nod.x), within_reach(turn.x, torso), nod.y, turn.y);
+        let nod = follow(old.flexion, old.flexion_rate, flexion, frame.frame_time);
+        let turn = follow(old.rotation, old.rotation_rate, old.rotation + exact_wrap(rotation - old.rotation), frame.frame_time);
+        state = GazeState(within_flexion(nod.x), within_reach(turn.x, torso), nod.y, turn.y);
     }
     if !engaged && !sad
-        && abs(state.x - own_flexion) < SETTLED && abs(exact_wrap(state.y - own_yaw)) < SETTLED {
-        remember(agent, vec4<f32>(own_flexion, own_yaw, 0.0, 0.0), false);
+        && abs(state.flexion - own_flexion) < SETTLED && abs(exact_wrap(state.rotation - own_yaw)) < SETTLED {
+        keep_state(agent, GazeState(own_flexion, own_yaw, 0.0, 0.0), false);
         return;
     }
-    let turn = exact_wrap(state.y - own_yaw);
-    let nod = state.x - own_flexion;
+    let turn = exact_wrap(state.rotation - own_yaw);
+    let nod = state.flexion - own_flexion;
     let new_neck = quat_normalize(quat_mul(face_turn(own_yaw, NECK_SHARE * turn, NECK_SHARE * nod), neck));
     let new_head = quat_mul(face_turn(own_yaw, turn, nod), head);
     local_rotations[base + NECK] = quat_normalize(quat_mul(quat_conjugate(spine), new_neck));
     local_rotations[base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
-    remember(agent, state, engaged);
+    keep_state(agent, state, engaged);
 }

@@ -1,17 +1,21 @@
-// uses: frame, exact, body, attention
+// uses: frame, exact, body, attention, agent
 // Whose turn it is to look at the user, so that a crowd never stares at once: of the drawn agents that would (happy
 // and angry ones who see the user; `paper` mode: all of them) at most frame.gaze_limit - 1 do at a time. A turn lasts
 // turn_least to turn_most; after it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. Whoever has waited
 // longest comes next, counted up to twice for those who are near. Sets ATTENDS in gaze_frame, which `gaze` obeys.
 //
-// attention is (when the turn ends or ended, ms; key << 14 | low bits of frame_index of the last update). A key orders
-// those who wait: ten bits of waiting, then eight of a hash that changes from picture to picture, so that equal ones
-// do not stay equal. Sums of integers decide, in any order. The phases, in this order:
+// A key orders the agents that wait: ten bits of waiting, then eight of a hash that changes from frame to frame, so that
+// equal ones do not stay equal. Sums of integers decide, in any order. The phases, in this order:
 //   look (visible):  who goes on, and how many wait with each upper half of a key,
 //   border (one):    the half in which the room ends,
 //   count (visible): how many wait with each lower half within that one,
 //   least (one):     the least key that has room; more keys than there is room for wait for the next picture,
 //   begin (visible): turns begin.
+struct Attention {
+    until: u32,         // when the turn ends or ended, ms
+    key_and_frame: u32, // key << 14 | low bits of frame_index of the last update
+}
+
 const FIELD_START: f32 = 0.1;       // cosine of 84 degrees: turns begin a little within the field of regard
 const REST_LEAST: u32 = 1000u;      // ms
 const REST_SPAN: u32 = 2000u;       // ms
@@ -31,16 +35,16 @@ const COUNTS: u32 = 1029u;          // elements of attention_counts
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                        // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
-@group(0) @binding(3) var<storage, read> stance: array<vec2<f32>>;                   // [agent] heading rad, walk weight
-@group(0) @binding(4) var<storage, read> appearance: array<vec4<u32>>;                     // [agent]
+@group(0) @binding(3) var<storage, read> stance: array<Stance>;                      // [agent]
+@group(0) @binding(4) var<storage, read> appearance: array<Appearance>;              // [agent]
 @group(0) @binding(5) var<storage, read_write> gaze_frame: array<u32>;               // [agent]
-@group(0) @binding(6) var<storage, read_write> attention: array<vec2<u32>>;          // [agent]
+@group(0) @binding(6) var<storage, read_write> attention: array<Attention>;          // [agent]
 @group(0) @binding(7) var<storage, read_write> attention_counts: array<atomic<u32>>; // [COUNTS]
 
 // How far the user is on the ground, m, or -1 if the agent would not look there.
 fn interest(agent: u32, looks: bool) -> f32 {
-    let info = appearance[agent].x;
-    if ((info >> 16u) & 1u) == 0u || ((info >> 8u) & 255u) > ANGRY {
+    let own = appearance[agent];
+    if !gazes(own) || emotion_of(own) > ANGRY {
         return -1.0;
     }
     let to = vec2<f32>(frame.user_eyes.x, frame.user_eyes.z) - position[agent];
@@ -48,7 +52,7 @@ fn interest(agent: u32, looks: bool) -> f32 {
     if frame.gaze_mode != 0u {
         return distance;
     }
-    let turn = exact_sin_cos(stance[agent].x);
+    let turn = exact_sin_cos(stance[agent].heading);
     let ahead = turn.x * to.x + turn.y * to.y;
     let range = RANGE + select(0.0, RANGE_HYSTERESIS, looks);
     let sees = distance < range && ahead >= select(FIELD_START, FIELD_END, looks) * distance;
@@ -71,10 +75,10 @@ fn gaze_schedule_look(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let memory = attention[agent];
-    let is_fresh = ((frame.frame_index - memory.y) & FRAME_BITS) <= 1u;
-    let looks = is_fresh && left_of(memory.x) > 0;
+    let is_fresh = ((frame.frame_index - memory.key_and_frame) & FRAME_BITS) <= 1u;
+    let looks = is_fresh && left_of(memory.until) > 0;
     let distance = interest(agent, looks);
-    var until = memory.x;
+    var until = memory.until;
     var key = 0u;
     var attends = false;
     if looks && distance >= 0.0 {
@@ -93,7 +97,7 @@ fn gaze_schedule_look(@builtin(global_invocation_id) id: vec3<u32>) {
             atomicAdd(&attention_counts[key / BINS], 1u);
         }
     }
-    attention[agent] = vec2<u32>(until, (key << 14u) | (frame.frame_index & FRAME_BITS));
+    attention[agent] = Attention(until, (key << 14u) | (frame.frame_index & FRAME_BITS));
     gaze_frame[agent] = (gaze_frame[agent] & ~ATTENDS) | select(0u, ATTENDS, attends);
 }
 
@@ -136,7 +140,7 @@ fn gaze_schedule_count(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NONE {
         return;
     }
-    let key = attention[agent].y >> 14u;
+    let key = attention[agent].key_and_frame >> 14u;
     if key != 0u && key / BINS == atomicLoad(&attention_counts[BORDER]) {
         atomicAdd(&attention_counts[BINS + key % BINS], 1u);
     }
@@ -162,13 +166,13 @@ fn gaze_schedule_begin(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NONE {
         return;
     }
-    let key = attention[agent].y >> 14u;
+    let key = attention[agent].key_and_frame >> 14u;
     if key != 0u && key >= atomicLoad(&attention_counts[LEAST]) {
         let span = frame.turn_most - frame.turn_least + 1u;
-        attention[agent].x = frame.gaze_time + frame.turn_least + draw(agent, ~frame.gaze_time) % max(span, 1u);
+        attention[agent].until = frame.gaze_time + frame.turn_least + draw(agent, ~frame.gaze_time) % max(span, 1u);
         gaze_frame[agent] = gaze_frame[agent] | ATTENDS;
-    } else if atomicLoad(&attention_counts[OVER]) == 1u && left_of(attention[agent].x) > 0 {
-        attention[agent].x = frame.gaze_time;
+    } else if atomicLoad(&attention_counts[OVER]) == 1u && left_of(attention[agent].until) > 0 {
+        attention[agent].until = frame.gaze_time;
         gaze_frame[agent] = gaze_frame[agent] & ~ATTENDS;
     }
 }

@@ -1,4 +1,4 @@
-// uses: step, exact, absent
+// uses: step, exact, absent, agent
 // People who walk together: changes the preferred velocity so that the members of a group stay together, side by side
 // where there is room, at the pace of the slowest, and wait for whoever has fallen behind.
 //
@@ -15,13 +15,13 @@
 // the priority of members whom their group has left behind. Strangers in a press then let them catch up. That is ours, too.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
-@group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                     // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(3) var<storage, read> route: array<vec4<u32>>;                    // [agent] first, length | loops << 31, next, arrivals
+@group(0) @binding(2) var<storage, read> body: array<Body>;                          // [agent]
+@group(0) @binding(3) var<storage, read> route: array<Route>;                        // [agent]
 @group(0) @binding(4) var<storage, read> companions: array<vec4<u32>>;               // [agent] the others of its group, NOBODY for none
 @group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> agent_slot: array<u32>;                     // [agent] NOBODY if absent
-@group(0) @binding(7) var<storage, read_write> slot_avoidance: array<vec4<u32>>;       // [slot] agent, ..., neighbour cap + LED_BIT + group << GROUP_SHIFT
-@group(0) @binding(8) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
+@group(0) @binding(7) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(8) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
 
 const GAZE: f32 = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
 const GATHER: f32 = 3.0;      // m/s2, beta 2
@@ -44,11 +44,11 @@ fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = agent_slot[agent];
     let first = min(min(others.x, others.y), min(others.z, others.w));
     if first != NOBODY && slot < step.agent_count {
-        slot_avoidance[slot].w |= (min(agent, first) + 1u) << GROUP_SHIFT;
+        slot_avoidance[slot].limits |= (min(agent, first) + 1u) << GROUP_SHIFT;
     }
     let own_way = route[agent];
     let at = position[agent];
-    var pace = body[agent].z;
+    var pace = body[agent].preferred_speed;
     var others_sum = vec2<f32>(0.0, 0.0);
     var away = vec2<f32>(0.0, 0.0);
     var count = 0.0;
@@ -57,7 +57,7 @@ fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
     for (var k = 0u; k < 4u; k++) {
         let other = others[k];
         if other < step.agent_count && !is_absent(position[min(other, step.agent_count - 1u)]) {
-            pace = min(pace, body[other].z);
+            pace = min(pace, body[other].preferred_speed);
             let way = route[other];
             let off = at - position[other];
             let distance = sqrt(dot2(off, off));
@@ -65,7 +65,7 @@ fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
                 away += off * (min((PERSONAL - distance) / RAMP, 1.0) / distance);
             }
             behind = max(behind, -dot2(off, wanted));
-            let is_ahead = way.w > own_way.w || (way.w == own_way.w && way.z > own_way.z);
+            let is_ahead = way.arrivals > own_way.arrivals || (way.arrivals == own_way.arrivals && way.next > own_way.next);
             if !is_ahead {
                 others_sum += position[other];
                 count += 1.0;
@@ -75,11 +75,11 @@ fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
     let wish = sqrt(dot2(wanted, wanted));
     if behind > 0.0 && slot < step.agent_count {
         // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given
-        let priority = slot_motion[slot * 2u + 1u].z;
+        let priority = slot_motion[slot].priority;
         let raised = min(priority + HASTE * min(behind / wish, LEFT_BEHIND), 1.0);
-        slot_motion[slot * 2u + 1u].z = max(priority, raised);
+        slot_motion[slot].priority = max(priority, raised);
     }
-    let own_speed = body[agent].z;
+    let own_speed = body[agent].preferred_speed;
     if own_speed > pace {
         wanted = wanted * (pace / own_speed);
     }

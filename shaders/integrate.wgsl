@@ -1,16 +1,16 @@
-// uses: step, exact, absent
+// uses: step, exact, absent, agent
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;       // [slot] m/s
-@group(0) @binding(2) var<storage, read> agent_slot: array<u32>;               // [agent]
-@group(0) @binding(3) var<storage, read> body: array<vec4<f32>>;               // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(4) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
-@group(0) @binding(5) var<storage, read_write> velocity: array<vec2<f32>>;     // [agent] m/s
-@group(0) @binding(6) var<storage, read_write> stance: array<vec2<f32>>;       // [agent] heading about +y, rad; walk weight
-@group(0) @binding(7) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
-@group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>;    // [kernel] first agent that failed
+@group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
+@group(0) @binding(2) var<storage, read> agent_slot: array<u32>;            // [agent]
+@group(0) @binding(3) var<storage, read> body: array<Body>;                 // [agent]
+@group(0) @binding(4) var<storage, read_write> position: array<vec2<f32>>;  // [agent] m
+@group(0) @binding(5) var<storage, read_write> velocity: array<vec2<f32>>;  // [agent] m/s
+@group(0) @binding(6) var<storage, read_write> stance: array<Stance>;       // [agent]
+@group(0) @binding(7) var<storage, read_write> phase: array<u32>;           // [agent] the whole range is one stride
+@group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] first agent that failed
 
 const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 // How fast a body turns to where it goes, share of the difference a second.
@@ -42,18 +42,18 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
 
     let traits = body[agent];
     let speed = sqrt(dot2(v, v));
-    var heading = stance[agent].x;
+    var heading = stance[agent].heading;
     if speed > TURNING_SPEED {
         let most = step.turn_rate * step.time_step;
         let turn = exact_wrap(exact_atan2(v.x, v.y) - heading);
         let follow = min(FOLLOW * step.time_step, 1.0);
         heading = exact_wrap(heading + clamp(turn * follow, -most, most));
     }
-    let walking = speed > step.walk_speed * traits.z;
+    let walking = speed > step.walk_speed * traits.preferred_speed;
     let blend = select(-step.blend_rate, step.blend_rate, walking) * step.time_step;
-    stance[agent] = vec2<f32>(heading, clamp(stance[agent].y + blend, 0.0, 1.0));
+    stance[agent] = Stance(heading, clamp(stance[agent].walk_weight + blend, 0.0, 1.0));
 
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
-    let strides = min(speed * step.time_step / max(traits.w, 0.1), 0.5);
+    let strides = min(speed * step.time_step / max(traits.stride_travel, 0.1), 0.5);
     phase[agent] = phase[agent] + (u32(strides * 16777216.0) << 8u);
 }

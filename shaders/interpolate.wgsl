@@ -1,12 +1,12 @@
-// uses: between, exact
+// uses: between, exact, agent
 // Puts everyone where they are between the last two snapshots that `keep_snapshot` kept: along the straight way, the heading
 // by the shorter turn, the phase of the walk forwards (it wraps by itself). Whoever is farther from where they were
 // than people walk in the time between (set to another place, just come in, gone) is shown as in the newest snapshot.
 // A share of 1 gives the newest snapshot bit for bit.
 @group(0) @binding(0) var<uniform> between: BetweenUniforms;
-@group(0) @binding(1) var<storage, read> snapshots: array<vec4<u32>>;            // [2][agent][3] bits, see shared/between.wgsl
+@group(0) @binding(1) var<storage, read> snapshots: array<Snapshot>;           // [2][agent]
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
-@group(0) @binding(3) var<storage, read_write> stance: array<vec2<f32>>;       // [agent] heading rad, walk weight
+@group(0) @binding(3) var<storage, read_write> stance: array<Stance>;          // [agent]
 @group(0) @binding(4) var<storage, read_write> phase: array<u32>;              // [agent] the whole range is one stride
 @group(0) @binding(5) var<storage, read_write> elevation: array<f32>;          // [agent] m
 @group(0) @binding(6) var<storage, read_write> gait_weights: array<vec4<f32>>; // [agent]
@@ -23,28 +23,23 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= between.agent_count {
         return;
     }
-    let a = moment_start(1u - between.newest, agent);
-    let b = moment_start(between.newest, agent);
-    let stood = bitcast<vec4<f32>>(snapshots[a]);
-    let stands = bitcast<vec4<f32>>(snapshots[b]);
-    let way = stands.xy - stood.xy;
+    let was = snapshots[snapshot_of(1u - between.newest, agent)];
+    let now = snapshots[snapshot_of(between.newest, agent)];
+    let stood = vec4<f32>(was.position, was.heading, was.walk_weight);
+    let stands = vec4<f32>(now.position, now.heading, now.walk_weight);
+    let way = now.position - was.position;
     // a place or a heading that is no number is not on the way
-    let walked = dot2(way, way) <= between.reach * between.reach && abs(stands.z - stood.z) < TURN_LIMIT;
+    let walked = dot2(way, way) <= between.reach * between.reach && abs(now.heading - was.heading) < TURN_LIMIT;
     let share = select(1.0, between.share, walked);
 
     let there = on_the_way(stood, stands, share);
     position[agent] = there.xy;
-    let turned = exact_wrap(stood.z + exact_wrap(stands.z - stood.z) * share);
-    stance[agent] = vec2<f32>(select(turned, stands.z, share >= 1.0), there.w);
+    let turned = exact_wrap(was.heading + exact_wrap(now.heading - was.heading) * share);
+    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w);
 
-    let was = snapshots[a + 1u];
-    let now = snapshots[b + 1u];
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
-    let strides = u32(f32((now.x - was.x) >> 8u) * min(share, 0.99999994));
-    phase[agent] = select(was.x + (strides << 8u), now.x, share >= 1.0);
-    let floor_now = vec4<f32>(bitcast<f32>(now.y));
-    elevation[agent] = on_the_way(vec4<f32>(bitcast<f32>(was.y)), floor_now, share).x;
-
-    let showed = bitcast<vec4<f32>>(snapshots[a + 2u]);
-    gait_weights[agent] = on_the_way(showed, bitcast<vec4<f32>>(snapshots[b + 2u]), share);
+    let strides = u32(f32((now.phase - was.phase) >> 8u) * min(share, 0.99999994));
+    phase[agent] = select(was.phase + (strides << 8u), now.phase, share >= 1.0);
+    elevation[agent] = on_the_way(vec4<f32>(was.elevation), vec4<f32>(now.elevation), share).x;
+    gait_weights[agent] = on_the_way(was.gait_weights, now.gait_weights, share);
 }

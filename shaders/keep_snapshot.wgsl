@@ -1,12 +1,12 @@
-// uses: between
+// uses: between, agent
 // Keeps what pictures show of a crowd's present snapshot, packed, at one of two places (`place`), for `interpolate`.
 @group(0) @binding(0) var<uniform> between: BetweenUniforms;
-@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;     // [agent] m
-@group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;       // [agent] heading rad, walk weight
-@group(0) @binding(3) var<storage, read> phase: array<u32>;              // [agent] the whole range is one stride
-@group(0) @binding(4) var<storage, read> elevation: array<f32>;          // [agent] m
-@group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>; // [agent]
-@group(0) @binding(6) var<storage, read_write> snapshots: array<vec4<u32>>; // [2][agent][3] bits, see shared/between.wgsl
+@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;       // [agent] m
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;            // [agent]
+@group(0) @binding(3) var<storage, read> phase: array<u32>;                // [agent] the whole range is one stride
+@group(0) @binding(4) var<storage, read> elevation: array<f32>;            // [agent] m
+@group(0) @binding(5) var<storage, read> gait_weights: array<vec4<f32>>;   // [agent]
+@group(0) @binding(6) var<storage, read_write> snapshots: array<Snapshot>; // [2][agent]
 var<immediate> place: u32;
 
 @compute @workgroup_size(64)
@@ -15,8 +15,8 @@ fn keep_snapshot(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= between.agent_count {
         return;
     }
-    let at = moment_start(place, agent);
-    snapshots[at] = vec4<u32>(bitcast<vec2<u32>>(position[agent]), bitcast<vec2<u32>>(stance[agent]));
-    snapshots[at + 1u] = vec4<u32>(phase[agent], bitcast<u32>(elevation[agent]), 0u, 0u);
-    snapshots[at + 2u] = bitcast<vec4<u32>>(gait_weights[agent]);
+    snapshots[snapshot_of(place, agent)] = Snapshot(
+        position[agent], stance[agent].heading, stance[agent].walk_weight, gait_weights[agent], phase[agent],
+        elevation[agent], 0u, 0u,
+    );
 }

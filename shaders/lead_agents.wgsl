@@ -1,15 +1,15 @@
-// uses: step, exact, absent
+// uses: step, exact, absent, agent
 // Agents that are led from outside (priority LED): a recording, a robot, a tracked person. Each is told where it is to
 // be at the end of the step, or that it is not there. The phases:
 //   appear, before the grid: who was absent appears one step short of the target; who is gone becomes absent
 //   steer, after prefer:     the velocity that ends the step at the target, v = (target - p) / dt
 // The target is a place, not a displacement, so that rounding does not add up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> avoidance: array<vec4<f32>>;                  // [agent] 1/horizon, neighbour distance, neighbour cap, priority
-@group(0) @binding(2) var<storage, read> lead: array<vec4<f32>>;                     // [agent] target, m (ABSENT: not there); velocity on appearing, m/s
+@group(0) @binding(1) var<storage, read> avoidance: array<Avoidance>;                // [agent]
+@group(0) @binding(2) var<storage, read> lead: array<Lead>;                          // [agent]
 @group(0) @binding(3) var<storage, read_write> position: array<vec2<f32>>;           // [agent] m
 @group(0) @binding(4) var<storage, read_write> velocity: array<vec2<f32>>;           // [agent] m/s
-@group(0) @binding(5) var<storage, read_write> stance: array<vec2<f32>>;             // [agent] heading about +y, rad; walk weight
+@group(0) @binding(5) var<storage, read_write> stance: array<Stance>;                // [agent]
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 
 const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in mid-stride
@@ -17,23 +17,23 @@ const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in
 @compute @workgroup_size(64)
 fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count || avoidance[agent].w < LED {
+    if agent >= step.agent_count || avoidance[agent].priority < LED {
         return;
     }
-    let target_point = lead[agent].xy;
+    let target_point = lead[agent].place;
     if is_absent(target_point) {
         position[agent] = vec2<f32>(ABSENT, ABSENT);
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
     if is_absent(position[agent]) {
-        let v = lead[agent].zw;
+        let v = lead[agent].velocity;
         position[agent] = target_point - v * step.time_step;
         velocity[agent] = v;
         if sqrt(dot2(v, v)) > WALKING_SPEED {
-            stance[agent] = vec2<f32>(exact_atan2(v.x, v.y), 1.0);
+            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0);
         } else {
-            stance[agent].y = 0.0;
+            stance[agent].walk_weight = 0.0;
         }
     }
 }
@@ -41,11 +41,11 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
 @compute @workgroup_size(64)
 fn lead_agents_steer(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count || avoidance[agent].w < LED {
+    if agent >= step.agent_count || avoidance[agent].priority < LED {
         return;
     }
     let here = position[agent];
     if !is_absent(here) {
-        preferred_velocity[agent] = (lead[agent].xy - here) * step.inverse_time_step;
+        preferred_velocity[agent] = (lead[agent].place - here) * step.inverse_time_step;
     }
 }

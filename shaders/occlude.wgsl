@@ -1,4 +1,4 @@
-// uses: sight
+// uses: sight, agent
 // Who is hidden behind what has been drawn already: an agent of the sifted buckets whose two boxes, as each eye sees them,
 // lie behind everything in the tiles of the picture that they touch. A tile holds the farthest depth of its samples (0 where
 // nothing is drawn), so no sample of a hidden body could have passed the test of depth: the picture is the same without it.
@@ -16,14 +16,14 @@ const DOWN: f32 = 0.3;         // how far above a head the eye looks down on it,
 const NEARER: f32 = 1.00001;   // depth is rounded too
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
-@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;                // [posed bucket + 1][far bucket + 1]
-@group(0) @binding(2) var<storage, read> visible: array<u32>;                     // [slot] agent
-@group(0) @binding(3) var<storage, read> position: array<vec2<f32>>;              // [agent] m
-@group(0) @binding(4) var<storage, read> elevation: array<f32>;                   // [agent] m
-@group(0) @binding(5) var<storage, read> appearance: array<vec4<u32>>;                  // [agent]
-@group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>;        // [eye][block] 1 where somebody asks
-@group(0) @binding(7) var<storage, read> tile_depth: array<f32>;                    // [eye][tile] least depth, of a marked block
-@group(0) @binding(8) var<storage, read_write> hidden: array<u32>;                // [slot] 1 if nobody sees it
+@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;         // [posed bucket + 1][far bucket + 1]
+@group(0) @binding(2) var<storage, read> visible: array<u32>;              // [slot] agent
+@group(0) @binding(3) var<storage, read> position: array<vec2<f32>>;       // [agent] m
+@group(0) @binding(4) var<storage, read> elevation: array<f32>;            // [agent] m
+@group(0) @binding(5) var<storage, read> appearance: array<Appearance>;    // [agent]
+@group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>; // [eye][block] 1 where somebody asks
+@group(0) @binding(7) var<storage, read> tile_depth: array<f32>;           // [eye][tile] least depth, of a marked block
+@group(0) @binding(8) var<storage, read_write> hidden: array<u32>;         // [slot] 1 if nobody sees it
 
 struct Seen {
     is_judged: bool,
@@ -45,7 +45,7 @@ fn tile_at(pixel: f32, side: u32, most: u32) -> u32 {
 
 fn look_at(eye: u32, agent: u32, bounds: vec4<f32>) -> Seen {
     let m = sight.clip_from_world[eye];
-    let scale = bitcast<f32>(appearance[agent].y);
+    let scale = appearance[agent].scale;
     let at = position[agent];
     let foot = elevation[agent];
     let radius = bounds.x * scale;
@@ -116,7 +116,7 @@ fn is_behind(eye: u32, seen: Seen) -> bool {
 // Whether an agent of a bucket is shown whatever stands before it.
 fn is_shown(agent: u32, bucket: u32) -> bool {
     let count = start_of(sight.bucket_end) - start_of(sight.first_bucket);
-    let head = sight.bounds[bucket][1].z * bitcast<f32>(appearance[agent].y);
+    let head = sight.bounds[bucket][1].z * appearance[agent].scale;
     return count < sight.fewest || sight.eye_height > elevation[agent] + head + DOWN;
 }
 

@@ -6,12 +6,12 @@
 //   list (run):  `shown`, and the arguments of a bucket for as many runs as there are buckets.
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
-@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;       // [posed bucket + 1][far bucket + 1]
-@group(0) @binding(2) var<storage, read> hidden: array<u32>;             // [slot] 1 if nobody sees it
-@group(0) @binding(3) var<storage, read_write> run_shown: array<u32>;    // [run + 1]
-@group(0) @binding(4) var<storage, read_write> shown: array<u32>;        // [slot] slots, those of a bucket from its first on
-@group(0) @binding(5) var<storage, read> draw_args: array<u32>;          // [2][bucket][5]
-@group(0) @binding(6) var<storage, read_write> shown_args: array<u32>;   // [bucket][5] VkDrawIndexedIndirectCommand
+@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;     // [posed bucket + 1][far bucket + 1]
+@group(0) @binding(2) var<storage, read> hidden: array<u32>;           // [slot] 1 if nobody sees it
+@group(0) @binding(3) var<storage, read_write> run_shown: array<u32>;  // [run + 1]
+@group(0) @binding(4) var<storage, read_write> shown: array<u32>;      // [slot] slots, those of a bucket from its first on
+@group(0) @binding(5) var<storage, read> draw_args: array<u32>;        // [2][bucket][5]
+@group(0) @binding(6) var<storage, read_write> shown_args: array<u32>; // [bucket][5] VkDrawIndexedIndirectCommand
 
 // Slots that are seen before number `count` of the sifted ones.
 fn seen_before(count: u32) -> u32 {

@@ -1,13 +1,13 @@
-// uses: frame, exact, quaternion, body, rig
+// uses: frame, exact, quaternion, body, rig, agent
 // Forward kinematics of every visible agent, in the world, and from it the matrices that move a vertex from the rest
 // pose into the world: world_from_joint * joint_from_mesh, three rows each. The agent's scale enters here.
-@group(0) @binding(0) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
-@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;       // [agent] m
-@group(0) @binding(2) var<storage, read> stance: array<vec2<f32>>;         // [agent] heading rad, walk weight
-@group(0) @binding(3) var<storage, read> appearance: array<vec4<u32>>;           // [agent]
-@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][65]
+@group(0) @binding(0) var<storage, read> visible: array<u32>;               // [visible] agents, then NONE
+@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;             // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<Appearance>;     // [agent]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;             // [avatar][65]
 @group(0) @binding(5) var<storage, read> local_rotations: array<vec4<f32>>; // [visible][17]
-@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][16][3] rows
+@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>;  // [visible][16][3] rows
 
 @compute @workgroup_size(64)
 fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -18,10 +18,10 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NONE {
         return;
     }
-    let avatar = appearance[agent].x & 255u;
-    let scale = bitcast<f32>(appearance[agent].y);
+    let avatar = avatar_of(appearance[agent]);
+    let scale = appearance[agent].scale;
     let at = position[agent];
-    let heading = stance[agent].x;
+    let heading = stance[agent].heading;
 
     var rotations = array<vec4<f32>, 16>(); // world_from_joint
     var origins = array<vec3<f32>, 16>();   // of the joints, world, m

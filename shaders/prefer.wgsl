@@ -1,16 +1,16 @@
-// uses: step, exact, absent, stages, follow, floors
+// uses: step, exact, absent, stages, follow, floors, agent
 // The velocity an agent wants before avoidance: towards its aim at the speed of its gait (v_des), slowing only to stop there. A tiny
 // random part, different for every agent and step, breaks exact symmetry (two people head-on would stop for ever); those who stand
 // at a place of their own stand still.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                   // [agent] m
-@group(0) @binding(2) var<storage, read> body: array<vec4<f32>>;                       // [agent] radius, maximum speed, preferred speed, travel per stride
-@group(0) @binding(3) var<storage, read> aim: array<vec4<f32>>;                        // [agent] x, z, how, flow field or -1 (see shared/stages.wgsl)
-@group(0) @binding(4) var<storage, read_write> preferred_velocity: array<vec2<f32>>;   // [agent] m/s
+@group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
+@group(0) @binding(2) var<storage, read> body: array<Body>;                          // [agent]
+@group(0) @binding(3) var<storage, read> aim: array<Aim>;                            // [agent]
+@group(0) @binding(4) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(5) var<uniform> flow_grid: FlowUniforms;
-@group(0) @binding(6) var<storage, read> flow_way: array<u32>;                         // [field][cell] see way.wgsl
-@group(0) @binding(7) var<storage, read> elevation: array<f32>;                        // [agent] m
-@group(0) @binding(8) var<storage, read> floors: array<vec4<f32>>;                     // [floor][9] see floors.wgsl
+@group(0) @binding(6) var<storage, read> flow_way: array<u32>;                       // [field][cell] see way.wgsl
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;                      // [agent] m
+@group(0) @binding(8) var<storage, read> floors: array<vec4<f32>>;                   // [floor][9] see floors.wgsl
 
 // How fast people come to a place where they will stand: this share of the distance a second.
 const APPROACH: f32 = 2.0;
@@ -27,14 +27,14 @@ fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = position[agent];
     let goal = aim[agent];
-    let to = goal.xy - at;
+    let to = goal.place - at;
     let distance = sqrt(dot2(to, to));
-    var speed = body[agent].z;
-    if goal.z == STOP {
+    var speed = body[agent].preferred_speed;
+    if goal.how == STOP {
         speed = min(speed, distance * step.inverse_time_step);
     }
-    if goal.z > 0.0 {
-        if distance < goal.z {
+    if goal.how > 0.0 {
+        if distance < goal.how {
             preferred_velocity[agent] = vec2<f32>(0.0, 0.0);
             return;
         }
@@ -52,13 +52,13 @@ fn prefer(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 // The direction from a point towards an aim, of any length: along its flow field if it has one, else straight.
-fn direction_to(agent: u32, at: vec2<f32>, goal: vec4<f32>) -> vec2<f32> {
-    if goal.w < 0.0 {
-        return goal.xy - at;
+fn direction_to(agent: u32, at: vec2<f32>, goal: Aim) -> vec2<f32> {
+    if goal.field < 0.0 {
+        return goal.place - at;
     }
     var sheet = 0u;
     if flow_grid.sheet_rows < flow_grid.rows {
         sheet = u32(standing(at, elevation[agent]).sheet);
     }
-    return flow_direction(u32(goal.w), sheet, at, goal.xy - at);
+    return flow_direction(u32(goal.field), sheet, at, goal.place - at);
 }

@@ -5,11 +5,11 @@
 // avatar a begins at vertex sum over b < a of (near agents of b * vertices of b) + n * vertices of a. `skinned` must
 // hold near_capacity times the largest level-0 vertex count.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
-@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;         // [bucket + 1]
-@group(0) @binding(2) var<storage, read> mesh_table: array<vec4<u32>>;     // [bucket] first_index, index_count, first_vertex, vertex_count
-@group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>;  // [vertex][4]
-@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;       // [visible][16][3] rows
-@group(0) @binding(5) var<storage, read_write> skinned: array<vec4<f32>>;  // [near vertex][2] world
+@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;        // [bucket + 1]
+@group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
+@group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
+@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][16][3] rows
+@group(0) @binding(5) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
 var<immediate> avatar: u32;
 
 fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
@@ -21,14 +21,14 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let bucket = avatar * frame.level_count;
     let mesh = mesh_table[bucket];
     let agents = bucket_start[bucket + 1u] - bucket_start[bucket];
-    if id.x >= mesh.w || id.y >= agents {
+    if id.x >= mesh.vertex_count || id.y >= agents {
         return;
     }
     var first = 0u;
     for (var before = 0u; before < bucket; before += frame.level_count) {
-        first += (bucket_start[before + 1u] - bucket_start[before]) * mesh_table[before].w;
+        first += (bucket_start[before + 1u] - bucket_start[before]) * mesh_table[before].vertex_count;
     }
-    let source = (mesh.z + id.x) * VERTEX_STRIDE;
+    let source = (mesh.first_vertex + id.x) * VERTEX_STRIDE;
     let vertex_position = mesh_vertices[source].xyz;
     let normal_joints = mesh_vertices[source + 1u];
     let weights = mesh_vertices[source + 2u];
@@ -49,7 +49,7 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let normal = vec3<f32>(dot3(row_x.xyz, n), dot3(row_y.xyz, n), dot3(row_z.xyz, n));
     let square = dot3(normal, normal);
     let length = select(1.0, sqrt(square), square > 1e-12); // two opposite influences may leave no normal
-    let out = (first + id.y * mesh.w + id.x) * SKINNED_STRIDE;
+    let out = (first + id.y * mesh.vertex_count + id.x) * SKINNED_STRIDE;
     skinned[out] = vec4<f32>(row_at(row_x, vertex_position), row_at(row_y, vertex_position), row_at(row_z, vertex_position), 1.0);
     skinned[out + 1u] = vec4<f32>(normal.x / length, normal.y / length, normal.z / length, 0.0);
 }

@@ -1,15 +1,15 @@
-// uses: step, storey, grid, absent, exact
+// uses: step, storey, grid, absent, exact, agent
 // Lets people in: of every source at most one agent a step, the next by number once its time has come, at a random free place of the source.
 // While there is none it waits outside, and everyone after it. Who comes in is in the grid from the next step on, and stands still until then.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> body: array<vec4<f32>>;               // [agent] radius, ...
-@group(0) @binding(2) var<storage, read> elevation: array<f32>;                // [agent] m
-@group(0) @binding(3) var<storage, read> entry: array<u32>;                    // [agent] step from which on it comes in + 1; 0: there from the start
-@group(0) @binding(4) var<storage, read> cell_start: array<u32>;               // [cell + 1]
-@group(0) @binding(5) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(6) var<storage, read> source_places: array<vec2<f32>>;      // [place] m, of all sources one after another
-@group(0) @binding(7) var<storage, read_write> sources: array<u32>;            // [source][8] first place, places, first agent, agents, agents let in, widest radius (bits), 0, 0
-@group(0) @binding(8) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m
+@group(0) @binding(1) var<storage, read> body: array<Body>;                // [agent]
+@group(0) @binding(2) var<storage, read> elevation: array<f32>;            // [agent] m
+@group(0) @binding(3) var<storage, read> entry: array<u32>;                // [agent] step from which on it comes in + 1; 0: there from the start
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;           // [cell + 1]
+@group(0) @binding(5) var<storage, read> slot_motion: array<SlotMotion>;   // [slot]
+@group(0) @binding(6) var<storage, read> source_places: array<vec2<f32>>;  // [place] m, of all sources one after another
+@group(0) @binding(7) var<storage, read_write> sources: array<Source>;     // [source]
+@group(0) @binding(8) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
 
 // Places tried in one step.
 const TRIES: u32 = 16u;
@@ -24,23 +24,21 @@ fn spawn(@builtin(global_invocation_id) id: vec3<u32>) {
     if source >= step.source_count {
         return;
     }
-    let base = source * 8u;
-    let places = sources[base + 1u];
-    let next = sources[base + 4u];
-    if next >= sources[base + 3u] || places == 0u {
+    let own = sources[source];
+    let next = own.entered;
+    if next >= own.agents || own.places == 0u {
         return;
     }
-    let agent = sources[base + 2u] + next;
+    let agent = own.first_agent + next;
     if step.step_index + 1u < entry[agent] {
         return;
     }
-    let widest = bitcast<f32>(sources[base + 5u]);
-    let begin = hash_u32(source ^ hash_u32(step.step_index ^ step.seed)) % places;
-    for (var t = 0u; t < min(TRIES, places); t++) {
-        let place = source_places[sources[base] + (begin + t) % places];
-        if is_free(place, body[agent].x, widest, elevation[agent]) {
+    let begin = hash_u32(source ^ hash_u32(step.step_index ^ step.seed)) % own.places;
+    for (var t = 0u; t < min(TRIES, own.places); t++) {
+        let place = source_places[own.first_place + (begin + t) % own.places];
+        if is_free(place, body[agent].radius, own.widest, elevation[agent]) {
             position[agent] = place;
-            sources[base + 4u] = next + 1u;
+            sources[source].entered = next + 1u;
             return;
         }
     }
@@ -64,8 +62,8 @@ fn is_free(place: vec2<f32>, radius: f32, widest: f32, height: f32) -> bool {
             return false;
         }
         for (var slot = first; slot < end; slot++) {
-            let traits = slot_motion[slot * 2u + 1u];
-            if on_storey(traits.w, height) && is_near(place, slot_motion[slot * 2u].xy, radius + traits.x + GAP) {
+            let other = slot_motion[slot];
+            if on_storey(other.elevation, height) && is_near(place, other.position, radius + other.radius + GAP) {
                 return false;
             }
         }

@@ -1,10 +1,10 @@
-// uses: step, exact, absent
+// uses: step, exact, absent, agent
 // Walkers on a way without an end: who comes into the first box of its teleport is at a random place of the second from this
 // step on. First of all, so that the grid holds everyone where they are.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> teleports: array<vec4<f32>>;           // [teleport][2] least and greatest corner of where from, where to, m
-@group(0) @binding(2) var<storage, read> teleport_of: array<u32>;               // [agent] its teleport, or NOBODY for none
-@group(0) @binding(3) var<storage, read_write> position: array<vec2<f32>>;      // [agent] m
+@group(0) @binding(1) var<storage, read> teleports: array<Teleport>;       // [teleport]
+@group(0) @binding(2) var<storage, read> teleport_of: array<u32>;          // [agent] its teleport, or NOBODY for none
+@group(0) @binding(3) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
 
 @compute @workgroup_size(64)
 fn teleport(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -17,13 +17,13 @@ fn teleport(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     let here = position[agent];
-    let low = teleports[2u * own].xy;
-    let high = teleports[2u * own].zw;
+    let boxes = teleports[own];
+    let low = boxes.from_low;
+    let high = boxes.from_high;
     if here.x < low.x || here.y < low.y || here.x > high.x || here.y > high.y {
         return;
     }
-    let to = teleports[2u * own + 1u];
     let bits = hash_u32(agent ^ hash_u32(step.step_index ^ ~step.seed));
     let share = vec2<f32>(unit_f32(bits), unit_f32(hash_u32(bits)));
-    position[agent] = to.xy + (to.zw - to.xy) * share;
+    position[agent] = boxes.to_low + (boxes.to_high - boxes.to_low) * share;
 }

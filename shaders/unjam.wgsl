@@ -1,4 +1,4 @@
-// uses: step, grid, orca, segments, contact, absent
+// uses: step, grid, orca, segments, contact, absent, agent
 // What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
 //
 // Right of way (phase turns): every TURN seconds a random direction is drawn. A blocked agent that faces an oncoming agent
@@ -11,13 +11,13 @@
 // the preferred velocity alone: the sum of the steps along it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;             // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
-@group(0) @binding(3) var<storage, read> obstacles: array<vec4<f32>>;                // [segment][3], see reference::orca::Segment
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>;       // [slot]
+@group(0) @binding(3) var<storage, read> obstacles: array<Segment>;                  // [segment]
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
-@group(0) @binding(6) var<storage, read_write> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
+@group(0) @binding(6) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
 @group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(8) var<storage, read_write> waiting: array<vec4<f32>>;            // [agent] s without progress; along a wall: m lost since, side (0: none); 0
+@group(0) @binding(8) var<storage, read_write> waiting: array<Waiting>;              // [agent]
 
 // Who wants to go slower than this stands by choice, m/s.
 const STANDING: f32 = 0.1;
@@ -49,15 +49,15 @@ fn walker_slot(agent: u32) -> u32 {
     }
     let slot = agent_slot[agent];
     if slot == NOBODY {
-        waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        waiting[agent] = Waiting();
         return NOBODY;
     }
-    if (slot_avoidance[slot].w & LED_BIT) != 0u {
+    if (slot_avoidance[slot].limits & LED_BIT) != 0u {
         return NOBODY;
     }
     let preferred = preferred_velocity[agent];
     if sqrt(dot2(preferred, preferred)) < STANDING {
-        waiting[agent] = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+        waiting[agent] = Waiting();
         return NOBODY;
     }
     return slot;
@@ -84,50 +84,49 @@ fn unjam_walls(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn take_turns(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
-    let motion = slot_motion[slot * 2u];
-    let traits = slot_motion[slot * 2u + 1u];
-    let progress = dot2(motion.zw, ahead);
+    let own = slot_motion[slot];
+    let progress = dot2(own.velocity, ahead);
     var state = waiting[agent];
-    state.x = max(state.x + select(-2.0, 1.0, progress < PROGRESS * speed) * step.time_step, 0.0);
-    if state.z != 0.0 {
-        state.y = state.y - progress * step.time_step;
+    state.stuck = max(state.stuck + select(-2.0, 1.0, progress < PROGRESS * speed) * step.time_step, 0.0);
+    if state.side != 0.0 {
+        state.lost = state.lost - progress * step.time_step;
     }
     waiting[agent] = state;
     let turn = step.step_index / max(u32(TURN * step.inverse_time_step), 1u);
     let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
     let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
-    if state.x > step.patience && dot2(side, ahead) > 0.0 && is_opposed(slot, motion.xy, ahead, traits.w) {
-        slot_motion[slot * 2u + 1u].z = traits.z + RAISE;
+    if state.stuck > step.patience && dot2(side, ahead) > 0.0 && is_opposed(slot, own.position, ahead, own.elevation) {
+        slot_motion[slot].priority = own.priority + RAISE;
     }
 }
 
 fn follow_walls(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
     var state = waiting[agent];
-    let is_following = state.z != 0.0;
-    if state.x <= step.patience && !is_following {
+    let is_following = state.side != 0.0;
+    if state.stuck <= step.patience && !is_following {
         return;
     }
-    let at = slot_motion[slot * 2u].xy;
-    let traits = slot_motion[slot * 2u + 1u];
-    let walls = near_segments(at, CLEAR + traits.x, traits.w);
-    let blocked = way_ahead(walls, at, ahead, THIN * traits.x);
-    if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * traits.x)
-        && !is_someone_ahead(slot, at, ahead, traits.w) {
+    let own = slot_motion[slot];
+    let at = own.position;
+    let walls = near_segments(at, CLEAR + own.radius, own.elevation);
+    let blocked = way_ahead(walls, at, ahead, THIN * own.radius);
+    if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * own.radius)
+        && !is_someone_ahead(slot, at, ahead, own.elevation) {
         let along = dot2(ahead, blocked.along);
         let is_slanted = abs(along) >= SLANTED;
         let slide = blocked.along * select(-1.0, 1.0, along > 0.0);
         let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1u) == 1u;
         let by_end = select(blocked.nearer_end > 0.0, drawn, abs(blocked.nearer_end) < ONE_OF_TWO);
         // along a slanted wall everybody slides anyway, up to a corner
-        if !is_slanted || is_cornered(walls, at, slide, traits.x) {
-            state.z = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
-            state.y = 0.0;
+        if !is_slanted || is_cornered(walls, at, slide, own.radius) {
+            state.side = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
+            state.lost = 0.0;
         }
-    } else if is_following && (walls == 0u || (state.y < -GAINED && blocked.rate < 1.0 / CLEAR)) {
-        state = vec4<f32>(0.0, 0.0, 0.0, 0.0);
+    } else if is_following && (walls == 0u || (state.lost < -GAINED && blocked.rate < 1.0 / CLEAR)) {
+        state = Waiting();
     }
-    if state.z != 0.0 {
-        preferred_velocity[agent] = beside_wall(walls, at, state.z, traits.x) * speed;
+    if state.side != 0.0 {
+        preferred_velocity[agent] = beside_wall(walls, at, state.side, own.radius) * speed;
     }
     waiting[agent] = state;
 }
@@ -140,9 +139,9 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
     for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
         let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
-            let to = slot_motion[other * 2u].xy - at;
-            let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
-            let wanted = preferred_velocity[slot_avoidance[other].x];
+            let to = slot_motion[other].position - at;
+            let apart = abs(slot_motion[other].elevation - elevation);
+            let wanted = preferred_velocity[slot_avoidance[other].agent];
             let speed2 = dot2(wanted, wanted);
             let against = -dot2(wanted, ahead);
             is_there = is_there || (dot2(to, to) < OPPOSED * OPPOSED && dot2(to, ahead) > 0.0
@@ -161,8 +160,8 @@ fn is_someone_ahead(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) 
     for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
         let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
-            let to = slot_motion[other * 2u].xy - at;
-            let apart = abs(slot_motion[other * 2u + 1u].w - elevation);
+            let to = slot_motion[other].position - at;
+            let apart = abs(slot_motion[other].elevation - elevation);
             let distance2 = dot2(to, to);
             let along = dot2(to, ahead);
             is_there = is_there || (other != slot && distance2 < 1.0 && along > 0.0 && 4.0 * along * along > distance2
@@ -181,12 +180,11 @@ struct Ahead {
 fn way_ahead(walls: u32, at: vec2<f32>, ahead: vec2<f32>, radius: f32) -> Ahead {
     var found_ahead = Ahead(0.0, vec2<f32>(0.0, 0.0), 0.0);
     for (var i = 0u; i < walls; i++) {
-        let number = segment_numbers[i] * 3u;
-        let ends = obstacles[number];
-        let along = obstacles[number + 1u].xy;
-        let rate = segment_rate(ends.xy - at, ends.zw - at, along, ahead, radius, NEAREST_RATE);
+        let wall = obstacles[segment_numbers[i]];
+        let along = wall.along;
+        let rate = segment_rate(wall.a - at, wall.b - at, along, ahead, radius, NEAREST_RATE);
         if rate > found_ahead.rate {
-            found_ahead = Ahead(rate, along, dot2(along, at - ends.xy) - dot2(along, ends.zw - at));
+            found_ahead = Ahead(rate, along, dot2(along, at - wall.a) - dot2(along, wall.b - at));
         }
     }
     return found_ahead;
@@ -207,10 +205,10 @@ fn is_cornered(walls: u32, at: vec2<f32>, direction: vec2<f32>, radius: f32) -> 
 
 // The way to the nearest point of a segment.
 fn to_wall(number: u32, at: vec2<f32>) -> vec2<f32> {
-    let ends = obstacles[number * 3u];
-    let ab = ends.zw - ends.xy;
-    let t = clamp(dot2(at - ends.xy, ab) / dot2(ab, ab), 0.0, 1.0);
-    return ends.xy + ab * t - at;
+    let a = obstacles[number].a;
+    let ab = obstacles[number].b - a;
+    let t = clamp(dot2(at - a, ab) / dot2(ab, ab), 0.0, 1.0);
+    return a + ab * t - at;
 }
 
 // The direction along the nearest wall (along its segments for side 1, against for -1), or along the next one if that leads

@@ -1,4 +1,4 @@
-// uses: step, storey, contents, grid, orca, segments, neighbours, crowding, precedence, absent
+// uses: step, storey, contents, grid, orca, segments, neighbours, crowding, precedence, absent, agent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
@@ -10,11 +10,11 @@
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
 // SwiftShader, needs more than 20 GiB to compile it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
+@group(0) @binding(5) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 @group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second phase along x, y, z; how many agents it has; their slots
@@ -39,43 +39,42 @@ fn velocity_orca_again(@builtin(global_invocation_id) id: vec3<u32>) {
 
 fn avoid(entry: u32, again: bool) {
     let slot = entry & ~UNTRIED;
-    if slot >= step.agent_count || slot_avoidance[slot].x == NOBODY {
+    if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
         return;
     }
-    let own = manners_of(slot);
+    let own = seeker_of(slot);
     var wanted = preferred_velocity[own.agent];
     if own.is_led {
         new_velocity[slot] = wanted;
         return;
     }
-    let motion = slot_motion[slot * 2u];
-    var count = quick_neighbours(slot, motion.xy, own);
+    let me = slot_motion[slot];
+    var count = quick_neighbours(slot, me.position, own);
     if again && count == UNSURE {
-        count = search(slot, motion.xy, own);
+        count = search(slot, me.position, own);
     }
     let is_sure = count != UNSURE;
     count = select(0u, count, is_sure);
     if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         wanted = crowded(slot, wanted, own.range, own.cap, count);
     }
-    let traits = slot_motion[slot * 2u + 1u];
     var hard = 0u;
     if (contents & WALLS) != 0u {
-        hard = obstacle_lines(motion.xy, motion.zw, traits);
+        hard = obstacle_lines(me);
     }
     var users = 0u;
     if (contents & USER) != 0u {
-        let to_user = step.user_position - motion.xy;
-        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(traits.w, step.user_elevation));
+        let to_user = step.user_position - me.position;
+        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.elevation, step.user_elevation));
     }
-    let others = Others(slot, motion, traits, hard, users, users + count);
+    let others = Others(slot, me, hard, users, users + count);
     if again {
         // without a shorter horizon the first attempt is all there is
         let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
         new_velocity[slot] = try_on(others, own.rate, wanted, first);
     } else {
         other_lines(others, own.rate, wanted, false);
-        let solved = within(0u, hard + others.count, traits.y, wanted, false);
+        let solved = within(0u, hard + others.count, me.max_speed, wanted, false);
         new_velocity[slot] = solved.velocity;
         let is_stuck = (contents & CROWDED) != 0u && step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
         if !is_sure || solved.satisfied < hard + others.count || is_stuck {
@@ -96,9 +95,9 @@ fn leave(entry: u32) {
 // The attempts from number `first` on. When it is too crowded to plan that far, or nobody would get on, an agent plans less
 // far and asks who goes first: what is near then counts for more than what is far.
 fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> vec2<f32> {
-    let max_speed = others.traits.y;
+    let max_speed = others.me.max_speed;
     let made = others.hard + others.count;
-    let velocity = others.motion.zw;
+    let velocity = others.me.velocity;
     let is_slow = dot2(velocity, velocity) < JAM_SPEED * JAM_SPEED * max_speed * max_speed;
     var rate = select(step.inverse_time_horizon_dense, own_rate, first == 0u);
     var solved = Solved(velocity, 0u);
@@ -124,9 +123,8 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
 // Whom an agent avoids: first the user, if `users` is 1, then those in `found`; `count` with the user.
 struct Others {
     slot: u32,
-    motion: vec4<f32>, // its own
-    traits: vec4<f32>,
-    hard: u32,         // lines of obstacles before theirs
+    me: SlotMotion, // in that slot
+    hard: u32,      // lines of obstacles before theirs
     users: u32,
     count: u32,
 }
@@ -138,15 +136,17 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
     for (var k = 0u; k < o.count; k++) {
         let is_user = k < o.users;
         let other = found[max(k, o.users) - o.users];
-        let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
-        let their_radius = select(slot_motion[other * 2u + 1u].x, step.user_radius, is_user);
+        let them = slot_motion[other];
+        let their_position = select(them.position, step.user_position, is_user);
+        let their_velocity = select(them.velocity, step.user_velocity, is_user);
+        let their_radius = select(them.radius, step.user_radius, is_user);
         let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(o.slot, other);
         // priorities do not count within a group
-        let higher = select(slot_motion[other * 2u + 1u].z - o.traits.z, 0.0, is_mate);
-        var pair = Precedence(step.responsibility, o.traits.x + their_radius, false);
+        let higher = select(them.priority - o.me.priority, 0.0, is_mate);
+        var pair = Precedence(step.responsibility, o.me.radius + their_radius, false);
         if is_dense && !is_user && abs(higher) < PEERS {
-            let their_wish = unit_or(preferred_velocity[slot_avoidance[other].x], vec2<f32>(0.0, 0.0));
-            let to = theirs.xy - o.motion.xy;
+            let their_wish = unit_or(preferred_velocity[slot_avoidance[other].agent], vec2<f32>(0.0, 0.0));
+            let to = their_position - o.me.position;
             pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }
         if (contents & UNLIKE) != 0u {
@@ -159,9 +159,9 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
             clear = max(clear, TOGETHER);
         }
         let line = agent_line(
-            o.motion.zw,
-            theirs.xy - o.motion.xy,
-            o.motion.zw - theirs.zw,
+            o.me.velocity,
+            their_position - o.me.position,
+            o.me.velocity - their_velocity,
             (pair.radius + step.safety_margin) * select(1.0, SQUEEZE, has_way && is_dense),
             clear,
             step.inverse_time_step,
@@ -177,17 +177,12 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
 }
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.
-fn obstacle_lines(at: vec2<f32>, velocity: vec2<f32>, traits: vec4<f32>) -> u32 {
-    let radius = traits.x;
-    let count = near_segments(at, step.time_horizon_obstacles * traits.y + radius, traits.w);
+fn obstacle_lines(me: SlotMotion) -> u32 {
+    let count = near_segments(me.position, step.time_horizon_obstacles * me.max_speed + me.radius, me.elevation);
     var made = 0u;
     for (var i = 0u; i < count; i++) {
-        let number = segment_numbers[i] * 3u;
-        let ends = obstacles[number];
-        let directions = obstacles[number + 1u];
-        let corners = obstacles[number + 2u];
-        let segment = Segment(ends.xy, ends.zw, directions.xy, directions.zw, corners.xy, corners.z > 0.0, corners.w > 0.0);
-        let line = obstacle_line(made, segment, at, velocity, radius, step.inverse_time_horizon_obstacles);
+        let wall = obstacles[segment_numbers[i]];
+        let line = obstacle_line(made, wall, me.position, me.velocity, me.radius, step.inverse_time_horizon_obstacles);
         if line.is_there {
             lines[made] = line.line;
             made++;

@@ -1,4 +1,4 @@
-// uses: step, storey, contents, grid, orca, segments, contact, neighbours, crowding, absent
+// uses: step, storey, contents, grid, orca, segments, contact, neighbours, crowding, absent, agent
 // A new velocity by reciprocal velocity obstacles, after van den Berg, Lin, Manocha, "Reciprocal Velocity Obstacles for
 // Real-Time Multi-Agent Navigation" (2008): of some velocities v' that the agent can reach in this step
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
@@ -13,11 +13,11 @@
 // agents are put on a list, and a second phase (again) tries a pattern of velocities for them. Four velocities are looked at
 // together, so that a neighbour is read once for all four.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<vec4<f32>>;        // [slot][2] position, velocity; radius, maximum speed, priority, elevation
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<vec4<u32>>;       // [slot] agent, 1/horizon (bits), neighbour distance (bits), neighbour cap + LED_BIT
+@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
 @group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(5) var<storage, read> obstacles: array<vec4<f32>>;          // [segment][3], see reference::orca::Segment
+@group(0) @binding(5) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 @group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
@@ -42,8 +42,7 @@ var<private> other_traits: array<vec4<f32>, 11>;
 
 // What an agent looks at.
 struct Walker {
-    motion: vec4<f32>,    // position, velocity
-    traits: vec4<f32>,    // radius, maximum speed, priority, elevation
+    motion: SlotMotion,
     preferred: vec2<f32>, // m/s
     most: f32,            // change of velocity in a step, m/s
     others: u32,
@@ -75,33 +74,32 @@ fn velocity_rvo_again(@builtin(global_invocation_id) id: vec3<u32>) {
 }
 
 fn avoid(slot: u32, again: bool) {
-    if slot >= step.agent_count || slot_avoidance[slot].x == NOBODY {
+    if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
         return;
     }
-    let own = manners_of(slot);
+    let own = seeker_of(slot);
     var preferred = preferred_velocity[own.agent];
     if own.is_led {
         new_velocity[slot] = preferred;
         return;
     }
-    let motion = slot_motion[slot * 2u];
-    var count = quick_neighbours(slot, motion.xy, own);
+    let motion = slot_motion[slot];
+    var count = quick_neighbours(slot, motion.position, own);
     if count == UNSURE {
         if !again {
             leave(slot);
             return;
         }
-        count = search(slot, motion.xy, own);
+        count = search(slot, motion.position, own);
     }
     // shortened where it is crowded ahead
     if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         preferred = crowded(slot, preferred, own.range, own.cap, count);
     }
-    let traits = slot_motion[slot * 2u + 1u];
-    var me = Walker(motion, traits, preferred, step.max_acceleration * step.time_step, 0u, 0u);
+    var me = Walker(motion, preferred, step.max_acceleration * step.time_step, 0u, 0u);
     me.others = look_at_others(slot, me, own, count);
     if (contents & WALLS) != 0u {
-        me.walls = near_segments(motion.xy, step.time_horizon_obstacles * traits.y + traits.x, traits.w);
+        me.walls = near_segments(motion.position, step.time_horizon_obstacles * motion.max_speed + motion.radius, motion.elevation);
     }
     let wanted = slowed(reachable(four(preferred), me), me);
     if danger(wanted, me).x <= 0.0 {
@@ -123,11 +121,11 @@ fn leave(slot: u32) {
 }
 
 fn choose(me: Walker) -> vec2<f32> {
-    let present = me.motion.zw;
+    let present = me.motion.velocity;
     var aim = me.preferred;
     if me.walls > 0u {
         // along the nearest wall
-        let along = obstacles[segment_numbers[0] * 3u + 1u].xy;
+        let along = obstacles[segment_numbers[0]].along;
         aim = along * dot2(along, me.preferred);
     }
     var best = Best(present, FAR_AWAY);
@@ -184,22 +182,22 @@ fn better(before: Best, wanted: Four, me: Walker) -> Best {
 
 // The velocities nearest to these within `most` m/s of the present one.
 fn reachable(wanted: Four, me: Walker) -> Four {
-    let change_x = wanted.x - me.motion.z;
-    let change_y = wanted.y - me.motion.w;
+    let change_x = wanted.x - me.motion.velocity.x;
+    let change_y = wanted.y - me.motion.velocity.y;
     let length = sqrt(change_x * change_x + change_y * change_y);
     let is_far = length > vec4<f32>(me.most);
     let scale = me.most / select(vec4<f32>(1.0), length, is_far);
     return Four(
-        select(wanted.x, me.motion.z + change_x * scale, is_far),
-        select(wanted.y, me.motion.w + change_y * scale, is_far),
+        select(wanted.x, me.motion.velocity.x + change_x * scale, is_far),
+        select(wanted.y, me.motion.velocity.y + change_y * scale, is_far),
     );
 }
 
 // Not faster than the agent can walk.
 fn slowed(v: Four, me: Walker) -> Four {
     let speed2 = v.x * v.x + v.y * v.y;
-    let is_fast = speed2 > vec4<f32>(me.traits.y * me.traits.y);
-    let scale = me.traits.y / sqrt(select(vec4<f32>(1.0), speed2, is_fast));
+    let is_fast = speed2 > vec4<f32>(me.motion.max_speed * me.motion.max_speed);
+    let scale = me.motion.max_speed / sqrt(select(vec4<f32>(1.0), speed2, is_fast));
     return Four(select(v.x, v.x * scale, is_fast), select(v.y, v.y * scale, is_fast));
 }
 
@@ -219,10 +217,8 @@ fn danger(v: Four, me: Walker) -> vec4<f32> {
         }
     }
     for (var i = 0u; i < me.walls; i++) {
-        let number = segment_numbers[i] * 3u;
-        let ends = obstacles[number];
-        let along = obstacles[number + 1u].xy;
-        let there = segment_rates(ends.xy - me.motion.xy, ends.zw - me.motion.xy, along, v.x, v.y, me.traits.x, SOONEST);
+        let wall = obstacles[segment_numbers[i]];
+        let there = segment_rates(wall.a - me.motion.position, wall.b - me.motion.position, wall.along, v.x, v.y, me.motion.radius, SOONEST);
         worst = max(worst, there - step.inverse_time_horizon_obstacles);
     }
     return step.collision_weight * (worst + SEPARATE * lack);
@@ -230,27 +226,28 @@ fn danger(v: Four, me: Walker) -> vec4<f32> {
 
 // Notes the user and the neighbours that can matter, nearest first; returns how many. Who cannot come nearer than its horizon
 // allows, whichever velocity is chosen, is left out.
-fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
-    let at = me.motion.xy;
+fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
+    let at = me.motion.position;
     let to_user = step.user_position - at;
     var users = 0u;
     if (contents & USER) != 0u {
-        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.traits.w, step.user_elevation));
+        users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.motion.elevation, step.user_elevation));
     }
     // who is faster than it may be slows down by more than `most`
-    let excess = max(sqrt(dot2(me.motion.zw, me.motion.zw)) - me.traits.y, 0.0);
+    let excess = max(sqrt(dot2(me.motion.velocity, me.motion.velocity)) - me.motion.max_speed, 0.0);
     let change = me.most + excess;
     var made = 0u;
     for (var k = 0u; k < users + count; k++) {
         let is_user = k < users;
         let other = found[max(k, users) - users];
-        let theirs = select(slot_motion[other * 2u], vec4<f32>(step.user_position, step.user_velocity), is_user);
-        let their_traits = slot_motion[other * 2u + 1u];
+        let them = slot_motion[other];
+        let their_position = select(them.position, step.user_position, is_user);
+        let their_velocity = select(them.velocity, step.user_velocity, is_user);
         let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(slot, other);
         var share = step.responsibility;
         // priorities do not count within a group
         if (contents & UNLIKE) != 0u && !is_mate {
-            share = share_of(step.responsibility, their_traits.z - me.traits.z);
+            share = share_of(step.responsibility, them.priority - me.motion.priority);
         }
         share = select(share, 1.0, is_user);
         let has_way = share <= 0.0;
@@ -259,18 +256,18 @@ fn look_at_others(slot: u32, me: Walker, own: Manners, count: u32) -> u32 {
         if is_mate {
             rate = max(rate, TOGETHER); // members of a group walk near one another on purpose
         }
-        let to = theirs.xy - at;
-        let radius = me.traits.x + select(their_traits.x, step.user_radius, is_user) + step.safety_margin;
+        let to = their_position - at;
+        let radius = me.motion.radius + select(them.radius, step.user_radius, is_user) + step.safety_margin;
         let distance = sqrt(dot2(to, to));
-        let offset = me.motion.zw * (factor - 1.0) + theirs.zw;
+        let offset = me.motion.velocity * (factor - 1.0) + their_velocity;
         var place = to;
         var apart = 0.0;
         var matters = true;
         if distance < radius {
             place = unit_or(to, vec2<f32>(select(1.0, -1.0, slot < other || is_user), 0.0));
-            apart = min((radius - distance) * step.inverse_time_step, me.traits.y);
+            apart = min((radius - distance) * step.inverse_time_step, me.motion.max_speed);
         } else {
-            let closing = dot2(to, me.motion.zw - theirs.zw) + change * factor * distance;
+            let closing = dot2(to, me.motion.velocity - their_velocity) + change * factor * distance;
             matters = closing > SAFE * rate * (distance - radius) * distance;
         }
         if matters {

@@ -6,6 +6,7 @@
 use crate::avatar::{self, Sex};
 use crate::emotion::Emotion;
 use crate::gait::walker;
+use crate::kernels::layout::{Appearance, Attention, GazeState};
 use crate::kernels::{BufferId, KernelId, Phase, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::bodies::{self, MeshBuffers};
@@ -374,12 +375,16 @@ fn dress(store: &mut Store, cast: &AvatarSet) {
     for agent in 0..store.step.agent_count {
         let dice = hash_u32(agent);
         let (avatar, emotion) = (dice & 1, dice >> 1 & 3);
-        store.appearance.push([avatar | emotion << 8 | 1 << 16, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+        store.appearance.push(Appearance {
+            skin_and_hair: dice,
+            top_and_bottom: hash_u32(dice),
+            ..Appearance::new(avatar, emotion, true, 1.0, [0; 4])
+        });
         store.gaits.push([cast.clip_index(avatar, emotion); 4]);
         store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
-        store.gaze_state.push([0.0; 4]);
+        store.gaze_state.push(GazeState::default());
         store.gaze_frame.push(u32::MAX);
-        store.attention.push([0; 2]);
+        store.attention.push(Attention::default());
     }
 }
 

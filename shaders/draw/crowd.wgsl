@@ -1,14 +1,14 @@
-// uses: view, light, tint, body
+// uses: view, light, tint, body, agent
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
-@group(0) @binding(3) var<storage, read> visible: array<u32>;         // agent of each slot, sorted by bucket
-@group(0) @binding(4) var<storage, read> bucket_start: array<u32>;    // first slot of each bucket
+@group(0) @binding(3) var<storage, read> visible: array<u32>;                       // agent of each slot, sorted by bucket
+@group(0) @binding(4) var<storage, read> bucket_start: array<u32>;                  // first slot of each bucket
 @group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits, see kernels `skin`
-@group(0) @binding(6) var<storage, read> mesh_table: array<vec4<u32>>; // per bucket: first index, indices, first vertex, vertices
-@group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>; // [slot][joint], rows of world_from_mesh
-@group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;  // near agents: world position, world normal
-@group(0) @binding(9) var<storage, read> appearance: array<vec4<u32>>;      // [agent]
+@group(0) @binding(6) var<storage, read> mesh_table: array<MeshRange>;              // [bucket]
+@group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>;      // [slot][joint], rows of world_from_mesh
+@group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;       // near agents: world position, world normal
+@group(0) @binding(9) var<storage, read> appearance: array<Appearance>;             // [agent]
 
 // which bucket is drawn
 var<immediate> bucket: u32;
@@ -20,16 +20,16 @@ struct Placed {
 
 // First skinned vertex of the bucket's instance: near agents of earlier avatars come first.
 fn near_vertex(instance: u32) -> u32 {
-    var base = instance * mesh_table[bucket].w;
+    var base = instance * mesh_table[bucket].vertex_count;
     for (var earlier = 0u; earlier < bucket; earlier += view.level_count) {
-        base += (bucket_start[earlier + 1u] - bucket_start[earlier]) * mesh_table[earlier].w;
+        base += (bucket_start[earlier + 1u] - bucket_start[earlier]) * mesh_table[earlier].vertex_count;
     }
     return base;
 }
 
 fn place(vertex: u32, instance: u32) -> Placed {
     if bucket % view.level_count == 0u {
-        let at = near_vertex(instance) + vertex - mesh_table[bucket].z; // the vertex index counts from the first mesh
+        let at = near_vertex(instance) + vertex - mesh_table[bucket].first_vertex; // the vertex index counts from the first mesh
         return Placed(skinned[at][0].xyz, skinned[at][1].xyz);
     }
     return pose(vertex, instance);
@@ -59,7 +59,7 @@ fn pose(vertex: u32, instance: u32) -> Placed {
 // The vertex colour, tinted with the agent's colour of its material, and its alpha.
 fn agent_color(vertex: u32, instance: u32) -> vec4<f32> {
     let color = bitcast<vec4<f32>>(mesh_vertices[vertex][3]);
-    let colors = appearance[visible[bucket_start[bucket] + instance]].zw;
+    let colors = colors_of(appearance[visible[bucket_start[bucket] + instance]]);
     return vec4<f32>(tinted(color.rgb, mesh_vertices[vertex][0].w, colors), color.a);
 }
 

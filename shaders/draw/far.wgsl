@@ -1,22 +1,22 @@
-// uses: view, light, tint
+// uses: view, light, tint, agent
 // People far away: a body of some fifty triangles without a pose. It is placed and turned, and its limbs swing with the
 // phase; the palettes are not needed. Trunk, head and arms are held as in the clips that the agent walks: an emotion is seen
 // from afar by posture. One indirect draw per avatar.
 
-@group(0) @binding(3) var<storage, read> visible: array<u32>;         // agent of each slot
-@group(0) @binding(4) var<storage, read> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1]
+@group(0) @binding(3) var<storage, read> visible: array<u32>;                       // agent of each slot
+@group(0) @binding(4) var<storage, read> bucket_start: array<u32>;                  // [posed bucket + 1][far bucket + 1]
 @group(0) @binding(5) var<storage, read> mesh_vertices: array<array<vec4<u32>, 4>>; // bits: position, material; normal, limb;
                                                                       // hinge, swing; linear colour, height of the hips
-@group(0) @binding(6) var<storage, read> appearance: array<vec4<u32>>;      // [agent]
-@group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;  // [agent] ground, m
-@group(0) @binding(8) var<storage, read> stance: array<vec2<f32>>;    // [agent] heading rad, walk weight
-@group(0) @binding(9) var<storage, read> phase: array<u32>;           // [agent] the whole range is one stride
-@group(0) @binding(10) var<storage, read> elevation: array<f32>;      // [agent] m
+@group(0) @binding(6) var<storage, read> appearance: array<Appearance>; // [agent]
+@group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;    // [agent] ground, m
+@group(0) @binding(8) var<storage, read> stance: array<Stance>;         // [agent]
+@group(0) @binding(9) var<storage, read> phase: array<u32>;             // [agent] the whole range is one stride
+@group(0) @binding(10) var<storage, read> elevation: array<f32>;        // [agent] m
 
-@group(0) @binding(11) var<storage, read> shown: array<u32>;          // slots of those who are not hidden, see kernel `occlusion_compact`
+@group(0) @binding(11) var<storage, read> shown: array<u32>; // slots of those who are not hidden, see kernel `occlusion_compact`
 
-@group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;        // [agent] clip ids
-@group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>; // [agent]
+@group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;         // [agent] clip ids
+@group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>;  // [agent]
 @group(0) @binding(14) var<storage, read> clip_postures: array<vec4<f32>>; // [clip] lean, nod, spread of the arms, their swing; rad
 
 // which bucket is drawn, and, in the highest bit, whether hidden people are left out
@@ -70,8 +70,8 @@ fn about_z(p: vec3<f32>, angle: f32) -> vec3<f32> {
 }
 
 fn place(vertex: u32, agent: u32) -> Placed {
-    let body = stance[agent];
-    let walk = clamp(body.y, 0.0, 1.0);
+    let own = stance[agent];
+    let walk = clamp(own.walk_weight, 0.0, 1.0);
     let limb = mesh_vertices[vertex][1].w;
     let swing = bitcast<vec4<f32>>(mesh_vertices[vertex][2]);
     let stride = f32(phase[agent] >> 8u) * (6.2831853 / 16777216.0);
@@ -93,8 +93,8 @@ fn place(vertex: u32, agent: u32) -> Placed {
         out = about_x(out, held.x);
     }
     // about +y: 0 faces +z
-    let ahead = vec2<f32>(sin(body.x), cos(body.x));
-    let scale = bitcast<f32>(appearance[agent].y);
+    let ahead = vec2<f32>(sin(own.heading), cos(own.heading));
+    let scale = appearance[agent].scale;
     let at = position[agent];
     return Placed(
         vec3<f32>(
@@ -123,7 +123,7 @@ fn far_vertex(
     let placed = place(vertex, agent);
     let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
     let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
-    return FarVertex(clip, placed.world, placed.normal, tinted(color, mesh_vertices[vertex][0].w, appearance[agent].zw));
+    return FarVertex(clip, placed.world, placed.normal, tinted(color, mesh_vertices[vertex][0].w, colors_of(appearance[agent])));
 }
 
 @fragment

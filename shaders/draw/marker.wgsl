@@ -1,11 +1,11 @@
-// uses: view, light
+// uses: view, light, agent
 // A ring on the ground under every visible agent in the colour of its emotion.
 
 @group(0) @binding(3) var<storage, read> visible: array<u32>;
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;
-@group(0) @binding(5) var<storage, read> appearance: array<vec4<u32>>;
-@group(0) @binding(6) var<storage, read> position: array<vec2<f32>>; // [agent], ground
-@group(0) @binding(7) var<storage, read> elevation: array<f32>;      // [agent], m
+@group(0) @binding(5) var<storage, read> appearance: array<Appearance>; // [agent]
+@group(0) @binding(6) var<storage, read> position: array<vec2<f32>>;    // [agent], ground
+@group(0) @binding(7) var<storage, read> elevation: array<f32>;         // [agent], m
 
 const HEIGHT: f32 = 0.02; // above the floor, m
 
@@ -35,7 +35,7 @@ fn marker_vertex(
     let offset = side * (view.marker_radius + view.marker_width);
     let ground = position[agent] + offset;
     let clip = view.clip_from_world[eye] * vec4<f32>(ground.x, elevation[agent] + HEIGHT, ground.y, 1.0);
-    return MarkerVertex(clip, view.emotion_colors[(appearance[agent].x >> 8u) & 3u], offset);
+    return MarkerVertex(clip, view.emotion_colors[emotion_of(appearance[agent]) & 3u], offset);
 }
 
 @fragment

@@ -1,17 +1,17 @@
-// uses: view, light, absent
+// uses: view, light, absent, agent
 // Robots and vehicles: a model each, placed and turned as the agent of that number. One draw per agent.
 
 @group(0) @binding(3) var<storage, read> outsiders: array<array<vec4<f32>, 3>>; // position, normal, linear colour; model space
-@group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;  // [agent] ground, m
-@group(0) @binding(5) var<storage, read> stance: array<vec2<f32>>;    // [agent] heading rad, walk weight
-@group(0) @binding(6) var<storage, read> elevation: array<f32>;       // [agent] m
+@group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;            // [agent] ground, m
+@group(0) @binding(5) var<storage, read> stance: array<Stance>;                 // [agent]
+@group(0) @binding(6) var<storage, read> elevation: array<f32>;                 // [agent] m
 
 // which agent is drawn
 var<immediate> agent: u32;
 
 // About +y: a heading of 0 faces +z.
 fn turned(p: vec3<f32>) -> vec3<f32> {
-    let heading = stance[agent].x;
+    let heading = stance[agent].heading;
     let s = sin(heading);
     let c = cos(heading);
     return vec3<f32>(p.x * c + p.z * s, p.y, p.z * c - p.x * s);

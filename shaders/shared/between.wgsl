@@ -6,9 +6,18 @@ struct BetweenUniforms {
     reach: f32,  // m: whoever is farther from where they were did not walk there
 }
 
-// Elements of one agent in a snapshot: ground position, heading, walk weight; phase, elevation, 0, 0; gait weights. Bits.
-const SNAPSHOT_STRIDE: u32 = 3u;
+// Buffer `snapshots`: what is shown of an agent, [2][agent].
+struct Snapshot {
+    position: vec2<f32>,     // m
+    heading: f32,            // rad
+    walk_weight: f32,
+    gait_weights: vec4<f32>,
+    phase: u32,              // the whole range is one stride
+    elevation: f32,          // m
+    unused_a: u32,
+    unused_b: u32,
+}
 
-fn moment_start(place: u32, agent: u32) -> u32 {
-    return (place * between.agent_count + agent) * SNAPSHOT_STRIDE;
+fn snapshot_of(place: u32, agent: u32) -> u32 {
+    return place * between.agent_count + agent;
 }

@@ -24,3 +24,11 @@ const SKINNED_STRIDE: u32 = 2u;
 
 // Ends the posed agents of the list `visible`; in agent_bucket: not drawn.
 const NONE: u32 = 0xffffffffu;
+
+// Buffer `mesh_table`: where the mesh of a bucket lies, [bucket].
+struct MeshRange {
+    first_index: u32,
+    index_count: u32,
+    first_vertex: u32,
+    vertex_count: u32,
+}

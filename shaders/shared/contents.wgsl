@@ -3,7 +3,7 @@
 var<immediate> contents: u32;
 
 const STOREYS: u32 = 1u; // people walk above one another
-const UNLIKE: u32 = 2u;  // manners differ between people
+const UNLIKE: u32 = 2u;  // avoidance differs between people
 const WALLS: u32 = 4u;
 const USER: u32 = 8u;
 const CROWDED: u32 = 16u; // who sees a crowd ahead walks slower

@@ -6,7 +6,7 @@
 // neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
 // every device.
 //
-// Needs the bindings step, slot_motion, slot_manners, and cell_start. With STOREYS those of another storey do not
+// Needs the bindings step, slot_motion, slot_avoidance, and cell_start. With STOREYS those of another storey do not
 // count.
 const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES: u32 = 255u;          // candidates that the low bits can number
@@ -15,8 +15,8 @@ const UNSURE: u32 = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
 const SAFE: f32 = 0.999;
 
-// How an agent behaves.
-struct Manners {
+// An agent that looks for neighbours.
+struct Seeker {
     agent: u32,
     rate: f32,  // 1 / horizon, 1/s
     range: f32, // neighbour distance, m
@@ -24,22 +24,24 @@ struct Manners {
     is_led: bool,
 }
 
-fn manners_of(slot: u32) -> Manners {
+fn seeker_of(slot: u32) -> Seeker {
     let own = slot_avoidance[slot];
-    return Manners(own.x, bitcast<f32>(own.y), bitcast<f32>(own.z), own.w & (LED_BIT - 1u), (own.w & LED_BIT) != 0u);
+    return Seeker(
+        own.agent, own.inverse_time_horizon, own.neighbour_distance, own.limits & (LED_BIT - 1u), (own.limits & LED_BIT) != 0u,
+    );
 }
 
 // Whether two walk together.
 fn is_with(slot: u32, other: u32) -> bool {
-    let group = slot_avoidance[slot].w >> GROUP_SHIFT;
-    return group != 0u && group == slot_avoidance[other].w >> GROUP_SHIFT;
+    let group = slot_avoidance[slot].limits >> GROUP_SHIFT;
+    return group != 0u && group == slot_avoidance[other].limits >> GROUP_SHIFT;
 }
 
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
 var<private> found_distance2: array<f32, 10>;
 
 // Finds the nearest `own.cap` (at most NEIGHBOURS) agents nearer than `own.range`; returns how many there are in `found`.
-fn neighbours(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+fn neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let count = quick_neighbours(slot, at, own);
     if count == UNSURE {
         return search(slot, at, own);
@@ -48,11 +50,11 @@ fn neighbours(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
 }
 
 // The same by keys only; UNSURE where the exact search is needed.
-fn quick_neighbours(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let cap = min(own.cap, NEIGHBOURS);
     let range = own.range;
     let range2 = range * range;
-    let elevation = slot_motion[slot * 2u + 1u].w;
+    let elevation = slot_motion[slot].elevation;
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let run0 = run(centre, -2, 0u);
     let run1 = run(centre, -1, run0.end);
@@ -137,7 +139,7 @@ fn keys_clear() {
 
 // The key of a candidate; places from `last` on are none.
 fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32) -> u32 {
-    let to = slot_motion[candidate * 2u].xy - at;
+    let to = slot_motion[candidate].position - at;
     let distance2 = dot2(to, to);
     var wanted = place < last && candidate != slot && distance2 < range2;
     if (contents & STOREYS) != 0u {
@@ -172,7 +174,7 @@ var<private> c2: u32;
 var<private> c3: u32;
 
 fn same_storey(slot: u32, elevation: f32) -> bool {
-    return abs(slot_motion[slot * 2u + 1u].w - elevation) < step.storey_height;
+    return abs(slot_motion[slot].elevation - elevation) < step.storey_height;
 }
 
 // Two keys whose order the low bits decided.
@@ -187,10 +189,10 @@ fn slot_of(key: u32, ends: vec4<u32>, shift: vec4<u32>, last_shift: u32) -> u32 
 }
 
 // The exact search: ring by ring of cells, stopping when no farther ring can hold a nearer one. Returns how many.
-fn search(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
+fn search(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let cap = min(own.cap, NEIGHBOURS);
     let range = own.range;
-    let elevation = slot_motion[slot * 2u + 1u].w;
+    let elevation = slot_motion[slot].elevation;
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let columns = i32(step.grid_columns);
     let rows = i32(step.grid_rows);
@@ -206,7 +208,7 @@ fn search(slot: u32, at: vec2<f32>, own: Manners) -> u32 {
                     let cell = u32(y * columns + x);
                     let end = cell_start[cell + 1u];
                     for (var other = cell_start[cell]; other < end; other++) {
-                        let to = slot_motion[other * 2u].xy - at;
+                        let to = slot_motion[other].position - at;
                         let distance2 = dot2(to, to);
                         if other != slot && distance2 < range * range
                             && ((contents & STOREYS) == 0u || same_storey(other, elevation)) {
@@ -239,11 +241,11 @@ fn safe_distance(at: vec2<f32>, centre: vec2<i32>, ring: i32) -> f32 {
 // Whether (distance2, id) of a candidate comes before place `i` of the list.
 fn comes_before(i: u32, distance2: f32, id: u32) -> bool {
     let there = found_distance2[i];
-    return distance2 < there || (distance2 == there && id < slot_avoidance[found[i]].x);
+    return distance2 < there || (distance2 == there && id < slot_avoidance[found[i]].agent);
 }
 
 fn insert(count: u32, cap: u32, slot: u32, distance2: f32) -> u32 {
-    let id = slot_avoidance[slot].x;
+    let id = slot_avoidance[slot].agent;
     if count == cap && !comes_before(cap - 1u, distance2, id) {
         return count;
     }

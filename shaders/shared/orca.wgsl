@@ -149,15 +149,14 @@ fn least_bad(count: u32, hard: u32, begin: u32, radius: f32, start: vec2<f32>) -
     return result;
 }
 
-// An obstacle segment, solid on its left.
+// Buffer `obstacles`: the segments of walls, solid on their left, [segment].
 struct Segment {
-    a: vec2<f32>,
-    b: vec2<f32>,
-    along: vec2<f32>,  // unit direction from a to b
-    before: vec2<f32>, // of the segment before
-    after: vec2<f32>,  // of the segment after
-    a_convex: bool,
-    b_convex: bool,
+    a: vec2<f32>,       // m
+    b: vec2<f32>,       // m
+    along: vec2<f32>,   // unit direction from a to b
+    before: vec2<f32>,  // of the segment before
+    after: vec2<f32>,   // of the segment after
+    corners: vec2<f32>, // of a and b: above 0 where convex; their sizes say at which heights it stands (stands_at)
 }
 
 // Added to the heights of a segment that stands at some heights only, so that they cannot be taken for flags.
@@ -165,17 +164,17 @@ const RAISED: f32 = 3000.0;
 // Height of a body that has to pass under something, m.
 const TALL: f32 = 1.8;
 
-// Whether a segment with these two corners' words is in the way of somebody who stands at `elevation`.
-fn stands_at(words: vec2<f32>, elevation: f32) -> bool {
-    let low = abs(words.x) - RAISED;
-    let high = abs(words.y) - RAISED;
+// Whether a segment with these two corners is in the way of somebody who stands at `elevation`.
+fn stands_at(corners: vec2<f32>, elevation: f32) -> bool {
+    let low = abs(corners.x) - RAISED;
+    let high = abs(corners.y) - RAISED;
     return low < -1500.0 || (elevation + TALL > low && elevation < high);
 }
 
 // Squared distance from p to a segment if p is on its open (right) side, else FAR_AWAY.
-fn segment_distance2(ends: vec4<f32>, p: vec2<f32>) -> f32 {
-    let ab = ends.zw - ends.xy;
-    let ap = p - ends.xy;
+fn segment_distance2(a: vec2<f32>, b: vec2<f32>, p: vec2<f32>) -> f32 {
+    let ab = b - a;
+    let ap = p - a;
     if det2(ab, ap) >= 0.0 {
         return FAR_AWAY;
     }
@@ -238,12 +237,12 @@ fn obstacle_line(count: u32, segment: Segment, position: vec2<f32>, velocity: ve
     let off2 = dot2(off, off);
     if s < 0.0 && a2 <= radius2 {
         // Touching the first corner.
-        return MaybeLine(vec4<f32>(0.0, 0.0, unit_or(vec2<f32>(-to_a.y, to_a.x), vec2<f32>(1.0, 0.0))), s_.a_convex);
+        return MaybeLine(vec4<f32>(0.0, 0.0, unit_or(vec2<f32>(-to_a.y, to_a.x), vec2<f32>(1.0, 0.0))), (s_.corners.x > 0.0));
     }
     if s > 1.0 && b2 <= radius2 {
         // Touching the second corner, unless the next segment takes care of it.
         let dir = unit_or(vec2<f32>(-to_b.y, to_b.x), vec2<f32>(1.0, 0.0));
-        return MaybeLine(vec4<f32>(0.0, 0.0, dir), s_.b_convex && det2(to_b, s_.after) >= 0.0);
+        return MaybeLine(vec4<f32>(0.0, 0.0, dir), (s_.corners.y > 0.0) && det2(to_b, s_.after) >= 0.0);
     }
     if s >= 0.0 && s <= 1.0 && off2 <= radius2 {
         // Touching the segment.
@@ -255,39 +254,39 @@ fn obstacle_line(count: u32, segment: Segment, position: vec2<f32>, velocity: ve
     var is_corner = false;
     if s < 0.0 && off2 <= radius2 {
         // Seen so obliquely that the first corner hides the rest.
-        if !s_.a_convex {
+        if !(s_.corners.x > 0.0) {
             return nothing;
         }
         is_corner = true;
         s_.b = s_.a;
-        s_.b_convex = s_.a_convex;
+        s_.corners.y = s_.corners.x;
         s_.after = s_.along;
         left = leg(to_a, a2, radius, 1.0);
         right = leg(to_a, a2, radius, -1.0);
     } else if s > 1.0 && off2 <= radius2 {
-        if !s_.b_convex {
+        if !(s_.corners.y > 0.0) {
             return nothing;
         }
         is_corner = true;
         s_.a = s_.b;
-        s_.a_convex = s_.b_convex;
+        s_.corners.x = s_.corners.y;
         s_.before = s_.along;
         left = leg(to_b, b2, radius, 1.0);
         right = leg(to_b, b2, radius, -1.0);
     } else {
-        if s_.a_convex {
+        if s_.corners.x > 0.0 {
             left = leg(to_a, a2, radius, 1.0);
         }
-        if s_.b_convex {
+        if s_.corners.y > 0.0 {
             right = leg(to_b, b2, radius, -1.0);
         }
     }
     // A leg never points into the neighbouring segment of a convex corner; a foreign leg adds no line.
-    let left_foreign = s_.a_convex && det2(left, -s_.before) >= 0.0;
+    let left_foreign = (s_.corners.x > 0.0) && det2(left, -s_.before) >= 0.0;
     if left_foreign {
         left = -s_.before;
     }
-    let right_foreign = s_.b_convex && det2(right, s_.after) <= 0.0;
+    let right_foreign = (s_.corners.y > 0.0) && det2(right, s_.after) <= 0.0;
     if right_foreign {
         right = s_.after;
     }

@@ -15,7 +15,7 @@ fn near_segments(at: vec2<f32>, reach: f32, elevation: f32) -> u32 {
     let end = obstacle_cells[cell + 1u];
     for (var entry = obstacle_cells[cell]; entry < end; entry++) {
         let number = obstacle_cells[entry];
-        let distance2 = segment_distance2(obstacles[number * 3u], at);
+        let distance2 = segment_distance2(obstacles[number].a, obstacles[number].b, at);
         if distance2 < reach * reach && is_in_the_way(number, elevation) {
             // numbers rise within a cell's list, so equal distances stay in order of number
             var hole = count;
@@ -41,5 +41,5 @@ fn is_in_the_way(number: u32, elevation: f32) -> bool {
     if step.storey_height <= 0.0 {
         return true;
     }
-    return stands_at(obstacles[number * 3u + 2u].zw, elevation);
+    return stands_at(obstacles[number].corners, elevation);
 }

@@ -2,9 +2,9 @@
 const LED: f32 = 2.0;
 // So much above its own is the priority of somebody who has been given the right of way for a while (their own is 1 at most).
 const RAISE: f32 = 1.5;
-// Beside the neighbour cap in slot_manners: is led from outside.
+// Beside the neighbour cap in slot_avoidance: is led from outside.
 const LED_BIT: u32 = 256u;
-// Above it there: one more than the first member of the group that the agent walks with (accompany); 0: it walks alone.
+// Above it there: one more than the first member of the group that the agent walks with (group_cohesion); 0: it walks alone.
 const GROUP_SHIFT: u32 = 9u;
 
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).

@@ -24,6 +24,20 @@ struct FlowUniforms {
     unused_c: u32,
 }
 
+// Buffer `flow_seeds`: a cell from which a field begins, [seed].
+struct FlowSeed {
+    field: u32,
+    cell: u32,
+    distance: f32, // from the goal, m
+    sees: u32,     // SEES: the goal is in sight of the cell; else 0
+}
+
+// Buffer `flow_joints`: the same cell on several sheets, [joint].
+struct FlowJoint {
+    cell: u32,   // of sheet 0
+    sheets: u32, // a bit for each
+}
+
 // A word of flow_cells. Bits: the cell may be entered from the neighbour at -x, +x, -z, +z; it is no place to stand.
 const FROM_LEFT: u32 = 1u;
 const FROM_RIGHT: u32 = 2u;

@@ -5,6 +5,7 @@ use super::{EXTRAS, EYE_HEIGHT, SPACING, dressed};
 use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
 use crate::kernels::BufferId;
+use crate::kernels::layout::Teleport;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference;
@@ -65,7 +66,7 @@ impl Sequence {
         }
         if kernel == Some(KernelId::Teleport) {
             store.teleport_of.fill(0);
-            (store.teleports, store.step.teleport_count) = (vec![[0.0; 4]; 2], 1);
+            (store.teleports, store.step.teleport_count) = (vec![Teleport::default()], 1);
         }
         let dispatches = order::step_dispatches(&store.step);
         Self::new(None, agents, store, dispatches, (backend, device))

@@ -204,7 +204,7 @@ impl Recording {
         let ground = |pairs: &[[f32; 2]]| pairs[..agents].iter().copied().map(Vec2::from_array).collect();
         let (positions, velocities): (Vec<Vec2>, Vec<Vec2>) =
             (ground(&store.position), ground(&store.velocity));
-        let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance[0]).collect();
+        let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance.heading).collect();
         let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
         let frame = Frame { positions: &positions, headings: &headings, velocities: &velocities, emotions };
         Ok(self.writer.frame(&frame)?)

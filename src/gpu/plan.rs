@@ -1,17 +1,9 @@
 //! Where barriers stand in a list of dispatches: derived from what each kernel reads and writes.
 
-use crate::kernels::{Access, BufferId, Dispatch, Extent};
+pub use crate::kernels::Op;
+use crate::kernels::{Access, BufferId, Extent};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
-
-/// One thing to record.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Op {
-    /// Overwrite a uniform buffer with the contents given for this place in the list.
-    Set(BufferId),
-    /// Launch a kernel.
-    Dispatch(Dispatch),
-}
 
 /// One thing recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -102,6 +94,7 @@ pub fn text(commands: &[Command]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::Dispatch;
     use crate::kernels::Phase;
 
     #[test]

@@ -1,6 +1,180 @@
 //! Rust twins of the structs that buffers hold, written from the WGSL when the crate is built: the same fields in the same
-//! order, without a gap.
+//! order, without a gap. Bits are packed and unpacked here, in one function each.
 
+use crate::kernels::shared::stages::WAYPOINT;
+use crate::kernels::shared::step::{GROUP_SHIFT, LED, LED_BIT};
 use bytemuck::{Pod, Zeroable};
 
 include!(concat!(env!("OUT_DIR"), "/layout.rs"));
+
+impl Avoidance {
+    /// Whether the agent is led from outside.
+    pub fn is_led(&self) -> bool {
+        self.priority >= LED
+    }
+}
+
+/// Where `emotion` begins in [`Appearance::traits`].
+const EMOTION_SHIFT: u32 = 8;
+/// The bit of an agent that may look at the user.
+const GAZES: u32 = 1 << 16;
+/// The bit of an agent that has no body to draw.
+const BODILESS: u32 = 1 << 17;
+
+impl Appearance {
+    /// An agent of an avatar, by number, that shows an emotion (0 happy, 1 angry, 2 sad, 3 neutral), at a scale; skin, hair,
+    /// top and bottom as `0xRRGGBB`.
+    pub fn new(avatar: u32, emotion: u32, gazes: bool, scale: f32, colors: [u32; 4]) -> Self {
+        let [skin, hair, top, bottom] = colors.map(rgb565);
+        Self {
+            traits: avatar | emotion << EMOTION_SHIFT | if gazes { GAZES } else { 0 },
+            scale,
+            skin_and_hair: skin | hair << 16,
+            top_and_bottom: top | bottom << 16,
+        }
+    }
+
+    /// Number of the avatar.
+    pub const fn avatar(&self) -> u32 {
+        self.traits & 255
+    }
+
+    /// The emotion that is shown: 0 happy, 1 angry, 2 sad, 3 neutral.
+    pub const fn emotion(&self) -> u32 {
+        self.traits >> EMOTION_SHIFT & 255
+    }
+
+    /// Whether the agent may look at the user.
+    pub const fn gazes(&self) -> bool {
+        self.traits & GAZES != 0
+    }
+
+    /// Whether there is no body to draw.
+    pub const fn is_bodiless(&self) -> bool {
+        self.traits & BODILESS != 0
+    }
+
+    /// Sets the number of the avatar.
+    pub const fn set_avatar(&mut self, avatar: u32) {
+        self.traits = self.traits & !255 | avatar;
+    }
+
+    /// Sets the emotion that is shown.
+    pub const fn set_emotion(&mut self, emotion: u32) {
+        self.traits = self.traits & !(255 << EMOTION_SHIFT) | emotion << EMOTION_SHIFT;
+    }
+
+    /// Sets whether the agent may look at the user.
+    pub const fn set_gazes(&mut self, gazes: bool) {
+        self.traits = self.traits & !GAZES | if gazes { GAZES } else { 0 };
+    }
+
+    /// Sets whether there is no body to draw.
+    pub const fn set_bodiless(&mut self, bodiless: bool) {
+        self.traits = self.traits & !BODILESS | if bodiless { BODILESS } else { 0 };
+    }
+}
+
+/// `0xRRGGBB` in five, six and five bits.
+fn rgb565(color: u32) -> u32 {
+    let (r, g, b) = (color >> 16 & 0xff, color >> 8 & 0xff, color & 0xff);
+    r >> 3 << 11 | g >> 2 << 5 | b >> 3
+}
+
+impl Route {
+    /// A journey of `length` stages from number `first` on, at its stage `next`; with `loops` it begins again after the last one.
+    pub const fn new(first: u32, length: u32, loops: bool, next: u32) -> Self {
+        Self { first, length_and_loops: length | (loops as u32) << 31, next, arrivals: 0 }
+    }
+
+    /// How many stages it has.
+    pub const fn length(&self) -> u32 {
+        self.length_and_loops & 0x7fff_ffff
+    }
+
+    /// Whether it begins again after the last one.
+    pub const fn loops(&self) -> bool {
+        self.length_and_loops >> 31 == 1
+    }
+}
+
+impl Stage {
+    /// A waypoint at `place`, passed within `radius`, m.
+    pub const fn waypoint(place: [f32; 2], radius: f32) -> Self {
+        Self {
+            place,
+            radius,
+            kind: WAYPOINT,
+            along: [0.0; 2],
+            across: [0.0; 2],
+            field: -1.0,
+            least_wait: 0.0,
+            first_leave: 0.0,
+            number: 0.0,
+            elevation: 0.0,
+            has_elevation: 0.0,
+            unused_a: 0.0,
+            unused_b: 0.0,
+        }
+    }
+}
+
+impl SlotAvoidance {
+    /// Most neighbours.
+    pub const fn neighbour_cap(&self) -> u32 {
+        self.limits & (LED_BIT - 1)
+    }
+
+    /// Whether the agent is led from outside.
+    pub const fn is_led(&self) -> bool {
+        self.limits & LED_BIT != 0
+    }
+
+    /// The group that it walks with, or 0.
+    pub const fn group(&self) -> u32 {
+        self.limits >> GROUP_SHIFT
+    }
+
+    /// Joins a group, by the number of its first member.
+    pub const fn join(&mut self, first_member: u32) {
+        self.limits |= (first_member + 1) << GROUP_SHIFT;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_keep_their_high_bits() {
+        assert_eq!(rgb565(0x00ff_ffff), 0xffff);
+        assert_eq!(rgb565(0x00ff_0000), 0xf800);
+        assert_eq!(rgb565(0x0000_8000), 0x0400);
+    }
+
+    #[test]
+    fn an_appearance_gives_back_what_was_put_in() {
+        let mut own = Appearance::new(4, 2, true, 1.1, [0xff_ffff, 0, 0, 0xff_ffff]);
+        assert_eq!((own.avatar(), own.emotion(), own.gazes(), own.is_bodiless()), (4, 2, true, false));
+        assert_eq!((own.skin_and_hair, own.top_and_bottom), (0xffff, 0xffff_0000));
+        own.set_emotion(1);
+        own.set_avatar(3);
+        own.set_bodiless(true);
+        own.set_gazes(false);
+        assert_eq!((own.avatar(), own.emotion(), own.gazes(), own.is_bodiless()), (3, 1, false, true));
+    }
+
+    #[test]
+    fn a_route_gives_back_what_was_put_in() {
+        let route = Route::new(7, 3, true, 1);
+        assert_eq!((route.first, route.length(), route.loops(), route.next), (7, 3, true, 1));
+        assert!(!Route::new(0, u32::MAX >> 1, false, 0).loops());
+    }
+
+    #[test]
+    fn limits_hold_cap_group_and_who_is_led() {
+        let mut own = SlotAvoidance { limits: 10 | LED_BIT, ..SlotAvoidance::default() };
+        own.join(41);
+        assert_eq!((own.neighbour_cap(), own.is_led(), own.group()), (10, true, 42));
+    }
+}

@@ -145,6 +145,15 @@ impl Dispatch {
     }
 }
 
+/// One thing to do.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Op {
+    /// Overwrite a uniform buffer with the contents given for this place in the list.
+    Set(BufferId),
+    /// Run a kernel.
+    Dispatch(Dispatch),
+}
+
 /// One entry point of a draw shader.
 #[derive(Debug)]
 pub struct DrawEntry {

@@ -118,10 +118,10 @@ fn start(store: &Store) -> Vec<Track> {
     let agents = store.step.agent_count as usize;
     let rate = 1.0 / store.step.time_step;
     let track = |agent: usize| {
-        let emotion = (store.appearance[agent][0] >> 8 & 0xff) as usize;
+        let emotion = store.appearance[agent].emotion() as usize;
         Track {
             wanted: Emotion::ALL[emotion.min(3)],
-            preferred_speed: store.body[agent][2],
+            preferred_speed: store.body[agent].preferred_speed,
             recording: Recording::new(format!("agent {agent}"), rate, Vec::new()),
             phase: Vec::new(),
         }
@@ -139,10 +139,10 @@ fn take(store: &Store, rest: &[[Vec3; JOINT_COUNT]], tracks: &mut [Track]) {
     let slots = store.visible.iter().zip(store.palettes.chunks_exact(PALETTE_STRIDE));
     for (&agent, palette) in slots.take_while(|(agent, _)| **agent != NONE) {
         let agent = agent as usize;
-        let (Some(track), Some(look)) = (tracks.get_mut(agent), store.appearance.get(agent)) else {
+        let (Some(track), Some(own)) = (tracks.get_mut(agent), store.appearance.get(agent)) else {
             continue;
         };
-        let Some(rest) = rest.get((look[0] & 0xff) as usize) else { continue };
+        let Some(rest) = rest.get(own.avatar() as usize) else { continue };
         let pose: Pose = std::array::from_fn(|joint| {
             let rows: [Vec4; 3] = std::array::from_fn(|axis| Vec4::from(palette[3 * joint + axis]));
             let at = rest[joint].extend(1.0);

@@ -9,6 +9,7 @@
 mod variants;
 
 use crate::gait::{Gait, JOINT_COUNT};
+use crate::kernels::layout::GaitEntry;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -217,8 +218,8 @@ fn count_f64(count: usize) -> f64 {
 pub struct Batch {
     /// Joint positions and 0, m: `[frame][joint]`, the gaits one after another.
     pub frames: Vec<[f32; 4]>,
-    /// Of each gait: first frame, number of frames, and the bits of frames per second (Hz) and of speed along +z (m/s).
-    pub table: Vec<[u32; 4]>,
+    /// Where the frames of each gait lie: `[gait]`.
+    pub table: Vec<GaitEntry>,
 }
 
 impl Batch {
@@ -231,7 +232,7 @@ impl Batch {
             let first = u32::try_from(batch.frames.len() / JOINT_COUNT).ok()?;
             let count = u32::try_from(cycle.poses.len()).ok()?;
             let (rate, speed) = ((1.0 / cycle.step) as f32, cycle.speed as f32);
-            batch.table.push([first, count, rate.to_bits(), speed.to_bits()]);
+            batch.table.push(GaitEntry { first_frame: first, frames: count, rate, speed });
             let points = cycle.poses.iter().flatten();
             batch.frames.extend(points.map(|point| [point[0] as f32, point[1] as f32, point[2] as f32, 0.0]));
         }

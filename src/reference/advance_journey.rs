@@ -6,7 +6,7 @@ use super::stages::{in_region, nearest_place, own_place};
 use crate::kernels::advance_journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
 use crate::kernels::shared::absent::ABSENT;
 use crate::kernels::shared::climb::STEP;
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
+use crate::kernels::layout::{Aim, Stage};
 use crate::kernels::shared::stages::{EXIT, GOAL, PASS, QUEUE, STOP, WAITING, WAYPOINT};
 use rayon::prelude::*;
 
@@ -19,34 +19,33 @@ pub fn advance_journey(b: Slices<'_>) {
     let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
     let state = state.zip(&mut b.stage_progress[..agents]).zip(&mut b.aim[..agents]);
     let state = state.enumerate().with_min_len(1024);
-    let signs = state.filter_map(|(agent, (((position, way), errand), aim))| {
+    let signs = state.filter_map(|(agent, (((position, way), progress), aim))| {
         if is_absent(*position) {
             return None;
         }
         let at = *position;
-        let length = way[1] & 0x7fff_ffff;
-        let loops = way[1] >> 31 == 1;
-        let mut stage = way[0] + way[2].min(length - 1);
+        let (length, loops) = (way.length(), way.loops());
+        let mut stage = way.first + way.next.min(length - 1);
         let height = elevation[agent];
-        if way[2] < length && stages.is_done(stage, (at, height), errand) {
-            way[2] += 1;
-            if way[2] == length {
-                way[3] = way[3].wrapping_add(1);
+        if way.next < length && stages.is_done(stage, at, height, progress) {
+            way.next += 1;
+            if way.next == length {
+                way.arrivals = way.arrivals.wrapping_add(1);
                 if loops {
-                    way[2] = 0;
+                    way.next = 0;
                 }
             }
-            let stays = way[2] == length && stages.part(stage, 0)[3] == GOAL;
-            *errand = if stays { b.step.step_index + 1 } else { 0 };
-            if stages.part(stage, 0)[3] == EXIT {
+            let stays = way.next == length && stages.of(stage).kind == GOAL;
+            *progress = if stays { b.step.step_index + 1 } else { 0 };
+            if stages.of(stage).kind == EXIT {
                 *position = [ABSENT, ABSENT];
                 return None;
             }
-            stage = way[0] + way[2].min(length - 1);
+            stage = way.first + way.next.min(length - 1);
         }
-        let is_last = !loops && way[2] + 1 >= length;
-        let is_level = stages.is_level(stage, height);
-        let (goal, sign) = stages.aim((agent as u32, at, *errand), stage, (is_last, is_level));
+        let is_last = !loops && way.next + 1 >= length;
+        let walker = Walker { agent: agent as u32, at, height, progress: *progress, is_last };
+        let (goal, sign) = stages.aim(&walker, stages.of(stage));
         *aim = goal;
         sign.map(|(line, sign)| (agent as u32, line, sign))
     });
@@ -72,102 +71,102 @@ struct Stages<'a> {
     lines: &'a [u32],
     now: u32,
     time_step: f32,
-    stages: &'a [[f32; 4]],
+    stages: &'a [Stage],
+}
+
+/// An agent on its way to a stage, or in it.
+struct Walker {
+    agent: u32,
+    at: [f32; 2],
+    /// m
+    height: f32,
+    /// Its `stage_progress`.
+    progress: u32,
+    /// Whether the stage is the last one.
+    is_last: bool,
 }
 
 impl Stages<'_> {
-    fn part(&self, stage: u32, part: usize) -> [f32; 4] {
-        self.stages[stage as usize * STAGE_STRIDE + part]
-    }
-
-    /// Whether somebody at a height, m, is on the floor of a stage.
-    fn is_level(&self, stage: u32, height: f32) -> bool {
-        let [elevation, has_one, ..] = self.part(stage, 3);
-        has_one == 0.0 || (height - elevation).abs() < STEP
+    fn of(&self, stage: u32) -> &Stage {
+        &self.stages[stage as usize]
     }
 
     /// Whether the agent is done with a stage; begins its wait where it has one.
-    fn is_done(&self, stage: u32, (at, height): ([f32; 2], f32), errand: &mut u32) -> bool {
-        let [x, z, radius, kind] = self.part(stage, 0);
-        let is_level = self.is_level(stage, height);
-        if kind == WAYPOINT {
-            let to = [x - at[0], z - at[1]];
-            return is_level && dot2(to, to) < radius * radius;
+    fn is_done(&self, stage: u32, at: [f32; 2], height: f32, progress: &mut u32) -> bool {
+        let own = self.of(stage);
+        let is_here = is_level(own, height);
+        if own.kind == WAYPOINT {
+            let to = [own.place[0] - at[0], own.place[1] - at[1]];
+            return is_here && dot2(to, to) < own.radius * own.radius;
         }
-        if kind == QUEUE {
-            let line = self.part(stage, 1)[3] as usize * 8;
-            return *errand > 0 && *errand <= self.lines[line + 1];
+        if own.kind == QUEUE {
+            let [_, number] = own.across;
+            return *progress > 0 && *progress <= self.lines[number as usize * 8 + 1];
         }
-        let inside = is_level && in_region(at, [x, z], self.part(stage, 1));
-        if kind != WAITING {
+        let inside = is_here && in_region(at, own);
+        if own.kind != WAITING {
             return inside;
         }
-        if *errand == 0 {
+        if *progress == 0 {
             if !inside {
                 return false;
             }
-            *errand = self.now + 1;
+            *progress = self.now + 1;
         }
-        let [_, wait, until, _] = self.part(stage, 2);
-        (self.now + 1).wrapping_sub(*errand) >= wait as u32 && self.now >= until as u32
+        (self.now + 1).wrapping_sub(*progress) >= own.least_wait as u32 && self.now >= own.first_leave as u32
     }
 
     /// What an agent on its way to a stage, or in it, walks to.
-    fn aim(
-        &self,
-        (agent, at, errand): (u32, [f32; 2], u32),
-        stage: u32,
-        (is_last, is_level): (bool, bool),
-    ) -> ([f32; 4], Option<(usize, Sign)>) {
-        let [x, z, radius, kind] = self.part(stage, 0);
-        let [field, _, _, number] = self.part(stage, 2);
-        if kind == WAYPOINT {
-            return ([x, z, if is_last { STOP } else { PASS }, field], None);
+    fn aim(&self, walker: &Walker, own: &Stage) -> (Aim, Option<(usize, Sign)>) {
+        let aim = |place: [f32; 2], how: f32| Aim { place, how, field: own.field };
+        if own.kind == WAYPOINT {
+            return (aim(own.place, if walker.is_last { STOP } else { PASS }), None);
         }
-        let axes = self.part(stage, 1);
-        if kind == QUEUE {
-            let ([x, z, how], sign) = self.line_up(errand, [x, z, radius], axes, at);
-            // who is on another floor neither joins nor is served
-            return ([x, z, how, field], sign.filter(|_| is_level));
+        if own.kind == QUEUE {
+            let (goal, sign) = self.line_up(walker, own);
+            // an agent on another floor neither joins nor is served
+            return (goal, sign.filter(|_| is_level(own, walker.height)));
         }
-        if kind == EXIT {
-            let [x, z] = nearest_place(at, [x, z], axes);
-            return ([x, z, PASS, field], None);
+        if own.kind == EXIT {
+            return (aim(nearest_place(walker.at, own), PASS), None);
         }
         let mut how = PASS;
-        if is_last || kind == WAITING {
+        if walker.is_last || own.kind == WAITING {
             how = STANDING;
-            if errand > 0 && in_region(at, [x, z], axes) {
-                let inside = (self.now + 1 - errand) as f32 * self.time_step;
+            if walker.progress > 0 && in_region(walker.at, own) {
+                let inside = (self.now + 1 - walker.progress) as f32 * self.time_step;
                 how += PATIENCE * (inside - TRYING).max(0.0);
             }
         }
-        let [x, z] = own_place(agent, number as u32, [x, z], axes);
-        ([x, z, how, field], None)
+        (aim(own_place(walker.agent, own), how), None)
     }
 
-    /// The place in a line that an agent walks to, x, z, and how: its own, or if it has none the one behind the last.
-    fn line_up(
-        &self,
-        ticket: u32,
-        [x, z, radius]: [f32; 3],
-        line: [f32; 4],
-        at: [f32; 2],
-    ) -> ([f32; 3], Option<(usize, Sign)>) {
-        let base = line[3] as usize * 8;
+    /// The place in a line that an agent walks to: its own, or if it has none the one behind the last.
+    fn line_up(&self, walker: &Walker, line: &Stage) -> (Aim, Option<(usize, Sign)>) {
+        let [places, number] = line.across;
+        let (base, ticket) = (number as usize * 8, walker.progress);
         let first = self.lines[base + 1];
         let number = if ticket > 0 {
             (ticket - 1).wrapping_sub(first)
         } else {
-            self.lines[base + 2].wrapping_sub(first).min(line[2] as u32 - 1)
+            self.lines[base + 2].wrapping_sub(first).min(places as u32 - 1)
         };
-        let place = [x + number as f32 * line[0], z + number as f32 * line[1]];
-        let to = [place[0] - at[0], place[1] - at[1]];
+        let place = [
+            line.place[0] + number as f32 * line.along[0],
+            line.place[1] + number as f32 * line.along[1],
+        ];
+        let to = [place[0] - walker.at[0], place[1] - walker.at[1]];
+        let aim = |how: f32| Aim { place, how, field: line.field };
         if ticket > 0 {
             let is_served = number == 0 && dot2(to, to) < AT_COUNTER * AT_COUNTER;
-            return ([place[0], place[1], IN_LINE], is_served.then_some((base, Sign::Served)));
+            return (aim(IN_LINE), is_served.then_some((base, Sign::Served)));
         }
-        let joins = dot2(to, to) < radius * radius;
-        ([place[0], place[1], 0.5 * radius], joins.then_some((base, Sign::Joins)))
+        let joins = dot2(to, to) < line.radius * line.radius;
+        (aim(0.5 * line.radius), joins.then_some((base, Sign::Joins)))
     }
+}
+
+/// Whether an agent at a height, m, is on the floor of a stage.
+fn is_level(stage: &Stage, height: f32) -> bool {
+    stage.has_elevation == 0.0 || (height - stage.elevation).abs() < STEP
 }

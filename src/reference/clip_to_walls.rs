@@ -2,9 +2,9 @@
 
 use super::exact::{det2, dot2, is_finite2};
 use super::segments::Walls;
+use crate::kernels::layout::Segment;
 use crate::kernels::clip_to_walls::{GAP, NUDGE, ROUNDS, Slices};
 use crate::kernels::shared::absent::NOBODY;
-use crate::kernels::shared::step::LED;
 use rayon::prelude::*;
 
 /// Twin of `shaders/clip_to_walls.wgsl`.
@@ -13,11 +13,11 @@ pub fn clip_to_walls(b: Slices<'_>) {
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     b.new_velocity[..agents].par_iter_mut().with_min_len(1024).enumerate().for_each(|(slot, velocity)| {
         let agent = b.slot_agent[slot];
-        if agent == NOBODY || b.avoidance[agent as usize][3] >= LED || !is_finite2(*velocity) {
+        if agent == NOBODY || b.avoidance[agent as usize].is_led() || !is_finite2(*velocity) {
             return;
         }
-        let [x, y, ..] = b.slot_motion[slot * 2];
-        *velocity = held(&walls, [x, y], b.slot_motion[slot * 2 + 1][3], *velocity);
+        let own = b.slot_motion[slot];
+        *velocity = held(&walls, own.position, own.elevation, *velocity);
     });
 }
 
@@ -29,8 +29,7 @@ fn held(walls: &Walls<'_>, at: [f32; 2], elevation: f32, wanted: [f32; 2]) -> [f
     for round in 0..ROUNDS {
         let mut held = false;
         for &number in listed {
-            let [[ax, ay, bx, by], [along_x, along_y, ..], _] = walls.segment(number);
-            let (a, b, along) = ([ax, ay], [bx, by], [along_x, along_y]);
+            let Segment { a, b, along, .. } = *walls.segment(number);
             if walls.is_in_the_way(number, elevation) && crosses(at, velocity, a, b, along, time_step) {
                 held = true;
                 let speed = dot2(along, velocity);

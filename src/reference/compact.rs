@@ -4,7 +4,7 @@ use super::body::far_slot;
 use crate::kernels::KernelId;
 use crate::kernels::compact::Slices;
 use crate::kernels::compact::index::COLUMNS;
-use crate::kernels::layout::FrameUniforms;
+use crate::kernels::layout::{FrameUniforms, MeshRange};
 use crate::kernels::shared::body::NONE;
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::shared::dispatch::index::RUN;
@@ -125,7 +125,7 @@ fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usiz
 }
 
 fn write_command(b: &mut Slices<'_>, command: usize, mesh: usize, count: u32) {
-    let [first_index, index_count, first_vertex, _] = b.mesh_table[mesh];
+    let MeshRange { first_index, index_count, first_vertex, .. } = b.mesh_table[mesh];
     let words = [index_count, count, first_index, first_vertex, 0];
     b.draw_args[command * 5..command * 5 + 5].copy_from_slice(&words);
 }
@@ -153,7 +153,7 @@ pub fn compact_arguments(mut b: Slices<'_>) {
         if bucket.is_multiple_of(levels) {
             let at = 3 + bucket / levels * 3;
             b.dispatch_args[at..at + 3].copy_from_slice(&[
-                b.mesh_table[bucket][3].div_ceil(RUN as u32),
+                b.mesh_table[bucket].vertex_count.div_ceil(RUN as u32),
                 count,
                 1,
             ]);

@@ -4,7 +4,7 @@ use super::exact::is_finite2;
 use super::shared::is_absent;
 use crate::kernels::KernelId;
 use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, Slices, WEIGHT_LIMIT};
-use crate::kernels::layout::FrameUniforms;
+use crate::kernels::layout::{FrameUniforms, Stance};
 use crate::kernels::shared::body::NONE;
 
 fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
@@ -12,12 +12,12 @@ fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
 }
 
 fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
-    let [heading, walk] = b.stance[agent];
+    let Stance { heading, walk_weight } = b.stance[agent];
     let (clips, weights) = (b.gaits[agent], b.gait_weights[agent]);
     is_finite2(b.position[agent])
         && b.elevation[agent].abs() < ELEVATION_LIMIT
         && heading.abs() < HEADING_LIMIT
-        && walk.abs() < WEIGHT_LIMIT
+        && walk_weight.abs() < WEIGHT_LIMIT
         && scale > 0.0
         && scale < SCALE_LIMIT
         && b.frame.clip_count > 0
@@ -26,9 +26,9 @@ fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
 }
 
 fn eye_sees(frame: &FrameUniforms, eye: usize, x: f32, low: f32, high: f32, z: f32, radius: f32) -> bool {
-    frame.planes[eye * 6..eye * 6 + 6].iter().all(|plane| {
-        let foot = plane[0] * x + plane[1] * low + plane[2] * z + plane[3];
-        let top = plane[0] * x + plane[1] * high + plane[2] * z + plane[3];
+    frame.planes[eye * 6..eye * 6 + 6].iter().all(|&[nx, ny, nz, offset]| {
+        let foot = nx * x + ny * low + nz * z + offset;
+        let top = nx * x + ny * high + nz * z + offset;
         foot >= -radius || top >= -radius
     })
 }
@@ -38,15 +38,14 @@ pub fn cull(b: Slices<'_>) {
     let frame = b.frame;
     for agent in 0..frame.agent_count as usize {
         let info = b.appearance[agent];
-        let avatar = info[0] & 255;
-        let scale = f32::from_bits(info[1]);
+        let (avatar, scale) = (info.avatar(), info.scale);
         b.agent_bucket[agent] = NONE;
         if !is_usable(&b, agent, avatar, scale) {
             let first = &mut b.failure[KernelId::Cull as usize];
             *first = (*first).min(agent as u32);
             continue;
         }
-        if is_absent(b.position[agent]) || (info[0] >> 17) & 1 == 1 {
+        if is_absent(b.position[agent]) || info.is_bodiless() {
             continue;
         }
         let [x, z] = b.position[agent];
@@ -60,24 +59,26 @@ pub fn cull(b: Slices<'_>) {
         {
             continue;
         }
-        let dx = x - frame.camera[0];
-        let dy = foot + 0.5 * height - frame.camera[1];
-        let dz = z - frame.camera[2];
+        let [camera_x, camera_y, camera_z, lod4_distance] = frame.camera;
+        let [lod1_distance, lod2_distance, far_plane, lod3_distance] = frame.level_distance;
+        let dx = x - camera_x;
+        let dy = foot + 0.5 * height - camera_y;
+        let dz = z - camera_z;
         let distance = (dx * dx + dy * dy + dz * dz).sqrt();
-        if !(distance <= frame.level_distance[2]) {
+        if !(distance <= far_plane) {
             continue;
         }
         let mut level = 0;
-        if frame.level_count > 1 && distance >= frame.level_distance[0] {
+        if frame.level_count > 1 && distance >= lod1_distance {
             level = 1;
         }
-        if frame.level_count > 2 && distance >= frame.level_distance[1] {
+        if frame.level_count > 2 && distance >= lod2_distance {
             level = 2;
         }
         let mut bucket = avatar * frame.level_count + level;
-        if frame.level_distance[3] > 0.0 && distance >= frame.level_distance[3] {
+        if lod3_distance > 0.0 && distance >= lod3_distance {
             bucket = frame.bucket_count + avatar;
-            if frame.camera[3] > 0.0 && distance >= frame.camera[3] {
+            if lod4_distance > 0.0 && distance >= lod4_distance {
                 bucket += frame.bucket_count / frame.level_count.max(1);
             }
         }

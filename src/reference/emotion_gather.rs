@@ -3,6 +3,7 @@
 use super::exact::dot2;
 use super::shared::grid_cell;
 use crate::kernels::emotion_gather::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
+use crate::kernels::layout::{Heard, SlotMotion};
 use rayon::prelude::*;
 
 /// Twin of `shaders/emotion_gather.wgsl`.
@@ -10,26 +11,25 @@ pub fn emotion_gather(mut b: Slices<'_>) {
     let heard = std::mem::take(&mut b.heard);
     let b = &b;
     let has_turn = |slot: &usize| {
-        let [x, y, ..] = b.slot_motion[slot * 2];
-        let row = grid_cell([x, y], b.step)[1] as u32;
+        let row = grid_cell(b.slot_motion[*slot].position, b.step)[1] as u32;
         b.step.step_index == 0 || (row + b.step.step_index).is_multiple_of(ROWS_BETWEEN)
     };
     let present = b.cell_start[b.step.cell_count as usize] as usize;
     let slots: Vec<usize> = (0..present).filter(has_turn).collect();
-    let all: Vec<[f32; 4]> = slots.par_iter().with_min_len(64).map(|&slot| of_all(sums(b, slot))).collect();
+    let all: Vec<Heard> = slots.par_iter().with_min_len(64).map(|&slot| of_all(sums(b, slot))).collect();
     for (slot, found) in slots.into_iter().zip(all) {
         heard[b.slot_agent[slot] as usize] = found;
     }
 }
 
 /// How strongly all are heard together, and their mean feelings.
-fn of_all(sums: [u32; 4]) -> [f32; 4] {
-    if sums[0] == 0 {
-        return [0.0; 4];
+fn of_all([voices, happy, angry, sad]: [u32; 4]) -> Heard {
+    if voices == 0 {
+        return Heard::default();
     }
-    let voices = total(sums[0]);
-    let mean = |i: usize| (total(sums[i]) / voices).min(1.0);
-    [voices / SHARE, mean(1), mean(2), mean(3)]
+    let voices = total(voices);
+    let mean = |sum: u32| (total(sum) / voices).min(1.0);
+    Heard { strength: voices / SHARE, happy: mean(happy), angry: mean(angry), sad: mean(sad) }
 }
 
 fn total(sum: u32) -> f32 {
@@ -38,10 +38,10 @@ fn total(sum: u32) -> f32 {
 
 fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
     let (step, reach) = (b.step, b.mood.radius);
-    let ([x, y, ..], [.., elevation]) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
+    let SlotMotion { position: [x, y], elevation, .. } = b.slot_motion[slot];
     let agent = b.slot_agent[slot] as usize;
     let mut sums = [0_u32; 4];
-    if !(reach > 0.0 && b.temperament[agent * 2 + 1][1] > 0.0) {
+    if !(reach > 0.0 && b.temperament[agent].openness > 0.0) {
         return sums;
     }
     let low = grid_cell([x - reach, y - reach], step);
@@ -55,21 +55,21 @@ fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
                 break;
             }
             turns += 1;
-            let motion = b.slot_motion[other * 2];
-            let to = [motion[0] - x, motion[1] - y];
+            let them = b.slot_motion[other];
+            let to = [them.position[0] - x, them.position[1] - y];
             let distance2 = dot2(to, to);
             if !(distance2 < reach * reach) || other == slot || count >= MOST_HEARD {
                 continue;
             }
-            let apart = (b.slot_motion[other * 2 + 1][3] - elevation).abs();
+            let apart = (them.elevation - elevation).abs();
             if step.storey_height > 0.0 && apart >= step.storey_height {
                 continue;
             }
             count += 1;
             let speaker = b.slot_agent[other] as usize;
-            let voice = b.temperament[speaker * 2 + 1][0] * (1.0 - distance2.sqrt() / reach);
-            let q = b.feeling[speaker];
-            let added = [voice, voice * q[0], voice * q[1], voice * q[2]];
+            let voice = b.temperament[speaker].expressiveness * (1.0 - distance2.sqrt() / reach);
+            let [happy, angry, sad, _] = b.feeling[speaker];
+            let added = [voice, voice * happy, voice * angry, voice * sad];
             for (sum, share) in sums.iter_mut().zip(added) {
                 *sum = sum.wrapping_add((share * SHARE + 0.5) as u32);
             }

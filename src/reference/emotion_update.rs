@@ -4,7 +4,7 @@ use super::exact::{dot2, exp2};
 use super::shared::is_absent;
 use crate::kernels::emotion_update::LOG2_E;
 use crate::kernels::emotion_update::{EVENT_RATE, Slices};
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Heard, StepUniforms, Temperament};
 use rayon::prelude::*;
 
 /// Twin of `shaders/emotion_update.wgsl`.
@@ -15,30 +15,36 @@ pub fn emotion_update(b: Slices<'_>) {
     people.with_min_len(256).for_each(|(agent, (feeling, heard))| {
         let at = position[agent];
         if is_absent(at) {
-            *heard = [0.0; 4];
+            *heard = Heard::default();
             return;
         }
         let mut q = *feeling;
-        let character = temperament[agent * 2 + 1];
+        let character = &temperament[agent];
         let others = *heard;
-        if others[0] > 0.0 {
-            let take = taken(step, mood.contagion * (character[1] * others[0]));
-            let caught = |i: usize| caught(q[i], others[i + 1], take, character);
-            q = completed([caught(0), caught(1), caught(2)]);
+        if others.strength > 0.0 {
+            let take = taken(step, mood.contagion * (character.openness * others.strength));
+            let [happy, angry, sad, _] = q;
+            q = completed([
+                caught(happy, others.happy, take, character),
+                caught(angry, others.angry, take, character),
+                caught(sad, others.sad, take, character),
+            ]);
         }
         let now = step.step_index as f32;
-        for event in stimuli.chunks_exact(2).take(mood.event_count as usize) {
-            let ([px, py, radius, strength], [emotion, first, end, _]) = (event[0], event[1]);
-            if now >= first && now < end {
-                let to = [at[0] - px, at[1] - py];
-                let level = strength * (1.0 - dot2(to, to).sqrt() / radius);
-                q = roused(q, (emotion as usize).min(3), level, taken(step, EVENT_RATE));
+        for event in stimuli.iter().take(mood.event_count as usize) {
+            if now >= event.first_step && now < event.end_step {
+                let to = [at[0] - event.place[0], at[1] - event.place[1]];
+                let level = event.strength * (1.0 - dot2(to, to).sqrt() / event.radius);
+                q = roused(q, (event.emotion as usize).min(3), level, taken(step, EVENT_RATE));
             }
         }
         let back = taken(step, mood.decay);
-        let own = temperament[agent * 2];
-        let returned = |i: usize| q[i] + back * (own[i] - q[i]);
-        *feeling = completed([returned(0), returned(1), returned(2)]);
+        let ([happy, angry, sad, _], [rest_happy, rest_angry, rest_sad, _]) = (q, character.rest);
+        *feeling = completed([
+            happy + back * (rest_happy - happy),
+            angry + back * (rest_angry - angry),
+            sad + back * (rest_sad - sad),
+        ]);
     });
 }
 
@@ -46,11 +52,11 @@ fn taken(step: &StepUniforms, rate: f32) -> f32 {
     1.0 - exp2(-(LOG2_E * rate * step.time_step))
 }
 
-fn caught(q: f32, heard: f32, take: f32, character: [f32; 4]) -> f32 {
+fn caught(q: f32, heard: f32, take: f32, character: &Temperament) -> f32 {
     let rising = 1.0 - (1.0 - heard) * (1.0 - q);
     let falling = heard * q;
-    let amplified = character[3] * rising + (1.0 - character[3]) * falling;
-    let goal = character[2] * amplified + (1.0 - character[2]) * heard;
+    let amplified = character.bias * rising + (1.0 - character.bias) * falling;
+    let goal = character.amplification * amplified + (1.0 - character.amplification) * heard;
     q + take * (goal - q)
 }
 

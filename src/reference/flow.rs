@@ -3,7 +3,7 @@
 use super::way::{pack, step};
 use crate::kernels::flow::{FAR, GROUP};
 use crate::kernels::flow::{SWEEPS, Slices};
-use crate::kernels::layout::FlowUniforms;
+use crate::kernels::layout::{FlowJoint, FlowSeed, FlowUniforms};
 use crate::kernels::shared::tile::TILE;
 use crate::kernels::shared::tile::index::RING;
 use crate::kernels::shared::way::{ALL_BITS, FROM_ABOVE, FROM_BELOW, FROM_LEFT, FROM_RIGHT, LEADS, SOLID};
@@ -60,8 +60,8 @@ fn enlist(b: &mut Slices<'_>, total: u32, list: u32, tile: u32) {
 pub fn flow_sow(mut b: Slices<'_>) {
     let total = tile_total(b.flow_grid);
     let seeds = b.flow_seeds;
-    for &[field, cell, distance, _] in &seeds[..b.flow_grid.seed_count as usize] {
-        set_distance(&mut b, total, [field, cell], f32::from_bits(distance));
+    for seed in &seeds[..b.flow_grid.seed_count as usize] {
+        set_distance(&mut b, total, [seed.field, seed.cell], seed.distance);
     }
 }
 
@@ -95,7 +95,7 @@ pub fn flow_join(mut b: Slices<'_>) {
     let (grid, joints) = (b.flow_grid, b.flow_joints);
     let sheet_cells = grid.sheet_rows * grid.columns;
     for field in 0..grid.field_count {
-        for &[cell, sheets] in &joints[..grid.joint_count as usize] {
+        for &FlowJoint { cell, sheets } in &joints[..grid.joint_count as usize] {
             let first = field * grid.cell_count + cell;
             let on = || (0..32).filter(|sheet| sheets >> sheet & 1 != 0);
             let distance = |sheet: u32| (first + sheet * sheet_cells) as usize;
@@ -367,7 +367,7 @@ pub fn flow_point(mut b: Slices<'_>) {
 /// Twin of phase `mark` of `shaders/flow.wgsl`.
 pub fn flow_mark(b: Slices<'_>) {
     let grid = b.flow_grid;
-    for &[field, cell, _, sees] in &b.flow_seeds[..grid.seed_count as usize] {
+    for &FlowSeed { field, cell, sees, .. } in &b.flow_seeds[..grid.seed_count as usize] {
         b.flow_way[(field * grid.cell_count + cell) as usize] |= sees;
     }
 }

@@ -8,6 +8,7 @@ use crate::kernels::gait_features::index::{
     RIGHT_HIP, RIGHT_SHOULDER, ROOT, ROW,
 };
 use crate::kernels::gait_features::{DEGREES, POSITION_LIMIT, RATE_LIMIT, SPEED_LIMIT, Slices};
+use crate::kernels::layout::GaitEntry;
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, SPINE};
 use rayon::prelude::*;
 
@@ -64,8 +65,8 @@ fn is_usable(frame: &[[f32; 4]]) -> bool {
 }
 
 /// The row of a gait; None if it cannot be used.
-fn features(frames: &[[f32; 4]], [first, count, rate, speed]: [u32; 4]) -> Option<[f32; ROW * 4]> {
-    let (rate, speed) = (f32::from_bits(rate), f32::from_bits(speed));
+fn features(frames: &[[f32; 4]], info: GaitEntry) -> Option<[f32; ROW * 4]> {
+    let GaitEntry { first_frame: first, frames: count, rate, speed } = info;
     let frame_total = (frames.len() / JOINTS) as u32;
     let usable = count > 0
         && first < frame_total

@@ -10,6 +10,7 @@ use crate::kernels::gaze::{
     AIM_ROUNDS, ENGAGED, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NATURAL, NECK_SHARE, RATE_LIMIT,
     ROTATION_LIMIT, SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, VALID,
 };
+use crate::kernels::layout::GazeState;
 use crate::kernels::shared::attention::ATTENDS;
 use crate::kernels::shared::attention::{
     ANGRY, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, RANGE, RANGE_HYSTERESIS, SAD,
@@ -53,11 +54,16 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> [f32; 2] {
     [value + step, limit((rate - SPRING * push) * decay, -RATE_LIMIT, RATE_LIMIT)]
 }
 
-fn remember(b: &mut Slices<'_>, agent: usize, state: [f32; 4], engaged: bool) {
+fn keep_state(b: &mut Slices<'_>, agent: usize, state: GazeState, engaged: bool) {
     b.gaze_state[agent] = state;
     let turn = b.gaze_frame[agent] & ATTENDS;
     b.gaze_frame[agent] =
         (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 } | turn;
+}
+
+/// A face that does not move.
+const fn at_rest(flexion: f32, rotation: f32) -> GazeState {
+    GazeState { flexion, rotation, flexion_rate: 0.0, rotation_rate: 0.0 }
 }
 
 fn may_look(b: &Slices<'_>, agent: usize) -> bool {
@@ -86,17 +92,15 @@ struct Body {
     is_fresh: bool,
     was_engaged: bool,
     is_too_close: bool,
-    old: [f32; 4],
+    old: GazeState,
 }
 
 fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let info = b.appearance[agent];
-    let emotion = (info[0] >> 8) & 255;
-    if (info[0] >> 16) & 1 == 0 {
+    if !info.gazes() {
         return;
     }
-    let avatar = (info[0] & 255) as usize;
-    let scale = f32::from_bits(info[1]);
+    let (avatar, emotion, scale) = (info.avatar() as usize, info.emotion(), info.scale);
     let base = slot * POSE_STRIDE;
 
     let root = b.local_rotations[base];
@@ -112,7 +116,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let forward = quat_rotate(spine, joint_forward(b.rig, avatar, SPINE));
     let torso = atan2(forward[0], forward[2]);
     let eyes = std::array::from_fn(|axis| b.frame.user_eyes[axis]);
-    let user = user_in_model(eyes, b.position[agent], b.stance[agent][0], scale);
+    let user = user_in_model(eyes, b.position[agent], b.stance[agent].heading, scale);
     let to_user = sub3(user, neck_at);
     let ground = (to_user[0] * to_user[0] + to_user[2] * to_user[2]).sqrt();
     let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);
@@ -158,7 +162,7 @@ fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) 
     if emotion != SAD {
         rotation = match (body.is_too_close, body.is_fresh) {
             (false, _) => yaw,
-            (true, true) => wrap(body.old[1] - torso),
+            (true, true) => wrap(body.old.rotation - torso),
             (true, false) => 0.0,
         };
         flexion = THETA_HAPPY; // constant, whatever the relative height
@@ -166,7 +170,7 @@ fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) 
     if emotion == ANGRY {
         let rise = body.neck_at[1] + body.head_arm[1] + body.eyes_arm[1] - body.user[1];
         // arcsin of a ratio that may pass 1, clamped
-        flexion = if body.is_fresh { body.old[0] } else { 0.0 };
+        flexion = if body.is_fresh { body.old.flexion } else { 0.0 };
         if !body.is_too_close {
             flexion = asin(rise / body.ground);
         }
@@ -180,7 +184,7 @@ fn paper(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, yaw: f32) 
     let (spine_rest, neck_rest) = (rest(SPINE), rest(NECK));
     let turned = quat_mul(spine_rest, quat_mul(quat_yaw_pitch(rotation, flexion), quat_conjugate(neck_rest)));
     b.local_rotations[body.base + NECK] = quat_normalize(turned);
-    remember(b, agent, [flexion, torso + rotation, 0.0, 0.0], emotion != SAD);
+    keep_state(b, agent, at_rest(flexion, torso + rotation), emotion != SAD);
 }
 
 fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f32, yaw: f32) {
@@ -203,8 +207,8 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
             flexion = within_flexion(flexion + THETA_HAPPY); // at the user, tilted up
         }
         if body.is_too_close && body.is_fresh {
-            rotation = old[1];
-            flexion = old[0];
+            rotation = old.rotation;
+            flexion = old.flexion;
         }
     }
     let sad = emotion == SAD;
@@ -213,28 +217,29 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
         flexion = if own_flexion > THETA_SAD { own_flexion } else { THETA_SAD };
     }
 
-    let mut state = [flexion, rotation, 0.0, 0.0];
+    let mut state = at_rest(flexion, rotation);
     if body.is_fresh {
-        let nod = follow(old[0], old[2], flexion, b.frame.frame_time);
-        let turn = follow(old[1], old[3], old[1] + wrap(rotation - old[1]), b.frame.frame_time);
-        state = [within_flexion(nod[0]), within_reach(turn[0], torso), nod[1], turn[1]];
+        let [flexion, flexion_rate] = follow(old.flexion, old.flexion_rate, flexion, b.frame.frame_time);
+        let [rotation, rotation_rate] = follow(old.rotation, old.rotation_rate, old.rotation + wrap(rotation - old.rotation), b.frame.frame_time);
+        let (flexion, rotation) = (within_flexion(flexion), within_reach(rotation, torso));
+        state = GazeState { flexion, rotation, flexion_rate, rotation_rate };
     }
     if !engaged
         && !sad
-        && (state[0] - own_flexion).abs() < SETTLED
-        && wrap(state[1] - own_yaw).abs() < SETTLED
+        && (state.flexion - own_flexion).abs() < SETTLED
+        && wrap(state.rotation - own_yaw).abs() < SETTLED
     {
-        remember(b, agent, [own_flexion, own_yaw, 0.0, 0.0], false);
+        keep_state(b, agent, at_rest(own_flexion, own_yaw), false);
         return;
     }
-    let turn = wrap(state[1] - own_yaw);
-    let nod = state[0] - own_flexion;
+    let turn = wrap(state.rotation - own_yaw);
+    let nod = state.flexion - own_flexion;
     let new_neck =
         quat_normalize(quat_mul(face_turn(own_yaw, NECK_SHARE * turn, NECK_SHARE * nod), body.neck));
     let new_head = quat_mul(face_turn(own_yaw, turn, nod), body.head);
     b.local_rotations[body.base + NECK] = quat_normalize(quat_mul(quat_conjugate(body.spine), new_neck));
     b.local_rotations[body.base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
-    remember(b, agent, state, engaged);
+    keep_state(b, agent, state, engaged);
 }
 
 /// (flexion, rotation) of the face that sees the user straight ahead, within the limits.

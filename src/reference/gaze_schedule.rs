@@ -6,6 +6,7 @@ use crate::kernels::gaze_schedule::index::{BORDER, HELD, LEAST, OVER, ROOM};
 use crate::kernels::gaze_schedule::{
     BINS, FIELD_START, FRAME_BITS, MOST_WAIT, REST_LEAST, REST_SPAN, Slices, WAIT_UNIT,
 };
+use crate::kernels::layout::Attention;
 use crate::kernels::shared::attention::{ANGRY, ATTENDS, FIELD_END, RANGE, RANGE_HYSTERESIS};
 use crate::kernels::shared::body::NONE;
 
@@ -18,7 +19,7 @@ pub fn gaze_schedule_look(mut b: Slices<'_>) {
 /// Twin of phase `count` of `shaders/gaze_schedule.wgsl`.
 pub fn gaze_schedule_count(b: Slices<'_>) {
     for agent in visible_agents(b.visible) {
-        let key = b.attention[*agent as usize][1] >> 14;
+        let key = b.attention[*agent as usize].key_and_frame >> 14;
         if key != 0 && key / BINS == b.attention_counts[BORDER] {
             b.attention_counts[(BINS + key % BINS) as usize] += 1;
         }
@@ -32,16 +33,17 @@ pub fn gaze_schedule_begin(mut b: Slices<'_>) {
 }
 
 fn interest(b: &Slices<'_>, agent: usize, looks: bool) -> f32 {
-    let info = b.appearance[agent][0];
-    if (info >> 16) & 1 == 0 || (info >> 8) & 255 > ANGRY {
+    let own = &b.appearance[agent];
+    if !own.gazes() || own.emotion() > ANGRY {
         return -1.0;
     }
-    let to = [b.frame.user_eyes[0] - b.position[agent][0], b.frame.user_eyes[2] - b.position[agent][1]];
+    let ([eyes_x, _, eyes_z, _], [x, z]) = (b.frame.user_eyes, b.position[agent]);
+    let to = [eyes_x - x, eyes_z - z];
     let distance = dot2(to, to).sqrt();
     if b.frame.gaze_mode != 0 {
         return distance;
     }
-    let [sine, cosine] = sin_cos(b.stance[agent][0]);
+    let [sine, cosine] = sin_cos(b.stance[agent].heading);
     let ahead = sine * to[0] + cosine * to[1];
     let range = RANGE + if looks { RANGE_HYSTERESIS } else { 0.0 };
     let sees = distance < range && ahead >= if looks { FIELD_END } else { FIELD_START } * distance;
@@ -58,8 +60,8 @@ fn draw(agent: u32, time: u32) -> u32 {
 
 fn look_on(b: &mut Slices<'_>, id: u32) {
     let (agent, now) = (id as usize, b.frame.gaze_time);
-    let [mut until, memory] = b.attention[agent];
-    let is_fresh = b.frame.frame_index.wrapping_sub(memory) & FRAME_BITS <= 1;
+    let Attention { mut until, key_and_frame } = b.attention[agent];
+    let is_fresh = b.frame.frame_index.wrapping_sub(key_and_frame) & FRAME_BITS <= 1;
     let looks = is_fresh && left_of(b, until) > 0;
     let distance = interest(b, agent, looks);
     let mut key = 0;
@@ -79,7 +81,8 @@ fn look_on(b: &mut Slices<'_>, id: u32) {
             b.attention_counts[(key / BINS) as usize] += 1;
         }
     }
-    b.attention[agent] = [until, (key << 14) | (b.frame.frame_index & FRAME_BITS)];
+    let key_and_frame = (key << 14) | (b.frame.frame_index & FRAME_BITS);
+    b.attention[agent] = Attention { until, key_and_frame };
     b.gaze_frame[agent] = (b.gaze_frame[agent] & !ATTENDS) | if attends { ATTENDS } else { 0 };
 }
 
@@ -122,15 +125,15 @@ pub fn gaze_schedule_least(b: Slices<'_>) {
 
 fn begin(b: &mut Slices<'_>, id: u32) {
     let agent = id as usize;
-    let key = b.attention[agent][1] >> 14;
+    let key = b.attention[agent].key_and_frame >> 14;
     if key != 0 && key >= b.attention_counts[LEAST] {
         let now = b.frame.gaze_time;
         let span = b.frame.turn_most.wrapping_sub(b.frame.turn_least).wrapping_add(1);
         let turn = b.frame.turn_least.wrapping_add(draw(id, !now) % span.max(1));
-        b.attention[agent][0] = now.wrapping_add(turn);
+        b.attention[agent].until = now.wrapping_add(turn);
         b.gaze_frame[agent] |= ATTENDS;
-    } else if b.attention_counts[OVER] == 1 && left_of(b, b.attention[agent][0]) > 0 {
-        b.attention[agent][0] = b.frame.gaze_time;
+    } else if b.attention_counts[OVER] == 1 && left_of(b, b.attention[agent].until) > 0 {
+        b.attention[agent].until = b.frame.gaze_time;
         b.gaze_frame[agent] &= !ATTENDS;
     }
 }

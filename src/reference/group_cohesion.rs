@@ -6,7 +6,7 @@ use crate::kernels::group_cohesion::{
     APART, FORWARD, GATHER, GAZE, HASTE, LEFT_BEHIND, PERSONAL, RAMP, RELAXATION, STRAY, Slices,
 };
 use crate::kernels::shared::absent::NOBODY;
-use crate::kernels::shared::step::GROUP_SHIFT;
+use crate::kernels::layout::{Body, Route};
 use rayon::prelude::*;
 
 /// Twin of `shaders/group_cohesion.wgsl`.
@@ -17,11 +17,11 @@ pub fn group_cohesion(b: Slices<'_>) {
         let first = others.iter().copied().fold(NOBODY, u32::min);
         if first != NOBODY && *slot < b.step.agent_count && !is_absent(position[agent as usize]) {
             let slot = *slot as usize;
-            b.slot_avoidance[slot][3] |= (first.min(agent) + 1) << GROUP_SHIFT;
+            b.slot_avoidance[slot].join(first.min(agent));
             let agent = agent as usize;
             let behind = behind(agent, *others, b.preferred_velocity[agent], &position[..agents]);
             // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given
-            let priority = &mut b.slot_motion[slot * 2 + 1][2];
+            let priority = &mut b.slot_motion[slot].priority;
             *priority = priority.max((*priority + HASTE * behind.min(LEFT_BEHIND)).min(1.0));
         }
     }
@@ -50,18 +50,18 @@ fn together(
     others: [u32; 4],
     preferred: [f32; 2],
     position: &[[f32; 2]],
-    body: &[[f32; 4]],
-    route: &[[u32; 4]],
+    body: &[Body],
+    route: &[Route],
 ) -> [f32; 2] {
     let (at, own_way) = (position[agent], route[agent]);
-    let mut pace = body[agent][2];
+    let mut pace = body[agent].preferred_speed;
     let (mut others_sum, mut away, mut count) = ([0.0_f32; 2], [0.0_f32; 2], 0.0_f32);
     for other in others {
         let other = other as usize;
         if other >= position.len() || is_absent(position[other]) {
             continue;
         }
-        pace = pace.min(body[other][2]);
+        pace = pace.min(body[other].preferred_speed);
         let way = route[other];
         let off = [at[0] - position[other][0], at[1] - position[other][1]];
         let distance = dot2(off, off).sqrt();
@@ -69,14 +69,14 @@ fn together(
             let scale = ((PERSONAL - distance) / RAMP).min(1.0) / distance;
             away = [away[0] + off[0] * scale, away[1] + off[1] * scale];
         }
-        let is_ahead = way[3] > own_way[3] || (way[3] == own_way[3] && way[2] > own_way[2]);
+        let is_ahead = (way.arrivals, way.next) > (own_way.arrivals, own_way.next);
         if !is_ahead {
             others_sum = [others_sum[0] + position[other][0], others_sum[1] + position[other][1]];
             count += 1.0;
         }
     }
     let mut wanted = preferred;
-    let own_speed = body[agent][2];
+    let own_speed = body[agent].preferred_speed;
     if own_speed > pace {
         let scale = pace / own_speed;
         wanted = [wanted[0] * scale, wanted[1] * scale];

@@ -3,7 +3,7 @@
 use super::exact::{atan2, dot2, is_finite2, wrap};
 use crate::kernels::KernelId;
 use crate::kernels::integrate::{FOLLOW, Slices, TURNING_SPEED};
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
 use rayon::prelude::*;
 
@@ -38,9 +38,9 @@ pub fn integrate(b: Slices<'_>) {
 fn moved(
     step: &StepUniforms,
     v: [f32; 2],
-    traits: [f32; 4],
+    body: Body,
     position: &mut [f32; 2],
-    stance: &mut [f32; 2],
+    stance: &mut Stance,
     phase: &mut u32,
 ) {
     for axis in 0..2 {
@@ -56,16 +56,16 @@ fn moved(
         position[axis] = p;
     }
     let speed = dot2(v, v).sqrt();
-    let mut heading = stance[0];
+    let mut heading = stance.heading;
     if speed > TURNING_SPEED {
         let most = step.turn_rate * step.time_step;
         let turn = wrap(atan2(v[0], v[1]) - heading);
         let follow = (FOLLOW * step.time_step).min(1.0);
         heading = wrap(heading + (turn * follow).clamp(-most, most));
     }
-    let walking = speed > step.walk_speed * traits[2];
+    let walking = speed > step.walk_speed * body.preferred_speed;
     let blend = if walking { step.blend_rate } else { -step.blend_rate } * step.time_step;
-    *stance = [heading, (stance[1] + blend).clamp(0.0, 1.0)];
-    let strides = (speed * step.time_step / traits[3].max(0.1)).min(0.5);
+    *stance = Stance { heading, walk_weight: (stance.walk_weight + blend).clamp(0.0, 1.0) };
+    let strides = (speed * step.time_step / body.stride_travel.max(0.1)).min(0.5);
     *phase = phase.wrapping_add(((strides * 16_777_216.0) as u32) << 8);
 }

@@ -28,7 +28,7 @@ fn look_at(b: &Slices<'_>, eye: usize, agent: usize, bounds: [f32; 4]) -> Seen {
     let sight = b.sight;
     let m = &sight.clip_from_world[eye];
     let [reach, lowest, highest, _] = bounds;
-    let scale = f32::from_bits(b.appearance[agent][1]);
+    let scale = b.appearance[agent].scale;
     let [at_x, at_z] = b.position[agent];
     let foot = b.elevation[agent];
     let radius = reach * scale;
@@ -99,7 +99,7 @@ fn candidates<'a>(b: &Slices<'a>) -> impl Iterator<Item = (usize, usize, usize)>
 fn is_shown(b: &Slices<'_>, agent: usize, bucket: usize) -> bool {
     let sight = b.sight;
     let start = |bucket| start_of(sight, b.bucket_start, bucket);
-    let head = sight.bounds[bucket][1][2] * f32::from_bits(b.appearance[agent][1]);
+    let head = sight.bounds[bucket][1][2] * b.appearance[agent].scale;
     start(sight.bucket_end) - start(sight.first_bucket) < sight.fewest
         || sight.eye_height > b.elevation[agent] + head + DOWN
 }

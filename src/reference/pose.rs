@@ -15,9 +15,9 @@ pub fn pose(b: Slices<'_>) {
         let agent = *agent as usize;
         let [w0, w1, w2, w3] = gait_weights[agent];
         let sum = w0 + w1 + w2 + w3;
-        let walk = if sum > 1e-6 { limit(stance[agent][1], 0.0, 1.0) } else { 0.0 };
+        let walk = if sum > 1e-6 { limit(stance[agent].walk_weight, 0.0, 1.0) } else { 0.0 };
         let unit = walk / if sum > 1e-6 { sum } else { 1.0 };
-        let avatar = (appearance[agent][0] & 255) as usize;
+        let avatar = appearance[agent].avatar() as usize;
         let [c0, c1, c2, c3] = gaits[agent];
         let ids = [c0, c1, c2, c3, frame.standing_clips[avatar / 4][avatar % 4]];
         let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, 1.0 - walk];

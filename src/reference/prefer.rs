@@ -4,7 +4,7 @@ use super::elevate::standing;
 use super::exact::{dot2, hash_u32, unit_f32};
 use super::shared::is_absent;
 use super::way::Around;
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Aim, StepUniforms};
 use crate::kernels::prefer::{APPROACH, Slices};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::shared::stages::STOP;
@@ -22,7 +22,7 @@ pub fn prefer(b: Slices<'_>) {
         let first = chunk * CHUNK;
         let mut around = [None; CHUNK];
         for (agent, around) in (first..first + preferred.len()).zip(&mut around) {
-            let field = b.aim[agent][3];
+            let field = b.aim[agent].field;
             if field >= 0.0 {
                 let at = b.position[agent];
                 let mut sheet = 0;
@@ -37,7 +37,7 @@ pub fn prefer(b: Slices<'_>) {
             *preferred = if is_absent(at) {
                 [0.0, 0.0]
             } else {
-                wanted(b.step, around, agent as u32, at, b.body[agent][2], b.aim[agent])
+                wanted(b.step, around, agent as u32, at, b.body[agent].preferred_speed, b.aim[agent])
             };
         }
     });
@@ -49,16 +49,16 @@ fn wanted(
     agent: u32,
     at: [f32; 2],
     preferred_speed: f32,
-    goal: [f32; 4],
+    goal: Aim,
 ) -> [f32; 2] {
-    let to = [goal[0] - at[0], goal[1] - at[1]];
+    let to = [goal.place[0] - at[0], goal.place[1] - at[1]];
     let distance = dot2(to, to).sqrt();
     let mut speed = preferred_speed;
-    if goal[2] == STOP {
+    if goal.how == STOP {
         speed = speed.min(distance * step.inverse_time_step);
     }
-    if goal[2] > 0.0 {
-        if distance < goal[2] {
+    if goal.how > 0.0 {
+        if distance < goal.how {
             return [0.0, 0.0];
         }
         speed = speed.min(distance * APPROACH);

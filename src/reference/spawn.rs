@@ -7,23 +7,21 @@ use crate::kernels::spawn::{GAP, MOST, Slices, TRIES};
 /// Twin of `shaders/spawn.wgsl`.
 pub fn spawn(b: Slices<'_>) {
     for source in 0..b.step.source_count {
-        let base = source as usize * 8;
-        let [first_place, places, first, agents, next] = std::array::from_fn(|word| b.sources[base + word]);
-        if next >= agents || places == 0 {
+        let own = b.sources[source as usize];
+        if own.entered >= own.agents || own.places == 0 {
             continue;
         }
-        let agent = (first + next) as usize;
+        let agent = (own.first_agent + own.entered) as usize;
         if b.step.step_index + 1 < b.entry[agent] {
             continue;
         }
-        let widest = f32::from_bits(b.sources[base + 5]);
-        let begin = hash_u32(source ^ hash_u32(b.step.step_index ^ b.step.seed)) % places;
-        let free = (0..TRIES.min(places))
-            .map(|t| b.source_places[(first_place + (begin + t) % places) as usize])
-            .find(|place| is_free(&b, *place, b.body[agent][0], widest, b.elevation[agent]));
+        let begin = hash_u32(source ^ hash_u32(b.step.step_index ^ b.step.seed)) % own.places;
+        let free = (0..TRIES.min(own.places))
+            .map(|t| b.source_places[(own.first_place + (begin + t) % own.places) as usize])
+            .find(|place| is_free(&b, *place, b.body[agent].radius, own.widest, b.elevation[agent]));
         if let Some(place) = free {
             b.position[agent] = place;
-            b.sources[base + 4] = next + 1;
+            b.sources[source as usize].entered = own.entered + 1;
         }
     }
 }
@@ -47,9 +45,9 @@ fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f3
             return false;
         }
         for slot in first as usize..end as usize {
-            let (motion, traits) = (b.slot_motion[slot * 2], b.slot_motion[slot * 2 + 1]);
-            if on_storey(step, traits[3], height)
-                && is_near(place, [motion[0], motion[1]], radius + traits[0] + GAP)
+            let other = b.slot_motion[slot];
+            if on_storey(step, other.elevation, height)
+                && is_near(place, other.position, radius + other.radius + GAP)
             {
                 return false;
             }

@@ -12,13 +12,13 @@ pub fn teleport(b: Slices<'_>) {
             continue;
         }
         let here = b.position[agent];
-        let [low_x, low_y, high_x, high_y] = b.teleports[2 * own as usize];
+        let boxes = b.teleports[own as usize];
+        let ([low_x, low_y], [high_x, high_y]) = (boxes.from_low, boxes.from_high);
         if here[0] < low_x || here[1] < low_y || here[0] > high_x || here[1] > high_y {
             continue;
         }
-        let to = b.teleports[2 * own as usize + 1];
         let bits = hash_u32(agent as u32 ^ hash_u32(b.step.step_index ^ !b.step.seed));
-        let share = [unit_f32(bits), unit_f32(hash_u32(bits))];
-        b.position[agent] = [to[0] + (to[2] - to[0]) * share[0], to[1] + (to[3] - to[1]) * share[1]];
+        let ([x, z], [end_x, end_z]) = (boxes.to_low, boxes.to_high);
+        b.position[agent] = [x + (end_x - x) * unit_f32(bits), z + (end_z - z) * unit_f32(hash_u32(bits))];
     }
 }

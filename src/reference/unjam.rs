@@ -2,11 +2,11 @@
 
 use super::contact::segment_rate;
 use super::exact::{dot2, hash_u32, unit_f32};
-use super::neighbours::{Slots, manners_of};
+use super::neighbours::Slots;
 use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
 use super::shared::grid_cell;
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Segment, SlotMotion, StepUniforms, Waiting};
 use crate::kernels::unjam::{
     BESIDE, CLEAR, CORNERED, GAINED, NEAREST_RATE, ONE_OF_TWO, OPPOSED, PROGRESS, SLANTED, STANDING, Slices,
     THIN, TOUCHED, TURN,
@@ -18,16 +18,16 @@ use crate::kernels::shared::step::RAISE;
 fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {
     let slot = b.agent_slot[agent];
     if slot == NOBODY {
-        b.waiting[agent] = [0.0; 4];
+        b.waiting[agent] = Waiting::default();
         return None;
     }
-    if manners_of(b.slot_avoidance[slot as usize]).is_led {
+    if b.slot_avoidance[slot as usize].is_led() {
         return None;
     }
     let preferred = b.preferred_velocity[agent];
     let speed = dot2(preferred, preferred).sqrt();
     if speed < STANDING {
-        b.waiting[agent] = [0.0; 4];
+        b.waiting[agent] = Waiting::default();
         return None;
     }
     Some((slot as usize, [preferred[0] / speed, preferred[1] / speed], speed))
@@ -49,7 +49,7 @@ pub fn unjam_turns(mut b: Slices<'_>) {
         let Some((slot, ahead, speed)) = walker(&mut b, agent) else { continue };
         let mut state = b.waiting[agent];
         if take_turns(&slots(&b), b.preferred_velocity, slot, ahead, speed, &mut state) {
-            b.slot_motion[slot * 2 + 1][2] += RAISE;
+            b.slot_motion[slot].priority += RAISE;
         }
         b.waiting[agent] = state;
     }
@@ -75,19 +75,19 @@ fn take_turns(
     slot: usize,
     ahead: [f32; 2],
     speed: f32,
-    state: &mut [f32; 4],
+    state: &mut Waiting,
 ) -> bool {
     let step = slots.step;
-    let [x, y, vx, vy] = slots.slot_motion[slot * 2];
-    let progress = dot2([vx, vy], ahead);
+    let SlotMotion { position, velocity, .. } = slots.slot_motion[slot];
+    let progress = dot2(velocity, ahead);
     let pace = if progress < PROGRESS * speed { 1.0 } else { -2.0 };
-    state[0] = (state[0] + pace * step.time_step).max(0.0);
-    if state[2] != 0.0 {
-        state[1] -= progress * step.time_step;
+    state.stuck = (state.stuck + pace * step.time_step).max(0.0);
+    if state.side != 0.0 {
+        state.lost -= progress * step.time_step;
     }
-    state[0] > step.patience
+    state.stuck > step.patience
         && dot2(turn(step), ahead) > 0.0
-        && is_opposed(slots, preferred, slot, [x, y], ahead)
+        && is_opposed(slots, preferred, slot, position, ahead)
 }
 
 /// The direction in which it follows a wall, if it does.
@@ -97,20 +97,19 @@ fn follow_walls(
     agent: u32,
     slot: usize,
     ahead: [f32; 2],
-    state: &mut [f32; 4],
+    state: &mut Waiting,
 ) -> Option<[f32; 2]> {
     let step = walls.step;
-    let [x, y, ..] = slots.slot_motion[slot * 2];
-    let [radius, _, _, elevation] = slots.slot_motion[slot * 2 + 1];
-    let is_following = state[2] != 0.0;
-    if state[0] <= step.patience && !is_following {
+    let SlotMotion { position, radius, elevation, .. } = slots.slot_motion[slot];
+    let is_following = state.side != 0.0;
+    if state.stuck <= step.patience && !is_following {
         return None;
     }
-    let near = walls.near([x, y], CLEAR + radius, elevation);
-    let (rate, wall, nearer_end) = way_ahead(walls, &near, [x, y], ahead, THIN * radius);
+    let near = walls.near(position, CLEAR + radius, elevation);
+    let (rate, wall, nearer_end) = way_ahead(walls, &near, position, ahead, THIN * radius);
     if !is_following
         && rate > 1.0 / (TOUCHED + (1.0 - THIN) * radius)
-        && !is_someone_ahead(slots, slot, [x, y], ahead)
+        && !is_someone_ahead(slots, slot, position, ahead)
     {
         let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1) == 1;
         let by_end = if nearer_end.abs() < ONE_OF_TWO { drawn } else { nearer_end > 0.0 };
@@ -119,15 +118,15 @@ fn follow_walls(
         let way = if along > 0.0 { 1.0 } else { -1.0 };
         let slide = [wall[0] * way, wall[1] * way];
         // along a slanted wall everybody slides anyway, up to a corner
-        if !is_slanted || is_cornered(walls, &near, [x, y], slide, radius) {
+        if !is_slanted || is_cornered(walls, &near, position, slide, radius) {
             let is_forward = if is_slanted { along > 0.0 } else { by_end };
-            state[2] = if is_forward { 1.0 } else { -1.0 };
-            state[1] = 0.0;
+            state.side = if is_forward { 1.0 } else { -1.0 };
+            state.lost = 0.0;
         }
-    } else if is_following && (near.count == 0 || (state[1] < -GAINED && rate < 1.0 / CLEAR)) {
-        *state = [0.0; 4];
+    } else if is_following && (near.count == 0 || (state.lost < -GAINED && rate < 1.0 / CLEAR)) {
+        *state = Waiting::default();
     }
-    (state[2] != 0.0).then(|| beside_wall(walls, &near, [x, y], state[2], radius))
+    (state.side != 0.0).then(|| beside_wall(walls, &near, position, state.side, radius))
 }
 
 /// Whether somebody ahead wants to go the other way.
@@ -138,9 +137,9 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
     ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
         let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
-            let [x, y, ..] = slots.slot_motion[other * 2];
+            let [x, y] = slots.slot_motion[other].position;
             let to = [x - at[0], y - at[1]];
-            let wanted = preferred[slots.slot_avoidance[other][0] as usize];
+            let wanted = preferred[slots.slot_avoidance[other].agent as usize];
             let (speed2, against) = (dot2(wanted, wanted), -dot2(wanted, ahead));
             dot2(to, to) < OPPOSED * OPPOSED
                 && dot2(to, ahead) > 0.0
@@ -167,7 +166,7 @@ fn is_someone_ahead(slots: &Slots<'_>, slot: usize, at: [f32; 2], ahead: [f32; 2
     ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
         let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
-            let [x, y, ..] = slots.slot_motion[other * 2];
+            let [x, y] = slots.slot_motion[other].position;
             let to = [x - at[0], y - at[1]];
             let (distance2, along) = (dot2(to, to), dot2(to, ahead));
             let is_ahead = along > 0.0 && 4.0 * along * along > distance2;
@@ -187,11 +186,10 @@ fn way_ahead(
 ) -> (f32, [f32; 2], f32) {
     let mut found = (0.0, [0.0, 0.0], 0.0);
     for &number in &near.numbers[..near.count] {
-        let [[ax, ay, bx, by], [along_x, along_y, ..], _] = walls.segment(number);
+        let Segment { a: [ax, ay], b: [bx, by], along, .. } = *walls.segment(number);
         let (to_a, to_b) = ([ax - at[0], ay - at[1]], [bx - at[0], by - at[1]]);
-        let rate = segment_rate(to_a, to_b, [along_x, along_y], ahead, radius, NEAREST_RATE);
+        let rate = segment_rate(to_a, to_b, along, ahead, radius, NEAREST_RATE);
         if rate > found.0 {
-            let along = [along_x, along_y];
             let nearer_end = dot2(along, [at[0] - ax, at[1] - ay]) - dot2(along, [bx - at[0], by - at[1]]);
             found = (rate, along, nearer_end);
         }
@@ -216,7 +214,7 @@ fn is_cornered(
 
 /// The way to the nearest point of a segment.
 fn to_wall(walls: &Walls<'_>, number: u32, at: [f32; 2]) -> [f32; 2] {
-    let [[ax, ay, bx, by], ..] = walls.segment(number);
+    let Segment { a: [ax, ay], b: [bx, by], .. } = *walls.segment(number);
     let ab = [bx - ax, by - ay];
     let t = (dot2([at[0] - ax, at[1] - ay], ab) / dot2(ab, ab)).clamp(0.0, 1.0);
     [ax + ab[0] * t - at[0], ay + ab[1] * t - at[1]]

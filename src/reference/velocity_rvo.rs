@@ -3,10 +3,11 @@
 use super::contact::{disc_rates, segment_rate};
 use super::crowding::{crowded, has_right_of_way};
 use super::exact::dot2;
-use super::neighbours::{Manners, Nearest, Slots, manners_of};
+use super::neighbours::{Nearest, Seeker, Slots, seeker_of};
 use super::orca::{share_of, unit_or};
 use super::segments::{NearSegments, Walls};
 use super::shared::on_storey;
+use crate::kernels::layout::{Segment, SlotMotion};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER};
 use crate::kernels::shared::neighbours::SAFE;
@@ -29,14 +30,14 @@ pub fn velocity_rvo(b: Slices<'_>) {
         has_storeys: b.contents & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
-    let scene = Scene { slots, walls, preferred: b.preferred_velocity, contents: b.contents };
+    let neighbourhood = Neighbourhood { slots, walls, preferred: b.preferred_velocity, contents: b.contents };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
-        if b.slot_avoidance[slot][0] == NOBODY {
+        if b.slot_avoidance[slot].agent == NOBODY {
             return;
         }
-        let own = manners_of(b.slot_avoidance[slot]);
+        let own = seeker_of(&b.slot_avoidance[slot]);
         let preferred = b.preferred_velocity[own.agent];
-        *velocity = if own.is_led { preferred } else { scene.new_velocity(slot, own, preferred) };
+        *velocity = if own.is_led { preferred } else { neighbourhood.new_velocity(slot, own, preferred) };
     });
 }
 
@@ -44,7 +45,7 @@ pub fn velocity_rvo(b: Slices<'_>) {
 pub fn velocity_rvo_again(_: Slices<'_>) {}
 
 /// What all agents read.
-struct Scene<'a> {
+struct Neighbourhood<'a> {
     slots: Slots<'a>,
     walls: Walls<'a>,
     /// `[agent]` m/s
@@ -83,12 +84,11 @@ struct View {
     walls: NearSegments,
 }
 
-impl Scene<'_> {
-    fn new_velocity(&self, slot: usize, own: Manners, preferred: [f32; 2]) -> [f32; 2] {
+impl Neighbourhood<'_> {
+    fn new_velocity(&self, slot: usize, own: Seeker, preferred: [f32; 2]) -> [f32; 2] {
         let step = self.slots.step;
-        let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
-        let [radius, max_speed, _, elevation] = self.slots.slot_motion[slot * 2 + 1];
-        let (at, present) = ([x, y], [vx, vy]);
+        let SlotMotion { position: at, velocity: present, radius, max_speed, elevation, .. } =
+            self.slots.slot_motion[slot];
         let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
         if self.contents & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
@@ -112,7 +112,7 @@ impl Scene<'_> {
         let mut aim = preferred;
         if view.walls.count > 0 {
             // along the nearest wall
-            let [_, [ax, ay, ..], _] = self.walls.segment(view.walls.numbers[0]);
+            let [ax, ay] = self.walls.segment(view.walls.numbers[0]).along;
             let along = dot2([ax, ay], preferred);
             aim = [ax * along, ay * along];
         }
@@ -180,9 +180,9 @@ impl Scene<'_> {
             }
         }
         for &number in &view.walls.numbers[..view.walls.count] {
-            let [[ax, ay, bx, by], [along_x, along_y, ..], _] = self.walls.segment(number);
+            let Segment { a: [ax, ay], b: [bx, by], along, .. } = *self.walls.segment(number);
             let (to_a, to_b) = ([ax - view.at[0], ay - view.at[1]], [bx - view.at[0], by - view.at[1]]);
-            let rate = |i| segment_rate(to_a, to_b, [along_x, along_y], v.at(i), view.radius, SOONEST);
+            let rate = |i| segment_rate(to_a, to_b, along, v.at(i), view.radius, SOONEST);
             worst = each(|i| worst[i].max(rate(i) - step.inverse_time_horizon_obstacles));
         }
         cost(&worst, &lack)
@@ -193,34 +193,35 @@ impl Scene<'_> {
     fn look_at_others(
         &self,
         slot: usize,
-        own: Manners,
+        own: Seeker,
         most: f32,
         nearest: &Nearest,
     ) -> ([Other; NEIGHBOURS + 1], usize) {
         let step = self.slots.step;
-        let [x, y, vx, vy] = self.slots.slot_motion[slot * 2];
-        let [own_radius, max_speed, own_priority, elevation] = self.slots.slot_motion[slot * 2 + 1];
+        let me = self.slots.slot_motion[slot];
+        let ([x, y], [vx, vy], max_speed) = (me.position, me.velocity, me.max_speed);
         // who is faster than it may be slows down by more than `most`
         let excess = (dot2([vx, vy], [vx, vy]).sqrt() - max_speed).max(0.0);
         let change = most + excess;
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
-        let mut look = |theirs: [f32; 4], their_radius: f32, share: f32, side: f32, is_mate: bool| {
+        let mut look = |theirs: &SlotMotion, share: f32, side: f32, is_mate: bool| {
             let has_way = share <= 0.0;
             let factor = 1.0 / if has_way { 1.0 } else { share };
             let rate = if has_way { own.rate.max(RIGHT_OF_WAY) } else { own.rate };
             // members of a group walk near one another on purpose
             let rate = if is_mate { rate.max(TOGETHER) } else { rate };
-            let to = [theirs[0] - x, theirs[1] - y];
-            let radius = own_radius + their_radius + step.safety_margin;
+            let to = [theirs.position[0] - x, theirs.position[1] - y];
+            let radius = me.radius + theirs.radius + step.safety_margin;
             let distance = dot2(to, to).sqrt();
-            let offset = [vx * (factor - 1.0) + theirs[2], vy * (factor - 1.0) + theirs[3]];
+            let [their_vx, their_vy] = theirs.velocity;
+            let offset = [vx * (factor - 1.0) + their_vx, vy * (factor - 1.0) + their_vy];
             let (mut place, mut apart) = (to, 0.0);
             if distance < radius {
                 place = unit_or(to, [side, 0.0]);
                 apart = ((radius - distance) * step.inverse_time_step).min(max_speed);
             } else {
-                let closing = dot2(to, [vx - theirs[2], vy - theirs[3]]) + change * factor * distance;
+                let closing = dot2(to, [vx - their_vx, vy - their_vy]) + change * factor * distance;
                 if !(closing > SAFE * rate * (distance - radius) * distance) {
                     return;
                 }
@@ -228,25 +229,30 @@ impl Scene<'_> {
             others[count] = Other { place, offset, factor, radius, apart, rate };
             count += 1;
         };
-        let ([ux, uy], [uvx, uvy]) = (step.user_position, step.user_velocity);
-        let to_user = [ux - x, uy - y];
+        let to_user = [step.user_position[0] - x, step.user_position[1] - y];
         let is_near =
-            dot2(to_user, to_user) < own.range * own.range && on_storey(step, elevation, step.user_elevation);
+            dot2(to_user, to_user) < own.range * own.range && on_storey(step, me.elevation, step.user_elevation);
         if self.contents & USER != 0 && is_near {
-            look([ux, uy, uvx, uvy], step.user_radius, 1.0, -1.0, false);
+            let user = SlotMotion {
+                position: step.user_position,
+                velocity: step.user_velocity,
+                radius: step.user_radius,
+                ..SlotMotion::default()
+            };
+            look(&user, 1.0, -1.0, false);
         }
         for other in &nearest.slots[..nearest.count] {
             let other = *other as usize;
-            let [radius, _, priority, _] = self.slots.slot_motion[other * 2 + 1];
+            let them = &self.slots.slot_motion[other];
             let is_mate = self.contents & GROUPS != 0 && self.slots.are_together(slot, other);
             // priorities do not count within a group
             let share = if self.contents & UNLIKE != 0 && !is_mate {
-                share_of(step.responsibility, priority - own_priority)
+                share_of(step.responsibility, them.priority - me.priority)
             } else {
                 step.responsibility
             };
             let side = if slot < other { -1.0 } else { 1.0 };
-            look(self.slots.slot_motion[other * 2], radius, share, side, is_mate);
+            look(them, share, side, is_mate);
         }
         (others, count)
     }

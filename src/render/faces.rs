@@ -53,8 +53,8 @@ impl Show {
 }
 
 fn face(store: &Store, agent: u32, palette: &[[f32; 4]]) -> Option<Face> {
-    let look = store.appearance.get(agent as usize)?[0];
-    let rig = store.rig.get((look & 255) as usize * RIG_STRIDE..)?;
+    let own = store.appearance.get(agent as usize)?;
+    let rig = store.rig.get(own.avatar() as usize * RIG_STRIDE..)?;
     let head = world_from_mesh(palette, HEAD);
     let joint_from_mesh = rows(&rig[HEAD * 4 + 1..HEAD * 4 + 4]);
     let in_joint = Vec4::from_array(rig[RIG_EYES]).truncate();
@@ -63,7 +63,7 @@ fn face(store: &Store, agent: u32, palette: &[[f32; 4]]) -> Option<Face> {
     let chest = world_from_mesh(palette, SPINE).transform_vector3(Vec3::Z);
     // seen from above with z down the page, left is counter-clockwise: against the sense from x to z
     let turn = -ground_from_world(chest).angle_to(ground_from_world(forward));
-    let emotion = *Emotion::ALL.get((look >> 8 & 255) as usize)?;
+    let emotion = *Emotion::ALL.get(own.emotion() as usize)?;
     Some(Face { agent, emotion, eyes, forward, turn, rise: forward.y.clamp(-1.0, 1.0).asin() })
 }
 

@@ -5,6 +5,7 @@ use super::path::{Moment, Path};
 use super::read::tracks::Trajectories;
 use crate::ground::heading_from_ground;
 use crate::kernels::Store;
+use crate::kernels::layout::Stance;
 use crate::library::GaitLibrary;
 use crate::scenario::random::{Purpose, index};
 use crate::scenario::{
@@ -134,7 +135,8 @@ impl Replay {
             let walks = start.velocity.length() > WALKS;
             store.position[agent] = start.position.to_array();
             store.velocity[agent] = start.velocity.to_array();
-            store.stance[agent] = [facing(start), if walks { 1.0 } else { 0.0 }];
+            store.stance[agent] =
+                Stance { heading: facing(start), walk_weight: if walks { 1.0 } else { 0.0 } };
         }
     }
 

@@ -6,7 +6,7 @@ use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, V
 use crate::kernels::Store;
 use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::FrameUniforms;
+use crate::kernels::layout::{FrameUniforms, MeshRange};
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
 use crate::kernels::shared::dispatch::index::RUN;
@@ -45,8 +45,8 @@ pub struct MeshBuffers {
     pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
-    /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks: first index, index count, first vertex, vertex count.
-    pub mesh_table: Vec<[u32; 4]>,
+    /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks.
+    pub mesh_table: Vec<MeshRange>,
     /// `[bucket]`: what a body of scale 1 stays within, see [`crate::avatar::FarMesh::bounds`]; 0 of buckets with a pose.
     pub bounds: Vec<[[f32; 4]; 2]>,
     /// `[clip]`: the posture, see [`Posture`]; empty, all stand upright.
@@ -72,7 +72,7 @@ impl MeshBuffers {
         self.mesh_table[..self.bucket_count() as usize]
             .iter()
             .step_by(self.level_count.max(1) as usize)
-            .map(|mesh| mesh[3])
+            .map(|mesh| mesh.vertex_count)
             .max()
             .unwrap_or(0)
     }
@@ -93,7 +93,7 @@ impl MeshBuffers {
 
     /// Triangles of one agent in a bucket.
     pub fn triangles(&self, bucket: usize) -> u32 {
-        self.mesh_table.get(bucket).map_or(0, |mesh| mesh[1] / 3)
+        self.mesh_table.get(bucket).map_or(0, |mesh| mesh.index_count / 3)
     }
 }
 
@@ -122,7 +122,7 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
     let levels = avatars.iter().map(|avatar| avatar.levels.len()).max().unwrap_or(0).clamp(1, LEVELS);
     let mut out = MeshBuffers { level_count: u32::try_from(levels).unwrap_or(1), ..MeshBuffers::default() };
     for avatar in avatars {
-        let mut coarsest = [0; 4];
+        let mut coarsest = MeshRange::default();
         for level in 0..levels {
             if let Some(mesh) = avatar.levels.get(level) {
                 coarsest = append(mesh_elements(mesh), &mesh.indices, &mut out);
@@ -146,14 +146,19 @@ fn mesh_elements(mesh: &Mesh) -> Vec<[f32; 4]> {
 }
 
 /// Adds a mesh; its line of the table.
-fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> [u32; 4] {
+fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> MeshRange {
     let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
     let (first_index, first_vertex) = (length(out.indices.len()), length(out.vertices.len() / VERTEX_STRIDE));
     let count = length(vertices.len() / VERTEX_STRIDE);
     out.vertices.extend(vertices);
     let whole = indices.chunks_exact(3).filter(|triangle| triangle.iter().all(|index| *index < count));
     out.indices.extend(whole.flatten());
-    [first_index, length(out.indices.len()) - first_index, first_vertex, count]
+    MeshRange {
+        first_index,
+        index_count: length(out.indices.len()) - first_index,
+        first_vertex,
+        vertex_count: count,
+    }
 }
 
 /// `rig`: `[avatar][65]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
@@ -330,17 +335,22 @@ mod tests {
         }
     }
 
+    /// Lines of the table: first index, index count, first vertex, vertex count.
+    fn ranges(packed: &MeshBuffers, buckets: std::ops::Range<usize>) -> Vec<[u32; 4]> {
+        packed.mesh_table[buckets].iter().map(|range| bytemuck::cast(*range)).collect()
+    }
+
     #[test]
     fn meshes_stand_one_after_another_and_indices_count_from_their_own_first_vertex() {
         let a = avatar(vec![mesh(4, &[0, 1, 2, 2, 1, 3]), mesh(3, &[0, 1, 2])]);
         let b = avatar(vec![mesh(5, &[4, 3, 2])]);
         let packed = pack_avatars(&[a, b]);
         assert_eq!(packed.level_count, 2);
-        assert_eq!(packed.mesh_table[..4], [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
+        assert_eq!(ranges(&packed, 0..4), [[0, 6, 0, 4], [6, 3, 4, 3], [9, 3, 7, 5], [9, 3, 7, 5]]);
         assert_eq!(packed.indices, [0, 1, 2, 2, 1, 3, 0, 1, 2, 4, 3, 2]);
         assert_eq!(packed.vertices.len(), 48);
         // of meshes without height no far body can be made
-        assert_eq!(packed.mesh_table[4..], [[12, 0, 12, 0]; 4]);
+        assert_eq!(ranges(&packed, 4..8), [[12, 0, 12, 0]; 4]);
         assert_eq!(packed.far_count(), 4);
         assert_eq!((packed.most_near_vertices(), packed.bucket_count(), packed.triangles(0)), (5, 4, 2));
         let v = &packed.vertices;

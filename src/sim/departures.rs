@@ -3,6 +3,7 @@
 use super::measure::time_of;
 use crate::ground::is_absent;
 use crate::kernels::Store;
+use crate::kernels::layout::Route;
 use crate::scenario::{Crowd, Entry, Scenario, StopKind};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -158,10 +159,9 @@ fn quantiles(times: &[f64], people: usize) -> [Option<f64>; 3] {
 }
 
 /// The exit through which somebody with this route has gone: the stage before the one walked to now.
-fn exit_of(exits: &[Option<u32>], [start, length, stage, _]: [u32; 4]) -> Option<u32> {
-    let length = length & !(1 << 31);
-    let last = if stage == 0 { length } else { stage }.checked_sub(1)?;
-    exits.get((start + last) as usize).copied().flatten()
+fn exit_of(exits: &[Option<u32>], route: Route) -> Option<u32> {
+    let last = if route.next == 0 { route.length() } else { route.next }.checked_sub(1)?;
+    exits.get((route.first + last) as usize).copied().flatten()
 }
 
 #[cfg(test)]

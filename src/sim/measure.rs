@@ -3,13 +3,13 @@
 use super::setup::NEVER;
 use crate::ground::is_absent;
 use crate::kernels::Store;
-use crate::kernels::shared::step::LED;
+use crate::kernels::layout::Source;
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.
 pub const OVERLAP: f32 = 0.9;
 
-/// One moment of a crowd.
+/// What a crowd looks like at one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
     /// Agents that are there.
@@ -53,16 +53,16 @@ pub fn speeds(store: &Store, is_counted: impl Fn(usize) -> bool) -> (f64, u32) {
 /// Measures the agents of a store.
 pub fn measures(store: &Store) -> Measures {
     let agents = store.step.agent_count as usize;
-    let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i][0]);
+    let (min_clearance, overlapping_pairs) = pairs(&store.position[..agents], |i| store.body[i].radius);
     let present = store.position[..agents].iter().filter(|p| !is_absent(**p)).count();
     let (speeds, _) = speeds(store, |_| true);
     let entry = &store.entry[..agents.min(store.entry.len())];
-    let sources = || store.sources.chunks_exact(8).take(store.step.source_count as usize);
+    let sources = || store.sources.iter().take(store.step.source_count as usize);
     let outside = entry.iter().filter(|step| **step > 0).count();
-    let entered = agents as u32 - outside as u32 + sources().map(|source| source[4]).sum::<u32>();
-    let due = |source: &[u32]| {
-        let all = source[2] as usize..(source[2] + source[3]) as usize;
-        let late = all.skip(source[4] as usize).filter(|agent| entry[*agent] <= store.step.step_index);
+    let entered = agents as u32 - outside as u32 + sources().map(|source| source.entered).sum::<u32>();
+    let due = |source: &Source| {
+        let all = source.first_agent as usize..(source.first_agent + source.agents) as usize;
+        let late = all.skip(source.entered as usize).filter(|agent| entry[*agent] <= store.step.step_index);
         late.count() as u32
     };
     Measures {
@@ -74,7 +74,7 @@ pub fn measures(store: &Store) -> Measures {
         mean_speed: (speeds / present.max(1) as f64) as f32,
         min_clearance,
         overlapping_pairs,
-        arrived: store.route[..agents].iter().map(|route| u64::from(route[3])).sum(),
+        arrived: store.route[..agents].iter().map(|route| u64::from(route.arrivals)).sum(),
     }
 }
 
@@ -166,9 +166,9 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.floor_count > 0 {
         add(bytemuck::cast_slice(&store.elevation[..agents]));
     }
-    let errand = &store.stage_progress[..agents.min(store.stage_progress.len())];
-    if errand.iter().any(|word| *word > 0) {
-        add(bytemuck::cast_slice(errand));
+    let progress = &store.stage_progress[..agents.min(store.stage_progress.len())];
+    if progress.iter().any(|word| *word > 0) {
+        add(bytemuck::cast_slice(progress));
     }
     if store.step.queue_count > 0 {
         add(bytemuck::cast_slice(&store.queues));
@@ -179,7 +179,7 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.feels != 0 {
         add(bytemuck::cast_slice(&store.feeling[..agents]));
         add(bytemuck::cast_slice(&store.heard[..agents]));
-        let shown: Vec<u32> = store.appearance[..agents].iter().map(|look| look[0]).collect();
+        let shown: Vec<u32> = store.appearance[..agents].iter().map(|own| own.traits).collect();
         add(bytemuck::cast_slice(&shown));
     }
     hash.value()
@@ -192,8 +192,8 @@ pub fn mean_feeling(store: &Store) -> Option<[f32; 4]> {
     }
     let (mut sums, mut count) = ([0.0_f64; 4], 0.0);
     let agents = store.feeling.iter().zip(&store.position).zip(&store.avoidance);
-    for ((feeling, position), manners) in agents.take(store.step.agent_count as usize) {
-        if !is_absent(*position) && manners[3] < LED {
+    for ((feeling, position), avoidance) in agents.take(store.step.agent_count as usize) {
+        if !is_absent(*position) && !avoidance.is_led() {
             count += 1.0;
             for (sum, weight) in sums.iter_mut().zip(feeling) {
                 *sum += f64::from(*weight);

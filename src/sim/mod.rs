@@ -8,6 +8,7 @@
 )]
 
 mod avatar_set;
+mod backend;
 pub mod bodies;
 pub mod departures;
 mod error;
@@ -18,31 +19,29 @@ mod optional;
 pub mod order;
 mod people;
 pub mod setup;
-#[cfg(feature = "vulkan")]
 pub mod snapshots;
 mod ways;
 
 pub use avatar_set::{AvatarSet, MAX_AVATARS};
+pub use backend::Backend;
 pub use error::Error;
 pub use people::Person;
 
-use crate::kernels::shared::step::LED;
-use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
-use crate::reference;
+use crate::kernels::layout::{Avoidance, Lead, StepUniforms};
+use crate::kernels::{BufferId, Dispatch, KernelId, Op, Phase, Store};
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
 #[cfg(feature = "vulkan")]
 use std::sync::Arc;
 
 #[cfg(feature = "vulkan")]
-use crate::gpu::{Device, Engine, Validation, plan::Op};
+use crate::gpu::{Device, Engine};
+use backend::Machine;
 
 /// Steps that go into one submission: long enough to hide its cost, short enough for any watchdog.
-#[cfg(feature = "vulkan")]
 const BATCH: u32 = 16;
 
 /// What carries a crowd from one step to the next; all of it is in the state hash.
-#[cfg(feature = "vulkan")]
 pub(crate) const STATE: [BufferId; 11] = [
     BufferId::Elevation,
     BufferId::Position,
@@ -58,34 +57,8 @@ pub(crate) const STATE: [BufferId; 11] = [
 ];
 
 /// What changes besides where feelings change.
-#[cfg(feature = "vulkan")]
 pub(crate) const FELT: [BufferId; 5] =
     [BufferId::Feeling, BufferId::Heard, BufferId::GaitWeights, BufferId::Body, BufferId::Appearance];
-
-/// Where to simulate.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Backend {
-    /// The best Vulkan device; without one, the CPU, unless a device is named.
-    #[default]
-    Auto,
-    /// A Vulkan device or an error.
-    Vulkan,
-    /// The CPU: the reference kernels, on all cores.
-    Cpu,
-}
-
-impl Backend {
-    /// Whether the CPU takes over when Vulkan cannot be used: not where a device is named, by `device` or by the
-    /// environment variable `GAITWAY_DEVICE`.
-    pub fn falls_back(self, device: Option<&str>) -> bool {
-        #[cfg(feature = "vulkan")]
-        let is_named = crate::gpu::Wanted::of(device) != crate::gpu::Wanted::Best;
-        #[cfg(not(feature = "vulkan"))]
-        let is_named =
-            device.is_some() || std::env::var_os("GAITWAY_DEVICE").is_some_and(|name| !name.is_empty());
-        self == Self::Auto && !is_named
-    }
-}
 
 /// A crowd in motion.
 #[derive(Debug)]
@@ -95,8 +68,7 @@ pub struct Simulation {
     is_current: bool,
     /// Whether `store.lead` is newer than the device's.
     is_led_anew: bool,
-    #[cfg(feature = "vulkan")]
-    engine: Option<Engine>,
+    machine: Machine,
     /// Why the CPU is used although Vulkan was tried.
     fallback: Option<String>,
     /// Goals that have a field each, and how the flow grid is laid.
@@ -131,18 +103,9 @@ impl Simulation {
         Self { ways, emotions, ..self }
     }
 
-    /// Runs dispatches on whichever backend there is, and reads buffers back.
-    fn run(&mut self, dispatches: &[Dispatch], read: &[BufferId]) -> Result<(), crate::Error> {
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            let ops: Vec<Op> = dispatches.iter().copied().map(Op::Dispatch).collect();
-            engine.run(&ops, |_, _| Vec::new(), false)?;
-            engine.download(&mut self.store, read)?;
-            return Ok(());
-        }
-        let _ = read;
-        run_on_cpu(&mut self.store, dispatches);
-        Ok(())
+    /// Runs operations, each [`Op::Set`] with what `contents` gives for it.
+    fn run(&mut self, ops: &[Op], contents: impl Fn(usize, BufferId) -> Vec<u8>) -> Result<(), crate::Error> {
+        self.machine.run(&mut self.store, ops, contents, self.times.as_mut())
     }
 
     /// A simulation of buffers filled by hand (see [`setup`]); buffers that only pictures need may be empty.
@@ -155,37 +118,19 @@ impl Simulation {
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
         find_alike(&mut store);
-        #[cfg(feature = "vulkan")]
-        if backend != Backend::Cpu {
-            let opened = Validation::from_environment()
-                .and_then(|validation| Device::open(device, validation))
-                .and_then(|device| Engine::new(&device, &store, &kernels(&store)));
-            let (engine, fallback) = match opened {
-                Ok(engine) => (Some(engine), None),
-                Err(error) if backend.falls_back(device) => (None, Some(error.to_string())),
-                Err(error) => return Err(error.into()),
-            };
-            let mut new = Self { engine, fallback, ..Self::unsolved(store) };
-            new.solve_ways()?;
-            return Ok(new);
-        }
-        #[cfg(not(feature = "vulkan"))]
-        if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
-            return Err(Error::NoVulkan.into());
-        }
-        let mut new = Self::unsolved(store);
+        let (machine, fallback) = Machine::open(&store, backend, device)?;
+        let mut new = Self { fallback, ..Self::on(machine, store) };
         new.solve_ways()?;
         Ok(new)
     }
 
-    /// A simulation on the CPU whose ways are not found yet.
-    fn unsolved(store: Store) -> Self {
+    /// A simulation whose ways are not found yet.
+    fn on(machine: Machine, store: Store) -> Self {
         Self {
             store,
             is_current: true,
             is_led_anew: false,
-            #[cfg(feature = "vulkan")]
-            engine: None,
+            machine,
             fallback: None,
             ways: flow::Ways::default(),
             emotions: Vec::new(),
@@ -200,8 +145,8 @@ impl Simulation {
     #[cfg(feature = "view")]
     pub(crate) fn on_device(mut store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
         find_alike(&mut store);
-        let engine = Engine::new(device, &store, &kernels(&store))?;
-        let mut new = Self { engine: Some(engine), ..Self::unsolved(store) };
+        let machine = Machine::on(device, &store, &order::kernels(&store))?;
+        let mut new = Self::on(machine, store);
         new.solve_ways()?;
         Ok(new)
     }
@@ -217,18 +162,13 @@ impl Simulation {
             order::step_dispatches(&store.step).iter().map(Dispatch::kernel).collect();
         kernels.sort_unstable();
         kernels.dedup();
-        let engine = Engine::new(device, &store, &kernels)?;
-        Ok(Self { engine: Some(engine), ..Self::unsolved(store) })
+        let machine = Machine::on(device, &store, &kernels)?;
+        Ok(Self::on(machine, store))
     }
 
     /// What it runs on, in words.
     pub fn device(&self) -> String {
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &self.engine {
-            return engine.device().describe();
-        }
-        let threads = rayon::current_num_threads();
-        format!("CPU reference ({threads} thread{})", if threads == 1 { "" } else { "s" })
+        self.machine.describe()
     }
 
     /// Why the CPU is used although Vulkan was tried, if so.
@@ -239,7 +179,7 @@ impl Simulation {
     /// The engine, if it runs on Vulkan: the renderer draws from its buffers.
     #[cfg(feature = "vulkan")]
     pub fn engine(&self) -> Option<&Engine> {
-        self.engine.as_ref()
+        self.machine.engine()
     }
 
     /// Steps done since the start.
@@ -268,7 +208,7 @@ impl Simulation {
     /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
     /// finite or beyond what a scene holds.
     pub fn lead(&mut self, agent: u32, target: Option<(Vec2, Vec2)>) -> Result<(), crate::Error> {
-        let led = self.store.avoidance.get(agent as usize).is_some_and(|m| m[3] >= LED);
+        let led = self.store.avoidance.get(agent as usize).is_some_and(Avoidance::is_led);
         let Some(place) = self.store.lead.get_mut(agent as usize).filter(|_| led) else {
             return Err(Error::NotLed { agent }.into());
         };
@@ -277,9 +217,9 @@ impl Simulation {
         if target.is_some() && !(usable(position) && usable(velocity)) {
             return Err(Error::Lead { agent, position, velocity }.into());
         }
-        *place = [position.x, position.y, velocity.x, velocity.y];
-        if let Some(path) = self.store.paths.iter_mut().find(|path| path[0] == agent) {
-            path[2] = 0; // it goes where it is told from now on
+        *place = Lead { place: position.to_array(), velocity: velocity.to_array() };
+        if let Some(path) = self.store.paths.iter_mut().find(|path| path.agent == agent) {
+            path.keyframes = 0; // from now on it is led by hand
         }
         self.is_led_anew = true;
         Ok(())
@@ -313,53 +253,29 @@ impl Simulation {
 
     /// Does `count` steps with the ways as they are.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
-        let dispatches = order::step_dispatches(&self.store.step);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            if self.is_led_anew {
-                engine.upload(&self.store, &[BufferId::Lead, BufferId::Paths])?;
-                self.is_led_anew = false;
-            }
-            let mut left = count;
-            while left > 0 {
-                let batch = left.min(BATCH);
-                let one = std::iter::once(Op::Set(BufferId::Step))
-                    .chain(dispatches.iter().copied().map(Op::Dispatch));
-                let one: Vec<Op> = one.collect();
-                let ops = one.repeat(batch as usize);
-                let first = self.store.step;
-                let contents = |index: usize, _| {
-                    let mut step = first;
-                    step.step_index += (index / one.len()) as u32;
-                    bytemuck::bytes_of(&step).to_vec()
-                };
-                let times = engine.run(&ops, contents, self.times.is_some())?;
-                if let Some(all) = &mut self.times {
-                    all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
-                }
-                self.store.step.step_index += batch;
-                left -= batch;
-            }
-            self.is_current = false;
-            return self.check_on_device();
+        if self.is_led_anew {
+            self.machine.take(&self.store, &[BufferId::Lead, BufferId::Paths])?;
+            self.is_led_anew = false;
         }
-        for _ in 0..count {
-            self.run_on_cpu(&dispatches);
-            self.store.step.step_index += 1;
+        let dispatches = order::step_dispatches(&self.store.step).into_iter().map(Op::Dispatch);
+        let one: Vec<Op> = std::iter::once(Op::Set(BufferId::Step)).chain(dispatches).collect();
+        let mut left = count;
+        while left > 0 {
+            let batch = left.min(BATCH);
+            let first = self.store.step;
+            let at = |steps| StepUniforms { step_index: first.step_index + steps, ..first };
+            let contents = |index: usize, _| bytemuck::bytes_of(&at((index / one.len()) as u32)).to_vec();
+            self.run(&one.repeat(batch as usize), contents)?;
+            self.store.step = at(batch);
+            left -= batch;
         }
-        self.check()
-    }
-
-    #[cfg(feature = "vulkan")]
-    fn check_on_device(&mut self) -> Result<(), crate::Error> {
-        if let Some(engine) = &mut self.engine {
-            engine.download(&mut self.store, &[BufferId::Failure])?;
-        }
+        self.is_current = !self.machine.is_ahead();
         self.check()
     }
 
     /// Reads the sticky failure words.
-    fn check(&self) -> Result<(), crate::Error> {
+    fn check(&mut self) -> Result<(), crate::Error> {
+        self.machine.fetch(&mut self.store, &[BufferId::Failure])?;
         for kernel in KernelId::ALL {
             let agent = self.store.failure[kernel as usize];
             if agent != u32::MAX {
@@ -380,16 +296,6 @@ impl Simulation {
         self.times.as_mut().map(std::mem::take).unwrap_or_default()
     }
 
-    /// Runs dispatches of a step or a picture on the reference kernels.
-    fn run_on_cpu(&mut self, dispatches: &[Dispatch]) {
-        let Some(times) = &mut self.times else { return run_on_cpu(&mut self.store, dispatches) };
-        for dispatch in dispatches {
-            let begin = std::time::Instant::now();
-            run_on_cpu(&mut self.store, &[*dispatch]);
-            times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
-        }
-    }
-
     /// The buffers as they were last read; sizes and parameters are always right, the state may be old.
     pub fn store(&self) -> &Store {
         &self.store
@@ -400,11 +306,10 @@ impl Simulation {
     /// # Errors
     /// When the device fails.
     pub fn state(&mut self) -> Result<&Store, crate::Error> {
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = self.engine.as_mut().filter(|_| !self.is_current) {
-            engine.download(&mut self.store, &STATE)?;
+        if !self.is_current {
+            self.machine.fetch(&mut self.store, &STATE)?;
             if self.store.step.feels != 0 {
-                engine.download(&mut self.store, &FELT)?;
+                self.machine.fetch(&mut self.store, &FELT)?;
             }
         }
         self.is_current = true;
@@ -417,19 +322,9 @@ impl Simulation {
     /// When the device fails.
     pub fn animate(&mut self, frame: crate::kernels::layout::FrameUniforms) -> Result<(), crate::Error> {
         self.store.frame = frame;
-        let dispatches = order::frame_dispatches(&frame);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            let ops: Vec<Op> = std::iter::once(Op::Set(BufferId::Frame))
-                .chain(dispatches.iter().copied().map(Op::Dispatch))
-                .collect();
-            let times = engine.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec(), self.times.is_some())?;
-            if let Some(all) = &mut self.times {
-                all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
-            }
-            return self.check_on_device();
-        }
-        self.run_on_cpu(&dispatches);
+        let dispatches = order::frame_dispatches(&frame).into_iter().map(Op::Dispatch);
+        let ops: Vec<Op> = std::iter::once(Op::Set(BufferId::Frame)).chain(dispatches).collect();
+        self.run(&ops, |_, _| bytemuck::bytes_of(&frame).to_vec())?;
         self.check()
     }
 
@@ -438,38 +333,13 @@ impl Simulation {
     /// # Errors
     /// When the device fails.
     pub fn read(&mut self, buffers: &[BufferId]) -> Result<&Store, crate::Error> {
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            engine.download(&mut self.store, buffers)?;
-        }
-        let _ = buffers;
+        self.machine.fetch(&mut self.store, buffers)?;
         Ok(&self.store)
     }
 }
 
-/// Whether all have the same manners.
+/// Notes whether all agents avoid others alike.
 #[allow(clippy::float_cmp, reason = "copies of the same numbers")]
 fn find_alike(store: &mut Store) {
     store.step.alike = u32::from(store.avoidance.windows(2).all(|pair| pair[0] == pair[1]));
-}
-
-/// The kernels of a crowd's steps and pictures.
-#[cfg(feature = "vulkan")]
-fn kernels(store: &Store) -> Vec<KernelId> {
-    let model = order::velocity_kernel(store.step.model);
-    let others = order::MODELS.map(order::velocity_kernel).filter(|kernel| *kernel != model);
-    let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
-    let has_moments = !store.snapshots.is_empty();
-    let is_wanted = |kernel: &KernelId| {
-        !others.contains(kernel)
-            && (has_moments || !matches!(kernel, KernelId::KeepSnapshot | KernelId::Interpolate))
-    };
-    KernelId::ALL.into_iter().filter(is_wanted).collect()
-}
-
-/// Runs dispatches on the reference kernels.
-fn run_on_cpu(store: &mut Store, dispatches: &[Dispatch]) {
-    for dispatch in dispatches {
-        reference::run(dispatch.phase, store, dispatch.immediate);
-    }
 }

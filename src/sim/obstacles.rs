@@ -1,9 +1,9 @@
 //! Obstacle polygons as the segments that `velocity_orca` reads, and which segments matter in which cell.
 
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Segment, StepUniforms};
 use crate::kernels::shared::orca::RAISED;
 use crate::reference::exact::{det2, dot2};
-use crate::reference::orca::{Segment, unit_or};
+use crate::reference::orca::unit_or;
 
 /// The segments of closed polygons.
 ///
@@ -37,13 +37,14 @@ pub fn segments(polygons: &[Vec<[f32; 2]>]) -> Vec<Segment> {
         };
         for i in 0..count {
             let (a, b) = (corner(i), corner(i + 1));
-            let (own, before, after) = (along(i), along(i + count - 1), along(i + 1));
-            let flag = |is: bool| f32::from(u8::from(is));
-            all.push([
-                [a[0], a[1], b[0], b[1]],
-                [own[0], own[1], before[0], before[1]],
-                [after[0], after[1], flag(convex(i)), flag(convex(i + 1))],
-            ]);
+            all.push(Segment {
+                a,
+                b,
+                along: along(i),
+                before: along(i + count - 1),
+                after: along(i + 1),
+                corners: [convex(i), convex(i + 1)].map(|is_convex| f32::from(u8::from(is_convex))),
+            });
         }
     }
     all
@@ -55,8 +56,8 @@ pub fn at_heights(mut segment: Segment, low: f32, high: f32) -> Segment {
         let size = height.clamp(-1000.0, 1000.0) + RAISED;
         if convex > 0.0 { size } else { -size }
     };
-    segment[2][2] = coded(segment[2][2], low);
-    segment[2][3] = coded(segment[2][3], high);
+    let [first, second] = segment.corners;
+    segment.corners = [coded(first, low), coded(second, high)];
     segment
 }
 
@@ -71,7 +72,7 @@ pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<
     let mut lists = vec![Vec::new(); (columns * rows) as usize];
     let half = step.cell_size * 0.5;
     for (number, segment) in segments.iter().enumerate() {
-        let [ax, az, bx, bz] = segment[0];
+        let ([ax, az], [bx, bz]) = (segment.a, segment.b);
         // border cells also hold agents from outside, so they take whatever lies beyond them
         let column = |x: f32| {
             (((x - step.grid_origin[0]) * step.inverse_cell_size).floor() as i32).clamp(0, columns - 1)
@@ -115,7 +116,7 @@ mod tests {
         let found = segments(&[vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [0.0, 0.0]]]);
         assert_eq!(found.len(), 4);
         for segment in &found {
-            assert_eq!(segment[2][2..], [1.0, 1.0]);
+            assert!(segment.corners.iter().all(|corner| *corner > 0.0));
             assert!(crate::reference::orca::segment_distance2(segment, [1.0, 0.5]) > 1e30, "inside");
         }
         let from_below = crate::reference::orca::segment_distance2(&found[0], [1.0, -3.0]);
@@ -126,7 +127,7 @@ mod tests {
     fn the_inner_corner_of_an_l_is_concave() {
         let l = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0]];
         let found = segments(&[l.to_vec()]);
-        let convex: Vec<f32> = found.iter().map(|s| s[2][2]).collect();
+        let convex: Vec<f32> = found.iter().map(|s| s.corners[0]).collect();
         assert_eq!(convex, [1.0, 1.0, 1.0, 0.0, 1.0, 1.0]);
     }
 

@@ -4,7 +4,7 @@ use crate::kernels::compact::COLUMNS;
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::dispatch::RUN;
-use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase};
+use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
 
 /// The schedule of one step, from top to bottom: whether a dispatch is due, and the dispatch.
 pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
@@ -189,4 +189,17 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
         Dispatch::new(Phase::Skin, near).with(avatar)
     }));
     dispatches
+}
+
+/// The kernels of a crowd's steps and pictures.
+pub fn kernels(store: &Store) -> Vec<KernelId> {
+    let model = velocity_kernel(store.step.model);
+    let others = MODELS.map(velocity_kernel).filter(|kernel| *kernel != model);
+    let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
+    let has_snapshots = !store.snapshots.is_empty();
+    let is_wanted = |kernel: &KernelId| {
+        !others.contains(kernel)
+            && (has_snapshots || !matches!(kernel, KernelId::KeepSnapshot | KernelId::Interpolate))
+    };
+    KernelId::ALL.into_iter().filter(is_wanted).collect()
 }

@@ -3,14 +3,15 @@
 use super::avatar_set::AvatarSet;
 use super::obstacles::{at_heights, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{
+    Aim, Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Segment, SlotAvoidance, SlotMotion,
+    Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
+};
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::dispatch::index::RUN;
 use crate::kernels::shared::stages;
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
-use crate::reference::stages::waypoint;
 use crate::scenario::{
     AgentStart, Crowd, Entry, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario, SourceStart,
     Stop, StopKind, Teleport,
@@ -40,10 +41,10 @@ pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &Ava
     for agent in crowd.agents.iter().chain(&crowd.outsiders) {
         push_agent(&mut store, agent, &scenario.navigation, cast);
     }
-    store.stages = crowd.stages.iter().flat_map(stage).collect();
+    store.stages = crowd.stages.iter().map(stage).collect();
     crowd.stages.iter().for_each(|stop| set_queue(&mut store, stop));
     if store.stages.is_empty() {
-        store.stages.extend(waypoint(0.0, 0.0, 0.0));
+        store.stages.push(Stage::waypoint([0.0, 0.0], 0.0));
     }
     for source in &crowd.sources {
         push_source(&mut store, source);
@@ -127,7 +128,7 @@ pub fn set_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>]) {
 /// The same with obstacles that stand at some heights only.
 pub fn set_raised_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>], raised: &[Raised]) {
     let seconds = store.step.time_horizon_obstacles.max(store.step.time_step);
-    let fastest = store.body.iter().map(|b| seconds * b[1] + b[0]).fold(0.0, f32::max);
+    let fastest = store.body.iter().map(|body| seconds * body.max_speed + body.radius).fold(0.0, f32::max);
     let mut all = segments(polygons);
     for solid in raised {
         let outline: Vec<[f32; 2]> = solid.outline.iter().map(Vec2::to_array).collect();
@@ -135,9 +136,9 @@ pub fn set_raised_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>], raise
     }
     store.step.obstacle_count = all.len() as u32;
     store.obstacle_cells = cell_lists(&all, &store.step, fastest);
-    store.obstacles = all.into_iter().flatten().collect();
+    store.obstacles = all;
     if store.obstacles.is_empty() {
-        store.obstacles.push([0.0; 4]);
+        store.obstacles.push(Segment::default());
     }
 }
 
@@ -179,26 +180,26 @@ pub fn scratch(store: &mut Store) {
     store.slot_agent = vec![0; agents];
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];
-    store.slot_avoidance = vec![[0; 4]; agents];
-    store.slot_motion = vec![[0.0; 4]; agents * 2];
+    store.slot_avoidance = vec![SlotAvoidance::default(); agents];
+    store.slot_motion = vec![SlotMotion::default(); agents];
     store.new_velocity = vec![[0.0; 2]; agents];
-    store.waiting = vec![[0.0; 4]; agents];
+    store.waiting = vec![Waiting::default(); agents];
     store.preferred_velocity = vec![[0.0; 2]; agents];
     store.floors.resize(store.floors.len().max(1), [0.0; 4]);
     store.companions.resize(agents, [NOBODY; 4]);
-    store.aim = vec![[0.0; 4]; agents];
+    store.aim = vec![Aim::default(); agents];
     store.stage_progress.resize(agents, 0);
     store.entry.resize(agents, 0);
     store.queues.resize(store.queues.len().max(8), 0);
-    store.sources.resize(store.sources.len().max(8), 0);
+    store.sources.resize(store.sources.len().max(1), Source::default());
     store.source_places.resize(store.source_places.len().max(1), [0.0; 2]);
     store.reaction.resize(agents, 0);
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     if store.lead.is_empty() {
-        store.lead.push([0.0; 4]);
+        store.lead.push(Lead::default());
     }
     if store.teleports.is_empty() {
-        store.teleports.push([0.0; 4]);
+        store.teleports.push(Boxes::default());
     }
     store.teleport_of.resize(agents, NOBODY);
 }
@@ -207,13 +208,14 @@ pub fn scratch(store: &mut Store) {
 /// whatever stands in its way, and all others make way for it. Before the simulation begins.
 pub fn set_led(store: &mut Store, agent: u32) {
     let (agent, agents) = (agent as usize, store.step.agent_count as usize);
-    store.lead.resize(agents, [ABSENT, ABSENT, 0.0, 0.0]);
+    let nowhere = Lead { place: [ABSENT, ABSENT], velocity: [0.0, 0.0] };
+    store.lead.resize(agents, nowhere);
     if store.step.led_count == 0 {
-        store.lead.fill([ABSENT, ABSENT, 0.0, 0.0]);
+        store.lead.fill(nowhere);
     }
-    if store.avoidance[agent][3] < LED {
-        store.avoidance[agent][3] = LED;
-        store.avoidance[agent][0] = 0.0; // of the led: the comfort distance, m
+    if !store.avoidance[agent].is_led() {
+        store.avoidance[agent].priority = LED;
+        store.avoidance[agent].inverse_time_horizon = 0.0; // of an agent led from outside the comfort distance, m
         store.step.led_count += 1;
     }
     store.position[agent] = [ABSENT, ABSENT];
@@ -243,9 +245,14 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         (preferred_speed * navigation.max_speed_factor).min(navigation.max_speed).max(preferred_speed);
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
-    store.body.push([agent.radius, max_speed, preferred_speed, stride_travel]);
+    store.body.push(Body { radius: agent.radius, max_speed, preferred_speed, stride_travel });
     let own = agent.manners.unwrap_or_else(|| Manners::of(navigation));
-    store.avoidance.push(manners(own.time_horizon, own.neighbour_distance, own.neighbour_cap, own.priority));
+    store.avoidance.push(avoidance(
+        own.time_horizon,
+        own.neighbour_distance,
+        own.neighbour_cap,
+        own.priority,
+    ));
     store.companions.push(agent.companions);
     store.elevation.push(agent.elevation);
     store.entry.push(match agent.entry {
@@ -262,20 +269,20 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.step.reaction_steps = store.step.reaction_steps.max(until);
     store.reaction.push(until);
     push_teleport(store, agent);
-    store.stance.push([agent.heading, f32::from(u8::from(reaction == 0))]);
+    store.stance.push(Stance { heading: agent.heading, walk_weight: f32::from(u8::from(reaction == 0)) });
     store.phase.push(agent.phase);
-    let loops = u32::from(agent.loops) << 31;
-    store.route.push([agent.route_start, agent.route_length.max(1) | loops, agent.waypoint, 0]);
+    let length = agent.route_length.max(1);
+    store.route.push(Route::new(agent.route_start, length, agent.loops, agent.waypoint));
     store.gaits.push(clips);
     store.gait_weights.push(agent.gait_weights);
-    store.appearance.push(look(agent));
-    store.gaze_state.push([0.0; 4]);
+    store.appearance.push(appearance(agent));
+    store.gaze_state.push(GazeState::default());
     store.gaze_frame.push(u32::MAX);
-    store.attention.push([0; 2]);
+    store.attention.push(Attention::default());
 }
 
 /// A stage as it lies in the buffer (`shaders/shared/stages.wgsl`).
-fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
+fn stage(stop: &Stop) -> Stage {
     let kind = match stop.kind {
         StopKind::Waypoint => stages::WAYPOINT,
         StopKind::Goal => stages::GOAL,
@@ -287,13 +294,20 @@ fn stage(stop: &Stop) -> [[f32; 4]; STAGE_STRIDE] {
     if let StopKind::Queue { number, places } = stop.kind {
         across = Vec2::new(places as f32, number as f32);
     }
-    let field = stop.field.map_or(-1.0, |field| field as f32);
-    [
-        [stop.position.x, stop.position.y, stop.radius, kind],
-        [along.x, along.y, across.x, across.y],
-        [field, stop.wait as f32, stop.until as f32, stop.number as f32],
-        [stop.elevation.unwrap_or(0.0), f32::from(u8::from(stop.elevation.is_some())), 0.0, 0.0],
-    ]
+    Stage {
+        place: stop.position.to_array(),
+        radius: stop.radius,
+        kind,
+        along: along.to_array(),
+        across: across.to_array(),
+        field: stop.field.map_or(-1.0, |field| field as f32),
+        least_wait: stop.wait as f32,
+        first_leave: stop.until as f32,
+        number: stop.number as f32,
+        elevation: stop.elevation.unwrap_or(0.0),
+        has_elevation: f32::from(u8::from(stop.elevation.is_some())),
+        ..Stage::default()
+    }
 }
 
 /// Makes the queue of a stage, if it is one (`shaders/queue.wgsl`); several journeys may lead to the same.
@@ -307,11 +321,16 @@ fn set_queue(store: &mut Store, stop: &Stop) {
 
 /// A source and its places (`shaders/spawn.wgsl`); the bodies must be there.
 fn push_source(store: &mut Store, source: &SourceStart) {
-    let widest = store.body.iter().map(|body| body[0]).fold(0.0, f32::max);
-    let (first, places) = (store.source_places.len() as u32, source.places.len() as u32);
+    let widest = store.body.iter().map(|body| body.radius).fold(0.0, f32::max);
+    store.sources.push(Source {
+        first_place: store.source_places.len() as u32,
+        places: source.places.len() as u32,
+        first_agent: source.first_agent,
+        agents: source.agents,
+        widest,
+        ..Source::default()
+    });
     store.source_places.extend(source.places.iter().map(Vec2::to_array));
-    let agents = [source.first_agent, source.agents];
-    store.sources.extend([first, places, agents[0], agents[1], 0, widest.to_bits(), 0, 0]);
 }
 
 /// Walkers mostly share their teleports.
@@ -320,37 +339,31 @@ fn push_teleport(store: &mut Store, agent: &AgentStart) {
         store.teleport_of.push(NOBODY);
         return;
     };
-    let boxes = [from, to].map(|[low, high]| [low[0], low[1], high[0], high[1]]);
-    let known = store.teleports.chunks_exact(2).position(|known| known == boxes);
-    let number = known.unwrap_or(store.teleports.len() / 2);
+    let ([from_low, from_high], [to_low, to_high]) = (from, to);
+    let boxes = Boxes { from_low, from_high, to_low, to_high };
+    let known = store.teleports.iter().position(|known| *known == boxes);
+    let number = known.unwrap_or(store.teleports.len());
     if known.is_none() {
-        store.teleports.extend(boxes);
+        store.teleports.push(boxes);
     }
     store.teleport_of.push(number as u32);
-    store.step.teleport_count = (store.teleports.len() / 2) as u32;
+    store.step.teleport_count = store.teleports.len() as u32;
 }
 
 /// How an agent avoids others: horizon in s, distance of the neighbours it considers in m, how many at most, priority.
-pub fn manners(time_horizon: f32, neighbour_distance: f32, neighbour_cap: u32, priority: f32) -> [f32; 4] {
-    [1.0 / time_horizon, neighbour_distance, neighbour_cap as f32, priority]
+pub fn avoidance(time_horizon: f32, neighbour_distance: f32, neighbour_cap: u32, priority: f32) -> Avoidance {
+    Avoidance {
+        inverse_time_horizon: 1.0 / time_horizon,
+        neighbour_distance,
+        neighbour_cap: neighbour_cap as f32,
+        priority,
+    }
 }
 
-/// Avatar, emotion and colours as the draw shaders read them.
-fn look(agent: &AgentStart) -> [u32; 4] {
+/// What the draw shaders read of an agent.
+fn appearance(agent: &AgentStart) -> Appearance {
     let strongest = (0..4).fold(0, |best, i| if agent.emotion[i] > agent.emotion[best] { i } else { best });
-    let [skin, hair, top, bottom] = agent.colors.map(rgb565);
-    [
-        agent.avatar | (strongest as u32) << 8 | u32::from(agent.gazes) << 16,
-        agent.scale.to_bits(),
-        skin | hair << 16,
-        top | bottom << 16,
-    ]
-}
-
-/// `0xRRGGBB` in five, six and five bits.
-fn rgb565(color: u32) -> u32 {
-    let (r, g, b) = (color >> 16 & 0xff, color >> 8 & 0xff, color & 0xff);
-    r >> 3 << 11 | g >> 2 << 5 | b >> 3
+    Appearance::new(agent.avatar, strongest as u32, agent.gazes, agent.scale, agent.colors)
 }
 
 #[cfg(test)]
@@ -368,12 +381,5 @@ mod tests {
                     && step.grid_rows as f32 * step.cell_size >= 50.0
             );
         }
-    }
-
-    #[test]
-    fn colours_keep_their_high_bits() {
-        assert_eq!(rgb565(0x00ff_ffff), 0xffff);
-        assert_eq!(rgb565(0x00ff_0000), 0xf800);
-        assert_eq!(rgb565(0x0000_8000), 0x0400);
     }
 }

@@ -5,10 +5,8 @@
 
 use super::bodies::SMALLEST_STORAGE_RANGE;
 use super::{Simulation, order};
-use crate::gpu::plan::Op;
-use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
-use crate::kernels::shared::between::index::SNAPSHOT_STRIDE;
-use crate::kernels::{BufferId, Dispatch, Store};
+use crate::kernels::layout::{BetweenUniforms, FrameUniforms, Snapshot};
+use crate::kernels::{BufferId, Dispatch, Op, Store};
 
 /// Whoever is seen to move faster than this did not walk, m/s: was set to another place, came in, or went.
 const FASTEST: f64 = 10.0;
@@ -51,16 +49,16 @@ impl Snapshots {
 /// Makes room for two snapshots; must be done before the engine is made. A crowd whose snapshots would be larger than every
 /// device can bind gets none: its pictures show the newest snapshot.
 pub fn make_room(store: &mut Store) {
-    let elements = 2 * store.step.agent_count as usize * SNAPSHOT_STRIDE;
-    if elements as u64 * 16 <= SMALLEST_STORAGE_RANGE {
-        store.snapshots = vec![[0; 4]; elements];
+    let elements = 2 * store.step.agent_count as usize;
+    if (elements * size_of::<Snapshot>()) as u64 <= SMALLEST_STORAGE_RANGE {
+        store.snapshots = vec![Snapshot::default(); elements];
     }
 }
 
 impl Simulation {
     /// Prepares bodies as [`Simulation::animate`] does, between two snapshots: the present one is kept at a place first, if
-    /// it is to be. [`Simulation::restore`] must follow once the picture is drawn. On Vulkan, of a crowd that there was
-    /// [`make_room`] for; elsewhere nothing happens.
+    /// it is to be. [`Simulation::restore`] must follow once the picture is drawn. Only of a crowd that there was
+    /// [`make_room`] for.
     ///
     /// # Errors
     /// When the device fails.
@@ -73,7 +71,7 @@ impl Simulation {
         self.store.frame = frame;
         let dispatches = order::between_dispatches(between.agent_count, keep);
         self.run_between(dispatches.into_iter().chain(order::frame_dispatches(&frame)), &frame, &between)?;
-        self.check_on_device()
+        self.check()
     }
 
     /// Puts the present snapshot back, which is the newest of those that were kept.
@@ -92,18 +90,12 @@ impl Simulation {
         frame: &FrameUniforms,
         between: &BetweenUniforms,
     ) -> Result<(), crate::Error> {
-        let Some(engine) = &mut self.engine else { return Ok(()) };
         let sets = [Op::Set(BufferId::Between), Op::Set(BufferId::Frame)];
         let ops: Vec<Op> = sets.into_iter().chain(dispatches.map(Op::Dispatch)).collect();
-        let contents = |_, buffer| match buffer {
+        self.run(&ops, |_, buffer| match buffer {
             BufferId::Between => bytemuck::bytes_of(between).to_vec(),
             _ => bytemuck::bytes_of(frame).to_vec(),
-        };
-        let times = engine.run(&ops, contents, self.times.is_some())?;
-        if let Some(all) = &mut self.times {
-            all.extend(times.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
-        }
-        Ok(())
+        })
     }
 }
 

@@ -1,10 +1,9 @@
 //! Goals and obstacles of a simulation that runs, and the ways from everywhere to these goals.
 
 use super::{Error, Simulation, flow, order, setup};
-use crate::kernels::BufferId;
+use crate::kernels::{BufferId, Dispatch, Op};
 
 /// What [`flow::lay`] fills.
-#[cfg(feature = "vulkan")]
 const FLOW: [BufferId; 13] = [
     BufferId::FlowGrid,
     BufferId::FlowCells,
@@ -34,10 +33,7 @@ impl Simulation {
     ) -> Result<(), crate::Error> {
         flow::lay_on(&mut self.store, outlines, &self.ways.floors, &goals, &settings)?;
         (self.ways.goals, self.ways.settings) = (goals, settings);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            engine.replace(&self.store, &FLOW)?;
-        }
+        self.machine.replace(&self.store, &FLOW)?;
         self.solve_ways()
     }
 
@@ -52,11 +48,8 @@ impl Simulation {
         let ways = &self.ways;
         flow::lay_on(&mut self.store, outlines, &ways.floors, &ways.goals, &ways.settings)?;
         setup::set_raised_obstacles(&mut self.store, outlines, &ways.floors.raised);
-        #[cfg(feature = "vulkan")]
-        if let Some(engine) = &mut self.engine {
-            engine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
-            engine.replace(&self.store, &FLOW)?;
-        }
+        self.machine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
+        self.machine.replace(&self.store, &FLOW)?;
         self.solve_ways()
     }
 
@@ -85,13 +78,13 @@ impl Simulation {
             let mut turns = 0;
             loop {
                 dispatches.extend(order::flow_turns(turns, batch, with_solid));
-                self.run(&dispatches, &[BufferId::FlowArgs])?;
+                self.solve(&dispatches, &[BufferId::FlowArgs])?;
                 dispatches.clear();
                 turns += batch;
                 batch = 32;
                 let mut is_done = self.lists_are_empty();
                 if is_done && grid.joint_count > 0 && !with_solid {
-                    self.run(&[order::flow_joint(&grid)], &[BufferId::FlowArgs])?;
+                    self.solve(&[order::flow_joint(&grid)], &[BufferId::FlowArgs])?;
                     turns = turns.next_multiple_of(4);
                     is_done = self.lists_are_empty();
                 }
@@ -103,7 +96,14 @@ impl Simulation {
                 }
             }
         }
-        self.run(&order::flow_end(&grid), &[])
+        self.solve(&order::flow_end(&grid), &[])
+    }
+
+    /// Runs dispatches of the solver, which no times are taken of, and brings buffers into the store.
+    fn solve(&mut self, dispatches: &[Dispatch], wanted: &[BufferId]) -> Result<(), crate::Error> {
+        let ops: Vec<Op> = dispatches.iter().copied().map(Op::Dispatch).collect();
+        self.machine.run(&mut self.store, &ops, |_, _| Vec::new(), None)?;
+        self.machine.fetch(&mut self.store, wanted)
     }
 
     /// Whether no tile waits for its turn.

@@ -8,6 +8,7 @@ use crate::gait::walker;
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Validation};
 use crate::kernels::Store;
+use crate::kernels::layout::{Body, Route};
 use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Stop};
 use crate::sim::{AvatarSet, Backend, Simulation};
 use glam::Vec2;
@@ -263,7 +264,12 @@ impl Scene {
         let navigation = &scenario.navigation;
         for (body, walker) in store.body.iter_mut().zip(&self.walkers) {
             let most = (walker.speed * navigation.max_speed_factor).min(navigation.max_speed);
-            *body = [walker.radius, most.max(walker.speed), walker.speed, walker.speed * 1.05];
+            *body = Body {
+                radius: walker.radius,
+                max_speed: most.max(walker.speed),
+                preferred_speed: walker.speed,
+                stride_travel: walker.speed * 1.05,
+            };
         }
         let polygons: Vec<Vec<[f32; 2]>> =
             scenario.geometry().outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
@@ -298,7 +304,7 @@ impl Scene {
             }
             overlapping = overlapping.max(crate::sim::measure::measures(store).overlapping_pairs);
             tracks.push(&positions);
-            let has_come = |route: &[u32; 4], point: u32| route[2] >= point || route[3] > 0;
+            let has_come = |route: &Route, point: u32| route.next >= point || route.arrivals > 0;
             let all_came =
                 self.until.is_some_and(|point| store.route[..agents].iter().all(|r| has_come(r, point)));
             if all_came {
@@ -306,7 +312,7 @@ impl Scene {
                 steps = steps.min(done + AFTER);
             }
             if done >= steps {
-                let arrivals = store.route[..agents].iter().map(|route| route[3]).collect();
+                let arrivals = store.route[..agents].iter().map(|route| route.arrivals).collect();
                 let hash = crate::sim::measure::state_hash(store);
                 let device = simulation.device();
                 return Ok(Run { tracks, arrivals, outside, overlapping, nearest_wall, hash, device });
@@ -377,13 +383,13 @@ impl Fault {
                 return;
             }
             Self::Blind => {
-                store.avoidance.iter_mut().for_each(|manners| manners[2] = 0.0);
+                store.avoidance.iter_mut().for_each(|own| own.neighbour_cap = 0.0);
                 return;
             }
         };
         for body in &mut store.body {
-            body[1] = (body[1] * slowed).max(1e-3);
-            body[2] *= slowed;
+            body.max_speed = (body.max_speed * slowed).max(1e-3);
+            body.preferred_speed *= slowed;
         }
     }
 }

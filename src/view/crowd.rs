@@ -7,8 +7,8 @@ use crate::export::video::Video;
 use crate::gpu::Device;
 use crate::ground::world_from_ground;
 use crate::kernels::Store;
+use crate::kernels::layout::Stage;
 use crate::kernels::shared::stages;
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::picture::Image;
 use crate::render::camera::View;
 use crate::render::{Markers, Settings, Show};
@@ -66,12 +66,13 @@ impl Picked {
     /// A person with what the buffers say of its way.
     fn of(store: &Store, person: &Person) -> Option<Self> {
         let i = person.id as usize;
-        let [_, walking] = *store.stance.get(i)?;
-        let [first, length, at, rounds] = *store.route.get(i)?;
-        let length = (length & 0x7fff_ffff).max(1);
-        let at = at.min(length - 1);
-        let place = (first + at) as usize * STAGE_STRIDE;
-        let [x, z, _, kind] = store.stages.get(place).copied().unwrap_or([0.0; 4]);
+        let walking = store.stance.get(i)?.walk_weight;
+        let route = *store.route.get(i)?;
+        let length = route.length().max(1);
+        let at = route.next.min(length - 1);
+        let Stage { place: [x, z], kind, .. } =
+            store.stages.get((route.first + at) as usize).copied().unwrap_or_default();
+        let rounds = route.arrivals;
         Some(Self {
             id: person.id,
             emotion: person.emotion().name(),
@@ -79,7 +80,7 @@ impl Picked {
             position: person.position.to_array(),
             elevation: person.elevation,
             speed: person.velocity.length(),
-            preferred_speed: store.body.get(i)?[2],
+            preferred_speed: store.body.get(i)?.preferred_speed,
             heading_deg: person.heading.to_degrees(),
             walking,
             stage: [at + 1, length],
@@ -303,7 +304,7 @@ impl Company {
         let people = store.position.iter().take(agents).enumerate().map(|(i, position)| Pillar {
             position: *position,
             foot: store.elevation.get(i).copied().unwrap_or(0.0),
-            radius: store.body.get(i).map_or(0.3, |body| body[0]),
+            radius: store.body.get(i).map_or(0.3, |body| body.radius),
             height,
         });
         let found = pick::first(ray, people, pick::wall(ray, &self.scenery));
@@ -399,15 +400,17 @@ fn carry_on(before: &Store, after: &mut Store) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::kernels::layout::{Body, Route, Stance};
+    use crate::kernels::shared::stages::GOAL;
 
     fn store() -> Store {
         let mut store = Store {
             position: vec![[1.0, 2.0], [crate::ground::ABSENT; 2]],
             velocity: vec![[3.0, 4.0]; 2],
-            stance: vec![[std::f32::consts::FRAC_PI_2, 1.0]; 2],
-            route: vec![[1, 2 | 1 << 31, 1, 3]; 2],
-            body: vec![[0.3, 2.0, 1.5, 1.0]; 2],
-            stages: (0_u8..12).map(|i| [f32::from(i), 0.5, 0.0, 1.0]).collect(),
+            stance: vec![Stance { heading: std::f32::consts::FRAC_PI_2, walk_weight: 1.0 }; 2],
+            route: vec![Route { arrivals: 3, ..Route::new(1, 2, true, 1) }; 2],
+            body: vec![Body { radius: 0.3, max_speed: 2.0, preferred_speed: 1.5, stride_travel: 1.0 }; 2],
+            stages: [0.0, 4.0, 8.0].map(|x| Stage { kind: GOAL, ..Stage::waypoint([x, 0.5], 0.0) }).to_vec(),
             ..Store::default()
         };
         store.step.agent_count = 2;

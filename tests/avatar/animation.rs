@@ -3,6 +3,7 @@
 
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
+use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
 use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
     HEAD, NECK, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
@@ -32,6 +33,11 @@ fn ran(agents: usize, seed: u32) -> Store {
     store
 }
 
+/// `VkDrawIndexedIndirectCommand` of so many agents of a mesh.
+fn command(mesh: MeshRange, agents: u32) -> [u32; 5] {
+    [mesh.index_count, agents, mesh.first_index, mesh.first_vertex, 0]
+}
+
 /// Buckets of far bodies.
 fn far_buckets(store: &Store) -> std::ops::Range<usize> {
     let first = store.frame.bucket_count as usize;
@@ -39,18 +45,18 @@ fn far_buckets(store: &Store) -> std::ops::Range<usize> {
 }
 
 fn avatar_of(store: &Store, agent: usize) -> usize {
-    (store.appearance[agent][0] & 255) as usize
+    store.appearance[agent].avatar() as usize
 }
 
 fn scale_of(store: &Store, agent: usize) -> f32 {
-    f32::from_bits(store.appearance[agent][1])
+    store.appearance[agent].scale
 }
 
 fn world_from_model(store: &Store, agent: usize) -> Mat4 {
     let [x, z] = store.position[agent];
     Mat4::from_scale_rotation_translation(
         Vec3::splat(scale_of(store, agent)),
-        Quat::from_rotation_y(store.stance[agent][0]),
+        Quat::from_rotation_y(store.stance[agent].heading),
         Vec3::new(x, 0.0, z),
     )
 }
@@ -82,7 +88,7 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
         let mut drawn = 0;
         for agent in 0..700 {
             // the last six are impossible by construction, and one has no body
-            let usable = agent < 700 - 6 && store.appearance[agent][0] >> 17 & 1 == 0;
+            let usable = agent < 700 - 6 && !store.appearance[agent].is_bodiless();
             let at = Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]);
             let scale = scale_of(&store, agent);
             let (height, radius) = (store.frame.agent_height * scale, store.frame.agent_radius * scale);
@@ -101,7 +107,7 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
             let want = if usable && seen && distance <= store.frame.level_distance[2] {
                 let finer = store.frame.level_distance[..2].iter().filter(|d| distance >= **d).count();
                 let level = u32::try_from(finer).unwrap().min(levels - 1);
-                let (avatar, far) = (store.appearance[agent][0] & 255, store.frame.level_distance[3]);
+                let (avatar, far) = (store.appearance[agent].avatar(), store.frame.level_distance[3]);
                 let is_far = far > 0.0 && distance >= far;
                 seen_far += usize::from(is_far);
                 let is_speck = is_far && distance >= store.frame.camera[3];
@@ -139,14 +145,14 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
             let count = in_bucket(bucket);
             let mesh = store.mesh_table[b];
             let count32 = u32::try_from(count).unwrap();
-            assert_eq!(store.draw_args[b * 5..b * 5 + 5], [mesh[1], count32, mesh[0], mesh[2], 0]);
+            assert_eq!(store.draw_args[b * 5..b * 5 + 5], command(mesh, count32));
             let levels = store.frame.level_count as usize;
             let coarser = store.mesh_table[if b % levels + 1 < levels { b + 1 } else { b }];
             let shadow = (store.frame.bucket_count as usize + 2 * AVATARS + b) * 5;
-            assert_eq!(store.draw_args[shadow..shadow + 5], [coarser[1], count32, coarser[0], coarser[2], 0]);
+            assert_eq!(store.draw_args[shadow..shadow + 5], command(coarser, count32));
             if bucket % store.frame.level_count == 0 {
                 let args = &store.dispatch_args[3 + 3 * (bucket / store.frame.level_count) as usize..][..3];
-                assert_eq!(args, [mesh[3].div_ceil(64), count32, 1]);
+                assert_eq!(args, [mesh.vertex_count.div_ceil(64), count32, 1]);
             }
             start += count;
         }
@@ -162,7 +168,7 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
             let of_it: Vec<u32> = of_it.map(|agent| u32::try_from(agent).unwrap()).collect();
             assert_eq!(store.visible[far..far + of_it.len()], of_it);
             let (mesh, count) = (store.mesh_table[bucket], u32::try_from(of_it.len()).unwrap());
-            assert_eq!(store.draw_args[bucket * 5..bucket * 5 + 5], [mesh[1], count, mesh[0], mesh[2], 0]);
+            assert_eq!(store.draw_args[bucket * 5..bucket * 5 + 5], command(mesh, count));
             far += of_it.len();
         }
         let drawn = store.agent_bucket[..agents].iter().filter(|bucket| **bucket != NONE).count();
@@ -258,8 +264,8 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];
-    store.stance[0] = [0.4, 1.0];
-    store.appearance[0] = [0, 1.0_f32.to_bits(), 0, 0];
+    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0 };
+    store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
     store.gaits[0] = [0, 1, 2, 0];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
     store
@@ -310,13 +316,13 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
     let faults: [fn(&mut Store); 13] = [
         |s| s.position[0][0] = f32::NAN,
         |s| s.position[0][1] = f32::INFINITY,
-        |s| s.stance[0][0] = f32::NAN,
-        |s| s.stance[0][0] = 1e9,
-        |s| s.stance[0][1] = f32::NEG_INFINITY,
-        |s| s.appearance[0][0] = 2, // avatars are 0 and 1
-        |s| s.appearance[0][1] = f32::NAN.to_bits(),
-        |s| s.appearance[0][1] = 0,
-        |s| s.appearance[0][1] = (-1.0_f32).to_bits(),
+        |s| s.stance[0].heading = f32::NAN,
+        |s| s.stance[0].heading = 1e9,
+        |s| s.stance[0].walk_weight = f32::NEG_INFINITY,
+        |s| s.appearance[0].traits = 2, // avatars are 0 and 1
+        |s| s.appearance[0].scale = f32::NAN,
+        |s| s.appearance[0].scale = 0.0,
+        |s| s.appearance[0].scale = -1.0,
         |s| s.gait_weights[0][3] = -0.1,
         |s| s.gait_weights[0][1] = f32::NAN,
         |s| s.gaits[0][0] = s.frame.clip_count,
@@ -335,7 +341,7 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
 fn without_walk_or_without_weights_an_agent_stands() {
     for (walk, weights) in [(0.0, [1.0, 1.0, 0.0, 0.0]), (1.0, [0.0; 4])] {
         let mut store = one_agent();
-        store.stance[0][1] = walk;
+        store.stance[0].walk_weight = walk;
         store.gait_weights[0] = weights;
         run(&mut store);
         let frame = (store.phase[0] >> 26) as usize;
@@ -350,7 +356,7 @@ fn without_walk_or_without_weights_an_agent_stands() {
 fn the_blend_depends_neither_on_the_signs_of_quaternions_nor_on_the_sum_of_the_weights() {
     let mut store = one_agent();
     store.gait_weights[0] = [0.2, 0.5, 0.3, 0.0];
-    store.stance[0][1] = 0.7;
+    store.stance[0].walk_weight = 0.7;
     run(&mut store);
     let first = store.local_rotations.clone();
     store.gait_weights[0] = [0.4, 1.0, 0.6, 0.0];
@@ -369,7 +375,7 @@ fn the_blend_depends_neither_on_the_signs_of_quaternions_nor_on_the_sum_of_the_w
         let dots = (4..10).map(|j| pose_rotation(store, j).dot(clip_rotation(store, clip, frame, j)).abs());
         dots.sum::<f32>()
     };
-    store.stance[0][1] = 1.0;
+    store.stance[0].walk_weight = 1.0;
     store.gait_weights[0] = [0.9, 0.1, 0.0, 0.0];
     run(&mut store);
     assert!(near(&store, 0) > near(&store, 1));

@@ -6,6 +6,7 @@ use gaitway::avatar::Avatar;
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::Store;
 use gaitway::kernels::gaze::{ENGAGED, RATE_LIMIT, VALID};
+use gaitway::kernels::layout::{Appearance, GazeState, Stance};
 use gaitway::kernels::shared::body::index::POSE_STRIDE;
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
@@ -30,8 +31,8 @@ fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     let mut store = animation(1, 0);
     store.elevation.fill(0.0);
     store.position[0] = [0.0, 0.0];
-    store.stance[0] = [0.0, 0.0];
-    store.appearance[0] = [(emotion as u32) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0];
+    store.stance[0] = Stance::default();
+    store.appearance[0] = Appearance::new(0, emotion as u32, true, 1.0, [0; 4]);
     store.gaits[0] = [0; 4];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
     store.gaze_frame[0] = 0;
@@ -98,9 +99,9 @@ fn sad_rotation_is_zero_wherever_the_user_is() {
 fn neutral_keeps_the_angles_of_the_gait() {
     for mode in [NATURAL, PAPER] {
         let mut store = standing(Emotion::Neutral, mode, seen_from_neck(60.0, 2.0, 1.6));
-        store.stance[0][1] = 1.0; // walks
+        store.stance[0].walk_weight = 1.0; // walks
         let mut without = store.clone();
-        without.appearance[0][0] &= !(1 << 16);
+        without.appearance[0].set_gazes(false);
         run(&mut store);
         run(&mut without);
         assert_eq!(store.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
@@ -134,7 +135,7 @@ fn without_a_user_happy_and_angry_heads_keep_the_angles_of_the_gait_in_either_mo
         let mut seen = alone.clone();
         alone.frame = looking_at(alone.frame, None);
         let mut without = alone.clone();
-        without.appearance[0][0] &= !(1 << 16);
+        without.appearance[0].set_gazes(false);
         for store in [&mut alone, &mut seen, &mut without] {
             run(store);
         }
@@ -207,7 +208,7 @@ fn a15_rotation_is_seen_from_the_neck_and_flexion_from_the_height_of_the_eyes() 
     close(flexion, (-0.2_f32 / 2.01).asin().to_degrees());
     // a person of half the size has their eyes at half the height
     let mut store = standing(Emotion::Angry, PAPER, seen_from_neck(0.0, 2.0, EYES.y));
-    store.appearance[0][1] = 0.5_f32.to_bits();
+    store.appearance[0].scale = 0.5;
     close(neck_of(store).0, ((EYES.y * 0.5 - EYES.y) / (2.0 + NECK.z * 0.5)).asin().to_degrees());
 }
 
@@ -250,7 +251,7 @@ fn a17_a_user_on_the_same_spot_leaves_the_head_as_it_was() {
             let mut store = standing(Emotion::Angry, mode, Vec3::new(NECK.x, 2.5, NECK.z + 0.004));
             if remembered {
                 store.gaze_frame[0] = (store.frame.frame_index - 1) | VALID | ENGAGED;
-                store.gaze_state[0] = [0.2, 0.4, 0.0, 0.0];
+                store.gaze_state[0] = GazeState { flexion: 0.2, rotation: 0.4, ..GazeState::default() };
             }
             run(&mut store);
             let (_, face) = eyes_and_face(&store, 0, &avatar(0, 0));
@@ -269,8 +270,8 @@ fn eyes_and_face(store: &Store, slot: usize, avatar: &Avatar) -> (Vec3, Vec3) {
     let head = avatar.model_from_joint(&rotations, root)[Joint::Head as usize];
     let agent = store.visible[slot] as usize;
     let world = Mat4::from_scale_rotation_translation(
-        Vec3::splat(f32::from_bits(store.appearance[agent][1])),
-        Quat::from_rotation_y(store.stance[agent][0]),
+        Vec3::splat(store.appearance[agent].scale),
+        Quat::from_rotation_y(store.stance[agent].heading),
         Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]),
     );
     let face = avatar.joints[Joint::Head as usize].joint_from_mesh.transform_vector3(Vec3::Z);
@@ -286,8 +287,9 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
         store.elevation.fill(0.0);
         store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
         for agent in 0..1000 {
-            store.appearance[agent][0] =
-                store.appearance[agent][0] & 0xff | (Emotion::Angry as u32) << 8 | 1 << 16;
+            store.appearance[agent].set_emotion(Emotion::Angry as u32);
+            store.appearance[agent].set_gazes(true);
+            store.appearance[agent].set_bodiless(false);
             store.gaze_frame[agent] = 0; // starts at the target
         }
         run(&mut store);
@@ -295,13 +297,13 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
         let user = Vec4::from_array(store.frame.user_eyes).truncate();
         for (slot, agent) in visible_agents(&store.visible).iter().enumerate() {
             let agent = *agent as usize;
-            let [flexion, rotation, ..] = store.gaze_state[agent];
+            let GazeState { flexion, rotation, .. } = store.gaze_state[agent];
             let at_limit = rotation.abs() > 50_f32.to_radians() || flexion.abs() > 44.9_f32.to_radians();
             if store.gaze_frame[agent] & ENGAGED == 0 || at_limit {
                 continue;
             }
             let (eyes, face) =
-                eyes_and_face(&store, slot, &avatars[(store.appearance[agent][0] & 255) as usize]);
+                eyes_and_face(&store, slot, &avatars[store.appearance[agent].avatar() as usize]);
             let off = face.angle_between(user - eyes).to_degrees();
             let away = eyes.distance(user);
             assert!(off < 1.0, "agent {agent}, seed {seed}: {off} degrees off at {away} m");
@@ -373,7 +375,7 @@ fn natural_gaze_ends_beyond_eight_metres_and_hands_the_head_back_to_the_gait() {
     assert!(store.gaze_frame[0] & ENGAGED == 0);
     assert!(angles[0].1 > 0.6, "let go with a jerk");
     let mut without = store.clone();
-    without.appearance[0][0] &= !(1 << 16);
+    without.appearance[0].set_gazes(false);
     run(&mut store);
     run(&mut without);
     assert_eq!(store.local_rotations[..POSE_STRIDE], without.local_rotations[..POSE_STRIDE]);
@@ -397,7 +399,7 @@ fn a_gaze_that_missed_a_picture_starts_afresh_at_its_target() {
 #[test]
 fn natural_gaze_stays_on_the_user_while_the_body_walks() {
     let mut store = standing(Emotion::Angry, NATURAL, Vec3::ZERO);
-    store.stance[0][1] = 1.0;
+    store.stance[0].walk_weight = 1.0;
     store.gaits[0][0] = 1;
     let user = seen_from_neck(15.0, 3.0, 1.5);
     let mut worst = 0.0_f32;

@@ -90,12 +90,12 @@ fn the_joints_are_those_of_the_bodies_as_posed_with_the_gaze() {
         let pose = &store.local_rotations[slot * 17..slot * 17 + 17];
         let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
         let [x, y, z, _] = pose[16];
-        let look = store.appearance[agent];
-        let model = cast.avatars()[(look[0] & 255) as usize].model_from_joint(&rotations, [x, y, z].into());
-        let turn = Quat::from_rotation_y(store.stance[agent][0]);
+        let own = store.appearance[agent];
+        let model = cast.avatars()[own.avatar() as usize].model_from_joint(&rotations, [x, y, z].into());
+        let turn = Quat::from_rotation_y(store.stance[agent].heading);
         let at = world_from_ground(Vec2::from(store.position[agent]), 0.0);
         for (joint, model_from_joint) in model.iter().enumerate() {
-            let want = at + turn * model_from_joint.w_axis.truncate() * f32::from_bits(look[1]);
+            let want = at + turn * model_from_joint.w_axis.truncate() * own.scale;
             let found = tracks[agent].recording.poses[0][joint];
             assert!(found.distance(want) < 2e-5, "agent {agent} joint {joint}: {found} {want}");
             checked += 1;

@@ -182,7 +182,7 @@ fn shadows_begin_at_the_feet_of_people_and_at_the_wheels_of_robots() {
     assert!(found[0] > 0.5 && found[1] > 0.8 && found[2] > 0.9, "{found:?}");
     person.meshes.outsiders = vec![OutsiderMesh { mesh: block(), agents: vec![0] }];
     for draw in person.meshes.mesh_table.iter_mut() {
-        draw[1] = 0;
+        draw.index_count = 0;
     }
     let found = darkness(&person, -0.4, &[0.03, 0.06, 0.1]).unwrap();
     println!("robot {found:?}");

@@ -5,6 +5,7 @@ use gaitway::avatar::{self, Sex};
 use gaitway::emotion::Emotion;
 use gaitway::gait::walker;
 use gaitway::kernels::BufferId;
+use gaitway::kernels::layout::{Appearance, Attention, GazeState, Stance};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::exact::hash_u32;
 use gaitway::render::camera::{Camera, View};
@@ -112,14 +113,18 @@ fn far_bodies_are_held_as_their_emotion_walks() {
         let mut store = crossing::crossing(400, 1.0);
         for agent in 0..400 {
             let (avatar, dice) = (agent & 1, hash_u32(agent));
-            store.appearance.push([avatar | (emotion as u32) << 8, 1.0_f32.to_bits(), dice, hash_u32(dice)]);
+            store.appearance.push(Appearance {
+                skin_and_hair: dice,
+                top_and_bottom: hash_u32(dice),
+                ..Appearance::new(avatar, emotion as u32, false, 1.0, [0; 4])
+            });
             store.gaits.push([cast.clip_index(avatar, emotion as u32); 4]);
             store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
-            store.gaze_state.push([0.0; 4]);
+            store.gaze_state.push(GazeState::default());
             store.gaze_frame.push(u32::MAX);
-            store.attention.push([0; 2]);
+            store.attention.push(Attention::default());
         }
-        store.stance.iter_mut().for_each(|stance| *stance = [1.57, 1.0]); // seen from the side, walking
+        store.stance.fill(Stance { heading: 1.57, walk_weight: 1.0 }); // seen from the side, walking
         let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
         let middle = 0.5 * store.step.wrap;
         let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;

@@ -51,7 +51,7 @@ fn pictures_between_steps_show_what_lies_between_and_change_nothing() {
                 let way = after.phase[agent].wrapping_sub(before.phase[agent]) as f32;
                 let gone = shown.phase[agent].wrapping_sub(before.phase[agent]) as f32;
                 assert!((gone - share * way).abs() <= 0.001 * way + 512.0, "step {step}, {agent}");
-                let turned = |store: &Store| store.stance[agent][0] - before.stance[agent][0];
+                let turned = |store: &Store| store.stance[agent].heading - before.stance[agent].heading;
                 let wrap = |turn: f32| (turn + 3.0).rem_euclid(std::f32::consts::TAU) - 3.0;
                 assert!((wrap(turned(shown)) - share * wrap(turned(&after))).abs() < 1e-4, "step {step}");
             }

@@ -2,6 +2,7 @@
 
 use crate::common::gpu;
 use gaitway::avatar::{self, Sex};
+use gaitway::kernels::layout::{Appearance, Attention, GazeState};
 use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::exact::{hash_u32, unit_f32};
@@ -37,12 +38,16 @@ fn dense(agents: u32, cast: &AvatarSet) -> Store {
     for agent in 0..agents {
         let (avatar, dice) = (agent & 1, hash_u32(agent));
         let scale = 0.95 + 0.1 * unit_f32(dice);
-        store.appearance.push([avatar | (dice & 3) << 8, scale.to_bits(), dice, hash_u32(dice)]);
+        store.appearance.push(Appearance {
+            skin_and_hair: dice,
+            top_and_bottom: hash_u32(dice),
+            ..Appearance::new(avatar, dice & 3, false, scale, [0; 4])
+        });
         store.gaits.push([cast.clip_index(avatar, dice & 3); 4]);
         store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
-        store.gaze_state.push([0.0; 4]);
+        store.gaze_state.push(GazeState::default());
         store.gaze_frame.push(u32::MAX);
-        store.attention.push([0; 2]);
+        store.attention.push(Attention::default());
     }
     store
 }

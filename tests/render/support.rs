@@ -188,7 +188,7 @@ impl HandMade {
             }
             if near {
                 let mesh = meshes.mesh_table[0];
-                for vertex in meshes.vertices.chunks(4).take(mesh[3] as usize) {
+                for vertex in meshes.vertices.chunks(4).take(mesh.vertex_count as usize) {
                     let (p, n) = (vertex[0], vertex[1]);
                     skinned.extend([[p[0] + place.x, p[1], p[2] + place.y, 1.0], [n[0], n[1], n[2], 0.0]]);
                 }
@@ -201,14 +201,20 @@ impl HandMade {
             .map(|b| {
                 let mesh = meshes.mesh_table[b];
                 let agents = if b < 2 { starts[b + 1] - starts[b] } else { 0 };
-                [mesh[1], agents, mesh[0], mesh[2], 0]
+                [mesh.index_count, agents, mesh.first_index, mesh.first_vertex, 0]
             })
             .collect();
         let shadows: Vec<_> = [1, 1, 2, 3]
             .into_iter()
             .zip(&draws)
             .map(|(b, draw)| {
-                [meshes.mesh_table[b][1], draw[1], meshes.mesh_table[b][0], meshes.mesh_table[b][2], 0]
+                [
+                    meshes.mesh_table[b].index_count,
+                    draw[1],
+                    meshes.mesh_table[b].first_index,
+                    meshes.mesh_table[b].first_vertex,
+                    0,
+                ]
             })
             .collect();
         let draws = [draws, shadows].concat();

@@ -59,7 +59,7 @@ fn arrive(scenario: &Scenario, most: f64) -> Result<f64, String> {
         simulation.step(15).unwrap();
         let store = simulation.state().unwrap();
         let arrived =
-            scenario.walkers.iter().zip(&store.route).filter(|(w, route)| !w.ends() || route[3] > 0);
+            scenario.walkers.iter().zip(&store.route).filter(|(w, route)| !w.ends() || route.arrivals > 0);
         let arrived = arrived.count();
         for position in store.position.iter().filter(|p| !is_absent(**p)) {
             assert!(
@@ -73,9 +73,9 @@ fn arrive(scenario: &Scenario, most: f64) -> Result<f64, String> {
     }
     let store = simulation.state().unwrap();
     let late: Vec<String> = (scenario.walkers.iter().zip(&store.route).zip(&store.position).enumerate())
-        .filter(|(_, ((walker, route), _))| walker.ends() && route[3] == 0)
+        .filter(|(_, ((walker, route), _))| walker.ends() && route.arrivals == 0)
         .map(|(i, ((walker, route), p))| {
-            format!("{i} at {p:?}, stage {} of {:?}", route[2], walker.waypoints)
+            format!("{i} at {p:?}, stage {} of {:?}", route.next, walker.waypoints)
         })
         .collect();
     Err(format!(

@@ -3,9 +3,9 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget};
 use gaitway::gait::walker;
 use gaitway::gait::{JOINT_COUNT, Joint};
+use gaitway::kernels::layout::{Body, Route, Stage};
 use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::library::GaitLibrary;
-use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::{AvatarSet, Backend, Simulation, measure};
 use gaitway::verify::cases::crossing::{crossing, crossing_quality};
@@ -33,7 +33,7 @@ fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
             assert!(*count < 10, "second {second}: somebody has stood for ten seconds");
         }
         for (v, body) in store.velocity.iter().zip(&store.body) {
-            assert!(v[0].hypot(v[1]) <= body[1] * 1.0001, "faster than the maximum");
+            assert!(v[0].hypot(v[1]) <= body.max_speed * 1.0001, "faster than the maximum");
         }
     }
     assert!(measure::measures(simulation.state().unwrap()).mean_speed > 0.9);
@@ -81,8 +81,8 @@ fn duel(second: [f32; 2], perturbation: f32) -> Store {
     }
     store.position = vec![[5.0, 10.0], second];
     store.velocity = vec![[0.0; 2]; 2];
-    store.stages = [waypoint(second[0], second[1], 0.2), waypoint(5.0, 10.0, 0.2)].concat();
-    store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
+    store.stages = vec![Stage::waypoint(second, 0.2), Stage::waypoint([5.0, 10.0], 0.2)];
+    store.route = vec![Route::new(0, 1, false, 0), Route::new(1, 1, false, 0)];
     store
 }
 
@@ -90,7 +90,7 @@ fn duel(second: [f32; 2], perturbation: f32) -> Store {
 fn two_people_exactly_head_on_pass_each_other() {
     let mut store = duel([15.0, 10.0], 0.02);
     steps(&mut store, 30 * 30);
-    assert!(store.route.iter().all(|route| route[3] == 1), "{:?}", store.position);
+    assert!(store.route.iter().all(|route| route.arrivals == 1), "{:?}", store.position);
 }
 
 #[test]
@@ -131,7 +131,7 @@ fn an_agent_walks_around_the_user_who_gives_no_way() {
         let [x, z] = store.position[0];
         closest = closest.min((x - 10.0).hypot(z - 10.0));
     }
-    assert_eq!(store.route[0][3], 1, "it did not arrive: {:?}", store.position[0]);
+    assert_eq!(store.route[0].arrivals, 1, "it did not arrive: {:?}", store.position[0]);
     assert!(closest >= 0.649, "it came as near as {closest} m to the user");
 }
 
@@ -209,7 +209,12 @@ fn planted_feet_stay_within_two_centimetres_at_the_gaits_speed_and_at_half_of_it
         for share in [1.0, 0.5] {
             let mut store = crossing(1, 1.0);
             store.step.wrap = 0.0;
-            store.body = vec![[0.25, 3.0, clip.speed, clip.stride_travel]];
+            store.body = vec![Body {
+                radius: 0.25,
+                max_speed: 3.0,
+                preferred_speed: clip.speed,
+                stride_travel: clip.stride_travel,
+            }];
             store.position = vec![[0.0, 0.0]];
             store.phase = vec![0];
             let mut planted: Vec<Option<Vec3>> = Vec::new();

@@ -1,7 +1,7 @@
 //! Claims about feelings that change: contagion, events, decay, and what people show of it.
 
 use crate::common::gpu;
-use gaitway::kernels::layout::MoodUniforms;
+use gaitway::kernels::layout::{Appearance, Body, Heard, MoodUniforms, Paces, Temperament};
 use gaitway::kernels::{KernelId, Store};
 use gaitway::scenario::{Scenario, populate_from};
 use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
@@ -22,7 +22,7 @@ fn standing(
     let mut store = crossing(agents, 1.0);
     store.step.wrap = 0.0;
     for body in &mut store.body {
-        body[2] = 0.0;
+        body.preferred_speed = 0.0;
     }
     store.velocity.fill([0.0; 2]);
     store.step.feels = 1;
@@ -30,12 +30,13 @@ fn standing(
     for agent in 0..agents {
         let (feeling, own, character) = of(agent);
         store.feeling.push(feeling);
-        store.temperament.extend([own, character]);
-        store.paces.extend([[0.0; 4]; 3]);
-        store.appearance.push([3 << 8, 1.0_f32.to_bits(), 0, 0]);
+        let [expressiveness, openness, amplification, bias] = character;
+        store.temperament.push(Temperament { rest: own, expressiveness, openness, amplification, bias });
+        store.paces.push(Paces::default());
+        store.appearance.push(Appearance::new(0, 3, false, 1.0, [0; 4]));
         store.gait_weights.push(feeling);
     }
-    store.heard = vec![[0.0; 4]; agents];
+    store.heard = vec![Heard::default(); agents];
     store
 }
 
@@ -141,10 +142,10 @@ fn whom_one_hears_is_less_than_eight_steps_old_and_the_first_step_hears_all() {
         simulation = Simulation::from_store(moved, Backend::Cpu, None).unwrap();
         simulation.step(1).unwrap();
         let heard = simulation.state().unwrap().heard[0];
-        let age = lately.iter().rev().position(|voices| (voices - heard[0]).abs() < 1e-5);
+        let age = lately.iter().rev().position(|voices| (voices - heard.strength).abs() < 1e-5);
         assert!(age.is_some_and(|age| age < 8), "step {step}: {heard:?}, lately {lately:?}");
         assert!(step > 0 || age == Some(0));
-        assert_eq!(heard[2..], [1.0, 0.0]);
+        assert_eq!([heard.angry, heard.sad], [1.0, 0.0]);
     }
 }
 
@@ -234,33 +235,44 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
         for i in 0..40 {
             assert_eq!(bits(&[store.gait_weights[i]]), bits(&[store.feeling[i]]));
             // at most a fifteenth of the way by the event and a little by the others; a switch would be all of it
-            let speeds = store.paces[i * 3];
+            let speeds = store.paces[i].preferred_speeds;
             let span = speeds.iter().fold(0.0_f32, |span, speed| span.max((speed - speeds[2]).abs()));
-            let change = (store.body[i][2] - before.body[i][2]).abs();
+            let change = (store.body[i].preferred_speed - before.body[i].preferred_speed).abs();
             assert!(change <= 0.1 * span + 1e-4, "step {step}: {change} m/s of {span}");
-            let emotion = store.appearance[i][0] >> 8 & 255;
+            let emotion = store.appearance[i].emotion();
             changes[i] += u32::from(emotion != shown[i]);
             shown[i] = emotion;
             let moved = f32::hypot(store.velocity[i][0], store.velocity[i][1]) * DT;
             let strides = store.phase[i].wrapping_sub(before.phase[i]) as f32 / u32::MAX as f32;
-            assert!((strides * store.body[i][3] - moved).abs() < 1e-4, "step {step}: the feet slide");
-            let travels = store.paces[i * 3 + 1].iter().zip(store.feeling[i]);
+            assert!(
+                (strides * store.body[i].stride_travel - moved).abs() < 1e-4,
+                "step {step}: the feet slide"
+            );
+            let travels = store.paces[i].stride_travels.iter().zip(store.feeling[i]);
             let blended: f32 = travels.map(|(travel, weight)| travel * weight).sum();
-            assert!((store.body[i][3] - blended).abs() < 1e-5, "step {step}: not the stride that is drawn");
+            assert!(
+                (store.body[i].stride_travel - blended).abs() < 1e-5,
+                "step {step}: not the stride that is drawn"
+            );
         }
         if step == 115 {
             let mean = measure::mean_feeling(store).unwrap();
             assert!(mean[1] > 0.6, "{mean:?}");
-            let faster = (0..40).filter(|i| store.body[*i][2] > start.body[*i][2] + 0.05).count();
+            let faster = (0..40)
+                .filter(|i| store.body[*i].preferred_speed > start.body[*i].preferred_speed + 0.05)
+                .count();
             assert!(faster > 30, "{faster} of 40 walk faster");
-            assert!(store.body.iter().all(|b| b[1] >= b[2]));
+            assert!(store.body.iter().all(|body| body.max_speed >= body.preferred_speed));
             assert!(shown.iter().all(|emotion| *emotion == 1), "{shown:?}");
         }
         before = store.clone();
     }
     assert!(changes.iter().all(|count| *count == 2), "to angry and back, no flicker: {changes:?}");
     for i in 0..40 {
-        assert!((before.body[i][2] - start.body[i][2]).abs() < 0.1, "back to its own speed");
+        assert!(
+            (before.body[i].preferred_speed - start.body[i].preferred_speed).abs() < 0.1,
+            "back to its own speed"
+        );
     }
 }
 
@@ -274,8 +286,9 @@ fn without_the_table_no_pass_is_recorded_and_the_start_is_the_same_with_it() {
     assert!(!feels(&without) && feels(&with));
     assert!(without.store().feeling.is_empty() && measure::mean_feeling(without.store()).is_none());
     assert_eq!(without.store().position, with.store().position);
+    let numbers = |body: &Body| bytemuck::cast::<Body, [f32; 4]>(*body).into_iter();
     for (a, b) in without.store().body.iter().zip(&with.store().body) {
-        assert!(a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5), "{a:?} {b:?}");
+        assert!(numbers(a).zip(numbers(b)).all(|(a, b)| (a - b).abs() < 1e-5), "{a:?} {b:?}");
     }
 }
 

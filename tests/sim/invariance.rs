@@ -1,11 +1,10 @@
 //! What must not change a crowd: the order of its agents, and which way the scene is turned. And what must never happen,
 //! whatever the scene: that somebody leaves the walkable area.
 
-use gaitway::kernels::shared::stages::index::STAGE_STRIDE;
+use gaitway::kernels::layout::{Route, Stage};
 use gaitway::kernels::{KernelId, Phase, Store};
 use gaitway::reference;
 use gaitway::reference::exact::{hash_u32, unit_f32};
-use gaitway::reference::stages::waypoint;
 use gaitway::scenario::Clearance;
 use gaitway::sim::{order, setup};
 use gaitway::verify::cases::crossing::crossing;
@@ -85,9 +84,7 @@ fn turning_the_scene_by_a_right_angle_turns_the_crowd() {
         let mut plain = scene(model);
         let mut other = plain.clone();
         other.position.iter_mut().chain(&mut other.velocity).for_each(|p| *p = turned(*p));
-        for stage in other.stages.chunks_exact_mut(STAGE_STRIDE) {
-            [stage[0][0], stage[0][1]] = turned([stage[0][0], stage[0][1]]);
-        }
+        other.stages.iter_mut().for_each(|stage| stage.place = turned(stage.place));
         let turned_posts: Vec<Vec<[f32; 2]>> =
             posts().into_iter().map(|post| post.into_iter().map(turned).collect()).collect();
         lay_out(&mut plain, &posts());
@@ -139,13 +136,13 @@ fn random_scene(seed: u32) -> (u64, u32) {
             at = Vec2::new(unit(seed, draw, 3) - 0.5, unit(seed, draw, 4) - 0.5) * 2.0 * size;
         }
         store.position[i] = at.to_array();
-        store.route[i] = [(i % 16) as u32 * 3, 3 | 1 << 31, 0, 0];
-        store.body[i][0] = 0.15 + 0.2 * unit(seed, i, 9);
+        store.route[i] = Route::new((i % 16) as u32 * 3, 3, true, 0);
+        store.body[i].radius = 0.15 + 0.2 * unit(seed, i, 9);
     }
     store.stages = (0..48)
-        .flat_map(|w| {
+        .map(|w| {
             let at = |lane| (unit(seed, w, lane) - 0.5) * 2.2 * size;
-            waypoint(at(5), at(6), 0.5)
+            Stage::waypoint([at(5), at(6)], 0.5)
         })
         .collect();
     store.step.wrap = 0.0;

@@ -267,7 +267,7 @@ fn store(layout: &Layout, model: Model, seed: u64) -> Store {
     let scenario = scenario(layout, model, seed);
     let mut store = setup::store(&scenario, &scenario.geometry(), &crowd, cast);
     for body in &mut store.body {
-        (body[1], body[2]) = (1.5 * SPEED, SPEED);
+        (body.max_speed, body.preferred_speed) = (1.5 * SPEED, SPEED);
     }
     store
 }
@@ -306,7 +306,7 @@ fn run(layout: &Layout, model: Model, seed: u64) -> Outcome {
             *been |= is_in;
         }
         overlaps = overlaps.max(measure::measures(store).overlapping_pairs);
-        if store.route.iter().all(|route| route[3] > 0) {
+        if store.route.iter().all(|route| route.arrivals > 0) {
             needed = Some(store.step.step_index as f32 * store.step.time_step);
         }
     }

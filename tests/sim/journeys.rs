@@ -95,7 +95,7 @@ fn people_come_in_at_the_rate_of_their_source_walk_and_leave_by_the_exit() {
         assert_eq!(now.arrived, u64::from(now.left));
         let store = simulation.state().unwrap();
         for agent in 0..60 {
-            let was_there = store.route[agent][3] > 0;
+            let was_there = store.route[agent].arrivals > 0;
             assert!(!(was_there && present(store, agent)), "{agent} came back");
             if was_there && !gone.contains(&agent) {
                 gone.push(agent);
@@ -145,7 +145,7 @@ fn who_finds_no_room_waits_outside_and_keeps_its_place_in_the_order() {
         assert!(now.entered <= last + 1, "at most one a step");
         assert!(now.min_clearance > 0.0, "somebody came in on top of another: {now:?}");
         let store = simulation.state().unwrap();
-        let inside = |agent: usize| present(store, agent) || store.route[agent][3] > 0;
+        let inside = |agent: usize| present(store, agent) || store.route[agent].arrivals > 0;
         assert!((0..120).all(|agent| inside(agent) == (agent < now.entered as usize)), "out of order");
         last = now.entered;
     }
@@ -193,7 +193,7 @@ fn a_waiting_area_holds_people_for_their_time_and_until_its_time() {
         simulation.step(1).unwrap();
         let store = simulation.state().unwrap();
         for (agent, waited) in waited.iter_mut().enumerate() {
-            assert!(step >= 30 * 30 || store.route[agent][2] == 0, "left before its time");
+            assert!(step >= 30 * 30 || store.route[agent].next == 0, "left before its time");
             *waited += u32::from(store.stage_progress[agent] > 0);
         }
     }
@@ -351,7 +351,7 @@ fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
                 joined.push(agent);
                 assert_eq!(store.stage_progress[agent] as usize, joined.len(), "tickets are given in order");
             }
-            if store.route[agent][2] > 0 && served.iter().all(|(other, _)| *other != agent) {
+            if store.route[agent].next > 0 && served.iter().all(|(other, _)| *other != agent) {
                 served.push((agent, step));
             }
         }

@@ -43,9 +43,12 @@ fn the_led_are_where_they_were_led_and_the_same_bits_on_both_backends() {
             if there {
                 assert!(at.distance(path(step)) < 1e-5, "step {step}: {at} {}", path(step));
                 let heading = gaitway::ground::heading_from_ground(velocity);
-                let off = (store.stance[0][0] - heading).rem_euclid(std::f32::consts::TAU);
+                let off = (store.stance[0].heading - heading).rem_euclid(std::f32::consts::TAU);
                 assert!(!(0.4..=5.9).contains(&off), "step {step}: faces {off} rad beside its way");
-                assert!((store.stance[0][1] - 1.0).abs() < 0.2, "in mid-stride from its first step on");
+                assert!(
+                    (store.stance[0].walk_weight - 1.0).abs() < 0.2,
+                    "in mid-stride from its first step on"
+                );
             }
         }
         hashes.push(gaitway::sim::measure::state_hash(simulation.state().unwrap()));
@@ -60,7 +63,7 @@ fn whoever_is_told_nothing_new_stands() {
     simulation.step(40).unwrap();
     let store = simulation.state().unwrap();
     assert!(Vec2::from_array(store.position[0]).distance(Vec2::new(3.0, 4.0)) < 1e-6);
-    assert!(store.stance[0][1] < 1e-6, "and not in mid-stride");
+    assert!(store.stance[0].walk_weight < 1e-6, "and not in mid-stride");
 }
 
 #[test]

@@ -38,7 +38,7 @@ fn drive(comfort: f32) -> (f32, f32, f32) {
         let at = Vec2::from_array(store.position[300]);
         off = off.max(at.distance(on_the_way(f32::from(step) / 30.0)));
         for (position, body) in store.position[..300].iter().zip(&store.body) {
-            let between = at.distance(Vec2::from_array(*position)) - 0.9 - body[0];
+            let between = at.distance(Vec2::from_array(*position)) - 0.9 - body.radius;
             gap = gap.min(between);
             near += f32::from(u8::from(between < 0.3));
         }
@@ -71,8 +71,8 @@ fn outsiders_on_paths_and_by_hand_are_the_same_on_both_backends() {
         assert!(Vec2::from_array(store.position[60]).distance(Vec2::new(9.0, 5.0)) < 1e-4);
         assert!(Vec2::from_array(store.velocity[60]).length() < 1e-2, "it waits");
         assert!(gaitway::ground::is_absent(store.position[62]), "nobody said where it is");
-        assert_eq!(store.appearance[60][0] >> 17 & 1, 1, "robots have no body");
-        assert_eq!(store.appearance[61][0] >> 17 & 1, 0, "people have one");
+        assert!(store.appearance[60].is_bodiless(), "robots have no body");
+        assert!(!store.appearance[61].is_bodiless(), "people have one");
         // now the robot is led by hand, off its path
         simulation.lead(60, Some((Vec2::new(9.05, 5.0), Vec2::ZERO))).unwrap();
         simulation.lead(62, Some((Vec2::new(25.0, 9.0), Vec2::ZERO))).unwrap();
@@ -109,7 +109,7 @@ fn people_keep_the_users_comfort_distance() {
             let store = simulation.state().unwrap();
             for (position, body) in store.position.iter().zip(&store.body) {
                 let away = Vec2::from_array(*position).distance(Vec2::splat(17.0));
-                nearest = nearest.min(away - body[0] - 0.3);
+                nearest = nearest.min(away - body.radius - 0.3);
             }
         }
         nearest

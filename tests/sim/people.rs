@@ -3,12 +3,12 @@
 use gaitway::avatar::{Sex, generated};
 use gaitway::ground::is_absent;
 use gaitway::kernels::Store;
+use gaitway::kernels::layout::{Body, Route, Stage, Stance};
 use gaitway::library::GaitLibrary;
 use gaitway::reference;
-use gaitway::reference::stages::waypoint;
 use gaitway::scenario::{Clearance, Scenario, populate};
 use gaitway::sim::setup::{
-    join, manners, scratch, set_floors, set_grid, set_obstacles, set_raised_obstacles,
+    avoidance, join, scratch, set_floors, set_grid, set_obstacles, set_raised_obstacles,
 };
 use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
 use gaitway::verify::cases::crossing::crossing;
@@ -22,13 +22,19 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     (store.step.wrap, store.step.perturbation) = (0.0, 0.02);
     store.position = places.to_vec();
     store.velocity = vec![[0.0; 2]; count];
-    store.body = (0..count).map(|i| speeds[i % speeds.len()]).map(|v| [0.25, 1.5 * v, v, 1.4]).collect();
-    store.avoidance = vec![manners(2.0, 5.0, 10, 0.0); count];
+    let body = |speed: f32| Body {
+        radius: 0.25,
+        max_speed: 1.5 * speed,
+        preferred_speed: speed,
+        stride_travel: 1.4,
+    };
+    store.body = (0..count).map(|i| body(speeds[i % speeds.len()])).collect();
+    store.avoidance = vec![avoidance(2.0, 5.0, 10, 0.0); count];
     store.elevation = vec![0.0; count];
-    store.stance = vec![[0.0, 1.0]; count];
+    store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0 }; count];
     store.phase = vec![0; count];
-    store.stages = waypoint(1e4, 0.0, 1.0).to_vec();
-    store.route = vec![[0, 1, 0, 0]; count];
+    store.stages = vec![Stage::waypoint([1e4, 0.0], 1.0)];
+    store.route = vec![Route::new(0, 1, false, 0); count];
     store.companions.clear();
     let low = Vec2::new(-20.0, -20.0);
     set_grid(&mut store.step, low, Vec2::new(120.0, 20.0), 5600.0, 5.0);
@@ -132,12 +138,12 @@ fn a_group_splits_at_a_pillar_and_comes_together_behind_it() {
 #[test]
 fn members_who_turn_back_at_different_times_do_not_hold_each_other_up() {
     let mut store = people(&[[0.0, 0.0], [-4.0, 0.0]], &[1.3]);
-    store.stages = [waypoint(6.0, 0.0, 0.8), waypoint(-6.0, 0.0, 0.8)].concat();
-    store.route = vec![[0, 2 | 1 << 31, 0, 0]; 2];
+    store.stages = vec![Stage::waypoint([6.0, 0.0], 0.8), Stage::waypoint([-6.0, 0.0], 0.8)];
+    store.route = vec![Route::new(0, 2, true, 0); 2];
     join(&mut store, &[0, 1]);
     steps(&mut store, 30 * 120);
     // 12 m there and back at 1.3 m/s: five rounds or six, fewer with the waiting
-    assert!(store.route.iter().all(|way| way[3] >= 4), "{:?}", store.route);
+    assert!(store.route.iter().all(|route| route.arrivals >= 4), "{:?}", store.route);
     assert!(spread(&store, 2) < 2.0, "{:?}", store.position);
 }
 
@@ -196,9 +202,9 @@ fn groups_in_a_corridor_stay_together_abreast_and_do_not_overlap() {
 fn deviations(priority: f32) -> [f32; 2] {
     let mut store = people(&[[0.0, 0.05], [12.0, 0.0]], &[1.3]);
     store.step.perturbation = 0.0;
-    store.stages = [waypoint(1e4, 0.0, 1.0), waypoint(-1e4, 0.0, 1.0)].concat();
-    store.route = vec![[0, 1, 0, 0], [1, 1, 0, 0]];
-    store.avoidance[0][3] = priority;
+    store.stages = vec![Stage::waypoint([1e4, 0.0], 1.0), Stage::waypoint([-1e4, 0.0], 1.0)];
+    store.route = vec![Route::new(0, 1, false, 0), Route::new(1, 1, false, 0)];
+    store.avoidance[0].priority = priority;
     let mut most = [0.0_f32; 2];
     for _ in 0..30 * 10 {
         steps(&mut store, 1);
@@ -237,11 +243,12 @@ fn a_class_walks_at_its_speed_with_the_strides_of_its_gaits() {
         simulation("[[classes]]\nshare = 1\nspeed = [0.7, 0.9]\npriority = 0.5\nneighbour_cap = 6");
     for (own, before) in slow.store().body.iter().zip(&plain.store().body) {
         assert!(
-            (0.7..=0.9).contains(&own[2]) && own[3].to_bits() == before[3].to_bits(),
+            (0.7..=0.9).contains(&own.preferred_speed)
+                && own.stride_travel.to_bits() == before.stride_travel.to_bits(),
             "{own:?} {before:?}"
         );
     }
-    assert!(slow.store().avoidance.iter().all(|m| m[3] == 0.5 && m[2] == 6.0));
+    assert!(slow.store().avoidance.iter().all(|own| own.priority == 0.5 && own.neighbour_cap == 6.0));
     // a stride of the feet for every stride of the way: they do not slide
     let before = slow.store().clone();
     slow.step(1).unwrap();
@@ -249,7 +256,10 @@ fn a_class_walks_at_its_speed_with_the_strides_of_its_gaits() {
     for i in 0..40 {
         let way = Vec2::from(after.position[i]).distance(Vec2::from(before.position[i]));
         let strides = f64::from(after.phase[i].wrapping_sub(before.phase[i])) / f64::from(u32::MAX);
-        assert!((strides * f64::from(before.body[i][3]) - f64::from(way)).abs() < 1e-4, "agent {i}");
+        assert!(
+            (strides * f64::from(before.body[i].stride_travel) - f64::from(way)).abs() < 1e-4,
+            "agent {i}"
+        );
     }
 }
 
@@ -314,7 +324,7 @@ fn people_on_a_bridge_and_under_it_do_not_meet() {
                     crossed += u32::from(distance < 0.3);
                     above += 1;
                 } else {
-                    apart = apart.min(distance - store.body[i][0] - store.body[j][0]);
+                    apart = apart.min(distance - store.body[i].radius - store.body[j].radius);
                 }
             }
         }
@@ -332,7 +342,7 @@ fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
     let geometry = scenario.geometry();
     for (height, passes) in [(3.0, false), (0.0, true)] {
         let mut store = people(&[[0.0, 0.0]], &[1.3]);
-        store.stages = [waypoint(0.0, 12.0, 1.0)].concat();
+        store.stages = vec![Stage::waypoint([0.0, 12.0], 1.0)];
         store.elevation = vec![height];
         set_raised_obstacles(&mut store, &[], &geometry.floors.raised);
         set_floors(&mut store, &geometry.floors);
@@ -442,7 +452,7 @@ fn everyone_begins_to_walk_after_their_own_reaction_time() {
         for (i, began) in began.iter_mut().enumerate() {
             // who stands may be made to step aside, but does not walk
             let speed = Vec2::from(store.velocity[i]).length();
-            if *began == 0.0 && speed > 0.7 * store.body[i][2] {
+            if *began == 0.0 && speed > 0.7 * store.body[i].preferred_speed {
                 *began = (step + 1) as f32 / 30.0;
             }
         }

@@ -4,7 +4,7 @@
 mod plain;
 
 use crate::common;
-use gaitway::kernels::layout::StepUniforms;
+use gaitway::kernels::layout::{Body, Route, Stage, Stance, StepUniforms};
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference::exact::{hash_u32, unit_f32};
 use gaitway::reference::orca::{self, Line};
@@ -97,13 +97,21 @@ fn store(layout: &Layout) -> Store {
         },
         position: layout.start.clone(),
         velocity: vec![[0.0; 2]; count],
-        body: vec![[layout.radius, layout.max_speed, 1.0, 1.4]; count],
-        avoidance: vec![sim::setup::manners(layout.horizon, layout.distance, 10, 0.0); count],
+        body: vec![
+            Body {
+                radius: layout.radius,
+                max_speed: layout.max_speed,
+                preferred_speed: 1.0,
+                stride_travel: 1.4
+            };
+            count
+        ],
+        avoidance: vec![sim::setup::avoidance(layout.horizon, layout.distance, 10, 0.0); count],
         elevation: vec![0.0; count],
-        stance: vec![[0.0; 2]; count],
+        stance: vec![Stance::default(); count],
         phase: vec![0; count],
-        route: vec![[0, 1, 0, 0]; count],
-        stages: reference::stages::waypoint(0.0, 0.0, 0.0).to_vec(),
+        route: vec![Route::new(0, 1, false, 0); count],
+        stages: vec![Stage::waypoint([0.0, 0.0], 0.0)],
         ..Store::default()
     };
     let extent = layout.start.iter().flatten().fold(1.0_f32, |m, c| m.max(c.abs())) + 1.0;

@@ -98,7 +98,7 @@ fn did(mut crowd: Store, step: fn(&mut Store)) -> Did {
             .filter(|&agent| crowd.position[agent].iter().all(|c| inside.contains(c)))
             .collect();
         for (i, &agent) in seen.iter().enumerate() {
-            did.progress += crowd.velocity[agent][crowd.route[agent][0] as usize];
+            did.progress += crowd.velocity[agent][crowd.route[agent].first as usize];
             for &other in &seen[..i] {
                 let distance = Vec2::from(crowd.position[agent]).distance(crowd.position[other].into());
                 did.least = did.least.min(distance);
@@ -138,7 +138,7 @@ struct Other {
 /// reached in a step; t is the time until contact at the relative velocity `2 v' - v - v_other`.
 fn plain_velocity(crowd: &Store, agent: usize) -> Vec2 {
     let (at, velocity) = (Vec2::from(crowd.position[agent]), Vec2::from(crowd.velocity[agent]));
-    let wanted = 1.3 * if crowd.route[agent][0] == 0 { Vec2::X } else { Vec2::Y };
+    let wanted = 1.3 * if crowd.route[agent].first == 0 { Vec2::X } else { Vec2::Y };
     let most = crowd.step.max_acceleration * crowd.step.time_step;
     let mut others: Vec<Other> = (0..crowd.position.len())
         .filter(|&other| other != agent)

@@ -3,7 +3,6 @@
 use super::{Goal, Settings, Sheets, lay_on};
 use crate::kernels::Store;
 use crate::kernels::shared::climb::STEP;
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::scenario::{AgentStart, Crowd, Entry, Floors, Geometry, Scenario, Stop, StopKind, Way};
 use crate::sim::Error;
 use glam::Vec2;
@@ -44,7 +43,7 @@ pub fn equip(
         Way::Field => true,
         Way::Auto => could_be_blocked,
     };
-    let radii = store.body.iter().map(|body| body[0]);
+    let radii = store.body.iter().map(|body| body.radius);
     let settings = Settings {
         cell: wanted.cell,
         clearance: wanted.clearance.unwrap_or_else(|| radii.reduce(f32::min).unwrap_or(0.25)),
@@ -79,8 +78,8 @@ pub fn equip(
     {
         check_reach(&sheets, store, crowd, &goals, &fields)?;
     }
-    for (stage, field) in store.stages.chunks_exact_mut(STAGE_STRIDE).zip(fields) {
-        stage[2][0] = field.map_or(-1.0, |field| field as f32);
+    for (stage, field) in store.stages.iter_mut().zip(fields) {
+        stage.field = field.map_or(-1.0, |field| field as f32);
     }
     Ok(Ways { goals, settings, floors })
 }
@@ -121,7 +120,7 @@ fn check_reach(
         if own.peek().is_none() {
             continue;
         }
-        let of = seeds.iter().filter(|seed| seed[0] as usize == field).map(|seed| seed[1] as usize);
+        let of = seeds.iter().filter(|seed| seed.field as usize == field).map(|seed| seed.cell as usize);
         let reached = sheets.reached_from(of);
         let to_elevation = goal.elevation.unwrap_or(0.0);
         for ((_, cell), &(from, from_elevation)) in own {

@@ -11,7 +11,7 @@ pub use raster::Raster;
 pub use sheets::Sheets;
 
 use crate::kernels::Store;
-use crate::kernels::layout::FlowUniforms;
+use crate::kernels::layout::{FlowJoint, FlowSeed, FlowUniforms};
 use crate::kernels::shared::climb::STEP;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::shared::tile::TILE;
@@ -128,10 +128,13 @@ pub fn lay_on(
     };
     store.flow_cells = sheets.rasters.iter().flat_map(words).collect();
     store.flow_seeds = seeds;
-    store.flow_joints =
-        sheets.joints.iter().copied().chain(sheets.joints.is_empty().then_some([0; 2])).collect();
+    store.flow_joints = sheets.joints.iter().map(|&[cell, sheets]| FlowJoint { cell, sheets }).collect();
+    if store.flow_joints.is_empty() {
+        store.flow_joints.push(FlowJoint::default());
+    }
     for (floor, home) in store.floors.chunks_exact_mut(FLOOR_STRIDE).zip(&sheets.homes) {
-        floor[0][3] = *home as f32;
+        let [_, _, _, sheet] = &mut floor[0];
+        *sheet = *home as f32;
     }
     store.flow_distance = vec![0.0; fields * cells];
     store.flow_way = vec![0; fields * cells];
@@ -149,7 +152,7 @@ pub fn lay_on(
 }
 
 /// Sows a goal on the sheets on which it lies.
-fn sow_on(sheets: &Sheets, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -> Result<(), super::Error> {
+fn sow_on(sheets: &Sheets, goal: &Goal, field: u32, seeds: &mut Vec<FlowSeed>) -> Result<(), super::Error> {
     let before = seeds.len();
     for sheet in sheets.of_goal(goal.center, goal.elevation) {
         let first = seeds.len();
@@ -160,10 +163,9 @@ fn sow_on(sheets: &Sheets, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -
                 .is_none_or(|elevation| (sheets.height(sheet, cell as usize) - elevation).abs() < STEP)
         };
         let mut sown = seeds.split_off(first);
-        sown.retain(|seed| goal.region.is_empty() || is_there(seed[1]));
-        seeds.extend(sown.into_iter().map(|[field, cell, distance, sees]| {
-            [field, cell + (sheet * sheets.sheet_cells()) as u32, distance, sees]
-        }));
+        sown.retain(|seed| goal.region.is_empty() || is_there(seed.cell));
+        let first_cell = (sheet * sheets.sheet_cells()) as u32;
+        seeds.extend(sown.into_iter().map(|seed| FlowSeed { cell: first_cell + seed.cell, ..seed }));
     }
     if seeds.len() == before {
         let Goal { name, center, elevation, .. } = goal.clone();
@@ -178,11 +180,11 @@ fn sow_on(sheets: &Sheets, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) -
 }
 
 /// Tiles that the front of the field that has the farthest to go crosses in an open place: so many turns it takes at least.
-pub fn tiles_to_cross(grid: &FlowUniforms, seeds: &[[u32; 4]]) -> u32 {
+pub fn tiles_to_cross(grid: &FlowUniforms, seeds: &[FlowSeed]) -> u32 {
     let [right, top] = [grid.tile_columns, grid.tile_rows].map(|tiles| tiles.saturating_sub(1));
     let corners = [[0, 0], [right, 0], [0, top], [right, top]];
     let mut to_corners = vec![[u32::MAX; 4]; grid.field_count as usize];
-    for [field, cell, ..] in seeds {
+    for FlowSeed { field, cell, .. } in seeds {
         let [column, row] = [cell % grid.columns / TILE, cell / grid.columns / TILE];
         for (least, [x, z]) in to_corners[*field as usize].iter_mut().zip(corners) {
             *least = (*least).min(column.abs_diff(x) + row.abs_diff(z));
@@ -195,8 +197,8 @@ pub fn tiles_to_cross(grid: &FlowUniforms, seeds: &[[u32; 4]]) -> u32 {
 pub fn clear(store: &mut Store) {
     store.flow_grid = FlowUniforms::default();
     store.flow_cells = vec![0];
-    store.flow_seeds = vec![[0; 4]];
-    store.flow_joints = vec![[0; 2]];
+    store.flow_seeds = vec![FlowSeed::default()];
+    store.flow_joints = vec![FlowJoint::default()];
     store.flow_distance = vec![0.0];
     store.flow_way = vec![0];
     store.flow_tiles = vec![0];
@@ -223,12 +225,12 @@ fn cell_size(outlines: &[Vec<[f32; 2]>], fields: usize, asked: Option<f32>) -> R
 }
 
 /// Cells of a sheet whose distance to a goal is known: those of its region or around its middle, as far as it can be seen.
-fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) {
+fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<FlowSeed>) {
     let size = raster.grid.cell_size;
     let sight = (SIGHT.0 / size).clamp(SIGHT.1, SIGHT.2) * size;
     let before = seeds.len();
     let mut sow = |cell: usize, distance: f32, sees: bool| {
-        seeds.push([field, cell as u32, distance.to_bits(), if sees { SEES } else { 0 }]);
+        seeds.push(FlowSeed { field, cell: cell as u32, distance, sees: if sees { SEES } else { 0 } });
     };
     if goal.region.len() > 2 {
         let low = goal.region.iter().copied().fold(Vec2::MAX, Vec2::min) - Vec2::splat(sight);
@@ -256,9 +258,9 @@ fn sow(raster: &Raster, goal: &Goal, field: u32, seeds: &mut Vec<[u32; 4]>) {
             }
         }
         if let Some(cell) =
-            raster.cell(center).filter(|cell| !seeds[before..].iter().any(|s| s[1] == *cell as u32))
+            raster.cell(center).filter(|cell| !seeds[before..].iter().any(|seed| seed.cell == *cell as u32))
         {
-            seeds.push([field, cell as u32, 0.0_f32.to_bits(), 0]);
+            seeds.push(FlowSeed { field, cell: cell as u32, distance: 0.0, sees: 0 });
         }
     }
 }

@@ -9,13 +9,14 @@
     reason = "small made-up numbers, written in the buffers' types"
 )]
 
+use super::{filled, nan};
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::gaze::{ENGAGED, VALID};
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::FrameUniforms;
+use crate::kernels::layout::{Appearance, Attention, FrameUniforms, GazeState, MeshRange, Stance};
 use crate::kernels::shared::body::index::{
     PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
@@ -264,13 +265,24 @@ pub fn animation(agents: usize, seed: u32) -> Store {
         for mesh in &avatar.levels[..levels] {
             let first_vertex = store.mesh_vertices.len() / 4;
             let (indices, vertices) = (mesh.indices.len() as u32, mesh.vertices.len() as u32);
-            store.mesh_table.push([first_index, indices, first_vertex as u32, vertices]);
+            store.mesh_table.push(MeshRange {
+                first_index,
+                index_count: indices,
+                first_vertex: first_vertex as u32,
+                vertex_count: vertices,
+            });
             first_index += indices;
             store.mesh_vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
         }
     }
     for avatar in 0..2 * AVATARS {
-        store.mesh_table.push([first_index, 6, avatar as u32, 4]); // far bodies: any mesh will do
+        // far bodies: any mesh will do
+        store.mesh_table.push(MeshRange {
+            first_index,
+            index_count: 6,
+            first_vertex: avatar as u32,
+            vertex_count: 4,
+        });
     }
     for agent in 0..agents {
         push_agent(&mut store, &mut dice, agent, user_eyes);
@@ -294,15 +306,15 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     } else {
         0.0
     });
-    store.stance.push([dice.between(-3.1, 3.1), walk]);
+    store.stance.push(Stance { heading: dice.between(-3.1, 3.1), walk_weight: walk });
     store.phase.push(dice.bits());
-    let (emotion, gazes) = (dice.below(4), u32::from(dice.below(8) > 0));
-    store.appearance.push([
-        avatar | emotion << 8 | gazes << 16,
-        dice.between(0.9, 1.1).to_bits(),
-        dice.bits(),
-        dice.bits(),
-    ]);
+    let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
+    let scale = dice.between(0.9, 1.1);
+    store.appearance.push(Appearance {
+        skin_and_hair: dice.bits(),
+        top_and_bottom: dice.bits(),
+        ..Appearance::new(avatar, emotion, gazes, scale, [0; 4])
+    });
     let mut weights = [0; 4].map(|_| dice.between(0.0, 1.0));
     for weight in &mut weights[(agent % 4 + 1).min(4)..] {
         *weight = 0.0;
@@ -313,7 +325,8 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         if weight > 0.0 { clip } else { dice.bits() } // a weight of zero hides any id
     }));
     let (flexion, rotation) = (dice.between(-0.7, 0.7), dice.between(-1.2, 1.2));
-    store.gaze_state.push([flexion, rotation, dice.between(-3.0, 3.0), dice.between(-3.0, 3.0)]);
+    let [flexion_rate, rotation_rate] = [0; 2].map(|_| dice.between(-3.0, 3.0));
+    store.gaze_state.push(GazeState { flexion, rotation, flexion_rate, rotation_rate });
     store.gaze_frame.push(match dice.below(5) {
         0 => 0,
         1 => (FRAME_INDEX - 2) | VALID | ENGAGED,
@@ -321,14 +334,15 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         3 => (FRAME_INDEX - 1) | VALID,
         _ => (FRAME_INDEX - 1) | VALID | ENGAGED,
     });
-    store.attention.push(match dice.below(5) {
+    let [until, key_and_frame] = match dice.below(5) {
         0 => [0; 2],                                                // never had a turn
         1 => [GAZE_TIME - 500 - dice.below(3000), FRAME_INDEX - 1], // rests, or has rested for long enough
         2 if agent.is_multiple_of(7) => [GAZE_TIME.wrapping_sub(500_000 + dice.below(99_999)), FRAME_INDEX], // for ever
         2 => [GAZE_TIME - 3000 - dice.below(15_000), FRAME_INDEX], // waits
         3 => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 1],  // looks, if there are not too many
         _ => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 2],  // was out of view meanwhile
-    });
+    };
+    store.attention.push(Attention { until, key_and_frame });
 }
 
 /// What the last agents are changed into.
@@ -372,42 +386,41 @@ const HARD: [Hard; 16] = [
 ];
 
 fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
-    let angry_gazer = (Emotion::Angry as u32) << 8 | 1 << 16;
+    let angry_gazer = Appearance::new(0, Emotion::Angry as u32, true, 1.0, [0; 4]).traits;
     match hard {
         Hard::NotANumber => store.position[agent][1] = f32::NAN,
-        Hard::Infinite => store.stance[agent][0] = f32::INFINITY,
+        Hard::Infinite => store.stance[agent].heading = f32::INFINITY,
         Hard::NegativeWeight => store.gait_weights[agent][2] = -0.5,
-        Hard::NoSuchAvatar => store.appearance[agent][0] |= 0xff,
+        Hard::NoSuchAvatar => store.appearance[agent].set_avatar(0xff),
         Hard::NoSuchClip => {
             store.gait_weights[agent] = [1.0, 0.0, 0.0, 0.0];
             store.gaits[agent][0] = (AVATARS * CLIPS) as u32;
         }
-        Hard::NoSize => store.appearance[agent][1] = 0,
+        Hard::NoSize => store.appearance[agent].scale = 0.0,
         Hard::AtTheCamera => store.position[agent] = [user_eyes.x, user_eyes.z + 0.001],
         Hard::OnTheUser | Hard::UserAbove => {
             // the neck of avatar 0 stands 1 cm behind the origin
             store.position[agent] = [user_eyes.x, user_eyes.z + 0.01];
-            store.appearance[agent][0] = angry_gazer;
-            let shrink: f32 = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
-            store.appearance[agent][1] = shrink.to_bits();
-            store.stance[agent] = [0.0, 0.0];
+            store.appearance[agent].traits = angry_gazer;
+            store.appearance[agent].scale = if matches!(hard, Hard::UserAbove) { 0.6 } else { 1.0 };
+            store.stance[agent] = Stance::default();
         }
         Hard::Absent => store.position[agent] = [crate::ground::ABSENT; 2],
-        Hard::Undrawn => store.appearance[agent][0] |= 1 << 17,
+        Hard::Undrawn => store.appearance[agent].set_bodiless(true),
         Hard::TooDeep => store.elevation[agent] = -1e7,
         Hard::AtTheRange => {
             store.position[agent] = [user_eyes.x, user_eyes.z + 8.0];
-            store.appearance[agent][0] = angry_gazer;
-            store.stance[agent] = [std::f32::consts::PI, 0.0];
-            (store.gaze_frame[agent], store.attention[agent]) = (0, [0; 2]);
+            store.appearance[agent].traits = angry_gazer;
+            store.stance[agent] = Stance { heading: std::f32::consts::PI, walk_weight: 0.0 };
+            (store.gaze_frame[agent], store.attention[agent]) = (0, Attention::default());
         }
         Hard::ZeroWeights => store.gait_weights[agent] = [0.0; 4],
         Hard::PhaseAtTheEnd => store.phase[agent] = u32::MAX,
         Hard::StraightBehind => {
             // faces away from the user, in front of the camera
             store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
-            store.stance[agent] = [0.0, 1.0];
-            store.appearance[agent][0] = angry_gazer;
+            store.stance[agent] = Stance { heading: 0.0, walk_weight: 1.0 };
+            store.appearance[agent].traits = angry_gazer;
         }
     }
 }
@@ -419,17 +432,17 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     for _ in 0..SPARE {
         store.position.push([NAN; 2]);
         store.elevation.push(NAN);
-        store.stance.push([NAN; 2]);
+        store.stance.push(nan());
         store.phase.push(POISON);
-        store.appearance.push([POISON; 4]);
+        store.appearance.push(filled(POISON));
         store.gaits.push([POISON; 4]);
         store.gait_weights.push([NAN; 4]);
-        store.gaze_state.push([NAN; 4]);
+        store.gaze_state.push(nan());
         store.gaze_frame.push(POISON);
-        store.attention.push([POISON; 2]);
+        store.attention.push(filled(POISON));
     }
     let buckets = store.mesh_table.len();
-    let most_vertices = store.mesh_table.iter().map(|mesh| mesh[3] as usize).max().unwrap_or(0);
+    let most_vertices = store.mesh_table.iter().map(|mesh| mesh.vertex_count as usize).max().unwrap_or(0);
     store.agent_bucket = vec![POISON; agents + SPARE];
     store.bucket_counts = vec![POISON; (agents.div_ceil(RUN) + 1) * COLUMNS];
     store.bucket_start = vec![POISON; buckets + 2];

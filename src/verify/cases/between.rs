@@ -1,9 +1,9 @@
 //! Inputs for `keep_snapshot` and `interpolate`: two snapshots of a crowd of whom some walk, turn across the back, end a
 //! stride, stand, are set to another place, come in, go, or have no place that is a number.
 
-use super::unit;
+use super::{filled, nan, unit};
 use crate::ground::ABSENT;
-use crate::kernels::layout::BetweenUniforms;
+use crate::kernels::layout::{BetweenUniforms, Snapshot, Stance};
 use crate::kernels::{Dispatch, Store};
 use crate::sim::order::between_dispatches;
 
@@ -18,7 +18,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
     let newest = seed >> 1 & 1;
     let share = [0.0, 0.37, 0.999_999_94, 1.0][seed as usize % 4];
     let between = BetweenUniforms { agent_count: agents as u32, newest, share, reach: REACH };
-    let mut store = Store { between, snapshots: vec![[0xdead_beef; 4]; agents * 6], ..Store::default() };
+    let mut store = Store { between, snapshots: vec![filled(0xdead_beef); agents * 2], ..Store::default() };
     for i in 0..agents {
         let random = |lane: u32| unit(seed ^ 0x0be7_0000, i, lane);
         let within = |lane: u32, size: f32| (2.0 * random(lane) - 1.0) * size;
@@ -44,18 +44,24 @@ pub fn between(agents: usize, seed: u32) -> Store {
             _ => {}
         }
         store.position.push(stands);
-        store.stance.push([heading, random(8)]);
+        store.stance.push(Stance { heading, walk_weight: random(8) });
         store.phase.push(phase);
         store.elevation.push(within(9, 4.0));
         store.gait_weights.push([10, 11, 12, 13].map(random));
         let at = (1 - newest) as usize * agents + i;
-        store.snapshots[3 * at] = [stood[0], stood[1], turned, random(14)].map(f32::to_bits);
-        store.snapshots[3 * at + 1] = [was, within(15, 4.0).to_bits(), 0, 0];
-        store.snapshots[3 * at + 2] = [16, 17, 18, 19].map(|lane| random(lane).to_bits());
+        store.snapshots[at] = Snapshot {
+            position: stood,
+            heading: turned,
+            walk_weight: random(14),
+            gait_weights: [16, 17, 18, 19].map(random),
+            phase: was,
+            elevation: within(15, 4.0),
+            ..Snapshot::default()
+        };
     }
-    store.snapshots.extend([[0xdead_beef; 4]; SPARE]);
+    store.snapshots.extend([filled::<Snapshot>(0xdead_beef); SPARE]);
     store.position.extend([[f32::NAN; 2]; SPARE]);
-    store.stance.extend([[f32::NAN; 2]; SPARE]);
+    store.stance.extend([nan::<Stance>(); SPARE]);
     store.phase.extend([0xdead_beef; SPARE]);
     store.elevation.extend([f32::NAN; SPARE]);
     store.gait_weights.extend([[f32::NAN; 4]; SPARE]);

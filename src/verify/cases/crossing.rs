@@ -1,10 +1,9 @@
 //! The crossing workload: two streams mixed over one square, density kept constant by joining opposite sides.
 
 use crate::kernels::Store;
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Body, Route, Stage, Stance, StepUniforms};
 use crate::reference::exact::{hash_u32, unit_f32};
-use crate::reference::stages::waypoint;
-use crate::sim::setup::manners;
+use crate::sim::setup::avoidance;
 
 /// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
 const FAR: f32 = 1e7;
@@ -46,7 +45,7 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             wrap: side,
             ..StepUniforms::default()
         },
-        stages: [waypoint(FAR, side * 0.5, 1.0), waypoint(side * 0.5, FAR, 1.0)].concat(),
+        stages: vec![Stage::waypoint([FAR, side * 0.5], 1.0), Stage::waypoint([side * 0.5, FAR], 1.0)],
         ..Store::default()
     };
     for cell in order {
@@ -57,12 +56,12 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             .position
             .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
         store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
-        store.body.push([0.25, 2.0, 1.3, 1.4]);
-        store.avoidance.push(manners(2.0, 5.0, 10, 0.0));
+        store.body.push(Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.3, stride_travel: 1.4 });
+        store.avoidance.push(avoidance(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
-        store.stance.push([0.0, 1.0]);
+        store.stance.push(Stance { heading: 0.0, walk_weight: 1.0 });
         store.phase.push(hash_u32(cell));
-        store.route.push([stream, 1 | 1 << 31, 0, 0]);
+        store.route.push(Route::new(stream, 1, true, 0));
     }
     super::step::scratch(&mut store, agents);
     store
@@ -104,7 +103,7 @@ pub fn crossing_quality(store: &Store) -> CrossingQuality {
                 quality.min_distance = quality.min_distance.min(distance);
             }
         }
-        quality.progress += f64::from(store.velocity[i][store.route[i][0] as usize]);
+        quality.progress += f64::from(store.velocity[i][store.route[i].first as usize]);
     }
     let count = chosen.len().max(1) as f64;
     quality.overlapping /= count;

@@ -1,11 +1,11 @@
 //! A crowd whose feelings change and of whom some are led, for the kernels that not every step has.
 
+use super::nan;
 use crate::kernels::Store;
-use crate::kernels::layout::MoodUniforms;
-use crate::kernels::shared::step::LED;
+use crate::kernels::layout::{Appearance, Heard, Keyframe, MoodUniforms, Paces, Path, Stimulus, Temperament};
 use crate::reference::exact::{hash_u32, unit_f32};
 
-/// Events of the case, two elements each: going on, exactly now, just over, not begun, calming.
+/// Events of the case: going on, exactly now, just over, not begun, calming.
 const EVENTS: usize = 5;
 
 /// [`super::step::crowd`] with feelings of every kind: at the ends of their range, of people who show or catch nothing,
@@ -48,46 +48,59 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
             2 => character = [1.0; 4],
             _ => {}
         }
-        store.temperament.extend([weights(8), character]);
+        let [expressiveness, openness, amplification, bias] = character;
+        let rest = weights(8);
+        store.temperament.push(Temperament { rest, expressiveness, openness, amplification, bias });
         let ratio = if i % 9 == 4 { 0.0 } else { 1.5 };
-        store.paces.extend([
-            [12, 13, 14, 15].map(|lane| 0.6 + unit(i, lane)),
-            [16, 17, 18, 19].map(|lane| 0.9 + 0.6 * unit(i, lane)),
-            [ratio, 1.8, 0.0, 0.0],
-        ]);
-        store.appearance.push([(i as u32 % 6) << 8 | 1 << 16, 1.0_f32.to_bits(), 0, 0]);
+        store.paces.push(Paces {
+            preferred_speeds: [12, 13, 14, 15].map(|lane| 0.6 + unit(i, lane)),
+            stride_travels: [16, 17, 18, 19].map(|lane| 0.9 + 0.6 * unit(i, lane)),
+            max_speed_factor: ratio,
+            max_speed: 1.8,
+            ..Paces::default()
+        });
+        store.appearance.push(Appearance::new(0, i as u32 % 6, true, 1.0, [0; 4]));
         store.gait_weights.push([0.25; 4]);
         store.gaits.push([0; 4]);
-        if store.avoidance[i][3] >= LED {
+        if store.avoidance[i].is_led() {
             let (first, count) = (store.keyframes.len() as u32, [3, 0, 1, 4][i / 64 % 4]);
             let start = now * store.step.time_step - 2.0 * unit(i, 20);
             for k in 0..count {
                 let at = |lane: u32| 8.0 * unit(i, lane + 2 * k);
-                store.keyframes.push([start + k as f32, at(21), at(22), 0.0]);
+                store.keyframes.push(Keyframe { time: start + k as f32, x: at(21), z: at(22), unused: 0.0 });
             }
-            store.paths.push([i as u32, first, count, 0]);
+            store.paths.push(Path { agent: i as u32, first_keyframe: first, keyframes: count, unused: 0 });
         }
     }
     store.step.path_count = store.paths.len() as u32;
     // A spare path stands behind the last one. It must lead no agent.
-    if let Some([_, first, count, _]) = store.paths.iter().copied().find(|path| path[2] > 1) {
-        store.paths.extend([[0, first, count, 0]; 2]);
+    if let Some(path) = store.paths.iter().copied().find(|path| path.keyframes > 1) {
+        store.paths.extend([Path { agent: 0, ..path }; 2]);
     }
     let at = if agents > 0 && store.position[0][0] < 1e6 { store.position[0] } else { [1.0, 1.0] };
     let times = [[-10.0, 10.0], [0.0, 1.0], [-10.0, 0.0], [1.0, 20.0], [-100.0, 900.0]];
     for (i, [first, end]) in times.into_iter().enumerate() {
         let place = if i == 0 { at } else { [5.0 * unit(i, 40), 5.0 * unit(i, 41)] };
-        store.stimuli.push([place[0], place[1], 4.0 + i as f32, 1.0 - 0.2 * i as f32]);
-        store.stimuli.push([[1.0, 0.0, 2.0, 1.0, 3.0][i], now + first, now + end, 0.0]);
+        store.stimuli.push(Stimulus {
+            place,
+            radius: 4.0 + i as f32,
+            strength: 1.0 - 0.2 * i as f32,
+            emotion: [1.0, 0.0, 2.0, 1.0, 3.0][i],
+            first_step: now + first,
+            end_step: now + end,
+            unused: 0.0,
+        });
     }
     // those whose row has no turn keep what they heard before
-    store.heard = (0..agents).map(|i| [50, 51, 52, 53].map(|lane| unit(i, lane))).collect();
-    store.heard.extend([[f32::NAN; 4]; 3]);
+    let before =
+        |i| Heard { strength: unit(i, 50), happy: unit(i, 51), angry: unit(i, 52), sad: unit(i, 53) };
+    store.heard = (0..agents).map(before).collect();
+    store.heard.extend([nan::<Heard>(); 3]);
     for _ in 0..3 {
         store.feeling.push([f32::NAN; 4]);
-        store.temperament.extend([[f32::NAN; 4]; 2]);
-        store.paces.extend([[f32::NAN; 4]; 3]);
-        store.appearance.push([0; 4]);
+        store.temperament.push(nan());
+        store.paces.push(nan());
+        store.appearance.push(Appearance::default());
         store.gait_weights.push([f32::NAN; 4]);
     }
 }

@@ -2,6 +2,7 @@
 //! must be refused.
 
 use crate::kernels::gait_features::index::ROW;
+use crate::kernels::layout::GaitEntry;
 use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 
@@ -30,14 +31,14 @@ pub fn gaits(gaits: usize, seed: u32) -> Store {
             }
         }
         // a range that leaves the buffer, no frames at all, a position, rate or speed that is no number
-        let range = match kind {
-            2 if seed % 2 == 1 => [first, u32::MAX],
-            3 if seed % 2 == 1 => [first, 0],
-            _ => [first, count],
+        let frames = match kind {
+            2 if seed % 2 == 1 => u32::MAX,
+            3 if seed % 2 == 1 => 0,
+            _ => count,
         };
         let rate = if kind == 4 && seed % 2 == 1 { 0.0 } else { 20.0 + 60.0 * random(1) };
         let speed = if kind == 5 && seed % 2 == 1 { f32::NAN } else { 2.0 * random(2) };
-        store.gait_table.push([range[0], range[1], rate.to_bits(), speed.to_bits()]);
+        store.gait_table.push(GaitEntry { first_frame: first, frames, rate, speed });
         if kind == 6 && seed % 2 == 1 {
             let at = store.gait_frames.len() - 5;
             store.gait_frames[at] = [0.1, f32::NAN, 0.2, 0.0];

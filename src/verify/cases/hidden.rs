@@ -70,7 +70,7 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
     store.sight.fewest = [2, judged + 1, judged, 2, u32::MAX][seed as usize % 5];
     // heads just as high as the eye may look down on
     for agent in (0..agents).step_by(9) {
-        let head = 1.75 * f32::from_bits(store.appearance[agent][1]);
+        let head = 1.75 * store.appearance[agent].scale;
         store.elevation[agent] = store.sight.eye_height - head - 0.3;
     }
     let tiles = (2 * columns * rows) as usize;

@@ -3,8 +3,8 @@
 use super::step::crowd;
 use super::unit;
 use crate::kernels::Store;
+use crate::kernels::layout::{Aim, Route, Source, Stage};
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::kernels::shared::stages::{EXIT, GOAL, QUEUE, WAITING, WAYPOINT};
 
 /// Kinds of the stages, in turn; the last one of every journey may be an exit.
@@ -20,12 +20,12 @@ pub fn journeys(agents: usize, seed: u32) -> Store {
     stages(&mut store, side, seed);
     for agent in 0..agents {
         let u = |lane| unit(seed, agent, lane);
-        let loops = u32::from(u(21) < 0.3) << 31;
+        let loops = u(21) < 0.3;
         let next = (u(22) * 6.0) as u32; // 5: all done
-        store.route[agent] = [5 * (agent as u32 % 7), 5 | loops, next, 0];
+        store.route[agent] = Route::new(5 * (agent as u32 % 7), 5, loops, next);
         let arrived = u(23) * (store.step.step_index + 2) as f32;
         store.stage_progress[agent] = if u(24) < 0.5 { 0 } else { arrived as u32 };
-        store.aim[agent] = [0.0; 4];
+        store.aim[agent] = Aim::default();
     }
     sources(&mut store, agents, side, seed);
     queues(&mut store, agents, seed);
@@ -45,17 +45,18 @@ fn queues(store: &mut Store, agents: usize, seed: u32) {
         let joins = if agents == 0 { NOBODY } else { joins };
         let is_served = u32::from(u(7) < 0.5);
         store.queues.extend([joins, first, first + length, is_served, served, places, service, 0]);
-        let stage = (5 * queue + 3) * STAGE_STRIDE;
-        store.stages[stage + 1] = [u(8) - 0.5, u(9) - 0.5, places as f32, queue as f32];
+        let stage = &mut store.stages[5 * queue + 3];
+        stage.along = [u(8) - 0.5, u(9) - 0.5];
+        stage.across = [places as f32, queue as f32];
+        let [counter_x, counter_z] = stage.place;
         // of those on their way to the queue: some with a ticket behind, some at the counter, some in the line, some without
-        let mine = (0..agents).filter(|agent| agent % 7 == queue && store.route[*agent][2] == 3);
+        let mine = (0..agents).filter(|agent| agent % 7 == queue && store.route[*agent].next == 3);
         let in_line: Vec<usize> = mine.collect();
         for (k, agent) in in_line.into_iter().enumerate() {
             store.stage_progress[agent] =
                 if k % 3 == 0 { 0 } else { first + 1 + k as u32 % 4 - u32::from(k % 8 == 7) };
             if k % 4 == 0 && store.position[agent][0] < 1e8 {
-                let counter = store.stages[stage];
-                store.position[agent] = [counter[0] + 0.05, counter[1]];
+                store.position[agent] = [counter_x + 0.05, counter_z];
             }
         }
     }
@@ -72,24 +73,31 @@ fn stages(store: &mut Store, side: f32, seed: u32) {
         let kind = if stage % 5 == 4 && stage > 20 { GOAL } else { KINDS[stage % 5] };
         let wait = (u(5) * 8.0).floor();
         let until = if u(6) < 0.5 { 0.0 } else { store.step.step_index as f32 - 1.0 + (u(7) * 3.0).floor() };
-        let parts: [[f32; 4]; STAGE_STRIDE] = [
-            [u(0) * side, u(1) * side, 0.3 + 2.0 * u(11), kind],
-            [long * turn, long * (1.0 - turn), wide * (turn - 1.0), wide * turn],
-            [-1.0, wait, until.max(0.0), stage as f32],
-            // some on a floor, and those on another storey do not come to them
-            [3.0, (u(10) * 1.5).floor(), 0.0, 0.0],
-        ];
-        store.stages.extend(parts);
+        store.stages.push(Stage {
+            place: [u(0) * side, u(1) * side],
+            radius: 0.3 + 2.0 * u(11),
+            kind,
+            along: [long * turn, long * (1.0 - turn)],
+            across: [wide * (turn - 1.0), wide * turn],
+            field: -1.0,
+            least_wait: wait,
+            first_leave: until.max(0.0),
+            number: stage as f32,
+            // some on a floor, and agents on another storey do not come to them
+            elevation: 3.0,
+            has_elevation: (u(10) * 1.5).floor(),
+            ..Stage::default()
+        });
     }
 }
 
 /// The last third of the agents belongs to the sources, and is outside.
 fn sources(store: &mut Store, agents: usize, side: f32, seed: u32) {
     store.step.source_count = SOURCES as u32;
-    store.sources = vec![0; SOURCES * 8];
+    store.sources = vec![Source::default(); SOURCES];
     store.source_places.clear();
     let each = agents / (3 * SOURCES);
-    let widest = store.body[..agents].iter().map(|body| body[0]).fold(0.0, f32::max);
+    let widest = store.body[..agents].iter().map(|body| body.radius).fold(0.0, f32::max);
     for source in 0..SOURCES {
         let first = agents - (SOURCES - source) * each;
         let places = if source == 4 { 0 } else { 3 + 10 * source };
@@ -105,9 +113,15 @@ fn sources(store: &mut Store, agents: usize, side: f32, seed: u32) {
         }
         let let_in = if source == 3 { each } else { 0 };
         let word = |value: usize| value as u32;
-        let record =
-            [word(begin), word(places), word(first), word(each), word(let_in), widest.to_bits(), 0, 0];
-        store.sources[source * 8..source * 8 + 8].copy_from_slice(&record);
+        store.sources[source] = Source {
+            first_place: word(begin),
+            places: word(places),
+            first_agent: word(first),
+            agents: word(each),
+            entered: word(let_in),
+            widest,
+            ..Source::default()
+        };
         for agent in first + let_in..first + each {
             store.position[agent] = [ABSENT; 2];
             store.velocity[agent] = [0.0; 2];

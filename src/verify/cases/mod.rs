@@ -20,6 +20,7 @@ pub mod step;
 use crate::kernels::{Dispatch, KernelId, Phase, Store};
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::order;
+use bytemuck::Pod;
 
 /// Inputs, and what is run on them.
 #[derive(Debug, Clone)]
@@ -30,6 +31,18 @@ pub struct Case {
     pub store: Store,
     /// The dispatches, in order.
     pub dispatches: Vec<Dispatch>,
+}
+
+/// An element whose words are all the same bits.
+fn filled<T: Pod>(word: u32) -> T {
+    let mut element = T::zeroed();
+    bytemuck::cast_slice_mut(std::slice::from_mut(&mut element)).fill(word);
+    element
+}
+
+/// An element without a number in it.
+fn nan<T: Pod>() -> T {
+    filled(f32::NAN.to_bits())
 }
 
 impl Case {
@@ -155,8 +168,8 @@ mod tests {
         assert_eq!(different(&|store| store.step.grid_origin[0]), 8);
         assert_eq!(different(&|store| store.step.user_radius), 8);
         assert_eq!(different(&|store| store.step.wrap), 5, "half of them have none");
-        assert_eq!(different(&|store| store.body[40][0]), 8);
-        assert_eq!(different(&|store| store.stages[0][2]), 8, "a waypoint's radius");
+        assert_eq!(different(&|store| store.body[40].radius), 8);
+        assert_eq!(different(&|store| store.stages[0].radius), 8, "a waypoint's radius");
         let frames: BTreeSet<_> =
             (8..16).map(|seed| animation::animation(1, seed).frame.frame_time.to_bits()).collect();
         assert_eq!(frames.len(), 8);
@@ -190,6 +203,9 @@ mod tests {
         }
         assert!(store.feeling != before && store.waiting != waiting);
         assert!(store.companions.iter().any(|others| others[0] != crate::kernels::shared::absent::NOBODY));
-        assert!(store.route.iter().any(|route| route[2] > 0) && store.sources.iter().any(|word| *word > 0));
+        assert!(
+            store.route.iter().any(|route| route.next > 0)
+                && store.sources.iter().any(|source| source.entered > 0)
+        );
     }
 }

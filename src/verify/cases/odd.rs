@@ -2,6 +2,7 @@
 //! places to come in at that are nearly free, throngs.
 
 use super::{Case, unit};
+use crate::kernels::layout::{Segment, Source};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::{KernelId, Store};
 use crate::sim::obstacles::{cell_lists, segments};
@@ -52,12 +53,12 @@ fn walls(agents: usize, seed: u32) -> Store {
     let all = segments(&solids);
     store.step.obstacle_count = all.len() as u32;
     store.obstacle_cells = cell_lists(&all, &store.step, 3.0);
-    store.obstacles = all.into_iter().flatten().collect();
+    store.obstacles = all;
     let segments = store.step.obstacle_count as usize;
     for agent in 0..agents {
         let u = |lane: u32| unit(seed, agent, 70 + lane);
-        let [ax, az, bx, bz] = store.obstacles[agent % segments * 3];
-        let [along_x, along_z, ..] = store.obstacles[agent % segments * 3 + 1];
+        let Segment { a: [ax, az], b: [bx, bz], along: [along_x, along_z], .. } =
+            store.obstacles[agent % segments];
         let at = [0.0, 1.0, 1.3 * u(0) - 0.15][agent % 3];
         let away = [0.04 * u(1) - 0.01, 0.3 * u(1) - 0.03, 0.01][agent / 3 % 3];
         store.position[agent] = [ax + (bx - ax) * at + along_z * away, az + (bz - az) * at - along_x * away];
@@ -77,8 +78,7 @@ fn walls(agents: usize, seed: u32) -> Store {
         // where nobody is nothing may happen, though there be numbers
         let is_empty = slot >= agents || store.slot_agent[slot] == NOBODY;
         if is_empty && agents > 0 {
-            store.slot_motion[2 * slot] = store.slot_motion[0];
-            store.slot_motion[2 * slot + 1] = store.slot_motion[1];
+            store.slot_motion[slot] = store.slot_motion[0];
         }
     }
     store
@@ -101,21 +101,20 @@ fn places(agents: usize, seed: u32) -> Store {
             let (near, radius) = if place % 4 == 0 {
                 (store.step.user_position, store.step.user_radius)
             } else {
-                (store.position[other], store.body[other][0])
+                (store.position[other], store.body[other].radius)
             };
-            let away = store.body[source][0]
+            let away = store.body[source].radius
                 + radius
                 + 0.1
                 + [0.0, 0.02 * v(2) - 0.01, v(2) - 0.4][place as usize % 3];
             let (sine, cosine) = libm::sincosf(std::f32::consts::TAU * v(1));
             store.source_places.push([near[0] + away * sine, near[1] + away * cosine]);
         }
-        let widest = 0.42_f32;
-        store.sources.extend([begin, count, source as u32, 1, 0, widest.to_bits(), 0, 0]);
+        store.sources.push(one_agent(begin, count, source as u32));
         store.entry[source] = store.step.step_index + (u(1) * 3.0) as u32;
     }
     store.source_places.push([f32::NAN; 2]);
-    store.sources.extend([0; 8]);
+    store.sources.push(Source::default());
     store
 }
 
@@ -130,16 +129,18 @@ fn throngs(seed: u32) -> Store {
     for agent in 0..=2 * MOST {
         store.position[agent] = if agent < MOST { [2.0, 2.0] } else { [34.0, 2.0] };
     }
-    store.avoidance.iter_mut().for_each(|manners| manners[3] = 0.0); // nobody is led, and keeps more clear
+    store.avoidance.iter_mut().for_each(|own| own.priority = 0.0); // no agent is led, and keeps more clear
     store.cell_start = vec![0; 101];
     store.cell_counts = vec![0; 100];
     store.run_sums = vec![0; 2];
-    store.sources = [[0, 1, 0, 1, 0], [1, 1, MOST as u32, 1, 0]]
-        .iter()
-        .flat_map(|source| source.iter().copied().chain([0.42_f32.to_bits(), 0, 0]))
-        .collect();
+    store.sources = vec![one_agent(0, 1, 0), one_agent(1, 1, MOST as u32)];
     store.source_places = vec![[2.0, 3.2], [34.0, 3.2]];
     store
+}
+
+/// A source of one agent.
+fn one_agent(first_place: u32, places: u32, first_agent: u32) -> Source {
+    Source { first_place, places, first_agent, agents: 1, widest: 0.42, ..Source::default() }
 }
 
 #[cfg(test)]
@@ -153,6 +154,6 @@ mod tests {
         for dispatch in case.dispatches {
             crate::reference::run(dispatch.phase, &mut store, dispatch.immediate);
         }
-        assert_eq!([store.sources[4], store.sources[12]], [1, 0]);
+        assert_eq!([store.sources[0].entered, store.sources[1].entered], [1, 0]);
     }
 }

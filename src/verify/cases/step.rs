@@ -1,18 +1,18 @@
 //! Crowds for the kernels of a simulation step.
 
-use super::unit;
-use crate::kernels::layout::StepUniforms;
+use super::{nan, unit};
+use crate::kernels::layout::{
+    Body, Lead, Route, SlotAvoidance, Source, Stage, Stance, StepUniforms, Teleport, Waiting,
+};
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
-use crate::kernels::shared::stages::index::STAGE_STRIDE;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::hash_u32;
-use crate::reference::stages::waypoint;
 use crate::sim::flow::{Goal, Settings, lay};
 use crate::sim::obstacles::{at_heights, cell_lists, segments};
 use crate::sim::order;
-use crate::sim::setup::{join, manners};
+use crate::sim::setup::{avoidance, join};
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
 /// head-on, on a lattice (equal distances), outside the bounds, at rest, a dense knot, obstacles with convex and
@@ -23,10 +23,18 @@ pub fn crowd(agents: usize, seed: u32) -> Store {
     agent_arrays(&mut store, agents, side, seed);
     let half = 0.5 * side;
     store.teleports = vec![
-        [0.3 * half, 0.0, half, 0.9 * side],
-        [half, 0.0, side, half],
-        [half, 0.4 * side, side, side],
-        [1.0; 4],
+        Teleport {
+            from_low: [0.3 * half, 0.0],
+            from_high: [half, 0.9 * side],
+            to_low: [half, 0.0],
+            to_high: [side, half],
+        },
+        Teleport {
+            from_low: [half, 0.4 * side],
+            from_high: [side, side],
+            to_low: [1.0; 2],
+            to_high: [1.0; 2],
+        },
     ];
     store.step.teleport_count = 2;
     groups(&mut store, agents, seed);
@@ -89,9 +97,9 @@ fn uniforms(agent_count: u32, side: f32, seed: u32) -> StepUniforms {
 
 /// Fields to some of the stages, round the solids.
 fn ways(store: &mut Store) {
-    let at = |stage: usize| store.stages[stage * STAGE_STRIDE];
-    let goals: Vec<Goal> = (0..3)
-        .map(|stage| Goal { center: [at(stage)[0], at(stage)[1]].into(), radius: 5.0, ..Goal::default() })
+    let goals: Vec<Goal> = store.stages[..3]
+        .iter()
+        .map(|stage| Goal { center: stage.place.into(), radius: 5.0, ..Goal::default() })
         .collect();
     let mut outlines: Vec<Vec<[f32; 2]>> = solids(store.step.user_position[0] * 2.0).to_vec();
     // a wall that some have to walk round
@@ -115,9 +123,9 @@ fn ways(store: &mut Store) {
     if grid.rows > 1 && store.step.agent_count % 2 == 1 {
         store.flow_grid.sheet_rows = grid.rows / 2;
     }
-    for stage in 0..store.stages.len() / STAGE_STRIDE {
+    for (number, stage) in store.stages.iter_mut().enumerate() {
         // the fourth is a field that is not there
-        store.stages[stage * STAGE_STRIDE + 2][0] = (stage % 5) as f32 - 1.0;
+        stage.field = (number % 5) as f32 - 1.0;
     }
 }
 
@@ -151,49 +159,53 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.position.push(position);
         store.velocity.push(velocity);
         let preferred_speed = 0.6 + u(6);
-        store.body.push([0.12 + 0.3 * u(7), preferred_speed * 1.5, preferred_speed, 0.9 + 0.6 * u(8)]);
+        store.body.push(Body {
+            radius: 0.12 + 0.3 * u(7),
+            max_speed: preferred_speed * 1.5,
+            preferred_speed,
+            stride_travel: 0.9 + 0.6 * u(8),
+        });
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
         // led from outside: there, leaving, appearing, standing; and some who stay absent
         let is_led = i % 128 == 7 || i % 64 == 38;
         let priority = if is_led { LED } else { (u(15) * 3.0).floor() * 0.5 };
         let speed = if i % 256 == 38 { 0.02 } else { 3.0 };
-        let target = if (i / 64) % 4 == 3 { [ABSENT; 2] } else { [u(20) * side, u(21) * side] };
+        let place = if (i / 64) % 4 == 3 { [ABSENT; 2] } else { [u(20) * side, u(21) * side] };
         // taken away from two boxes, in which many stand and many do not
         store.teleport_of.push(if i % 16 == 9 { u32::from(i % 64 == 9) } else { NOBODY });
-        store.lead.push([target[0], target[1], (u(22) - 0.5) * speed, (u(23) - 0.5) * speed]);
+        store.lead.push(Lead { place, velocity: [(u(22) - 0.5) * speed, (u(23) - 0.5) * speed] });
         store.step.led_count += u32::from(is_led);
-        store.avoidance.push(manners(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
+        store.avoidance.push(avoidance(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.reaction.push(if i % 32 == 9 { (u(21) * 16.0) as u32 } else { 0 });
-        store.stance.push([u(9) * 6.2 - 3.1, u(10)]);
+        store.stance.push(Stance { heading: u(9) * 6.2 - 3.1, walk_weight: u(10) });
         store.phase.push(hash_u32(seed ^ i as u32));
-        let loops = u32::from(u(11) < 0.5) << 31;
-        store.route.push([(i as u32 % 5) * 3, 3 | loops, i as u32 % 4, 0]);
+        store.route.push(Route::new((i as u32 % 5) * 3, 3, u(11) < 0.5, i as u32 % 4));
     }
     for w in 0..15 {
-        store.stages.extend(waypoint(
-            unit(seed, w, 12) * side,
-            unit(seed, w, 13) * side,
-            0.3 + 2.0 * unit(seed, w, 14),
-        ));
+        let place = [unit(seed, w, 12) * side, unit(seed, w, 13) * side];
+        store.stages.push(Stage::waypoint(place, 0.3 + 2.0 * unit(seed, w, 14)));
     }
     for spare in 0..3 {
         // the first is like an agent, so that what is done to it shows; what reads the others is not a number
         let like = (spare == 0 && agents > 0).then_some(agents / 2);
-        let of = |buffer: &[[f32; 4]]| like.map_or([f32::NAN; 4], |agent| buffer[agent]);
-        let of_two = |buffer: &[[f32; 2]]| like.map_or([f32::NAN; 2], |agent| buffer[agent]);
         store.position.push(like.map_or([f32::NAN; 2], |_| [0.5 * side; 2]));
-        store.velocity.push(of_two(&store.velocity));
-        store.body.push(of(&store.body));
-        store.avoidance.push(of(&store.avoidance));
+        store.velocity.push(of(&store.velocity, like));
+        store.body.push(of(&store.body, like));
+        store.avoidance.push(of(&store.avoidance, like));
         store.elevation.push(like.map_or(f32::NAN, |_| 0.5));
-        store.lead.push(of(&store.lead));
+        store.lead.push(of(&store.lead, like));
         store.reaction.push(u32::MAX);
         store.teleport_of.push(0);
-        store.stance.push(of_two(&store.stance));
+        store.stance.push(of(&store.stance, like));
         store.phase.push(0);
-        store.route.push([0, 3, 0, 0]);
+        store.route.push(Route::new(0, 3, false, 0));
     }
+}
+
+/// The element of an agent; without one no number.
+fn of<T: bytemuck::Pod>(buffer: &[T], agent: Option<usize>) -> T {
+    agent.map_or_else(nan, |agent| buffer[agent])
 }
 
 /// Groups of one to five, of which some are absent, at one point, or farther along the route.
@@ -245,13 +257,13 @@ fn obstacles(store: &mut Store, side: f32) {
     segments[4..].iter_mut().for_each(|segment| *segment = at_heights(*segment, 2.1, 3.4));
     store.step.obstacle_count = segments.len() as u32;
     store.obstacle_cells = cell_lists(&segments, &store.step, 3.0);
-    store.obstacles = segments.into_iter().flatten().collect();
+    store.obstacles = segments;
 }
 
 /// Some wait, some longer than they like, some follow a wall to either side, nearer to their goal than before or not.
-fn waiting(agent: usize) -> [f32; 4] {
+fn waiting(agent: usize) -> Waiting {
     let u = |lane| unit(77, agent, lane);
-    [u(0), u(1) - 0.5, (u(2) * 3.0).floor() - 1.0, 0.0]
+    Waiting { stuck: u(0), lost: u(1) - 0.5, side: (u(2) * 3.0).floor() - 1.0, unused: 0.0 }
 }
 
 /// Everything a step writes before it reads, with NaN where nothing may read.
@@ -265,24 +277,24 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.agent_slot = vec![0; spare];
     // what is left of another step
     store.unsolved = vec![1_000_000; spare + 4];
-    store.slot_avoidance = vec![[0; 4]; spare];
-    store.slot_motion = vec![[f32::NAN; 4]; spare * 2];
+    store.slot_avoidance = vec![SlotAvoidance::default(); spare];
+    store.slot_motion = vec![nan(); spare];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
-    store.aim = vec![[f32::NAN; 4]; spare];
+    store.aim = vec![nan(); spare];
     store.stage_progress = vec![0; spare];
     store.entry = vec![0; spare];
     store.queues = vec![0; 8];
-    store.sources = vec![0; 8];
+    store.sources = vec![Source::default()];
     store.source_places = vec![[f32::NAN; 2]];
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     store.teleport_of.resize(spare, NOBODY);
     if store.teleports.is_empty() {
-        store.teleports.push([0.0; 4]);
+        store.teleports.push(Teleport::default());
     }
     if store.lead.is_empty() {
-        store.lead.push([0.0; 4]);
+        store.lead.push(Lead::default());
     }
     crate::sim::flow::clear(store);
 }

@@ -9,9 +9,6 @@ use crate::reference::gaze::user_in_model;
 use crate::scenario::Scenario;
 use crate::sim::measure::{Hash, state_hash};
 
-/// In `look`: the agent looks at the user at times.
-const GAZES: u32 = 1 << 16;
-
 /// A hash of a session: of everything in the header, of what the user did in every step, of what the gaze of the crowd is
 /// made from in every step, and of the crowd's state.
 ///
@@ -51,15 +48,15 @@ impl SessionHash {
     fn gaze(&mut self, head: [f32; 3], crowd: &Store) {
         let range = RANGE + RANGE_HYSTERESIS;
         for agent in 0..crowd.step.agent_count as usize {
-            let (look, [x, z]) = (crowd.appearance[agent], crowd.position[agent]);
+            let (own, [x, z]) = (crowd.appearance[agent], crowd.position[agent]);
             let away = [head[0] - x, head[2] - z];
             let is_near = self.sees_far || away[0] * away[0] + away[1] * away[1] < range * range;
-            if look[0] & GAZES != 0 && is_near {
-                let scale = f32::from_bits(look[1]);
-                let mut seen = user_in_model(head, [x, z], crowd.stance[agent][0], scale);
+            if own.gazes() && is_near {
+                let scale = own.scale;
+                let mut seen = user_in_model(head, [x, z], crowd.stance[agent].heading, scale);
                 seen[1] -= crowd.elevation[agent] / scale;
                 #[allow(clippy::cast_possible_truncation, reason = "at most a million agents")]
-                self.hash.add(bytemuck::cast_slice(&[agent as u32, look[0]]));
+                self.hash.add(bytemuck::cast_slice(&[agent as u32, own.traits]));
                 self.hash.add(bytemuck::cast_slice(&seen));
             }
         }

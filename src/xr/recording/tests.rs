@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used, reason = "a test")]
 
 use super::*;
-use crate::kernels::layout::StepUniforms;
+use crate::kernels::layout::{Appearance, Body, Route, Stance, StepUniforms, Waiting};
 
 fn session() -> Session {
     Session {
@@ -25,12 +25,12 @@ fn crowd(gazes: bool) -> Store {
         step: StepUniforms { agent_count: 1, ..StepUniforms::default() },
         position: vec![[1.0, 2.0]],
         velocity: vec![[0.0; 2]],
-        stance: vec![[0.5, 1.0]],
+        stance: vec![Stance { heading: 0.5, walk_weight: 1.0 }],
         phase: vec![0],
-        route: vec![[0; 4]],
-        waiting: vec![[0.0; 4]],
+        route: vec![Route::default()],
+        waiting: vec![Waiting::default()],
         elevation: vec![0.0],
-        appearance: vec![[u32::from(gazes) << 16, 1.0_f32.to_bits(), 0, 0]],
+        appearance: vec![Appearance::new(0, 0, gazes, 1.0, [0; 4])],
         ..Store::default()
     }
 }
@@ -224,6 +224,7 @@ fn each_hash_of_the_header_tells_when_what_it_is_of_changes() {
     let start = crowd(true);
     assert_eq!(hash_start(&start), hash_start(&crowd(true)));
     assert_ne!(hash_start(&start), hash_start(&crowd(false)));
-    let faster = Store { body: vec![[0.25, 2.0, 1.4, 0.0]], ..crowd(true) };
+    let body = Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.4, stride_travel: 0.0 };
+    let faster = Store { body: vec![body], ..crowd(true) };
     assert_ne!(hash_start(&start), hash_start(&faster));
 }

@@ -58,14 +58,16 @@ fn arrive(scenario: &Scenario, most: f64) -> (f64, f32, Store) {
         let store = simulation.state().unwrap();
         let here = store.elevation.iter().zip(&store.position).filter(|(_, at)| at[0] < 1e8);
         highest = here.map(|(elevation, _)| *elevation).fold(highest, f32::max);
-        if store.route.iter().all(|route| route[3] > 0) {
+        if store.route.iter().all(|route| route.arrivals > 0) {
             return (time, highest, store.clone());
         }
     }
     let store = simulation.state().unwrap();
     let late: Vec<String> = (store.position.iter().zip(&store.elevation).zip(&store.route))
-        .filter(|(_, route)| route[3] == 0)
-        .map(|((at, elevation), route)| format!("{at:?} {elevation} m high on the way to stage {}", route[2]))
+        .filter(|(_, route)| route.arrivals == 0)
+        .map(|((at, elevation), route)| {
+            format!("{at:?} {elevation} m high on the way to stage {}", route.next)
+        })
         .collect();
     panic!("after {most} s on their way: {}", late.join("; "));
 }

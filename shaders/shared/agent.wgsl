@@ -1,0 +1,152 @@
+// What buffers hold of each agent, [agent], and of each slot of the grid, [slot]. The Rust twins are in kernels::layout.
+
+// Buffer `body`.
+struct Body {
+    radius: f32,          // m
+    max_speed: f32,       // m/s
+    preferred_speed: f32, // m/s, alone and unhindered
+    stride_travel: f32,   // m that one stride covers
+}
+
+// Buffer `avoidance`: whom an agent avoids, and how far ahead.
+struct Avoidance {
+    inverse_time_horizon: f32, // 1/s; of an agent led from outside its comfort distance instead, m
+    neighbour_distance: f32,   // m
+    neighbour_cap: f32,        // most neighbours
+    priority: f32,             // from LED on the agent is led from outside
+}
+
+// Buffer `stance`.
+struct Stance {
+    heading: f32,     // about +y, rad; 0 faces +z
+    walk_weight: f32, // 0 stands, 1 walks
+}
+
+// Buffer `appearance`.
+struct Appearance {
+    traits: u32,         // bits: avatar (8), emotion (8), gazes (1), has no body (1)
+    scale: f32,          // size of the body over its avatar's
+    skin_and_hair: u32,  // colours of five, six and five bits
+    top_and_bottom: u32, // colours of five, six and five bits
+}
+
+// Number of the avatar.
+fn avatar_of(own: Appearance) -> u32 {
+    return own.traits & 255u;
+}
+
+// The emotion that is shown: 0 happy, 1 angry, 2 sad, 3 neutral.
+fn emotion_of(own: Appearance) -> u32 {
+    return (own.traits >> 8u) & 255u;
+}
+
+// Skin and hair, top and bottom.
+fn colors_of(own: Appearance) -> vec2<u32> {
+    return vec2<u32>(own.skin_and_hair, own.top_and_bottom);
+}
+
+// Whether it may look at the user.
+fn gazes(own: Appearance) -> bool {
+    return ((own.traits >> 16u) & 1u) == 1u;
+}
+
+// Whether it has no body to draw.
+fn is_bodiless(own: Appearance) -> bool {
+    return ((own.traits >> 17u) & 1u) == 1u;
+}
+
+// Traits with another emotion.
+fn with_emotion(traits: u32, emotion: u32) -> u32 {
+    return (traits & 0xffff00ffu) | (emotion << 8u);
+}
+
+// Buffer `route`: where an agent is on its journey.
+struct Route {
+    first: u32,            // number of its first stage
+    length_and_loops: u32, // stages; the highest bit: the journey begins again after the last one
+    next: u32,             // stage that it walks to, from its first
+    arrivals: u32,         // times that it came to the last one
+}
+
+fn route_length(route: Route) -> u32 {
+    return route.length_and_loops & 0x7fffffffu;
+}
+
+fn route_loops(route: Route) -> bool {
+    return (route.length_and_loops >> 31u) == 1u;
+}
+
+// Buffer `aim`: what an agent walks to.
+struct Aim {
+    place: vec2<f32>, // m
+    how: f32,         // PASS, STOP, or above 0 the distance within which it stands, m (stages.wgsl)
+    field: f32,       // number of the flow field that leads there, or -1
+}
+
+// Buffer `slot_avoidance`: what searches for neighbours read.
+struct SlotAvoidance {
+    agent: u32,                // NOBODY: the slot is empty
+    inverse_time_horizon: f32, // 1/s
+    neighbour_distance: f32,   // m
+    limits: u32,               // neighbour cap, LED_BIT, group << GROUP_SHIFT
+}
+
+// Buffer `slot_motion`: what neighbours read.
+struct SlotMotion {
+    position: vec2<f32>, // m
+    velocity: vec2<f32>, // m/s
+    radius: f32,         // m, with the comfort distance of an agent led from outside
+    max_speed: f32,      // m/s
+    priority: f32,       // with RAISE while it has the right of way
+    elevation: f32,      // m
+}
+
+// Buffer `waiting`: what `unjam` remembers.
+struct Waiting {
+    stuck: f32, // s without progress
+    lost: f32,  // m lost since it began to follow a wall
+    side: f32,  // of the wall that it follows, -1 or 1; 0: none
+    unused: f32,
+}
+
+// Buffer `lead`: where an agent led from outside is to be at the end of the step.
+struct Lead {
+    place: vec2<f32>,    // m; ABSENT: not there
+    velocity: vec2<f32>, // on appearing, m/s
+}
+
+// Buffer `paths`: an agent led along keyframes.
+struct Path {
+    agent: u32,
+    first_keyframe: u32,
+    keyframes: u32, // 0: led by hand
+    unused: u32,
+}
+
+// Buffer `keyframes`.
+struct Keyframe {
+    time: f32,  // s
+    x: f32,     // m
+    z: f32,     // m
+    unused: f32,
+}
+
+// Buffer `teleports`: from one box to the other.
+struct Teleport {
+    from_low: vec2<f32>,  // m
+    from_high: vec2<f32>, // m
+    to_low: vec2<f32>,    // m
+    to_high: vec2<f32>,   // m
+}
+
+// Buffer `sources`: where agents come in.
+struct Source {
+    first_place: u32, // of source_places
+    places: u32,
+    first_agent: u32,
+    agents: u32,
+    entered: u32, // agents let in so far
+    widest: f32,  // largest radius of the crowd, m
+    unused_a: u32,
+    unused_b: u32,
+}

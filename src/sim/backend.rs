@@ -1,0 +1,193 @@
+//! What runs a simulation's kernels: the references on the CPU, or an engine on a Vulkan device. Nothing else in this room
+//! tells them apart.
+
+#[cfg(not(feature = "vulkan"))]
+use super::Error;
+#[cfg(feature = "vulkan")]
+use super::order;
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Device, Engine, Validation};
+use crate::kernels::{BufferId, Op, Phase, Store};
+use crate::reference;
+#[cfg(feature = "vulkan")]
+use std::sync::Arc;
+use std::time::Instant;
+
+/// Where to simulate.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Backend {
+    /// The best Vulkan device; without one, the CPU, unless a device is named.
+    #[default]
+    Auto,
+    /// A Vulkan device or an error.
+    Vulkan,
+    /// The CPU: the reference kernels, on all cores.
+    Cpu,
+}
+
+impl Backend {
+    /// Whether the CPU takes over when Vulkan cannot be used: not where a device is named, by `device` or by the
+    /// environment variable `GAITWAY_DEVICE`.
+    pub fn falls_back(self, device: Option<&str>) -> bool {
+        #[cfg(feature = "vulkan")]
+        let is_named = crate::gpu::Wanted::of(device) != crate::gpu::Wanted::Best;
+        #[cfg(not(feature = "vulkan"))]
+        let is_named =
+            device.is_some() || std::env::var_os("GAITWAY_DEVICE").is_some_and(|name| !name.is_empty());
+        self == Self::Auto && !is_named
+    }
+}
+
+/// What runs the kernels.
+#[derive(Debug)]
+pub(super) enum Machine {
+    /// The reference kernels; the store is all the memory there is.
+    Cpu,
+    /// An engine, with buffers of its own beside the store.
+    #[cfg(feature = "vulkan")]
+    Vulkan(Box<Engine>),
+}
+
+impl Machine {
+    /// Opens what is asked for, with the buffers of `store`; and why the CPU is used although Vulkan was tried.
+    #[cfg(feature = "vulkan")]
+    pub(super) fn open(
+        store: &Store,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<(Self, Option<String>), crate::Error> {
+        if backend == Backend::Cpu {
+            return Ok((Self::Cpu, None));
+        }
+        let opened = Validation::from_environment()
+            .and_then(|validation| Device::open(device, validation))
+            .and_then(|device| Engine::new(&device, store, &order::kernels(store)));
+        match opened {
+            Ok(engine) => Ok((Self::Vulkan(Box::new(engine)), None)),
+            Err(error) if backend.falls_back(device) => Ok((Self::Cpu, Some(error.to_string()))),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Opens what is asked for: there is nothing but the CPU.
+    #[cfg(not(feature = "vulkan"))]
+    pub(super) fn open(
+        _: &Store,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<(Self, Option<String>), crate::Error> {
+        if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
+            return Err(Error::NoVulkan.into());
+        }
+        Ok((Self::Cpu, None))
+    }
+
+    /// On a Vulkan device that is open already, with these kernels.
+    #[cfg(feature = "vulkan")]
+    pub(super) fn on(
+        device: &Arc<Device>,
+        store: &Store,
+        kernels: &[crate::kernels::KernelId],
+    ) -> Result<Self, crate::Error> {
+        Ok(Self::Vulkan(Box::new(Engine::new(device, store, kernels)?)))
+    }
+
+    /// Whether the state is elsewhere than in the store after a run.
+    pub(super) const fn is_ahead(&self) -> bool {
+        !matches!(self, Self::Cpu)
+    }
+
+    /// Runs operations in their order. `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
+    /// Adds to `times` how long each phase ran, ms: by the device's timestamps, or by the clock.
+    pub(super) fn run(
+        &mut self,
+        store: &mut Store,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+        times: Option<&mut Vec<(Phase, f64)>>,
+    ) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => run_on_cpu(store, ops, contents, times),
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => {
+                let ran = engine.run(ops, contents, times.is_some())?;
+                if let Some(times) = times {
+                    times.extend(ran.iter().map(|time| (time.dispatch.phase, time.milliseconds)));
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Brings buffers into the store.
+    pub(super) fn fetch(&mut self, store: &mut Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => _ = (store, buffers),
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.download(store, buffers)?,
+        }
+        Ok(())
+    }
+
+    /// Takes over buffers of the store, whose lengths are as before.
+    pub(super) fn take(&mut self, store: &Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => _ = (store, buffers),
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.upload(store, buffers)?,
+        }
+        Ok(())
+    }
+
+    /// Takes over buffers of the store, of any length.
+    pub(super) fn replace(&mut self, store: &Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => _ = (store, buffers),
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.replace(store, buffers)?,
+        }
+        Ok(())
+    }
+
+    /// What it is, in words.
+    pub(super) fn describe(&self) -> String {
+        match self {
+            Self::Cpu => {
+                let threads = rayon::current_num_threads();
+                format!("CPU reference ({threads} thread{})", if threads == 1 { "" } else { "s" })
+            }
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.device().describe(),
+        }
+    }
+
+    /// The engine, if there is one.
+    #[cfg(feature = "vulkan")]
+    pub(super) fn engine(&self) -> Option<&Engine> {
+        match self {
+            Self::Cpu => None,
+            Self::Vulkan(engine) => Some(engine),
+        }
+    }
+}
+
+/// Runs operations on the reference kernels.
+fn run_on_cpu(
+    store: &mut Store,
+    ops: &[Op],
+    contents: impl Fn(usize, BufferId) -> Vec<u8>,
+    mut times: Option<&mut Vec<(Phase, f64)>>,
+) {
+    for (index, op) in ops.iter().enumerate() {
+        match *op {
+            Op::Set(buffer) => store.bytes_mut(buffer).copy_from_slice(&contents(index, buffer)),
+            Op::Dispatch(dispatch) => {
+                let begin = Instant::now();
+                reference::run(dispatch.phase, store, dispatch.immediate);
+                if let Some(times) = &mut times {
+                    times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
+                }
+            }
+        }
+    }
+}
