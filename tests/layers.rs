@@ -4,6 +4,9 @@
 //! Comments and strings do not count (documentation may name what comes later); a module's own unit
 //! tests do. What a test needs of several layers belongs in `tests/`.
 
+#[path = "layers/imports.rs"]
+mod imports;
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::io;

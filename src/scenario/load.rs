@@ -1,9 +1,10 @@
 //! Reading and writing scenario files, the built-in scenes, and finding the line of a wrong key.
 
+use super::builtin;
 use super::error::Error;
-use super::schema::{Condition, Scenario};
+use super::file::{Condition, Scenario};
+use super::place::Area;
 use super::setting::Setting;
-use super::walkable::Area;
 use crate::file;
 use crate::spelling::nearest;
 use std::borrow::Cow;
@@ -14,18 +15,10 @@ use toml::de::{DeTable, DeValue};
 /// Largest scenario file read, bytes.
 const MAX_FILE_BYTES: u64 = 64 << 20;
 
-/// The paper's four scenes (S-25) by name.
-const BUILTIN: [(&str, &str); 4] = [
-    ("crossing", include_str!("../../assets/scenes/crossing.toml")),
-    ("garden", include_str!("../../assets/scenes/garden.toml")),
-    ("parking", include_str!("../../assets/scenes/parking.toml")),
-    ("scifi", include_str!("../../assets/scenes/scifi.toml")),
-];
-
 impl Scenario {
     /// Names of the built-in scenes.
     pub fn builtin_names() -> [&'static str; 4] {
-        BUILTIN.map(|(name, _)| name)
+        builtin::BUILTIN.each_ref().map(|scene| scene.name)
     }
 
     /// A built-in scene by name (case does not matter): Crossing 8 agents, Garden 4, Parking 8, Scifi 4.
@@ -41,9 +34,10 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::builtin`] and [`Scenario::load_with`].
     pub fn builtin_with(name: &str, settings: &[Setting]) -> Result<Self, Error> {
-        match BUILTIN.iter().find(|(known, _)| known.eq_ignore_ascii_case(name)) {
-            Some((known, text)) => {
-                Source { text, origin: &format!("built-in scene {known}"), settings }.read(None)
+        match builtin::BUILTIN.iter().find(|scene| scene.name.eq_ignore_ascii_case(name)) {
+            Some(scene) => {
+                let origin = format!("built-in scene {}", scene.name);
+                Source { text: scene.toml, origin: &origin, settings }.read(None)
             }
             None => {
                 let known = Self::builtin_names();

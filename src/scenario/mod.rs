@@ -2,69 +2,41 @@
 //! and the start of every agent.
 //!
 //! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
-//! says where everything is; [`populate()`] fills it with agents as a [`crowd::Crowd`]; and
+//! says where everything is; [`populate()`] fills it with agents as a [`Crowd`]; and
 //! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
+//!
+//! The rooms, from left to right; each uses only those before it (`tests/layers/imports.rs`):
+//! `file` (what a scenario file says), `polygon`, `random` and `personality` (used by all that follow), `builtin` and `menge`
+//! (other origins of scenarios), `place` (geometry and scenery), `check` (ranges), `populate` (the agents), `load` (TOML).
 
-mod casting;
-mod clearance;
-mod companions;
-mod crossing;
-pub mod crowd;
-mod environment;
+mod builtin;
+mod check;
 mod error;
-mod feelings;
-mod floors;
-mod garden;
-mod gaze;
-mod journeys;
-mod lanes;
-mod layout;
-mod led;
+mod file;
 mod load;
 pub mod menge;
-mod mesh;
-mod outsider_bodies;
-mod outsiders;
-mod parking;
-pub mod people;
+pub mod personality;
+mod place;
 pub mod polygon;
 mod populate;
-mod population;
-mod props;
 pub mod random;
-mod schema;
-mod scifi;
 mod setting;
-mod sources;
-mod validate;
-mod walkable;
-mod walkers;
-mod walls;
-mod way_finding;
 
-pub use clearance::Clearance;
-pub use crowd::{AgentStart, Crowd, Entry, SourceStart, Stop, StopKind};
-pub use environment::{Environment, Ground, MAX_TRIANGLES, Prop, PropKind};
 pub use error::{BadValue, Error};
-pub use feelings::{EmotionDynamics, Event};
-pub use floors::{Floor, Floors, MAX_FLOORS, RAILING, Raised};
-pub use gaze::{Budget, DEFAULT_BUDGET, Gaze, GazeMode};
-pub use journeys::{Arrivals, Journey, Leg, Source, Stage, StageKind};
-pub use lanes::ROUTE_CLEARANCE;
-pub use layout::Geometry;
-pub use led::{Person, populate_people};
-pub use mesh::EnvironmentMesh;
-pub use outsider_bodies::{OutsiderBodies, outsider_bodies};
-pub use outsiders::{Outsider, OutsiderKind};
-pub use people::{Class, Manners, Spread};
-pub use populate::{populate, populate_from, populate_with};
-pub use population::{Affect, EmotionMode, GaitChoice, GenderChoice, Groups, Population, Prefer, Shares};
-pub use schema::{
-    BODY_RADIUS, Condition, Layout, Model, Navigation, Obstacle, Point, Route, RouteMode, Scenario, Spawn,
-    User,
+pub use file::{
+    Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
+    Environment, Event, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground, Groups, Journey, Layout,
+    Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS, Model, Navigation, Normal, Obstacle, Outsider,
+    OutsiderKind, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
+    Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
+};
+pub use place::{
+    Area, Clearance, EnvironmentMesh, Floors, Geometry, MAX_TRIANGLES, OutsiderBodies, RAILING, Raised,
+    outsider_bodies,
+};
+pub use polygon::MAX_COORDINATE;
+pub use populate::{
+    AgentStart, Crowd, Entry, Manners, Person, ROUTE_CLEARANCE, SourceStart, Stop, StopKind, populate,
+    populate_from, populate_people, populate_with,
 };
 pub use setting::Setting;
-pub use validate::{MAX_AGENTS, MAX_COORDINATE, MAX_GROUP, MAX_NEIGHBOURS};
-pub use walkable::{Area, Plane};
-pub use walkers::{Teleport, Walker};
-pub use way_finding::{Way, WayFinding};

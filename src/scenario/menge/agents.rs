@@ -1,10 +1,10 @@
 //! Profiles, generators, and where everybody starts.
 
-use super::super::error::Error;
-use super::super::random::{Purpose, unit};
-use super::super::validate::MAX_AGENTS;
-use super::Report;
+use super::report::Report;
 use super::xml::{Source, children, count, kind, maybe, need, place, tag, wrong};
+use crate::scenario::error::Error;
+use crate::scenario::file::MAX_AGENTS;
+use crate::scenario::random::{Purpose, unit};
 use glam::Vec2;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;

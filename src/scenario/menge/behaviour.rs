@@ -1,16 +1,14 @@
 //! The behaviour: states with a goal and a way of getting there, transitions between them.
 
-use super::super::error::Error;
-use super::super::schema::RouteMode;
-use super::super::walkers::{Teleport, Walker};
-use super::super::way_finding::Way;
-use super::Report;
 use super::agents::Placed;
 use super::field::Field;
 use super::goals::{Goals, Place, Selector, Taken, corners};
 use super::nav::NavMesh;
+use super::report::Report;
 use super::roads::Roads;
 use super::xml::{Source, children, element, kind, maybe, place, tag};
+use crate::scenario::error::Error;
+use crate::scenario::file::{RouteMode, Teleport, Walker, Way};
 use glam::Vec2;
 use roxmltree::{Document, Node};
 use std::collections::BTreeMap;
@@ -19,7 +17,7 @@ use std::collections::BTreeMap;
 const MAX_STATES: usize = 1000;
 /// The corners of a box on our ground, least first.
 fn on_ground(low: Vec2, high: Vec2) -> [[f32; 2]; 2] {
-    let (a, b) = (Vec2::from(super::ground(low)), Vec2::from(super::ground(high)));
+    let (a, b) = (Vec2::from(ground(low)), Vec2::from(ground(high)));
     [a.min(b).to_array(), a.max(b).to_array()]
 }
 
@@ -250,7 +248,7 @@ impl Machine {
         let mut taken = Taken::default();
         for (number, agent) in (0_u32..).zip(agents) {
             let mut walker = Walker {
-                position: super::ground(agent.position),
+                position: ground(agent.position),
                 arrival: ON_THE_WAY,
                 radius: Some(agent.radius),
                 speed: Some(agent.speed),
@@ -262,7 +260,7 @@ impl Machine {
             {
                 takers.entry([goal.x.to_bits(), goal.y.to_bits()]).or_default().push(walkers.len());
             }
-            walker.waypoints = way.into_iter().map(super::ground).collect();
+            walker.waypoints = way.into_iter().map(ground).collect();
             walkers.push(walker);
         }
         // Only one can stand on a point.
@@ -394,4 +392,9 @@ impl Machine {
             }
         }
     }
+}
+
+/// Menge's plane as our ground.
+pub(super) fn ground(place: Vec2) -> [f32; 2] {
+    [place.x, 0.0 - place.y]
 }

@@ -1,7 +1,7 @@
 //! Vector fields: `rows columns`, the side of a cell, the least corner, then a velocity for each cell, row by row.
 
-use super::super::error::Error;
 use super::xml::Source;
+use crate::scenario::error::Error;
 use glam::Vec2;
 
 /// Most cells of a field.

@@ -1,9 +1,9 @@
 //! Goals of a behaviour, and how an agent chooses one.
 
-use super::super::error::Error;
-use super::super::random::{Purpose, index};
-use super::Report;
+use super::report::Report;
 use super::xml::{Source, children, count, element, kind, maybe, need, place, tag, wrong};
+use crate::scenario::error::Error;
+use crate::scenario::random::{Purpose, index};
 use glam::Vec2;
 use roxmltree::Node;
 use std::collections::BTreeMap;

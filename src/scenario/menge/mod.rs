@@ -14,19 +14,19 @@ mod field;
 mod goals;
 mod nav;
 mod obstacles;
+mod report;
 mod roads;
 mod xml;
 
-use super::error::Error;
-use super::schema::{Obstacle, Scenario};
-use super::walkers::Walker;
-use super::{MAX_AGENTS, polygon};
+pub use report::{Approximation, Report};
+
+use crate::scenario::error::Error;
+use crate::scenario::file::{MAX_AGENTS, MAX_NEIGHBOURS, Obstacle, Scenario, Walker};
+use crate::scenario::polygon;
+use behaviour::ground;
 use glam::Vec2;
-use roxmltree::Node;
-use serde::Serialize;
-use std::fmt;
 use std::path::{Path, PathBuf};
-use xml::{Source, element, line, wrong};
+use xml::{Source, wrong};
 
 /// Ground about everything that is walked on, m.
 const MARGIN: f32 = 5.0;
@@ -40,66 +40,6 @@ pub struct Imported {
     pub scenario: Scenario,
     /// What was found.
     pub report: Report,
-}
-
-/// Something of a scene that was taken over as something like it.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Approximation {
-    /// The file that it stands in, without its folder.
-    pub file: String,
-    /// Its line, from 1.
-    pub line: u32,
-    /// The element, such as `<VelComponent type="vel_field">`.
-    pub element: String,
-    /// What stands for it.
-    pub instead: String,
-}
-
-impl fmt::Display for Approximation {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}: {}: {}", self.file, self.line, self.element, self.instead)
-    }
-}
-
-/// What was found in a scene.
-#[derive(Debug, Clone, PartialEq, Default, Serialize)]
-pub struct Report {
-    /// Agents.
-    pub agents: usize,
-    /// Obstacles, as solid polygons.
-    pub obstacles: usize,
-    /// Agents whose way ends somewhere; the others walk in circles or stand.
-    pub with_an_end: usize,
-    /// What was taken over as something like it.
-    pub approximated: Vec<Approximation>,
-    /// What is not taken over, with file and line.
-    pub unsupported: Vec<String>,
-    /// What was read otherwise than written, or inferred.
-    pub notes: Vec<String>,
-}
-
-impl Report {
-    fn unsupported(&mut self, place: &str, what: &str) {
-        let line = format!("{place}: {what}");
-        if !self.unsupported.contains(&line) {
-            self.unsupported.push(line);
-        }
-    }
-
-    fn approximate(&mut self, source: &Source, node: &Node<'_, '_>, instead: impl Into<String>) {
-        let (file, line, element) = (source.name(), line(node), element(node));
-        let found = Approximation { file, line, element, instead: instead.into() };
-        if !self.approximated.contains(&found) {
-            self.approximated.push(found);
-        }
-    }
-
-    fn note(&mut self, note: impl Into<String>) {
-        let note = note.into();
-        if !self.notes.contains(&note) {
-            self.notes.push(note);
-        }
-    }
 }
 
 /// Reads a Menge project: the file that names scene and behaviour.
@@ -174,7 +114,7 @@ fn navigation(scenario: &mut Scenario, placed: &[agents::Placed], report: &mut R
     // as they are for ever.
     (own.crowding, own.perturbation) = (0.0, PERTURBATION);
     own.neighbour_distance = first.profile.neighbour_distance.clamp(0.5, 50.0);
-    own.neighbour_cap = first.profile.neighbour_cap.min(super::MAX_NEIGHBOURS);
+    own.neighbour_cap = first.profile.neighbour_cap.min(MAX_NEIGHBOURS);
     own.time_horizon = first.profile.horizon.clamp(0.1, 30.0);
     own.time_horizon_obstacles = first.profile.horizon_obstacles.clamp(0.1, 30.0);
     let key = |agent: &agents::Placed| agent.profile.shared();
@@ -183,7 +123,7 @@ fn navigation(scenario: &mut Scenario, placed: &[agents::Placed], report: &mut R
             "neighbour distance, neighbour cap and horizons differ between agents; the first one's are taken",
         );
     }
-    if first.profile.neighbour_cap > super::MAX_NEIGHBOURS {
+    if first.profile.neighbour_cap > MAX_NEIGHBOURS {
         report.note(format!("max_neighbors {} became {}", first.profile.neighbour_cap, own.neighbour_cap));
     }
 }
@@ -211,9 +151,4 @@ fn around(walkers: &[Walker], walls: &[Vec<Vec2>]) -> Vec<[f32; 2]> {
     let low = points().fold(Vec2::MAX, Vec2::min) - MARGIN;
     let high = points().fold(Vec2::MIN, Vec2::max) + MARGIN;
     polygon::rectangle((low + high) * 0.5, high - low, 0.0).iter().map(Vec2::to_array).collect()
-}
-
-/// Menge's plane as our ground.
-fn ground(place: Vec2) -> [f32; 2] {
-    [place.x, 0.0 - place.y]
 }

@@ -7,9 +7,9 @@
 //! groups:   name, N, then for each node its centre, its vertices (count first), its plane, its doors, its walls
 //! ```
 
-use super::super::error::Error;
-use super::super::polygon;
 use super::xml::{Source, wrong};
+use crate::scenario::error::Error;
+use crate::scenario::polygon;
 use glam::Vec2;
 use roxmltree::Node;
 use std::collections::BTreeSet;

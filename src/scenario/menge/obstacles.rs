@@ -1,13 +1,12 @@
 //! Obstacles as solid polygons: closed ones as they are, in pieces where their edges cross; open ones and enclosures as
 //! thin walls; the outline of a navigation mesh as the bounds.
 
-use super::super::error::Error;
-use super::super::polygon;
-use super::super::walkable;
-use super::Report;
 use super::agents::Placed;
 use super::nav::NavMesh;
+use super::report::Report;
 use super::xml::{Source, children, count, kind, need, place, tag, wrong};
+use crate::scenario::error::Error;
+use crate::scenario::polygon;
 use glam::Vec2;
 use roxmltree::{Document, Node};
 
@@ -121,7 +120,7 @@ fn solid(corners: Vec<Vec2>, starts: &[Vec2], mut say: impl FnMut(String)) -> Ve
     if polygon::self_intersection(&corners).is_none() {
         return vec![corners];
     }
-    let pieces = walkable::pieces(&corners).unwrap_or_default();
+    let pieces = polygon::pieces(&corners).unwrap_or_default();
     let (whole, holes): (Vec<_>, Vec<_>) =
         pieces.into_iter().partition(|piece| polygon::signed_area(piece) > 0.0);
     let whole: Vec<Vec<Vec2>> =

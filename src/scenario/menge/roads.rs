@@ -1,8 +1,8 @@
 //! Road maps: vertices that people walk along. `N`, then `degree x y` for each, then `M` and the two ends of each edge.
 
-use super::super::error::Error;
-use super::super::polygon;
 use super::xml::Source;
+use crate::scenario::error::Error;
+use crate::scenario::polygon;
 use glam::Vec2;
 
 /// Most vertices.

@@ -1,7 +1,7 @@
 //! Files, and attributes of elements, with errors that say where.
 
-use super::super::error::Error;
 use crate::file;
+use crate::scenario::error::Error;
 use roxmltree::{Document, Node, ParsingOptions};
 use std::path::{Path, PathBuf};
 

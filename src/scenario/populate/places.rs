@@ -1,16 +1,14 @@
 //! A free place for one agent after the other.
 
-use super::super::clearance::Clearance;
-use super::super::companions;
-use super::super::error::Error;
-use super::super::floors::Floors;
-use super::super::lanes::Lanes;
-use super::super::layout::Geometry;
-use super::super::people::largest_radius;
-use super::super::polygon;
-use super::super::random::{Purpose, unit};
-use super::super::schema::{Scenario, Spawn};
-use super::{cumulate, weighted};
+use super::groups;
+use super::lanes::{Lane, Lanes};
+use super::people::largest_radius;
+use super::shares::{cumulate, weighted};
+use crate::scenario::error::Error;
+use crate::scenario::file::{Scenario, Spawn, journey_names, route_names};
+use crate::scenario::place::{Clearance, Floors, Geometry};
+use crate::scenario::polygon;
+use crate::scenario::random::{Purpose, unit};
 use glam::{IVec2, Vec2};
 use std::ops::Range;
 
@@ -23,15 +21,15 @@ const USER_GAP: f32 = 0.8;
 
 /// Where an agent starts and what it walks to.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::scenario) struct Place {
-    pub(in crate::scenario) position: Vec2,
+pub(super) struct Place {
+    pub(super) position: Vec2,
     /// Height of the floor stood on, m.
-    pub(in crate::scenario) elevation: f32,
-    pub(in crate::scenario) direction: Vec2,
-    pub(in crate::scenario) route_start: u32,
-    pub(in crate::scenario) route_length: u32,
-    pub(in crate::scenario) waypoint: u32,
-    pub(in crate::scenario) loops: bool,
+    pub(super) elevation: f32,
+    pub(super) direction: Vec2,
+    pub(super) route_start: u32,
+    pub(super) route_length: u32,
+    pub(super) waypoint: u32,
+    pub(super) loops: bool,
 }
 
 impl Place {
@@ -114,13 +112,13 @@ impl<'a> Places<'a> {
         journeys: &[String],
         routes_first: bool,
     ) -> Result<Walked, Error> {
-        let numbers = super::super::journeys::journey_names(&self.scenario.journeys);
+        let numbers = journey_names(&self.scenario.journeys);
         let named: Vec<usize> =
             journeys.iter().filter_map(|name| numbers.get(name.as_str()).copied()).collect();
         if !named.is_empty() {
             return Ok(Walked::Journeys(named));
         }
-        let names = super::super::schema::route_names(&self.geometry.routes);
+        let names = route_names(&self.geometry.routes);
         let mut found = Vec::new();
         for (k, name) in routes.iter().enumerate() {
             let Some(&route) = names.get(name.as_str()) else {
@@ -180,7 +178,7 @@ impl<'a> Places<'a> {
 
     /// Takes places beside and behind the first member for the others of its group, as far as there are any.
     fn beside(&mut self, first: Place, members: usize, all: &mut Vec<Place>) {
-        for position in companions::places(first.position, first.direction, 1.01 * self.taken.apart) {
+        for position in groups::places(first.position, first.direction, 1.01 * self.taken.apart) {
             if all.len() == members {
                 return;
             }
@@ -216,7 +214,7 @@ impl<'a> Places<'a> {
 
     /// How high somebody stands who has walked a lane from its first waypoint, which is on the ground, to a point before
     /// waypoint `next`.
-    fn elevation(&self, lane: super::super::lanes::Lane, next: u32, on: Vec2) -> f32 {
+    fn elevation(&self, lane: Lane, next: u32, on: Vec2) -> f32 {
         let points = self.lanes.points(lane);
         let before = (next as usize + points.len() - 1) % points.len();
         let way = points[..=before].iter().map(|point| point.position).chain([on]);
@@ -224,7 +222,7 @@ impl<'a> Places<'a> {
         way.fold((points[0].position, 0.0), walk).1
     }
 
-    fn lane_of(&self, route: usize, u: f32) -> super::super::lanes::Lane {
+    fn lane_of(&self, route: usize, u: f32) -> Lane {
         let lanes = &self.lanes.lanes[self.lanes.by_route[route].clone()];
         #[allow(
             clippy::cast_precision_loss,

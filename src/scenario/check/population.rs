@@ -1,0 +1,132 @@
+//! How many people, what they feel, how they walk, who walks together.
+
+use super::people;
+use super::ranges::within;
+use crate::scenario::error::Error;
+use crate::scenario::file::{EmotionMode, GaitChoice, GenderChoice, MAX_AGENTS, MAX_GROUP, Population};
+
+pub(super) fn check(population: &Population) -> Result<(), Error> {
+    if population.agents > MAX_AGENTS {
+        let hint = "split the crowd over several runs";
+        return Err(Error::value("population.agents", population.agents, format!("0 to {MAX_AGENTS}"), hint));
+    }
+    let [low, high] = population.scale;
+    if !(low >= 0.5 && low <= high && high <= 2.0) {
+        let found = format!("[{low}, {high}]");
+        return Err(Error::value(
+            "population.scale",
+            found,
+            "[least, greatest] within 0.5 to 2",
+            "try [0.93, 1.07]",
+        ));
+    }
+    if population.avatars.is_empty() || population.avatars.len() > 256 {
+        let found = format!("{} names", population.avatars.len());
+        return Err(Error::value(
+            "population.avatars",
+            found,
+            "1 to 256 names",
+            "try [\"female\", \"male\"]",
+        ));
+    }
+    genders(population)?;
+    if let Some(index) = population.avatars.iter().position(|name| name.trim().is_empty()) {
+        let key = format!("population.avatars[{index}]");
+        return Err(Error::value(key, "\"\"", "the name or path of an avatar", "try \"female\" or \"male\""));
+    }
+    let e = population.emotions;
+    for (name, share) in [("happy", e.happy), ("angry", e.angry), ("sad", e.sad), ("neutral", e.neutral)] {
+        within(
+            &format!("population.emotions.{name}"),
+            share,
+            0.0,
+            1e6,
+            "shares are relative: 1 and 1 is half each",
+        )?;
+    }
+    if e.normalised().iter().all(|&share| share <= 0.0) {
+        let hint = "give at least one emotion a share, such as neutral = 1.0";
+        return Err(Error::value("population.emotions", "all 0", "a sum above 0", hint));
+    }
+    groups(&population.groups.sizes)?;
+    people::check(population)
+}
+
+/// Sizes of groups.
+fn groups(sizes: &[f32]) -> Result<(), Error> {
+    if sizes.len() > MAX_GROUP {
+        let (found, allowed) = (format!("{} shares", sizes.len()), format!("at most {MAX_GROUP}"));
+        let hint = "shares of groups of 1, 2, ... people; larger ones split up when they walk";
+        return Err(Error::value("population.groups.sizes", found, allowed, hint));
+    }
+    for (index, &share) in sizes.iter().enumerate() {
+        let key = format!("population.groups.sizes[{index}]");
+        within(&key, share, 0.0, 1e6, "shares are relative: 1 and 1 is half each")?;
+    }
+    if !sizes.is_empty() && sizes.iter().all(|share| *share <= 0.0) {
+        let hint = "try [0.5, 0.35, 0.1, 0.05], or leave population.groups out";
+        return Err(Error::value("population.groups.sizes", "all 0", "a sum above 0", hint));
+    }
+    Ok(())
+}
+
+/// Genders of avatars, and what gaits are preferred by.
+fn genders(population: &Population) -> Result<(), Error> {
+    let (avatars, genders) = (population.avatars.len(), population.avatar_genders.len());
+    if genders > 0 && genders != avatars {
+        let allowed = format!("one for each of the {avatars} avatars, or left out");
+        let hint = "female or male, in the order of population.avatars";
+        return Err(Error::value("population.avatar_genders", format!("{genders} genders"), allowed, hint));
+    }
+    let prefer = &population.prefer;
+    let by_avatar = matches!(prefer.gender, GenderChoice::Match | GenderChoice::Counter);
+    let unknown = (0..avatars).find(|&avatar| population.gender_of(avatar).is_none()).filter(|_| by_avatar);
+    if let Some(name) = unknown.and_then(|avatar| population.avatars.get(avatar)) {
+        let found = if prefer.gender == GenderChoice::Match { "match" } else { "counter" };
+        let hint = format!("the gender of avatar {name:?} is not known: say it in population.avatar_genders");
+        return Err(Error::value("population.prefer.gender", found, "any, female or male", hint));
+    }
+    if let Some([low, high]) = prefer.speed
+        && !(low >= 0.1 && low <= high && high <= 5.0)
+    {
+        let found = format!("[{low}, {high}]");
+        let allowed = "a speed or [least, greatest] within 0.1 to 5 m/s";
+        return Err(Error::value("population.prefer.speed", found, allowed, "people walk at 0.8 to 1.8"));
+    }
+    within("population.prefer.speed_tolerance", prefer.speed_tolerance, 0.0, 5.0, "m/s; 0.1 is usual")?;
+    if let Some(temperature) = prefer.margin_temperature {
+        let hint = "rating points; 0.5 is a clear preference, 0 takes the clearest gait always";
+        within("population.prefer.margin_temperature", temperature, 0.0, 100.0, hint)?;
+    }
+    if !prefer.is_nothing() && population.gaits != GaitChoice::Random {
+        let found = if population.gaits == GaitChoice::Cycle { "cycle" } else { "first" };
+        let hint = "or leave population.prefer out";
+        return Err(Error::value("population.gaits", found, "random where population.prefer is given", hint));
+    }
+    affect(population)
+}
+
+fn affect(population: &Population) -> Result<(), Error> {
+    match (population.emotion_mode, population.affect) {
+        (EmotionMode::Affect, None) => {
+            let allowed = "draw or blend where population.affect is left out";
+            let hint = "add affect = { valence = [-1, 1], arousal = [-1, 1] } to [population]";
+            Err(Error::value("population.emotion_mode", "affect", allowed, hint))
+        }
+        (EmotionMode::Draw | EmotionMode::Blend, Some(_)) => {
+            let hint = "it would not be heeded: set emotion_mode = \"affect\"";
+            Err(Error::value("population.affect", "{..}", "left out with this emotion_mode", hint))
+        }
+        (_, None) => Ok(()),
+        (_, Some(affect)) => {
+            for (name, [low, high]) in [("valence", affect.valence), ("arousal", affect.arousal)] {
+                if !(low >= -1.0 && low <= high && high <= 1.0) {
+                    let (key, found) = (format!("population.affect.{name}"), format!("[{low}, {high}]"));
+                    let allowed = "a number or [least, greatest] within -1 to 1";
+                    return Err(Error::value(key, found, allowed, "0 is neither; try [-0.5, 0.5]"));
+                }
+            }
+            Ok(())
+        }
+    }
+}

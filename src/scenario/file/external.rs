@@ -1,0 +1,49 @@
+//! Agents that are led from outside: robots, vehicles, tracked people.
+
+use glam::Vec2;
+use serde::{Deserialize, Serialize};
+
+/// What an outsider is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OutsiderKind {
+    /// Radius 0.4 m unless said otherwise; a cart.
+    Robot,
+    /// Radius 1 m unless said otherwise; a small car.
+    Vehicle,
+    /// A person, tracked or played: the crowd's radius, walks with a neutral gait.
+    Person,
+}
+
+/// Somebody or something that goes its own way, whatever the crowd does; everyone else takes all of the avoidance.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Outsider {
+    /// What it is.
+    pub kind: OutsiderKind,
+    /// Disc radius, m; left out: as its kind has it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub radius: Option<f32>,
+    /// How much farther away than the radius the crowd stays if it can, m.
+    #[serde(default)]
+    pub comfort: f32,
+    /// What a robot or vehicle looks like: a glTF model beside the scenario, in metres, its front towards +z, standing on
+    /// y = 0 about the origin. Left out: as its kind has it, as large as its radius.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub model: Option<String>,
+    /// Width (x), height (y), length (z) that the model is scaled to, and put on the ground about its middle, m; left out:
+    /// as it is in its file.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub size: Option<[f32; 3]>,
+    /// Where it is when: `[time, x, z]`, s and m, times rising; straight in between, at rest before the first and after the
+    /// last. Left out: it is not there until `Simulation::lead` says where it is.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub path: Vec<[f32; 3]>,
+}
+
+impl Outsider {
+    /// Where it starts, if it has a path.
+    pub fn start(&self) -> Option<Vec2> {
+        self.path.first().map(|[_, x, z]| Vec2::new(*x, *z))
+    }
+}

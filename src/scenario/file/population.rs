@@ -1,0 +1,296 @@
+//! The crowd of a scenario file: how many, who they are, how they feel, how they walk.
+
+use super::people::Class;
+use crate::gait::walker::Sex;
+use crate::library::choose::SPEED_TOLERANCE;
+use serde::{Deserialize, Deserializer, Serialize, de};
+use std::collections::BTreeMap;
+
+/// How a gait is chosen out of GEA(e) (S-18).
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GaitChoice {
+    /// At random, as in the paper, all alike or as [`Prefer`] weighs them.
+    #[default]
+    Random,
+    /// In turn, by agent index: every gait is used equally often.
+    Cycle,
+    /// Always the first one.
+    First,
+}
+
+/// How `emotions` becomes the emotion of one agent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EmotionMode {
+    /// Each agent draws one emotion; `emotions` are the shares (the paper).
+    #[default]
+    Draw,
+    /// Each agent is the same mixture; `emotions` are its weights (S-32).
+    Blend,
+    /// Each agent is the mixture of its valence and arousal, drawn out of `affect` (S-32).
+    Affect,
+}
+
+/// Which gaits out of GEA(e) are more likely with [`GaitChoice::Random`]; by default all alike, as in the paper.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Prefer {
+    /// Least and greatest preferred speed, m/s: each agent draws its own and takes a gait near it. One number: the same
+    /// for all. The gait's speed is that of its own walker; size and avatar change it a little.
+    #[serde(deserialize_with = "maybe_range", skip_serializing_if = "Option::is_none")]
+    pub speed: Option<[f32; 2]>,
+    /// How far around the preferred speed gaits spread (a standard deviation), m/s; 0: the nearest.
+    pub speed_tolerance: f32,
+    /// Walked by whom, as far as the library knows and has such gaits.
+    pub gender: GenderChoice,
+    /// Prefer gaits that show the emotion clearly: one whose mean rating of it leads the next emotion by this many points
+    /// more is 2.7 times as likely; 0: the clearest always.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub margin_temperature: Option<f32>,
+}
+
+impl Default for Prefer {
+    fn default() -> Self {
+        Self {
+            speed: None,
+            speed_tolerance: SPEED_TOLERANCE,
+            gender: GenderChoice::default(),
+            margin_temperature: None,
+        }
+    }
+}
+
+impl Prefer {
+    #[allow(clippy::float_cmp, reason = "asks whether anything was set")]
+    fn is_default(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Whether all gaits of an emotion are alike, as in the paper.
+    pub fn is_nothing(&self) -> bool {
+        self.speed.is_none() && self.gender == GenderChoice::Any && self.margin_temperature.is_none()
+    }
+}
+
+/// Whose gait an agent walks with.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GenderChoice {
+    /// Anyone's.
+    #[default]
+    Any,
+    /// That of a person of the avatar's gender.
+    Match,
+    /// That of a person of the other gender.
+    Counter,
+    /// A woman's.
+    Female,
+    /// A man's.
+    Male,
+}
+
+/// Where on the circumplex agents feel: least and greatest, or one number, -1 to 1.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Affect {
+    /// Unpleasant to pleasant.
+    #[serde(deserialize_with = "range")]
+    pub valence: [f32; 2],
+    /// Calm to excited.
+    #[serde(deserialize_with = "range")]
+    pub arousal: [f32; 2],
+}
+
+/// One number, or least and greatest.
+pub(super) fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f32; 2], D::Error> {
+    struct Range;
+
+    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "settings are f32")]
+    impl<'de> de::Visitor<'de> for Range {
+        type Value = [f32; 2];
+
+        fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+            f.write_str("a number or [least, greatest]")
+        }
+        fn visit_f64<E>(self, value: f64) -> Result<Self::Value, E> {
+            Ok([value as f32; 2])
+        }
+        fn visit_i64<E>(self, value: i64) -> Result<Self::Value, E> {
+            Ok([value as f32; 2])
+        }
+        fn visit_seq<A: de::SeqAccess<'de>>(self, mut sequence: A) -> Result<Self::Value, A::Error> {
+            let mut ends = Vec::new();
+            while let Some(end) = sequence.next_element::<f32>()? {
+                ends.push(end);
+            }
+            <[f32; 2]>::try_from(ends).map_err(|ends| de::Error::invalid_length(ends.len(), &self))
+        }
+    }
+    deserializer.deserialize_any(Range)
+}
+
+fn maybe_range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>, D::Error> {
+    range(deserializer).map(Some)
+}
+
+/// Most agents of one scenario.
+pub const MAX_AGENTS: u32 = 1_000_000;
+/// Most people who walk together.
+pub const MAX_GROUP: usize = 5;
+
+/// The crowd.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Population {
+    /// How many agents, 0 to 1,000,000: all who are there at any time, those who come in from sources too.
+    pub agents: u32,
+    /// Share of the agents that are there from the start, 0 to 1; left out: 1 without sources, 0 with them.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub present: Option<f32>,
+    /// How a gait is chosen.
+    pub gaits: GaitChoice,
+    /// What `emotions` means.
+    pub emotion_mode: EmotionMode,
+    /// Least and greatest body size relative to the avatar.
+    pub scale: [f32; 2],
+    /// Names of the avatars in use; `AgentStart::avatar` is an index into this list.
+    pub avatars: Vec<String>,
+    /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised, see
+    /// [`crate::avatar::RigMap`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub rig_maps: Vec<String>,
+    /// Gender of each avatar, in their order; left out: that of the built-in ones is known, that of files is not.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub avatar_genders: Vec<Sex>,
+    /// Share (or weight) of each emotion; any scale, left out means 0.
+    pub emotions: Shares,
+    /// Where agents feel, with `emotion_mode = "affect"`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub affect: Option<Affect>,
+    /// Which gaits out of GEA(e) are more likely.
+    #[serde(skip_serializing_if = "Prefer::is_default")]
+    pub prefer: Prefer,
+    /// Who walks together.
+    #[serde(skip_serializing_if = "Groups::is_default")]
+    pub groups: Groups,
+    /// Traits of personality besides the published ones: ratios to an average person of neighbour distance, neighbours,
+    /// horizon, radius, speed.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub traits: BTreeMap<String, [f32; 5]>,
+    /// Kinds of people; none: all are alike but for their size and gait.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub classes: Vec<Class>,
+}
+
+/// Groups that walk together (`shaders/group_cohesion.wgsl`).
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Groups {
+    /// Shares of groups (not of people) of one, two, ... five; any scale, left out means 0. Empty: everyone walks alone.
+    pub sizes: Vec<f32>,
+}
+
+impl Groups {
+    fn is_default(&self) -> bool {
+        self.sizes.is_empty()
+    }
+}
+
+impl Population {
+    /// The gender of an avatar, if it is known.
+    pub fn gender_of(&self, avatar: usize) -> Option<Sex> {
+        match self.avatar_genders.get(avatar) {
+            Some(gender) => Some(*gender),
+            None => Sex::ALL
+                .into_iter()
+                .find(|sex| self.avatars.get(avatar).is_some_and(|name| name == sex.name())),
+        }
+    }
+}
+
+impl Default for Population {
+    fn default() -> Self {
+        Self {
+            agents: 8,
+            present: None,
+            gaits: GaitChoice::default(),
+            emotion_mode: EmotionMode::default(),
+            scale: [0.93, 1.07],
+            avatars: vec!["female".into(), "male".into()],
+            rig_maps: Vec::new(),
+            avatar_genders: Vec::new(),
+            emotions: Shares { happy: 1.0, angry: 1.0, sad: 1.0, neutral: 1.0 },
+            affect: None,
+            prefer: Prefer::default(),
+            groups: Groups::default(),
+            traits: BTreeMap::new(),
+            classes: Vec::new(),
+        }
+    }
+}
+
+/// One number per emotion.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[allow(missing_docs, reason = "the fields are the emotions and say so")]
+pub struct Shares {
+    pub happy: f32,
+    pub angry: f32,
+    pub sad: f32,
+    pub neutral: f32,
+}
+
+impl std::str::FromStr for Shares {
+    type Err = String;
+
+    /// `happy=1,sad=0.5`: those left out are 0, a name alone is 1.
+    fn from_str(text: &str) -> Result<Self, String> {
+        let mut shares = Self::default();
+        for part in text.split(',') {
+            let (name, share) = part.split_once('=').unwrap_or((part, "1"));
+            let share: f32 = share.trim().parse().map_err(|error| format!("{share:?}: {error}"))?;
+            if !(0.0..=1e6).contains(&share) {
+                return Err(format!("{} = {share}: a share is 0 to 1000000", name.trim()));
+            }
+            match name.trim() {
+                "happy" => shares.happy = share,
+                "angry" => shares.angry = share,
+                "sad" => shares.sad = share,
+                "neutral" => shares.neutral = share,
+                _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
+            }
+        }
+        if shares.normalised().iter().all(|share| *share <= 0.0) {
+            return Err("all shares are 0; give at least one emotion a share, such as happy=1".to_owned());
+        }
+        Ok(shares)
+    }
+}
+
+impl Shares {
+    /// In the order of [`crate::Emotion::ALL`], scaled to sum 1 (all zero if they sum to 0).
+    pub fn normalised(self) -> [f32; 4] {
+        let raw = [self.happy, self.angry, self.sad, self.neutral];
+        let sum: f32 = raw.iter().sum();
+        if sum > 0.0 { raw.map(|share| share / sum) } else { [0.0; 4] }
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shares_are_read_and_wrong_ones_refused_with_the_way_out() {
+        let read = |text: &str| text.parse::<Shares>();
+        assert_eq!(read("happy=1, sad=0.5").unwrap(), Shares { happy: 1.0, sad: 0.5, ..Shares::default() });
+        assert_eq!(read("angry").unwrap(), Shares { angry: 1.0, ..Shares::default() });
+        assert!(read("cheerful=1").unwrap_err().contains("happy, angry"));
+        assert!(read("happy=0,sad=0").unwrap_err().contains("happy=1"));
+        for wrong in ["happy=x", "happy=-1", "happy=nan", "happy=1e9", ""] {
+            assert!(read(wrong).is_err(), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,21 @@
+//! Where everything is: the walkable area, floors, what is solid, how far away it is, and the mesh of the scenery.
+
+mod clearance;
+mod environment;
+mod external;
+mod floors;
+mod geometry;
+mod mesh;
+mod props;
+mod stages;
+mod walkable;
+mod walls;
+mod wkt;
+
+pub use clearance::Clearance;
+pub use external::{OutsiderBodies, outsider_bodies};
+pub(crate) use floors::MAX_FLOOR_CORNERS;
+pub use floors::{Floors, RAILING, Raised};
+pub use geometry::Geometry;
+pub use mesh::{EnvironmentMesh, MAX_TRIANGLES};
+pub use walkable::Area;
