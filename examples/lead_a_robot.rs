@@ -1,13 +1,13 @@
 //! A program leads a robot through a crowd. It says before each step where the robot goes, and the people make room.
 #![allow(clippy::print_stdout, reason = "an example prints")]
 
-use gaitway::scenario::{Outsider, OutsiderKind};
+use gaitway::scenario::{ExternalAgent, ExternalKind};
 use gaitway::{Result, Scene};
 use glam::Vec2;
 
 fn main() -> Result<()> {
-    let robot = Outsider {
-        kind: OutsiderKind::Robot,
+    let robot = ExternalAgent {
+        kind: ExternalKind::Robot,
         radius: Some(0.4),
         comfort: 0.3,
         model: None,

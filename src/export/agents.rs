@@ -1,7 +1,7 @@
 //! Who is in a trajectory file: the table `agents`.
 
 use crate::emotion::Emotion;
-use crate::scenario::{AgentStart, Crowd, OutsiderKind, Scenario};
+use crate::scenario::{AgentStart, Crowd, ExternalKind, Scenario};
 use crate::sim::{AvatarSet, setup};
 
 /// What an agent of a trajectory file is.
@@ -69,11 +69,11 @@ impl AgentInfo {
                 ..Self::of_person(scenario, agent, cast)
             }
         });
-        let outsiders = crowd.outsiders.iter().zip(&scenario.outsiders).map(|(agent, outsider)| {
+        let outsiders = crowd.external.iter().zip(&scenario.outsiders).map(|(agent, outsider)| {
             let kind = match outsider.kind {
-                OutsiderKind::Robot => AgentKind::Robot,
-                OutsiderKind::Vehicle => AgentKind::Vehicle,
-                OutsiderKind::Person => {
+                ExternalKind::Robot => AgentKind::Robot,
+                ExternalKind::Vehicle => AgentKind::Vehicle,
+                ExternalKind::Person => {
                     let person = Self::of_person(scenario, agent, cast);
                     return Self { led: true, preferred_speed: None, ..person };
                 }

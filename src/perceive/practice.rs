@@ -7,7 +7,7 @@ use crate::emotion::Emotion;
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::scenario::{
-    AgentStart, Condition, Crowd, EmotionMode, Manners, Prefer, Scenario, Shares, Stop, Way, populate_from,
+    AgentStart, Avoidance, Condition, Crowd, EmotionMode, Prefer, Scenario, Shares, Stop, Way, populate_from,
 };
 use crate::scene::Scene;
 use crate::sim::{AvatarSet, Backend};
@@ -62,8 +62,8 @@ pub fn practice_alone(
     geometry.spawns.clear();
     geometry.routes.clear();
     // no agent avoids another
-    let own = Manners { neighbour_cap: 0, ..Manners::of(&scene.scenario.navigation) };
-    scene.crowd.agents.iter_mut().for_each(|agent| agent.manners = Some(own));
+    let own = Avoidance { neighbour_cap: 0, ..Avoidance::of(&scene.scenario.navigation) };
+    scene.crowd.agents.iter_mut().for_each(|agent| agent.avoidance = Some(own));
     let (mut simulation, _) = scene.start_with_bodies()?;
     let how = Recorder {
         user_eyes: None,

@@ -9,7 +9,8 @@ use crate::kernels::layout::Stance;
 use crate::library::GaitLibrary;
 use crate::scenario::random::{Purpose, index};
 use crate::scenario::{
-    Clearance, Crowd, MAX_AGENTS, Obstacle, Person, Route, RouteMode, Scenario, polygon, populate_people,
+    Clearance, Crowd, ExternalPerson, MAX_AGENTS, Obstacle, Route, RouteMode, Scenario, polygon,
+    populate_people,
 };
 use crate::sim::{Simulation, measure, setup};
 use glam::Vec2;
@@ -115,13 +116,13 @@ impl Replay {
             let speeds: Vec<f32> = speeds.collect();
             #[allow(clippy::cast_precision_loss, reason = "a handful")]
             let mean = speeds.iter().sum::<f32>() / speeds.len().max(1) as f32;
-            Person {
+            ExternalPerson {
                 position: start.map_or(Vec2::ZERO, |moment| moment.position),
                 heading: start.map_or(0.0, facing),
                 speed: (!speeds.is_empty()).then_some(mean),
             }
         };
-        let people: Vec<Person> = self.people.iter().map(person).collect();
+        let people: Vec<ExternalPerson> = self.people.iter().map(person).collect();
         crowd.agents.extend(populate_people(scenario, library, self.first_agent, &people)?);
         Ok(())
     }

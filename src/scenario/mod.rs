@@ -1,4 +1,4 @@
-//! Who walks where, how, and how they feel: scenario files, the paper's four scenes, their geometry and scenery,
+//! Scenarios: what a crowd is, where it walks and how it feels. Scenario files, the paper's four scenes, their geometry and scenery,
 //! and the start of every agent.
 //!
 //! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
@@ -25,18 +25,18 @@ mod setting;
 pub use error::{BadValue, Error};
 pub use file::{
     Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
-    Environment, Event, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground, Groups, Journey, Layout,
-    Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS, Model, Navigation, Normal, Obstacle, Outsider,
-    OutsiderKind, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
+    Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground,
+    Groups, Journey, Layout, Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS, Model, Navigation,
+    Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
     Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
 pub use place::{
-    Area, Clearance, EnvironmentMesh, Floors, Geometry, MAX_TRIANGLES, OutsiderBodies, RAILING, Raised,
-    outsider_bodies,
+    Area, Clearance, EnvironmentMesh, ExternalBodies, Floors, Geometry, MAX_TRIANGLES, RAILING, Raised,
+    external_bodies,
 };
 pub use polygon::MAX_COORDINATE;
 pub use populate::{
-    AgentStart, Crowd, Entry, Manners, Person, ROUTE_CLEARANCE, SourceStart, Stop, StopKind, populate,
-    populate_from, populate_people, populate_with,
+    AgentStart, Avoidance, Crowd, Entry, ExternalPerson, ROUTE_CLEARANCE, SourceStart, Stop, StopKind,
+    populate, populate_from, populate_people, populate_with,
 };
 pub use setting::Setting;

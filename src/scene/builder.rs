@@ -5,7 +5,7 @@ use super::avatars::avatars_of;
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Scenario, Setting, outsider_bodies, populate_from};
+use crate::scenario::{Condition, Scenario, Setting, external_bodies, populate_from};
 use crate::sim::{AvatarSet, Backend, Simulation};
 use std::path::{Path, PathBuf};
 
@@ -184,7 +184,7 @@ impl SceneBuilder {
             replay.join(&scenario, &library, &mut crowd)?;
         }
         let folder = folder.as_deref();
-        let outsiders = outsider_bodies(&scenario, folder)?;
+        let outsiders = external_bodies(&scenario, folder)?;
         let avatars = avatars_of(&scenario, folder, &rig_maps)?;
         let cast = AvatarSet::new(library.gaits(), avatars)?.with_outsiders(outsiders);
         let geometry = scenario.geometry();

@@ -122,7 +122,7 @@ impl Scene {
 
     /// Tells a simulation of this crowd its ways, and what each person feels.
     pub(crate) fn introduce(&self, simulation: Simulation, ways: Ways) -> Simulation {
-        let agents = self.crowd.agents.iter().chain(&self.crowd.outsiders);
+        let agents = self.crowd.agents.iter().chain(&self.crowd.external);
         simulation.knowing(ways, agents.map(|agent| agent.emotion).collect())
     }
 

@@ -3,7 +3,7 @@
 use super::Error;
 use crate::avatar::{Avatar, Clip, retarget, standing};
 use crate::gait::Gait;
-use crate::scenario::OutsiderBodies;
+use crate::scenario::ExternalBodies;
 use rayon::prelude::*;
 
 /// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clip after its gaits.
@@ -13,7 +13,7 @@ pub struct AvatarSet {
     clips: Vec<Clip>,
     clips_per_avatar: usize,
     gaits: Vec<String>,
-    outsiders: OutsiderBodies,
+    outsiders: ExternalBodies,
 }
 
 impl AvatarSet {
@@ -34,20 +34,20 @@ impl AvatarSet {
             None => Ok(standing(avatar)),
         });
         let clips = clips.collect::<Result<Vec<_>, _>>()?;
-        let outsiders = OutsiderBodies::default();
+        let outsiders = ExternalBodies::default();
         let names = gaits.iter().map(|gait| gait.name.clone()).collect();
         Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1, gaits: names, outsiders })
     }
 
     /// The same with robots and vehicles.
     #[must_use]
-    pub fn with_outsiders(mut self, outsiders: OutsiderBodies) -> Self {
+    pub fn with_outsiders(mut self, outsiders: ExternalBodies) -> Self {
         self.outsiders = outsiders;
         self
     }
 
     /// What robots and vehicles look like.
-    pub const fn outsiders(&self) -> &OutsiderBodies {
+    pub const fn outsiders(&self) -> &ExternalBodies {
         &self.outsiders
     }
 

@@ -94,7 +94,7 @@ impl Simulation {
         let geometry = scenario.geometry();
         let mut store = setup::store(scenario, &geometry, crowd, cast);
         let ways = flow::equip(&mut store, scenario, &geometry, crowd)?;
-        let emotions = crowd.agents.iter().chain(&crowd.outsiders).map(|agent| agent.emotion).collect();
+        let emotions = crowd.agents.iter().chain(&crowd.external).map(|agent| agent.emotion).collect();
         Ok(Self::from_store(store, backend, device)?.knowing(ways, emotions))
     }
 

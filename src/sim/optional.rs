@@ -4,7 +4,7 @@ use super::avatar_set::AvatarSet;
 use super::setup::set_led;
 use crate::kernels::Store;
 use crate::kernels::layout::{Body, Heard, Keyframe, MoodUniforms, Paces, Path, Stimulus, Temperament};
-use crate::scenario::{Crowd, OutsiderKind, Scenario};
+use crate::scenario::{Crowd, ExternalKind, Scenario};
 
 /// Fills what changing feelings need; bodies and gaits must be there, and nothing may change them afterwards.
 pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd, cast: &AvatarSet) {
@@ -16,7 +16,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         decay: dynamics.decay,
         event_count: scenario.events.len() as u32,
     };
-    for (index, agent) in crowd.agents.iter().chain(&crowd.outsiders).enumerate() {
+    for (index, agent) in crowd.agents.iter().chain(&crowd.external).enumerate() {
         let id = index as u32;
         let clips = store.gaits[index];
         let speeds = clips.map(|clip| cast.clip(clip).speed * agent.scale);
@@ -59,10 +59,10 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
 /// Has the outsiders of a scenario led, on their paths if they have some; they are the last agents.
 pub(super) fn set_outsiders(store: &mut Store, scenario: &Scenario, crowd: &Crowd) {
     let first = crowd.agents.len() as u32;
-    for (agent, outsider) in (first..).zip(&scenario.outsiders).take(crowd.outsiders.len()) {
+    for (agent, outsider) in (first..).zip(&scenario.outsiders).take(crowd.external.len()) {
         set_led(store, agent);
         store.avoidance[agent as usize].inverse_time_horizon = outsider.comfort;
-        if outsider.kind != OutsiderKind::Person {
+        if outsider.kind != ExternalKind::Person {
             store.appearance[agent as usize].set_bodiless(true);
         }
         if !outsider.path.is_empty() {

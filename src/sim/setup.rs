@@ -13,7 +13,7 @@ use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::scenario::{
-    AgentStart, Crowd, Entry, Floors, Geometry, Manners, Model, Navigation, Raised, Scenario, SourceStart,
+    self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart,
     Stop, StopKind, Teleport,
 };
 use glam::Vec2;
@@ -38,7 +38,7 @@ pub const NEVER: u32 = u32::MAX;
 /// Fills every buffer that a step needs.
 pub fn store(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd, cast: &AvatarSet) -> Store {
     let mut store = Store { step: uniforms(scenario, geometry, crowd), ..Store::default() };
-    for agent in crowd.agents.iter().chain(&crowd.outsiders) {
+    for agent in crowd.agents.iter().chain(&crowd.external) {
         push_agent(&mut store, agent, &scenario.navigation, cast);
     }
     store.stages = crowd.stages.iter().map(stage).collect();
@@ -67,7 +67,7 @@ fn uniforms(scenario: &Scenario, geometry: &Geometry, crowd: &Crowd) -> StepUnif
     let high = geometry.bounds.iter().copied().fold(Vec2::MIN, Vec2::max);
     let avoided = scenario.user.filter(|user| user.avoided);
     let mut step = StepUniforms {
-        agent_count: (crowd.agents.len() + crowd.outsiders.len()) as u32,
+        agent_count: (crowd.agents.len() + crowd.external.len()) as u32,
         source_count: crowd.sources.len() as u32,
         seed: (scenario.seed ^ (scenario.seed >> 32)) as u32,
         time_step: navigation.time_step,
@@ -246,7 +246,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
     store.body.push(Body { radius: agent.radius, max_speed, preferred_speed, stride_travel });
-    let own = agent.manners.unwrap_or_else(|| Manners::of(navigation));
+    let own = agent.avoidance.unwrap_or_else(|| scenario::Avoidance::of(navigation));
     store.avoidance.push(avoidance(
         own.time_horizon,
         own.neighbour_distance,

@@ -1,5 +1,6 @@
 //! Which file of the crate uses which: every path in a `use` and in the code, followed through re-exports to the file
 //! that defines what it names. Unit tests and re-exports themselves do not count.
+#![allow(clippy::unwrap_used, reason = "a test")]
 
 use super::{Token, rust_files, tokens};
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
@@ -231,8 +232,8 @@ impl Crate {
             } else if let Some(target) = module.names.get(name).filter(|_| depth < DEEPEST) {
                 return self.from(target, &here, others, depth + 1);
             } else {
-                let globs = module.globs.iter().filter_map(|glob| self.from(glob, &here, &[], depth + 1));
-                return Some(globs.filter(|of| of.items.contains(name)).next_back().unwrap_or(module));
+                let mut globs = module.globs.iter().filter_map(|glob| self.from(glob, &here, &[], depth + 1));
+                return Some(globs.rfind(|of| of.items.contains(name)).unwrap_or(module));
             }
         }
         self.0.get(&here)

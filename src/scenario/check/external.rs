@@ -2,14 +2,14 @@
 
 use super::ranges::within;
 use crate::scenario::error::Error;
-use crate::scenario::file::{OutsiderKind, Scenario};
+use crate::scenario::file::{ExternalKind, Scenario};
 use crate::scenario::polygon::MAX_COORDINATE;
 
-/// Most outsiders of a scenario.
+/// Most external agents of a scenario.
 const MAX_OUTSIDERS: usize = 1024;
 /// Most keyframes of a path.
 const MAX_KEYFRAMES: usize = 1024;
-/// Fastest an outsider may go, m/s.
+/// Fastest that an external agent may go, m/s.
 const MAX_SPEED: f32 = 60.0;
 
 /// Checks radii and paths.
@@ -22,7 +22,7 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
         let key = |name: &str| format!("outsiders[{index}].{name}");
         within(&key("radius"), outsider.radius(scenario), 0.05, 5.0, "metres; a car is 1 wide each side")?;
         within(&key("comfort"), outsider.comfort, 0.0, 5.0, "metres; 0.5 is usual")?;
-        let is_person = outsider.kind == OutsiderKind::Person;
+        let is_person = outsider.kind == ExternalKind::Person;
         if let Some(file) = outsider.model.as_ref().filter(|file| is_person || file.trim().is_empty()) {
             let allowed = "left out, or for a robot or vehicle the name of a .glb or .gltf file";
             let hint = "people have bodies of their own: population.avatars";

@@ -73,7 +73,7 @@ pub(super) fn check_places(scenario: &Scenario) -> Result<(), Error> {
     Ok(())
 }
 
-/// Whether somebody can stand at a height, m.
+/// Whether an agent can stand at a height, m.
 fn stands(floors: &Floors, key: &str, at: Vec2, elevation: f32, hint: &str) -> Result<(), Error> {
     if floors.footing(at, elevation).is_some() {
         return Ok(());

@@ -247,7 +247,7 @@ fn overlap(a: &[Point], b: &[Point]) -> bool {
         || b.first().is_some_and(|corner| polygon::contains(&a, *corner))
 }
 
-/// Who is there from the start, and whether there is a place for them.
+/// Checks the share of the agents that start in the scene, and that there is a place for them.
 fn present(scenario: &Scenario) -> Result<(), Error> {
     let has_sources = !scenario.sources.is_empty();
     let key = "population.present";

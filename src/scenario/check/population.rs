@@ -1,4 +1,4 @@
-//! How many people, what they feel, how they walk, who walks together.
+//! Numbers of people, emotions, gaits, groups.
 
 use super::people;
 use super::ranges::within;

@@ -3,10 +3,10 @@
 use glam::Vec2;
 use serde::{Deserialize, Serialize};
 
-/// What an outsider is.
+/// What an external agent is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum OutsiderKind {
+pub enum ExternalKind {
     /// Radius 0.4 m unless said otherwise; a cart.
     Robot,
     /// Radius 1 m unless said otherwise; a small car.
@@ -15,12 +15,12 @@ pub enum OutsiderKind {
     Person,
 }
 
-/// Somebody or something that goes its own way, whatever the crowd does; everyone else takes all of the avoidance.
+/// An agent that is led from outside, whatever the crowd does. All others take the whole of the avoidance.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Outsider {
+pub struct ExternalAgent {
     /// What it is.
-    pub kind: OutsiderKind,
+    pub kind: ExternalKind,
     /// Disc radius, m; left out: as its kind has it.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub radius: Option<f32>,
@@ -41,7 +41,7 @@ pub struct Outsider {
     pub path: Vec<[f32; 3]>,
 }
 
-impl Outsider {
+impl ExternalAgent {
     /// Where it starts, if it has a path.
     pub fn start(&self) -> Option<Vec2> {
         self.path.first().map(|[_, x, z]| Vec2::new(*x, *z))

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 pub struct EmotionDynamics {
     /// Feelings pass between people who are nearer than this, the more the nearer, m; 0: they do not.
     pub radius: f32,
-    /// How fast they pass, 1/s, for one neighbour at no distance of expressiveness 1 to somebody of openness 1.
+    /// How fast they pass, 1/s, for one neighbour at no distance of expressiveness 1 to an agent of openness 1.
     pub contagion: f32,
     /// How fast a feeling returns to the own state, 1/s: half of it in 0.69 over this.
     pub decay: f32,

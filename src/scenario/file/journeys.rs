@@ -52,7 +52,7 @@ pub struct Stage {
     /// Least time in a waiting area, s.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub wait: f32,
-    /// Time of the simulation before which nobody leaves a waiting area, s.
+    /// Time of the simulation before which no agent leaves a waiting area, s.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub until: f32,
     /// Places in a queue.

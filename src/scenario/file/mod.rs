@@ -17,7 +17,7 @@ mod walkable;
 mod walkers;
 mod way_finding;
 
-pub use external::{Outsider, OutsiderKind};
+pub use external::{ExternalAgent, ExternalKind};
 pub use feelings::{EmotionDynamics, Event};
 pub use floors::{Floor, MAX_FLOORS};
 pub use gaze::{Budget, DEFAULT_BUDGET, Gaze, GazeMode};

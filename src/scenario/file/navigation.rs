@@ -58,7 +58,7 @@ pub struct Navigation {
     pub collision_weight: f32,
     /// Of `rvo`: greatest change of velocity, m/s².
     pub max_acceleration: f32,
-    /// How long somebody gets nowhere before it takes turns with others and looks for a way along the wall, s; 0: never.
+    /// Time without progress after which an agent takes turns with others and follows the wall in its way, s; 0: never.
     pub patience: f32,
 }
 

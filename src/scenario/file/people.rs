@@ -51,7 +51,7 @@ impl Spread {
 pub struct Class {
     /// Name, for people.
     pub name: String,
-    /// Share of the agents, relative to the other classes; 0: nobody.
+    /// Share of the agents, relative to the other classes; 0: none.
     pub share: f32,
     /// Age, years: gives the speed after Weidmann (1993), see [`speed_of_age`](crate::scenario::personality::speed_of_age).
     #[serde(skip_serializing_if = "Option::is_none")]

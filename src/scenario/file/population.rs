@@ -143,7 +143,7 @@ pub const MAX_GROUP: usize = 5;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Population {
-    /// How many agents, 0 to 1,000,000: all who are there at any time, those who come in from sources too.
+    /// How many agents, 0 to 1,000,000: all that there are at any time, with those of the sources.
     pub agents: u32,
     /// Share of the agents that are there from the start, 0 to 1; left out: 1 without sources, 0 with them.
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -1,6 +1,6 @@
 //! The scenario file: every key, its unit, its default. [`Scenario::validate`] checks them.
 
-use super::external::Outsider;
+use super::external::ExternalAgent;
 use super::feelings::{EmotionDynamics, Event};
 use super::floors::Floor;
 use super::gaze::Gaze;
@@ -82,7 +82,7 @@ pub struct Scenario {
     /// Places that journeys lead through.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub stages: Vec<Stage>,
-    /// Ways through the stages, walked by those who start in spawn regions and sources that name them.
+    /// Ways through the stages, walked from the spawn regions and sources that name them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub journeys: Vec<Journey>,
     /// Where people come in while the simulation runs.
@@ -96,7 +96,7 @@ pub struct Scenario {
     pub events: Vec<Event>,
     /// Robots, vehicles and tracked people: agents that are led from outside. Their ids follow those of the population.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub outsiders: Vec<Outsider>,
+    pub outsiders: Vec<ExternalAgent>,
     /// Agents one by one, each with a start and a way of its own, in addition to those of `population`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub walkers: Vec<Walker>,

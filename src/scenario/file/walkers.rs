@@ -37,7 +37,7 @@ pub struct Walker {
     pub teleport: Option<Teleport>,
 }
 
-/// Two boxes, each by its least and greatest corner (x, z), m: who comes into the first is put at random into the second.
+/// Two boxes, each by its least and greatest corner (x, z), m: a walker that enters the first is put at random into the second.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Teleport {

@@ -6,13 +6,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
-    /// Nobody: all walk straight to the next waypoint or goal.
+    /// None: all walk straight to the next waypoint or goal.
     #[default]
     Straight,
     /// Everyone.
     Field,
     /// Those on the way to a place from which something could be in the way: all of them where there are obstacles or floors
-    /// or the bounds are not convex, nobody elsewhere.
+    /// or the bounds are not convex, none elsewhere.
     Auto,
 }
 
@@ -26,11 +26,11 @@ pub struct WayFinding {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cell: Option<f32>,
     /// Distance that a person's centre keeps from walls, m: passages narrower than twice this are closed. Left out: the
-    /// least radius in the crowd, so that whoever fits through has the way open.
+    /// least radius in the crowd, so that an agent has every way open that it fits through.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clearance: Option<f32>,
     /// Price of a crowd, m²: a metre of the way costs 1 + this times the people per square metre there, so that some
-    /// choose the longer, emptier way. 0: nobody minds.
+    /// choose the longer, emptier way. 0: density costs nothing.
     pub density_weight: f32,
     /// Time between two looks at the crowd, s.
     pub every: f32,

@@ -1,4 +1,4 @@
-//! Profiles, generators, and where everybody starts.
+//! Profiles, generators, and the places where agents start.
 
 use super::report::Report;
 use super::xml::{Source, children, count, kind, maybe, need, place, tag, wrong};

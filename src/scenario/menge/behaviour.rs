@@ -21,7 +21,7 @@ fn on_ground(low: Vec2, high: Vec2) -> [[f32; 2]; 2] {
     [a.min(b).to_array(), a.max(b).to_array()]
 }
 
-/// How near somebody must come to a place on the way, m: road maps and meshes are made to be followed closely.
+/// How near an agent must come to a place on the way, m: road maps and meshes are made to be followed closely.
 const ON_THE_WAY: f32 = 0.4;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -351,7 +351,7 @@ impl Machine {
         Ok(way)
     }
 
-    /// Where somebody in a state goes; nowhere if it stands. A field leads who has no goal of its own to the box in which
+    /// Where an agent in a state goes; nowhere if it stands. A field leads an agent without a goal of its own to the box in which
     /// the state ends, or to where the field itself ends.
     fn goal(&self, state: &State, condition: Option<Condition>, at: Vec2, draw: (u32, u64)) -> Option<Place> {
         if state.means == Means::Stand {

@@ -78,7 +78,7 @@ impl Field {
         scaled.y as usize * self.columns + scaled.x as usize
     }
 
-    /// Where somebody ends who follows the field from a point: where it is still, turns back, or leaves its own ground.
+    /// Where an agent ends that follows the field from a point: where it is still, turns back, or leaves its own ground.
     pub(super) fn end(&self, from: Vec2) -> Vec2 {
         #[allow(clippy::cast_precision_loss, reason = "at most some million cells")]
         let high = self.low + Vec2::new(self.columns as f32, self.rows as f32) * self.cell;

@@ -239,7 +239,7 @@ pub(super) struct Taken {
 }
 
 impl Taken {
-    /// The next place in a box for somebody who comes from `at`, in rows from the far side on, so that the first do not
+    /// The next place in a box for an agent that comes from `at`, in rows from the far side on, so that the first do not
     /// stand in the way of the last; of another goal its nearest point.
     #[allow(
         clippy::cast_precision_loss,

@@ -1,4 +1,4 @@
-//! Navigation meshes: convex nodes, the edges (doors) between them, and the edges that nobody crosses.
+//! Navigation meshes: convex nodes, the edges (doors) between them, and the edges that cannot be crossed.
 //!
 //! ```text
 //! vertices: N, then x y

@@ -58,7 +58,7 @@ pub(super) fn read(
     Ok(solids)
 }
 
-/// Whether anybody heeds the class of an obstacle set at the start.
+/// Whether any agent heeds the class of an obstacle set at the start.
 fn is_heeded(
     source: &Source,
     set: &Node<'_, '_>,

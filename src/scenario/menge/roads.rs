@@ -68,7 +68,7 @@ impl Roads {
     /// Places on the shortest way from one point to another, without the first, with the last: along the edges, entered
     /// and left at vertices to which nothing solid stands between for a disc of `radius`.
     pub(super) fn way(&self, from: Vec2, to: Vec2, walls: &[Vec<Vec2>], radius: f32) -> Option<Vec<Vec2>> {
-        // From generous to none at all: a road map may lead closer to a wall than somebody is wide.
+        // From generous to none at all: a road map may lead closer to a wall than an agent is wide.
         for clearance in [radius, 0.5 * radius, 0.0] {
             let sees = |a: Vec2, b: Vec2| {
                 walls.iter().all(|wall| {

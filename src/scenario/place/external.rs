@@ -4,7 +4,7 @@ use super::mesh::{Builder, EnvironmentMesh, srgb};
 use super::props;
 use crate::avatar::{Model, model};
 use crate::scenario::error::Error;
-use crate::scenario::file::{Outsider, OutsiderKind, Prop, PropKind, Scenario};
+use crate::scenario::file::{ExternalAgent, ExternalKind, Prop, PropKind, Scenario};
 use glam::{Vec2, Vec3};
 use std::path::Path;
 
@@ -15,35 +15,35 @@ const VEHICLE: Vec3 = Vec3::new(1.25, 1.4, 1.9);
 /// Most vertices of all models of a scene.
 const MOST_VERTICES: usize = 2_000_000;
 
-impl Outsider {
+impl ExternalAgent {
     /// Its radius in a scenario, m.
     pub fn radius(&self, scenario: &Scenario) -> f32 {
         self.radius.unwrap_or(match self.kind {
-            OutsiderKind::Robot => 0.4,
-            OutsiderKind::Vehicle => 1.0,
-            OutsiderKind::Person => scenario.navigation.radius,
+            ExternalKind::Robot => 0.4,
+            ExternalKind::Vehicle => 1.0,
+            ExternalKind::Person => scenario.navigation.radius,
         })
     }
 }
 
 /// What robots and vehicles look like, each mesh once.
 #[derive(Debug, Clone, PartialEq, Default)]
-pub struct OutsiderBodies {
+pub struct ExternalBodies {
     /// Meshes about the origin, standing on y = 0, front towards +z, m.
     pub meshes: Vec<EnvironmentMesh>,
     /// Mesh of each of [`Scenario::outsiders`]; none of people, who have bodies like everyone.
     pub mesh_of: Vec<Option<usize>>,
 }
 
-/// The bodies of a scenario's outsiders; models are looked for in `base`.
+/// The bodies of a scenario's external agents; models are looked for in `base`.
 ///
 /// # Errors
 /// [`Error::Value`] for a model that cannot be read, with the file and the reason.
-pub fn outsider_bodies(scenario: &Scenario, base: Option<&Path>) -> Result<OutsiderBodies, Error> {
-    let mut bodies = OutsiderBodies::default();
-    let mut known: Vec<&Outsider> = Vec::new();
+pub fn external_bodies(scenario: &Scenario, base: Option<&Path>) -> Result<ExternalBodies, Error> {
+    let mut bodies = ExternalBodies::default();
+    let mut known: Vec<&ExternalAgent> = Vec::new();
     for (index, outsider) in scenario.outsiders.iter().enumerate() {
-        if outsider.kind == OutsiderKind::Person {
+        if outsider.kind == ExternalKind::Person {
             bodies.mesh_of.push(None);
             continue;
         }
@@ -75,8 +75,8 @@ pub fn outsider_bodies(scenario: &Scenario, base: Option<&Path>) -> Result<Outsi
 }
 
 /// Whether two have the same mesh.
-fn look_alike(one: &Outsider, other: &Outsider, scenario: &Scenario) -> bool {
-    let radius = |outsider: &Outsider| outsider.radius(scenario).to_bits();
+fn look_alike(one: &ExternalAgent, other: &ExternalAgent, scenario: &Scenario) -> bool {
+    let radius = |outsider: &ExternalAgent| outsider.radius(scenario).to_bits();
     if one.model.is_some() || other.model.is_some() {
         return one.model == other.model && one.size == other.size;
     }
@@ -104,9 +104,9 @@ fn read(path: &Path, size: Option<[f32; 3]>) -> Result<EnvironmentMesh, String> 
     Ok(EnvironmentMesh { positions, normals, colors, layers, indices })
 }
 
-fn built_in(kind: OutsiderKind, radius: f32, number: usize) -> EnvironmentMesh {
+fn built_in(kind: ExternalKind, radius: f32, number: usize) -> EnvironmentMesh {
     let mut mesh = EnvironmentMesh::default();
-    if kind == OutsiderKind::Robot {
+    if kind == ExternalKind::Robot {
         cart(&mut Builder::new(&mut mesh, Vec3::ZERO, 0.0), radius / CART);
     } else {
         let car = Prop::new(PropKind::Car, Vec2::ZERO, VEHICLE * radius);
@@ -147,7 +147,7 @@ mod tests {
     #[test]
     fn carts_and_cars_stand_on_the_ground_within_the_disc_that_people_avoid_and_face_ahead() {
         for (kind, radius) in
-            [(OutsiderKind::Robot, 0.4), (OutsiderKind::Robot, 0.9), (OutsiderKind::Vehicle, 1.3)]
+            [(ExternalKind::Robot, 0.4), (ExternalKind::Robot, 0.9), (ExternalKind::Vehicle, 1.3)]
         {
             let mesh = built_in(kind, radius, 0);
             let reach = mesh.positions.iter().map(|p| p.x.hypot(p.z)).fold(0.0, f32::max);

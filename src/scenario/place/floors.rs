@@ -114,12 +114,12 @@ impl Floors {
         self.floors.len()
     }
 
-    /// How high somebody stands at a point who stood at `present` m just before: the rule of `elevate`.
+    /// Height at which an agent stands at a point that stood at `present` m just before, m: the rule of `elevate`.
     pub fn height(&self, at: Vec2, present: f32) -> f32 {
         self.on(at, present).map_or(0.0, |floor| self.level(floor, at))
     }
 
-    /// The floor on which somebody stands at a point who stood at `present` m just before; none: on the ground.
+    /// The floor on which an agent stands at a point that stood at `present` m just before; none: the ground.
     pub fn on(&self, at: Vec2, present: f32) -> Option<usize> {
         let (mut nearest, mut found) = (STEP, None);
         for floor in (0..self.count()).filter(|floor| self.covers(*floor, at)) {
@@ -151,14 +151,14 @@ impl Floors {
         is_within(&self.elements[floor * FLOOR_STRIDE..][..FLOOR_STRIDE], at, margin)
     }
 
-    /// How high somebody stands who came to a point from the height `present` m: on the floor, or the ground, that is no
+    /// Height at which an agent stands that came to a point from the height `present` m: on the floor, or the ground, that is no
     /// farther than a step up or down. None: there is nothing to stand on.
     pub fn footing(&self, at: Vec2, present: f32) -> Option<f32> {
         let height = self.height(at, present);
         ((height - present).abs() < STEP).then_some(height)
     }
 
-    /// Heights that somebody can stand at at a point, m: those of all floors there, and the ground's.
+    /// Heights of the ground and of all floors at a point, m.
     pub(crate) fn heights(&self, at: Vec2) -> Vec<f32> {
         let floors = self.elements.chunks_exact(FLOOR_STRIDE);
         let on = floors.filter(|floor| is_on(floor, at)).map(|floor| height_on(floor, at));
@@ -196,7 +196,7 @@ impl Floors {
         !self.raised.iter().any(is_in_the_way)
     }
 
-    /// How high somebody stands at the end of a straight walk begun at height `present`.
+    /// Height at the end of a straight walk that begins at height `present`, m.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,

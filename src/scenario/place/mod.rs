@@ -13,7 +13,7 @@ mod walls;
 mod wkt;
 
 pub use clearance::Clearance;
-pub use external::{OutsiderBodies, outsider_bodies};
+pub use external::{ExternalBodies, external_bodies};
 pub(crate) use floors::MAX_FLOOR_CORNERS;
 pub use floors::{Floors, RAILING, Raised};
 pub use geometry::Geometry;

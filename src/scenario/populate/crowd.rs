@@ -4,7 +4,7 @@ use crate::emotion::Emotion;
 use crate::scenario::file::{Navigation, Teleport, Way};
 use glam::Vec2;
 
-/// What a stage of a journey asks of who comes to it.
+/// What a stage of a journey asks of an agent that comes to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum StopKind {
     /// To pass within its radius.
@@ -38,13 +38,13 @@ pub struct Stop {
     pub half_axes: [Vec2; 2],
     /// Least time spent waiting, or time of being served, steps.
     pub wait: u32,
-    /// Step before which nobody who waits goes on.
+    /// Step before which no waiting agent goes on.
     pub until: u32,
     /// Number of the stage among the scenario's stages; 0 for waypoints of routes. Places in a region depend on it.
     pub number: u32,
     /// Number of the flow field that leads there; none: straight.
     pub field: Option<u32>,
-    /// Height of the floor that it lies on, m; none: whichever floor somebody comes to it on.
+    /// Height of the floor that it lies on, m; none: whichever floor an agent comes to it on.
     pub elevation: Option<f32>,
     /// How the way there is found; none: as the scenario's `way_finding.way` says.
     pub way: Option<Way>,
@@ -80,9 +80,9 @@ pub struct SourceStart {
     pub places: Vec<Vec2>,
 }
 
-/// How an agent deals with others.
+/// How an agent avoids others.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Manners {
+pub struct Avoidance {
     /// Horizon, s.
     pub time_horizon: f32,
     /// Neighbours are considered up to this distance, m.
@@ -93,7 +93,7 @@ pub struct Manners {
     pub priority: f32,
 }
 
-impl Manners {
+impl Avoidance {
     /// What the scenario says of everyone.
     pub fn of(navigation: &Navigation) -> Self {
         Self {
@@ -146,8 +146,8 @@ pub struct AgentStart {
     pub waypoint: u32,
     /// The others of the group that the agent walks with, by index; `u32::MAX` for none.
     pub companions: [u32; 4],
-    /// How it deals with others; none: as the scenario's `[navigation]` says.
-    pub manners: Option<Manners>,
+    /// How it avoids others; none: as the scenario's `[navigation]` says.
+    pub avoidance: Option<Avoidance>,
     /// Preferred speed, m/s; none: that of its gaits. Its gaits are walked at another cadence.
     pub speed: Option<f32>,
     /// By what the preferred speed is multiplied.
@@ -196,7 +196,7 @@ impl AgentStart {
             route_length: 1,
             waypoint: 1,
             companions: [u32::MAX; 4],
-            manners: None,
+            avoidance: None,
             speed: None,
             speed_factor: 1.0,
             reaction: 0.0,
@@ -210,8 +210,8 @@ impl AgentStart {
 pub struct Crowd {
     /// Agents by index (their stable id).
     pub agents: Vec<AgentStart>,
-    /// Those of [`crate::Scenario::outsiders`], whose ids follow.
-    pub outsiders: Vec<AgentStart>,
+    /// External agents ([`crate::Scenario::outsiders`]); their ids follow.
+    pub external: Vec<AgentStart>,
     /// Stages of all routes and journeys, one after another.
     pub stages: Vec<Stop>,
     /// Sources.

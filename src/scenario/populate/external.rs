@@ -8,15 +8,15 @@ use crate::emotion::Emotion;
 use crate::ground::heading_from_ground;
 use crate::library::GaitLibrary;
 use crate::scenario::error::Error;
-use crate::scenario::file::{GaitChoice, Outsider, OutsiderKind, Scenario};
+use crate::scenario::file::{ExternalAgent, ExternalKind, GaitChoice, Scenario};
 use glam::Vec2;
 
 /// Slowest and fastest gait that is asked for, m/s.
 const SPEEDS: [f32; 2] = [0.3, 3.0];
 
-/// Somebody who will be led.
+/// A person who is led along a recording.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Person {
+pub struct ExternalPerson {
     /// Where they appear first (x, z), m.
     pub position: Vec2,
     /// Heading about +y, rad.
@@ -25,7 +25,7 @@ pub struct Person {
     pub speed: Option<f32>,
 }
 
-/// Casts people as agents number `first` and on. They have no way of their own.
+/// Makes people agents number `first` and on, with sampled traits. They have no route of their own.
 ///
 /// # Errors
 /// As [`super::populate_from`], but for places.
@@ -33,7 +33,7 @@ pub fn populate_people(
     scenario: &Scenario,
     library: &GaitLibrary,
     first: u32,
-    people: &[Person],
+    people: &[ExternalPerson],
 ) -> Result<Vec<AgentStart>, Error> {
     let chooser = chooser(scenario, library, None)?;
     let mut own = scenario.clone();
@@ -57,16 +57,16 @@ pub fn populate_people(
     Ok(agents)
 }
 
-/// The outsiders as agents; their ids follow those of the crowd.
+/// The starts of external agents; their ids follow those of the crowd.
 pub(super) fn starts(scenario: &Scenario, sampler: &TraitSampler<'_>) -> Result<Vec<AgentStart>, Error> {
     let first = scenario.population.agents;
-    let one = |(index, outsider): (u32, &Outsider)| {
+    let one = |(index, outsider): (u32, &ExternalAgent)| {
         let way = match outsider.path.as_slice() {
             [[_, x, z], [_, to_x, to_z], ..] => Vec2::new(to_x - x, to_z - z),
             _ => Vec2::Y,
         };
         let mut start =
-            sampler.body(first + index, Emotion::Neutral, outsider.kind == OutsiderKind::Person)?;
+            sampler.body(first + index, Emotion::Neutral, outsider.kind == ExternalKind::Person)?;
         start.position = outsider.start().unwrap_or_default();
         start.heading = heading_from_ground(way.normalize_or(Vec2::Y));
         start.radius = outsider.radius(scenario);

@@ -1,4 +1,4 @@
-//! Who walks with whom: groups of one to five, whose members have consecutive numbers.
+//! Groups of one to five, whose members have consecutive numbers.
 
 use super::shares::{cumulate, weighted};
 use crate::scenario::file::Scenario;
@@ -6,7 +6,7 @@ use crate::scenario::random::{Purpose, unit};
 use glam::Vec2;
 use std::ops::Range;
 
-/// How many walk together, beginning with agent `first`: one who walks alone, or a group.
+/// How many walk together, beginning with agent `first`: one that walks alone, or a group.
 pub(super) fn members(scenario: &Scenario, first: u32) -> Range<u32> {
     let ends = cumulate(scenario.population.groups.sizes.iter().copied());
     let size =

@@ -146,7 +146,7 @@ impl Lanes {
     /// Stores a lane, with as large a radius at each waypoint as the walls leave room for.
     fn push(&mut self, points: &[Vec2], route: &Route, free: &Clearance) {
         let loops = route.mode != RouteMode::Once;
-        // Whoever turns early, anywhere within the radius, still passes the walls at the width of a body.
+        // An agent that turns early, anywhere within the radius, still passes the walls at the width of a body.
         const BODY: f32 = 0.35;
         let room: Vec<f32> =
             segments(points, true).map(|(a, b)| free.distance(a, b, route.radius + BODY) - BODY).collect();

@@ -16,8 +16,8 @@ mod sources;
 mod traits;
 mod walkers;
 
-pub use crowd::{AgentStart, Crowd, Entry, Manners, SourceStart, Stop, StopKind};
-pub use external::{Person, populate_people};
+pub use crowd::{AgentStart, Avoidance, Crowd, Entry, SourceStart, Stop, StopKind};
+pub use external::{ExternalPerson, populate_people};
 pub use lanes::ROUTE_CLEARANCE;
 
 use crate::emotion::Emotion;
@@ -61,7 +61,7 @@ pub fn populate_from(scenario: &Scenario, library: &GaitLibrary) -> Result<Crowd
     populate_with(scenario, library, None)
 }
 
-/// [`populate_from`] with somebody who tells how clearly gaits that nobody rated show their emotion.
+/// [`populate_from`] with a perceiver that judges how clearly unrated gaits show their emotion.
 ///
 /// # Errors
 /// As [`populate_from`].
@@ -79,7 +79,7 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     let geometry = scenario.geometry();
     let sampler = TraitSampler::new(scenario, chooser)?;
     if scenario.population.agents == 0 {
-        let mut crowd = Crowd { outsiders: external::starts(scenario, &sampler)?, ..Crowd::default() };
+        let mut crowd = Crowd { external: external::starts(scenario, &sampler)?, ..Crowd::default() };
         walkers::join(scenario, chooser, &mut crowd)?;
         return Ok(crowd);
     }
@@ -121,8 +121,8 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
     for agent in next_id(&agents)..scenario.population.agents {
         agents.push(sampler.agent(agent, Place::NOWHERE, Entry::Never)?);
     }
-    let outsiders = external::starts(scenario, &sampler)?;
-    let mut crowd = Crowd { agents, outsiders, sources: starts, stages: lanes.stages };
+    let external = external::starts(scenario, &sampler)?;
+    let mut crowd = Crowd { agents, external, sources: starts, stages: lanes.stages };
     walkers::join(scenario, chooser, &mut crowd)?;
     Ok(crowd)
 }
@@ -132,7 +132,7 @@ fn next_id(agents: &[AgentStart]) -> u32 {
     u32::try_from(agents.len()).unwrap_or(u32::MAX)
 }
 
-/// Who follows the agents that there are, below number `end`: one who walks alone, or a group.
+/// The agents after those that there are, below number `end`: one that walks alone, or a group.
 fn next_group(scenario: &Scenario, agents: &[AgentStart], end: u32) -> Option<Range<u32>> {
     let first = next_id(agents);
     (first < end).then(|| first..groups::members(scenario, first).end.min(end))

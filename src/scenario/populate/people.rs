@@ -1,6 +1,6 @@
 //! What each person of a class is like: numbers drawn from its spreads, changed by personality.
 
-use super::crowd::Manners;
+use super::crowd::Avoidance;
 use crate::scenario::file::{Class, MAX_NEIGHBOURS, Navigation, Population, Scenario, Spread};
 use crate::scenario::personality::{ratios, speed_of_age};
 use crate::scenario::random::{Purpose, bits, range, unit};
@@ -64,7 +64,7 @@ const SPEED_FACTOR: [f32; 2] = [0.5, 1.5];
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Person<'a> {
     pub(crate) class: Option<&'a Class>,
-    pub(crate) manners: Manners,
+    pub(crate) avoidance: Avoidance,
     /// Disc radius, if the class gives one, m.
     pub(crate) radius: Option<f32>,
     /// By what personality changes the radius and the speed of the gait.
@@ -90,10 +90,10 @@ fn class_of(scenario: &Scenario, agent: u32) -> Option<&Class> {
 
 /// What an agent is like, from the seed and its number alone.
 pub(crate) fn person(scenario: &Scenario, agent: u32) -> Person<'_> {
-    let mut manners = Manners::of(&scenario.navigation);
+    let mut avoidance = Avoidance::of(&scenario.navigation);
     let plain = Person {
         class: None,
-        manners,
+        avoidance,
         radius: None,
         radius_factor: 1.0,
         speed_factor: 1.0,
@@ -109,10 +109,10 @@ pub(crate) fn person(scenario: &Scenario, agent: u32) -> Person<'_> {
         let stream = scenario.seed ^ (u64::from(index) << 32);
         spread.draw(stream, agent, Quantity::Trait)
     });
-    manners.neighbour_distance =
-        draw(class.neighbour_distance, Quantity::NeighbourDistance).unwrap_or(manners.neighbour_distance);
-    manners.neighbour_distance = (manners.neighbour_distance * factors[0]).clamp(0.5, 50.0);
-    let cap = class.neighbour_cap.unwrap_or(manners.neighbour_cap);
+    avoidance.neighbour_distance =
+        draw(class.neighbour_distance, Quantity::NeighbourDistance).unwrap_or(avoidance.neighbour_distance);
+    avoidance.neighbour_distance = (avoidance.neighbour_distance * factors[0]).clamp(0.5, 50.0);
+    let cap = class.neighbour_cap.unwrap_or(avoidance.neighbour_cap);
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
@@ -120,13 +120,14 @@ pub(crate) fn person(scenario: &Scenario, agent: u32) -> Person<'_> {
         reason = "1 to 10"
     )]
     let capped = (cap as f32 * factors[1] + 0.5).clamp(1.0, MAX_NEIGHBOURS as f32) as u32;
-    manners.neighbour_cap = capped;
-    manners.time_horizon = draw(class.time_horizon, Quantity::TimeHorizon).unwrap_or(manners.time_horizon);
-    manners.time_horizon = (manners.time_horizon * factors[2]).clamp(0.1, 20.0);
-    manners.priority = draw(class.priority, Quantity::Priority).unwrap_or(0.0);
+    avoidance.neighbour_cap = capped;
+    avoidance.time_horizon =
+        draw(class.time_horizon, Quantity::TimeHorizon).unwrap_or(avoidance.time_horizon);
+    avoidance.time_horizon = (avoidance.time_horizon * factors[2]).clamp(0.1, 20.0);
+    avoidance.priority = draw(class.priority, Quantity::Priority).unwrap_or(0.0);
     Person {
         class: Some(class),
-        manners,
+        avoidance,
         radius: draw(class.radius, Quantity::Radius),
         radius_factor: factors[3].clamp(RADIUS_FACTOR[0], RADIUS_FACTOR[1]),
         speed_factor: factors[4].clamp(SPEED_FACTOR[0], SPEED_FACTOR[1]),

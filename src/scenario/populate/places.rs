@@ -33,7 +33,7 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Of somebody who never comes in.
+    /// Of an agent that never enters.
     pub(super) const NOWHERE: Self = Self {
         position: Vec2::ZERO,
         elevation: 0.0,
@@ -162,7 +162,7 @@ impl<'a> Places<'a> {
             };
             if let Some(place) = found
                 && self.apart_from_user(place.position)
-                && self.apart_from_outsiders(place.position)
+                && self.apart_from_external(place.position)
                 && self.taken.insert(place.position)
             {
                 let mut all = vec![place];
@@ -184,7 +184,7 @@ impl<'a> Places<'a> {
             }
             if self.free.passes(first.position, position, self.body + 0.05)
                 && self.apart_from_user(position)
-                && self.apart_from_outsiders(position)
+                && self.apart_from_external(position)
                 && self.taken.insert(position)
             {
                 let elevation = self.floors.walk(first.position, position, first.elevation);
@@ -212,7 +212,7 @@ impl<'a> Places<'a> {
         }
     }
 
-    /// How high somebody stands who has walked a lane from its first waypoint, which is on the ground, to a point before
+    /// Height of an agent that has walked a lane from its first waypoint, which is on the ground, to a point before
     /// waypoint `next`.
     fn elevation(&self, lane: Lane, next: u32, on: Vec2) -> f32 {
         let points = self.lanes.points(lane);
@@ -317,7 +317,7 @@ impl<'a> Places<'a> {
         !user.avoided || position.distance(at) >= user.radius + self.body + USER_GAP
     }
 
-    fn apart_from_outsiders(&self, position: Vec2) -> bool {
+    fn apart_from_external(&self, position: Vec2) -> bool {
         self.scenario.outsiders.iter().all(|outsider| {
             let room = outsider.radius(self.scenario) + outsider.comfort + self.body + GAP;
             outsider.start().is_none_or(|start| position.distance(start) >= room)
@@ -362,7 +362,7 @@ impl Taken {
         (key ^ (key >> 15)) as usize & (self.heads.len() - 1)
     }
 
-    /// Takes the place unless somebody is nearer than two agents must be apart.
+    /// Takes the place unless another agent is nearer than two must be apart.
     pub(super) fn insert(&mut self, position: Vec2) -> bool {
         let cell = (position / self.apart).floor().as_ivec2();
         for dz in -1..=1 {

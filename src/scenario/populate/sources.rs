@@ -1,4 +1,4 @@
-//! Who comes in where and when: the population divided among the sources, times of entry, places.
+//! Entries: the population divided among the sources, times, places.
 
 use super::journeys::steps;
 use crate::scenario::error::Error;
@@ -23,7 +23,7 @@ pub(super) struct Split {
     pub(super) sources: Vec<u32>,
 }
 
-/// Divides the population: first those who are there from the start, then the sources that say their share, then those
+/// Divides the population: first those that start in the scene, then the sources that say their share, then those
 /// that need a certain number (in proportion, if there are not enough), and the rest evenly to those that never end.
 pub(super) fn split(scenario: &Scenario) -> Split {
     let agents = scenario.population.agents;

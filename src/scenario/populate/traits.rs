@@ -24,7 +24,7 @@ const START_SPEED: f32 = 1.2;
 /// Emotion weights, gaits and their weights, as in [`AgentStart`].
 type Feeling = ([f32; 4], [u32; 4], [f32; 4]);
 
-/// Who chooses the gaits of a scenario out of a library.
+/// What chooses the gaits of a scenario out of a library.
 pub(super) fn chooser(
     scenario: &Scenario,
     library: &GaitLibrary,
@@ -182,7 +182,7 @@ impl<'a> TraitSampler<'a> {
         (agent % avatars + shift) % avatars
     }
 
-    /// A body that stands somewhere and does not gaze: of an outsider. Only one that `walks` needs a gait of the emotion.
+    /// A body that stands somewhere and does not gaze: of an external agent. Only one that `walks` needs a gait of the emotion.
     pub(super) fn body(&self, agent: u32, emotion: Emotion, walks: bool) -> Result<AgentStart, Error> {
         let gait = if walks { self.gait(agent, emotion)? } else { 0 };
         Ok(AgentStart {
@@ -222,7 +222,7 @@ impl<'a> TraitSampler<'a> {
             route_length: place.route_length,
             waypoint: place.waypoint,
             loops: place.loops,
-            manners: Some(person.manners),
+            avoidance: Some(person.avoidance),
             speed: person.speed,
             speed_factor: person.speed_factor,
             reaction: person.reaction,

@@ -27,7 +27,7 @@ impl Walker {
     }
 }
 
-/// Adds the walkers to a crowd: cast like everyone else, with a gait near their own speed.
+/// Adds the walkers to a crowd: with sampled traits as all others, and a gait near their own speed.
 pub(super) fn join(scenario: &Scenario, chooser: &Chooser, crowd: &mut Crowd) -> Result<(), Error> {
     let mut own = scenario.clone();
     own.walkers = Vec::new();

@@ -19,7 +19,7 @@ fn classes_have_their_shares_and_numbers_within_their_spreads() {
     let old = people.iter().filter(is_old).count();
     assert!((900..1100).contains(&old), "{old}");
     for p in people.iter().filter(is_old) {
-        assert!((0.68..=1.41).contains(&p.speed.unwrap()) && p.manners.priority > 0.99);
+        assert!((0.68..=1.41).contains(&p.speed.unwrap()) && p.avoidance.priority > 0.99);
     }
     let normal: Vec<f32> = people.iter().filter(|p| !is_old(p)).filter_map(|p| p.speed).collect();
     let mean = normal.iter().sum::<f32>() / normal.len() as f32;
@@ -46,12 +46,12 @@ fn personality_changes_parameters_in_proportion_and_stays_in_range() {
     let wild =
         scenario("[[classes]]\nshare = 1\npersonality = { impulsive = 1, tense = 1, neuroticism = 1 }\n");
     let p = person(&wild, 0);
-    assert!(p.radius_factor <= 2.0 && p.manners.neighbour_cap <= 10 && p.manners.time_horizon <= 20.0);
+    assert!(p.radius_factor <= 2.0 && p.avoidance.neighbour_cap <= 10 && p.avoidance.time_horizon <= 20.0);
     let own = scenario(
         "traits = { openness = [1, 1, 2, 1, 1] }\n[[classes]]\nshare = 1\npersonality = { openness = 1 }\n",
     );
     own.validate().unwrap();
-    assert!((person(&own, 3).manners.time_horizon - 4.0).abs() < 1e-6);
+    assert!((person(&own, 3).avoidance.time_horizon - 4.0).abs() < 1e-6);
     let unknown = scenario("[[classes]]\nshare = 1\npersonality = { openness = 1 }\n").validate();
     assert!(unknown.unwrap_err().to_string().contains("openness"));
 }
