@@ -1,26 +1,23 @@
 //! Misspelt words: the known word that was probably meant.
 
-/// The candidate with the fewest edits, if it is near enough to be what was meant.
+/// Characters of a word that are compared: a distance takes the product of two lengths.
+const LONGEST: usize = 64;
+
+/// The candidate with the fewest edits (case does not matter), if it is near enough to be what was meant.
 pub(crate) fn nearest<'a>(wrong: &str, known: &[&'a str]) -> Option<&'a str> {
-    let near = |candidate: &&'a str| (edit_distance(wrong, candidate), *candidate);
+    let plain = |word: &str| word.chars().take(LONGEST).collect::<String>().to_ascii_lowercase();
+    let own = plain(wrong);
+    let near = |candidate: &&'a str| (strsim::levenshtein(&own, &plain(candidate)), *candidate);
     let (distance, candidate) = known.iter().map(near).min()?;
     (distance <= (wrong.len().max(candidate.len()) / 2).max(1)).then_some(candidate)
 }
 
-/// Levenshtein distance over bytes of the first 64 of each word.
-fn edit_distance(a: &str, b: &str) -> usize {
-    let (a, b) = (&a.as_bytes()[..a.len().min(64)], &b.as_bytes()[..b.len().min(64)]);
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, x) in a.iter().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, y) in b.iter().enumerate() {
-            let substituted = diagonal + usize::from(!x.eq_ignore_ascii_case(y));
-            diagonal = row[j + 1];
-            row[j + 1] = substituted.min(row[j] + 1).min(diagonal + 1);
-        }
+/// The way out of a name that is not known: the one that was probably meant, or else all that there are, after `all_are`.
+pub(crate) fn suggestion(wrong: &str, known: &[&str], all_are: &str) -> String {
+    match nearest(wrong, known) {
+        Some(near) => format!("did you mean {near:?}?"),
+        None => format!("{all_are} {}", known.join(", ")),
     }
-    row[b.len()]
 }
 
 #[cfg(test)]
@@ -36,5 +33,7 @@ mod tests {
         }
         assert_eq!(nearest("euphoric", &known), None);
         assert_eq!(nearest("", &[]), None);
+        assert_eq!(suggestion("hapy", &known, "there are"), "did you mean \"happy\"?");
+        assert_eq!(suggestion("euphoric", &known, "there are"), "there are happy, angry, sad, neutral");
     }
 }

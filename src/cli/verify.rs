@@ -7,6 +7,7 @@ use super::usage;
 use crate::Error;
 use crate::gpu::{Device, Validation};
 use crate::kernels::KernelId;
+use crate::spelling::suggestion;
 use crate::verify::{Options, Report, verify};
 use clap::Args;
 
@@ -44,7 +45,7 @@ pub(super) struct Arguments {
 fn kernel(name: &str) -> Result<KernelId, String> {
     KernelId::ALL.into_iter().find(|id| id.kernel().name == name).ok_or_else(|| {
         let names: Vec<&str> = KernelId::ALL.iter().map(|id| id.kernel().name).collect();
-        format!("no kernel has this name; they are {}", names.join(", "))
+        format!("no kernel has this name; {}", suggestion(name, &names, "they are"))
     })
 }
 

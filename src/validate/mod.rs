@@ -16,6 +16,7 @@ pub mod tracks;
 
 use crate::Error;
 use crate::export::chart::Plot;
+use crate::spelling::suggestion;
 use judge::{Bench, Finding, Outcome, SIZES, Test};
 use rayon::prelude::*;
 use scene::{Stage, Variant};
@@ -83,7 +84,7 @@ pub fn chosen(names: &[String]) -> Result<Vec<&'static Test>, Error> {
     if let Some(wrong) = names.iter().find(|name| !tests::ALL.iter().any(|test| test.name == **name)) {
         let known: Vec<&str> = tests::ALL.iter().map(|test| test.name).collect();
         let message = format!("there is no validation test {wrong:?}");
-        return Err(Error::Usage { message, hint: format!("the tests are {}", known.join(", ")) });
+        return Err(Error::Usage { message, hint: suggestion(wrong, &known, "the tests are") });
     }
     let wanted = |test: &&Test| names.is_empty() || names.iter().any(|name| name == test.name);
     Ok(tests::ALL.iter().filter(wanted).collect())

@@ -11,6 +11,7 @@ use crate::gait::Gait;
 use crate::perception::comparison::{PUBLISHED, methods, variants};
 use crate::perception::evaluate::{Evaluation, Grouping, Plan, evaluate_with, folds};
 use crate::perception::{Method, perceiver, share_interval};
+use crate::spelling::suggestion;
 use clap::{Args, ValueEnum};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -190,8 +191,8 @@ fn choose(arguments: &Arguments) -> Result<Vec<Chosen>, Error> {
     let mut names: Vec<&str> = all.iter().map(|(method, _)| method.name()).collect();
     names.dedup();
     if let Some(unknown) = arguments.methods.iter().find(|name| !names.contains(&name.as_str())) {
-        let names = names.join(", ");
-        return Err(usage(format!("--methods: there is no method {unknown:?}"), format!("they are {names}")));
+        let hint = suggestion(unknown, &names, "they are");
+        return Err(usage(format!("--methods: there is no method {unknown:?}"), hint));
     }
     all.retain(|(method, _)| arguments.methods.iter().any(|name| name == method.name()));
     Ok(all)

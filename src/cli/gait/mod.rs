@@ -25,6 +25,7 @@ use crate::gait::import::{Options, import_file_with};
 use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
 use crate::gait::{Gait, Joint, LabelOrigin, stride};
 use crate::library::GaitLibrary;
+use crate::spelling::suggestion;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 use std::io::Write as _;
@@ -298,14 +299,14 @@ fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
 
 /// Sets a style field from `name=value`.
 fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
-    let names = || STYLE_FIELDS.iter().map(|field| field.name).collect::<Vec<_>>().join(", ");
+    let names: Vec<&str> = STYLE_FIELDS.iter().map(|field| field.name).collect();
     let Some((name, value)) = text.split_once('=') else {
         return Err(usage(format!("--set {text}: no value"), "such as --set bounce=0.04"));
     };
     let Some(field) = STYLE_FIELDS.iter().find(|field| field.name == name) else {
         return Err(usage(
             format!("--set {text}: no style field {name:?}"),
-            format!("the fields are {}", names()),
+            suggestion(name, &names, "the fields are"),
         ));
     };
     match value.parse::<f64>() {

@@ -3,7 +3,7 @@
 use super::ranges::{MAX_CORNERS, outline, point, within};
 use crate::scenario::error::Error;
 use crate::scenario::file::{Layout, Route, RouteMode, Spawn, route_names};
-use crate::spelling::nearest;
+use crate::spelling::suggestion;
 use glam::Vec2;
 
 pub(super) fn check(routes: &[Route]) -> Result<(), Error> {
@@ -52,10 +52,7 @@ pub(super) fn check_spawns(spawns: &[Spawn], routes: &[Route], layout: Layout) -
         for (i, name) in spawn.routes.iter().enumerate() {
             // Names of generated routes are checked when the layout is made.
             if layout == Layout::Custom && !names.contains(&name.as_str()) {
-                let hint = nearest(name, &names).map_or_else(
-                    || format!("the routes are {}", names.join(", ")),
-                    |near| format!("did you mean {near:?}?"),
-                );
+                let hint = suggestion(name, &names, "the routes are");
                 let key = format!("spawns[{index}].routes[{i}]");
                 return Err(Error::value(key, format!("{name:?}"), "the name of a route", hint));
             }
