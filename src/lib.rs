@@ -89,6 +89,7 @@ pub mod verify;
 #[allow(unsafe_code, reason = "makes a window's surface and swapchain, one SAFETY comment per block")]
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]
 pub mod view;
+mod wkt;
 #[cfg(feature = "xr")]
 #[allow(unsafe_code, reason = "calls into OpenXR with Vulkan's handles, one SAFETY comment per block")]
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]

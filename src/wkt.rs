@@ -1,14 +1,37 @@
-//! Polygons out of well-known text (OGC 06-103r4, section 7).
+//! Polygons as well-known text (OGC 06-103r4, section 7): the one reader and the one writer.
+//!
+//! They are our own although there is the crate `wkt` (0.14). That parser names no place in the text, ends without a word
+//! about what follows the geometry, refuses further numbers without a `Z`, and overflows the stack of the process on
+//! collections that lie deep in one another.
 
-use crate::scenario::polygon::MAX_COORDINATE;
 use glam::DVec2;
+use std::fmt::{Display, Write as _};
+
+/// Rings of a polygon, outer ring first, without the repeated last corner.
+pub(crate) type Polygon = Vec<Vec<DVec2>>;
+
+/// Text that is no area as well-known text.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("at byte {at}: expected {expected}, found {found}")]
+pub struct Error {
+    /// Byte of the text, from 0.
+    pub at: usize,
+    /// What would be right there.
+    pub expected: String,
+    /// What begins there, quoted; `the end` at the end of the text.
+    pub found: String,
+}
 
 /// How deep collections may lie in one another.
 const DEEPEST: u32 = 16;
 
-/// The rings of every polygon, outer ring first, without the repeated last corner.
-pub(crate) fn polygons(text: &str) -> Result<Vec<Vec<Vec<DVec2>>>, String> {
-    let mut reader = Reader { text, at: 0 };
+/// Every polygon of a POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION, with coordinates of at most `most`. Corners that repeat the
+/// one before are left out.
+///
+/// # Errors
+/// What is wrong with the text and where.
+pub(crate) fn polygons(text: &str, most: f64) -> Result<Vec<Polygon>, Error> {
+    let mut reader = Reader { text, at: 0, most };
     let mut found = Vec::new();
     reader.geometry(&mut found, 0)?;
     reader.space();
@@ -18,9 +41,32 @@ pub(crate) fn polygons(text: &str) -> Result<Vec<Vec<Vec<DVec2>>>, String> {
     Ok(found)
 }
 
+/// POLYGON of one polygon, MULTIPOLYGON otherwise; each ring is closed by its first corner.
+pub(crate) fn text<N: Display>(polygons: &[Vec<Vec<[N; 2]>>]) -> String {
+    // Writing to a String cannot fail.
+    let mut text = String::from(if polygons.len() == 1 { "POLYGON " } else { "MULTIPOLYGON (" });
+    for (i, polygon) in polygons.iter().enumerate() {
+        text.push_str(if i > 0 { ", (" } else { "(" });
+        for (j, ring) in polygon.iter().enumerate() {
+            text.push_str(if j > 0 { ", (" } else { "(" });
+            for (k, [x, y]) in ring.iter().chain(ring.first()).enumerate() {
+                let _ = write!(text, "{}{x} {y}", if k > 0 { ", " } else { "" });
+            }
+            text.push(')');
+        }
+        text.push(')');
+    }
+    if polygons.len() != 1 {
+        text.push(')');
+    }
+    text
+}
+
 struct Reader<'a> {
     text: &'a str,
     at: usize,
+    /// Greatest coordinate.
+    most: f64,
 }
 
 impl Reader<'_> {
@@ -32,10 +78,10 @@ impl Reader<'_> {
         self.at += self.rest().len() - self.rest().trim_start().len();
     }
 
-    fn wrong(&self, wanted: &str) -> String {
+    fn wrong(&self, expected: &str) -> Error {
         let found: String = self.rest().chars().take(20).collect();
         let found = if found.is_empty() { "the end".to_owned() } else { format!("{found:?}") };
-        format!("at byte {}: expected {wanted}, found {found}", self.at)
+        Error { at: self.at, expected: expected.to_owned(), found }
     }
 
     /// Takes a sign if it comes next.
@@ -54,7 +100,7 @@ impl Reader<'_> {
         word
     }
 
-    fn geometry(&mut self, found: &mut Vec<Vec<Vec<DVec2>>>, depth: u32) -> Result<(), String> {
+    fn geometry(&mut self, found: &mut Vec<Polygon>, depth: u32) -> Result<(), Error> {
         self.space();
         let start = self.at;
         let mut kind = self.word();
@@ -91,7 +137,7 @@ impl Reader<'_> {
     }
 
     /// One or more items in brackets.
-    fn list<T>(&mut self, mut item: impl FnMut(&mut Self) -> Result<T, String>) -> Result<Vec<T>, String> {
+    fn list<T>(&mut self, mut item: impl FnMut(&mut Self) -> Result<T, Error>) -> Result<Vec<T>, Error> {
         if !self.takes('(') {
             return Err(self.wrong("'('"));
         }
@@ -102,7 +148,7 @@ impl Reader<'_> {
         if self.takes(')') { Ok(items) } else { Err(self.wrong("',' or ')'")) }
     }
 
-    fn ring(&mut self) -> Result<Vec<DVec2>, String> {
+    fn ring(&mut self) -> Result<Vec<DVec2>, Error> {
         let start = self.at;
         let mut corners = self.list(Self::corner)?;
         corners.dedup();
@@ -116,7 +162,7 @@ impl Reader<'_> {
         Ok(corners)
     }
 
-    fn corner(&mut self) -> Result<DVec2, String> {
+    fn corner(&mut self) -> Result<DVec2, Error> {
         let at = DVec2::new(self.number()?, self.number()?);
         while self
             .rest()
@@ -128,16 +174,16 @@ impl Reader<'_> {
         Ok(at)
     }
 
-    fn number(&mut self) -> Result<f64, String> {
+    fn number(&mut self) -> Result<f64, Error> {
         self.space();
         let length =
             self.rest().bytes().take_while(|b| b.is_ascii_alphanumeric() || b"+-.".contains(b)).count();
         match self.rest()[..length].parse::<f64>() {
-            Ok(value) if value.abs() <= f64::from(MAX_COORDINATE) => {
+            Ok(value) if value.abs() <= self.most => {
                 self.at += length;
                 Ok(value)
             }
-            _ => Err(self.wrong(&format!("a number within {} m of 0", MAX_COORDINATE))),
+            _ => Err(self.wrong(&format!("a number within {} m of 0", self.most))),
         }
     }
 }
@@ -145,6 +191,23 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let square = |at: i32| vec![[at, 0], [at + 2, 0], [at + 2, 2], [at, 2]];
+        let hole = vec![[1, 1], [1, 2], [2, 2]];
+        assert_eq!(
+            text(&[vec![square(0), hole]]),
+            "POLYGON ((0 0, 2 0, 2 2, 0 2, 0 0), (1 1, 1 2, 2 2, 1 1))"
+        );
+        let two = [vec![square(0)], vec![square(5)]];
+        let read = polygons(&text(&two), 9.0).unwrap();
+        assert_eq!((read.len(), read[1][0][1]), (2, DVec2::new(7.0, 0.0)));
+        assert_eq!(
+            polygons("POLYGON ((0 0, 1 0, 1 -9.5))", 9.0).unwrap_err().expected,
+            "a number within 9 m of 0"
+        );
+    }
 
     #[test]
     fn all_spellings_are_read_and_wrong_ones_are_refused_with_the_place() {
@@ -158,7 +221,7 @@ mod tests {
                 1,
             ),
         ] {
-            assert_eq!(polygons(text).map(|found| found.len()), Ok(count), "{text}");
+            assert_eq!(polygons(text, 5e4).map(|found| found.len()), Ok(count), "{text}");
         }
         for (text, place) in [
             ("", "byte 0"),
@@ -171,10 +234,10 @@ mod tests {
             ("POLYGON ((0 0, 1 0, 1 1)) x", "byte 26"),
             ("POLYGON ((0 0, 1 0, 1 1)", "byte 24"),
         ] {
-            let error = polygons(text).unwrap_err();
-            assert!(error.contains(place), "{text}: {error}");
+            let error = polygons(text, 5e4).unwrap_err();
+            assert!(error.to_string().starts_with(&format!("at {place}:")), "{text}: {error}");
         }
         let deep = "GEOMETRYCOLLECTION (".repeat(5000);
-        assert!(polygons(&deep).is_err());
+        assert!(polygons(&deep, 5e4).is_err());
     }
 }

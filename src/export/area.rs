@@ -14,7 +14,6 @@ use i_overlay::core::overlay_rule::OverlayRule;
 use i_overlay::core::solver::Solver;
 use i_overlay::i_float::int::point::IntPoint;
 use std::collections::HashMap;
-use std::fmt::Write;
 
 /// Units of the rounded corners in a metre.
 const UNITS: f64 = 1e4;
@@ -222,26 +221,12 @@ fn nearest(part: &Part, others: &[Part]) -> Option<(DVec2, DVec2)> {
 }
 
 /// `POLYGON ((outer), (hole), ..)`, or MULTIPOLYGON of several: outer rings counter-clockwise, holes clockwise, as simple
-/// features want them, each closed by its first corner.
+/// features want them.
 fn wkt(parts: &[Part]) -> String {
-    let mut text = String::from(if parts.len() == 1 { "POLYGON " } else { "MULTIPOLYGON (" });
-    for (i, part) in parts.iter().enumerate() {
-        text.push_str(if i > 0 { ", (" } else { "(" });
-        for (j, ring) in part.iter().enumerate() {
-            text.push_str(if j > 0 { ", (" } else { "(" });
-            for (k, corner) in ring.iter().chain(ring.first()).enumerate() {
-                let (comma, at) = (if k > 0 { ", " } else { "" }, metres(*corner));
-                // Writing to a String cannot fail.
-                let _ = write!(text, "{comma}{} {}", at.x, at.y);
-            }
-            text.push(')');
-        }
-        text.push(')');
-    }
-    if parts.len() != 1 {
-        text.push(')');
-    }
-    text
+    let ring = |ring: &Vec<_>| ring.iter().map(|corner| metres(*corner).to_array()).collect();
+    let polygons: Vec<Vec<Vec<[f64; 2]>>> =
+        parts.iter().map(|part| part.iter().map(ring).collect()).collect();
+    crate::wkt::text(&polygons)
 }
 
 #[cfg(test)]

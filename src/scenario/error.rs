@@ -1,5 +1,6 @@
 //! What can be wrong with a scenario, said so that it can be put right.
 
+use super::setting::SettingError;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -51,12 +52,12 @@ pub enum Error {
     #[error("{0}")]
     Value(Box<BadValue>),
     /// A value that is set from outside has no place in the file.
-    #[error("--set {setting}: {message}")]
+    #[error("--set {setting}: {reason}")]
     Setting {
         /// The key and its value.
         setting: String,
         /// What stands in the way.
-        message: String,
+        reason: SettingError,
     },
     /// There is no built-in scene of that name.
     #[error(

@@ -84,8 +84,9 @@ impl Scenario {
         }
         let node = self.walkable_node.take();
         let plane = std::mem::take(&mut self.walkable_plane);
-        let area = Area::read(&folder.join(&file), node.as_deref(), plane)
-            .map_err(|message| wrong("a .wkt, .txt, .glb or .gltf file with a walkable area", message))?;
+        let area = Area::read(&folder.join(&file), node.as_deref(), plane).map_err(|error| {
+            wrong("a .wkt, .txt, .glb or .gltf file with a walkable area", error.to_string())
+        })?;
         self.walkable_wkt = area.to_wkt();
         Ok(())
     }
@@ -146,7 +147,7 @@ impl Source<'_> {
         }
         let mut table = toml::from_str(self.text).map_err(|error| self.syntax_error(&error, self.text))?;
         for setting in self.settings {
-            let failed = |message| Error::Setting { setting: setting.to_string(), message };
+            let failed = |reason| Error::Setting { setting: setting.to_string(), reason };
             setting.apply(&mut table).map_err(failed)?;
         }
         toml::to_string(&table)

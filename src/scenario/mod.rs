@@ -22,21 +22,22 @@ mod populate;
 pub mod random;
 mod setting;
 
+pub use crate::wkt::Error as WktError;
 pub use error::{BadValue, Error};
 pub use file::{
     Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
     Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground,
     Groups, Journey, Layout, Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS, Model, Navigation,
     Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
-    Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
+    SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
 pub use place::{
-    Area, Clearance, EnvironmentMesh, ExternalBodies, Floors, Geometry, MAX_TRIANGLES, RAILING, Raised,
-    external_bodies,
+    Area, AreaError, Clearance, EnvironmentMesh, ExternalBodies, Floors, Geometry, MAX_TRIANGLES, RAILING,
+    Raised, external_bodies,
 };
-pub use polygon::MAX_COORDINATE;
+pub use polygon::{MAX_COORDINATE, UnionError};
 pub use populate::{
     AgentStart, Avoidance, Crowd, Entry, ExternalPerson, ROUTE_CLEARANCE, SourceStart, Stop, StopKind,
     populate, populate_from, populate_people, populate_with,
 };
-pub use setting::Setting;
+pub use setting::{Setting, SettingError};

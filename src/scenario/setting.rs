@@ -20,16 +20,69 @@ impl fmt::Display for Setting {
     }
 }
 
-impl FromStr for Setting {
-    type Err = String;
+/// Text that is no [`Setting`], or one that has no place in a file.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SettingError {
+    /// There is no `=`.
+    #[error("use KEY=VALUE, such as population.agents=200 or navigation.model=rvo")]
+    NoValue,
+    /// What stands before the `=` is no key.
+    #[error("{key:?} is no key; use names with dots, such as navigation.patience or obstacles.0.high")]
+    Key {
+        /// What stands there.
+        key: String,
+    },
+    /// What stands behind the `=` is no value.
+    #[error(
+        "{value:?} is no value; use a number, true, false, a word, \"text\", [a, list] or {{ a = table }}"
+    )]
+    Value {
+        /// What stands there.
+        value: String,
+    },
+    /// The file has no such list.
+    #[error("there is no {list} in the file, so none of number {number}")]
+    NoList {
+        /// Key of the list.
+        list: String,
+        /// The element asked for.
+        number: String,
+    },
+    /// The list is empty.
+    #[error("{list} is empty")]
+    Empty {
+        /// Key of the list.
+        list: String,
+    },
+    /// The list is shorter.
+    #[error("{list} has elements 0 to {last}, not {found:?}")]
+    NoElement {
+        /// Key of the list.
+        list: String,
+        /// Number of its last element.
+        last: usize,
+        /// The element asked for.
+        found: String,
+    },
+    /// What the file has there is neither a table nor a list.
+    #[error("{key} is {kind}, in which there is no {name:?}")]
+    NoTable {
+        /// Its key.
+        key: String,
+        /// What it is.
+        kind: &'static str,
+        /// What was looked for in it.
+        name: String,
+    },
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        let (key, value) = text
-            .split_once('=')
-            .ok_or("use KEY=VALUE, such as population.agents=200 or navigation.model=rvo")?;
-        let path = path(key).ok_or_else(|| {
-            format!("{key:?} is no key; use names with dots, such as navigation.patience or obstacles.0.high")
-        })?;
+impl FromStr for Setting {
+    type Err = SettingError;
+
+    fn from_str(text: &str) -> Result<Self, SettingError> {
+        let (key, value) = text.split_once('=').ok_or(SettingError::NoValue)?;
+        let path = path(key).ok_or_else(|| SettingError::Key { key: key.to_owned() })?;
         Ok(Self { text: text.to_owned(), path, value: self::value(value.trim())? })
     }
 }
@@ -46,7 +99,7 @@ impl Setting {
     ///
     /// # Errors
     /// What stands in the way.
-    pub(super) fn apply(&self, document: &mut Table) -> Result<(), String> {
+    pub(super) fn apply(&self, document: &mut Table) -> Result<(), SettingError> {
         let [first, rest @ ..] = self.path.as_slice() else { return Ok(()) };
         let empty = || Value::Table(Table::new());
         if rest.is_empty() {
@@ -59,19 +112,20 @@ impl Setting {
             let is_number = name.bytes().all(|byte| byte.is_ascii_digit());
             at = match at {
                 Value::Table(table) if is_number && table.is_empty() => {
-                    return Err(format!("there is no {so_far} in the file, so none of number {name}"));
+                    return Err(SettingError::NoList { list: so_far, number: name.clone() });
                 }
                 Value::Table(table) => table.entry(name.clone()).or_insert_with(empty),
                 Value::Array(items) => {
                     let count = items.len();
                     let item = name.parse::<usize>().ok().and_then(|number| items.get_mut(number));
                     item.ok_or_else(|| match count {
-                        0 => format!("{so_far} is empty"),
-                        _ => format!("{so_far} has elements 0 to {}, not {name:?}", count - 1),
+                        0 => SettingError::Empty { list: so_far },
+                        _ => SettingError::NoElement { list: so_far, last: count - 1, found: name.clone() },
                     })?
                 }
                 other => {
-                    return Err(format!("{so_far} is {}, in which there is no {name:?}", other.type_str()));
+                    let (kind, name) = (other.type_str(), name.clone());
+                    return Err(SettingError::NoTable { key: so_far, kind, name });
                 }
             };
         }
@@ -97,7 +151,7 @@ fn path(key: &str) -> Option<Vec<String>> {
 }
 
 /// A value as TOML has it, or else a word.
-fn value(text: &str) -> Result<Value, String> {
+fn value(text: &str) -> Result<Value, SettingError> {
     let parsed = toml::from_str::<Table>(&format!("value = {text}"));
     if let Ok(mut table) = parsed
         && table.len() == 1
@@ -106,9 +160,7 @@ fn value(text: &str) -> Result<Value, String> {
         return Ok(value);
     }
     if text.is_empty() || text.contains(['[', ']', '{', '}', '"', '\'', '\n']) {
-        return Err(format!(
-            "{text:?} is no value; use a number, true, false, a word, \"text\", [a, list] or {{ a = table }}"
-        ));
+        return Err(SettingError::Value { value: text.to_owned() });
     }
     Ok(Value::String(text.to_owned()))
 }
@@ -118,7 +170,7 @@ fn value(text: &str) -> Result<Value, String> {
 mod tests {
     use super::*;
 
-    fn set(document: &str, settings: &[&str]) -> Result<Table, String> {
+    fn set(document: &str, settings: &[&str]) -> Result<Table, SettingError> {
         let mut table: Table = toml::from_str(document).unwrap();
         for setting in settings {
             setting.parse::<Setting>()?.apply(&mut table)?;
@@ -166,7 +218,7 @@ mod tests {
             ("none.0=1", "none is empty"),
             ("absent.0.x=1", "there is no absent"),
         ] {
-            let error = set(file, &[setting]).unwrap_err();
+            let error = set(file, &[setting]).unwrap_err().to_string();
             assert!(error.contains(want), "{setting}: {error}");
         }
     }

@@ -3,7 +3,7 @@
 use crate::mutate::Form;
 use crate::targets::{Target, text, with_files};
 use gaitway::replay::{self, Replay, ReplayOptions};
-use gaitway::scenario::{Area, Scenario, Setting, menge};
+use gaitway::scenario::{Area, Scenario, Setting, SettingError, menge};
 use gaitway::validate::files;
 use std::path::Path;
 
@@ -26,7 +26,7 @@ pub(crate) static TARGETS: [Target; 16] = [
             lines(&["population.agents=20", "population.emotions = { sad = 1.0, happy = 0.5 }", "walkers=[]"])
         },
         read: |bytes| {
-            let setting: Setting = text(bytes).parse()?;
+            let setting: Setting = text(bytes).parse().map_err(|error: SettingError| error.to_string())?;
             let scenario = Scenario::builtin_with("garden", &[setting]).map_err(|error| error.to_string())?;
             Ok(scenario.name)
         },
@@ -42,7 +42,7 @@ pub(crate) static TARGETS: [Target; 16] = [
             ])
         },
         read: |bytes| {
-            let area = Area::from_wkt(&text(bytes))?;
+            let area = Area::from_wkt(&text(bytes)).map_err(|error| error.to_string())?;
             assert!(area.bounds.iter().chain(area.holes.iter().flatten()).all(|at| at.is_finite()));
             Ok(area.holes.len().to_string())
         },

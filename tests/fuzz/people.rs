@@ -96,7 +96,7 @@ pub(crate) static TARGETS: [Target; 9] = [
             let loaded = avatar::load_bytes("x", bytes, None, &RigMap::default());
             let floor = with_files(&[("a.glb", bytes)], |folder| {
                 let triangles = avatar::triangles(&folder.join("a.glb"), None).map_err(|e| e.to_string())?;
-                let area = Area::from_triangles(&triangles)?;
+                let area = Area::from_triangles(&triangles).map_err(|error| error.to_string())?;
                 avatar::model(&folder.join("a.glb")).map_err(|error| error.to_string())?;
                 Ok(area.bounds.len().min(9).to_string())
             });
@@ -114,7 +114,7 @@ pub(crate) static TARGETS: [Target; 9] = [
             let answers = [
                 word.parse::<Emotion>().map(|_| ()),
                 word.parse::<gaitway::gait::walker::Sex>().map(|_| ()),
-                word.parse::<Shares>().map(|_| ()),
+                word.parse::<Shares>().map(|_| ()).map_err(|error| error.to_string()),
                 word.parse::<Columns>().map(|_| ()),
                 word.parse::<Variant>().map(|_| ()),
             ];

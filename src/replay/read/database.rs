@@ -1,10 +1,14 @@
 //! `JuPedSim`'s SQLite trajectories, versions 1 and 2: tables `trajectory_data(frame, id, pos_x, pos_y, ori_x, ori_y)`,
 //! `metadata(key, value)` with `version` and `fps`, `geometry(.., wkt)`.
 
-use super::{Error, Format, Found, Row, unusable, wkt};
+use super::{Error, Format, Found, Row, unusable};
+use crate::wkt::{self, Polygon};
 use glam::DVec2;
 use rusqlite::{Connection, OpenFlags};
 use std::path::Path;
+
+/// Most corners of a walkable area.
+const MAX_CORNERS: usize = 100_000;
 
 pub(super) fn read(path: &Path) -> Result<Found, Error> {
     let wrong = |source| Error::Sqlite { path: path.to_owned(), source };
@@ -58,6 +62,16 @@ fn rows(connection: &Connection, path: &Path, found: &mut Found) -> Result<(), E
     Ok(())
 }
 
+/// The polygon with the largest outer ring.
+fn largest(polygons: Vec<Polygon>) -> Option<Polygon> {
+    let size = |ring: &Vec<DVec2>| {
+        let next = ring.iter().cycle().skip(1);
+        (0.5 * ring.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()).abs()
+    };
+    let area = |polygon: &Polygon| polygon.first().map_or(0.0, size);
+    polygons.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)))
+}
+
 fn area(connection: &Connection, found: &mut Found) -> rusqlite::Result<()> {
     let Ok(mut statement) = connection.prepare("SELECT wkt FROM geometry LIMIT 2") else {
         found.notes.push("no walkable area".to_owned());
@@ -67,15 +81,67 @@ fn area(connection: &Connection, found: &mut Found) -> rusqlite::Result<()> {
     if areas.len() > 1 {
         found.notes.push("the walkable area changes in time; the first one is taken throughout".to_owned());
     }
-    match areas.first().map(|text| wkt::polygon(text)) {
-        Some(Ok((rings, count))) => {
-            if count > 1 {
-                found.notes.push(format!("{count} walkable polygons; the largest is taken"));
+    match areas.first().map(|text| wkt::polygons(text, f64::MAX)) {
+        Some(Ok(polygons)) => {
+            let (count, largest) = (polygons.len(), largest(polygons));
+            let corners: usize = largest.iter().flatten().map(Vec::len).sum();
+            match largest {
+                None => found.notes.push("walkable area left out: it has no polygon".to_owned()),
+                Some(_) if corners > MAX_CORNERS => {
+                    found.notes.push(format!("walkable area left out: more than {MAX_CORNERS} corners"));
+                }
+                Some(rings) => {
+                    if count > 1 {
+                        found.notes.push(format!("{count} walkable polygons; the largest is taken"));
+                    }
+                    found.area = Some(rings);
+                }
             }
-            found.area = Some(rings);
         }
         Some(Err(why)) => found.notes.push(format!("walkable area left out: {why}")),
         None => found.notes.push("no walkable area".to_owned()),
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is found in a trajectory whose walkable area is this text.
+    fn read_area(text: &str) -> Found {
+        let connection = Connection::open_in_memory().unwrap();
+        connection.execute_batch("CREATE TABLE geometry(wkt TEXT)").unwrap();
+        connection.execute("INSERT INTO geometry VALUES (?1)", [text]).unwrap();
+        let mut found = Found::default();
+        area(&connection, &mut found).unwrap();
+        found
+    }
+
+    #[test]
+    fn rings_come_without_their_closing_corner_and_the_largest_polygon_is_taken() {
+        let text = "GEOMETRYCOLLECTION (POLYGON ((0 0, 1 0, 1 1, 0 0)), POLYGON((0 0, 9 0, 9 9, 0 9, 0 0), (1 1, 2 1, 2 2, 1 1)))";
+        let found = read_area(text);
+        let rings = found.area.unwrap();
+        assert_eq!((rings.len(), rings[0].len(), rings[1].len()), (2, 4, 3));
+        assert_eq!(found.notes, ["2 walkable polygons; the largest is taken"]);
+        let multi = read_area("MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((0 0, 3 0, 3 3, 0 0)))");
+        assert_eq!(multi.area.unwrap()[0][1], DVec2::new(3.0, 0.0));
+    }
+
+    #[test]
+    fn what_is_no_area_says_why() {
+        for (text, why) in [
+            ("LINESTRING (0 0, 1 1)", "at byte 0: expected POLYGON"),
+            ("POLYGON ((0 0, 1 0", "at byte 18: expected ',' or ')', found the end"),
+            ("POLYGON ((0 0, 1 0))", "at byte 9: expected a ring of three corners or more"),
+            ("POLYGON ((0 0, x 0, 1 1))", "at byte 15: expected a number"),
+            ("POLYGON EMPTY", "it has no polygon"),
+            ("POLYGON ))((", "at byte 8: expected '('"),
+        ] {
+            let found = read_area(text);
+            assert!(found.area.is_none() && found.notes[0].contains(why), "{text}: {:?}", found.notes);
+            assert!(found.notes[0].starts_with("walkable area left out: "), "{:?}", found.notes);
+        }
+    }
 }

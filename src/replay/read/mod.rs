@@ -13,7 +13,6 @@ mod signature;
 mod splines;
 mod text;
 pub mod tracks;
-mod wkt;
 
 pub use columns::{Column, Columns};
 pub use infer::name_of_unit;

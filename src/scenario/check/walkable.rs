@@ -40,9 +40,9 @@ pub(super) fn area(scenario: &Scenario) -> Result<Option<Area>, Error> {
     }
     match Area::from_wkt_in(scenario.walkable_plane, &scenario.walkable_wkt) {
         Ok(area) => Ok(Some(area)),
-        Err(message) => {
+        Err(error) => {
             let allowed = "POLYGON, MULTIPOLYGON or GEOMETRYCOLLECTION of one area";
-            Err(Error::value("walkable_wkt", message, allowed, "such as POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0))"))
+            Err(Error::value("walkable_wkt", error, allowed, "such as POLYGON ((0 0, 9 0, 9 9, 0 9, 0 0))"))
         }
     }
 }

@@ -241,28 +241,61 @@ pub struct Shares {
     pub neutral: f32,
 }
 
+/// Text that is no [`Shares`].
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum SharesError {
+    /// A share is no number.
+    #[error("{found:?}: {reason}")]
+    Number {
+        /// What stands in its place.
+        found: String,
+        /// Why that is none.
+        reason: std::num::ParseFloatError,
+    },
+    /// A share is out of range.
+    #[error("{name} = {share}: a share is 0 to 1000000")]
+    Range {
+        /// The emotion.
+        name: String,
+        /// The share.
+        share: f32,
+    },
+    /// A name is no emotion's.
+    #[error("{name:?} is no emotion; use happy, angry, sad or neutral")]
+    Emotion {
+        /// The name.
+        name: String,
+    },
+    /// All shares are 0.
+    #[error("all shares are 0; give at least one emotion a share, such as happy=1")]
+    Zero,
+}
+
 impl std::str::FromStr for Shares {
-    type Err = String;
+    type Err = SharesError;
 
     /// `happy=1,sad=0.5`: those left out are 0, a name alone is 1.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, SharesError> {
         let mut shares = Self::default();
         for part in text.split(',') {
             let (name, share) = part.split_once('=').unwrap_or((part, "1"));
-            let share: f32 = share.trim().parse().map_err(|error| format!("{share:?}: {error}"))?;
+            let number = share.trim().parse();
+            let share: f32 =
+                number.map_err(|reason| SharesError::Number { found: share.to_owned(), reason })?;
             if !(0.0..=1e6).contains(&share) {
-                return Err(format!("{} = {share}: a share is 0 to 1000000", name.trim()));
+                return Err(SharesError::Range { name: name.trim().to_owned(), share });
             }
             match name.trim() {
                 "happy" => shares.happy = share,
                 "angry" => shares.angry = share,
                 "sad" => shares.sad = share,
                 "neutral" => shares.neutral = share,
-                _ => return Err(format!("{name:?} is no emotion; use happy, angry, sad or neutral")),
+                _ => return Err(SharesError::Emotion { name: name.to_owned() }),
             }
         }
         if shares.normalised().iter().all(|share| *share <= 0.0) {
-            return Err("all shares are 0; give at least one emotion a share, such as happy=1".to_owned());
+            return Err(SharesError::Zero);
         }
         Ok(shares)
     }
@@ -287,8 +320,8 @@ mod tests {
         let read = |text: &str| text.parse::<Shares>();
         assert_eq!(read("happy=1, sad=0.5").unwrap(), Shares { happy: 1.0, sad: 0.5, ..Shares::default() });
         assert_eq!(read("angry").unwrap(), Shares { angry: 1.0, ..Shares::default() });
-        assert!(read("cheerful=1").unwrap_err().contains("happy, angry"));
-        assert!(read("happy=0,sad=0").unwrap_err().contains("happy=1"));
+        assert!(read("cheerful=1").unwrap_err().to_string().contains("happy, angry"));
+        assert!(read("happy=0,sad=0").unwrap_err().to_string().contains("happy=1"));
         for wrong in ["happy=x", "happy=-1", "happy=nan", "happy=1e9", ""] {
             assert!(read(wrong).is_err(), "{wrong}");
         }

@@ -2,7 +2,7 @@
 
 use super::agents::Placed;
 use super::field::Field;
-use super::goals::{Goals, Place, Selector, Taken, corners};
+use super::goals::{Draw, Goals, Place, Selector, Taken, corners};
 use super::nav::NavMesh;
 use super::report::Report;
 use super::roads::Roads;
@@ -242,11 +242,11 @@ impl Machine {
         walls: &[Vec<Vec2>],
         seed: u64,
         report: &mut Report,
-    ) -> Result<Vec<Walker>, Error> {
+    ) -> Vec<Walker> {
         let mut walkers = Vec::with_capacity(agents.len());
         let mut takers: BTreeMap<[u32; 2], Vec<usize>> = BTreeMap::new();
         let mut taken = Taken::default();
-        for (number, agent) in (0_u32..).zip(agents) {
+        for (number, agent) in (0..).zip(agents) {
             let mut walker = Walker {
                 position: ground(agent.position),
                 arrival: ON_THE_WAY,
@@ -254,7 +254,8 @@ impl Machine {
                 speed: Some(agent.speed),
                 ..Walker::default()
             };
-            let way = self.follow(number, agent, walls, seed, &mut taken, &mut walker, report)?;
+            let way =
+                self.follow(Draw { seed, agent: number }, agent, walls, &mut taken, &mut walker, report);
             if walker.mode == RouteMode::Once
                 && let Some(goal) = way.last()
             {
@@ -275,21 +276,19 @@ impl Machine {
                 "a goal shared by several people counts as reached within the room that they need about it",
             );
         }
-        Ok(walkers)
+        walkers
     }
 
     /// The places that one agent walks to.
-    #[allow(clippy::too_many_arguments, reason = "one agent of a scene, with the scene")]
     fn follow(
         &self,
-        number: u32,
+        draw: Draw,
         agent: &Placed,
         walls: &[Vec<Vec2>],
-        seed: u64,
         taken: &mut Taken,
         walker: &mut Walker,
         report: &mut Report,
-    ) -> Result<Vec<Vec2>, Error> {
+    ) -> Vec<Vec2> {
         let (mut at, mut name, mut way) = (agent.position, agent.state.to_string(), Vec::new());
         let mut seen: Vec<String> = Vec::new();
         for _ in 0..MAX_STATES {
@@ -310,7 +309,7 @@ impl Machine {
             let transition = self.transitions.iter().find(|t| t.from.contains(&name));
             let next = transition.and_then(|transition| self.states.get(&transition.to));
             let condition = transition.map(|transition| transition.condition);
-            if let Some(place) = self.goal(state, condition, at, (number, seed)) {
+            if let Some(place) = self.goal(state, condition, at, draw) {
                 let finds = matches!(state.means, Means::Field(_));
                 // one field leads all who go there
                 let mut goal = if finds { place.middle() } else { taken.next(place, at, agent.radius) };
@@ -334,7 +333,11 @@ impl Machine {
                     }
                     _ => {}
                 }
-                self.go(state, at, goal, agent.radius, walls, &mut way, report);
+                let leg = self.leg(state, at, goal, agent.radius, walls).unwrap_or_else(|| {
+                    report.note("somebody sees no way along the roads or the mesh and goes straight");
+                    vec![goal]
+                });
+                way.extend(leg);
                 at = goal;
                 if walker.teleport.is_some() {
                     break; // from there on it begins again
@@ -348,12 +351,12 @@ impl Machine {
                 _ => break,
             }
         }
-        Ok(way)
+        way
     }
 
     /// Where an agent in a state goes; nowhere if it stands. A field leads an agent without a goal of its own to the box in which
     /// the state ends, or to where the field itself ends.
-    fn goal(&self, state: &State, condition: Option<Condition>, at: Vec2, draw: (u32, u64)) -> Option<Place> {
+    fn goal(&self, state: &State, condition: Option<Condition>, at: Vec2, draw: Draw) -> Option<Place> {
         if state.means == Means::Stand {
             return None;
         }
@@ -367,29 +370,19 @@ impl Machine {
         })
     }
 
-    /// Appends the way to a goal.
-    #[allow(clippy::too_many_arguments, reason = "one leg of a way, with the scene")]
-    fn go(
+    /// The way to a goal; none where it has to go along roads or a mesh that do not lead there.
+    fn leg(
         &self,
         state: &State,
         at: Vec2,
         goal: Vec2,
         radius: f32,
         walls: &[Vec<Vec2>],
-        way: &mut Vec<Vec2>,
-        report: &mut Report,
-    ) {
-        let found = match state.means {
+    ) -> Option<Vec<Vec2>> {
+        match state.means {
             Means::Roads(roads) => self.roads.get(roads).and_then(|r| r.way(at, goal, walls, radius)),
             Means::Mesh(mesh) => self.meshes.get(mesh).and_then(|m| m.way(at, goal, radius)),
             Means::Stand | Means::Straight | Means::Field(_) => Some(vec![goal]),
-        };
-        match found {
-            Some(found) => way.extend(found),
-            None => {
-                report.note("somebody sees no way along the roads or the mesh and goes straight");
-                way.push(goal);
-            }
         }
     }
 }

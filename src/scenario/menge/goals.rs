@@ -203,7 +203,7 @@ impl Goals {
         mut selector: &'a Selector,
         of: impl Fn(&str) -> Option<&'a Selector>,
         at: Vec2,
-        (agent, seed): (u32, u64),
+        draw: Draw,
     ) -> Option<Place> {
         for _ in 0..DEPTH {
             let Selector::Shared(name) = selector else { break };
@@ -225,10 +225,17 @@ impl Goals {
             Selector::Farthest(set) => goals(set).max_by(nearer),
             Selector::Random(set) => {
                 let all: Vec<Place> = goals(set).collect();
-                all.get(index(seed, agent, Purpose::Lane, 0, all.len().max(1))).copied()
+                all.get(index(draw.seed, draw.agent, Purpose::Lane, 0, all.len().max(1))).copied()
             }
         }
     }
+}
+
+/// Whose draw it is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Draw {
+    pub(super) seed: u64,
+    pub(super) agent: u32,
 }
 
 /// Places of their own for the many who go to one box: one after another, in rows.

@@ -90,7 +90,7 @@ fn assemble(scene: &Source, behaviour: &Source, seed: u64, report: &mut Report) 
     let walls: Vec<Vec<Vec2>> = solids.polygons.clone();
     let machine_document = behaviour.parse()?;
     let machine = behaviour::Machine::read(behaviour, &machine_document, report)?;
-    let walkers = machine.walk(&placed, &walls, seed, report)?;
+    let walkers = machine.walk(&placed, &walls, seed, report);
     navigation(&mut scenario, &placed, report);
     report.agents = walkers.len();
     report.obstacles = walls.len();

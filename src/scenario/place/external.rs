@@ -2,7 +2,7 @@
 
 use super::mesh::{Builder, EnvironmentMesh, srgb};
 use super::props;
-use crate::avatar::{Model, model};
+use crate::avatar::{self, Model, model};
 use crate::scenario::error::Error;
 use crate::scenario::file::{ExternalAgent, ExternalKind, Prop, PropKind, Scenario};
 use glam::{Vec2, Vec3};
@@ -54,9 +54,14 @@ pub fn external_bodies(scenario: &Scenario, base: Option<&Path>) -> Result<Exter
         let mesh = match &outsider.model {
             Some(file) => {
                 let path = base.map_or_else(|| file.into(), |base| base.join(file));
-                read(&path, outsider.size).map_err(|message| {
+                read(&path, outsider.size).map_err(|error| {
                     let allowed = "a glTF model (.glb, .gltf) beside the scenario";
-                    Error::value(format!("outsiders[{index}].model"), format!("{file:?}"), allowed, message)
+                    Error::value(
+                        format!("outsiders[{index}].model"),
+                        format!("{file:?}"),
+                        allowed,
+                        why(&error),
+                    )
                 })?
             }
             None => built_in(outsider.kind, outsider.radius(scenario), known.len()),
@@ -83,13 +88,17 @@ fn look_alike(one: &ExternalAgent, other: &ExternalAgent, scenario: &Scenario) -
     one.kind == other.kind && radius(one) == radius(other)
 }
 
+/// An error of a model with its way out.
+fn why(error: &avatar::Error) -> String {
+    match error.hint() {
+        Some(hint) => format!("{error}; {hint}"),
+        None => error.to_string(),
+    }
+}
+
 /// A model of the scene's, scaled to a size if one is given.
-fn read(path: &Path, size: Option<[f32; 3]>) -> Result<EnvironmentMesh, String> {
-    let Model { mut positions, normals, colors, indices } =
-        model(path).map_err(|error| match error.hint() {
-            Some(hint) => format!("{error}; {hint}"),
-            None => error.to_string(),
-        })?;
+fn read(path: &Path, size: Option<[f32; 3]>) -> Result<EnvironmentMesh, avatar::Error> {
+    let Model { mut positions, normals, colors, indices } = model(path)?;
     let mut scale = Vec3::ONE;
     if let Some(size) = size {
         let low = positions.iter().copied().fold(Vec3::MAX, Vec3::min);

@@ -10,7 +10,6 @@ mod props;
 mod stages;
 mod walkable;
 mod walls;
-mod wkt;
 
 pub use clearance::Clearance;
 pub use external::{ExternalBodies, external_bodies};
@@ -18,4 +17,4 @@ pub(crate) use floors::MAX_FLOOR_CORNERS;
 pub use floors::{Floors, RAILING, Raised};
 pub use geometry::Geometry;
 pub use mesh::{EnvironmentMesh, MAX_TRIANGLES};
-pub use walkable::Area;
+pub use walkable::{Area, AreaError};

@@ -3,13 +3,10 @@
 //! Well-known text has x to the right and y up the page; on the ground that is x and z = -y, as in trajectories. A
 //! scenario may say that its text has z instead ([`Plane`]).
 
-use super::wkt;
-use crate::avatar;
-use crate::file;
 use crate::scenario::file::Plane;
-use crate::scenario::polygon;
+use crate::scenario::polygon::{self, MAX_COORDINATE, UnionError};
+use crate::{avatar, file, wkt};
 use glam::{DVec2, Vec2, Vec3};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// Most corners of an area.
@@ -25,6 +22,57 @@ const NEAR_GROUND: f32 = 0.5;
 /// Smallest ring kept, m².
 const SMALLEST: f64 = 1e-3;
 
+/// Text or a model without a walkable area.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum AreaError {
+    /// The text is not well-known text of polygons.
+    #[error(transparent)]
+    Text(#[from] wkt::Error),
+    /// There is too much of it.
+    #[error("has {count} {of}; at most {most} are read")]
+    Large {
+        /// How many there are.
+        count: usize,
+        /// Of what.
+        of: &'static str,
+        /// How many may be.
+        most: usize,
+    },
+    /// The text has no polygon.
+    #[error("holds no polygon")]
+    NoPolygon,
+    /// A ring crosses itself.
+    #[error("ring {ring} (by size) crosses itself at its edges {} and {}", .edges[0], .edges[1])]
+    Crossed {
+        /// Number of the ring, the largest first.
+        ring: usize,
+        /// Numbers of its edges.
+        edges: [usize; 2],
+    },
+    /// The model has no floor near the ground.
+    #[error("has no floor: no triangle faces up within {NEAR_GROUND} m of y = 0 (units are metres, y is up)")]
+    NoFloor,
+    /// All rings are empty.
+    #[error("has no area")]
+    NoArea,
+    /// The area does not hang together.
+    #[error("is in {parts} parts that do not touch; make them one area, or one scenario each")]
+    Apart {
+        /// How many parts there are.
+        parts: usize,
+    },
+    /// Its polygons cannot be united.
+    #[error(transparent)]
+    Union(#[from] UnionError),
+    /// The model cannot be read.
+    #[error(transparent)]
+    Model(#[from] avatar::Error),
+    /// The file cannot be read.
+    #[error(transparent)]
+    Read(#[from] std::io::Error),
+}
+
 /// A walkable area: an outline with holes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Area {
@@ -39,7 +87,7 @@ impl Area {
     ///
     /// # Errors
     /// As [`Self::from_wkt`].
-    pub fn from_wkt_in(plane: Plane, text: &str) -> Result<Self, String> {
+    pub fn from_wkt_in(plane: Plane, text: &str) -> Result<Self, AreaError> {
         let mut area = Self::from_wkt(text)?;
         if plane == Plane::Xz {
             let corners = area.bounds.iter_mut().chain(area.holes.iter_mut().flatten());
@@ -53,14 +101,14 @@ impl Area {
     ///
     /// # Errors
     /// What is wrong with the text and where, or how many parts there are that do not hang together.
-    pub fn from_wkt(text: &str) -> Result<Self, String> {
-        let faces = wkt::polygons(text)?;
+    pub fn from_wkt(text: &str) -> Result<Self, AreaError> {
+        let faces = wkt::polygons(text, f64::from(MAX_COORDINATE))?;
         let corners: usize = faces.iter().flatten().map(Vec::len).sum();
         if corners > MOST_CORNERS {
-            return Err(format!("has {corners} corners; at most {MOST_CORNERS} are read"));
+            return Err(AreaError::Large { count: corners, of: "corners", most: MOST_CORNERS });
         }
         match faces.as_slice() {
-            [] => Err("holds no polygon".to_owned()),
+            [] => Err(AreaError::NoPolygon),
             [one] => {
                 let area = Self::of_rings(one.clone())?;
                 let crossed = std::iter::once(&area.bounds).chain(&area.holes).enumerate().find_map(
@@ -71,9 +119,7 @@ impl Area {
                 );
                 match crossed {
                     None => Ok(area),
-                    Some((ring, (i, j))) => {
-                        Err(format!("ring {ring} (by size) crosses itself at its edges {i} and {j}"))
-                    }
+                    Some((ring, (i, j))) => Err(AreaError::Crossed { ring, edges: [i, j] }),
                 }
             }
             _ => Self::of_rings(polygon::union(&faces)?),
@@ -85,7 +131,7 @@ impl Area {
     ///
     /// # Errors
     /// When there is no floor, or it does not hang together.
-    pub fn from_triangles(triangles: &[[Vec3; 3]]) -> Result<Self, String> {
+    pub fn from_triangles(triangles: &[[Vec3; 3]]) -> Result<Self, AreaError> {
         let is_floor = |t: &&[Vec3; 3]| {
             let normal = (t[1] - t[0]).cross(t[2] - t[0]);
             t.iter().all(|corner| corner.y.abs() <= NEAR_GROUND) && normal.y > STEEPEST * normal.length()
@@ -95,12 +141,14 @@ impl Area {
         let faces: Vec<Vec<Vec<DVec2>>> =
             triangles.iter().filter(is_floor).map(|t| vec![t.map(flat).to_vec()]).collect();
         if faces.len() > MOST_CORNERS {
-            return Err(format!("has {} triangles of floor; at most {MOST_CORNERS} are read", faces.len()));
+            return Err(AreaError::Large {
+                count: faces.len(),
+                of: "triangles of floor",
+                most: MOST_CORNERS,
+            });
         }
         if faces.is_empty() {
-            return Err(format!(
-                "has no floor: no triangle faces up within {NEAR_GROUND} m of y = 0 (units are metres, y is up)"
-            ));
+            return Err(AreaError::NoFloor);
         }
         Self::of_rings(polygon::union(&faces)?)
     }
@@ -109,28 +157,20 @@ impl Area {
     ///
     /// # Errors
     /// What is wrong with the file.
-    pub fn read(path: &Path, node: Option<&str>, plane: Plane) -> Result<Self, String> {
+    pub fn read(path: &Path, node: Option<&str>, plane: Plane) -> Result<Self, AreaError> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
         if extension == "glb" || extension == "gltf" {
-            let triangles = avatar::triangles(path, node).map_err(|error| error.to_string())?;
+            let triangles = avatar::triangles(path, node)?;
             return Self::from_triangles(&triangles);
         }
-        Self::from_wkt_in(plane, &file::read_text(path, MOST_BYTES).map_err(|error| error.to_string())?)
+        Self::from_wkt_in(plane, &file::read_text(path, MOST_BYTES)?)
     }
 
     /// The area as POLYGON.
     pub fn to_wkt(&self) -> String {
-        let mut text = String::from("POLYGON (");
-        for (number, ring) in std::iter::once(&self.bounds).chain(&self.holes).enumerate() {
-            text.push_str(if number > 0 { ", (" } else { "(" });
-            for (i, at) in ring.iter().chain(ring.first()).enumerate() {
-                // writing to a String cannot fail
-                let _ = write!(text, "{}{} {}", if i > 0 { ", " } else { "" }, at.x, 0.0 - at.y);
-            }
-            text.push(')');
-        }
-        text.push(')');
-        text
+        let rings = std::iter::once(&self.bounds).chain(&self.holes);
+        let page = |ring: &Vec<Vec2>| ring.iter().map(|at| [at.x, 0.0 - at.y]).collect();
+        wkt::text(&[rings.map(page).collect()])
     }
 
     /// Whether a point is walkable.
@@ -157,7 +197,7 @@ impl Area {
     }
 
     /// The largest ring is the outline, all others must be holes in it.
-    fn of_rings(rings: Vec<Vec<DVec2>>) -> Result<Self, String> {
+    fn of_rings(rings: Vec<Vec<DVec2>>) -> Result<Self, AreaError> {
         let mut found: Vec<(f64, Vec<Vec2>)> = Vec::new();
         for ring in rings {
             let ring: Vec<Vec2> = ring.iter().map(|at| DVec2::new(at.x, -at.y).as_vec2()).collect();
@@ -168,15 +208,12 @@ impl Area {
         }
         found.sort_by(|a, b| b.0.total_cmp(&a.0));
         let mut rings = found.into_iter().map(|(_, ring)| ring);
-        let bounds = rings.next().ok_or("has no area")?;
+        let bounds = rings.next().ok_or(AreaError::NoArea)?;
         let holes: Vec<Vec<Vec2>> = rings.collect();
         let apart =
             holes.iter().filter(|hole| !hole.iter().any(|at| polygon::contains(&bounds, *at))).count();
         if apart > 0 {
-            let parts = apart + 1;
-            return Err(format!(
-                "is in {parts} parts that do not touch; make them one area, or one scenario each"
-            ));
+            return Err(AreaError::Apart { parts: apart + 1 });
         }
         Ok(Self { bounds, holes })
     }
@@ -196,7 +233,7 @@ mod tests {
     fn a_polygon_with_a_hole_lies_on_the_ground_with_z_against_y() {
         let area = Area::from_wkt("POLYGON ((0 0, 4 0, 4 3, 0 3, 0 0), (1 1, 2 1, 2 2, 1 2, 1 1))").unwrap();
         assert!(area.bounds.contains(&Vec2::new(4.0, -3.0)) && area.holes[0].contains(&Vec2::new(1.0, -1.0)));
-        assert_eq!(Area::from_wkt(&area.to_wkt()), Ok(area));
+        assert_eq!(Area::from_wkt(&area.to_wkt()).unwrap(), area);
     }
 
     #[test]
@@ -219,7 +256,7 @@ mod tests {
         let bars = "MULTIPOLYGON (((0 0, 5 0, 5 1, 0 1, 0 0)), ((0 4, 5 4, 5 5, 0 5, 0 4)), ((0 0, 1 0, 1 5, 0 5, 0 0)), ((4 0, 5 0, 5 5, 4 5, 4 0)))";
         assert!((area(bars) - 16.0).abs() < 1e-6);
         assert_eq!(Area::from_wkt(bars).unwrap().holes.len(), 1);
-        let error = Area::from_wkt(&many(&[square(0., 0., 1.), square(3., 0., 1.)])).unwrap_err();
+        let error = Area::from_wkt(&many(&[square(0., 0., 1.), square(3., 0., 1.)])).unwrap_err().to_string();
         assert!(error.contains("2 parts"), "{error}");
     }
 
@@ -242,6 +279,6 @@ mod tests {
         assert!((polygon::signed_area(&area.bounds).abs() - 36.0).abs() < 1e-3);
         assert_eq!((area.bounds.len(), area.holes.len()), (4, 1), "{area:?}");
         assert!(area.bounds.contains(&Vec2::new(6.0, 6.0)));
-        assert!(Area::from_triangles(&[]).unwrap_err().contains("no floor"));
+        assert!(Area::from_triangles(&[]).unwrap_err().to_string().contains("no floor"));
     }
 }

@@ -4,9 +4,13 @@
 //! [`signed_area`] is counter-clockwise. Solid obstacles are stored counter-clockwise, the outer bounds
 //! clockwise, as RVO2 wants them: the walkable side is to the right of every edge. (Seen from above the world the
 //! pair is mirrored, so there a solid obstacle runs clockwise.)
+//!
+//! Containment and crossings are written by hand in `f32`: starts are drawn by them, so their rounding is part of every
+//! crowd's hash, and messages name the edges that cross. `i_overlay` rounds to integers and names none.
 
 mod union;
 
+pub use union::UnionError;
 pub(crate) use union::{pieces, union};
 
 use glam::Vec2;

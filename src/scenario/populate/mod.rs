@@ -108,7 +108,7 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
         while let Some(members) = next_group(scenario, &agents, first_agent + count) {
             let first = members.start;
             let place = places
-                .entrance(first, (inside[0], elevation), &ways)
+                .entrance(first, inside[0], elevation, &ways)
                 .ok_or_else(|| places.full(first, u32::MAX))?;
             for agent in members.clone() {
                 let companions = groups::others(&members, agent);

@@ -155,7 +155,7 @@ impl<'a> Places<'a> {
                 let position = self.in_a_region(&draw);
                 let seen = position.map(|(region, position)| {
                     let (_, ways, elevation) = &self.regions[region];
-                    self.set_out(agent, ways, (position, *elevation), &draw)
+                    self.set_out(agent, ways, position, *elevation, &draw)
                 });
                 unseen += u32::from(matches!(seen, Some(None)));
                 seen.flatten()
@@ -246,10 +246,10 @@ impl<'a> Places<'a> {
         (is_free && self.floors.footing(position, *elevation).is_some()).then_some((region, position))
     }
 
-    /// Where those of a source set out for once they are in, near `inside` and its height, m.
-    pub(super) fn entrance(&self, agent: u32, inside: (Vec2, f32), ways: &Walked) -> Option<Place> {
+    /// Where those of a source set out for once they are in, near `inside` on the floor at `elevation`, m.
+    pub(super) fn entrance(&self, agent: u32, inside: Vec2, elevation: f32, ways: &Walked) -> Option<Place> {
         let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Start, k);
-        self.set_out(agent, ways, inside, &draw)
+        self.set_out(agent, ways, inside, elevation, &draw)
     }
 
     /// On a route or a journey of those that may be walked, from a place and the height of its floor, m.
@@ -257,7 +257,8 @@ impl<'a> Places<'a> {
         &self,
         agent: u32,
         ways: &Walked,
-        (position, elevation): (Vec2, f32),
+        position: Vec2,
+        elevation: f32,
         draw: &impl Fn(u32) -> f32,
     ) -> Option<Place> {
         let place = match ways {
