@@ -13,8 +13,8 @@ use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::scenario::{
-    self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart,
-    Stop, StopKind, Teleport,
+    self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart, Stop,
+    StopKind, Teleport,
 };
 use glam::Vec2;
 
