@@ -4,9 +4,9 @@ use super::exact::dot2;
 use super::shared::is_absent;
 use super::stages::{in_region, nearest_place, own_place};
 use crate::kernels::advance_journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
+use crate::kernels::layout::{Aim, Stage};
 use crate::kernels::shared::absent::ABSENT;
 use crate::kernels::shared::climb::STEP;
-use crate::kernels::layout::{Aim, Stage};
 use crate::kernels::shared::stages::{EXIT, GOAL, PASS, QUEUE, STOP, WAITING, WAYPOINT};
 use rayon::prelude::*;
 
@@ -151,10 +151,8 @@ impl Stages<'_> {
         } else {
             self.lines[base + 2].wrapping_sub(first).min(places as u32 - 1)
         };
-        let place = [
-            line.place[0] + number as f32 * line.along[0],
-            line.place[1] + number as f32 * line.along[1],
-        ];
+        let place =
+            [line.place[0] + number as f32 * line.along[0], line.place[1] + number as f32 * line.along[1]];
         let to = [place[0] - walker.at[0], place[1] - walker.at[1]];
         let aim = |how: f32| Aim { place, how, field: line.field };
         if ticket > 0 {

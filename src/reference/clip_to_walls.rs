@@ -2,8 +2,8 @@
 
 use super::exact::{det2, dot2, is_finite2};
 use super::segments::Walls;
-use crate::kernels::layout::Segment;
 use crate::kernels::clip_to_walls::{GAP, NUDGE, ROUNDS, Slices};
+use crate::kernels::layout::Segment;
 use crate::kernels::shared::absent::NOBODY;
 use rayon::prelude::*;
 

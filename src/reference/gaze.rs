@@ -220,7 +220,12 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
     let mut state = at_rest(flexion, rotation);
     if body.is_fresh {
         let [flexion, flexion_rate] = follow(old.flexion, old.flexion_rate, flexion, b.frame.frame_time);
-        let [rotation, rotation_rate] = follow(old.rotation, old.rotation_rate, old.rotation + wrap(rotation - old.rotation), b.frame.frame_time);
+        let [rotation, rotation_rate] = follow(
+            old.rotation,
+            old.rotation_rate,
+            old.rotation + wrap(rotation - old.rotation),
+            b.frame.frame_time,
+        );
         let (flexion, rotation) = (within_flexion(flexion), within_reach(rotation, torso));
         state = GazeState { flexion, rotation, flexion_rate, rotation_rate };
     }

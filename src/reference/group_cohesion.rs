@@ -5,8 +5,8 @@ use super::shared::is_absent;
 use crate::kernels::group_cohesion::{
     APART, FORWARD, GATHER, GAZE, HASTE, LEFT_BEHIND, PERSONAL, RAMP, RELAXATION, STRAY, Slices,
 };
-use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::layout::{Body, Route};
+use crate::kernels::shared::absent::NOBODY;
 use rayon::prelude::*;
 
 /// Twin of `shaders/group_cohesion.wgsl`.

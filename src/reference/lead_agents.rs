@@ -2,9 +2,9 @@
 
 use super::exact::{atan2, dot2};
 use super::shared::is_absent;
+use crate::kernels::layout::{Lead, Stance};
 use crate::kernels::lead_agents::{Slices, WALKING_SPEED};
 use crate::kernels::shared::absent::ABSENT;
-use crate::kernels::layout::{Lead, Stance};
 
 /// Twin of phase `appear` of `shaders/lead_agents.wgsl`.
 pub fn lead_agents_appear(b: Slices<'_>) {

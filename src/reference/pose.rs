@@ -9,7 +9,17 @@ use rayon::prelude::*;
 
 /// Twin of `shaders/pose.wgsl`.
 pub fn pose(b: Slices<'_>) {
-    let Slices { frame, visible, phase, stance, appearance, gaits, gait_weights, clip_frames, local_rotations } = b;
+    let Slices {
+        frame,
+        visible,
+        phase,
+        stance,
+        appearance,
+        gaits,
+        gait_weights,
+        clip_frames,
+        local_rotations,
+    } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(agent, pose)| {
         let agent = *agent as usize;

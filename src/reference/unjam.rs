@@ -7,12 +7,12 @@ use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
 use super::shared::grid_cell;
 use crate::kernels::layout::{Segment, SlotMotion, StepUniforms, Waiting};
+use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::step::RAISE;
 use crate::kernels::unjam::{
     BESIDE, CLEAR, CORNERED, GAINED, NEAREST_RATE, ONE_OF_TWO, OPPOSED, PROGRESS, SLANTED, STANDING, Slices,
     THIN, TOUCHED, TURN,
 };
-use crate::kernels::shared::absent::NOBODY;
-use crate::kernels::shared::step::RAISE;
 
 /// The slot, direction and speed of an agent that wants to go somewhere by itself.
 fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {

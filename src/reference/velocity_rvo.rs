@@ -230,8 +230,8 @@ impl Neighbourhood<'_> {
             count += 1;
         };
         let to_user = [step.user_position[0] - x, step.user_position[1] - y];
-        let is_near =
-            dot2(to_user, to_user) < own.range * own.range && on_storey(step, me.elevation, step.user_elevation);
+        let is_near = dot2(to_user, to_user) < own.range * own.range
+            && on_storey(step, me.elevation, step.user_elevation);
         if self.contents & USER != 0 && is_near {
             let user = SlotMotion {
                 position: step.user_position,
