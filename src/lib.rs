@@ -55,6 +55,7 @@ pub mod avatar;
 pub mod bench;
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]
 pub mod cli;
+pub mod closed_loop;
 pub mod emotion;
 pub mod error;
 #[allow(clippy::disallowed_methods, reason = "writes crowds, makes none")]
@@ -67,7 +68,6 @@ pub mod gpu;
 pub mod ground;
 pub mod kernels;
 pub mod library;
-pub mod perceive;
 #[allow(clippy::disallowed_methods, reason = "judges gaits, makes no crowds")]
 pub mod perception;
 pub mod picture;

@@ -1,4 +1,4 @@
-//! Who may use whom: reads every path from the crate's root in `src/` and fails on an arrow that
+//! Which module may use which: reads every path from the crate's root in `src/` and fails on an arrow that
 //! points back.
 //!
 //! Comments and strings do not count (documentation may name what comes later); a module's own unit
@@ -25,7 +25,7 @@ const ORDER: &[&[&str]] = &[
     &["render"],
     &["scene"],
     &["view", "xr"],
-    &["perceive", "validate", "verify"],
+    &["closed_loop", "validate", "verify"],
     &["bench"],
     &["cli"],
 ];
@@ -35,9 +35,9 @@ const COMMON: &[&str] = &["emotion", "ground", "picture", "file", "spelling", "s
 const FLOOR: &str = "kernels";
 /// They stand on the floor alone and know nothing of gaits or emotions.
 const BACKENDS: &[&str] = &["reference", "gpu"];
-/// Who may touch a backend.
+/// The modules that may touch a backend.
 const USES_BACKENDS: &[&str] =
-    &["sim", "render", "scene", "view", "xr", "perceive", "validate", "verify", "bench", "cli"];
+    &["sim", "render", "scene", "view", "xr", "closed_loop", "validate", "verify", "bench", "cli"];
 /// Gathers the errors of all layers, and every layer may return it: the one way round by intention.
 const ERROR: &str = "error";
 

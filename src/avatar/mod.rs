@@ -4,6 +4,20 @@
 //! Any rigged character is reduced on loading: a joint that no gait drives (fingers, toes, twist helpers) is
 //! rigid to its nearest driven ancestor, so its weights move there and the shape in the rest pose is unchanged.
 //! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
+//!
+//! ```
+//! use gaitway::avatar::{Sex, generated, retarget};
+//! use gaitway::{Emotion, GaitLibrary};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let avatar = generated(Sex::Male); // or avatar::load("hero.glb".as_ref())?
+//! let library = GaitLibrary::built_in()?;
+//! let angry = &library.gaits()[library.gaits_for(Emotion::Angry)[0] as usize];
+//! let clip = retarget(angry, &avatar)?;
+//! println!("{} of {:.2} m walks {} at {:.2} m/s", avatar.name, avatar.height, angry.name, clip.speed);
+//! # Ok(())
+//! # }
+//! ```
 
 mod body;
 mod far;

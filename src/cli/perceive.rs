@@ -1,4 +1,4 @@
-//! `gaitway perceive`: which emotions a classifier sees in the crowd that is shown, against those that are wanted.
+//! `gaitway perceive`: the emotions that a classifier sees in the crowd as drawn, against the wanted ones.
 
 use super::failed;
 use super::gait::{model_or_default, sources};
@@ -6,12 +6,12 @@ use super::output::{note, say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::{PlaceArguments, SceneArguments, build, check_seconds, tell_place};
 use crate::Error;
+use crate::closed_loop::{HUMANS, MAX_TURN_DEG, Recorder, Score, Seen, Unusable, WALKING_SHARE};
+use crate::closed_loop::{features, practice_alone, practice_in_crowd, record};
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Matrix};
 use crate::gait::Gait;
 use crate::library::GaitLibrary;
-use crate::perceive::{HUMANS, MAX_TURN_DEG, Recorder, Score, Seen, Unusable, WALKING_SHARE};
-use crate::perceive::{features, practice_alone, practice_in_crowd, record};
 use crate::perception::affective_svm::AffectiveSvm;
 use crate::perception::features::{FEATURE_COUNT, Variant};
 use crate::perception::model::{Model, Prediction, Preparation};
@@ -40,7 +40,7 @@ const WALKERS_PER_CLASS: u32 = 25;
 pub(super) struct Arguments {
     #[command(flatten)]
     scene: SceneArguments,
-    /// How long the crowd is watched
+    /// Time of the recording
     #[arg(long, default_value_t = 5.0)]
     seconds: f64,
     /// Simulated time before that
@@ -54,8 +54,7 @@ pub(super) struct Arguments {
     /// [default: walker, unless there is a --model]
     #[arg(long, value_name = "walker|DIR|LIB.glb")]
     train_on: Vec<PathBuf>,
-    /// How the gaits that classifiers learn from are looked at; may be given several times [default: all, one classifier
-    /// each]
+    /// How classifiers see the gaits that they learn from; may be given several times [default: all, one classifier each]
     #[arg(long, value_enum)]
     train_as: Vec<TrainAs>,
     /// Folder for figures (SVG and PNG)
@@ -77,7 +76,7 @@ enum TrainAs {
 }
 
 impl Arguments {
-    /// Whether the scenes are asked for, and whether in JSON.
+    /// Whether to list the scenes, and whether in JSON.
     pub(super) const fn lists(&self) -> (bool, bool) {
         (self.scene.list, self.json)
     }
@@ -101,7 +100,7 @@ struct Report {
     /// The others.
     not_walking: NotWalking,
     perceivers: Vec<Perceived>,
-    /// The paper's people, who saw the paper's own agents.
+    /// The paper's raters, on the paper's own agents.
     humans: Score,
     files: Vec<PathBuf>,
     wall_seconds: f64,
@@ -145,10 +144,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let seconds = check_seconds("--seconds", arguments.seconds)?;
     let warm_up = check_seconds("--warm-up", arguments.warm_up)?;
     let begin = Instant::now();
-    // What an agent shows of joints that were not captured is not its own.
+    // Joints that were not captured walk as the norm, which says nothing about the gait.
     let builder = arguments.scene.builder()?;
     builder.gaits()?.iter().try_for_each(Gait::check_whole)?;
-    // a classifier that cannot be had is told before the crowd is simulated
+    // a missing classifier is an error before the crowd is simulated
     let scene = build(builder, arguments.scene.library.as_deref())?;
     let (judges, is_complete) = judges(arguments, &scene)?;
     let (gaits, simulation, mut report) = watch(&scene, [warm_up, seconds])?;
@@ -169,7 +168,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(is_complete)
 }
 
-/// Simulates and records the crowd: one stride of everyone who walks, labelled with what it is to show.
+/// Simulates and records the crowd: one stride of every walking agent, labelled with its wanted emotion.
 fn watch(scene: &Scene, [warm_up, seconds]: [f64; 2]) -> Result<(Vec<Gait>, Simulation, Report), Error> {
     let (mut simulation, _) = scene.start_with_bodies()?;
     tell_place(&simulation);
@@ -217,7 +216,7 @@ impl NotWalking {
     }
 }
 
-/// All classifiers asked for, and whether every file that was named could be used.
+/// The chosen classifiers, and whether every named file could be used.
 fn judges(arguments: &Arguments, scene: &Scene) -> Result<(Vec<Judge>, bool), Error> {
     let (mut judges, mut is_complete) = (Vec::new(), true);
     for path in &arguments.model {
@@ -300,7 +299,7 @@ fn trained(name: String, gaits: &[Gait]) -> Result<Judge, Error> {
     Ok(Judge { model: AffectiveSvm::default().model(&gaits, &emotions, 0)?, name })
 }
 
-/// What a classifier sees; `on_device` are the corrected features, what looks at others or more is computed here.
+/// Answers of a classifier. `on_device` holds the corrected features; classifiers with other input compute it here.
 fn judged(judge: &Judge, gaits: &[&Gait], on_device: &[[f64; FEATURE_COUNT]]) -> Perceived {
     let is_on_device = judge.model.variant() == Some(Variant::Corrected);
     let predictions: Vec<Prediction> = match is_on_device {

@@ -1,4 +1,29 @@
-//! Results as files: trajectories that PedPy and JuPedSim read, pictures, videos, figures. Every file appears by rename when complete.
+//! Results as files: trajectories that PedPy and JuPedSim read, images, videos, figures. Every file appears by rename when
+//! complete.
+//!
+//! ```
+//! use gaitway::Scene;
+//! use gaitway::export::{Frame, TrajectoryFormat, TrajectoryWriter, Walkable};
+//! use gaitway::sim::Backend;
+//! use glam::Vec2;
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! # let path = std::env::temp_dir().join(format!("gaitway-example-{}.sqlite", std::process::id()));
+//! let scene = Scene::load("crossing")?.agents(40).backend(Backend::Cpu).build()?;
+//! let (ground, agents) = (Walkable::from(&scene.geometry), scene.agents_info());
+//! let mut file = TrajectoryWriter::create(&path, TrajectoryFormat::Sqlite, 10.0, &ground, agents)?;
+//! let mut crowd = scene.start()?;
+//! for _ in 0..20 {
+//!     let people = crowd.people()?.map(|person| (person.position, person.heading));
+//!     let (positions, headings): (Vec<Vec2>, Vec<f32>) = people.unzip();
+//!     file.frame(&Frame { positions: &positions, headings: &headings, ..Frame::default() })?;
+//!     crowd.step(3)?; // a tenth of a second
+//! }
+//! file.finish()?;
+//! # std::fs::remove_file(path).expect("written above");
+//! # Ok(())
+//! # }
+//! ```
 
 mod agents;
 mod area;

@@ -2,6 +2,24 @@
 //!
 //! Recordings (files of many frames, with the walker's travel) become gaits by [`stride`] extraction; the
 //! procedural [`walker`] makes gaits from nothing. Paper: section 3, `G = {P_1 … P_tau}`.
+//!
+//! ```
+//! use gaitway::Emotion;
+//! use gaitway::gait::walker::{Sex, person};
+//! use gaitway::gait::{import, stride};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let sad = person(Emotion::Sad, Sex::Female, 1, 0)?;
+//! println!("{}: {:.2} m/s, {:.2} s a stride", sad.name, sad.speed, sad.cycle_time());
+//! # if std::path::Path::new("walk.bvh").exists() {
+//! for take in import::import_file("walk.bvh".as_ref())? {
+//!     let gait = stride::best(&take)?; // the steadiest stride of the take
+//!     println!("{}: {:.2} m/s", gait.name, gait.speed);
+//! }
+//! # }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod fit;
 pub mod import;
@@ -64,7 +82,7 @@ pub struct Gait {
     pub frame_rate: f32,
     /// Preferred speed `v_des` in m/s: travel over one stride divided by its duration (A-11).
     pub speed: f32,
-    /// Where it comes from, who walked, and whose judgement the label is.
+    /// Where it comes from, the person, and the origin of the label.
     pub provenance: Provenance,
     /// The style the actor was asked for, if known. Acted is not perceived.
     pub acted: Option<String>,

@@ -10,6 +10,17 @@
 //!   type `u32` as `usize`. Constants of `shaders/shared/step.wgsl` stand in `shared::step`.
 //!
 //! Buffers are bound by name: a variable `position` in any shader is the buffer `position`.
+//!
+//! ```
+//! use gaitway::kernels::{KernelId, Phase};
+//!
+//! let integrate = Phase::Integrate.entry();
+//! println!("{}, {:?} invocations a workgroup", integrate.label, integrate.workgroup_size);
+//! for binding in integrate.bindings {
+//!     println!("  {:?} ({:?})", binding.buffer, binding.access);
+//! }
+//! assert_eq!(KernelId::Flow.kernel().phases.len(), 8);
+//! ```
 
 #![allow(unused_qualifications, reason = "the generated part names types by their full path")]
 

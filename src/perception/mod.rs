@@ -1,8 +1,28 @@
 //! What people see in a gait: ratings and labels, features, classifiers, and how well they agree with people.
 //!
-//! A [`Method`] learns from labelled gaits and yields a [`Perceiver`], which tells the emotion of any gait. The
+//! A [`Method`] learns from labelled gaits and yields a [`Perceiver`], which predicts the emotion of any gait. The
 //! paper's own method, the five that it is compared with and ours are all [`Method`]s, so they are evaluated on
 //! the same folds. Paper: sections 3.2 to 3.5; S-05 to S-17.
+//!
+//! ```
+//! use gaitway::gait::Gait;
+//! use gaitway::perception::Method as _;
+//! use gaitway::perception::affective_svm::AffectiveSvm;
+//! use gaitway::perception::model::Model;
+//! use gaitway::{Emotion, GaitLibrary};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let library = GaitLibrary::built_in()?;
+//! let labelled = library.gaits().iter().filter_map(|gait| Some((gait, gait.label?)));
+//! let (gaits, labels): (Vec<&Gait>, Vec<Emotion>) = labelled.unzip();
+//! let people = Model::built_in()?; // learned what people saw in 232 walks
+//! let own = AffectiveSvm::default().train(&gaits, &labels, 1)?;
+//! for gait in &gaits {
+//!     println!("{}: {} to people, {} to us", gait.name, people.predict(gait).emotion, own.emotion(gait));
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod affective_svm;
 mod body;

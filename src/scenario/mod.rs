@@ -1,9 +1,34 @@
-//! Scenarios: what a crowd is, where it walks and how it feels. Scenario files, the paper's four scenes, their geometry and scenery,
-//! and the start of every agent.
+//! Scenarios: what a crowd is, where it walks and how it feels. Scenario files, the paper's four scenes, their geometry
+//! and scenery, and the start of every agent.
 //!
 //! A [`Scenario`] is read from TOML ([`Scenario::load`]) or built in ([`Scenario::builtin`]); [`Scenario::geometry`]
 //! says where everything is; [`populate()`] fills it with agents as a [`Crowd`]; and
 //! [`Environment::mesh`] draws it. Paper: sections 5.3 (conditions, scenes) and 4.3 (choice of gaits).
+//!
+//! ```
+//! use gaitway::{Scenario, Scene};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let hall = Scenario::parse(
+//!     r#"
+//!         name = "hall"
+//!         bounds = [[0, 0], [20, 0], [20, 10], [0, 10]]
+//!         [population]
+//!         agents = 30
+//!         emotions = { happy = 2, sad = 1 }
+//!         [[routes]]
+//!         name = "along"
+//!         waypoints = [[2, 5], [18, 5]]
+//!         mode = "patrol"
+//!     "#,
+//!     "hall.toml", // named in errors, with the line
+//! )?;
+//! assert_eq!(hall.geometry().walkable_area().round(), 200.0);
+//! let crowd = Scene::of(hall).build()?.crowd;
+//! assert_eq!(crowd.agents.len(), 30);
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! The rooms, from left to right; each uses only those before it (`tests/layers/imports.rs`):
 //! `file` (what a scenario file says), `polygon`, `random` and `personality` (used by all that follow), `builtin` and `menge`

@@ -1,4 +1,24 @@
 //! The simulation: one step after another, on the CPU or on Vulkan, and the animation of what a camera sees.
+//!
+//! ```
+//! use gaitway::sim::{Backend, Simulation};
+//! use gaitway::Scene;
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let start = || -> gaitway::Result<Simulation> {
+//!     Scene::load("garden")?.agents(40).seed(7).backend(Backend::Cpu).start()
+//! };
+//! let (mut one, mut other) = (start()?, start()?);
+//! one.step(60)?;
+//! other.step(20)?;
+//! other.step(40)?;
+//! assert!(one.people()?.eq(other.people()?)); // the same seed: equal, bit for bit
+//! if let Some(person) = one.person(3)? {
+//!     println!("after {:.1} s agent 3 is at {} m", one.time(), person.position);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 #![allow(
     clippy::cast_possible_truncation,
     clippy::cast_precision_loss,

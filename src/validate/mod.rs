@@ -1,8 +1,24 @@
-//! Does it move like people? Small scenes with known outcomes (`RiMEA`, NIST), and what real crowds did.
+//! Does it move like people? Small scenes with known outcomes (`RiMEA`, NIST), and recorded crowds.
 //!
 //! Each test builds a scene of the people that users get, runs it, measures it and judges every value by a criterion stated
-//! beforehand. It does so twenty times: with other places and dice, and every third time turned by 37 degrees, every third moved
-//! by half a cell (after Zhou 2015). Nine draws in ten must pass. Beside that stand half as many people more and twice as many. None of that makes gaitway a certified evacuation tool.
+//! beforehand. It does so twenty times, with other places and draws. Every third scene is turned by 37 degrees, every third
+//! moved by half a cell (after Zhou 2015). Nine draws in ten must pass. The report also shows 1.5 and 2 times as many people.
+//! None of that makes gaitway a certified evacuation tool.
+//!
+//! ```
+//! use gaitway::sim::Backend;
+//! use gaitway::validate::scene::Stage;
+//! use gaitway::validate::{Options, run};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let stage = Stage::new(Backend::Cpu, None)?;
+//! let options = Options { tests: vec!["rimea-1".to_owned()], is_quick: true, draws: 1, data: None };
+//! for outcome in run(&stage, &options, &mut |_, _| ())?.outcomes {
+//!     println!("{}: {:.2} {} ({})", outcome.name, outcome.value, outcome.unit, outcome.pass);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod diagram;
 pub mod files;
@@ -34,7 +50,7 @@ pub struct Options {
     pub tests: Vec<String>,
     /// Fewer people, shorter runs, one draw, one size.
     pub is_quick: bool,
-    /// How often a test is drawn, at least 1.
+    /// Draws of a test, at least 1.
     pub draws: usize,
     /// The folder with recorded crowds, if there is one.
     pub data: Option<PathBuf>,
@@ -60,7 +76,7 @@ pub struct Validation {
 }
 
 impl Validation {
-    /// Whether every value that is judged passes.
+    /// Whether every judged value passes.
     pub fn pass(&self) -> bool {
         self.failed().next().is_none()
     }
@@ -121,7 +137,7 @@ fn tasks(tests: &[&Test], options: &Options) -> Vec<Task> {
     tasks
 }
 
-/// Runs the tests; `progress` hears which, and what share is done. On the CPU draws run side by side.
+/// Runs the tests. `progress` receives the name of each and the fraction done. On the CPU draws run in parallel.
 ///
 /// # Errors
 /// When the device fails, a name is unknown, or a recorded crowd is there but unreadable.

@@ -1,4 +1,24 @@
 //! Every kernel against its CPU twin, on the user's own device.
+//!
+//! ```no_run
+//! # #[cfg(not(feature = "vulkan"))]
+//! # fn main() {}
+//! # #[cfg(feature = "vulkan")]
+//! use gaitway::gpu::{Device, Validation};
+//! # #[cfg(feature = "vulkan")]
+//! use gaitway::verify::{Options, verify};
+//!
+//! # #[cfg(feature = "vulkan")]
+//! # fn main() -> gaitway::Result<()> {
+//! let device = Device::open(None, Validation::Off)?;
+//! let report = verify(&device, &Options::quick(), &mut |_, _| ())?;
+//! println!("{}: {}", report.device, report.numerics);
+//! for kernel in report.kernels.iter().filter(|kernel| !kernel.pass) {
+//!     println!("{} differs by {:e} {}", kernel.name, kernel.max_error, kernel.unit);
+//! }
+//! # Ok(())
+//! # }
+//! ```
 
 pub mod cases;
 #[cfg(feature = "vulkan")]

@@ -41,7 +41,7 @@ pub(crate) struct Survivors {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Group {
-    /// Whether no input that can occur tells them from the original.
+    /// Whether no input that can occur distinguishes them from the original.
     equivalent: bool,
     reason: String,
     mutants: Vec<String>,

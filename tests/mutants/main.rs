@@ -56,7 +56,7 @@ impl Found {
         }
     }
 
-    /// Puts what was found anew in the place of what was found before.
+    /// Replaces the earlier findings with the new ones.
     fn keep(mut self, planted: Vec<shaders::Planted>, tried: Vec<rust::Tried>) -> Result<(), Failure> {
         self.planted.retain(|old| planted.iter().all(|new| new.name != old.name));
         self.tried.retain(|old| tried.iter().all(|new| new.name != old.name));

@@ -114,7 +114,7 @@ fn captures(name: &str) -> Option<Vec<Gait>> {
     Some(takes.map(|take| stride::best(&take).unwrap()).collect())
 }
 
-/// How often each emotion is told, and how many gaits are unlike what the model has seen.
+/// How often each emotion is predicted, and how many gaits are unlike what the model has seen.
 fn told(model: &Model, gaits: &[Gait]) -> ([usize; 4], usize) {
     let (mut counts, mut unlike) = ([0; 4], 0);
     for gait in gaits {

@@ -12,9 +12,9 @@
 mod common;
 
 mod cli;
+mod closed_loop;
 mod compare;
 mod egait;
 mod features;
-mod perceive;
 mod ratings;
 mod svm;

@@ -149,7 +149,7 @@ fn reliability_is_that_of_the_raters_we_made() {
         // With many raters alpha with the interval metric is the single rater's ICC (Krippendorff).
         assert!((agreement.alpha_interval - agreement.icc_single).abs() < 0.01);
     }
-    // Raters who guess agree no more than by chance.
+    // Guessing raters agree no more than by chance.
     let mut dice = Dice(3);
     let guesses: Vec<Vec<u8>> =
         (0..300).map(|_| (0..10).map(|_| 1 + (dice.unit() * 5.0) as u8).collect()).collect();

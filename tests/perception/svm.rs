@@ -94,7 +94,7 @@ const SKLEARN: [SklearnCase; 2] = [
 ];
 
 #[test]
-fn many_classes_are_told_apart_as_scikit_learn_does() {
+fn many_classes_are_separated_as_scikit_learn_does() {
     let (points, classes) = points();
     let asked: Vec<Vec<f64>> = points.iter().map(|p| p.iter().map(|x| 0.5 * x).collect()).collect();
     for (c, gamma, ovo, ovr, answers) in SKLEARN {

@@ -3,11 +3,13 @@
 use crate::common::program;
 use gaitway::Emotion;
 use gaitway::avatar::{self, Sex};
+use gaitway::closed_loop::{
+    Recorder, Score, Seen, Track, features, practice_alone, practice_in_crowd, record,
+};
 use gaitway::gait::{Gait, JOINT_COUNT};
 use gaitway::ground::world_from_ground;
 use gaitway::kernels::BufferId;
 use gaitway::library::GaitLibrary;
-use gaitway::perceive::{Recorder, Score, Seen, Track, features, practice_alone, practice_in_crowd, record};
 use gaitway::perception::affective_svm::AffectiveSvm;
 use gaitway::scenario::{Condition, Scenario, populate_from};
 use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
@@ -114,7 +116,7 @@ fn a_crowd_shows_what_its_gaits_show_whatever_they_are_called() {
     let found = score(&simulation, &tracks, &others);
     assert!(found.n >= 110 && found.accuracy >= 0.9, "{found:?}");
 
-    // the classifier sees the walk and is not told what is wanted
+    // the classifier sees the walk alone, not the wanted emotion
     let (_, simulation, tracks) = watched(120, &library(true));
     let found = score(&simulation, &tracks, &others);
     let [happy, _, sad, _] = found.confusion;

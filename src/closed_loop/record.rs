@@ -11,9 +11,9 @@ use crate::scenario::{GazeMode, Scenario};
 use crate::sim::{AvatarSet, Simulation, bodies};
 use glam::{Vec3, Vec4};
 
-/// Frames before the recording in which the gaze settles, s.
+/// Time before the recording in which the gaze settles, s.
 const SETTLING: f32 = 1.0;
-/// Everyone is near enough, m.
+/// Distance within which every agent has a pose, m.
 const FAR: f32 = 1e9;
 /// Most bytes of joint positions that are kept.
 const MOST_BYTES: u64 = 4 << 30;
@@ -25,7 +25,7 @@ pub struct Recorder {
     pub warm_up: u32,
     /// Steps that are recorded, one frame each.
     pub steps: u32,
-    /// Where the user's eyes are, which agents look at; world, m. None: there is nobody to look at.
+    /// The user's eyes, at which agents look; world, m. None: there is no user.
     pub user_eyes: Option<Vec3>,
     /// Whether the gaze follows the paper's formulas to the letter.
     pub paper_gaze: bool,
@@ -43,8 +43,8 @@ impl Recorder {
     }
 }
 
-/// Steps a simulation and records everyone. The simulation's buffers must have been filled for pictures
-/// ([`crate::sim::bodies::fill`]) with the avatars of `cast`; `progress` is told which share is done.
+/// Steps a simulation and records every agent. The simulation's buffers must have been filled for drawing
+/// ([`crate::sim::bodies::fill`]) with the avatars of `cast`. `progress` receives the fraction done, 0 to 1.
 ///
 /// # Errors
 /// When the device or a kernel fails, or more agents are to be recorded than one picture shows or memory holds.
@@ -79,7 +79,7 @@ pub fn record(
     Ok(tracks)
 }
 
-/// Parameters of a picture in which everyone is visible, and nobody near enough to be skinned: the palette, from which all
+/// Parameters of a frame in which every agent is visible and none is near enough to be skinned. The palette, from which all
 /// levels of detail are drawn, does not depend on the level.
 fn everyone(frame: FrameUniforms, how: &Recorder) -> FrameUniforms {
     FrameUniforms {

@@ -1,4 +1,4 @@
-//! Wanted against perceived: counts, shares, and how sure they are.
+//! Wanted against perceived emotions: counts, fractions, and their intervals.
 
 use crate::emotion::Emotion;
 use crate::perception::share_interval;

@@ -1,5 +1,5 @@
-//! Gaits as our avatars show them: each walked alone and straight on each avatar, or in a crowd of a scene, and recorded
-//! as the crowd is that is judged.
+//! Gaits as our avatars show them: each walked alone and straight on each avatar, or in a crowd of a scene. The recording
+//! is that of the judged crowd.
 
 use super::{Recorder, Seen, Track, record};
 use crate::avatar::Avatar;
@@ -17,19 +17,19 @@ use glam::Vec2;
 const APART: f32 = 6.0;
 /// Room along a track, m.
 const ROOM: f32 = 14.0;
-/// Of a walk before and while it is recorded, s.
+/// Length of a walk before and during the recording, s.
 const WARM_UP: f32 = 1.0;
 const SECONDS: f32 = 4.5;
 /// Seconds before a crowd is recorded: it has then met.
 const CROWD_WARM_UP: f32 = 5.0;
-/// Agents of a crowd, at least and at most: enough of each emotion and avatar, and soon done.
+/// Fewest and most agents of a crowd: enough of each emotion and avatar, and fast.
 const CROWD: [u32; 2] = [200, 1000];
 /// Added to the scenario's seed: other people on other ways.
 const OTHER: u64 = 0x005e_ed0f_07e5;
 
-/// What is seen of every labelled gait of `gaits` on every avatar, walked alone and straight in an empty place, with the
-/// gaze of the scenario's condition and nobody to look at or to avoid: labelled strides of the 16 joints as drawn. Bodies have sizes
-/// within the scenario's range. A gait that shows no whole stride in four seconds is left out.
+/// Labelled strides of the 16 joints as drawn: every labelled gait of `gaits` on every avatar, walked alone and straight in an
+/// empty place. The gaze is that of the scenario's condition, without a user. Body sizes lie within the scenario's range. A
+/// gait that shows no whole stride in four seconds is left out.
 ///
 /// # Errors
 /// When a gait cannot drive an avatar, or the device fails.
@@ -74,9 +74,9 @@ pub fn practice_alone(
     Ok(labelled_strides(&tracks, played, gaits, &scene.cast))
 }
 
-/// What is seen of a crowd that walks with these labelled gaits in the place of the scenario, under its condition (`eva-o`
-/// instead of `baseline`, which has one gait for all): other people than the scenario's own, by another seed, as many of
-/// each emotion, everybody the emotion of one gait. As many strides as there are agents who walk, up to 1,000.
+/// Labelled strides of a crowd that walks with these gaits in the place of the scenario, under its condition (`eva-o` instead
+/// of `baseline`, which has one gait for all). The people are others than the scenario's own, by another seed. Emotions are
+/// equally frequent, and each agent shows the emotion of one gait. One stride of each walking agent, up to 1,000.
 ///
 /// # Errors
 /// When an emotion has no gait, a gait cannot drive an avatar, or the device fails.

@@ -1,4 +1,4 @@
-//! What one agent did while it was watched, and the stride that is judged.
+//! The recorded motion of one agent, and the stride to judge.
 
 use crate::emotion::Emotion;
 use crate::gait::stride::{self, Stride};
@@ -29,7 +29,7 @@ pub struct Track {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Unusable {
-    /// No whole stride from one strike of the left foot to the next: it was not watched for long enough.
+    /// No whole stride from one strike of the left foot to the next: the recording is too short.
     NoWholeStride,
     /// It stands, or its strides are slower than [`WALKING_SHARE`] of the preferred speed.
     Slow,
@@ -98,7 +98,7 @@ impl Track {
     }
 
     fn between(&self, from: f32, to: f32) -> Result<Stride, Unusable> {
-        // too slow or too fast for the cutter means too slow here: nobody runs at 8 m/s
+        // too slow or too fast for the cutter means too slow here: agents do not run at 8 m/s
         let straight = stride::between(&self.recording, [from, to], MAX_TURN_DEG);
         let stride = straight
             .map_err(|_why| if self.is_slow(from, to) { Unusable::Slow } else { Unusable::Turning })?;
@@ -140,7 +140,7 @@ mod tests {
     use crate::gait::{JOINT_COUNT, Joint};
     use glam::{Quat, Vec3};
 
-    /// A walker who goes along a heading, at a share of its speed, turning by `turn` radians a second.
+    /// A walker along a heading, at a fraction of its speed, turning by `turn` radians a second.
     fn track(share: f32, turn: f32) -> (Gait, Track) {
         let gait = person(Emotion::Happy, Sex::Female, 3, 0).unwrap();
         let rate = 30.0;
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn those_who_stand_creep_or_turn_are_counted_apart() {
+    fn agents_that_stand_creep_or_turn_are_counted_apart() {
         for slow in [0.3, 0.4, 0.45] {
             assert_eq!(track(slow, 0.0).1.stride(), Seen::Nothing(Unusable::Slow), "{slow}");
         }
