@@ -14,7 +14,7 @@ pub enum Error {
     /// Ratings, features or a model of perception could not be used.
     #[error(transparent)]
     Perception(#[from] crate::perception::Error),
-    /// A gait library could not be read or does not hold what was asked of it.
+    /// A gait library could not be read, or lacks a wanted gait.
     #[error(transparent)]
     Library(#[from] crate::library::Error),
     /// A character could not be loaded or driven.
@@ -51,7 +51,7 @@ pub enum Error {
     /// A result could not be written.
     #[error(transparent)]
     Export(#[from] crate::export::Error),
-    /// A command could not do what it was asked for; message and way out.
+    /// A command could not do its work; message and way out.
     #[error("{message}")]
     Failed {
         /// What went wrong.
@@ -59,7 +59,7 @@ pub enum Error {
         /// What to do.
         hint: String,
     },
-    /// Something asked for on the command line is not possible; message and way out.
+    /// A wish on the command line is not possible; message and way out.
     #[error("{message}")]
     Usage {
         /// What is not possible.

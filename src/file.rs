@@ -84,7 +84,7 @@ pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
 /// A file being written, a hidden neighbour of its place: `.NAME.partial`. It takes its name when finished, and is removed
 /// when dropped before that.
 ///
-/// Its writer holds it locked. One that nobody holds was left by a program that was killed: it is used again.
+/// Its writer holds a lock on it. An unlocked one was left by a program that was killed: it is used again.
 #[derive(Debug)]
 pub struct Partial {
     path: PathBuf,
@@ -158,7 +158,7 @@ fn own(temporary: &Path) -> Result<Option<File>> {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => {
             match OpenOptions::new().write(true).open(temporary) {
                 Ok(file) => (file, false),
-                // gone in this moment, or somebody else's
+                // removed in this moment, or another user's
                 Err(_) => return Ok(None),
             }
         }
@@ -209,7 +209,7 @@ impl Seek for Partial {
 impl Drop for Partial {
     fn drop(&mut self) {
         if !self.is_finished {
-            // A leftover is harmless, and there is nobody to tell.
+            // A leftover is harmless, and a destructor cannot return an error.
             let _ = std::fs::remove_file(&self.temporary);
         }
         unfinished().remove(&self.temporary);
@@ -218,7 +218,7 @@ impl Drop for Partial {
 
 /// Removes every unfinished file, since the program ends now.
 pub fn abandon() {
-    // try_lock: who holds it may be the very thread that has no memory left
+    // try_lock: the holder may be the very thread that has no memory left
     if let Ok(files) = UNFINISHED.try_lock() {
         for file in files.iter() {
             let _ = std::fs::remove_file(file);

@@ -8,7 +8,7 @@ use glam::{Vec2, Vec3};
 /// Both coordinates of an agent that is not there (not yet, or no more), m.
 pub use crate::kernels::shared::absent::ABSENT;
 
-/// Whether that is the position of somebody who is not there.
+/// Whether that is the position of an absent agent.
 pub fn is_absent(position: [f32; 2]) -> bool {
     position[0] >= 0.5 * ABSENT
 }

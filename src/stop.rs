@@ -1,5 +1,5 @@
-//! Ctrl-C (SIGINT, or SIGTERM). Who keeps what is done so far heeds the first one; otherwise, and at the second, the program
-//! ends at once. Either way no unfinished file is left, and the exit code is [`EXIT_CODE`].
+//! Ctrl-C (SIGINT, or SIGTERM). While a [`Heed`] lives, the first one asks the program to end in good order. The second one,
+//! or the first without a `Heed`, ends it at once. Either way no unfinished file is left, and the exit code is [`EXIT_CODE`].
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -14,7 +14,7 @@ pub fn asked() -> bool {
     ASKED.load(Ordering::Relaxed)
 }
 
-/// While it lives, the first Ctrl-C only makes [`asked`] true, and whoever made it ends in good order.
+/// While it lives, the first Ctrl-C only makes [`asked`] true. Its owner then ends in good order.
 #[derive(Debug)]
 pub struct Heed(());
 
@@ -31,7 +31,7 @@ impl Drop for Heed {
     }
 }
 
-/// From now on Ctrl-C is taken as a wish. Where there can be no thread for it, it ends the program as it always does.
+/// Handles Ctrl-C from now on, in a thread. Where the thread cannot start, Ctrl-C ends the program as it always does.
 #[cfg(unix)]
 pub fn listen() {
     use signal_hook::consts::{SIGINT, SIGTERM};

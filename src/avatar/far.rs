@@ -1,4 +1,4 @@
-//! The bodies that people have far away: some fifty triangles in the colours and proportions of the avatar, whose limbs
+//! The bodies of distant people: some fifty triangles in the colours and proportions of the avatar, whose limbs
 //! swing, and farther still a speck of thirteen. They need no pose, so that thousands of them cost little.
 
 use super::{Avatar, Material, Posture};
@@ -76,8 +76,8 @@ const MARGIN: f32 = 0.01;
 const CHIN: f32 = 0.84;
 
 impl FarMesh {
-    /// Two upright boxes that it stays within however it walks and turns in these postures and mixtures of them, the lower and the upper part of the body: half a
-    /// side, bottom, top, 0; m.
+    /// Two upright boxes that bound it, for the lower and the upper part of the body, at any phase and heading in these
+    /// postures and their mixtures: half a side, bottom, top, 0; m.
     pub fn bounds(&self, postures: &[Posture]) -> [[f32; 4]; 2] {
         let heights = self.vertices.iter().map(|vertex| vertex.position.y);
         let chin = CHIN * heights.fold(0.0, f32::max);

@@ -1,4 +1,4 @@
-//! The posture of a clip, which tells an emotion from afar: how far trunk and head lean, how the arms are carried.
+//! The posture of a clip, by which an emotion is seen from afar: lean of trunk and head, carriage of the arms.
 
 use super::{Avatar, Clip};
 use crate::gait::{JOINT_COUNT, Joint};

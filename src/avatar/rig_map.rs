@@ -19,7 +19,7 @@ const MOST_BYTES: u64 = 1 << 20;
 /// As TOML, keys are the names of [`Joint::name`], values the node names of the file:
 ///
 /// ```toml
-/// avatar = "hero"  # whom it is for: the file's name without its ending; left out: every file
+/// avatar = "hero"  # the file that it is for: its name without its ending; left out: every file
 /// height = 1.7     # m, from sole to crown; left out: measured
 ///
 /// [joints]
@@ -82,7 +82,7 @@ impl RigMap {
         Self::from_toml(&path.display().to_string(), &text)
     }
 
-    /// Whom it is for, by the name of the file without its ending; none: every file.
+    /// The file that it is for: its name without its ending; none: every file.
     pub fn avatar(&self) -> Option<&str> {
         self.avatar.as_deref()
     }

@@ -1,4 +1,4 @@
-//! `gaitway completions` and `gaitway man`: the command line, told to shells and to man.
+//! `gaitway completions` and `gaitway man`: the command line for shells and for man.
 
 use super::output::say;
 use crate::{Error, export, file};

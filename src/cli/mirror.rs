@@ -1,8 +1,7 @@
 //! The mirror of `gaitway xr --mirror`: a window with what the user of the headset sees.
 //!
-//! The window is a program of its own, this one started a second time, which is sent pictures through a pipe. So nothing
-//! that happens to it reaches the headset: not its being closed, and not a display that goes away, at which X11's library
-//! ends the program that uses it.
+//! The window is a process of its own: this program, started a second time. It receives images through a pipe. So its faults
+//! do not reach the headset: neither a closed window nor a lost display, at which X11's library ends its process.
 
 use crate::Error;
 use crate::picture::Image;
@@ -109,7 +108,7 @@ pub(super) fn open(mirror: &Arc<xr::Mirror>, scene: &str) -> Window {
 
 /// Starts this program again, as the window.
 fn start(scene: &str) -> std::io::Result<Child> {
-    // a program that was started through a runner cannot tell its own file: that is the runner's loader
+    // started through a runner, a program cannot find its own file: `current_exe` is the runner's loader
     let mut command = match (std::env::var_os("GAITWAY_RUNNER"), std::env::args_os().next()) {
         (Some(runner), Some(program)) => {
             let mut command = Command::new(runner);
@@ -127,7 +126,7 @@ fn lock(child: &Mutex<Option<Child>>) -> std::sync::MutexGuard<'_, Option<Child>
     child.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Sends the window pictures until either end has enough; how many.
+/// Sends the window images until either end closes. Returns their number.
 fn feed(mirror: &xr::Mirror, mut to: ChildStdin, child: &Mutex<Option<Child>>) -> u64 {
     let mut sent = 0;
     while mirror.is_open() {
@@ -157,7 +156,7 @@ fn why(child: &Mutex<Option<Child>>) -> String {
     }
 }
 
-/// Closes the window, whatever it does; how many pictures it was sent.
+/// Closes the window in any case. Returns the number of images sent.
 pub(super) fn close(window: Window) -> u64 {
     window.mirror.close(None);
     let begin = Instant::now();

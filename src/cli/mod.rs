@@ -1,7 +1,7 @@
 //! The command line: one file per subcommand. [`main`] is the whole program.
 //!
 //! Results go to standard output (one JSON object and nothing else with `--json`), progress and errors to standard
-//! error. Exit codes: 0 done, 1 it went wrong while doing (`error: …`, `hint: …`), 2 the command line is wrong, 130
+//! error. Exit codes: 0 done, 1 the run failed (`error: …`, `hint: …`), 2 the command line is wrong, 130
 //! interrupted.
 
 mod bench;
@@ -130,7 +130,7 @@ impl Command {
         }
     }
 
-    /// Whether it was asked for the scenes and nothing else, and whether in JSON.
+    /// Whether the command only lists the scenes, and whether in JSON.
     fn lists_scenes(&self) -> Option<bool> {
         let (list, json) = match self {
             Self::Simulate(arguments) => arguments.lists(),
@@ -172,8 +172,7 @@ pub fn main() -> ExitCode {
     })
 }
 
-/// The command line. A negative number is a value, so that who types one learns the range and not that there is no such
-/// option.
+/// The command line. A negative number is a value, so that its error names the allowed range, not an unknown option.
 fn command_line() -> clap::Command {
     fn all(command: clap::Command) -> clap::Command {
         let number = |argument: clap::Arg| {
@@ -185,7 +184,7 @@ fn command_line() -> clap::Command {
     all(Cli::command())
 }
 
-/// What environment variables say must be among what they can say, whether it is needed or not.
+/// Checks the values of environment variables, whether they are needed or not.
 fn check_environment() -> Result<(), Error> {
     #[cfg(feature = "vulkan")]
     crate::gpu::Validation::from_environment()
@@ -193,7 +192,7 @@ fn check_environment() -> Result<(), Error> {
     Ok(())
 }
 
-/// What a command came to, as an exit code; errors are told.
+/// The exit code of an outcome; prints its error.
 fn exit_code(outcome: Result<bool, Error>, has_backend: bool) -> u8 {
     let is_silent = validation_is_silent();
     match outcome.and_then(|is_good| output::said().map(|()| is_good)) {
@@ -210,7 +209,7 @@ fn exit_code(outcome: Result<bool, Error>, has_backend: bool) -> u8 {
     }
 }
 
-/// Whether an error comes from what was typed, not from what was done or found in files.
+/// Whether an error comes from the command line, not from the work or from files.
 fn is_of_the_command_line(error: &Error) -> bool {
     use crate::export::image::Error as Picture;
     use crate::scenario::Error as Scenario;
@@ -279,7 +278,7 @@ fn usage(message: impl Into<String>, hint: impl Into<String>) -> Error {
     Error::Usage { message: message.into(), hint: hint.into() }
 }
 
-/// An error of a command while it does what it was asked for, and the way out.
+/// An error of a command during its work, and the way out.
 fn failed(message: impl Into<String>, hint: impl Into<String>) -> Error {
     Error::Failed { message: message.into(), hint: hint.into() }
 }

@@ -1,6 +1,6 @@
-//! What the program says: results on standard output, remarks and errors on standard error, tables.
+//! What the program prints: results on standard output, remarks and errors on standard error, tables.
 //!
-//! Whether the result could be said is asked once, at the end ([`said`]): a full disk or a reader that has gone away
+//! Whether the result could be printed is checked once, at the end ([`said`]): a full disk or a closed pipe
 //! (`gaitway ... | head -1`) is an error.
 
 use crate::Error;
@@ -9,7 +9,7 @@ use std::io::Write as _;
 use std::sync::atomic::{AtomicU8, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Why the first line of the result that could not be said could not.
+/// The first failure to print a line of the result.
 static UNSAID: Mutex<Option<std::io::Error>> = Mutex::new(None);
 
 /// Prints a line of the result.
@@ -24,7 +24,7 @@ fn keep(written: std::io::Result<()>) {
     }
 }
 
-/// Whether all of the result could be said.
+/// Whether all of the result could be printed.
 pub(super) fn said() -> Result<(), Error> {
     keep(std::io::stdout().lock().flush());
     match UNSAID.lock().unwrap_or_else(PoisonError::into_inner).take() {
@@ -52,13 +52,13 @@ pub(super) fn print(answer: &clap::Error) -> u8 {
     }
 }
 
-/// How much is said beside results and errors: `--quiet`, nothing, `--verbose`.
+/// How much is printed beside results and errors: `--quiet`, neither option, `--verbose`.
 static MANNER: AtomicU8 = AtomicU8::new(NORMAL);
 const QUIET: u8 = 0;
 const NORMAL: u8 = 1;
 const VERBOSE: u8 = 2;
 
-/// Sets how much is said from now on.
+/// Sets how much is printed from now on.
 pub(super) fn set_manner(is_quiet: bool, is_verbose: bool) {
     let manner = if is_quiet { QUIET } else { NORMAL + u8::from(is_verbose) };
     MANNER.store(manner, Ordering::Relaxed);
@@ -88,7 +88,7 @@ pub(super) fn warn(line: &str) {
     let _ = writeln!(std::io::stderr().lock(), "{line}");
 }
 
-/// Prints an error and the way out, of which `--backend cpu` is one where the command has it.
+/// Prints an error and the way out. Where the command has `--backend`, the hint for a missing device is `--backend cpu`.
 #[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "only a Vulkan device can fail"))]
 pub(super) fn complain(error: &Error, has_backend: bool) {
     let (message, hint) = match error {

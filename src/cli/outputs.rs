@@ -13,14 +13,14 @@ const OUTPUTS: [&str; 8] = ["out", "render", "record", "shot", "shots", "figures
 /// Whether `--force` was given.
 static IS_FORCED: AtomicBool = AtomicBool::new(false);
 
-/// Looks at everything that a command is to write where its options say.
+/// Checks every path that a command is to write.
 pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
     IS_FORCED.store(is_forced, Ordering::Relaxed);
     let (mut found, mut command) = (found, "");
     while let Some((name, deeper)) = found.subcommand() {
         (found, command) = (deeper, name);
     }
-    // a headset's recording makes its own way: one that broke off is kept under another name, and none is ever replaced
+    // recordings of a headset have their own rule: a broken-off one is kept under another name, and none is ever replaced
     for name in OUTPUTS.into_iter().filter(|name| (command, *name) != ("xr", "record")) {
         // an error: this command has no such option
         for path in found.try_get_many::<PathBuf>(name).ok().flatten().into_iter().flatten() {
@@ -30,7 +30,7 @@ pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
     Ok(())
 }
 
-/// That a name can be written to without loss, or it is to be lost.
+/// Checks that writing to a name loses nothing, unless `--force` is given.
 pub(super) fn free(path: &Path) -> Result<(), Error> {
     if IS_FORCED.load(Ordering::Relaxed) {
         return Ok(());

@@ -66,7 +66,7 @@ impl Drop for Progress {
     }
 }
 
-/// How long it has taken and how long it will yet take if the rest goes as what is done.
+/// The time taken and the time left, by linear extrapolation.
 fn left(since: Duration, share: f64) -> String {
     let seconds = since.as_secs_f64();
     let share = share.clamp(0.0, 1.0);

@@ -64,7 +64,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Whether the scenes are asked for, and whether in JSON.
+    /// Whether to list the scenes, and whether in JSON.
     pub(super) const fn lists(&self) -> (bool, bool) {
         (self.scene.list, self.json)
     }
@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     draw(arguments.scene.load()?, &picture, arguments.json, begin)
 }
 
-/// Draws pictures of a scene and says what was written.
+/// Draws images of a scene and prints the files written.
 pub(super) fn draw(scene: Scene, picture: &Film<'_>, json: bool, begin: Instant) -> Result<bool, Error> {
     let target = Target::of(picture.out)?;
     let is_still = matches!(target, Target::Still(_));

@@ -41,7 +41,7 @@ pub(super) struct Arguments {
     /// A place to replay in, with its own walkers: a scene or a scenario file [default: the recording's ground]
     #[arg(long, value_name = "SCENE|FILE.toml")]
     scene: Option<String>,
-    /// Simulated walkers beside the recorded people, of whom they make way [default: 0, or the scene's]
+    /// Simulated walkers, which make way for the recorded people [default: 0, or the scene's]
     #[arg(long, value_name = "N", value_parser = people(0))]
     agents: Option<u32>,
     /// Seed of every random draw
@@ -96,7 +96,7 @@ struct ReadingArguments {
     /// The file's format [default: by its name and first lines]
     #[arg(long, value_enum, help_heading = "Reading")]
     format: Option<FormatName>,
-    /// What stands in its columns, from the left: id, frame (or time, s), x, y, z, vx, vy, or - for what is skipped
+    /// The file's columns, from the left: id, frame (or time, s), x, y, z, vx, vy, or - for a column to skip
     /// [default: by their names, or inferred]
     #[arg(long, value_name = "id,frame,x,y", help_heading = "Reading")]
     columns: Option<Columns>,
@@ -118,7 +118,7 @@ struct ReadingArguments {
     /// The file's y goes down the page as seen from above (zara of UCY's obsmat): keep left and right
     #[arg(long, help_heading = "Reading")]
     mirror: bool,
-    /// Who is not seen for longer than this is absent meanwhile, s
+    /// A gap between two samples that is longer than this is an absence, s
     #[arg(long, default_value_t = 2.0, value_name = "SECONDS", help_heading = "Reading")]
     gap: f64,
     /// Smooth paths with a Gaussian of this standard deviation, against tracking jitter, s; 0: through every sample
@@ -168,7 +168,7 @@ struct Replayed {
     /// Agents that replay people, from this index on.
     first_agent: u32,
     people: usize,
-    /// Farthest that anybody was from where the recording says, at the end, m.
+    /// Greatest distance of a person from the recorded place, at the end, m.
     drift: f32,
     #[serde(flatten)]
     outcome: Outcome,
@@ -241,7 +241,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(replayed.outcome.failure.is_none())
 }
 
-/// Reads the recording and puts it on stage.
+/// Reads the recording and builds its scene.
 fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     let reading = &arguments.reading;
     let options = Options {

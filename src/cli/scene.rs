@@ -87,7 +87,7 @@ pub(super) enum BackendName {
 }
 
 impl PlaceArguments {
-    /// The backend and device asked for.
+    /// The chosen backend and device.
     pub(super) fn get(&self) -> Result<(Backend, Option<&str>), Error> {
         let backend = match self.backend {
             BackendName::Auto => Backend::Auto,
@@ -121,7 +121,7 @@ impl ConditionName {
 }
 
 impl SceneArguments {
-    /// The scene as it is asked for, checked; it can be changed further.
+    /// The scene of the arguments, checked; it can be changed further.
     pub(super) fn builder(&self) -> Result<SceneBuilder, Error> {
         let mut builder = SceneBuilder::load(&self.scene, &self.set)?.rig_maps(&self.rigs.rig_map);
         if let Some(agents) = self.agents {
@@ -138,7 +138,7 @@ impl SceneArguments {
         with_library(self.place.choose(builder)?, self.library.as_deref())
     }
 
-    /// The scene as it is asked for.
+    /// The scene of the arguments.
     pub(super) fn load(&self) -> Result<Scene, Error> {
         build(self.builder()?, self.library.as_deref())
     }
@@ -152,7 +152,7 @@ pub(super) fn with_library(builder: SceneBuilder, path: Option<&Path>) -> Result
     })
 }
 
-/// Builds a scene and says what a user should know about it; `library` is the file of its gaits.
+/// Builds a scene and prints notes about it; `library` is the file of its gaits.
 pub(super) fn build(builder: SceneBuilder, library: Option<&Path>) -> Result<Scene, Error> {
     let scene = builder.build()?;
     let (scenario, gaits) = (&scene.scenario, scene.cast.gait_count());
@@ -171,7 +171,7 @@ pub(super) fn build(builder: SceneBuilder, library: Option<&Path>) -> Result<Sce
     Ok(scene)
 }
 
-/// Checks a scenario that was valid before options changed it: what is wrong now is wrong on the command line.
+/// Checks a scenario that was valid before options changed it: its faults are those of the command line.
 pub(super) fn check_changed(scenario: &Scenario) -> Result<(), Error> {
     scenario.validate().map_err(|error| match error {
         crate::scenario::Error::Value(bad) => {
@@ -198,14 +198,14 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|error| format!("{error}: a seed is a whole number from 0 to {}", u64::MAX))
 }
 
-/// The crowd of a scene in motion; tells when it had to fall back to the CPU.
+/// The crowd of a scene in motion; prints a note when it fell back to the CPU.
 pub(super) fn start(scene: &Scene) -> Result<Simulation, Error> {
     let simulation = scene.start()?;
     tell_place(&simulation);
     Ok(simulation)
 }
 
-/// Tells where a crowd is simulated, if that is not what was hoped for.
+/// Prints the device of a crowd, with `--verbose`, and a note when it runs on the CPU for want of a device.
 pub(super) fn tell_place(simulation: &Simulation) {
     detail(&format!("simulating on {}, {} threads", simulation.device(), rayon::current_num_threads()));
     if let Some(reason) = simulation.fallback() {

@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 const MEASURED_EVERY_STEP: u32 = 10_000;
 /// Steps between two measurements of a larger crowd.
 const SAMPLING: u32 = 15;
-/// Simulated time unless asked for otherwise, s.
+/// Default simulated time, s.
 const SECONDS: f64 = 10.0;
 /// The same with `--until`, s.
 const LONGEST: f64 = 3600.0;
@@ -40,7 +40,7 @@ pub(super) struct Arguments {
     /// Simulated time, or the most of it with --until [default: 10; with --until 3600]
     #[arg(long)]
     seconds: Option<f64>,
-    /// Stop earlier: once everybody has left by an exit
+    /// Stop earlier: once all people have left by an exit
     #[arg(long, value_enum, value_name = "empty")]
     until: Option<Until>,
     /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .txt (Pedestrian Dynamics Data Archive; people
@@ -56,7 +56,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Whether the scenes are asked for, and whether in JSON.
+    /// Whether to list the scenes, and whether in JSON.
     pub(super) const fn lists(&self) -> (bool, bool) {
         (self.scene.list, self.json)
     }
@@ -65,7 +65,7 @@ impl Arguments {
 /// When to stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Until {
-    /// Everybody has left.
+    /// All people have left.
     Empty,
 }
 
@@ -74,7 +74,7 @@ enum Until {
 pub(super) struct Length {
     /// Steps at most.
     pub(super) steps: u32,
-    /// Whether to stop once everybody has left.
+    /// Whether to stop once all people have left.
     pub(super) until_empty: bool,
 }
 
@@ -88,23 +88,23 @@ pub(super) struct Outcome {
     pub(super) seed: u64,
     /// Simulated time, s.
     pub(super) seconds: f64,
-    /// Mean over the people who are there and the measured steps, m/s; `[[outsiders]]` are not counted.
+    /// Mean over the people present and the measured steps, m/s; `[[outsiders]]` are not counted.
     pub(super) mean_speed: f32,
     /// Routes and journeys walked to their end.
     pub(super) arrived: u64,
-    /// Agents that have been there at any time.
+    /// Agents that have been present at any time.
     pub(super) entered: u32,
-    /// Agents that are there at the end.
+    /// Agents present at the end.
     pub(super) present: u32,
     /// Agents that have left by an exit.
     pub(super) left: u32,
-    /// Agents whose time has come but who have found no room to come in.
+    /// Agents due to enter that have found no room yet.
     pub(super) waiting_outside: u32,
     /// Agents that no source has a time for.
     pub(super) never: u32,
     /// When people left, in total and by exit, and the n-t curve; null where there is no exit.
     pub(super) evacuation: Option<Evacuation>,
-    /// With `--until empty`: whether everybody had left in time.
+    /// With `--until empty`: whether all people left in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) emptied: Option<bool>,
     /// Smallest gap between two discs in any measured step, m; null when no two came near.
@@ -137,7 +137,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let scene = arguments.scene.load()?;
     if until_empty && !Departures::new(&scene.scenario, &scene.crowd).has_exits() {
-        let message = format!("--until empty: nobody can leave {}, which has no exit", scene.scenario.name);
+        let message =
+            format!("--until empty: people cannot leave {}, which has no exit", scene.scenario.name);
         return Err(usage(message, "end a journey with a stage of kind \"exit\", or give --seconds alone"));
     }
     let mut simulation = start(&scene)?;
@@ -305,7 +306,7 @@ pub(super) fn simulate(
         if let Some(recording) = recording.as_mut().filter(|_| is_frame) {
             recording.frame(simulation)?;
         }
-        // The last frame of a file shows that everybody is gone.
+        // The last frame of a file shows the empty place.
         if until_empty && is_frame && measures.departures.remaining() == 0 {
             break;
         }

@@ -4,7 +4,7 @@ use rayon::{ThreadBuilder, ThreadPoolBuilder};
 use std::sync::mpsc;
 use std::thread;
 
-/// Starts them. Threads are made before they are given to the pool, since a pool that cannot make one does not come to be.
+/// Starts them. Threads are made before the pool takes them, since a pool that cannot make one fails as a whole.
 pub(super) fn start() {
     let asked = std::env::var("RAYON_NUM_THREADS").ok().and_then(|text| text.parse().ok());
     let wanted = asked.filter(|&count: &usize| count > 0);

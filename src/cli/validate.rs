@@ -1,4 +1,4 @@
-//! `gaitway validate`: the tests that pedestrian scientists use, and what real crowds did.
+//! `gaitway validate`: the tests of pedestrian science, and recorded crowds.
 
 use super::output::{note, say, say_json, table};
 use super::progress::Progress;
@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     /// Folder with recorded crowds (crowd-juelich, crowd-ucy)
     #[arg(long, value_name = "DIR")]
     data: Option<PathBuf>,
-    /// How often each test is drawn: other places and dice, scenes turned and moved
+    /// Draws of each test: other places and random numbers, scenes turned and moved
     #[arg(long, value_name = "N", default_value_t = DRAWS as u32, value_parser = clap::value_parser!(u32).range(1..=1000))]
     draws: u32,
     /// Fewer people, shorter runs, one draw

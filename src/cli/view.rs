@@ -13,8 +13,8 @@ use std::path::{Path, PathBuf};
 #[command(
     after_help = "Examples:\n  gaitway view crossing --agents 500\n  gaitway view garden --eyes camera\n  gaitway view \
                   crossing --seconds 5 --shot window.png --json\n\nDrag to turn, right drag or W A S D Q E to move, \
-                  wheel to come nearer, click to pick somebody.\nSpace pauses, `.` does one step, F follows who is \
-                  picked, Tab hides the panel, F12 keeps a picture, F9 a video."
+                  wheel to come nearer, click to pick a person.\nSpace pauses, `.` does one step, F follows the \
+                  picked person, Tab hides the panel, F12 keeps a picture, F9 a video."
 )]
 pub(super) struct Arguments {
     #[command(flatten)]
@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     /// Close the window after this time
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
-    /// Whom agents look at: the user where the scenario has them (without one: the middle), or the camera
+    /// Target of the agents' gaze: the scenario's user (without one: the middle), or the camera
     #[arg(long, value_enum, default_value_t)]
     eyes: Eyes,
     /// Rings on the ground in the colours of the emotions
@@ -49,13 +49,13 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Whether the scenes are asked for, and whether in JSON.
+    /// Whether to list the scenes, and whether in JSON.
     pub(super) const fn lists(&self) -> (bool, bool) {
         (self.scene.list, self.json)
     }
 }
 
-/// Whom agents look at.
+/// Target of the agents' gaze.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum Eyes {
     #[default]

@@ -77,7 +77,7 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Whether the scenes are asked for, and whether in JSON.
+    /// Whether to list the scenes, and whether in JSON.
     pub(super) const fn lists(&self) -> (bool, bool) {
         (self.scene.list, self.json)
     }
@@ -190,7 +190,7 @@ fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
     Ok(file.finish()?)
 }
 
-/// What a recording of this session says of it.
+/// The header of this session's recording.
 fn session(arguments: &SceneArguments, scene: &Scene, store: &Store) -> Result<RecordedSession, Error> {
     let scenario = &scene.scenario;
     Ok(RecordedSession {
@@ -262,7 +262,7 @@ struct Replayed {
     compared_steps: usize,
     /// Whether all of these are equal; null if there is none.
     equal: Option<bool>,
-    /// Steps after which the first hash is another.
+    /// Steps after which the first hash differs.
     differs_after: Option<usize>,
 }
 

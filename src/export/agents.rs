@@ -1,4 +1,4 @@
-//! Who is in a trajectory file: the table `agents`.
+//! The agents of a trajectory file: the table `agents`.
 
 use crate::emotion::Emotion;
 use crate::scenario::{AgentStart, Crowd, ExternalKind, Scenario};
@@ -7,7 +7,7 @@ use crate::sim::{AvatarSet, setup};
 /// What an agent of a trajectory file is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
 pub enum AgentKind {
-    /// Somebody who walks, simulated, recorded or tracked.
+    /// A pedestrian: simulated, recorded or tracked.
     #[default]
     Person,
     /// A robot.
@@ -106,7 +106,7 @@ pub(super) fn strongest_emotion(weights: [f32; 4]) -> Emotion {
     Emotion::ALL[strongest(weights)]
 }
 
-/// In which frames somebody is there: the first and the last.
+/// The first and the last frame in which an agent is present.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Presence {
     pub(super) first: u32,

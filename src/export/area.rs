@@ -23,7 +23,7 @@ const FARTHEST: f64 = 1e13;
 const SLIT: f64 = 1e-3;
 /// Half the width of a slit to the tip of a sliver is less than this, m.
 const WIDEST: f64 = 0.1;
-/// Somebody who has moved less since is in the same part still, m.
+/// An agent that has moved less since its last look-up is taken to be in the same part, m.
 const NEAR: f32 = 1.0;
 
 type Ring = Vec<IntPoint<i64>>;
@@ -44,7 +44,7 @@ pub struct Ground {
 pub(super) struct Area {
     parts: Vec<Part>,
     peopled: Vec<bool>,
-    /// Where everybody was when they were last looked for.
+    /// Position of each agent at its last look-up.
     last: HashMap<u32, Vec2>,
 }
 
@@ -81,7 +81,7 @@ impl Area {
         }
     }
 
-    /// The parts that people were in as one polygon, or the largest where nobody was in any.
+    /// The parts that people were in, as one polygon. Where no part was visited: the largest.
     pub(super) fn polygon(&self) -> (String, Ground) {
         let area = |part: &Part| part.iter().map(signed_area).sum::<f64>();
         let peopled =
@@ -143,8 +143,8 @@ fn signed_area(ring: &Ring) -> f64 {
     0.5 * ring.iter().zip(next).map(|(a, b)| from(a).perp_dot(from(b))).sum::<f64>()
 }
 
-/// Takes corners away that lie on straight edges, unless another ring touches there: written in decimals, a corner beside
-/// an edge that goes on would lie a rounding error off it.
+/// Removes corners on straight edges, unless another ring touches there. Written in decimals, such a corner would lie a
+/// rounding error off the edge.
 fn tidy(parts: Vec<Part>) -> Vec<Part> {
     let mut uses: HashMap<[i64; 2], u32> = HashMap::new();
     for corner in parts.iter().flatten().flatten() {

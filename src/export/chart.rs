@@ -1,8 +1,8 @@
 //! Figures of results: bars, matrices and curves, as SVG text and as a picture. Plain data in.
 //!
 //! An SVG follows the reader's colour scheme, light or dark; a PNG has its own paper and reads on both. Every value is
-//! written out, so that no figure needs its colours to be read, and colours are told apart by the colour-blind (matrices
-//! run in one hue, or from blue to red through white).
+//! written out, so no figure needs its colours to be read. The colour-blind can distinguish the colours: matrices run in one
+//! hue, or from blue to red through white.
 
 mod bars;
 mod canvas;

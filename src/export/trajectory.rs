@@ -84,7 +84,7 @@ impl From<&Geometry> for Walkable {
     }
 }
 
-/// A frame: one entry for each agent; the agent's index is its id, and one who is absent ([`is_absent`]) is left out.
+/// A frame: one entry for each agent. The agent's index is its id; absent agents ([`is_absent`]) are left out.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Frame<'a> {
     /// Ground positions (x, z), m.
@@ -97,7 +97,7 @@ pub struct Frame<'a> {
     pub emotions: &'a [[f32; 4]],
 }
 
-/// Somebody in a frame.
+/// An agent in a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Sample {
     pub(super) id: u32,
@@ -128,8 +128,8 @@ pub struct TrajectoryWriter {
 }
 
 impl TrajectoryWriter {
-    /// Begins a file; `frame_rate` in frames per second, `agents` by index (of those beyond its end nothing is known but
-    /// that they are people).
+    /// Begins a file; `frame_rate` in frames per second, `agents` by index (agents beyond its end
+    /// count as people without further data).
     ///
     /// # Errors
     /// [`Error::Unusable`] for a frame rate outside 0.001 to 1000, bounds of fewer than 3 corners, or obstacles that leave
@@ -251,10 +251,10 @@ impl TrajectoryWriter {
         Ok(())
     }
 
-    /// Completes the file and gives it its name; says what the walkable area of a database is made of.
+    /// Completes the file and gives it its name. Returns the parts of a database's walkable area.
     ///
     /// # Errors
-    /// [`Error::Write`] or [`Error::Sqlite`]; nothing then stands under the name that did not before.
+    /// [`Error::Write`] or [`Error::Sqlite`]; the name is then as it was before.
     pub fn finish(self) -> Result<Ground, Error> {
         match self.sink {
             Sink::Sqlite(database) => {
@@ -270,7 +270,7 @@ impl TrajectoryWriter {
     }
 }
 
-/// Who is there in a frame.
+/// The agents present in a frame.
 fn samples<'a>(frame: &Frame<'a>) -> impl Iterator<Item = Sample> + use<'a> {
     let Frame { positions, headings, velocities, emotions } = *frame;
     let all = (0_u32..).zip(positions.iter().zip(headings)).zip(0..);

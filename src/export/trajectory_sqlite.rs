@@ -7,8 +7,8 @@
 //! Ours is the table `agents`: a row for everyone, `id` as in the others; `kind` (person, robot, vehicle); `led` (1: goes
 //! where a recording, a path or a program says); `emotion`, the strongest, and the weights `happy`, `angry`, `sad`,
 //! `neutral` at the start; `gait`; `avatar`; `class`; `group_id`, the id of the first of the group; `radius`, m;
-//! `preferred_speed`, m/s; `entered` and `left`, s. NULL is what is not known or does not apply: `entered` of those who
-//! never came, `left` of those who are there in the last frame, feelings of robots.
+//! `preferred_speed`, m/s; `entered` and `left`, s. NULL stands for what is not known or does not
+//! apply: `entered` of agents that never came, `left` of agents present in the last frame, emotions of robots.
 
 use super::Error;
 use super::agents::{AgentInfo, Presence, strongest_emotion};
@@ -173,7 +173,7 @@ fn insert(
     Ok(count)
 }
 
-/// When somebody came, and when they were gone, s.
+/// When an agent entered, and when it had left, s.
 fn times(presence: Presence, frames: u32, frame_rate: f64) -> (f64, Option<f64>) {
     let time = |frame: u32| f64::from(frame) / frame_rate;
     (time(presence.first), (presence.last + 1 < frames).then(|| time(presence.last + 1)))

@@ -15,7 +15,7 @@ pub use file::{FORMAT, MAGIC, from_bytes, from_json, is_fitted, load, to_bytes, 
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
-/// Harmonics unless something else is asked for: feet need more than the trunk does, and with 4 the root mean square error
+/// Default number of harmonics: feet need more than the trunk does, and with 4 the root mean square error
 /// is some 3 mm (`tests/gait/fit.rs`).
 pub const HARMONICS: usize = 4;
 

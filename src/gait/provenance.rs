@@ -23,13 +23,13 @@ pub struct Provenance {
     /// Name of the take within its data set. Empty if unknown.
     #[serde(skip_serializing_if = "String::is_empty")]
     pub take: String,
-    /// Who walked. Equal subjects of one data set are one person.
+    /// The person. Equal subjects of one data set are one person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub subject: Option<String>,
-    /// Sex of who walked.
+    /// Sex of the person.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub sex: Option<Sex>,
-    /// Whose judgement the label is.
+    /// The origin of the label.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub label_origin: Option<LabelOrigin>,
     /// The model that gave the label, where one did, and its confidence: `affective-svm (p 0.83)`.
@@ -40,7 +40,7 @@ pub struct Provenance {
     pub notes: Vec<String>,
 }
 
-/// Whose judgement a gait's label is.
+/// The origin of a gait's label: raters, a model or a generator.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum LabelOrigin {

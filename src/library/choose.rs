@@ -12,7 +12,7 @@ use crate::gait::Gait;
 use crate::gait::walker::Sex;
 use crate::perception::{Perceiver, ratings};
 
-/// Spread of speeds around the wanted one unless something else is asked for, m/s.
+/// Default spread of speeds around the wanted one, m/s.
 pub const SPEED_TOLERANCE: f32 = 0.1;
 
 /// Rating points that a margin of 1 between two probabilities counts as: both then range over -4 to 4.
@@ -36,8 +36,8 @@ pub struct Clarity {
     pub temperature: f32,
 }
 
-/// How clearly each gait of a library shows its own label, in rating points, -4 to 4: from its ratings or, if nobody rated
-/// it, from what `perceiver` sees in it. None without a label, ratings and perceiver.
+/// How clearly each gait of a library shows its own label, in rating points, -4 to 4: from its ratings or, if it has
+/// none, from what `perceiver` sees in it. None without a label, ratings and perceiver.
 pub fn margins(library: &GaitLibrary, perceiver: Option<&dyn Perceiver>) -> Vec<Option<f64>> {
     let margin = |gait: &Gait| {
         let label = gait.label?;

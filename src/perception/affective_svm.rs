@@ -80,8 +80,8 @@ impl AffectiveSvm {
         format!("{} features, {settings}, {scaling}", self.variant.name())
     }
 
-    /// Trains a model, which can be saved and knows what is unlike the gaits that it learned from. It tells the most
-    /// probable emotion, which the votes of [`Method::train`] may contradict (see [`Model`]).
+    /// Trains a model that can be saved and recognises gaits unlike its training gaits. It answers with the most probable
+    /// emotion, which the votes of [`Method::train`] may contradict (see [`Model`]).
     ///
     /// # Errors
     /// [`Error::Training`] if a gait has features that are not finite, or there are fewer than two emotions.

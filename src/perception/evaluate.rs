@@ -1,8 +1,8 @@
 //! How well a method agrees with people: folds, repeats, accuracy, recall, confusion.
 //!
-//! Labelled gaits in; for each seed they are parted into folds, a method learns from all folds but one and answers
-//! for that one, and the answers of all folds are counted. Which gaits may share a fold decides what the number
-//! means: any (stratified by emotion), never one person's in two folds, never one data set's.
+//! Labelled gaits in. For each seed they are split into folds; a method learns from all folds but one and answers for that
+//! one; the answers of all folds are counted. The meaning of the number depends on which gaits may share a fold: any
+//! (stratified by emotion), never one person's in two folds, never one data set's in two folds.
 //! Paper: section 3.5; S-15, A-09, A-19. The result depends on nothing but the arguments: not on threads, not on the
 //! machine.
 
@@ -76,7 +76,7 @@ pub struct Evaluation {
     pub by_dataset: BTreeMap<String, f64>,
 }
 
-/// Who walked: data set and subject, so that equal subjects of two data sets are two people. Without a subject the take
+/// Key of the person: data set and subject, so that equal subjects of two data sets are two people. Without a subject the take
 /// is a person of its own, and without a take the gait.
 pub fn person(gait: &Gait) -> String {
     let from = &gait.provenance;

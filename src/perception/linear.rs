@@ -460,7 +460,7 @@ fn by_points<P: AsRef<[f64]>>(points: &[P], centre: &[f64]) -> Option<Eigen> {
     let eigen = Eigen::of(&products)?;
     let mut vectors = Matrix::zeros(count, centre.len());
     for (k, value) in eigen.values.iter().enumerate() {
-        // directions without variance stay zero; nobody asks for them
+        // directions without variance stay zero; they are never read
         let scale = (value * number(count)).max(f64::MIN_POSITIVE).sqrt();
         for (point, share) in away.iter().zip(eigen.vectors.row(k)) {
             vectors.row_mut(k).iter_mut().zip(point).for_each(|(to, from)| *to += share / scale * from);

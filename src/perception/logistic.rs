@@ -51,7 +51,7 @@ impl Logistic {
             }
             let next: Vec<Vec<f64>> =
                 ahead.iter().zip(&slope).map(|(plane, slope)| less(plane, &bound.solve(slope))).collect();
-            // the step leads up against the way taken: begin anew
+            // the step leads up against the way taken: restart the momentum
             let turns: f64 =
                 (0..classes).map(|c| dot(&less(&ahead[c], &next[c]), &less(&next[c], &planes[c]))).sum();
             let after =

@@ -6,10 +6,10 @@ use std::fmt;
 use std::hash::{DefaultHasher, Hash, Hasher as _};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Says which motion a gait is: poses, rate and speed; name, source and labels have no say.
+/// Identifies the motion of a gait: poses, rate and speed. Name, source and labels do not count.
 pub(super) type Key = u128;
 
-/// The key of a gait: 128 bits of `SipHash`, by which different motions are as good as never mistaken for each other.
+/// The key of a gait: 128 bits of `SipHash`, so that collisions of different motions are negligible.
 pub(super) fn key(gait: &Gait) -> Key {
     let half = |salt: u8| {
         let mut hasher = DefaultHasher::new();

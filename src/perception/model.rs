@@ -10,7 +10,7 @@
 //! Version 1 (always `affective-svm`) lacks `preparation`, `novelty` and `held_out`; it is read as prepared like all other
 //! gaits. A model that is saved and loaded answers with the same bits.
 //!
-//! One rule tells the emotion, whatever the method: it is the most probable one. The pairwise votes or decision values of
+//! One rule gives the emotion, whatever the method: the most probable one. The pairwise votes or decision values of
 //! a support vector machine, which [`Method::train`](super::Method::train) of `affective-svm` answers by as in the paper,
 //! can disagree with its calibrated probabilities; a model goes by the probabilities that it shows.
 
@@ -34,7 +34,7 @@ const MOST_BYTES: u64 = 256 << 20;
 /// The default model, trained on people; `assets/models/README.md` is its card.
 const BUILT_IN: &str = include_str!("../../assets/models/default.json");
 
-/// How gaits are prepared before a model sees them. A model must be asked about gaits of its own preparation.
+/// How gaits are prepared before a model sees them. A model judges only gaits of its own preparation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Preparation {
@@ -86,7 +86,7 @@ pub struct HeldOut {
     pub repeats: usize,
 }
 
-/// A trained model: tells the emotion that people would see in a gait (S-17), and whether the gait is like those that it
+/// A trained model: predicts the emotion that people would see in a gait (S-17), and whether the gait is like those that it
 /// learned from.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Model {

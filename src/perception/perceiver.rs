@@ -5,9 +5,9 @@
 //! body averaged. So frame rate, size, heading, place, capture noise and which foot goes first fall away, and
 //! a few hundred gaits are enough to learn from: by logistic regression ([`logistic`](super::logistic)).
 //!
-//! Its one setting, the ridge, is chosen at every training, on folds of the training gaits that hold people apart: the
-//! one under which those left out are likeliest. So no held-out gait has a say in it. The descriptor was drawn up with
-//! E-Gait in view, where it gives 66.4 % (people held out) and the 29 features with the SVM 57.5; with a data set held out
+//! Its one setting, the ridge, is chosen at every training on folds of the training gaits, grouped by person: the one under
+//! which the left-out gaits are likeliest. So held-out gaits do not influence it. The descriptor was designed with E-Gait in
+//! view, where it gives 66.4 % (people held out) and the 29 features with the SVM 57.5; with a data set held out
 //! 48.6 %. With 27 more numbers that tell of the rig (see [`descriptor()`]) it gave 67.4 and 47.0 %, and choosing among
 //! its parts inside the folds 65.7 to 66.1 %. Figures: `tests/perception/compare.rs`.
 
@@ -27,7 +27,7 @@ use std::sync::Arc;
 
 /// Name in tables and on the command line.
 pub const NAME: &str = "phase-perceiver";
-/// Standardised numbers are cut off here: a number this far out tells of a capture, not of an emotion.
+/// Standardised numbers are cut off here: a number this far out comes from the capture, not from an emotion.
 const FARTHEST: f64 = 4.0;
 /// Numbers that vary less than this do not vary.
 const STILL: f64 = 1e-9;
@@ -70,8 +70,8 @@ impl PhasePerceiver {
         }
     }
 
-    /// Trains a model, which can be saved, knows what is unlike the gaits that it learned from, and answers with the bits
-    /// of [`Method::train`].
+    /// Trains a model that can be saved and recognises gaits unlike its training gaits. Its answers equal those of
+    /// [`Method::train`] bit for bit.
     ///
     /// # Errors
     /// As [`Method::train`].

@@ -106,18 +106,18 @@ impl Distribution {
     }
 }
 
-/// Who the raters were, each counted once.
+/// The raters, each counted once.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Demographics {
     /// Number of raters.
     pub participants: usize,
-    /// Raters by gender, as written (lower case); only those who said.
+    /// Raters by gender, as written (lower case), where reported.
     pub genders: BTreeMap<String, usize>,
-    /// Raters who did not say their gender.
+    /// Raters without a reported gender.
     pub gender_unreported: usize,
-    /// Mean age in years of those who said; none if nobody did.
+    /// Mean reported age, years; none if no rater reported one.
     pub mean_age: Option<f64>,
-    /// Raters who did not say their age.
+    /// Raters without a reported age.
     pub age_unreported: usize,
 }
 
@@ -128,7 +128,7 @@ pub struct Analysis {
     pub theta: f64,
     /// Number of responses.
     pub responses: usize,
-    /// Who answered.
+    /// The raters.
     pub demographics: Demographics,
     /// Every video, by name.
     pub videos: Vec<Video>,
@@ -266,8 +266,8 @@ fn demographics(responses: &[Response]) -> Demographics {
     }
 }
 
-/// Writes ratings and labels into the gaits of these names; a gait without a label loses the one it had. Gaits that
-/// nobody rated stay as they are: their names are returned.
+/// Writes ratings and labels into the gaits of these names; a gait without a label loses the one it had. Unrated
+/// gaits stay as they are: their names are returned.
 pub fn apply(analysis: &Analysis, gaits: &mut [Gait]) -> Vec<String> {
     let videos = analysis.by_name();
     let mut unrated = Vec::new();

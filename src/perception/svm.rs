@@ -1,8 +1,8 @@
 //! Support vector machines for any number of classes, in f64, deterministic.
 //!
 //! Plain points in (`&[Vec<f64>]`, all of one length, usually scaled to [-1, 1]), class numbers in (`&[usize]`, any
-//! values), a machine out that tells the class of a point, how far the point is from the nearest other class, and
-//! (if asked for) probabilities. Paper: section 3.5; S-14, A-08.
+//! values), a machine out that gives the class of a point, its distance to the nearest other class, and
+//! (as an option) probabilities. Paper: section 3.5; S-14, A-08.
 //!
 //! Based on: Fan, Chen, Lin 2005 (working set by second-order information, `smo.rs`); Platt 1999 with the Newton
 //! iteration of Lin, Lin, Weng 2007, and pairwise coupling by Wu, Lin, Weng 2004 (`platt.rs`); C and gamma by

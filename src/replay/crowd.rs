@@ -15,9 +15,9 @@ use crate::scenario::{
 use crate::sim::{Simulation, measure, setup};
 use glam::Vec2;
 
-/// Slower than this between two samples somebody stands, m/s.
+/// A person slower than this between two samples stands, m/s.
 const STANDS: f64 = 0.2;
-/// Faster than this somebody who appears is in mid-stride, m/s.
+/// A person that appears faster than this appears in mid-stride, m/s.
 const WALKS: f32 = 0.05;
 /// Ground about the outermost positions where the recording has no walkable area, m.
 const MARGIN: f32 = 2.0;
@@ -70,7 +70,7 @@ impl Replay {
         self.people.len()
     }
 
-    /// Whether there is nobody.
+    /// Whether the recording has no people.
     pub const fn is_empty(&self) -> bool {
         self.people.is_empty()
     }
@@ -127,7 +127,7 @@ impl Replay {
         Ok(())
     }
 
-    /// Has the people's agents led, and puts those who are there at the start where they are.
+    /// Marks the people's agents as led, and places those present at the start.
     pub fn set_up(&self, store: &mut Store) {
         for (person, agent) in (self.first_agent..).take(self.people.len()).enumerate() {
             setup::set_led(store, agent);
@@ -146,7 +146,7 @@ impl Replay {
         measure::time_of(steps, time_step)
     }
 
-    /// Tells everyone where they are to be at the end of the next step. Call it before every single step.
+    /// Sets the place of every person at the end of the next step. Call it before every single step.
     ///
     /// # Errors
     /// When the simulation's store was not [set up](Self::set_up).
@@ -172,7 +172,7 @@ impl Replay {
     }
 }
 
-/// Where somebody faces: along the way, or where the recording says while standing.
+/// Heading of a person, rad: along the velocity, or as recorded while standing.
 fn facing(moment: Moment) -> f32 {
     if moment.velocity.length() > WALKS {
         heading_from_ground(moment.velocity)
@@ -183,7 +183,7 @@ fn facing(moment: Moment) -> f32 {
 
 impl Trajectories {
     /// A scene for the recording: its walkable area, or the ground under its positions; steps that hit its frames; and
-    /// `walkers` who are simulated and go the ways that recorded people went.
+    /// `walkers` simulated agents that follow the ways of recorded people.
     pub fn scene(&self, name: &str, walkers: u32, seed: u64) -> Scenario {
         let word = |c: char| if c.is_ascii_alphanumeric() || c == '-' || c == '_' { c } else { '_' };
         let name: String = name.chars().take(64).map(word).collect();
@@ -218,7 +218,7 @@ impl Trajectories {
         scenario
     }
 
-    /// Straight ways from where people came to where they went, as far as nothing stands between.
+    /// Straight ways between the first and last places of people, where no obstacle stands between.
     fn ways(&self, scenario: &Scenario, seed: u64) -> Vec<Route> {
         let geometry = scenario.geometry();
         let free = Clearance::new(&geometry.bounds, &geometry.obstacles);

@@ -2,9 +2,9 @@
 //!
 //! Positions: cubic Hermite polynomials through the samples, with the slopes of the parabola through each sample and its
 //! two neighbours (Catmull-Rom for samples that are not evenly spaced); velocities are their derivative, so both are
-//! continuous. Tracking jitter can be smoothed away before: each sample becomes the value at its time of the straight line
-//! fitted to its neighbours with Gaussian weights (local linear regression, which leaves straight uniform walks as they are,
-//! to the ends).
+//! continuous. Smoothing against tracking jitter comes first: a straight line is fitted to the neighbours of each sample with
+//! Gaussian weights, and its value at that time replaces the sample. This local linear regression preserves straight uniform
+//! walks, to the ends.
 
 use super::read::tracks::{Sample, Track};
 use glam::{DVec2, Vec2};
@@ -12,7 +12,7 @@ use glam::{DVec2, Vec2};
 /// Weights beyond so many standard deviations are left out.
 const REACH: f64 = 3.0;
 
-/// Somebody at one moment.
+/// The state of a person at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Moment {
     /// Ground (x, z), m.
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn nobody_is_there_before_the_first_and_after_the_last_sample() {
+    fn a_person_is_absent_before_the_first_and_after_the_last_sample() {
         let path = Path::new(&track(&[(2.0, [0.0, 0.0]), (3.0, [1.0, 0.0])]), 0.0);
         assert!(path.at(1.99).is_none() && path.at(3.01).is_none());
         assert!(path.at(2.0 - 1e-9).is_some() && path.at(3.0 + 1e-9).is_some());

@@ -43,7 +43,7 @@ fn character(name: &str, path: &Path, maps: &[(PathBuf, RigMap)]) -> Result<Avat
         return Err(Error::Avatar { name: name.to_owned() }.into());
     }
     let own = stem(name);
-    let of = |whom: Option<&str>| maps.iter().map(|(_, map)| map).find(|map| map.avatar() == whom);
+    let of = |name: Option<&str>| maps.iter().map(|(_, map)| map).find(|map| map.avatar() == name);
     let map = of(Some(&own)).or_else(|| of(None)).cloned().unwrap_or_default();
     Ok(avatar::load_with_map(path, &map)?.avatar)
 }

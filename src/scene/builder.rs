@@ -129,7 +129,7 @@ impl SceneBuilder {
         self
     }
 
-    /// Recorded people who walk among the crowd.
+    /// Recorded people among the crowd.
     #[must_use]
     pub fn replay(mut self, replay: Replay) -> Self {
         self.replay = Some(replay);

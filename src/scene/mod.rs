@@ -54,7 +54,7 @@ pub struct Scene {
     pub backend: Backend,
     /// The Vulkan device, by a part of its name or by its number; none: `GAITWAY_DEVICE`, or the best.
     pub device: Option<String>,
-    /// That no gait of the chosen library has a label, so that all walk as the baseline.
+    /// Whether the chosen library has no label, so that all walk as the baseline.
     pub is_unlabelled: bool,
 }
 
@@ -78,7 +78,7 @@ impl Scene {
         SceneBuilder::new(scenario)
     }
 
-    /// A scene of people who were placed by hand.
+    /// A scene of people placed by hand.
     pub fn of_crowd(scenario: Scenario, crowd: Crowd, cast: AvatarSet) -> Self {
         Self {
             geometry: scenario.geometry(),
@@ -120,7 +120,7 @@ impl Scene {
         Ok(self.introduce(simulation, start.ways))
     }
 
-    /// Tells a simulation of this crowd its ways, and what each person feels.
+    /// Gives a simulation of this crowd its ways and the emotion of each person.
     pub(crate) fn introduce(&self, simulation: Simulation, ways: Ways) -> Simulation {
         let agents = self.crowd.agents.iter().chain(&self.crowd.external);
         simulation.knowing(ways, agents.map(|agent| agent.emotion).collect())

@@ -10,7 +10,7 @@ use std::f32::consts::TAU;
 pub const RING_RADIUS: f32 = 12.0;
 /// Corners of each wall.
 const CORNERS: u32 = 72;
-/// Points of everyone's way.
+/// Points of each agent's way.
 const POINTS: u32 = 24;
 
 /// Weidmann's speed at a density of people/m², m/s (Weidmann 1993).

@@ -44,7 +44,7 @@ impl fmt::Display for Criterion {
     }
 }
 
-/// Whose a criterion is.
+/// The origin of a criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
     /// The document or publication, with version and number.
@@ -98,7 +98,7 @@ pub struct Outcome {
     pub unit: &'static str,
     /// What it must be; nothing for what is shown and not judged.
     pub criterion: Option<String>,
-    /// Whose criterion that is.
+    /// The origin of that criterion.
     pub origin: Option<Origin>,
     /// Whether enough draws meet it; true for what is not judged.
     pub pass: bool,
@@ -151,11 +151,11 @@ impl Outcome {
 /// What may differ from one draw of a test to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Draws {
-    /// Nothing: chance plays no part, or what is walked is recorded.
+    /// Nothing: the scene has no random draws, or the walkers are recorded.
     One,
-    /// How the scene lies.
+    /// The orientation and place of the scene on the grid.
     Turned,
-    /// Who starts where, and the dice.
+    /// Seed of start places and random draws.
     Seeds,
     /// Both.
     TurnedSeeds,
@@ -184,26 +184,26 @@ pub struct Test {
     pub title: &'static str,
     /// Its source, with version and number; "after ..." where scene or measure are not quite the source's.
     pub source: &'static str,
-    /// What is walked and what is asked.
+    /// The scene and the question.
     pub about: &'static str,
     pub(super) run: fn(&Bench<'_>) -> Result<(), Error>,
     /// What differs from draw to draw.
     pub draws: Draws,
-    /// Whether it is also walked by more people.
+    /// Whether it also runs with more people.
     pub grows: bool,
 }
 
-/// How many times the people a scene has, by size.
+/// Factors of the number of people, by size.
 pub(super) const SIZES: [f32; 3] = [1.0, 1.5, 2.0];
 
-/// What a draw of a test runs on, and where it says what it found.
+/// What a draw of a test runs on, and where it puts its findings.
 #[derive(Debug)]
 pub struct Bench<'a> {
     /// Bodies, backend, and what is broken on purpose.
     pub stage: &'a Stage,
     /// How scenes lie.
     pub variant: Variant,
-    /// Who starts where, and the dice; 1 is the first.
+    /// Seed of start places and random draws; 1 is the first.
     pub seed: u32,
     /// Index into [`SIZES`].
     pub(super) size: usize,
@@ -258,7 +258,7 @@ impl Bench<'_> {
         (count as f32 * SIZES[self.size]).round() as usize
     }
 
-    /// As long as what they stand in must be, so that they stand as near one another as `people` in `length` m.
+    /// The length that gives the people of this size the density of `people` in `length` m.
     pub(super) fn along(&self, length: f32) -> f32 {
         length * SIZES[self.size]
     }
@@ -273,7 +273,7 @@ impl Bench<'_> {
         self.figures.borrow_mut().push((name.to_owned(), figure()));
     }
 
-    /// A recorded crowd, or a word that it is not there.
+    /// A recorded crowd; a note where it is absent.
     pub(super) fn file(&self, path: &str) -> Option<PathBuf> {
         let found = self.data.as_ref().map(|data| data.join(path)).filter(|path| path.is_file());
         if found.is_none() {

@@ -41,9 +41,9 @@ pub fn classic_density(people: impl IntoIterator<Item = Vec2>, area: Area) -> f6
     people.into_iter().filter(|p| area.contains(*p)).count() as f64 / area.size()
 }
 
-/// Voronoi density of people/m² and speed, m/s, in an area (Steffen and Seyfried 2010): everyone's cell (of what is
-/// nearer to them than to anyone else, within the rectangle `walkable`) carries one over its size as density and its
-/// person's speed; both are averaged over the area. `None` where nobody's cell reaches the area.
+/// Voronoi density of people/m² and speed, m/s, in an area (Steffen and Seyfried 2010): each person's
+/// Voronoi cell within the rectangle `walkable` carries one over its size as density, and the person's speed. Both are
+/// averaged over the area. `None` where no cell reaches the area.
 pub fn voronoi(people: &[(Vec2, f64)], walkable: Area, area: Area) -> Option<(f64, f64)> {
     let (mut density, mut speed, mut covered) = (0.0, 0.0, 0.0);
     let mut others: Vec<(f32, Vec2)> = Vec::with_capacity(people.len());
@@ -141,8 +141,8 @@ pub fn flow(times: &[f64]) -> f64 {
 }
 
 /// How far two opposite streams have parted into lanes, 0 to 1 (after Rex and Löwen 2007): the mean over people of
-/// ((same - other) / (same + other))², where those count who are at most `half` m to either side and walk the same or the
-/// other way. `people`: place across the corridor and way (+1 or -1).
+/// ((same - other) / (same + other))². `same` and `other` count the people at most `half` m to either side, by direction.
+/// `people`: place across the corridor, m, and direction (+1 or -1).
 pub fn lane_order(people: &[(f64, f64)], half: f64) -> f64 {
     let mut sum = 0.0;
     for &(across, way) in people {

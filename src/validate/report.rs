@@ -36,12 +36,12 @@ pub fn page(validation: &Validation, options: &Options) -> Result<String, Error>
     let _ = writeln!(
         page,
         "gaitway {}, on {}{}. Seeds are fixed: the same program gives the same page, on every device whose arithmetic \
-         is exact.\n\n**gaitway is no certified evacuation tool.** These are tests of plausibility; the column \"by\" says whose each \
-         criterion is. No safety may be built on them.\n\nPeople are what a scenario's defaults make them: discs of {} m, every \
-         setting of `[navigation]` left alone. Each test in which chance plays a part is drawn {} times, with other places and dice; \
-         every third draw lies turned by 37 degrees, every third is moved by half a cell. \"Found\" is the first draw. A value passes \
-         where nine draws in ten meet its criterion, all of them where nothing may happen at all. The next two columns are the first draw \
-         with half as many people more and with twice as many.\n",
+         is exact.\n\n**gaitway is no certified evacuation tool.** These are tests of plausibility; the column \"by\" names \
+         the origin of each criterion. No safety case may rest on them.\n\nPeople are what a scenario's defaults make them: \
+         discs of {} m, every setting of `[navigation]` left alone. A test with random draws is repeated {} times, with other \
+         places and draws. Every third scene is turned by 37 degrees, every third moved by half a cell. \"Found\" is the first \
+         draw. A value passes if nine draws in ten meet its criterion; for events that must never happen, if all do. Two \
+         columns show the first draw with 1.5 times and twice as many people.\n",
         env!("CARGO_PKG_VERSION"),
         validation.device,
         if options.is_quick { ", quick run (fewer people, shorter, one draw)" } else { "" },

@@ -16,7 +16,7 @@ pub fn unit(index: usize, lane: u32) -> f32 {
     unit_f32(hash_u32(hash_u32(index.wrapping_mul(0x9e37_79b9)).wrapping_add(lane)))
 }
 
-/// `count` places spread over a rectangle, each moved a little from a lattice, nobody nearer to another than two radii.
+/// `count` places spread over a rectangle, each moved a little from a lattice, no two closer than two radii.
 #[allow(
     clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
@@ -38,7 +38,7 @@ pub fn places(area: Area, count: usize, lane: u32) -> Vec<Vec2> {
         .collect()
 }
 
-/// Somebody who walks a way once.
+/// A walker that follows its way once.
 pub fn walker(position: Vec2, speed: f32, way: Vec<(Vec2, f32)>) -> Walker {
     Walker { position, speed, radius: RADIUS, way, next: 0, loops: false, companions: [u32::MAX; 4] }
 }
@@ -73,7 +73,7 @@ impl Room {
         0.5 * self.width
     }
 
-    /// Both ends of the line across the outside of the door, so that who leaves crosses it from its left side.
+    /// Both ends of the line across the outside of the door, so that leaving agents cross it from its left side.
     pub fn line(&self) -> [Vec2; 2] {
         let half = 0.5 * self.door + 0.3;
         let at = -self.wall;
@@ -108,8 +108,8 @@ impl Room {
         Ok(scene)
     }
 
-    /// The way out of the room for person number `index` from `start`: to the door (as far from its middle, by its width, as
-    /// they are, by that of the room), through it, and to a place of one's own in the yard.
+    /// The way of person number `index` from `start` out of the room: to the door, through it, and to a place of their own in
+    /// the yard. Across the door they keep their relative place across the room.
     pub fn way_out(&self, index: usize, start: Vec2) -> Vec<(Vec2, f32)> {
         let c = self.middle();
         let goal = Vec2::new(

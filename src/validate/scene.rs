@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Degrees by which a scene is turned in [`Variant::Rotated`].
 pub const TURN_DEG: f32 = 37.0;
 
-/// Distances to walls are told up to this, m.
+/// Distances to walls are measured up to this, m.
 pub const NEAR_WALL: f32 = 0.5;
 
 /// Steps that a scene goes on after everyone has come where it ends.
@@ -56,7 +56,7 @@ impl Variant {
 pub struct Walker {
     /// Start, m.
     pub position: Vec2,
-    /// Speed when nobody is in the way, m/s.
+    /// Free speed, m/s.
     pub speed: f32,
     /// Disc radius, m.
     pub radius: f32,
@@ -94,17 +94,17 @@ pub enum Fault {
     None,
     /// Everyone walks at half their speed.
     HalfSpeed,
-    /// Nobody walks.
+    /// No agent walks.
     Frozen,
     /// There are no walls.
     NoWalls,
-    /// Nobody sees anybody.
+    /// No agent avoids another.
     Blind,
-    /// Nobody belongs to a group.
+    /// No agent belongs to a group.
     Alone,
 }
 
-/// What everybody runs on.
+/// What all tests run on: the backend and device, a body and its gait.
 #[derive(Debug)]
 pub struct Stage {
     cast: AvatarSet,
@@ -308,7 +308,7 @@ impl Scene {
             let all_came =
                 self.until.is_some_and(|point| store.route[..agents].iter().all(|r| has_come(r, point)));
             if all_came {
-                // those who come last walk on a little
+                // the last ones walk on a little
                 steps = steps.min(done + AFTER);
             }
             if done >= steps {

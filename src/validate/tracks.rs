@@ -7,7 +7,7 @@ use glam::Vec2;
 pub struct Tracks {
     /// Frames a second.
     pub rate: f64,
-    /// `[frame]` who is there and where, m, in rising order of who.
+    /// `[frame]` id and position, m, of every person present, in rising order of ids.
     pub frames: Vec<Vec<(u32, Vec2)>>,
 }
 
@@ -24,13 +24,13 @@ impl Tracks {
         self.frames.push(there.collect());
     }
 
-    /// Where somebody is in a frame.
+    /// Position of a person in a frame, m.
     pub fn at(&self, frame: usize, who: u32) -> Option<Vec2> {
         let people = self.frames.get(frame)?;
         people.binary_search_by_key(&who, |person| person.0).ok().map(|place| people[place].1)
     }
 
-    /// Velocity of somebody in a frame, m/s, by the positions `half` seconds before and after, or as near to that as there
+    /// Velocity of a person in a frame, m/s, by the positions `half` seconds before and after, or as near to that as there
     /// are frames.
     #[allow(
         clippy::cast_possible_truncation,

@@ -157,7 +157,7 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
             start += count;
         }
         assert_eq!(store.bucket_start[store.frame.bucket_count as usize] as usize, start);
-        assert_eq!(start, visible.len(), "nobody lost, nobody twice");
+        assert_eq!(start, visible.len(), "no agent lost, none twice");
         assert_eq!(store.dispatch_args[..3], [u32::try_from(start).unwrap().div_ceil(64), 1, 1]);
         // far bodies: behind the room for those with a pose, likewise sorted
         let room = visible_slots(store.frame.visible_capacity as usize);
@@ -181,7 +181,7 @@ fn visible_agents_are_sorted_by_bucket_then_id_and_the_arguments_count_them() {
 }
 
 #[test]
-fn near_agents_beyond_the_room_go_one_level_down_in_order_of_id_and_nobody_is_reported() {
+fn near_agents_beyond_the_room_go_one_level_down_in_order_of_id_and_none_is_reported() {
     let ample = ran(1000, 0);
     let mut tight = on_the_ground(animation(1000, 0));
     tight.frame.near_capacity = 5;
@@ -221,7 +221,7 @@ fn agents_beyond_the_room_become_far_bodies_where_there_are_such() {
         run(&mut tight);
         let posed = visible_agents(&tight.visible).len();
         assert_eq!(posed, visible.min(near) as usize);
-        assert_eq!(tight.failure[KernelId::Compact as usize], u32::MAX, "nobody is lost");
+        assert_eq!(tight.failure[KernelId::Compact as usize], u32::MAX, "no agent is lost");
         let drawn = |store: &Store| (0..1000).filter(|a| store.agent_bucket[*a] != NONE).count();
         let far = tight.draw_args[tight.frame.bucket_count as usize * 5..]
             .chunks(5)
@@ -260,7 +260,7 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
     }
 }
 
-/// One agent of avatar 0 before the camera, standing aside, who does not gaze.
+/// One agent of avatar 0 before the camera, standing aside, without gaze.
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];

@@ -39,7 +39,7 @@ fn budget(most: u32) -> Gaze {
     Gaze { budget: Some(Budget::Most(most)), ..Gaze::default() }
 }
 
-/// Draws the next picture and says who looks at the user.
+/// Draws the next frame and returns the agents that look at the user.
 fn picture(store: &mut Store) -> Vec<usize> {
     store.frame.frame_index += 1;
     store.frame.gaze_time += PICTURE;
@@ -104,8 +104,8 @@ fn everyone_gets_a_turn_of_one_to_four_seconds_and_then_rests() {
     let seconds = |pictures: u32| pictures * PICTURE;
     assert!(turns.iter().all(|t| *t >= 2), "{turns:?}");
     assert!(seconds(longest) <= 4000 && seconds(shortest) >= 950, "{shortest} to {longest} pictures");
-    // ten groups of five, four seconds each at most, and a factor of two for those who are near
-    assert!(seconds(worst_wait) < 80_000, "somebody waited {} ms", seconds(worst_wait));
+    // ten groups of five, four seconds each at most, and a factor of two for near agents
+    assert!(seconds(worst_wait) < 80_000, "an agent waited {} ms", seconds(worst_wait));
     println!(
         "turns of {} to {} ms, longest wait {} ms",
         seconds(shortest),
@@ -115,7 +115,7 @@ fn everyone_gets_a_turn_of_one_to_four_seconds_and_then_rests() {
 }
 
 #[test]
-fn nobody_looks_with_a_budget_of_none_and_sad_heads_hang_whatever_the_budget() {
+fn no_agent_looks_with_a_budget_of_none_and_sad_heads_hang_whatever_the_budget() {
     let mut store = around(100, Emotion::Angry, &budget(0));
     assert_eq!(picture(&mut store), Vec::<usize>::new());
     let with = |gaze: &Gaze| {

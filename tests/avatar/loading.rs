@@ -240,7 +240,7 @@ fn turned_tipped_and_onlooker_named_characters_come_out_alike() {
     }
 }
 
-/// The files in `assets/avatars` are what this program writes; `GAITWAY_UPDATE_ASSETS=1` writes them anew.
+/// The files in `assets/avatars` are what this program writes; `GAITWAY_UPDATE_ASSETS=1` rewrites them.
 #[test]
 fn shipped_avatars_are_the_generated_ones() {
     for sex in Sex::ALL {

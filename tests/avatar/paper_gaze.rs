@@ -315,7 +315,7 @@ fn natural_gaze_hits_the_users_eyes_whatever_the_gait_and_the_rig() {
     assert!(gazing > 150, "only {gazing} agents gaze: the case tests little");
 }
 
-/// Runs `pictures` pictures, moving the user as told, and returns (flexion, rotation) of the face in each, radians.
+/// Runs `pictures` frames, moving the user by the given function, and returns (flexion, rotation) of the face in each, radians.
 fn film(store: &mut Store, pictures: u32, user: impl Fn(u32) -> Vec3) -> Vec<(f32, f32)> {
     (0..pictures)
         .map(|picture| {
@@ -335,7 +335,7 @@ fn natural_gaze_moves_smoothly_never_faster_than_its_limit_and_arrives_without_o
     store.frame.frame_time = time;
     let angles =
         film(&mut store, 200, |picture| seen_from_neck(if picture < 10 { -60.0 } else { 60.0 }, 3.0, 1.63));
-    assert!(angles[0].1 < -1.0, "a gaze nobody saw begin starts at its target");
+    assert!(angles[0].1 < -1.0, "a gaze that begins unseen starts at its target");
     let steps: Vec<f32> = angles.windows(2).map(|pair| pair[1].1 - pair[0].1).collect();
     let fastest = steps.iter().copied().fold(0.0, f32::max);
     assert!(fastest <= RATE_LIMIT * time * 1.001, "{} rad/s", fastest / time);

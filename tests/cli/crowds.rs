@@ -4,7 +4,7 @@ use super::{gaitway, good, has_vulkan, json, program};
 use rusqlite::Connection;
 use std::path::Path;
 
-/// A walker through the middle of a room, past a block, with nobody else: the room stands about (x, z).
+/// A single walker through the middle of a room, past a block: the room stands about (x, z).
 fn room(x: i32, z: i32) -> String {
     let corner = |dx: i32, dz: i32| format!("[{}, {}]", x + dx, z + dz);
     let rectangle = |x: i32, z: i32| [corner(-x, -z), corner(x, -z), corner(x, z), corner(-x, z)].join(", ");
@@ -25,7 +25,7 @@ fn rows(path: &Path) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn nobody_is_put_into_a_scene_without_a_user() {
+fn no_user_is_put_into_a_scene_without_one() {
     let folder = tempfile::tempdir().unwrap();
     let (scene, out) = (folder.path().join("room.toml"), folder.path().join("walk.csv"));
     let (file, csv) = (scene.to_str().unwrap(), out.to_str().unwrap());
@@ -35,7 +35,7 @@ fn nobody_is_put_into_a_scene_without_a_user() {
         let place = |row: &Vec<String>| [3, 4].map(|column| row[column].parse::<f64>().unwrap());
         let way: Vec<[f64; 2]> = rows(&out).iter().map(place).collect();
         let aside = way.iter().map(|place| (place[1] - f64::from(z)).abs()).fold(0.0, f64::max);
-        assert!(aside < 0.01, "{aside} m aside, round nobody");
+        assert!(aside < 0.01, "{aside} m aside without a cause");
         assert!(way[way.len() - 1][0] > f64::from(x) + 9.0, "{way:?}");
     }
 }
@@ -120,7 +120,7 @@ fn files_say_what_people_feel_and_walk_with_from_the_first_frame_to_the_last() {
     for name in ["run.csv", "run.sqlite"] {
         good(&["simulate", &path("hall.toml"), "--seconds", "3", "--backend", "cpu", "--out", &path(name)]);
     }
-    // who feels what at the start, and the gait of that emotion
+    // the emotion of each agent at the start, and the gait of that emotion
     let database = Connection::open(path("run.sqlite")).unwrap();
     let count = |what: &str| -> u32 {
         database

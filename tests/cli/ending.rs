@@ -48,7 +48,7 @@ fn a_picture_or_file_that_cannot_be_written_is_an_error() {
     }
 }
 
-/// A run that goes on until it is told to end.
+/// A run that goes on until it is asked to end.
 fn endless(arguments: &[&str]) -> Child {
     program().args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
 }
@@ -164,7 +164,7 @@ fn within(kib: u32, arguments: &[&str]) -> (Option<i32>, String) {
 }
 
 #[test]
-fn too_little_memory_is_told_in_one_line() {
+fn too_little_memory_gives_one_line_of_error() {
     let simulate = |agents| ["simulate", "crossing", "--agents", agents, "--seconds", "0.1"];
     let (code, error) = within(300_000, &simulate("400000"));
     let errors = error.lines().filter(|line| line.starts_with("error: ")).count();

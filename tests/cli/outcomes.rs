@@ -20,7 +20,7 @@ fn trajectories_appear_complete_or_not_at_all() {
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "no half files");
 }
 
-/// Forty people in a hall, who leave by an exit at either end, thirty of them to the east; and a robot that stays.
+/// Forty people leave a hall by an exit at either end, thirty of them to the east. A robot stays.
 const HALL: &str = "name = \"hall\"\nbounds = [[-12, -6], [12, -6], [12, 6], [-12, 6]]\n[population]\nagents = 40\n\
     [[stages]]\nname = \"east\"\nkind = \"exit\"\nposition = [11, 0]\nsize = [2, 10]\n\
     [[stages]]\nname = \"west\"\nkind = \"exit\"\nposition = [-11, 0]\nsize = [2, 10]\n\
@@ -41,7 +41,7 @@ fn an_evacuation_ends_when_the_place_is_empty_and_its_curve_is_that_of_the_file(
     assert_eq!((&report["emptied"], evacuation["left"].as_u64()), (&Value::Bool(true), Some(40)), "{report}");
     let number = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{report}"));
     assert!(number(&report["seconds"]) < 60.0 && number(&report["mean_speed"]) > 0.7, "{report}");
-    // the file: when everybody was gone, by their last frame
+    // the file: when the last person was gone, by their last frame
     let database = rusqlite::Connection::open(&out).unwrap();
     let gone: Vec<f64> = database
         .prepare("SELECT (max(frame) + 1) / 30.0 FROM trajectory_data GROUP BY id ORDER BY 1")
@@ -90,7 +90,7 @@ fn with_pedpy(file: &Path, evacuation: &Value) {
 }
 
 #[test]
-fn mean_speed_counts_those_who_are_there() {
+fn mean_speed_counts_present_people() {
     let folder = tempfile::tempdir().unwrap();
     let place = folder.path().join("hall.toml");
     std::fs::write(&place, HALL).unwrap();
@@ -99,12 +99,12 @@ fn mean_speed_counts_those_who_are_there() {
         let report = json(&["simulate", place, "--seconds", seconds, "--backend", "cpu", "--json"]);
         report["mean_speed"].as_f64().unwrap()
     };
-    // An empty hall has no speed: minutes after everybody has left change nothing.
+    // An empty hall has no speed: minutes after the last person has left change nothing.
     assert_eq!(speed("60"), speed("120"));
 }
 
 #[test]
-fn recordings_of_others_are_told_how_they_were_read_and_refused_when_nobody_walks_so() {
+fn replay_says_how_it_read_a_recording_and_refuses_speeds_at_which_people_do_not_walk() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("biwi_eth.txt");
     let mut text = String::new();

@@ -30,7 +30,7 @@ fn a_gait_written_as_csv_comes_back_with_its_speed() {
 }
 
 #[test]
-fn pictures_show_something_from_every_camera_whoever_simulates() {
+fn pictures_show_something_from_every_camera_on_both_backends() {
     if !has_vulkan() {
         return;
     }
@@ -66,7 +66,7 @@ fn pictures_show_something_from_every_camera_whoever_simulates() {
 }
 
 #[test]
-fn the_same_moment_looks_the_same_whoever_simulates() {
+fn the_same_moment_looks_the_same_on_both_backends() {
     if !has_vulkan() {
         return;
     }
@@ -80,7 +80,7 @@ fn the_same_moment_looks_the_same_whoever_simulates() {
     assert!(picture("cpu") == picture("vulkan"));
 }
 
-/// A man whose hands are folded before him and whose joints are called "Bone 0" and so on: nothing tells which is which.
+/// A man whose hands are folded before him and whose joints are called "Bone 0" and so on, so that names say nothing.
 fn nameless_man() -> Vec<u8> {
     use gaitway::gait::Joint;
     let mut avatar = gaitway::avatar::generated(gaitway::avatar::Sex::Male);
@@ -139,7 +139,7 @@ fn a_rig_map_is_printed_filled_in_and_taken_from_the_command_line_or_the_scenari
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let own = scene("own.toml", "rig_maps = [\"hero.rig.toml\"]");
     assert!(simulate(&own, &[]).status.success());
-    // a map for somebody else
+    // a map for another avatar
     std::fs::write(file("other.toml"), map.replace("avatar = \"hero\"", "avatar = \"heroine\"")).unwrap();
     let error = simulate(&plain, &["--rig-map", &file("other.toml")]).stderr;
     let error = String::from_utf8(error).unwrap();

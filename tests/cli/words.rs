@@ -4,7 +4,7 @@ use super::{bad, fails, gaitway, good, json, program, refused};
 use std::collections::BTreeSet;
 
 #[test]
-fn negative_numbers_are_values_and_their_range_is_told() {
+fn negative_numbers_are_values_and_errors_name_their_range() {
     refused(&["simulate", "crossing", "--agents", "-1"], "-1", "0..=1000000");
     refused(&["simulate", "crossing", "--seed", "-1"], "--seed", "a seed is a whole number");
     refused(
@@ -138,7 +138,7 @@ fn quiet_says_results_only_and_verbose_says_more() {
     let more = said(&["-v"]);
     assert!(more.contains("scene garden: 4 agents, seed") && more.contains("threads"), "{more}");
     assert_eq!(bad(&["-q", "-v", "devices"]).0, 2);
-    // errors are told all the same
+    // errors are printed all the same
     refused(&["-q", "simulate", "nowhere"], "nowhere", "crossing, garden");
 }
 

@@ -136,7 +136,7 @@ pub(crate) fn with_files(
     })
 }
 
-/// Looks for strides in what was read, as whoever imports does.
+/// Looks for strides in what was read, as an import does.
 fn takes(read: Result<Vec<Recording>, Error>) -> Result<String, String> {
     let takes = read.map_err(|error| error.to_string())?;
     let mut answer = takes.len().to_string();

@@ -1,4 +1,4 @@
-//! Crowds drawn by level of detail: nobody is lost, nobody pops.
+//! Crowds drawn by level of detail: no agent is lost, none pops.
 
 use crate::common::gpu;
 use gaitway::avatar::{self, Sex};
@@ -35,7 +35,7 @@ fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
     Some((simulation, show, user))
 }
 
-/// Those who were drawn last: with a pose, and as far bodies.
+/// The agents drawn last: with a pose, and as far bodies.
 fn drawn(simulation: &mut Simulation) -> [u32; 2] {
     let store = simulation.read(&[BufferId::DrawArgs]).unwrap();
     let buckets = store.mesh_table.len();
@@ -54,7 +54,7 @@ fn keep(name: &str, image: &Image) {
 #[test]
 fn all_twenty_thousand_are_drawn_most_of_them_without_a_pose() {
     let Some((mut simulation, mut show, user)) = crossing(20_000) else { return };
-    // high above the place everybody is in view
+    // from high above, all agents are in view
     let camera = Camera::look_at(user + Vec3::new(0.0, 260.0, 260.0), user, Vec3::Y).with_fov(1.4);
     let image = show.picture(&mut simulation, &View::mono(&camera, W, H), user).unwrap();
     keep("far_all", &image);
@@ -81,10 +81,10 @@ fn where_far_bodies_begin_the_picture_hardly_changes() {
     };
     let (fine, [all, none]) = draw(&mut simulation, [12.0, 3500.0, 2000.0]);
     let (mixed, [posed, far]) = draw(&mut simulation, bodies::LEVEL_DISTANCES);
-    let (empty, nobody) = draw(&mut simulation, [0.0; 3]);
+    let (empty, none_far) = draw(&mut simulation, [0.0; 3]);
     keep("far_none", &fine);
     keep("far_mixed", &mixed);
-    assert_eq!((none, nobody, posed + far), (0, [0; 2], all));
+    assert_eq!((none, none_far, posed + far), (0, [0; 2], all));
     assert!(far > 300 && posed > 100, "{posed} {far}");
     // where people are 16 pixels high, the change of level is no more than what two tenths of a second of walking change
     let difference = |a: &Image, b: &Image| {
@@ -141,7 +141,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
         let eyes = Vec3::new(middle, 6.0, middle + 36.0);
         let camera = Camera::look_at(eyes, Vec3::new(middle, 1.0, middle), Vec3::Y).with_fov(0.2);
         let image = show.picture(&mut simulation, &View::mono(&camera, W, H), eyes).unwrap();
-        assert_eq!(drawn(&mut simulation)[0], 0, "nobody has a pose");
+        assert_eq!(drawn(&mut simulation)[0], 0, "no agent has a pose");
         Some(image)
     };
     let Some(sad) = draw(Emotion::Sad) else { return };

@@ -1,4 +1,4 @@
-//! People whom nobody sees are left out, and the picture is the same.
+//! Occluded agents are left out, and the picture is the same.
 
 use crate::common::gpu;
 use gaitway::avatar::{self, Sex};
@@ -90,7 +90,7 @@ fn crowd(place: Place, agents: u32, settings: Settings, shrink: f32) -> Option<C
     Some(Crowd { simulation, show, user })
 }
 
-/// A crowd drawn with everybody, and again without those who are hidden.
+/// A crowd drawn with all agents, and again without the occluded ones.
 struct Pair([Box<Crowd>; 2]);
 
 impl Pair {
@@ -132,7 +132,7 @@ impl Pair {
         (differ, counts)
     }
 
-    /// Far bodies and specks that the frusta kept in the last picture, and those of them who are not hidden.
+    /// Far bodies and specks that the frusta kept in the last picture, and how many of them are not occluded.
     fn counts(&mut self) -> [u32; 2] {
         let store = self.0[1].simulation.read(&[BufferId::DrawArgs, BufferId::ShownArgs]).unwrap();
         let far = store.frame.bucket_count as usize..store.mesh_table.len();
@@ -170,10 +170,10 @@ fn without_hidden_people_the_picture_is_the_same_while_crowd_and_eyes_move() {
 }
 
 #[test]
-fn with_boxes_smaller_than_the_bodies_somebody_is_missed() {
+fn with_boxes_smaller_than_the_bodies_an_agent_is_missed() {
     // that the test above sees what it is meant to see
     let settings = Settings::sized(W, H);
     let Some(mut pair) = Pair::new(Place::Plane, 2_500, settings, 0.2) else { return };
     let (differ, _) = pair.walk(&settings, 3, "occlusion_small_");
-    assert!(differ > 0, "nobody is missed");
+    assert!(differ > 0, "no agent is missed");
 }

@@ -129,7 +129,7 @@ fn agents_wear_their_own_colours_at_every_level_of_detail() {
     for y in [0.1, 0.8, 1.6] {
         assert!(is_color(color(1.0, y), other[2]), "{y} {:?}", color(1.0, y));
     }
-    assert!(!is_color(color(-0.5, 1.0), COLORS[2]), "nobody stands between them");
+    assert!(!is_color(color(-0.5, 1.0), COLORS[2]), "no agent stands between them");
     gpu::assert_silent();
 }
 
@@ -218,7 +218,7 @@ fn one_pass_for_both_eyes_and_a_pass_for_each_give_the_same_pictures() {
             renderer.set_environment(&[boxes.surface()]).unwrap();
             renderer.set_meshes(&made.meshes).unwrap();
             let first = renderer.draw(&view, Some(&made.crowd())).unwrap();
-            // in another size and back: the views of the layers are made anew
+            // in another size and back: the views of the layers are made again
             renderer.resize(W / 2, H / 2).unwrap();
             renderer.draw(&view, Some(&made.crowd())).unwrap();
             renderer.resize(W, H).unwrap();

@@ -14,7 +14,7 @@ fn scene(name: &str, agents: u32) -> (Geometry, Crowd) {
     (scenario.geometry(), populate(&scenario, |_| &[0]).unwrap())
 }
 
-/// Everybody walks on at the start velocity.
+/// Every agent walks on at its start velocity.
 fn write(path: &Path, format: TrajectoryFormat, (geometry, crowd): &(Geometry, Crowd), frames: u8) {
     let mut writer =
         TrajectoryWriter::create(path, format, RATE, &Walkable::from(geometry), Vec::new()).unwrap();
@@ -174,7 +174,7 @@ fn the_table_of_agents_says_who_felt_what_and_robots_are_no_pedestrians() {
     assert_eq!((agents.len(), agents[600].kind), (601, AgentKind::Robot));
     let folder = tempfile::tempdir().unwrap();
     let walkable = Walkable::from(&scenario.geometry());
-    // Frame 0: all but agent 0, who comes in frame 1 and is gone in frame 2.
+    // Frame 0: all but agent 0, which enters in frame 1 and is gone in frame 2.
     let mut frames = vec![crowd.agents.iter().map(|a| a.position).collect::<Vec<_>>(); 3];
     for (number, positions) in frames.iter_mut().enumerate() {
         positions.push(Vec2::splat(5.0));

@@ -185,7 +185,7 @@ fn a_vector_field_becomes_way_finding_to_its_goal_round_the_obstacles() {
     let reach = found.scenario.walkers[0].goal_arrival.unwrap();
     assert!(
         reach >= 1.25,
-        "who is {reach} m from its middle is in the box of 2 m, or as near as the transition asks"
+        "an agent {reach} m from its middle is in the box of 2 m, or as near as the transition asks"
     );
     let time = arrive(&found.scenario, 60.0).unwrap();
     println!("round a wall of 28 m in {time} s");
@@ -247,7 +247,7 @@ fn goal_sets_after_the_states_shared_goals_and_goals_of_every_kind_are_read() {
 }
 
 #[test]
-fn obstacles_whose_edges_cross_or_that_nobody_heeds_are_read() {
+fn obstacles_whose_edges_cross_or_that_no_agent_heeds_are_read() {
     let obstacle = |corners: &[[f32; 2]]| {
         let vertex = |[x, y]: &[f32; 2]| format!("<Vertex p_x=\"{x}\" p_y=\"{y}\"/>");
         format!("<Obstacle closed=\"1\">{}</Obstacle>", corners.iter().map(vertex).collect::<String>())

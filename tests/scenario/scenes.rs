@@ -160,7 +160,7 @@ fn routes_are_clear(scenario: &Scenario, crowd: &Crowd) {
 }
 
 #[test]
-fn everybody_can_walk_its_route_and_nobody_starts_in_anything() {
+fn every_agent_can_walk_its_route_and_none_starts_in_an_obstacle() {
     for scenario in scenes(&SIZES) {
         let crowd = populate(&scenario, gaits).unwrap();
         routes_are_clear(&scenario, &crowd);
@@ -479,7 +479,7 @@ fn a_user_is_put_in_where_there_is_room_and_only_where_there_is_none() {
     let geometry = pillar.geometry();
     assert!(Clearance::new(&geometry.bounds, &geometry.obstacles).admits(at, 0.3), "{at} is solid");
     assert!(at.distance(Vec2::new(12.0, 7.0)) < 2.0, "{at} is farther from the middle than it need be");
-    // a layout has its own place, and whoever is there stays
+    // a layout has its own place, and agents there stay
     let mut layout = Scenario::builtin("crossing").unwrap();
     let own = layout.geometry().user;
     layout.put_in(User { position: Some([1.0, 1.0]), ..User::default() });

@@ -13,7 +13,7 @@ use gaitway::{Emotion, reference, sim};
 use glam::{Quat, Vec2, Vec3};
 
 #[test]
-fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
+fn the_crossing_flows_and_no_agent_leaves_it_overlaps_or_stands_still_for_long() {
     let library = GaitLibrary::built_in().unwrap();
     let cast = AvatarSet::new(library.gaits(), Sex::ALL.map(generated).to_vec()).unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(1500);
@@ -30,7 +30,7 @@ fn the_crossing_flows_nobody_leaves_it_overlaps_or_stands_still_for_long() {
         assert_eq!(measure::outside(store, |p| walkable.walkable(p)), 0, "second {second}");
         for (count, v) in still.iter_mut().zip(&store.velocity) {
             *count = if v[0].hypot(v[1]) < 0.05 { *count + 1 } else { 0 };
-            assert!(*count < 10, "second {second}: somebody has stood for ten seconds");
+            assert!(*count < 10, "second {second}: an agent has stood for ten seconds");
         }
         for (v, body) in store.velocity.iter().zip(&store.body) {
             assert!(v[0].hypot(v[1]) <= body.max_speed * 1.0001, "faster than the maximum");
@@ -114,9 +114,9 @@ fn a_walker_through_the_origin_of_a_custom_scene_stays_on_its_line() {
         assert!(x > 9.0, "it came to x = {x} m");
         farthest
     };
-    assert!(farthest("") < 0.01, "it swerves by {} m, round nobody", farthest(""));
+    assert!(farthest("") < 0.01, "it swerves by {} m without a cause", farthest(""));
     let around = farthest("[user]\nposition = [0, 0]\n");
-    assert!(around > 0.4, "it passes a user who is there at {around} m");
+    assert!(around > 0.4, "it passes the user at {around} m");
 }
 
 #[test]
@@ -135,8 +135,8 @@ fn an_agent_walks_around_the_user_who_gives_no_way() {
     assert!(closest >= 0.649, "it came as near as {closest} m to the user");
 }
 
-/// How far away the user is, who walks straight at an agent, when that begins to walk round them, m; `told` is the velocity
-/// that the crowd is told.
+/// Distance at which an agent begins to walk round a user who walks straight at it, m. `told` is the user's velocity as
+/// given to the crowd.
 fn gives_way_at(model: u32, told: Vec2) -> f32 {
     let mut store = duel([15.0, 10.0], 0.02);
     store.step.agent_count = 1;
@@ -152,7 +152,7 @@ fn gives_way_at(model: u32, told: Vec2) -> f32 {
             return agent.distance(user);
         }
     }
-    panic!("nobody gave way");
+    panic!("no agent gave way");
 }
 
 #[test]

@@ -13,7 +13,7 @@ const NEUTRAL: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 const ANGRY: [f32; 4] = [0.0, 1.0, 0.0, 0.0];
 const DT: f32 = 1.0 / 30.0;
 
-/// People who stand, with feelings, own states and characters (expressiveness, openness, amplification, bias).
+/// Standing people with emotions, own states and characters (expressiveness, openness, amplification, bias).
 fn standing(
     agents: usize,
     mood: MoodUniforms,
@@ -65,7 +65,7 @@ fn one_scared_among_a_hundred_calm_people_spreads_it_steadily() {
     for _ in 0..60 {
         simulation.step(30).unwrap();
         let angry: Vec<f32> = simulation.state().unwrap().feeling.iter().map(|q| q[1]).collect();
-        assert!(angry.iter().zip(&before).all(|(now, then)| *now >= then - 1e-6), "somebody calmed down");
+        assert!(angry.iter().zip(&before).all(|(now, then)| *now >= then - 1e-6), "an agent calmed down");
         before = angry;
     }
     let mean = before.iter().sum::<f32>() / 100.0;
@@ -74,7 +74,7 @@ fn one_scared_among_a_hundred_calm_people_spreads_it_steadily() {
 }
 
 #[test]
-fn nothing_moves_the_closed_and_nobody_catches_what_nobody_shows() {
+fn nothing_moves_the_closed_and_what_is_not_shown_is_not_caught() {
     let start = |i: usize| if i.is_multiple_of(3) { ANGRY } else { NEUTRAL };
     for character in [[1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, 1.0]] {
         let store = standing(50, contagion(4.0), |i| (start(i), start(i), character));

@@ -126,7 +126,7 @@ fn the_comparison_notices_one_bit() {
                 let group: Vec<_> = dispatches.iter().copied().filter(|p| p.kernel() == kernel).collect();
                 let found = gaitway::verify::compare_tampered(device, &store, &group).unwrap();
                 let caught = found.iter().any(|c| c.exact < c.compared);
-                assert!(caught, "{}: one bit changed and nobody noticed", kernel.kernel().name);
+                assert!(caught, "{}: one bit changed unnoticed", kernel.kernel().name);
             }
         }
     });

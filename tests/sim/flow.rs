@@ -123,7 +123,7 @@ fn following_the_field_leads_out_of_a_trap_and_never_through_a_wall() {
                 let before = at;
                 at += Vec2::from_array(way).normalize() * 0.05;
                 walked += 0.05;
-                // a start inside a wall may leave it, but nobody may enter one
+                // a start inside a wall may leave it, but no agent may enter one
                 for wall in &outlines[1..] {
                     let inside = |p: Vec2| {
                         p.x > wall[0][0] && p.x < wall[1][0] && p.y > wall[0][1] && p.y < wall[2][1]
@@ -304,7 +304,7 @@ fn of_two_doors_a_crowd_that_minds_the_crowd_takes_both() {
     };
     let (plain, _) = far("", Backend::Cpu).unwrap();
     let (aware, hash) = far("density_weight = 1.0\nevery = 0.5", Backend::Cpu).unwrap();
-    // those who start nearest to the far door take it anyway
+    // agents that start nearest to the far door take it anyway
     assert!(aware[1] * 5 > plain[1] * 6, "{aware:?}, plain {plain:?}");
     if let Some((_, on_vulkan)) = far("density_weight = 1.0\nevery = 0.5", Backend::Vulkan) {
         assert_eq!(hash, on_vulkan, "the same on both backends");
@@ -480,7 +480,7 @@ fn a_field_as_a_picture() {
     let led = |x: f32, z: f32| {
         let (at, goal) = (Vec2::new(x, z), Vec2::new(36.0, 5.0));
         let way = flow_direction(&grid, &store.flow_way, 0, at.to_array(), (goal - at).to_array());
-        assert!(Vec2::from_array(way).length() > 0.5, "nobody is led from {at}");
+        assert!(Vec2::from_array(way).length() > 0.5, "no way leads from {at}");
         Vec2::from_array(way)
     };
     assert!(led(20.0, 15.0).y.abs() > 0.1, "in the pocket straight on would be into the wall");

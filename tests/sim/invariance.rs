@@ -1,5 +1,5 @@
 //! What must not change a crowd: the order of its agents, and which way the scene is turned. And what must never happen,
-//! whatever the scene: that somebody leaves the walkable area.
+//! whatever the scene: that an agent leaves the walkable area.
 
 use gaitway::kernels::layout::{Route, Stage};
 use gaitway::kernels::{KernelId, Phase, Store};
@@ -111,7 +111,7 @@ fn star(seed: u32, centre: Vec2, corners: usize, least: f32, most: f32) -> Vec<V
 }
 
 /// A random scene: a jagged outline, solids in it that may overlap, up to three people per square metre thrown in at random,
-/// each on its way to points anywhere, behind walls too. Returns how many agent-steps it was and who was outside.
+/// each on its way to points anywhere, behind walls too. Returns the number of agent-steps, and how many were outside.
 fn random_scene(seed: u32) -> (u64, u32) {
     let u = |lane| unit(seed, 1_000_000, lane);
     let size = 5.0 + 10.0 * u(0);
@@ -169,7 +169,7 @@ fn random_scene(seed: u32) -> (u64, u32) {
 }
 
 #[test]
-fn nobody_ever_leaves_the_walkable_area() {
+fn no_agent_ever_leaves_the_walkable_area() {
     // 10^7 agent-steps: GAITWAY_AGENT_STEPS=10000000 cargo test --release --test sim invariance
     let wanted: u64 =
         std::env::var("GAITWAY_AGENT_STEPS").ok().and_then(|text| text.parse().ok()).unwrap_or(150_000);
@@ -183,7 +183,7 @@ fn nobody_ever_leaves_the_walkable_area() {
 }
 
 #[test]
-fn without_the_last_resort_somebody_does_leave_it() {
+fn without_the_last_resort_an_agent_does_leave_it() {
     // the test above would see it: a velocity straight through a wall, with and without `clip_to_walls`
     let mut store = crossing(1, 1.0);
     store.position = vec![[0.0, 0.3]];

@@ -1,5 +1,5 @@
 //! Layouts in which simulated people get stuck where real ones do not. Everyone arrives within twice the free time plus ten
-//! seconds, nobody ever stands outside the walkable area, and the same seed gives the same crowd.
+//! seconds, no one ever stands outside the walkable area, and the same seed gives the same crowd.
 //!
 //! One layout does not hold for every seed, and the test says so instead of choosing seeds: the door of 0.8 m with four people
 //! on either side. With 64 seeds and either model 8 of the 128 crowds are late; without `navigation.patience` most are. A
@@ -16,7 +16,7 @@ use std::sync::OnceLock;
 
 const SPEED: f32 = 1.3;
 
-/// Somebody's start and way; the last point is the goal.
+/// Start and way of one agent; the last point is the goal.
 type Walk = (Vec2, Vec<Vec2>);
 
 struct Layout {

@@ -129,7 +129,7 @@ fn a_schedule_is_kept_one_a_step_and_those_without_a_time_never_come() {
 
 #[test]
 fn who_finds_no_room_waits_outside_and_keeps_its_place_in_the_order() {
-    // forty people a second into two square metres, from which nobody can hurry away
+    // forty people a second into two square metres, which they cannot leave quickly
     let hall = scenario(
         120,
         &format!(
@@ -143,7 +143,7 @@ fn who_finds_no_room_waits_outside_and_keeps_its_place_in_the_order() {
         let now = moment(&mut simulation);
         most = most.max(now.waiting_outside);
         assert!(now.entered <= last + 1, "at most one a step");
-        assert!(now.min_clearance > 0.0, "somebody came in on top of another: {now:?}");
+        assert!(now.min_clearance > 0.0, "an agent came in on top of another: {now:?}");
         let store = simulation.state().unwrap();
         let inside = |agent: usize| present(store, agent) || store.route[agent].arrivals > 0;
         assert!((0..120).all(|agent| inside(agent) == (agent < now.entered as usize)), "out of order");
@@ -175,7 +175,7 @@ fn two_hundred_people_share_a_goal_arrive_and_stand_still() {
     let after = &simulation.state().unwrap().position;
     let farthest =
         before.iter().zip(after).map(|(a, b)| (a[0] - b[0]).hypot(a[1] - b[1])).fold(0.0, f32::max);
-    assert!(farthest < 0.05, "somebody crept {farthest} m in ten seconds");
+    assert!(farthest < 0.05, "an agent crept {farthest} m in ten seconds");
 }
 
 #[test]
@@ -331,7 +331,7 @@ fn counter(backend: Backend) -> Option<Simulation> {
          [[journeys]]\nname = \"buy\"\nstages = [\"till\", \"out\"]\n\
          [[sources]]\npolygon = [[-19, -8], [-15, -8], [-15, 8], [-19, 8]]\nrate = 1.0\n",
     );
-    // else the one who was served does not get past those who wait
+    // else the agent that was served does not get past the waiting ones
     hall.navigation.patience = 1.0;
     gpu::on_device(Simulation::new(&hall, &fill(&hall), &library().1, backend, None))
 }
@@ -343,7 +343,7 @@ fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
     for step in 0..30 * 180 {
         simulation.step(1).unwrap();
         let now = moment(&mut simulation);
-        // where all press to the end of the line, who is ahead squeezes through at 0.8 of the radii
+        // where all press to the end of the line, the agent ahead squeezes through at 0.8 of the radii
         assert!(now.overlapping_pairs <= 1 && now.min_clearance > -0.2 * 0.42, "step {step}: {now:?}");
         let store = simulation.state().unwrap();
         for agent in 0..40_usize {
@@ -357,7 +357,7 @@ fn a_queue_serves_in_the_order_of_arrival_one_for_each_service_time() {
         }
         longest = longest.max(store.queues[2] - store.queues[1]);
     }
-    assert_eq!((joined.len(), longest), (40, 10), "the line was full and nobody was forgotten");
+    assert_eq!((joined.len(), longest), (40, 10), "the line was full and no agent was forgotten");
     assert_eq!(served.iter().map(|(agent, _)| *agent).collect::<Vec<_>>(), joined);
     for pair in served.windows(2) {
         let between = pair[1].1 - pair[0].1;
@@ -437,7 +437,7 @@ fn the_station_of_the_assets_works_as_its_comments_say() {
         assert!(second != 20 || there.len() > 80, "{}", there.len());
         assert!(second != 45 || there.len() < 170, "those of the first train have left: {}", there.len());
     }
-    assert!(served, "nobody came to the counter");
+    assert!(served, "no agent came to the counter");
     assert!(most > 130, "{most} at most");
     // the robot goes where its path says: 50, 30 at 40 s, half way back at 60 s
     let store = simulation.state().unwrap();

@@ -57,7 +57,7 @@ fn the_led_are_where_they_were_led_and_the_same_bits_on_both_backends() {
 }
 
 #[test]
-fn whoever_is_told_nothing_new_stands() {
+fn a_led_agent_without_a_new_place_stands() {
     let mut simulation = start(Backend::Cpu).unwrap();
     simulation.lead(0, Some((Vec2::new(3.0, 4.0), Vec2::ZERO))).unwrap();
     simulation.step(40).unwrap();

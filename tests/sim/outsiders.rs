@@ -23,7 +23,7 @@ fn on_the_way(time: f32) -> Vec2 {
     Vec2::new(2.0 + 30.0 * (time / 20.0).clamp(0.0, 1.0), 17.0)
 }
 
-/// Smallest gap between agent 300 and anybody else over 21 s, m, and how far it was off its way at most.
+/// Smallest gap between agent 300 and the others over 21 s, m, and its greatest deviation from its way, m.
 fn drive(comfort: f32) -> (f32, f32, f32) {
     let text = format!(
         "[population]\nagents = 300\n[[outsiders]]\nkind = \"vehicle\"\nradius = 0.9\n\
@@ -47,7 +47,7 @@ fn drive(comfort: f32) -> (f32, f32, f32) {
 }
 
 #[test]
-fn nobody_is_run_over_by_a_vehicle_in_a_crowd_of_three_hundred() {
+fn no_agent_is_run_over_by_a_vehicle_in_a_crowd_of_three_hundred() {
     let (gap, off, near) = drive(0.0);
     let (comfortable, _, nearer) = drive(0.5);
     println!(
@@ -70,7 +70,7 @@ fn outsiders_on_paths_and_by_hand_are_the_same_on_both_backends() {
         let store = simulation.state().unwrap();
         assert!(Vec2::from_array(store.position[60]).distance(Vec2::new(9.0, 5.0)) < 1e-4);
         assert!(Vec2::from_array(store.velocity[60]).length() < 1e-2, "it waits");
-        assert!(gaitway::ground::is_absent(store.position[62]), "nobody said where it is");
+        assert!(gaitway::ground::is_absent(store.position[62]), "its place was never set");
         assert!(store.appearance[60].is_bodiless(), "robots have no body");
         assert!(!store.appearance[61].is_bodiless(), "people have one");
         // now the robot is led by hand, off its path

@@ -14,7 +14,7 @@ use gaitway::sim::{AvatarSet, Backend, Simulation, measure, order};
 use gaitway::verify::cases::crossing::crossing;
 use glam::Vec2;
 
-/// People at given places who walk along +x, alone on a plane.
+/// People from given places along +x, alone on a plane.
 fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     let mut store = crossing(4, 10.0);
     let count = places.len();
@@ -104,7 +104,7 @@ fn members_of_a_group_do_not_avoid_one_another_like_strangers() {
 }
 
 #[test]
-fn whoever_is_ahead_waits_for_the_one_who_fell_behind() {
+fn members_ahead_wait_for_one_that_fell_behind() {
     let mut store = people(&[[12.0, 0.0], [0.0, 0.0]], &[1.3]);
     join(&mut store, &[0, 1]);
     steps(&mut store, 60);
@@ -215,7 +215,7 @@ fn deviations(priority: f32) -> [f32; 2] {
 }
 
 #[test]
-fn whoever_has_priority_leaves_its_way_less() {
+fn an_agent_with_priority_leaves_its_way_less() {
     let [equal, half, full] = [0.0, 0.5, 1.0].map(deviations);
     println!("leaves its line by {equal:?}, {half:?}, {full:?} m");
     assert!((equal[0] - equal[1]).abs() < 0.1, "equal priorities: {equal:?}");
@@ -302,7 +302,7 @@ fn people_on_a_bridge_and_under_it_do_not_meet() {
     let over: Vec<bool> =
         crowd.agents.iter().map(|a| crowd.stages[a.route_start as usize].position.x.abs() > 12.0).collect();
     assert!(over.iter().any(|o| *o) && over.iter().any(|o| !o));
-    assert!(crowd.agents.iter().any(|agent| agent.elevation > 2.9), "nobody starts on the bridge");
+    assert!(crowd.agents.iter().any(|agent| agent.elevation > 2.9), "no agent starts on the bridge");
     let (mut crossed, mut apart) = (0, f32::INFINITY);
     let (mut climbed, mut above) = (0, 0);
     for _ in 0..30 * 40 {
@@ -331,12 +331,12 @@ fn people_on_a_bridge_and_under_it_do_not_meet() {
     }
     println!("{crossed} times one above another, least gap on one storey {apart} m");
     assert!(climbed > 1000 && above > 1000);
-    assert!(crossed > 10, "nobody ever walked over somebody");
+    assert!(crossed > 10, "no agent ever walked above another");
     assert!(apart > -0.06, "people on one storey overlap: {apart} m");
 }
 
 #[test]
-fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
+fn a_railing_holds_agents_on_the_bridge_and_none_under_it() {
     let mut scenario: Scenario = toml::from_str(BRIDGE).unwrap();
     scenario.population.agents = 0;
     let geometry = scenario.geometry();
@@ -359,7 +359,7 @@ fn a_railing_holds_those_on_the_bridge_and_nobody_under_it() {
 }
 
 #[test]
-fn a_user_is_walked_round_on_their_storey_and_by_nobody_on_another() {
+fn agents_avoid_a_user_on_their_storey_and_ignore_one_on_another() {
     let library = GaitLibrary::built_in().unwrap();
     let cast = cast_of(&library);
     // one over the bridge, one under it; the user in the way of both, upstairs, below, or nowhere
@@ -450,7 +450,7 @@ fn everyone_begins_to_walk_after_their_own_reaction_time() {
         simulation.step(1).unwrap();
         let store = simulation.state().unwrap();
         for (i, began) in began.iter_mut().enumerate() {
-            // who stands may be made to step aside, but does not walk
+            // a standing agent may step aside, but does not walk
             let speed = Vec2::from(store.velocity[i]).length();
             if *began == 0.0 && speed > 0.7 * store.body[i].preferred_speed {
                 *began = (step + 1) as f32 / 30.0;

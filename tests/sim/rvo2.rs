@@ -305,7 +305,7 @@ fn published_scenes_give_the_trajectories_of_the_plain_statement_within_ten_micr
 #[derive(Debug, Default)]
 struct Compared {
     asked: usize,
-    /// Those who cannot avoid everybody.
+    /// Agents that cannot avoid all others.
     jammed: usize,
     /// Those more than a millimetre a second from the plain statement's.
     rough: usize,

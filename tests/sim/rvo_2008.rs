@@ -22,7 +22,7 @@ const STEPS: u32 = 60;
 const TRIED: usize = 1000;
 /// Crowds of so many people; each number has a layout of its own.
 const CROWDS: [usize; 4] = [400, 441, 484, 529];
-/// Who walks nearer to an edge does not count, m: nobody is seen across it.
+/// Agents nearer to an edge than this do not count, m: no agent is seen across it.
 const EDGE: f32 = 3.0;
 
 const RADIUS: f32 = 0.25;

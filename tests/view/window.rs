@@ -1,4 +1,4 @@
-//! The window, on a display that nobody sees (Xvfb): it opens, draws, is resized and clicked at, and the validation layer
+//! The window, on a virtual display (Xvfb): it opens, draws, is resized and clicked at, and the validation layer
 //! has nothing to say (with `GAITWAY_VALIDATION=sync`, as scripts/test has it).
 //!
 //! Skipped with a line where there is no Xvfb; `GAITWAY_REQUIRE_WINDOW=1` demands it. `scripts/setup --view` brings it.
@@ -22,7 +22,7 @@ const PATIENCE: Duration = Duration::from_secs(240);
 const SIZE: [u32; 2] = [960, 600];
 const AGENTS: u32 = 40;
 
-/// A display that nobody sees; it goes with this.
+/// A virtual display; it ends with this.
 struct Display {
     server: Child,
     name: String,
@@ -114,7 +114,7 @@ fn colors(image: &Image, columns: std::ops::Range<u32>) -> usize {
 }
 
 /// An agent that can be seen to the right of the panel, and the pixel of its chest, before the first step.
-fn somebody() -> (u64, [u32; 2]) {
+fn person_in_view() -> (u64, [u32; 2]) {
     let mut scenario = Scenario::builtin("crossing").unwrap();
     scenario.population.agents = AGENTS;
     let geometry = scenario.geometry();
@@ -144,10 +144,10 @@ fn somebody() -> (u64, [u32; 2]) {
             return (number as u64, [at.x as u32, at.y as u32]);
         }
     }
-    panic!("nobody can be seen");
+    panic!("no person can be seen");
 }
 
-/// Whether that is the colour of the bracket about somebody picked.
+/// Whether that is the colour of the bracket about a picked person.
 fn is_bracket([red, green, blue]: [u8; 3]) -> bool {
     red > 240 && green > 220 && (90..150).contains(&blue)
 }
@@ -165,7 +165,7 @@ fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
 }
 
 #[test]
-fn without_a_display_the_user_is_told_what_to_do_instead() {
+fn without_a_display_the_error_says_what_to_do_instead() {
     let output = gaitway(&["view", "crossing", "--agents", "4", "--seconds", "1"]).output().unwrap();
     let error = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{error}");
@@ -178,7 +178,7 @@ fn the_window_shows_crowd_and_panel_and_a_click_picks_who_stands_there() {
     let Some(display) = display() else { return };
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("window.png");
-    let (agent, [x, y]) = somebody();
+    let (agent, [x, y]) = person_in_view();
     let click = format!("{x},{y}");
     let shot = file.to_str().unwrap();
     let child = open(&display, &["--pause", "--seconds", "6", "--shot", shot, "--click", &click]);
@@ -214,7 +214,7 @@ fn a_real_click_and_a_change_of_size_reach_the_crowd_and_it_is_filmed() {
     }
     let folder = tempfile::tempdir().unwrap();
     let film = folder.path().join("seen.y4m");
-    let (agent, [x, y]) = somebody();
+    let (agent, [x, y]) = person_in_view();
     // nothing but a window manager could close it; a busy machine takes a third of this
     let child = open(&display, &["--pause", "--seconds", "60", "--record", film.to_str().unwrap()]);
     let window = until("a window", || {
@@ -243,7 +243,7 @@ fn a_real_click_and_a_change_of_size_reach_the_crowd_and_it_is_filmed() {
 }
 
 #[test]
-fn what_takes_time_is_told_wherever_the_crowd_is_simulated() {
+fn times_are_shown_on_both_backends() {
     let Some(display) = display() else { return };
     for backend in ["cpu", "vulkan"] {
         let child = open(&display, &["--seconds", "4", "--backend", backend]);

@@ -32,7 +32,7 @@ fn recovers(service: &Service, fault: &str, reason: &str) {
 }
 
 #[test]
-fn a_session_that_is_lost_is_begun_anew() {
+fn a_lost_session_restarts() {
     if !is_there() {
         return;
     }

@@ -1,4 +1,4 @@
-//! Whose head follows the user's: measured on the joints of those who are drawn, and kept as pictures.
+//! Which heads follow the user's: measured on the joints of drawn agents, and kept as pictures.
 
 use super::service::{Live, Service, is_there, until};
 use super::{after, folder};
@@ -96,7 +96,7 @@ fn happy_and_angry_heads_follow_the_user_and_sad_ones_do_not() {
     let of = |emotion: &str| {
         let agents = found[0].iter().filter(|(_, (is, _))| is == emotion).map(|(agent, _)| *agent);
         let pairs: Vec<[Look; 2]> = agents.map(|agent| [found[0][&agent].1, found[1][&agent].1]).collect();
-        assert!(!pairs.is_empty(), "nobody is {emotion}: {:?}", found[0]);
+        assert!(!pairs.is_empty(), "no agent is {emotion}: {:?}", found[0]);
         pairs
     };
     for emotion in ["happy", "angry", "sad", "neutral"] {

@@ -7,7 +7,7 @@ use std::path::Path;
 
 const SIZE: u32 = 400;
 
-/// An empty square, and nobody in it.
+/// An empty square without agents.
 const EMPTY: &str = r#"
 name = "empty"
 condition = "eva-o"

@@ -91,7 +91,7 @@ static LOCATE_VIEWS: Behind = Behind::new();
 static REQUEST_EXIT: Behind = Behind::new();
 static MASK: Behind = Behind::new();
 static FORMATS: Behind = Behind::new();
-/// The session, as xrEndFrame was told.
+/// The session, as passed to xrEndFrame.
 static SESSION: AtomicU64 = AtomicU64::new(0);
 
 /// Name, call at which it strikes, and whether it goes on.

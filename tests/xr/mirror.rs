@@ -1,4 +1,4 @@
-//! The mirror: a window with what the user sees, whose end is nobody's but its own.
+//! The mirror: a window with what the user sees. Closing it ends nothing else.
 
 use super::presented::screen;
 use super::service::{Live, Service, is_there};

@@ -1,4 +1,4 @@
-//! What the runtime's compositor shows: Monado's own, in a window on a display that nobody sees.
+//! What the runtime's compositor shows: Monado's own, in a window on a virtual display.
 
 use super::service::{Live, Service, is_there};
 use super::{POST, after, folder, post, shows};

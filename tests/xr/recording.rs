@@ -89,7 +89,7 @@ fn recorded_and_replayed(count: usize, name: &str) {
     let text = refused(&path, &["--library", library.to_str().unwrap()]);
     assert!(text.contains("library ") && text.contains(" was recorded, this is "), "{text}");
 
-    // who raises the head sees another crowd, which walks alike
+    // a user with a raised head sees another crowd, which walks alike
     let text = std::fs::read_to_string(&path).unwrap();
     let last = done["steps"].as_u64().unwrap();
     let lines = text.lines().map(|line| shifted(line, 7, last / 2) + "\n");

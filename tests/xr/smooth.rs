@@ -32,7 +32,7 @@ speed = 1.3
 teleport = { from = [[3.5, -6.5], [6.0, -5.2]], to = [[-3.0, -5.6], [-2.0, -5.4]] }
 "#;
 
-/// Where somebody's eyes were (x, z, m), frame by frame.
+/// Position of an agent's eyes (x, z, m), frame by frame.
 fn way(folder: &Path, frames: &[u64], agent: &str) -> Vec<Vec2> {
     let seen = frames.iter().map(|frame| {
         let text = std::fs::read_to_string(folder.join(format!("frame-{frame:06}.csv"))).unwrap();
@@ -44,7 +44,7 @@ fn way(folder: &Path, frames: &[u64], agent: &str) -> Vec<Vec2> {
     seen.collect()
 }
 
-/// How often somebody was set back.
+/// How often an agent was set back.
 fn set_back(taken: &[Vec2]) -> usize {
     taken.windows(2).filter(|pair| pair[1].x < pair[0].x - 4.5).count()
 }
@@ -107,7 +107,7 @@ fn people_move_in_every_frame_of_a_display_faster_than_the_steps() {
     } else {
         println!("not asserted: 65 mm in every frame, on a machine too busy for 20 Hz ({})", found["frames"]);
     }
-    // nobody is ever shown going back
+    // no agent is ever shown going back
     let is_back = |at: &[Vec2]| is_straight(at) && (at[1] - at[0]).dot(at[2] - at[1]) < -0.005 * 0.03;
     assert!(!walked.windows(3).any(is_back), "{walked:?}");
 

@@ -69,7 +69,7 @@ pub fn generated(sex: Sex) -> Avatar {
         }
     });
     let levels: Vec<Mesh> = (0..LEVELS).map(|level| measures.mesh(level)).collect();
-    // The top of the hair, which differs from the stature asked for by a few millimetres.
+    // The top of the hair, which differs from the wanted stature by a few millimetres.
     let height = levels[0].vertices.iter().map(|v| v.position.y).fold(0.0, f32::max);
     Avatar {
         name: sex.name().to_owned(),
@@ -111,7 +111,7 @@ impl Measures {
         };
         let out = 13.0_f32.to_radians();
         let down = Vec3::new(libm::sinf(out), -libm::cosf(out), 0.0);
-        // Elbows bend a little forward at rest, which tells every later step where forward is.
+        // Elbows bend a little forward at rest; later steps take forward from this.
         let fore = (down + Vec3::new(-0.03, 0.0, 0.16)).normalize();
         let elbow = shoulder + down * arm[0];
         let left = [shoulder, elbow, elbow + fore * arm[1], legs[0], legs[1], legs[2]];

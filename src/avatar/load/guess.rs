@@ -15,7 +15,7 @@ pub(super) fn map(name: &str, source: &Source, driven: &Driven, place: &[Vec3]) 
     let mut text = format!(
         "# Rig map of {name:?}: which node of the file is which joint. Fill in what is empty, check what is a guess.\n\
          # A node without a name is \"#\" and its number.\n\
-         avatar = {}  # whom it is for: the file's name without its ending\n\
+         avatar = {}  # the file that it is for: its name without its ending\n\
          # height = 1.7  # m, from sole to crown without headwear; left out: measured\n\n[joints]\n",
         toml::Value::String(name.to_owned())
     );

@@ -229,7 +229,7 @@ fn is_headwear(name: &str) -> bool {
 fn add_part(figure: &mut Figure, source: &Source, driven: &Driven, pose: &[Mat4], part: &Part) -> usize {
     let first = u32::try_from(figure.vertices.len()).unwrap_or(u32::MAX);
     let skin = part.skin.and_then(|skin| source.skins.get(skin));
-    // Per skin joint: mesh space to the chosen pose, and whom it follows.
+    // Per skin joint: mesh space to the chosen pose, and the joint that it follows.
     let slots: Vec<(Mat4, usize)> = skin.map_or_else(Vec::new, |skin| {
         let slot = |(slot, &joint): (usize, &usize)| {
             let inverse = skin.inverse_bind.as_ref().map_or(Mat4::IDENTITY, |inverse| inverse[slot]);

@@ -187,7 +187,7 @@ impl Source {
         let old_axes = [number(&offset["x"]), number(&offset["y"]), number(&offset["z"])];
         for found in [axes, old_axes] {
             if let [Some(x), Some(y), Some(z)] = found {
-                // All zero is what exporters write when nobody set it.
+                // Exporters write zeros for an offset that was not set.
                 self.eyes = self.eyes.or(Some(Vec3::new(x, y, z)).filter(|offset| offset.length() > 1e-4));
             }
         }

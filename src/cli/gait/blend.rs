@@ -30,7 +30,7 @@ pub(super) struct BlendArguments {
     /// Gaits to blend [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     library: Option<PathBuf>,
-    /// Whose gaits [default: anyone's]
+    /// Take gaits of this sex only [default: both]
     #[arg(long, value_enum)]
     sex: Option<super::SexName>,
     /// Seed of the choice among the gaits of each emotion

@@ -102,7 +102,7 @@ pub(super) fn run(arguments: &FitArguments) -> Result<bool, Error> {
     Ok(true)
 }
 
-/// Every gait with its fit. Gaits that are fitted already stay as they are unless harmonics are asked for.
+/// Every gait with its fit. Gaits that are fitted already stay as they are unless `--harmonics` is given.
 fn fitted(arguments: &FitArguments, harmonics: usize) -> Result<Vec<(Gait, HarmonicGait)>, Error> {
     let gaits = match &arguments.file {
         Some(path) if fit::is_fitted(path) => {

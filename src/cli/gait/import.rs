@@ -148,7 +148,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         match outcome.result {
             Ok(found) => takes.extend(found),
             Err(error) => {
-                // A file that was asked for by name is missed; one that lay in a folder is not.
+                // A file that was named must be read; one found in a folder may be left out.
                 missed += usize::from(arguments.paths.contains(&outcome.path));
                 left_out.push(LeftOut { file: outcome.path, take: None, reason: error.to_string() });
             }
@@ -191,7 +191,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(true)
 }
 
-/// That there is no gait: the last reason, which [`say_reasons`] leaves to this.
+/// The error that there is no gait, with the last reason, which [`say_reasons`] leaves out.
 fn nothing(listing: &Listing) -> Error {
     let reason = listing.left_out.last().map_or("there is no gait in what is named", |left| &left.reason);
     let hint = if listing.takes.is_empty() {
@@ -311,8 +311,8 @@ fn examine(path: &Path, mut recording: Recording, all: bool) -> Take {
     }
 }
 
-/// All gaits in order, under names of their own: the folder is put before names that occur in several files, and a
-/// number behind what is still the same.
+/// All gaits in order, under unique names: the folder precedes a name that occurs in several files, and a number follows
+/// names that are still equal.
 fn unique_names(takes: &mut [Take]) -> Vec<Gait> {
     let mut files_of: HashMap<String, HashSet<PathBuf>> = HashMap::new();
     for take in takes.iter() {

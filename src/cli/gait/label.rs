@@ -1,4 +1,4 @@
-//! `gaitway gait label`: a library grown by gaits that nobody rated, marked as predicted (S-17).
+//! `gaitway gait label`: a library grown by unrated gaits, whose labels are marked as predicted (S-17).
 
 use super::super::output::{say, say_json, table};
 use super::super::scene::library;

@@ -52,7 +52,7 @@ enum Command {
     Import(import::Arguments),
     /// Add gaits to a library, labelled by a model and marked as predicted
     Label(label::Arguments),
-    /// Tell the emotion that people would see in gaits
+    /// Predict the emotion that people would see in gaits
     Predict(predict::Arguments),
     /// List the gaits of a file or library
     Show(ShowArguments),
@@ -80,8 +80,8 @@ struct ShowArguments {
     /// Sheet of stick figures
     #[arg(long, value_name = "SHEET.png")]
     out: Option<PathBuf>,
-    /// Folder for a video of each gait from the front, as raters see them: numbered in a random order; DIR-key.csv tells
-    /// which is which
+    /// Folder for a video of each gait from the front, as raters see them: numbered in a random order; DIR-key.csv maps
+    /// numbers to gaits
     #[arg(long, value_name = "DIR")]
     videos: Option<PathBuf>,
     /// Seed of the order of the videos
@@ -102,7 +102,7 @@ struct WalkArguments {
     /// happy, angry, sad or neutral
     #[arg(long)]
     emotion: Emotion,
-    /// Whose body
+    /// The body to show
     #[arg(long, value_enum, default_value_t)]
     sex: SexName,
     /// Walking speed, m/s

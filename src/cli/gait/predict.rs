@@ -18,7 +18,7 @@ use std::time::Instant;
     after_help = "Examples:\n  gaitway gait predict walk1.bvh walk2.bvh\n  gaitway gait predict captures/ --model \
                   model.json --json\n\nThe emotion is the most probable one; the margin is how much more probable it is than the \
                   next. A gait is called unlike when it is farther from the gaits that the model learned from than these are \
-                  from one another (novelty above 1): then no emotion is told. Without a model: the built-in one, \
+                  from one another (novelty above 1): then it gets no emotion. Without a model: the built-in one, \
                   phase-perceiver trained on E-Gait's 232 gaits of 92 people; assets/models/README.md says how far to \
                   trust it."
 )]
@@ -29,7 +29,7 @@ pub(super) struct Arguments {
     /// A model of `gaitway gait train` [default: the built-in one, trained on people]
     #[arg(long, value_name = "MODEL.json")]
     model: Option<PathBuf>,
-    /// Tell an emotion even of gaits unlike those that the model has seen
+    /// Predict an emotion even for gaits unlike those that the model has seen
     #[arg(long)]
     even_unlike: bool,
     /// Print one JSON object
@@ -150,8 +150,8 @@ fn remarks(report: &Report, model: &Model, gaits: &[&Gait]) {
     let silent = report.gaits.iter().filter(|row| row.emotion.is_none()).count();
     if silent > 0 {
         note(&format!(
-            "note: {silent} of {} gaits are unlike what the model has seen (novelty above 1); no emotion is told. \
-             --even-unlike tells the most probable one",
+            "note: {silent} of {} gaits are unlike what the model has seen (novelty above 1) and get no emotion. \
+             --even-unlike gives them the most probable one",
             report.gaits.len()
         ));
     }

@@ -71,7 +71,7 @@ struct Outcome {
     /// Labels that hang on a tie or on the threshold itself.
     warnings: Vec<String>,
     left_out: Vec<Fault>,
-    /// Gaits of the library that nobody rated.
+    /// Gaits of the library without ratings.
     unrated: Vec<String>,
     files: Vec<PathBuf>,
     wall_seconds: f64,

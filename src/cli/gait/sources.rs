@@ -22,7 +22,7 @@ pub(in crate::cli) struct Found {
 }
 
 /// Reads all gaits of libraries and the most regular stride of each take of motion files. Of takes of one name the first
-/// is kept; gaits with joints that were not captured are left out. What is left out is said, with the reason.
+/// is kept; gaits with joints that were not captured are left out. A note names what is left out, with the reason.
 /// `preparation` is that of the model that the gaits are for.
 pub(in crate::cli) fn read(paths: &[PathBuf], preparation: Preparation) -> Result<Found, Error> {
     let files = folder::motion_files(paths)?;
@@ -97,7 +97,7 @@ fn gaits_of(path: &Path, options: &Options, labels: &Labels) -> Result<Vec<Gait>
     Ok(gaits?)
 }
 
-/// A model of gaits as published is asked about others.
+/// A model trained on gaits as published meets gaits prepared otherwise.
 fn not_as_published(path: &Path) -> Error {
     failed(
         format!(

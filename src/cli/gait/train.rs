@@ -202,7 +202,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     Ok(found.is_complete)
 }
 
-/// The method asked for. A setting of the machine asks for the machine.
+/// The chosen method. A setting of the machine chooses the machine.
 fn method(arguments: &Arguments) -> Result<Trainer, Error> {
     let Arguments { variant, scheme, c, gamma, search, .. } = arguments;
     let given = [
@@ -240,7 +240,7 @@ fn method(arguments: &Arguments) -> Result<Trainer, Error> {
     }
 }
 
-/// How well the method agrees with people on held-out gaits; none if there are too few to hold out, which is said.
+/// Agreement of the method with people on held-out gaits; none, with a note, if there are too few to hold out.
 fn evaluate(
     arguments: &Arguments,
     method: &Trainer,

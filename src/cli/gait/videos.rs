@@ -1,7 +1,7 @@
 //! One video per gait, as raters see them (S-03): a figure walks towards a camera in front of it, always the same one.
 //!
-//! Neither colours, surroundings nor names tell anything; stripes on the ground pass at the gait's speed. Drawn without a
-//! device. Names are numbers in a random order; which gait each shows stands in a table beside the folder, not in it.
+//! Neither colours, surroundings nor names hint at the emotion. Stripes on the ground pass at the gait's speed. Drawing needs
+//! no device. Names are numbers in a random order; a table beside the folder maps them to gaits.
 
 use crate::Error;
 use crate::cli::failed;
@@ -47,8 +47,8 @@ pub(super) fn key_of(folder: &Path) -> PathBuf {
     folder.with_file_name(name)
 }
 
-/// Writes a video of every gait into a folder, which is made, in an order that `seed` draws, and its table beside the
-/// folder; returns the files, the table last.
+/// Makes a folder and writes a video of every gait into it, in an order drawn by `seed`, and the table beside it. Returns
+/// the files, the table last.
 pub(super) fn write(folder: &Path, gaits: &[Gait], seed: u64) -> Result<Vec<PathBuf>, Error> {
     make_folder(folder)?;
     let mut order: Vec<&Gait> = gaits.iter().collect();

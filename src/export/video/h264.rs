@@ -19,9 +19,9 @@ use std::path::{Path, PathBuf};
 /// Coarsest and finest quantization (0 to 51).
 const WORST_QP: u8 = 24;
 const BEST_QP: u8 = 12;
-/// Bits for a pixel that are aimed at.
+/// Wanted bits for a pixel.
 const BITS_PER_PIXEL: f64 = 0.2;
-/// Seconds between two frames that can be jumped to.
+/// Seconds between two key frames.
 const KEY_EVERY: u32 = 2;
 /// What the encoder takes: fewest and most pixels of a side, and most of the shorter one.
 const SIDES: [u32; 3] = [16, 3840, 2160];

@@ -1,8 +1,9 @@
 //! C3D: trajectories of markers or joints, as motion capture and gait laboratories store them.
 //!
-//! Read are Intel, DEC and MIPS files, integers and floats, any number of points, with their units and gaps. Points
-//! named as joints go through the joint map; the usual markers of gait analysis (Plug-in Gait and its kin) become
-//! joints by the regressions of Bell (1990) and a few widths of ours; markers of the legs alone will do. Every subject whose points have a prefix (`Anna:LASI`) is a take of its own.
+//! The reader takes Intel, DEC and MIPS files, integers and floats, any number of points, with their units and gaps. Points
+//! named as joints go through the joint map. The usual markers of gait analysis (Plug-in Gait and its kin) become joints by
+//! the regressions of Bell (1990) and a few widths of ours; markers of the legs alone will do. Every subject whose points
+//! have a prefix (`Anna:LASI`) is a take of its own.
 //!
 //! Layout (www.c3d.org): a header of 512 bytes, parameters in named groups, then frames of points and analogue
 //! samples. What the parameters say holds over what the header says. Our own reader, because the crates there are

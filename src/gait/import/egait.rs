@@ -8,7 +8,7 @@
 //! faces -z. The bend of the knees tells which, gait by gait: in 149 of the 232 gaits left and right are exchanged.
 //!
 //! What is repaired: the pitch is levelled, the size brought to metres, and left made left. What is not: each gait's own
-//! small turn and scale, which nothing in the data tells, and travel, which `stride` infers. Every repair is a line of
+//! small turn and scale, which cannot be inferred from the data, and travel, which `stride` infers. Every repair is a line of
 //! [`Recording::report`], which `gaitway gait import --report` prints. [`Options::as_published`] repairs nothing.
 //!
 //! Measured against the CMU trials that nine of the gaits are cut from (`tests/gait/import/data.rs`): pitch 12.1 degrees,

@@ -133,7 +133,7 @@ fn is_motion(name: &str) -> bool {
 
 /// Imports many files in parallel and makes something of the takes of each; the outcomes are in the order of `files`.
 ///
-/// `labels` are those of [`Labels::beside`] the files; `make` gets the takes of one file; `done` is told the number of
+/// `labels` are those of [`Labels::beside`] the files; `make` gets the takes of one file; `done` receives the number of
 /// files done so far, from any thread.
 pub fn import_files<T: Send>(
     files: &[PathBuf],

@@ -1,4 +1,4 @@
-//! Who walked, how, and what raters saw: tables beside the motion files.
+//! Tables beside the motion files: the person, the style, and what raters saw.
 //!
 //! `labels`, `gaits` or `trials` with the ending `.csv`, `.tsv` or `.txt`, in the folder of a motion file or the one above,
 //! in any case of letters. The header names a column `file`, `key`, `trial` or `name` (the take) and at least one of

@@ -76,7 +76,7 @@ pub fn import_file(path: &Path) -> Result<Vec<Recording>, Error> {
 /// # Errors
 /// As [`import_file`].
 pub fn import_file_with(path: &Path, options: &Options) -> Result<Vec<Recording>, Error> {
-    // a file that cannot be read is told before its tables are
+    // the file is read before its tables, so that its own error comes first
     let takes = takes(path, options)?;
     labelled(path, takes, options, &Labels::beside(&[path])?)
 }
@@ -89,7 +89,7 @@ pub fn import_labelled(path: &Path, options: &Options, labels: &Labels) -> Resul
     labelled(path, takes(path, options)?, options, labels)
 }
 
-/// The takes with what the tables say about them, at the rate asked for.
+/// The takes with what the tables say about them, at the wanted rate.
 fn labelled(
     path: &Path,
     mut takes: Vec<Recording>,

@@ -74,7 +74,7 @@ fn closing_gap(start: &Pose, end: &Pose) -> Pose {
     std::array::from_fn(|joint| end[joint] - start[joint])
 }
 
-/// Takes from a pose at a share of the cycle its part of the gap, which leaves the middle of the cycle where it is.
+/// Subtracts from a pose its part of the gap, by its fraction of the cycle. The middle of the cycle stays in place.
 fn spread(pose: &mut Pose, gap: &Pose, share: f32) {
     for (point, gap) in pose.iter_mut().zip(gap) {
         *point -= *gap * (share - 0.5);
@@ -152,7 +152,7 @@ impl Take {
         }
         let speed = way.travel / duration;
         let crab = wrap(self.heading(cut.from, cut.to) - way.heading).to_degrees();
-        // Those who hardly move have no direction, and on the spot the feet tell more.
+        // A body that hardly moves has no direction, and on the spot the feet tell more.
         let crab = if SPEED.contains(&speed) && crab.abs() > MAX_CRAB_DEG { Some(crab) } else { None };
         if let (Some(degrees), false) = (crab, self.on_the_spot) {
             return Err(Refusal::Crab { degrees });

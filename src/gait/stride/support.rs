@@ -1,8 +1,8 @@
-//! Whether a stride is walking: the feet pass each other in turns, each lifted over the other, which stands on the
-//! ground while the ground passes under the body, about as fast as the body goes and evenly.
+//! Whether a stride is walking. The feet pass each other in turns. The swinging foot is lifted over the standing one. The ground
+//! passes evenly under the standing foot, about as fast as the body goes.
 //!
-//! Looked at is the middle half of each step, from a strike of one foot to the next of the other: that foot stands then,
-//! the other swings. All is measured in the body's own frame, so that travel, treadmills and data centred on the root are
+//! The middle half of each step is measured, from a strike of one foot to the next of the other: the first foot stands then,
+//! the other swings. All measures are in the body's own frame, so that travel, treadmills and data centred on the root are
 //! judged alike. Ranges are ours: of the 606 strides of CMU, Bandai-Namco and 100STYLE the least step is 0.21 m, the least
 //! lift 0.04 m, the ground passes at 0.52 to 0.99 of the walking speed, at most 2.4 times as fast under one foot as under
 //! the other, and deviates by at most 0.42 of its mean.

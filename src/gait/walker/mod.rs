@@ -131,7 +131,7 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
 
 /// One generated person: the preset of `emotion` and `sex`, varied by `seed` and `index`, labelled.
 ///
-/// The label is what the style was made to look like; nobody has rated it, so `ratings` is empty.
+/// The label is what the style was made to look like. The gait is unrated, so `ratings` is empty.
 ///
 /// # Errors
 /// As [`walk`]; not for any seed or index (a varied preset stays within its ranges).

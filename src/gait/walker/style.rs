@@ -395,7 +395,7 @@ impl WalkerStyle {
         Some(mixed)
     }
 
-    /// An individual who walks in this style: body and every number stray a little, each on its own.
+    /// An individual of this style: body and every number vary a little, each independently.
     /// The same seed and index give the same individual on every machine.
     #[must_use]
     pub fn vary(&self, seed: u64, index: u32) -> Self {

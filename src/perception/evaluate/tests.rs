@@ -76,7 +76,7 @@ fn stratified_folds_have_their_share_of_each_class() {
 }
 
 #[test]
-fn nobody_is_in_two_folds_and_folds_are_of_like_size() {
+fn no_person_is_in_two_folds_and_folds_are_of_like_size() {
     let (gaits, emotions) = gaits();
     let gaits: Vec<&Gait> = gaits.iter().collect();
     let mut seen = std::collections::BTreeSet::new();

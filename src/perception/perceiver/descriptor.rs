@@ -16,7 +16,7 @@ pub const DESCRIPTOR_LENGTH: usize = 179;
 
 /// Harmonics of a cycle of which amplitudes are kept.
 const HARMONICS: usize = 2;
-/// Angles of a side whose means tell of posture.
+/// Angles of a side whose means describe posture.
 const POSED: usize = 8;
 /// Added to speeds before their logarithm, body lengths.
 const STILL: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! The table that tells which gait each video shows: `video,gait`, one row per video, gaits quoted (RFC 4180).
+//! The table of the gait that each video shows: `video,gait`, one row per video, gaits quoted (RFC 4180).
 
 use crate::file;
 use crate::perception::Error;

@@ -1,4 +1,4 @@
-//! What stands in which column of a text: by name, by a comment, by the format, as asked for, or to be inferred.
+//! The meaning of a text's columns: by name, by a comment, by the format, by option, or to be inferred.
 
 use super::{Error, clip, unusable};
 use serde::{Serialize, Serializer};
@@ -21,9 +21,9 @@ pub enum Column {
     X,
     /// Place up the page, in units of the file.
     Y,
-    /// Height of the person or of the place; tells the unit.
+    /// Height of the person or of the place; yields the unit.
     Z,
-    /// Velocity to the right, in units of the file a second; tells the frame rate.
+    /// Velocity to the right, in units of the file a second; yields the frame rate.
     Vx,
     /// Velocity up the page.
     Vy,
@@ -41,7 +41,7 @@ pub enum Column {
     EndY,
 }
 
-/// Names by which columns are asked for.
+/// Names of columns in options.
 const NAMES: [(&str, Column); 9] = [
     ("-", Column::Skip),
     ("id", Column::Id),

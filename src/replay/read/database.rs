@@ -43,7 +43,7 @@ fn rows(connection: &Connection, path: &Path, found: &mut Found) -> Result<(), E
         let line = found.rows.len() + 1;
         let number = |index| row.get::<_, f64>(index);
         let place = DVec2::new(number(2).map_err(wrong)?, number(3).map_err(wrong)?);
-        // Orientation may be missing (NULL) or zero: nobody said where they face.
+        // Orientation may be missing (NULL) or zero: then the heading is unknown.
         let facing = DVec2::new(number(4).unwrap_or(0.0), number(5).unwrap_or(0.0));
         let frame: i64 = row.get(0).map_err(wrong)?;
         found.rows.push(Row {

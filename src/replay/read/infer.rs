@@ -1,22 +1,22 @@
-//! What a text does not say is told by its data: which column is the person, how many frames a second has, which unit.
+//! Inference of what a text does not state, from its data: the person's column, the frame rate, the unit.
 
 use super::columns::Columns;
 use super::{Error, Format, Found, Options, Row, syntax, unusable};
 use std::path::Path;
 
-/// Samples that are so many a second are the custom of the data sets that predict ways (ETH, UCY, TrajNet, SGAN).
+/// Customary samples a second in data sets for the prediction of ways (ETH, UCY, TrajNet, SGAN).
 const CUSTOM: f64 = 2.5;
 /// Frames between two of their samples: at 15, 25 and 30 frames a second.
 const CUSTOMARY_STEPS: [f64; 3] = [6.0, 10.0, 12.0];
-/// Length of a step between two samples of theirs that none of faster cameras has, m.
+/// Length of a step between two such samples, m; samples of faster cameras are closer.
 const CUSTOMARY_LENGTH: [f64; 2] = [0.4, 0.8];
 /// Rates of cameras and simulations, frames a second.
 const USUAL_RATES: [f64; 14] = [1.0, 2.0, 2.5, 4.0, 5.0, 8.0, 10.0, 12.5, 15.0, 16.0, 20.0, 30.0, 50.0, 60.0];
-/// Median speeds of people who walk lie below, m/s.
+/// Median speeds of walking people lie below, m/s.
 const BRISK: f64 = 2.5;
 /// A crowd measured in centimetres has coordinates beyond this.
 const CENTIMETRES: f64 = 150.0;
-/// Shorter ways between two samples are left to jitter, in units of the file.
+/// Shorter ways between two samples count as jitter, in units of the file.
 const STILL: f64 = 1e-3;
 
 /// Sorts by person and frame.
@@ -42,10 +42,9 @@ pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
     (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// How little successive rows of one person look like somebody who walks: the middle distance between them, in units of the
-/// file, times how much the velocity changes from one to the next, as a share of it. The share is about 0.1 for people who
-/// walk and 1 for places that have nothing to do with one another; below 0.1 it tells nothing more (a row of people in line
-/// is as smooth). `None`: nobody is seen twice.
+/// Disorder of successive rows of one person: the median distance between them, in units of the file, times the relative
+/// change of velocity from one to the next. The relative change is about 0.1 for walking people and 1 for unrelated places.
+/// Below 0.1 it does not discriminate: a row of people in line is as smooth. `None` where no person has two rows.
 fn disorder(rows: &[Row]) -> Option<f64> {
     let distance = median(pairs(rows).map(|(a, b)| a.place.distance(b.place)).collect())?;
     let (mut change, mut speed) = (0.0, 0.0);
@@ -119,7 +118,7 @@ pub(super) fn frames_of_times(path: &Path, found: &mut Found) -> Result<(), Erro
     Ok(())
 }
 
-/// What a recording is measured in, and who says so.
+/// The unit of a recording, and the origin of that.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Measures {
     pub(super) rate: f64,
@@ -171,7 +170,7 @@ fn by_height(found: &mut Found, height: Option<f64>) -> Option<(f64, &'static st
 /// The unit by how fast people walk.
 fn by_speed(found: &mut Found, rate: f64) -> (f64, &'static str) {
     let Some(speed) = speed(&found.rows, rate) else { return (1.0, "usual") };
-    // Nobody walks at 10 m/s, and at 10 cm/s a crowd would stand. Places of few units, however, are no centimetres: there
+    // People do not walk at 10 m/s, and at 10 cm/s a crowd would stand. Places of few units, however, are no centimetres: there
     // the columns or the rate are wrong.
     let reach = found.rows.iter().map(|row| row.place.abs().max_element()).fold(0.0, f64::max);
     let metres = match speed {
@@ -199,8 +198,8 @@ fn speed(rows: &[Row], rate: f64) -> Option<f64> {
     median(pairs(rows).map(|(a, b)| a.place.distance(b.place) * rate / (b.frame - a.frame)).collect())
 }
 
-/// The frame rate by columns of velocities: how many frames pass while somebody goes on at the velocity beside the place.
-/// Velocities may be those of the step before, the step after or both; the one that fits best is taken.
+/// The frame rate from columns of velocities: frames between two places, over the time that the velocity beside them takes.
+/// Velocities may be those of the step before, the step after or both; the best fit is taken.
 fn by_velocities(found: &Found, unit: &mut Option<(f64, &'static str)>) -> Option<(f64, &'static str)> {
     let mut best: Option<(f64, f64)> = None;
     for (first, second) in [(1.0, 0.0), (0.0, 1.0), (0.5, 0.5)] {
@@ -265,7 +264,7 @@ fn no_rate(path: &Path, found: &Found, unit: Option<(f64, &'static str)>) -> Err
     let walk =
         |rate: f64| speed(&found.rows, rate).map(|speed| format!("{:.2} m/s at {rate}", speed * metres));
     let speeds: Vec<String> = [10.0, 16.0, 25.0, 30.0].into_iter().filter_map(walk).collect();
-    let speeds = if speeds.is_empty() { "nobody moves".to_owned() } else { speeds.join(", ") };
+    let speeds = if speeds.is_empty() { "no person moves".to_owned() } else { speeds.join(", ") };
     let hint = format!(
         "give --fps; the recordings of Juelich have 16 or 25 (half of the steps would be faster than {speeds})"
     );

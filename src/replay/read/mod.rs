@@ -29,7 +29,7 @@ use tracks::Trajectories;
 pub const MAX_BYTES: u64 = 512 << 20;
 /// Longest recording, s.
 pub const MAX_SECONDS: f64 = 86_400.0;
-/// Farthest from the origin that anybody may be, m.
+/// Greatest distance of a person from the origin, m.
 pub const MAX_COORDINATE: f64 = 50_000.0;
 /// Most people of a recording.
 pub const MAX_PEOPLE: usize = 1_000_000;
@@ -83,7 +83,7 @@ pub struct Options {
     pub pixels: Option<Pixels>,
     /// The file's plane is left-handed as seen from above (y down the page), so that right is left in it.
     pub mirror: bool,
-    /// A person who is not seen for longer than this is absent meanwhile, s; `None`: 2 s.
+    /// A gap between two samples that is longer than this is an absence, s; `None`: 2 s.
     pub longest_gap: Option<f64>,
 }
 
@@ -103,24 +103,24 @@ struct Row {
     line: usize,
 }
 
-/// What a reader found, before people are told apart.
+/// What a reader found, before its rows are sorted by person.
 #[derive(Debug)]
 struct Found {
     format: Format,
     rows: Vec<Row>,
-    /// The columns of a text, and who says so.
+    /// The columns of a text, and the origin of that.
     columns: Option<(Columns, &'static str)>,
-    /// Frames per second, and who says so.
+    /// Frames per second, and the origin of that.
     frame_rate: Option<(f64, &'static str)>,
     /// Frames per second of the format where neither the file nor its data tell.
     usual_rate: Option<f64>,
-    /// Metres per unit, and who says so.
+    /// Metres per unit, and the origin of that.
     metres_per_unit: Option<(f64, &'static str)>,
     /// Heights of people, in units of the file.
     heights: Vec<f64>,
     /// Outer outline and holes, in the plane of the file, m.
     area: Option<Vec<Vec<DVec2>>>,
-    /// Control points of curves: however far apart, nobody leaves between them.
+    /// Rows are control points of curves: a gap between them is no absence, however long.
     is_curve: bool,
     /// What was inferred, in words.
     notes: Vec<String>,

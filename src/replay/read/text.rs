@@ -7,7 +7,7 @@ use glam::DVec2;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// ETH and UCY were filmed at 15 and 25 frames per second; where nothing tells which, 25.
+/// ETH and UCY were filmed at 15 and 25 frames per second; where the file does not say, 25.
 const OBSMAT_RATE: f64 = 25.0;
 
 /// What parts the cells of a row.
@@ -183,7 +183,7 @@ fn bare(
     }
 }
 
-/// Whether the row below a head tells units (Pathfinder's does) instead of a person's place.
+/// Whether the row below a head holds units (as Pathfinder's does) instead of a person's place.
 fn is_units(separator: Separator, row: &str, columns: &Columns, found: &mut Found) -> bool {
     let cells: Vec<&str> = separator.cells(row).take(256).collect();
     let cell = |column| columns.find(column).and_then(|at| cells.get(at)).map_or("", |cell| cell.trim());
@@ -196,7 +196,7 @@ fn is_units(separator: Separator, row: &str, columns: &Columns, found: &mut Foun
     is_unit
 }
 
-/// The last known end of somebody's step.
+/// The last known end of each person's step.
 type Ends = BTreeMap<i64, Row>;
 
 fn read_rows(
@@ -266,7 +266,7 @@ fn read_rows(
     infer::frames_of_times(path, found)
 }
 
-/// The first and the last frame and when they are, of a text that tells both.
+/// The first and the last frame with their times, where a text has both.
 #[derive(Debug, Default)]
 struct Times(Option<[(f64, f64); 2]>);
 

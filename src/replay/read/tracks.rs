@@ -1,4 +1,4 @@
-//! Rows to people: sorted, without duplicates, cut where somebody is away, in metres on our ground.
+//! Rows to people: sorted, without duplicates, cut at absences, in metres on our ground.
 
 use super::columns::Columns;
 use super::infer::{self, Measures};
@@ -10,14 +10,14 @@ use glam::{DVec2, Vec2};
 use serde::Serialize;
 use std::path::Path;
 
-/// A person who is not seen for longer than this is absent meanwhile, s.
+/// A gap between two samples that is longer than this is an absence, s.
 const LONGEST_GAP: f64 = 2.0;
 /// Corners of the walkable area are farther apart than this, m.
 const CORNERS: f32 = 1.5e-3;
 /// Two rows of one person and one frame that are nearer than this say the same, m.
 const SAME: f64 = 0.01;
 
-/// Somebody at one moment.
+/// A person at one time.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Since the first frame of the recording, s.
@@ -28,7 +28,7 @@ pub struct Sample {
     pub heading: Option<f32>,
 }
 
-/// One person from entering to leaving; who comes back later is another track of the same person.
+/// One person from entering to leaving. A later return is another track of the same person.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Track {
     /// The person's number in the file.
@@ -80,22 +80,22 @@ pub struct Report {
     pub contradictions: usize,
     /// Whether rows were not in order.
     pub unsorted: bool,
-    /// Times somebody was away for a while and came back.
+    /// Absences: gaps after which the same person came back.
     pub absences: usize,
     /// Frames missing within tracks, filled in along the path.
     pub gaps: usize,
     /// The longest time within a track without a sample, s.
     pub longest_gap: f64,
-    /// Fastest anybody moves between two samples, m/s.
+    /// Greatest speed between two samples, m/s.
     pub fastest: f64,
-    /// Half of the steps between two samples are faster, m/s; `None`: nobody is seen twice.
+    /// Median speed between two samples, m/s; `None` where no person has two samples.
     pub median_speed: Option<f64>,
     /// What else was inferred.
     pub notes: Vec<String>,
 }
 
 impl Trajectories {
-    /// From the first to the last moment anybody is there, s.
+    /// From the first to the last sample of all, s.
     pub fn seconds(&self) -> f64 {
         self.report.seconds
     }
@@ -215,7 +215,7 @@ fn cut(found: &Found, measures: Measures, options: &Options, report: &mut Report
     tracks
 }
 
-/// Refuses a recording of people who are faster than people: its columns, rate or unit are not what they were taken for.
+/// Refuses a recording whose people are faster than people walk: its columns, rate or unit were misread.
 fn check_speed(path: &Path, report: &Report, options: &Options) -> Result<(), Error> {
     let Some(speed) = report.median_speed.filter(|speed| *speed > MAX_MEDIAN_SPEED && !options.accept_speed)
     else {

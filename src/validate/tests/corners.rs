@@ -128,7 +128,7 @@ fn large(bench: &Bench<'_>) -> Result<(), Error> {
     let (right, left) = (Vec2::new(inner + WIDTH + 0.1, line), Vec2::new(inner - 0.1, line));
     let round = last(&crossings(&run.tracks, right, left), count);
     bench.never("outside", run.outside as usize, "places outside the walls", Origin::Ours);
-    // both straight ones at once: who is past the shorter line walks on to the longer one
+    // both straight ones at once: agents past the shorter line walk on to the longer one
     let [short, long] = [inner + ARM, inner + ARM + 0.5 * std::f32::consts::PI * WIDTH];
     let mut scene = corridor("straight", long + behind + 15.0, WIDTH, 600.0)?;
     scene.until = Some(1);

@@ -17,12 +17,12 @@ pub(super) const RIMEA_4: Test = Test {
     name: "rimea-4",
     title: "The more people to a square metre, the slower they walk, up to 6 people/m²",
     source: "After RiMEA 4.1.1, test 4 (p. 29)",
-    about: "The source has a corridor of 1,000 m by 10 m and no tolerance and no curve. Here all walk one way round a ring 75 m long and 3 m wide, \
-            then one of 0.8 m, too narrow to overtake, for 60 s after 10 s; density is people over its area, speed the mean along it. Judged: \
-            the speed rises from no density to the next by more than 0.01 m/s (where all are free it is the same but for rounding), and the \
-            greatest flow is 1.2 to 1.8 people/(m s), the spread of the literature (Zhang and Seyfried 2010). Weidmann's curve (1993) only \
-            verifies that `crowding`, which multiplies by it, does so: the deviation is shown and not judged. Recorded speeds judge it in \
-            juelich-corridor.",
+    about: "The source has a corridor of 1,000 m by 10 m, without tolerance or curve. Here all walk one way round a ring 75 m long \
+            and 3 m wide, then round one of 0.8 m, too narrow to overtake, for 60 s after 10 s. Density is people over the ring's \
+            area, speed the mean along it. Two values are judged. From one density to the next the speed rises by at most 0.01 m/s \
+            (free speeds differ by rounding). The greatest flow is 1.2 to 1.8 people/(m s), the spread of the literature (Zhang \
+            and Seyfried 2010). Weidmann's curve (1993) is shown and not judged, since `crowding` multiplies by it. In \
+            juelich-corridor recorded speeds judge.",
     run: ring_diagram,
     draws: Draws::TurnedSeeds,
     grows: true,
@@ -108,7 +108,7 @@ pub(super) const JUELICH_CORRIDOR: Test = Test {
     title: "Speed over density as in the corridor of Jülich",
     source: "Six recordings of uni-directional flow (Forschungszentrum Jülich)",
     about: "Experiments in a corridor 1.8 m wide; Voronoi density and speed in x 0 to 1.8 m, y -2 to 0 m, averaged in steps of 0.5 people/m². \
-            The ring is walked at the same density by people of the free speed of the experiment (its mean below 0.75 people/m²). Ours: \
+            In the ring, people with the free speed of the experiment (its mean below 0.75 people/m²) walk at the same density. Ours: \
             the mean difference over the steps is at most 20 % of the measured speed.",
     run: juelich,
     draws: Draws::Seeds,
@@ -125,7 +125,7 @@ fn measured(tracks: &Tracks) -> Vec<[f64; 2]> {
             .filter(|person| CORRIDOR.contains(person.1))
             .filter_map(|&(who, at)| tracks.velocity(frame, who, 0.4).map(|v| (at, -f64::from(v.y))))
             .collect();
-        // nobody there is no statement about speed
+        // an empty area says nothing about speed
         if people.iter().any(|(at, _)| MEASURED.contains(*at))
             && let Some((density, speed)) = voronoi(&people, CORRIDOR, MEASURED)
         {

@@ -103,7 +103,7 @@ pub(super) const RIMEA_9: Test = Test {
     source: "After RiMEA 3.0.0 and 4.1.1, test 9 (p. 34)",
     about: "With two of the four exits closed it takes approximately twice as long; the guideline has no bound, 1.6 to 2.4 times is \
             JuPedSim's. A hall of 30 m by 20 m (the figure of 4.1.1 has 20 m by 20 m); free speeds after Weidmann (1993), normal, 1.34 m/s, \
-            deviation 0.26. At what doors were measured to pass, 250 people take 90 to 146 s a door: shown.",
+            deviation 0.26. At the measured flows of doors, 250 people take 90 to 146 s a door: shown.",
     run: public_space,
     draws: Draws::TurnedSeeds,
     grows: true,
@@ -274,8 +274,8 @@ pub(super) const RIMEA_12B: Test = Test {
     name: "rimea-12b",
     title: "A long bottleneck takes no less time than a short one",
     source: "After RiMEA 4.1.1, tests 12b and 12d (p. 37 to 41)",
-    about: "100 people leave a room of 8 m by 5 m by a passage 1 m wide and 0.2 m, then 5 m long: the longer one is slower. By passages of \
-            0.8, 1.0 and 1.2 m, 0.3 m long: the wider one passes more people a second.",
+    about: "100 people leave a room of 8 m by 5 m by a passage 1 m wide and 0.2 m, then 5 m long: the longer one is slower. Of \
+            passages 0.8, 1.0 and 1.2 m wide and 0.3 m long, the wider one passes more people a second.",
     run: passages,
     draws: Draws::TurnedSeeds,
     grows: true,

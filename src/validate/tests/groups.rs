@@ -1,4 +1,4 @@
-//! People who belong together.
+//! Groups: people who belong together.
 
 use super::super::judge::{Bench, Criterion, Draws, Origin, Test};
 use super::super::measure::{Area, crossings_of, quantile};

@@ -47,7 +47,7 @@ fn order(run: &Run, frame: usize, first_west: u32, is_shuffled: bool) -> Option<
     (!found.is_empty()).then(|| mean(&found))
 }
 
-/// Changes who goes where by chance.
+/// Shuffles which agent goes where.
 #[allow(clippy::cast_possible_truncation, reason = "a few dozen people, hundreds of frames")]
 fn shuffle(people: &mut [(f64, f64)], frame: usize) {
     for i in (1..people.len()).rev() {
@@ -119,7 +119,7 @@ pub(super) const NIST_COUNTER_FLOW: Test = Test {
     title: "People who come the other way slow a crowd down, and none is stuck",
     source: "NIST Technical Note 1822, 2.8; ISO 20414, test 6; IMO test 8",
     about: "Two rooms of 10 m by 10 m, a passage of 2 m by 10 m between them; 100 people go over while 0, 10, 50, 100 come back. The time \
-            rises with those who come back; NIST states no figure. At the 1.0 to 1.5 people/(m s) of measured counter-flow (Jülich, \
+            rises with the number coming back; NIST states no figure. At the 1.0 to 1.5 people/(m s) of measured counter-flow (Jülich, \
             bi_corr_400_b_03; Zhang et al. 2012) 100 against 100 take 75 to 110 s. Ours: at most twice that, 200 s, 150 s with 50, and \
             all arrive.",
     run: counter_flow,
@@ -127,7 +127,7 @@ pub(super) const NIST_COUNTER_FLOW: Test = Test {
     grows: true,
 };
 
-/// How many come back, for a hundred who go over.
+/// Number of people coming back, for a hundred going over.
 const BACK: [usize; 4] = [0, 10, 50, 100];
 
 #[allow(clippy::cast_possible_truncation, reason = "some hundred people")]

@@ -37,9 +37,10 @@ pub const ALL: &[Test] = &[
 /// What is known of our crowd beyond a test's rows, by the test's name.
 pub(super) const KNOWN: &[(&str, &str)] = &[(
     "nist-counter-flow",
-    "In one run of fifty, in 240 others than these, two people stand in one another's way for good, at a corner of the passage. One \
-     inside wants out and is held by the wall beside it, one outside wants in and is held by the wall before it. Both slide along their \
-     walls, and who of them is ahead changes with that every second, so they push one another back and forth. Tried without success: a \
-     point of the way inside the mouth, and a tie that numbers decide. `patience` frees such pairs; it is off by default, since with it \
-     100 against 100 take about twice as long. Not tried: right of way by where the walls let people go, not by where they want to.",
+    "In one run of fifty (240 other runs than these) two people block each other for good at a corner of the passage. The \
+            one inside wants out, and the wall beside it holds it. The one outside wants in, and the wall before it holds it. Both \
+            slide along their walls. Their order changes with that every second, so they push each other back and forth. Tried \
+            without success: a point of the way inside the mouth, and a tie that numbers decide. `patience` frees such pairs; it \
+            is off by default, since with it 100 against 100 take about twice as long. Not tried: right of way by where the walls \
+            let people go, not by where they want to.",
 )];

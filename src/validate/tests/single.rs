@@ -53,9 +53,9 @@ pub(super) const RIMEA_7: Test = Test {
     title: "A population's speeds are distributed as its source says",
     source: "RiMEA 4.1.1, test 7 (p. 31); ISO 20414, test 5",
     about: "Five populations of 50 adults are drawn as a scenario's classes draw them, with the free speeds of Weidmann (1993): normal, \
-            1.34 m/s, deviation 0.26, cut at 0.5 and 2.2 m/s. Each person walks 30 m in a lane of their own. RiMEA asks that the \
-            distribution agrees with its source and has no bound; the bounds are those that JuPedSim tests ISO 20414 with: mean and \
-            deviation to 0.05 m/s, Kolmogorov-Smirnov p above 0.05. Also: everyone walks as fast as drawn, to 3 % (ours).",
+            1.34 m/s, deviation 0.26, cut at 0.5 and 2.2 m/s. Each person walks 30 m in a lane of their own. RiMEA demands that the distribution agrees with its source, without a bound. The bounds are those of JuPedSim's tests \
+            of ISO 20414: mean and deviation to 0.05 m/s, Kolmogorov-Smirnov p above 0.05. Ours: every person walks as fast as \
+            drawn, to 3 %.",
     run: population,
     draws: Draws::Seeds,
     grows: true,

@@ -14,10 +14,10 @@ pub(super) const UCY: Test = Test {
     name: "ucy",
     title: "Speeds and distances to the nearest other as in two streets that were filmed",
     source: "Recordings zara01 and students03 (Lerner et al. 2007)",
-    about: "Every 8 s of the film are walked again: everyone present begins where and as \
-            fast as they were, and goes to where they were 8 s later at their mean speed. Kolmogorov-Smirnov distances of speeds and of \
-            distances to the nearest other, over the same seconds. Reported, not judged: no published bound is known to us, \
-            and who stands and talks in the film is not told apart from who walks slowly. Walls and benches are left out.",
+    about: "Every 8 s of the film are walked again. Each person present begins at their place and speed in the film, and walks at \
+            their mean speed to their place 8 s later. Compared by Kolmogorov-Smirnov distances over the same seconds: speeds, and \
+            distances to the nearest other. The values are shown and not judged: we know of no published bound, and the comparison \
+            does not separate standing people from slow walkers. Walls and benches are left out.",
     run: ucy,
     draws: Draws::One,
     grows: false,
@@ -32,7 +32,7 @@ const APART: f32 = 60.0;
 struct Piece {
     /// Its first frame.
     first: usize,
-    /// Who, from where, to where.
+    /// Id, first and last place of each person.
     people: Vec<(u32, Vec2, Vec2)>,
 }
 
@@ -70,7 +70,7 @@ fn walk_again(bench: &Bench<'_>, film: &Tracks) -> Result<[[Vec<f64>; 2]; 2], Er
             let length = (PIECE as f64 * film.rate) as usize;
             let time = frames.count().min(length + 1).saturating_sub(1).max(1) as f32 / film.rate as f32;
             let speed = (from.distance(to) / time).clamp(0.02, 2.5);
-            // on beyond the goal, so that those who leave the film do not stop at its edge
+            // on beyond the goal, so that people leaving the film do not stop at its edge
             let goal = to + (to - from).normalize_or_zero() * speed * 4.0;
             scene.walkers.push(walker(from + origin(k), speed, vec![(goal + origin(k), RADIUS)]));
         }
@@ -81,7 +81,7 @@ fn walk_again(bench: &Bench<'_>, film: &Tracks) -> Result<[[Vec<f64>; 2]; 2], Er
     for piece in &pieces {
         let own = number..number + u32::try_from(piece.people.len()).unwrap_or(0);
         number = own.end;
-        // from 2 s on, once a second, those who are in the film
+        // from 2 s on, once a second, the people in the film
         for second in 2..PIECE {
             let in_film = piece.first + (second as f64 * film.rate).round() as usize;
             let in_run = ((second as f64) * run.tracks.rate).round() as usize;

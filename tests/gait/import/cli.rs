@@ -212,7 +212,7 @@ fn a_given_rate_corrects_what_the_header_states() {
 }
 
 #[test]
-fn labels_are_read_in_any_form_and_what_cannot_be_meant_is_told() {
+fn labels_are_read_in_any_form_and_unknown_words_are_errors() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     write("walk1.bvh", &walker::bvh(&Walker::default().take(4.0, 60.0), 100.0));

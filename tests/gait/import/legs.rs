@@ -9,7 +9,7 @@ use gaitway::gait::{Gait, Joint, JointSet, Pose, Recording, stride};
 use gaitway::library::GaitLibrary;
 use glam::Vec3;
 
-/// The markers of Plug-in Gait's lower body around the joints of a walker who goes towards +z.
+/// The markers of Plug-in Gait's lower body around the joints of a walker towards +z.
 pub(crate) fn lower_body(truth: &Recording) -> (Vec<String>, Vec<Vec<Vec3>>) {
     const MARKERS: [(&str, Joint, [f32; 3]); 14] = [
         ("LASI", Joint::Root, [0.125, 0.03, 0.09]),
@@ -79,7 +79,7 @@ fn a_c3d_of_the_lower_body_walks_with_the_upper_body_of_the_norm() {
     says(&take, "left is left");
     let gait = stride::best(&take).unwrap();
     check_legs(&gait, &walker);
-    // Without its unit, the size of the legs tells it.
+    // Without a unit in the file, the size of the legs gives it.
     let bytes = containers::c3d_points(&names, &frames, 60.0, 84, true, "?");
     let take = c3d::parse_c3d(&bytes, "legs.c3d", &Options::default()).unwrap().remove(0);
     says(&take, "millimetres, inferred");

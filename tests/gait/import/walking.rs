@@ -136,7 +136,7 @@ fn boxing_dancing_and_jumping_are_no_walks_and_the_message_names_the_measure() {
 }
 
 #[test]
-fn a_boxer_is_told_that_the_feet_do_not_pass_each_other() {
+fn the_error_for_a_boxer_says_that_the_feet_do_not_pass_each_other() {
     let boxer = OTHERS.iter().find(|other| other.name.starts_with("boxing forwards")).unwrap();
     let survey = stride::survey(&boxer.take(10.0, 60.0, 0.002)).unwrap();
     let steps = survey.reasons().into_iter().find_map(|(_, why)| match why {

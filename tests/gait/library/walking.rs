@@ -168,7 +168,7 @@ fn bodies_have_the_heights_of_people() {
         assert!((Body::mean(sex).height - height).abs() < 1e-9);
         let gait = walk(&WalkerStyle::preset(Emotion::Neutral, sex), "test").unwrap();
         let head = gait.poses.iter().map(|pose| pose[3].y).fold(0.0, f32::max);
-        // The head joint is at 0.91 of the height of someone who stands; ankles are at 0.042 of it.
+        // The head joint is at 0.91 of the height of a standing person; ankles are at 0.042 of it.
         let standing = (0.915 - 0.042) * height as f32;
         assert!(head < standing && head > standing - 0.04, "{sex}: head joint up to {head} of {standing}");
     }

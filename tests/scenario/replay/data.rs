@@ -120,7 +120,7 @@ fn crowds_of_others_are_read_the_right_way_round_and_at_their_own_rate() {
     }
 }
 
-/// The densest crowds at hand, their columns exchanged: what is told by the data must not depend on who comes first.
+/// The densest crowds at hand, with columns exchanged: what is inferred must not depend on the order of columns.
 #[test]
 fn dense_crowds_are_read_the_same_with_person_and_frame_exchanged() {
     let Some(folder) = data_set("crowd-juelich") else { return };

@@ -216,7 +216,7 @@ fn crowd(rate: f64, row: impl Fn(i64, i64, [f64; 4]) -> String) -> String {
 }
 
 #[test]
-fn frame_and_person_are_told_apart_whichever_comes_first() {
+fn frame_and_person_are_recognised_in_either_order() {
     // TrajNet and SGAN: a sample every 0.4 s, every tenth frame, first the frame
     let text =
         crowd(2.5, |id, sample, [x, y, ..]| format!("{}.0\t{id}.0\t{x:.3}\t{y:.3}\n", 780 + 10 * sample));
@@ -230,7 +230,7 @@ fn frame_and_person_are_told_apart_whichever_comes_first() {
     let text = crowd(2.5, |id, sample, [x, y, ..]| format!("{id} {sample} {x:.3} {y:.3}\n"));
     let found = plain("a.txt", &text);
     assert_eq!((found.tracks.len(), found.frame_rate, found.report.format), (4, 2.5, Format::Archive));
-    // a wrong order is refused, whoever says it
+    // a wrong order is refused, whether inferred or given
     let wrong: Columns = "frame,id,x,y".parse().unwrap();
     let error =
         of("a.txt", &text, &Options { columns: Some(wrong), frame_rate: Some(2.5), ..Options::default() })

@@ -43,7 +43,7 @@ impl Stage {
         Replay::time_of(step, self.scenario.navigation.time_step)
     }
 
-    /// Farthest that anybody is from where the recording says; everybody is there who is to be, and nobody else.
+    /// Greatest distance of a person from the recorded place. Exactly the recorded people are present.
     pub(crate) fn drift(&self, simulation: &mut Simulation) -> f32 {
         let time = self.time(simulation.steps_done());
         let store = simulation.state().unwrap();

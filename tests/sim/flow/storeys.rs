@@ -48,7 +48,7 @@ fn journey(stages: &str) -> String {
     format!("[[journeys]]\nname = \"go\"\nstages = [{stages}]\n")
 }
 
-/// Runs until all have come to the end of their way; the time that took, s, and how high who ever was, m.
+/// Runs until all have come to the end of their way. Returns the time taken, s, and the greatest height of each, m.
 fn arrive(scenario: &Scenario, most: f64) -> (f64, f32, Store) {
     let mut simulation = simulation(scenario, Backend::Cpu).unwrap();
     let mut highest = 0.0_f32;
@@ -94,7 +94,7 @@ fn a_goal_below_is_reached_under_the_bridge_without_going_up() {
     let (time, highest, _) = arrive(&hall(2, 8, &text).unwrap(), 30.0);
     println!("under the bridge in {time} s, at most {highest} m high");
     assert!(time < 20.0 && highest < 1e-3, "{time} s, {highest} m high");
-    // nor does a goal on the deck count for who stands below it
+    // nor does a goal on the deck count for agents below it
     let text = spawn([2.0, 4.0], [-8.0, -5.0], "")
         + &stage("deck", "goal", [3.0, 0.0], "elevation = 3.0")
         + &journey("\"deck\"");
@@ -161,7 +161,7 @@ fn a_storey_that_no_ramp_leads_to_is_an_error_that_says_so() {
     for part in ["\"there\"", "(-8.00, 4.00) m (6.00 m high)", "cannot be reached", "no ramp"] {
         assert!(said.contains(part), "{part}: {said}");
     }
-    // somebody up there who is to come down
+    // an agent up there that is to come down
     let down = spawn([-11.0, -3.0], [2.7, 5.3], "elevation = 6.0") + &journey("\"there\"");
     let lonely = format!("[[floors]]\n{}\n{down}{}", STOREYS[3], stage("there", "exit", [15.0, 0.0], ""));
     let said = refused(2, lonely);
