@@ -104,7 +104,8 @@ fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usiz
         }
         seen += 1;
         if is_last || (demoted && b.frame.level_count == 1) {
-            if b.frame.level_distance[3] > 0.0 {
+            let [.., lod3_distance] = b.frame.level_distance;
+            if lod3_distance > 0.0 {
                 bucket = b.frame.bucket_count + bucket / b.frame.level_count;
                 b.agent_bucket[agent] = bucket;
                 counts[bucket as usize] += 1;

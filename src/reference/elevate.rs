@@ -14,7 +14,7 @@ pub fn elevate(b: Slices<'_>) {
     let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
     b.elevation[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(|(agent, elevation)| {
         if !is_absent(b.position[agent]) {
-            *elevation = standing(floors, b.position[agent], *elevation)[0];
+            [*elevation, _] = standing(floors, b.position[agent], *elevation);
         }
     });
 }
@@ -24,11 +24,12 @@ pub fn elevate(b: Slices<'_>) {
 pub fn standing(floors: &[[f32; 4]], at: [f32; 2], present: f32) -> [f32; 2] {
     let (mut nearest, mut found) = (STEP, [0.0; 2]);
     for floor in floors.chunks_exact(FLOOR_STRIDE) {
-        if floor[1..].iter().all(|side| dot2([side[0], side[1]], at) + side[2] >= -EDGE) {
-            let here = dot2([floor[0][0], floor[0][1]], at) + floor[0][2];
+        let Some((&[a, b, c, sheet], edges)) = floor.split_first() else { continue };
+        if edges.iter().all(|&[n, m, d, _]| dot2([n, m], at) + d >= -EDGE) {
+            let here = dot2([a, b], at) + c;
             let off = (here - present).abs();
             if off < nearest {
-                (nearest, found) = (off, [here, floor[0][3]]);
+                (nearest, found) = (off, [here, sheet]);
             }
         }
     }

@@ -30,23 +30,23 @@ pub fn scale3(a: [f32; 3], s: f32) -> [f32; 3] {
 }
 
 /// a + b.
-pub fn add4(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
-    [a[0] + b[0], a[1] + b[1], a[2] + b[2], a[3] + b[3]]
+pub fn add4([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32; 4] {
+    [ax + bx, ay + by, az + bz, aw + bw]
 }
 
 /// a times s.
-pub fn scale4(a: [f32; 4], s: f32) -> [f32; 4] {
-    [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
+pub fn scale4([x, y, z, w]: [f32; 4], s: f32) -> [f32; 4] {
+    [x * s, y * s, z * s, w * s]
 }
 
 /// -a.
-pub fn negate4(a: [f32; 4]) -> [f32; 4] {
-    [-a[0], -a[1], -a[2], -a[3]]
+pub fn negate4([x, y, z, w]: [f32; 4]) -> [f32; 4] {
+    [-x, -y, -z, -w]
 }
 
 /// The first three components.
-pub fn xyz(a: [f32; 4]) -> [f32; 3] {
-    [a[0], a[1], a[2]]
+pub fn xyz([x, y, z, _]: [f32; 4]) -> [f32; 3] {
+    [x, y, z]
 }
 
 /// Dot product.
@@ -60,22 +60,22 @@ pub fn cross3(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
 }
 
 /// Dot product.
-pub fn dot4(a: [f32; 4], b: [f32; 4]) -> f32 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+pub fn dot4([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> f32 {
+    ax * bx + ay * by + az * bz + aw * bw
 }
 
 /// The inverse of a unit quaternion.
-pub fn quat_conjugate(q: [f32; 4]) -> [f32; 4] {
-    [-q[0], -q[1], -q[2], q[3]]
+pub fn quat_conjugate([x, y, z, w]: [f32; 4]) -> [f32; 4] {
+    [-x, -y, -z, w]
 }
 
 /// First b, then a.
-pub fn quat_mul(a: [f32; 4], b: [f32; 4]) -> [f32; 4] {
+pub fn quat_mul([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32; 4] {
     [
-        a[3] * b[0] + a[0] * b[3] + a[1] * b[2] - a[2] * b[1],
-        a[3] * b[1] - a[0] * b[2] + a[1] * b[3] + a[2] * b[0],
-        a[3] * b[2] + a[0] * b[1] - a[1] * b[0] + a[2] * b[3],
-        a[3] * b[3] - a[0] * b[0] - a[1] * b[1] - a[2] * b[2],
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+        aw * bw - ax * bx - ay * by - az * bz,
     ]
 }
 
@@ -84,17 +84,18 @@ pub fn quat_normalize(q: [f32; 4]) -> [f32; 4] {
     let square = dot4(q, q);
     if square > 1e-12 {
         let length = square.sqrt();
-        return [q[0] / length, q[1] / length, q[2] / length, q[3] / length];
+        return q.map(|part| part / length);
     }
     [0.0, 0.0, 0.0, 1.0]
 }
 
 /// v turned by the unit quaternion q.
 pub fn quat_rotate(q: [f32; 4], v: [f32; 3]) -> [f32; 3] {
-    let axis = xyz(q);
+    let [x, y, z, w] = q;
+    let axis = [x, y, z];
     let t = cross3(axis, v);
     let twice = add3(t, t);
-    add3(add3(v, scale3(twice, q[3])), cross3(axis, twice))
+    add3(add3(v, scale3(twice, w)), cross3(axis, twice))
 }
 
 /// From a to b along the shorter way, not normalised.
@@ -121,15 +122,15 @@ pub fn turn_left([s, c]: [f32; 2], v: [f32; 3]) -> [f32; 3] {
 }
 
 /// q, then turned to the left about y by `yaw` radians.
-pub fn quat_before_yaw(yaw: f32, q: [f32; 4]) -> [f32; 4] {
+pub fn quat_before_yaw(yaw: f32, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
     let [s, c] = sin_cos(yaw * 0.5);
-    [c * q[0] + s * q[2], c * q[1] + s * q[3], c * q[2] - s * q[0], c * q[3] - s * q[1]]
+    [c * x + s * z, c * y + s * w, c * z - s * x, c * w - s * y]
 }
 
 /// Turned to the left about y by `yaw` radians, then q.
-pub fn quat_after_yaw(q: [f32; 4], yaw: f32) -> [f32; 4] {
+pub fn quat_after_yaw([x, y, z, w]: [f32; 4], yaw: f32) -> [f32; 4] {
     let [s, c] = sin_cos(yaw * 0.5);
-    [q[0] * c - q[2] * s, q[1] * c + q[3] * s, q[2] * c + q[0] * s, q[3] * c - q[1] * s]
+    [x * c - z * s, y * c + w * s, z * c + x * s, w * c - y * s]
 }
 
 /// The rotation of a matrix given by rows, which may carry one scale for all axes.

@@ -9,6 +9,7 @@ pub fn stand(b: Slices<'_>) {
     let Slices { visible, elevation, appearance, local_rotations } = b;
     for (agent, pose) in visible_agents(visible).iter().zip(local_rotations.chunks_mut(POSE_STRIDE)) {
         let agent = *agent as usize;
-        pose[JOINTS][1] += elevation[agent] / appearance[agent].scale;
+        let [_, height, ..] = &mut pose[JOINTS];
+        *height += elevation[agent] / appearance[agent].scale;
     }
 }
