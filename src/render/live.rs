@@ -2,7 +2,7 @@
 //! is one submission, from the newest snapshot to the last pixel.
 
 use super::show::{READ, animation, check, kernels, no_failures, surface};
-use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, View};
+use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, Target, View};
 use crate::gpu::{Device, Engine};
 use crate::kernels::{BufferId, Store};
 use crate::scenario::EnvironmentMesh;
@@ -10,8 +10,17 @@ use crate::sim::bodies::MeshBuffers;
 use glam::Vec3;
 use std::sync::Arc;
 
+/// The times of a frame.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct DrawTimes {
+    /// When the crowd was as it is shown, s of the clock of [`Show::take`].
+    pub(crate) shown: f64,
+    /// Time since the frame before, s.
+    pub(crate) seconds: f32,
+}
+
 impl Show {
-    /// A show on a device of somebody else's, of a crowd that is simulated elsewhere: [`Show::take`] brings its snapshots.
+    /// A show on a device of the caller, of a crowd that is simulated elsewhere: [`Show::take`] brings its snapshots.
     pub(crate) fn on_device(
         device: &Arc<Device>,
         store: &Store,
@@ -58,16 +67,16 @@ impl Show {
         Ok(())
     }
 
-    /// Draws the crowd as it was at `shown`, s of the clock of [`Show::take`], between the snapshots taken last, into an
-    /// image of one layer per eye, `seconds` after the picture before; copies it to the host if that is wanted.
+    /// Draws the crowd at a time between the snapshots taken last into images of the caller; returns the copy that `target`
+    /// asks for.
     pub(crate) fn draw_into(
         &mut self,
         view: &View,
         user_eyes: Vec3,
-        (shown, seconds): (f64, f32),
-        image: (ash::vk::Image, ash::vk::ImageView),
-        is_wanted: bool,
+        times: DrawTimes,
+        target: &Target,
     ) -> Result<Option<Image>, crate::Error> {
+        let DrawTimes { shown, seconds } = times;
         let time = self.time.unwrap_or(0.0) + f64::from(seconds);
         self.time = Some(time);
         let frame = self.frame_of(view, Some(user_eyes), seconds, time);
@@ -78,12 +87,11 @@ impl Show {
         animator.want_report(&words, &[BufferId::Failure])?;
         let crowd = CrowdBuffers::of(animator)?;
         let before = |commands| Ok(animator.encode(commands, &ops, contents)?);
-        let image = self.renderer.draw_into(view, Some(&crowd), image, is_wanted, before).map_err(
-            |error| match error {
-                Error::Gpu(error) => Error::Gpu(Engine::named(error, &ops)),
-                other => other,
-            },
-        )?;
+        let drawn = self.renderer.draw_into(view, Some(&crowd), target, before);
+        let image = drawn.map_err(|error| match error {
+            Error::Gpu(error) => Error::Gpu(Engine::named(error, &ops)),
+            other => other,
+        })?;
         animator.encoded();
         animator.report(&mut words);
         check(&words)?;
@@ -94,7 +102,7 @@ impl Show {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 mod tests {
-    use super::super::target::{COLOR_FORMAT, GpuImage};
+    use super::super::target::{COLOR_FORMAT, GpuImage, ImageSpec};
     use super::super::{Camera, View};
     use super::*;
     use crate::avatar::{self, Sex};
@@ -106,6 +114,18 @@ mod tests {
     use ash::vk;
 
     const SIDE: u32 = 64;
+
+    fn image(device: &Arc<Device>) -> GpuImage {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let spec = ImageSpec { layers: 2, usage, ..ImageSpec::flat("test", [SIDE; 2], COLOR_FORMAT) };
+        GpuImage::readable(device, spec).unwrap()
+    }
+
+    fn target(image: &GpuImage, is_copied: bool) -> Target {
+        Target { image: image.raw, view: image.view, depth: None, is_copied }
+    }
+
+    const TIMES: DrawTimes = DrawTimes { shown: 9.0, seconds: 0.02 };
 
     fn crowd(agents: u32) -> (Store, MeshBuffers, EnvironmentMesh) {
         let library = GaitLibrary::built_in().unwrap();
@@ -122,8 +142,7 @@ mod tests {
     #[test]
     fn a_picture_is_one_submission_and_brings_a_new_moment_and_nothing_else() {
         let Some(device) = for_tests::device() else { return };
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
+        let image = image(&device);
         let camera = Camera::look_at(Vec3::new(0.0, 30.0, 20.0), Vec3::ZERO, Vec3::Y);
         let view = View { eye_count: 2, ..View::mono(&camera, SIDE, SIDE) };
         for agents in [30, 300] {
@@ -137,8 +156,7 @@ mod tests {
                 let before = device.submissions();
                 show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), bytes, "{agents}, {number}");
-                let (image, is_wanted) = ((image.raw, image.view), true);
-                let drawn = show.draw_into(&view, Vec3::Y, (9.0, 0.02), image, is_wanted).unwrap();
+                let drawn = show.draw_into(&view, Vec3::Y, TIMES, &target(&image, true)).unwrap();
                 assert_eq!(device.submissions() - before, 1, "{agents}, {number}");
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), 0);
                 pictures.push(drawn.unwrap());
@@ -160,14 +178,13 @@ mod tests {
     #[test]
     fn failures_that_kernels_report_end_the_show() {
         let Some(device) = for_tests::device() else { return };
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let image = GpuImage::readable(&device, "test", ([SIDE; 2], 2), COLOR_FORMAT, usage).unwrap();
+        let image = image(&device);
         let view = View { eye_count: 2, ..View::mono(&Camera::user_eyes(Vec3::Y, 0.0, 0.0), SIDE, SIDE) };
         let (mut store, meshes, scenery) = crowd(9);
         store.failure[crate::kernels::KernelId::Cull as usize] = 7;
         let settings = Settings { eyes: 2, ..Settings::sized(SIDE, SIDE) };
         let mut show = Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
-        let error = show.draw_into(&view, Vec3::Y, (0.0, 0.02), (image.raw, image.view), false).unwrap_err();
+        let error = show.draw_into(&view, Vec3::Y, TIMES, &target(&image, false)).unwrap_err();
         assert!(error.to_string().contains("cull") && error.to_string().contains('7'), "{error}");
     }
 }

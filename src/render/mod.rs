@@ -6,27 +6,23 @@
 //! Depth is reversed (1 near, 0 infinitely far), clip space is Vulkan's (y down), matrices are `clip_from_world`.
 
 mod atmosphere;
+mod attachments;
 pub mod camera;
+mod commands;
 mod crowd;
-mod draws;
 #[cfg(feature = "xr")]
 mod faces;
-#[cfg(feature = "xr")]
-mod lens;
+mod frame;
 #[cfg(feature = "xr")]
 mod live;
-mod occlusion;
-mod outsiders;
-mod parts;
+mod meshes;
+mod passes;
 mod pipelines;
-mod record;
 mod renderer;
-mod scene;
 mod settings;
-mod shadow;
 pub mod show;
-#[cfg(feature = "xr")]
-mod shrink;
+mod sun;
+mod surface;
 mod target;
 mod uniforms;
 mod user;
@@ -38,14 +34,20 @@ pub use camera::{Camera, View};
 pub use crowd::CrowdBuffers;
 #[cfg(feature = "xr")]
 pub use faces::Face;
+#[cfg(feature = "xr")]
+pub(crate) use live::DrawTimes;
 pub use renderer::Renderer;
-pub use scene::Surface;
+#[cfg(any(feature = "xr", feature = "view"))]
+pub(crate) use renderer::Target;
 pub use settings::{Markers, Settings, Stereo};
 pub use show::Show;
+pub use surface::Surface;
 #[cfg(feature = "xr")]
 pub(crate) use target::DEPTH_FORMAT;
-#[cfg(feature = "view")]
-pub(crate) use target::{COLOR_FORMAT, GpuImage, Readback, Transition, corners, first_layer};
+#[cfg(any(feature = "xr", feature = "view"))]
+pub(crate) use target::{
+    COLOR_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Transition, corners, first_layer,
+};
 pub use user::{Hand, HandKind, JOINTS, Joints, Teleport, User};
 
 /// Drawing failed.

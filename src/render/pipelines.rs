@@ -1,6 +1,7 @@
-//! Draw shaders as pipelines: descriptor sets filled by the names of the bindings.
+//! Draw shaders as pipelines. Descriptor sets are filled by the names of the bindings.
 
 use super::Error;
+use super::attachments::Format;
 use super::target::DEPTH_FORMAT;
 use crate::gpu::{self, Device, call};
 use crate::kernels::{DrawBindingKind, DrawShader};
@@ -21,14 +22,81 @@ pub(crate) enum Resource {
     Sampler(vk::Sampler),
 }
 
-/// A draw shader with its layout and a descriptor set for every pass.
+/// What the pipelines of all passes have in common.
+pub(super) struct Setup<'a> {
+    pub(super) device: &'a Arc<Device>,
+    pub(super) format: Format,
+    pub(super) view_mask: u32,
+    pub(super) eye_passes: u32,
+}
+
+impl Setup<'_> {
+    pub(super) fn program(&self, shader: &'static DrawShader) -> Result<Program, Error> {
+        Program::new(self.device, shader, self.eye_passes)
+    }
+
+    /// Closed bodies: what faces away is not drawn.
+    pub(super) fn solid(&self, vertex: &'static str, fragment: &'static str) -> PipelineSpec {
+        PipelineSpec {
+            vertex,
+            fragment: Some(fragment),
+            samples: self.format.samples,
+            color_format: self.format.color,
+            view_mask: self.view_mask,
+            cull: vk::CullModeFlags::BACK,
+            compare: vk::CompareOp::GREATER, // reversed depth: nearer is larger
+            write_depth: true,
+            has_depth: true,
+            blend: false,
+            covers: false,
+        }
+    }
+
+    /// Solids of which both sides are drawn.
+    pub(super) fn two_sided(&self, vertex: &'static str, fragment: &'static str) -> PipelineSpec {
+        PipelineSpec { cull: vk::CullModeFlags::NONE, ..self.solid(vertex, fragment) }
+    }
+
+    /// Depth only, on the shadow map. Both sides cast shadows: no surface needs to be closed.
+    pub(super) fn shadow(&self, vertex: &'static str) -> PipelineSpec {
+        PipelineSpec {
+            fragment: None,
+            samples: vk::SampleCountFlags::TYPE_1,
+            view_mask: 0,
+            cull: vk::CullModeFlags::NONE,
+            ..self.solid(vertex, "")
+        }
+    }
+
+    /// Colour that leaves the depth as it is.
+    pub(super) fn flat(
+        &self,
+        vertex: &'static str,
+        fragment: &'static str,
+        compare: vk::CompareOp,
+    ) -> PipelineSpec {
+        PipelineSpec { write_depth: false, compare, ..self.two_sided(vertex, fragment) }
+    }
+
+    /// The same, blended over what is there.
+    pub(super) fn blended(
+        &self,
+        vertex: &'static str,
+        fragment: &'static str,
+        compare: vk::CompareOp,
+    ) -> PipelineSpec {
+        PipelineSpec { blend: true, ..self.flat(vertex, fragment, compare) }
+    }
+}
+
+/// A draw shader with its layout and a descriptor set for every eye pass.
 pub(crate) struct Program {
     device: Arc<Device>,
     shader: &'static DrawShader,
     set_layout: vk::DescriptorSetLayout,
     pub(crate) layout: vk::PipelineLayout,
     pool: vk::DescriptorPool,
-    pub(crate) sets: Vec<vk::DescriptorSet>,
+    sets: Vec<vk::DescriptorSet>,
     pipelines: Vec<vk::Pipeline>,
 }
 
@@ -64,9 +132,9 @@ impl Program {
     pub(crate) fn new(
         device: &Arc<Device>,
         shader: &'static DrawShader,
-        passes: usize,
+        eye_passes: u32,
     ) -> Result<Self, Error> {
-        let count = u32::try_from(passes).unwrap_or(1).max(1);
+        let count = eye_passes.max(1);
         let mut program = Self {
             device: device.clone(),
             shader,
@@ -123,21 +191,25 @@ impl Program {
         Ok(program)
     }
 
-    /// The set of a pass.
-    pub(crate) fn set(&self, pass: usize) -> vk::DescriptorSet {
-        self.sets.get(pass).copied().unwrap_or_default()
+    /// The descriptor set of an eye pass.
+    pub(crate) fn set(&self, eye_pass: usize) -> vk::DescriptorSet {
+        self.sets.get(eye_pass).copied().unwrap_or_default()
     }
 
-    /// Fills every binding of a pass with what `resource` gives for its name.
+    /// Fills every binding of an eye pass with what `resource` gives for its name.
     ///
     /// The set must not be in use: every submission of the renderer is waited for.
-    pub(crate) fn bind(&self, pass: usize, resource: impl Fn(&str) -> Option<Resource>) -> Result<(), Error> {
+    pub(crate) fn bind(
+        &self,
+        eye_pass: usize,
+        resource: impl Fn(&str) -> Option<Resource>,
+    ) -> Result<(), Error> {
         for binding in self.shader.bindings {
             let Some(resource) = resource(binding.name) else {
                 return Err(Error::NoBuffer { shader: self.shader.name, binding: binding.name });
             };
             let write = vk::WriteDescriptorSet::default()
-                .dst_set(self.set(pass))
+                .dst_set(self.set(eye_pass))
                 .dst_binding(binding.index)
                 .descriptor_type(descriptor_type(binding.kind));
             let (buffer, image);

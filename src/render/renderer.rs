@@ -1,89 +1,108 @@
-//! The renderer: what is drawn, into what, and pictures of it.
+//! The renderer: what is drawn, into what, in which order.
 
 use super::atmosphere::Atmosphere;
+use super::attachments::{
+    Attachments, EyeTarget, EyeViews, Format, Part, begin_depth_target, eye_passes, samples, stereo,
+    view_mask,
+};
 use super::camera::View;
-use super::occlusion::Occlusion;
-use super::outsiders::Outsiders;
+use super::commands::{Commands, Submitter};
+use super::crowd::CrowdBuffers;
+use super::frame::{self, DrawnCrowd, Frame, Shared};
+use super::meshes::{CrowdMeshes, FarLod};
 use super::pack::MeshBuffers;
-use super::parts::{Attachments, Pipelines, Programs, attachments, pipelines, samples, stereo};
-use super::record::Output;
-use super::scene::{self, Surface};
-use super::settings::{Markers, Settings, Stereo};
-#[cfg(any(feature = "xr", feature = "view"))]
-use super::target::Transition;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, Readback, layer_view};
-use super::{CrowdBuffers, Error, Image, User};
-use crate::gpu::{Buffer, Device, Memory, call};
-use crate::kernels::layout::{UserUniforms, ViewUniforms};
+#[cfg(feature = "xr")]
+use super::passes::MaskPass;
+use super::passes::{
+    CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass, ShadowPass,
+    SkyPass, UserPass,
+};
+use super::pipelines::Setup;
+use super::settings::{Markers, Settings};
+use super::surface::Surface;
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Transition};
+use super::uniforms::ViewBuffers;
+use super::user::User;
+use super::{Error, Image};
+use crate::gpu::Device;
 use ash::vk;
 use std::sync::Arc;
+use vk::PipelineStageFlags2 as Stage;
 
-/// Vertices and indices on the device.
-#[derive(Debug)]
-pub(crate) struct Environment {
-    pub(crate) vertices: Buffer,
-    pub(crate) indices: Buffer,
-    pub(crate) index_count: u32,
+/// Images of the caller that a frame is drawn into, of one layer for each eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Target {
+    pub(crate) image: vk::Image,
+    /// A view of all layers of the image.
+    pub(crate) view: vk::ImageView,
+    /// Where the depth goes, if the caller wants it; in the layout of a depth attachment afterwards.
+    pub(crate) depth: Option<vk::Image>,
+    /// Whether the colour is copied to the host.
+    pub(crate) is_copied: bool,
 }
 
-/// What the crowd's meshes look like to the renderer.
-#[derive(Debug)]
-pub(crate) struct CrowdMeshes {
-    pub(crate) indices: Buffer,
-    /// `vec4<f32> [clip]`, see [`MeshBuffers::postures`].
-    pub(crate) postures: Buffer,
-    pub(crate) bucket_count: u32,
-    pub(crate) level_count: u32,
-    /// Buckets of far bodies, behind the others.
-    pub(crate) far_count: u32,
-    /// What bodies of each bucket stay within, see [`MeshBuffers::bounds`].
-    pub(crate) bounds: Vec<[[f32; 4]; 2]>,
+/// What a frame is drawn into.
+#[derive(Debug, Clone, Copy)]
+struct Output {
+    image: vk::Image,
+    depth: Option<vk::Image>,
+    /// What each eye pass draws into.
+    eyes: [EyeTarget; 2],
+    /// Stage that used the image last, or that waits for it.
+    before: Stage,
+    /// How the image is used next.
+    after: ImageUse,
 }
 
 /// Draws a crowd and its environment.
+///
+/// ```no_run
+/// use gaitway::gpu::{Device, Validation};
+/// use gaitway::render::{Camera, Renderer, Settings, Surface, View};
+/// use glam::Vec3;
+///
+/// # fn main() -> Result<(), gaitway::Error> {
+/// let device = Device::open(None, Validation::Off)?;
+/// let mut renderer = Renderer::new(&device, Settings::sized(640, 480))?;
+/// let floor = [Vec3::ZERO, Vec3::Z, Vec3::X];
+/// renderer.set_environment(&[Surface {
+///     positions: &floor,
+///     normals: &[Vec3::Y; 3],
+///     colors: &[Vec3::ONE; 3],
+///     layers: &[],
+///     indices: &[0, 1, 2],
+/// }])?;
+/// let camera = Camera::look_at(Vec3::new(2.0, 1.7, 2.0), Vec3::ZERO, Vec3::Y);
+/// let image = renderer.draw(&View::mono(&camera, 640, 480), None)?;
+/// assert_eq!((image.width, image.height), (640, 480));
+/// # Ok(())
+/// # }
+/// ```
 pub struct Renderer {
-    /// Leaves out who is hidden, where that is wanted and the device can; goes before the images it reads.
-    pub(crate) occlusion: Option<Occlusion>,
-    pub(crate) attachments: Attachments,
-    /// The picture of [`Renderer::draw`] and where the host reads it; made when first needed.
+    shadow: ShadowPass,
+    #[cfg(feature = "xr")]
+    mask: Option<MaskPass>,
+    user: UserPass,
+    crowd: CrowdPass,
+    outsiders: OutsiderPass,
+    environment: EnvironmentPass,
+    /// Goes before the attachments, which it reads.
+    occlusion: Option<OcclusionPass>,
+    far: FarPass,
+    sky: SkyPass,
+    markers: MarkerPass,
+    meshes: Option<CrowdMeshes>,
+    uniforms: ViewBuffers,
+    attachments: Attachments,
+    eye_views: EyeViews,
+    /// The image of [`Renderer::draw`] and where the host reads it; made when first needed.
     offscreen: Option<(GpuImage, Readback)>,
-    /// Views of the layers of images that were drawn into one eye after the other.
-    layer_views: Vec<(vk::Image, [vk::ImageView; 2])>,
-    /// Where the host reads pictures that were drawn into somebody else's image; made when first needed.
+    /// Where the host reads frames that were drawn into images of the caller; made when first needed.
     #[cfg(any(feature = "xr", feature = "view"))]
-    shot: Option<Readback>,
-    /// What the lenses of a headset hide.
-    #[cfg(feature = "xr")]
-    pub(super) mask: Option<super::lens::Mask>,
-    /// Where the next picture's depth goes.
-    #[cfg(feature = "xr")]
-    pub(super) depth_output: Option<super::lens::DepthOutput>,
-    /// Views of such images.
-    #[cfg(feature = "xr")]
-    pub(super) depth_views: Vec<super::lens::DepthOutput>,
-    /// A small copy of the picture; made when first needed.
-    #[cfg(feature = "xr")]
-    pub(super) small: Option<super::shrink::Small>,
-    pub(crate) shadow_map: GpuImage,
-    pub(crate) shadow_size: u32,
-    pub(crate) sampler: vk::Sampler,
-    /// Parameters of the shaders, of every pass.
-    pub(crate) uniforms: Vec<Buffer>,
-    /// What pictures show of the user.
-    pub(crate) user: User,
-    pub(crate) user_uniforms: Buffer,
-    pub(crate) environment: Option<Environment>,
-    pub(super) outsiders: Option<Outsiders>,
-    pub(crate) meshes: Option<CrowdMeshes>,
-    pub(crate) programs: Programs,
-    pub(crate) pipelines: Pipelines,
-    pub(crate) settings: Settings,
-    samples: vk::SampleCountFlags,
-    color_format: vk::Format,
-    pool: vk::CommandPool,
-    commands: vk::CommandBuffer,
-    fence: vk::Fence,
-    pub(crate) device: Arc<Device>,
+    copy: Option<Readback>,
+    format: Format,
+    settings: Settings,
+    submitter: Submitter,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -93,7 +112,7 @@ impl std::fmt::Debug for Renderer {
 }
 
 impl Renderer {
-    /// Makes pipelines and images for pictures as in `settings`.
+    /// Makes pipelines and images for frames as in `settings`.
     ///
     /// # Errors
     /// When the size is beyond the device, memory is short or a call fails.
@@ -101,115 +120,62 @@ impl Renderer {
         Self::with_format(device, settings, COLOR_FORMAT)
     }
 
-    /// The same for output images of another format (a window's or a headset's).
+    /// Like [`Renderer::new`], for output images of another format (a window's or a headset's).
     pub(crate) fn with_format(
         device: &Arc<Device>,
         settings: Settings,
-        color_format: vk::Format,
+        color: vk::Format,
     ) -> Result<Self, Error> {
-        let samples = samples(device, settings.samples);
+        let format = Format { samples: samples(device, settings.samples), color };
         let largest = device.limits.max_image_dimension2_d.min(16_384);
         let settings = Settings {
             eyes: settings.eyes.clamp(1, 2),
             stereo: stereo(device, &settings),
-            samples: samples.as_raw(),
+            samples: format.samples.as_raw(),
             shadow_size: settings.shadow_size.min(largest),
             ..settings
         };
-        let attachments = attachments(device, &settings, samples, color_format)?;
-        let occlusion = Occlusion::new(device, &settings, &attachments)?;
-        let shadow_size = settings.shadow_size.max(1); // without shadows, one texel that is always lit
-        let shadow_map = GpuImage::new(
-            device,
-            ImageSpec {
-                name: "shadow_map",
-                extent: vk::Extent2D { width: shadow_size, height: shadow_size },
-                layers: 1,
-                format: DEPTH_FORMAT,
-                samples: vk::SampleCountFlags::TYPE_1,
-                usage: vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED,
-            },
-        )?;
-        let passes = if settings.stereo == Stereo::TwoPasses { settings.eyes } else { 1 };
-        let mut programs = Programs::new(device, passes as usize)?;
-        let pipelines = pipelines(&mut programs, &settings, samples, color_format)?;
-        let size = size_of::<ViewUniforms>() as u64;
-        let uniforms = (0..passes).map(|_| Buffer::new(device, "view", size, Memory::Device));
-        let uniforms = uniforms.collect::<Result<_, _>>()?;
-        let mut renderer = Self {
-            occlusion,
-            attachments,
-            offscreen: None,
-            layer_views: Vec::new(),
-            #[cfg(any(feature = "xr", feature = "view"))]
-            shot: None,
+        let attachments = Attachments::new(device, &settings, format)?;
+        let setup = setup(device, format, &settings);
+        Ok(Self {
+            shadow: ShadowPass::new(device, settings.shadow_size)?,
             #[cfg(feature = "xr")]
             mask: None,
-            #[cfg(feature = "xr")]
-            depth_output: None,
-            #[cfg(feature = "xr")]
-            depth_views: Vec::new(),
-            #[cfg(feature = "xr")]
-            small: None,
-            shadow_map,
-            shadow_size,
-            sampler: vk::Sampler::null(),
-            uniforms,
-            user: User::default(),
-            user_uniforms: Buffer::new(device, "user", size_of::<UserUniforms>() as u64, Memory::Device)?,
-            environment: None,
-            outsiders: None,
+            user: UserPass::new(&setup)?,
+            crowd: CrowdPass::new(&setup)?,
+            outsiders: OutsiderPass::new(&setup)?,
+            environment: EnvironmentPass::new(&setup)?,
+            occlusion: OcclusionPass::new(device, &settings, &attachments)?,
+            far: FarPass::new(&setup)?,
+            sky: SkyPass::new(&setup)?,
+            markers: MarkerPass::new(&setup)?,
             meshes: None,
-            programs,
-            pipelines,
+            uniforms: ViewBuffers::new(device, eye_passes(&settings))?,
+            attachments,
+            eye_views: EyeViews::new(device),
+            offscreen: None,
+            #[cfg(any(feature = "xr", feature = "view"))]
+            copy: None,
+            format,
             settings,
-            samples,
-            color_format,
-            pool: vk::CommandPool::null(),
-            commands: vk::CommandBuffer::null(),
-            fence: vk::Fence::null(),
-            device: device.clone(),
-        };
-        renderer.make_commands()?;
-        Ok(renderer)
-    }
-
-    fn make_commands(&mut self) -> Result<(), Error> {
-        let linear = self
-            .device
-            .format_properties(DEPTH_FORMAT)
-            .optimal_tiling_features
-            .contains(vk::FormatFeatureFlags::SAMPLED_IMAGE_FILTER_LINEAR);
-        let filter = if linear { vk::Filter::LINEAR } else { vk::Filter::NEAREST };
-        let sampler = vk::SamplerCreateInfo::default()
-            .mag_filter(filter)
-            .min_filter(filter)
-            .address_mode_u(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .address_mode_v(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
-            .compare_enable(true)
-            .compare_op(vk::CompareOp::GREATER_OR_EQUAL); // lit where no farther from the sun than what is stored
-        let pool = vk::CommandPoolCreateInfo::default()
-            .queue_family_index(self.device.family)
-            .flags(vk::CommandPoolCreateFlags::RESET_COMMAND_BUFFER);
-        let raw = &self.device.raw;
-        // SAFETY: the create-infos are complete; `Drop` destroys what was made.
-        unsafe {
-            self.sampler = raw.create_sampler(&sampler, None).map_err(call("vkCreateSampler"))?;
-            self.pool = raw.create_command_pool(&pool, None).map_err(call("vkCreateCommandPool"))?;
-            let allocate =
-                vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
-            let made = raw.allocate_command_buffers(&allocate).map_err(call("vkAllocateCommandBuffers"))?;
-            self.commands = made.first().copied().unwrap_or_default();
-            let fence = vk::FenceCreateInfo::default();
-            self.fence = raw.create_fence(&fence, None).map_err(call("vkCreateFence"))?;
-        }
-        Ok(())
+            submitter: Submitter::new(device)?,
+        })
     }
 
     /// The settings, with what the device could not do changed to what it can.
     pub fn settings(&self) -> &Settings {
         &self.settings
+    }
+
+    /// The device that draws.
+    pub(crate) fn device(&self) -> &Arc<Device> {
+        self.submitter.device()
+    }
+
+    /// Submits commands to the device that draws.
+    #[cfg(feature = "xr")]
+    pub(crate) fn submitter(&self) -> &Submitter {
+        &self.submitter
     }
 
     /// Changes sun, sky and haze.
@@ -222,25 +188,25 @@ impl Renderer {
         self.settings.markers = markers;
     }
 
-    /// Shows these hands, this aim and this vignette from the next picture on.
+    /// Shows these hands, this aim and this vignette from the next frame on.
     pub fn set_user(&mut self, user: User) {
-        self.user = user;
+        self.user.set(user);
     }
 
-    /// Changes the size of the pictures.
+    /// Changes the size of the images.
     ///
     /// # Errors
     /// When the size is beyond the device or memory is short; the old size stays then.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
         let settings = Settings { width, height, ..self.settings };
-        let attachments = attachments(&self.device, &settings, self.samples, self.color_format)?;
-        self.occlusion = Occlusion::new(&self.device, &settings, &attachments)?;
+        let attachments = Attachments::new(self.device(), &settings, self.format)?;
+        self.occlusion = OcclusionPass::new(self.device(), &settings, &attachments)?;
         self.attachments = attachments;
-        self.forget_layer_views();
+        self.eye_views.clear();
         self.offscreen = None;
         #[cfg(any(feature = "xr", feature = "view"))]
         {
-            self.shot = None;
+            self.copy = None;
         }
         self.settings = settings;
         Ok(())
@@ -251,81 +217,35 @@ impl Renderer {
     /// # Errors
     /// When a surface's lists do not fit together, it is larger than the device can bind, or memory is short.
     pub fn set_environment(&mut self, surfaces: &[Surface<'_>]) -> Result<(), Error> {
-        let (vertices, indices) = scene::pack(surfaces)?;
-        self.environment = None;
-        if indices.is_empty() {
-            return Ok(());
-        }
-        let index_count = u32::try_from(indices.len())
-            .map_err(|error| Error::Mesh(format!("{} indices: {error}", indices.len())))?;
-        let vertices = self.upload("environment", bytemuck::cast_slice(&vertices))?;
-        let indices = self.upload("environment indices", bytemuck::cast_slice(&indices))?;
-        self.environment = Some(Environment { vertices, indices, index_count });
-        Ok(())
+        self.environment.set(&self.submitter, surfaces)
     }
 
-    /// Takes the indices of the crowd's meshes and their numbers of buckets and levels; the vertices stand in the
-    /// engine's buffer `mesh_vertices`.
+    /// Takes the indices of the crowd's meshes, their numbers of buckets and levels, and the models of other agents. The
+    /// vertices stand in the engine's buffer `mesh_vertices`.
     ///
     /// # Errors
     /// When memory is short.
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
-        let indices = self.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?;
-        let upright = [[0.0; 4]];
-        let postures = if meshes.postures.is_empty() { &upright } else { &meshes.postures[..] };
-        let postures = self.upload("clip_postures", bytemuck::cast_slice(postures))?;
-        let (bucket_count, level_count) = (meshes.bucket_count(), meshes.level_count.max(1));
-        let far_count = meshes.far_count();
-        self.outsiders = self.upload_outsiders(&meshes.outsiders)?;
-        self.meshes = Some(CrowdMeshes {
-            indices,
-            postures,
-            bucket_count,
-            level_count,
-            far_count,
-            bounds: meshes.bounds.clone(),
-        });
+        let made = CrowdMeshes::new(&self.submitter, meshes)?;
+        self.outsiders.set(&self.submitter, &meshes.outsiders)?;
+        self.meshes = Some(made);
         Ok(())
     }
 
-    /// A device buffer with these contents.
-    pub(super) fn upload(&self, name: &'static str, bytes: &[u8]) -> Result<Buffer, Error> {
-        let limit = u64::from(self.device.limits.max_storage_buffer_range);
-        if bytes.len() as u64 > limit {
-            return Err(crate::gpu::Error::TooLarge { name, bytes: bytes.len() as u64, limit }.into());
-        }
-        let mut staging = Buffer::new(&self.device, "staging", bytes.len() as u64, Memory::Upload)?;
-        if let Some(to) = staging.bytes_mut().get_mut(..bytes.len()) {
-            to.copy_from_slice(bytes);
-        }
-        let buffer = Buffer::new(&self.device, name, bytes.len() as u64, Memory::Device)?;
-        self.submit(|raw, commands| {
-            if !bytes.is_empty() {
-                let region = [vk::BufferCopy::default().size(bytes.len() as u64)];
-                // SAFETY: both buffers are at least that long and live until the submission is done.
-                unsafe { raw.cmd_copy_buffer(commands, staging.raw, buffer.raw, &region) };
-            }
-            Ok(())
-        })?;
-        Ok(buffer)
+    /// Leaves these triangles of the eyes' images black, as a headset's lenses hide them: corners in clip space, the left
+    /// eye's, then as many of the right one's. None, nothing is hidden.
+    ///
+    /// # Errors
+    /// When memory is short.
+    #[cfg(feature = "xr")]
+    pub(crate) fn set_mask(&mut self, corners: &[[f32; 4]]) -> Result<(), Error> {
+        self.mask = None;
+        let setup = setup(self.submitter.device(), self.format, &self.settings);
+        self.mask = MaskPass::new(&setup, &self.submitter, corners)?;
+        Ok(())
     }
 
-    /// Records commands, submits them and waits.
-    pub(super) fn submit(
-        &self,
-        body: impl FnOnce(&ash::Device, vk::CommandBuffer) -> Result<(), Error>,
-    ) -> Result<(), Error> {
-        let raw = &self.device.raw;
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: every submission is waited for, so the command buffer is not in use.
-        unsafe { raw.begin_command_buffer(self.commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
-        body(raw, self.commands)?;
-        // SAFETY: recording has begun.
-        unsafe { raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
-        Ok(self.device.submit_and_wait(self.commands, self.fence)?)
-    }
-
-    /// Draws a picture and copies it to the host; with two eyes, the left one stands left of the right one.
+    /// Draws a frame and copies it to the host; with two eyes, the left one stands left of the right one.
     ///
     /// # Errors
     /// When a crowd buffer is too short, memory is short or a call fails.
@@ -334,124 +254,204 @@ impl Renderer {
         image.ok_or(Error::NoBuffer { shader: "draw", binding: "offscreen" })
     }
 
-    /// The same, copied to the host if that is wanted.
+    /// Like [`Renderer::draw`]; the image is copied to the host only if that is wanted.
     pub(crate) fn draw_offscreen(
         &mut self,
         view: &View,
         crowd: Option<&CrowdBuffers<'_>>,
-        is_wanted: bool,
+        is_copied: bool,
     ) -> Result<Option<Image>, Error> {
         if self.offscreen.is_none() {
             self.offscreen = Some(self.make_offscreen()?);
         }
         let missing = || Error::NoBuffer { shader: "draw", binding: "offscreen" };
-        let (raw, view_of_all) =
-            self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
-        let views = self.output_views(raw, view_of_all)?;
-        let (image, readback) = self.offscreen.as_ref().ok_or_else(missing)?;
-        let output = Output {
-            image: raw,
-            views,
-            before: vk::PipelineStageFlags2::COPY,
-            after: (
-                vk::PipelineStageFlags2::COPY,
-                vk::AccessFlags2::TRANSFER_READ,
-                vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
-            ),
-        };
-        self.bind(crowd)?;
-        self.submit(|raw, commands| {
-            self.record(commands, view, crowd, &output)?;
-            if is_wanted {
-                readback.copy(raw, commands, image.raw, vk::ImageAspectFlags::COLOR);
+        let target = self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
+        let target = Target { image: target.0, view: target.1, depth: None, is_copied };
+        let output = self.output(&target, Stage::COPY, ImageUse::COPY_SOURCE)?;
+        let readback = self.offscreen.as_ref().map(|(_, readback)| readback).filter(|_| is_copied);
+        let frame = self.frame(view, crowd)?;
+        self.bind(&frame)?;
+        self.submitter.submit(|commands| {
+            self.record(commands, &frame, &output)?;
+            if let Some(readback) = readback {
+                readback.copy(commands.raw(), commands.buffer, target.image, vk::ImageAspectFlags::COLOR);
             }
             Ok(())
         })?;
-        Ok(is_wanted.then(|| self.assemble(readback.bytes())))
+        Ok(readback.map(|readback| self.assemble(readback.bytes())))
     }
 
-    /// Draws into somebody else's image of one layer per eye, which is left in the layout of a colour attachment; copies
-    /// it to the host if that is wanted. What `before` records comes first, in the same submission.
+    /// Draws into images of the caller. The colour is left in the layout of a colour attachment, and copied to the host if
+    /// that is wanted. What `before` records comes first, in the same submission.
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn draw_into(
         &mut self,
         view: &View,
         crowd: Option<&CrowdBuffers<'_>>,
-        (image, image_view): (vk::Image, vk::ImageView),
-        is_wanted: bool,
+        target: &Target,
         before: impl FnOnce(vk::CommandBuffer) -> Result<(), Error>,
     ) -> Result<Option<Image>, Error> {
-        use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
         let Settings { width, height, eyes, .. } = self.settings;
-        if is_wanted && self.shot.is_none() {
-            self.shot = Some(Readback::new(&self.device, "picture readback", [width, height], eyes)?);
+        if target.is_copied && self.copy.is_none() {
+            self.copy = Some(Readback::new(self.device(), "frame readback", [width, height], eyes)?);
         }
-        let drawn = (
-            Stage::COLOR_ATTACHMENT_OUTPUT,
-            Access::COLOR_ATTACHMENT_WRITE,
-            Layout::COLOR_ATTACHMENT_OPTIMAL,
-        );
-        let copied = (Stage::COPY, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
-        let views = self.output_views(image, image_view)?;
-        let shot = self.shot.as_ref().filter(|_| is_wanted);
-        let after = if shot.is_some() { copied } else { drawn };
-        let output = Output { image, views, before: Stage::COLOR_ATTACHMENT_OUTPUT, after };
-        self.bind(crowd)?;
-        self.submit(|raw, commands| {
-            before(commands)?;
-            self.record(commands, view, crowd, &output)?;
-            if let Some(readback) = shot {
-                let aspect = vk::ImageAspectFlags::COLOR;
-                readback.copy(raw, commands, image, aspect);
-                self.transition(commands, &[Transition { image, aspect, from: copied, to: drawn }]);
+        let (drawn, copied) = (ImageUse::COLOR_WRITTEN, ImageUse::COPY_SOURCE);
+        let after = if target.is_copied { copied } else { drawn };
+        let output = self.output(target, Stage::COLOR_ATTACHMENT_OUTPUT, after)?;
+        let readback = self.copy.as_ref().filter(|_| target.is_copied);
+        let frame = self.frame(view, crowd)?;
+        self.bind(&frame)?;
+        self.submitter.submit(|commands| {
+            before(commands.buffer)?;
+            self.record(commands, &frame, &output)?;
+            if let Some(readback) = readback {
+                let (image, aspect) = (target.image, vk::ImageAspectFlags::COLOR);
+                readback.copy(commands.raw(), commands.buffer, image, aspect);
+                commands.transition(&[Transition { image, aspect, from: copied, to: drawn }]);
             }
             Ok(())
         })?;
-        let shot = self.shot.as_ref().filter(|_| is_wanted);
-        Ok(shot.map(|readback| self.assemble(readback.bytes())))
-    }
-
-    /// What each pass draws into, of an image and the view of all its layers.
-    fn output_views(&mut self, image: vk::Image, all: vk::ImageView) -> Result<[vk::ImageView; 2], Error> {
-        if self.uniforms.len() < 2 {
-            return Ok([all; 2]);
-        }
-        if let Some((_, views)) = self.layer_views.iter().find(|(known, _)| *known == image) {
-            return Ok(*views);
-        }
-        let mut views = [vk::ImageView::null(); 2];
-        for (layer, view) in (0..).zip(&mut views) {
-            match layer_view(&self.device, image, self.color_format, layer) {
-                Ok(made) => *view = made,
-                Err(error) => {
-                    self.layer_views.push((image, views)); // what was made goes with the rest
-                    self.forget_layer_views();
-                    return Err(error);
-                }
-            }
-        }
-        self.layer_views.push((image, views));
-        Ok(views)
-    }
-
-    /// Destroys the views of layers: their images go, or may be others under the same names.
-    fn forget_layer_views(&mut self) {
-        #[cfg(feature = "xr")]
-        self.forget_depth_views();
-        for view in self.layer_views.drain(..).flat_map(|(_, views)| views) {
-            // SAFETY: every submission was waited for; null handles are ignored.
-            unsafe { self.device.raw.destroy_image_view(view, None) };
-        }
+        Ok(readback.map(|readback| self.assemble(readback.bytes())))
     }
 
     fn make_offscreen(&self) -> Result<(GpuImage, Readback), Error> {
         let Settings { width, height, eyes, .. } = self.settings;
         let (size, usage) = ([width, height], vk::ImageUsageFlags::COLOR_ATTACHMENT);
-        let image = GpuImage::readable(&self.device, "picture", (size, eyes), self.color_format, usage)?;
-        Ok((image, Readback::new(&self.device, "picture readback", size, eyes)?))
+        let spec = ImageSpec { layers: eyes, usage, ..ImageSpec::flat("offscreen", size, self.format.color) };
+        let image = GpuImage::readable(self.device(), spec)?;
+        Ok((image, Readback::new(self.device(), "offscreen readback", size, eyes)?))
     }
 
-    /// Puts the eyes' pictures side by side.
+    /// What each eye pass draws into, of the images of a target.
+    fn output(&mut self, target: &Target, before: Stage, after: ImageUse) -> Result<Output, Error> {
+        let Target { image, view, depth, .. } = *target;
+        let colors = match eye_passes(&self.settings) {
+            1 => [view; 2],
+            _ => self.eye_views.of(image, self.format.color, &self.settings)?,
+        };
+        let depths = match depth {
+            Some(depth) => self.eye_views.of(depth, DEPTH_FORMAT, &self.settings)?.map(Some),
+            None => [None; 2],
+        };
+        let eyes = [0, 1].map(|eye| EyeTarget { color: colors[eye], depth: depths[eye] });
+        Ok(Output { image, depth, eyes, before, after })
+    }
+
+    /// The first eye pass of a frame.
+    fn frame<'a>(&'a self, view: &'a View, crowd: Option<&'a CrowdBuffers<'a>>) -> Result<Frame<'a>, Error> {
+        let crowd = crowd.zip(self.meshes.as_ref());
+        let crowd = crowd.map(|(buffers, meshes)| DrawnCrowd::new(buffers, meshes)).transpose()?;
+        Ok(Frame { view, settings: &self.settings, crowd, eye_pass: 0 })
+    }
+
+    /// Fills the descriptor sets. They must not be in use by the device.
+    fn bind(&self, frame: &Frame<'_>) -> Result<(), Error> {
+        if let Some(occlusion) = &self.occlusion {
+            occlusion.bind(frame)?;
+        }
+        for (eye_pass, view) in self.uniforms.iter() {
+            let shared = Shared { view, shadow: &self.shadow, crowd: frame.crowd };
+            #[cfg(feature = "xr")]
+            if let Some(mask) = &self.mask {
+                mask.bind(eye_pass)?;
+            }
+            self.user.bind(eye_pass, &shared)?;
+            self.crowd.bind(eye_pass, &shared)?;
+            self.outsiders.bind(eye_pass, &shared)?;
+            self.environment.bind(eye_pass, &shared)?;
+            self.far.bind(eye_pass, &shared)?;
+            self.sky.bind(eye_pass, &shared)?;
+            self.markers.bind(&Frame { eye_pass, ..*frame }, &shared)?;
+        }
+        Ok(())
+    }
+
+    /// Records a frame. [`Renderer::bind`] stands before it, with the same frame.
+    fn record(&self, commands: &Commands<'_>, frame: &Frame<'_>, output: &Output) -> Result<(), Error> {
+        let [from, to] = frame::BEFORE;
+        commands.barrier(from, to);
+        self.uniforms.update(commands, &frame.uniforms(self.shadow.size()));
+        self.user.update(commands);
+        let [from, to] = frame::UNIFORMS;
+        commands.barrier(from, to);
+        self.shadow.record(commands, || {
+            self.environment.record_shadow(commands);
+            self.crowd.record_shadow(frame, commands);
+            self.outsiders.record_shadow(frame, commands);
+            self.far.record_shadow(frame, commands);
+        });
+        let drawn = ImageUse::COLOR_WRITTEN;
+        let stages = output.before | drawn.stages;
+        let (image, aspect) = (output.image, vk::ImageAspectFlags::COLOR);
+        let from = ImageUse { stages, layout: vk::ImageLayout::UNDEFINED, ..drawn };
+        commands.transition(&[Transition { image, aspect, from, to: ImageUse::COLOR_ATTACHMENT }]);
+        if let Some(depth) = output.depth {
+            begin_depth_target(commands, depth);
+        }
+        for ((eye_pass, _), target) in self.uniforms.iter().zip(output.eyes) {
+            let frame = Frame { eye_pass, ..*frame };
+            commands.labelled(c"gaitway.frame", || self.record_eye_pass(commands, &frame, target))?;
+        }
+        commands.transition(&[Transition { image, aspect, from: drawn, to: output.after }]);
+        let [from, to] = frame::AFTER;
+        commands.barrier(from, to);
+        Ok(())
+    }
+
+    /// Records one eye pass, from near to far: what is near hides what is far before its pixels are shaded.
+    fn record_eye_pass(
+        &self,
+        commands: &Commands<'_>,
+        frame: &Frame<'_>,
+        target: EyeTarget,
+    ) -> Result<(), Error> {
+        let eye_pass = frame.eye_pass;
+        self.attachments.begin(commands);
+        let near = || {
+            #[cfg(feature = "xr")]
+            if let Some(mask) = &self.mask {
+                mask.record(commands, eye_pass);
+            }
+            self.user.record_solids(commands, eye_pass);
+            self.crowd.record(frame, commands);
+            self.outsiders.record(frame, commands);
+            self.environment.record(commands, eye_pass);
+        };
+        let last = || {
+            self.sky.record(commands, eye_pass);
+            self.markers.record(frame, commands);
+            self.user.record_overlays(commands, eye_pass);
+        };
+        let part = |is_first, is_last, draw: &dyn Fn()| {
+            self.attachments.part(commands, target, Part { is_first, is_last }, draw);
+        };
+        let Some(test) = self.occlusion_test(frame, target) else {
+            part(true, true, &|| {
+                near();
+                self.far.record(frame, commands);
+                last();
+            });
+            return Ok(());
+        };
+        part(true, false, &near);
+        test.record(frame, commands, FarLod::Lod3)?;
+        part(false, false, &|| self.far.record_unoccluded(frame, commands, FarLod::Lod3));
+        test.record(frame, commands, FarLod::Lod4)?;
+        part(false, true, &|| {
+            self.far.record_unoccluded(frame, commands, FarLod::Lod4);
+            last();
+        });
+        Ok(())
+    }
+
+    /// The occlusion test of an eye pass. The caller's image for depth is written by the last part only, so the test
+    /// needs depth of our own: that of several samples.
+    fn occlusion_test<'a>(&'a self, frame: &Frame<'a>, target: EyeTarget) -> Option<OcclusionTest<'a>> {
+        let keeps_depth = target.depth.is_none() || self.attachments.is_multisampled();
+        self.occlusion.as_ref()?.test(frame, &self.attachments, keeps_depth)
+    }
+
+    /// Puts the eyes' images side by side.
     fn assemble(&self, bytes: &[u8]) -> Image {
         let Settings { width, height, eyes, .. } = self.settings;
         let one = width as usize * height as usize * 4;
@@ -471,15 +471,7 @@ impl Renderer {
     }
 }
 
-impl Drop for Renderer {
-    fn drop(&mut self) {
-        self.forget_layer_views();
-        let raw = &self.device.raw;
-        // SAFETY: every submission of the renderer was waited for; null handles are ignored.
-        unsafe {
-            raw.destroy_sampler(self.sampler, None);
-            raw.destroy_fence(self.fence, None);
-            raw.destroy_command_pool(self.pool, None);
-        }
-    }
+/// What the pipelines of all passes have in common.
+fn setup<'a>(device: &'a Arc<Device>, format: Format, settings: &Settings) -> Setup<'a> {
+    Setup { device, format, view_mask: view_mask(settings), eye_passes: eye_passes(settings) }
 }

@@ -3,6 +3,8 @@
 //! [`Show::picture`] animates the bodies that a view sees (`cull` to `skin`) and draws them from the buffers that the
 //! kernels wrote. A crowd that is simulated on the CPU is animated on the renderer's device, from its state.
 
+#[cfg(feature = "view")]
+use super::Target;
 use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
@@ -161,7 +163,7 @@ impl Show {
 
     /// The device that draws, in words.
     pub fn device(&self) -> String {
-        self.renderer.device.describe()
+        self.renderer.device().describe()
     }
 
     /// Measures how long the kernels of pictures run that the show runs itself, or stops measuring: those of a crowd that
@@ -224,16 +226,16 @@ impl Show {
         Ok(())
     }
 
-    /// The same of the crowd as it was at `shown`, s of its time, between the snapshots that this was called at, into
-    /// somebody else's image, which is left in the layout of a colour attachment; copies it to the host if that is wanted.
+    /// Draws the crowd as it was at `shown`, s of its time, between the times of the last calls, into images of the caller;
+    /// returns the copy that `target` asks for.
     #[cfg(feature = "view")]
     pub(crate) fn picture_into(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
-        (user_eyes, shown): (Vec3, f64),
-        image: (ash::vk::Image, ash::vk::ImageView),
-        is_wanted: bool,
+        user_eyes: Vec3,
+        shown: f64,
+        target: &Target,
     ) -> Result<Option<Image>, crate::Error> {
         let time = simulation.time();
         if self.has_snapshots && self.snapshots.newest() != Some(time) {
@@ -243,7 +245,7 @@ impl Show {
         self.prepare_between(simulation, view, Some(user_eyes), between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
-        let image = self.renderer.draw_into(view, crowd.as_ref(), image, is_wanted, |_| Ok(()))?;
+        let image = self.renderer.draw_into(view, crowd.as_ref(), target, |_| Ok(()))?;
         if let Some((between, _)) = between.filter(|_| self.animator.is_none()) {
             simulation.restore(between)?;
         }

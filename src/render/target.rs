@@ -48,19 +48,20 @@ pub(crate) fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     }
 }
 
-impl GpuImage {
-    /// An image of one sample a pixel that can be copied from, for the host to read ([`Readback`]) or for somebody else.
-    pub(crate) fn readable(
-        device: &Arc<Device>,
-        name: &str,
-        ([width, height], layers): ([u32; 2], u32),
-        format: vk::Format,
-        usage: vk::ImageUsageFlags,
-    ) -> Result<Self, Error> {
+impl ImageSpec<'_> {
+    /// An image of one layer and one sample a pixel for no use yet.
+    pub(crate) fn flat(name: &str, [width, height]: [u32; 2], format: vk::Format) -> ImageSpec<'_> {
         let extent = vk::Extent2D { width, height };
-        let usage = usage | vk::ImageUsageFlags::TRANSFER_SRC;
         let samples = vk::SampleCountFlags::TYPE_1;
-        Self::new(device, ImageSpec { name, extent, layers, format, samples, usage })
+        ImageSpec { name, extent, layers: 1, format, samples, usage: vk::ImageUsageFlags::empty() }
+    }
+}
+
+impl GpuImage {
+    /// An image of one sample a pixel that can be copied from, to the host ([`Readback`]) or into another image.
+    pub(crate) fn readable(device: &Arc<Device>, spec: ImageSpec<'_>) -> Result<Self, Error> {
+        let usage = spec.usage | vk::ImageUsageFlags::TRANSFER_SRC;
+        Self::new(device, ImageSpec { samples: vk::SampleCountFlags::TYPE_1, usage, ..spec })
     }
 
     pub(crate) fn new(device: &Arc<Device>, spec: ImageSpec<'_>) -> Result<Self, Error> {
@@ -114,7 +115,7 @@ impl GpuImage {
     }
 }
 
-/// A view of one layer of somebody else's colour image; whoever asked for it destroys it.
+/// A view of one layer of an image. The caller destroys it.
 pub(crate) fn layer_view(
     device: &Device,
     image: vk::Image,
@@ -128,7 +129,7 @@ pub(crate) fn layer_view(
         .subresource_range(vk::ImageSubresourceRange {
             base_array_layer: layer,
             layer_count: 1,
-            ..whole(vk::ImageAspectFlags::COLOR)
+            ..whole(aspect_of(format))
         });
     // SAFETY: the image is alive, bound to memory and has that layer.
     Ok(unsafe { device.raw.create_image_view(&create, None) }.map_err(call("vkCreateImageView"))?)
@@ -234,15 +235,67 @@ impl Drop for GpuImage {
     }
 }
 
+/// How an image is used: by which stages, with which accesses, in which layout.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ImageUse {
+    pub(crate) stages: vk::PipelineStageFlags2,
+    pub(crate) access: vk::AccessFlags2,
+    pub(crate) layout: vk::ImageLayout,
+}
+
+impl ImageUse {
+    /// Drawn into, as colour.
+    pub(crate) const COLOR_ATTACHMENT: Self = Self {
+        access: vk::AccessFlags2::from_raw(
+            vk::AccessFlags2::COLOR_ATTACHMENT_READ.as_raw()
+                | vk::AccessFlags2::COLOR_ATTACHMENT_WRITE.as_raw(),
+        ),
+        ..Self::COLOR_WRITTEN
+    };
+    /// Written as colour, and not blended with.
+    pub(crate) const COLOR_WRITTEN: Self = Self {
+        stages: vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT,
+        access: vk::AccessFlags2::COLOR_ATTACHMENT_WRITE,
+        layout: vk::ImageLayout::COLOR_ATTACHMENT_OPTIMAL,
+    };
+    /// Drawn into, as depth.
+    pub(crate) const DEPTH_ATTACHMENT: Self = Self {
+        stages: vk::PipelineStageFlags2::from_raw(
+            vk::PipelineStageFlags2::EARLY_FRAGMENT_TESTS.as_raw()
+                | vk::PipelineStageFlags2::LATE_FRAGMENT_TESTS.as_raw(),
+        ),
+        access: vk::AccessFlags2::from_raw(
+            vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_READ.as_raw()
+                | vk::AccessFlags2::DEPTH_STENCIL_ATTACHMENT_WRITE.as_raw(),
+        ),
+        layout: vk::ImageLayout::DEPTH_ATTACHMENT_OPTIMAL,
+    };
+    /// Sampled by fragment shaders.
+    pub(crate) const SAMPLED: Self = Self {
+        stages: vk::PipelineStageFlags2::FRAGMENT_SHADER,
+        access: vk::AccessFlags2::SHADER_SAMPLED_READ,
+        layout: vk::ImageLayout::SHADER_READ_ONLY_OPTIMAL,
+    };
+    /// Copied from.
+    pub(crate) const COPY_SOURCE: Self = Self {
+        stages: vk::PipelineStageFlags2::COPY,
+        access: vk::AccessFlags2::TRANSFER_READ,
+        layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+    };
+
+    /// Used last by these stages, with contents that nothing needs any more.
+    pub(crate) const fn discarded(stages: vk::PipelineStageFlags2) -> Self {
+        Self { stages, access: vk::AccessFlags2::NONE, layout: vk::ImageLayout::UNDEFINED }
+    }
+}
+
 /// One change of an image's layout and the work on both sides of it.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Transition {
     pub(crate) image: vk::Image,
     pub(crate) aspect: vk::ImageAspectFlags,
-    /// Stages, accesses and layout before.
-    pub(crate) from: (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout),
-    /// Stages, accesses and layout after.
-    pub(crate) to: (vk::PipelineStageFlags2, vk::AccessFlags2, vk::ImageLayout),
+    pub(crate) from: ImageUse,
+    pub(crate) to: ImageUse,
 }
 
 impl Transition {
@@ -250,11 +303,11 @@ impl Transition {
         vk::ImageMemoryBarrier2::default()
             .image(self.image)
             .subresource_range(whole(self.aspect))
-            .src_stage_mask(self.from.0)
-            .src_access_mask(self.from.1)
-            .old_layout(self.from.2)
-            .dst_stage_mask(self.to.0)
-            .dst_access_mask(self.to.1)
-            .new_layout(self.to.2)
+            .src_stage_mask(self.from.stages)
+            .src_access_mask(self.from.access)
+            .old_layout(self.from.layout)
+            .dst_stage_mask(self.to.stages)
+            .dst_access_mask(self.to.access)
+            .new_layout(self.to.layout)
     }
 }

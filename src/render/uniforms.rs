@@ -1,43 +1,86 @@
-//! What the shaders are told about a picture.
+//! The uniforms of a frame, which all draw shaders share.
 
+use super::Error;
 use super::camera::View;
-use super::renderer::Renderer;
-use super::shadow;
+use super::commands::Commands;
+use super::frame::Frame;
+use super::settings::Settings;
+use super::sun;
+use crate::gpu::{Buffer, Device, Memory};
 use crate::kernels::layout::ViewUniforms;
 use glam::{Mat4, Vec3, Vec4};
+use std::sync::Arc;
 
 /// Side of a cell of the pattern by which near bodies fade, pixels.
 const FADE_CELL: f32 = 3.0;
 
-impl Renderer {
-    /// From where and how near bodies fade: both eyes; right, down and ahead, the first two in cells at unit distance.
-    fn fade(&self, view: &View) -> [[f32; 4]; 5] {
-        let clip = &view.clip_from_world[0];
-        let [x, y, w] = [0, 1, 3].map(|row| clip.row(row).truncate());
-        let across = w.length().max(1e-6);
-        let ahead = w.try_normalize().unwrap_or(Vec3::Z);
-        #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-        let sides = [self.settings.width as f32, self.settings.height as f32];
-        // without the shift of a skewed projection; half a picture is one unit of clip space
-        let cells = |row: Vec3, side: f32| {
-            let row = row / across;
-            (row - ahead * row.dot(ahead)) * (0.5 * side / FADE_CELL)
-        };
-        let eyes = if view.eye_count == 2 { view.eyes } else { [view.eyes[0]; 2] };
-        [eyes[0], eyes[1], cells(x, sides[0]), cells(y, sides[1]), ahead].map(|v| v.extend(0.0).to_array())
+/// A uniform buffer for each eye pass.
+pub(super) struct ViewBuffers(Vec<Buffer>);
+
+impl ViewBuffers {
+    pub(super) fn new(device: &Arc<Device>, eye_passes: u32) -> Result<Self, Error> {
+        let size = size_of::<ViewUniforms>() as u64;
+        let buffers = (0..eye_passes).map(|_| Buffer::new(device, "view", size, Memory::Device));
+        Ok(Self(buffers.collect::<Result<_, _>>()?))
     }
 
-    /// What the shaders need to know about this picture.
-    pub(crate) fn view_uniforms(&self, view: &View) -> ViewUniforms {
+    /// The eye passes and their buffers.
+    pub(super) fn iter(&self) -> impl Iterator<Item = (usize, &Buffer)> {
+        self.0.iter().enumerate()
+    }
+
+    /// Records the update of all buffers.
+    pub(super) fn update(&self, commands: &Commands<'_>, uniforms: &ViewUniforms) {
+        for (eye, buffer) in self.iter() {
+            let uniforms = if self.0.len() > 1 { one_eye(uniforms, eye) } else { *uniforms };
+            let bytes = bytemuck::bytes_of(&uniforms);
+            // SAFETY: recording has begun, outside of rendering; the contents are a few hundred bytes, a multiple of
+            // four, and fit the buffer.
+            unsafe { commands.raw().cmd_update_buffer(commands.buffer, buffer.raw, 0, bytes) };
+        }
+    }
+}
+
+/// The same parameters with one of the eyes as the only one.
+fn one_eye(both: &ViewUniforms, eye: usize) -> ViewUniforms {
+    ViewUniforms {
+        clip_from_world: [both.clip_from_world[eye]; 2],
+        world_from_clip: [both.world_from_clip[eye]; 2],
+        eyes: [both.eyes[eye]; 2],
+        ..*both
+    }
+}
+
+/// Where and how near bodies fade: both eyes; right, down and ahead, the first two in cells at unit distance.
+fn fade(view: &View, settings: &Settings) -> [[f32; 4]; 5] {
+    let clip = &view.clip_from_world[0];
+    let [x, y, w] = [0, 1, 3].map(|row| clip.row(row).truncate());
+    let across = w.length().max(1e-6);
+    let ahead = w.try_normalize().unwrap_or(Vec3::Z);
+    #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
+    let sides = [settings.width as f32, settings.height as f32];
+    // without the shift of a skewed projection; half an image is one unit of clip space
+    let cells = |row: Vec3, side: f32| {
+        let row = row / across;
+        (row - ahead * row.dot(ahead)) * (0.5 * side / FADE_CELL)
+    };
+    let eyes = if view.eye_count == 2 { view.eyes } else { [view.eyes[0]; 2] };
+    [eyes[0], eyes[1], cells(x, sides[0]), cells(y, sides[1]), ahead].map(|v| v.extend(0.0).to_array())
+}
+
+impl Frame<'_> {
+    /// The uniforms of both eyes, with a shadow map of so many texels a side.
+    pub(super) fn uniforms(&self, shadow_size: u32) -> ViewUniforms {
+        let (view, meshes) = (self.view, self.crowd.map(|crowd| crowd.meshes));
         let air = &self.settings.atmosphere;
         let sun = air.sun_direction.try_normalize().unwrap_or(Vec3::Y);
-        let fit = shadow::sun_view(view, sun, self.shadow_size);
+        let fit = sun::sun_view(view, sun, shadow_size);
         let with = |xyz: Vec3, w: f32| xyz.extend(w).to_array();
         let matrices = |f: &dyn Fn(&Mat4) -> Mat4| view.clip_from_world.map(|m| f(&m).to_cols_array_2d());
         let haze = if view.parallel { 0.0 } else { 1.0 };
         let markers = self.settings.markers.unwrap_or_default();
         #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
-        let texels = self.shadow_size as f32;
+        let texels = shadow_size as f32;
         ViewUniforms {
             clip_from_world: matrices(&|m| *m),
             world_from_clip: matrices(&Mat4::inverse),
@@ -50,12 +93,12 @@ impl Renderer {
             sky_horizon: with(air.horizon, air.haze.max(0.0)),
             ground_bounce: with(air.ground_bounce, air.exposure),
             emotion_colors: markers.colors.map(|color| Vec4::from((color, markers.opacity)).to_array()),
-            fade: self.fade(view),
-            level_count: self.meshes.as_ref().map_or(1, |meshes| meshes.level_count),
-            bucket_count: self.meshes.as_ref().map_or(0, |meshes| meshes.bucket_count),
+            fade: fade(view, self.settings),
+            level_count: meshes.map_or(1, |meshes| meshes.level_count),
+            bucket_count: meshes.map_or(0, |meshes| meshes.bucket_count),
             marker_radius: markers.radius,
             marker_width: markers.width,
-            far_count: self.meshes.as_ref().map_or(0, |meshes| meshes.far_count),
+            far_count: meshes.map_or(0, |meshes| meshes.far_count),
             samples: self.settings.samples,
             ..ViewUniforms::default()
         }

@@ -4,7 +4,9 @@ use super::Error;
 use super::surface::{Slot, Surface};
 use crate::gpu::{self, Buffer, Device, Memory, call};
 use crate::picture::Image;
-use crate::render::{COLOR_FORMAT, GpuImage, Readback, Transition, corners, first_layer};
+use crate::render::{
+    COLOR_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Target, Transition, corners, first_layer,
+};
 use ash::vk;
 use egui_ash_renderer::allocator::DefaultAllocator;
 use egui_ash_renderer::{DynamicRendering, Options, RenderMode, RendererError};
@@ -14,10 +16,8 @@ type Stage = vk::PipelineStageFlags2;
 type Access = vk::AccessFlags2;
 type Layout = vk::ImageLayout;
 
-const DRAWN: (Stage, Access, Layout) =
-    (Stage::COLOR_ATTACHMENT_OUTPUT, Access::COLOR_ATTACHMENT_WRITE, Layout::COLOR_ATTACHMENT_OPTIMAL);
-const READ: (Stage, Access, Layout) =
-    (Stage::ALL_TRANSFER, Access::TRANSFER_READ, Layout::TRANSFER_SRC_OPTIMAL);
+const DRAWN: ImageUse = ImageUse::COLOR_WRITTEN;
+const READ: ImageUse = ImageUse { stages: Stage::ALL_TRANSFER, ..ImageUse::COPY_SOURCE };
 
 /// A panel as egui made it.
 pub(super) struct Overlay {
@@ -48,9 +48,15 @@ fn panel_error(error: RendererError) -> crate::Error {
     }
 }
 
+/// Written by a transfer at this stage.
+fn written(stages: Stage) -> ImageUse {
+    ImageUse { stages, access: Access::TRANSFER_WRITE, layout: Layout::TRANSFER_DST_OPTIMAL }
+}
+
 fn image(device: &Arc<Device>, extent: vk::Extent2D) -> Result<GpuImage, crate::Error> {
     let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::TRANSFER_DST;
-    Ok(GpuImage::readable(device, "canvas", ([extent.width, extent.height], 1), COLOR_FORMAT, usage)?)
+    let spec = ImageSpec { usage, ..ImageSpec::flat("canvas", [extent.width, extent.height], COLOR_FORMAT) };
+    Ok(GpuImage::readable(device, spec)?)
 }
 
 impl Canvas {
@@ -115,8 +121,8 @@ impl Canvas {
     }
 
     /// What the picture is drawn into.
-    pub(super) const fn target(&self) -> (vk::Image, vk::ImageView) {
-        (self.image.raw, self.image.view)
+    pub(super) const fn target(&self, is_copied: bool) -> Target {
+        Target { image: self.image.raw, view: self.image.view, depth: None, is_copied }
     }
 
     /// Draws the panel over the picture and shows both in the window, if it takes an image just now; hands a copy back if
@@ -185,15 +191,15 @@ impl Canvas {
         // SAFETY: every submission is waited for, so the command buffer is not in use.
         unsafe { self.device.raw.begin_command_buffer(self.commands, &begin) }
             .map_err(call("vkBeginCommandBuffer"))?;
-        let written = (Stage::COPY, Access::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
-        self.transition(self.image.raw, (Stage::ALL_TRANSFER, Access::NONE, Layout::UNDEFINED), written);
+        let written = written(Stage::COPY);
+        self.transition(self.image.raw, ImageUse::discarded(Stage::ALL_TRANSFER), written);
         let region = [vk::BufferImageCopy::default()
             .image_extent(vk::Extent3D { width: self.extent.width, height: self.extent.height, depth: 1 })
             .image_subresource(first_layer())];
         // SAFETY: the image is in that layout, the buffer holds all its pixels; recording has begun.
         unsafe {
             let raw = &self.device.raw;
-            raw.cmd_copy_buffer_to_image(self.commands, upload, self.image.raw, written.2, &region);
+            raw.cmd_copy_buffer_to_image(self.commands, upload, self.image.raw, written.layout, &region);
         }
         self.transition(self.image.raw, written, READ);
         self.copy_to(&slot);
@@ -216,11 +222,7 @@ impl Canvas {
 
     fn draw_panel(&mut self, overlay: &Overlay) -> Result<(), crate::Error> {
         // the picture was drawn by an earlier submission, which was waited for
-        self.transition(
-            self.image.raw,
-            DRAWN,
-            (DRAWN.0, Access::COLOR_ATTACHMENT_READ | Access::COLOR_ATTACHMENT_WRITE, DRAWN.2),
-        );
+        self.transition(self.image.raw, DRAWN, ImageUse::COLOR_ATTACHMENT);
         let targets = [vk::RenderingAttachmentInfo::default()
             .image_view(self.image.view)
             .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
@@ -242,9 +244,9 @@ impl Canvas {
     /// Copies everything to an image of the window, which may have another order of colours and, just after a change of
     /// size, other measures.
     fn copy_to(&self, slot: &Slot) {
-        let written = (Stage::BLIT, Access::TRANSFER_WRITE, Layout::TRANSFER_DST_OPTIMAL);
+        let written = written(Stage::BLIT);
         // the submission waits at this stage for the image to be free
-        self.transition(slot.image, (Stage::BLIT, Access::NONE, Layout::UNDEFINED), written);
+        self.transition(slot.image, ImageUse::discarded(Stage::BLIT), written);
         let region = [vk::ImageBlit::default()
             .src_subresource(first_layer())
             .src_offsets(corners([self.extent.width, self.extent.height]))
@@ -255,17 +257,18 @@ impl Canvas {
             self.device.raw.cmd_blit_image(
                 self.commands,
                 self.image.raw,
-                READ.2,
+                READ.layout,
                 slot.image,
-                written.2,
+                written.layout,
                 &region,
                 vk::Filter::NEAREST,
             );
         }
-        self.transition(slot.image, written, (Stage::NONE, Access::NONE, Layout::PRESENT_SRC_KHR));
+        let shown = ImageUse { layout: Layout::PRESENT_SRC_KHR, ..ImageUse::discarded(Stage::NONE) };
+        self.transition(slot.image, written, shown);
     }
 
-    fn transition(&self, image: vk::Image, from: (Stage, Access, Layout), to: (Stage, Access, Layout)) {
+    fn transition(&self, image: vk::Image, from: ImageUse, to: ImageUse) {
         let aspect = vk::ImageAspectFlags::COLOR;
         let barriers = [Transition { image, aspect, from, to }.barrier()];
         let dependency = vk::DependencyInfo::default().image_memory_barriers(&barriers);

@@ -11,7 +11,7 @@ use crate::kernels::layout::Stage;
 use crate::kernels::shared::stages;
 use crate::picture::Image;
 use crate::render::camera::View;
-use crate::render::{Markers, Settings, Show};
+use crate::render::{Markers, Settings, Show, Target};
 use crate::scenario::{EnvironmentMesh, Gaze, GazeMode, Shares};
 use crate::scene::{Scene, SceneBuilder, Start, atmosphere};
 use crate::sim::bodies::MeshBuffers;
@@ -249,18 +249,16 @@ impl Company {
         self.times[0].take(&measured, steps, begin.elapsed());
     }
 
-    /// Draws the present moment into an image of the window's size; hands a copy back if that is wanted.
+    /// Draws the crowd into an image of the window's size; returns the copy that `target` asks for.
     pub(super) fn draw(
         &mut self,
         view: &View,
         user_eyes: Vec3,
-        image: (ash::vk::Image, ash::vk::ImageView),
-        is_wanted: bool,
+        target: &Target,
     ) -> Result<Option<Image>, crate::Error> {
-        let is_wanted = is_wanted || self.film.is_some();
+        let target = Target { is_copied: target.is_copied || self.film.is_some(), ..*target };
         let begin = Instant::now();
-        let picture =
-            self.show.picture_into(&mut self.simulation, view, (user_eyes, self.shown), image, is_wanted)?;
+        let picture = self.show.picture_into(&mut self.simulation, view, user_eyes, self.shown, &target)?;
         // a crowd on the CPU is animated by the show, on the device that draws
         let mut measured = self.simulation.take_times();
         measured.extend(self.show.take_times());

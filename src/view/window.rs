@@ -289,8 +289,8 @@ impl Open {
         let overlay = self.lay(person.as_ref());
         let keeps = asked.shot || shot.is_some();
         let with_panel = self.controls.shot_has_panel || shot.is_some();
-        let target = self.canvas.target();
-        let bare = self.company.draw(&self.view, eyes, target, keeps && !with_panel)?;
+        let target = self.canvas.target(keeps && !with_panel);
+        let bare = self.company.draw(&self.view, eyes, &target)?;
         let (was_shown, full) = self.canvas.show(overlay, &mut self.surface, keeps && with_panel)?;
         outcome.frames += u64::from(was_shown);
         if let Some(image) = full.or(bare.filter(|_| keeps)) {

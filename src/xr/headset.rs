@@ -6,16 +6,17 @@
 
 use super::app::{Outage, Outcome, Plan, Shared, Shot, Surroundings, lock};
 use super::input::Reading;
+use super::miniature::Miniature;
 use super::pace::{FrameTimes, Governor};
 use super::recording::{Moment, numbers};
 use super::rig::{Rig, Terrain};
-use super::session::{Event, Eyes, Frame, Session, State, Target};
+use super::session::{Event, Eyes, Frame, Session, State};
 use super::shown::{Crowd, Shown};
 use super::views::Pose;
 use super::{Error, views};
 use crate::gpu::Watch;
 use crate::picture::Image;
-use crate::render::{Hand, HandKind, Settings, Show, User};
+use crate::render::{DrawTimes, Hand, HandKind, Settings, Show, Target, User};
 use crate::stop;
 use glam::{Vec2, Vec3};
 use std::thread;
@@ -136,7 +137,7 @@ impl<'a> Headset<'a> {
         let runtime = (self.plan.open)()?;
         let device = runtime.device(self.plan.validation)?;
         self.shared.live();
-        let mut session = Session::new(&runtime, &device, self.plan.eye_size)?;
+        let session = Session::new(&runtime, &device, self.plan.eye_size)?;
         self.shared.live();
         let [width, height] = session.size();
         let settings = Settings { width, height, eyes: 2, ..self.world.settings };
@@ -148,10 +149,10 @@ impl<'a> Headset<'a> {
         self.outcome.takes_depth = session.takes_depth();
         self.outcome.sessions += 1;
         let mut asked = false;
-        let mut clock = Clock::default();
+        let mut running = Running { clock: Clock::default(), miniature: Miniature::default(), show, session };
         loop {
             self.shared.live();
-            for event in session.poll()? {
+            for event in running.session.poll()? {
                 match event {
                     Event::State(state) => {
                         self.outcome.states.push(state.name());
@@ -159,7 +160,7 @@ impl<'a> Headset<'a> {
                             return Ok(if asked { our_reason() } else { RUNTIME_ENDED });
                         }
                         match state {
-                            State::Ready => self.choose_rate(&session)?,
+                            State::Ready => self.choose_rate(&running.session)?,
                             State::Focused => self.greet(),
                             _ => {}
                         }
@@ -170,13 +171,13 @@ impl<'a> Headset<'a> {
             }
             if self.shared.stops() && !asked {
                 asked = true;
-                if !session.is_running() {
+                if !running.session.is_running() {
                     return Ok(our_reason());
                 }
-                session.request_exit()?;
+                running.session.request_exit()?;
             }
-            if session.is_running() {
-                self.frame(&mut session, &mut show, &mut clock)?;
+            if running.session.is_running() {
+                self.frame(&mut running)?;
             } else {
                 thread::sleep(Duration::from_millis(5));
             }
@@ -206,7 +207,8 @@ impl<'a> Headset<'a> {
         }
     }
 
-    fn frame(&mut self, session: &mut Session, show: &mut Show, clock: &mut Clock) -> Result<(), Failure> {
+    fn frame(&mut self, running: &mut Running) -> Result<(), Failure> {
+        let Running { clock, show, session, .. } = running;
         let frame = session.wait()?;
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
         self.shared.live();
@@ -230,9 +232,10 @@ impl<'a> Headset<'a> {
         // as late as can be: everything but the eyes' place is ready
         let eyes = session.locate(&frame)?;
         let seen = match &eyes {
-            Some(eyes) => self.picture(session, show, (&target, eyes), &input, (shown, seconds))?,
+            Some(eyes) => self.draw(running, target, eyes, &input, DrawTimes { shown, seconds })?,
             None => None,
         };
+        let Running { session, show, .. } = running;
         session.release()?;
         session.end(frame, eyes.as_ref())?;
         let work = begin.elapsed();
@@ -277,28 +280,27 @@ impl Headset<'_> {
         };
     }
 
-    /// Draws what the eyes see at a time of the crowd, so long after the picture before; a copy and the midpoint of the eyes
-    /// if somebody wants this frame's.
-    fn picture(
+    /// Draws what the eyes see. Returns a copy and the midpoint of the eyes if this frame is one of the shots.
+    fn draw(
         &mut self,
-        session: &mut Session,
-        show: &mut Show,
-        (target, eyes): (&Target, &Eyes),
+        running: &mut Running,
+        target: Target,
+        eyes: &Eyes,
         input: &Reading,
-        times: (f64, f32),
+        times: DrawTimes,
     ) -> Result<Option<(Image, Vec3)>, Failure> {
+        let Running { show, session, .. } = running;
         let view = views::view(eyes.placed, self.rig.world_from_room());
         let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
         let renderer = show.renderer();
         renderer.set_user(self.user(input));
-        renderer.set_depth_output(target.depth).map_err(Error::from)?;
         if let Some(corners) = session.hidden().corners(eyes.placed.map(|(_, fov)| fov)) {
             renderer.set_mask(&corners).map_err(Error::from)?;
             self.outcome.hidden_triangles = session.hidden().triangles();
         }
-        let is_wanted = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
-        let image = show.draw_into(&view, middle, times, (target.image, target.view), is_wanted)?;
-        self.reflect(show, target.image, session.size())?;
+        let is_copied = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
+        let image = show.draw_into(&view, middle, times, &Target { is_copied, ..target })?;
+        self.reflect(running, target.image)?;
         Ok(image.map(|image| (image, middle)))
     }
 
@@ -319,10 +321,11 @@ impl Headset<'_> {
 
     /// Puts a small copy of what was drawn where somebody looks on. Who looks on never costs the user the session: when it
     /// fails, there are no more copies.
-    fn reflect(&self, show: &mut Show, image: ash::vk::Image, size: [u32; 2]) -> Result<(), Error> {
+    fn reflect(&self, running: &mut Running, image: ash::vk::Image) -> Result<(), Error> {
+        let Running { show, session, miniature, .. } = running;
         let Some(mirror) = &self.plan.mirror else { return Ok(()) };
-        let Some(small) = mirror.wants(size, Instant::now()) else { return Ok(()) };
-        match show.renderer().shrink(image, small) {
+        let Some(small) = mirror.wants(session.size(), Instant::now()) else { return Ok(()) };
+        match miniature.copy(show.renderer(), image, small) {
             Ok(copy) => mirror.keep(copy, Instant::now()),
             // a device that is lost is the headset's matter; memory that is short is not
             Err(crate::render::Error::Gpu(error @ crate::gpu::Error::Memory { .. })) => {
@@ -376,6 +379,14 @@ impl Clock {
         let periods = u64::try_from((since + period / 2) / period).unwrap_or(0).min(1_000);
         ((since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME), periods)
     }
+}
+
+/// What lives as long as a session, in the order in which it is dropped.
+struct Running {
+    clock: Clock,
+    miniature: Miniature,
+    show: Show,
+    session: Session,
 }
 
 /// Why a session was not to be had, or was lost.

@@ -11,6 +11,7 @@ mod headset;
 mod hidden;
 mod input;
 mod joints;
+mod miniature;
 mod mirror;
 mod pace;
 mod recording;

@@ -10,7 +10,7 @@ use super::swapchain::Swapchain;
 use super::views::{NEAR, Pose};
 use super::{Error, Loss, call};
 use crate::gpu::Device;
-use crate::render::DEPTH_FORMAT;
+use crate::render::{DEPTH_FORMAT, Target};
 use ash::vk;
 use openxr as xr;
 use std::sync::Arc;
@@ -83,18 +83,10 @@ pub(super) struct Eyes {
     pub(super) placed: [(Pose, xr::Fovf); 2],
 }
 
-/// An image of the swapchain to draw into: layer 0 is the left eye, layer 1 the right one.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Target {
-    pub(super) image: vk::Image,
-    pub(super) view: vk::ImageView,
-    /// Where its depth goes, if the runtime takes that.
-    pub(super) depth: Option<vk::Image>,
-}
-
 /// A session; dropping it ends it and gives everything back.
 pub(super) struct Session {
     // In the order in which they must go: views of images, swapchains, spaces, the session itself.
+    /// Images of the swapchain to draw into: layer 0 is the left eye, layer 1 the right one.
     targets: Vec<Target>,
     color: Swapchain,
     depth: Option<Swapchain>,
@@ -216,7 +208,7 @@ impl Session {
         // SAFETY: the image belongs to the swapchain, which outlives the view.
         let view = unsafe { self.device.raw.create_image_view(&create, None) }
             .map_err(crate::gpu::call("vkCreateImageView"))?;
-        Ok(Target { image, view, depth: None })
+        Ok(Target { image, view, depth: None, is_copied: false })
     }
 
     /// How long the device and images of the swapchain were waited for so far.

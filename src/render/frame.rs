@@ -1,0 +1,93 @@
+//! What the passes of a frame share: the view, the crowd, and the resources that several shaders bind.
+
+use super::Error;
+use super::camera::View;
+use super::crowd::CrowdBuffers;
+use super::meshes::CrowdMeshes;
+use super::passes::ShadowPass;
+use super::pipelines::Resource;
+use super::settings::Settings;
+use crate::gpu::Buffer;
+use ash::vk;
+use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
+
+pub(super) const SHADERS: Stage =
+    Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
+
+/// A crowd that can be drawn: its buffers are long enough for its meshes.
+#[derive(Clone, Copy)]
+pub(super) struct DrawnCrowd<'a> {
+    pub(super) buffers: &'a CrowdBuffers<'a>,
+    pub(super) meshes: &'a CrowdMeshes,
+}
+
+impl<'a> DrawnCrowd<'a> {
+    /// # Errors
+    /// When a buffer is too short for the meshes.
+    pub(super) fn new(buffers: &'a CrowdBuffers<'a>, meshes: &'a CrowdMeshes) -> Result<Self, Error> {
+        buffers.check(meshes.bucket_count + meshes.far_count)?;
+        Ok(Self { buffers, meshes })
+    }
+}
+
+/// One eye pass of one frame. A frame has one eye pass (one eye, or both by multiview) or two (one eye after the other).
+#[derive(Clone, Copy)]
+pub(super) struct Frame<'a> {
+    pub(super) view: &'a View,
+    pub(super) settings: &'a Settings,
+    pub(super) crowd: Option<DrawnCrowd<'a>>,
+    /// Number of the eye pass.
+    pub(super) eye_pass: usize,
+}
+
+/// Resources that the shaders of several passes bind.
+#[derive(Clone, Copy)]
+pub(super) struct Shared<'a> {
+    /// `ViewUniforms` of the eye pass.
+    pub(super) view: &'a Buffer,
+    pub(super) shadow: &'a ShadowPass,
+    pub(super) crowd: Option<DrawnCrowd<'a>>,
+}
+
+impl Shared<'_> {
+    /// What the binding of that name is filled with; none for the resources that only one pass has.
+    pub(super) fn find(&self, name: &str) -> Option<Resource> {
+        match name {
+            "view" => Some(Resource::Buffer(self.view.raw)),
+            "shadow_map" => Some(self.shadow.texture()),
+            "shadow_sampler" => Some(self.shadow.sampler()),
+            "clip_postures" => self.crowd.map(|crowd| Resource::Buffer(crowd.meshes.postures.raw)),
+            name => self.crowd?.buffers.buffer(name).map(|buffer| Resource::Buffer(buffer.raw)),
+        }
+    }
+}
+
+/// Barrier before a frame: the draws see what kernels and copies wrote, and the frame before has read its uniforms.
+pub(super) const BEFORE: [(Stage, Access); 2] = [
+    (
+        Stage::from_raw(Stage::COMPUTE_SHADER.as_raw() | Stage::ALL_TRANSFER.as_raw() | SHADERS.as_raw()),
+        Access::from_raw(Access::SHADER_STORAGE_WRITE.as_raw() | Access::TRANSFER_WRITE.as_raw()),
+    ),
+    (
+        Stage::from_raw(
+            SHADERS.as_raw()
+                | Stage::DRAW_INDIRECT.as_raw()
+                | Stage::INDEX_INPUT.as_raw()
+                | Stage::ALL_TRANSFER.as_raw(),
+        ),
+        Access::from_raw(
+            Access::SHADER_STORAGE_READ.as_raw()
+                | Access::INDIRECT_COMMAND_READ.as_raw()
+                | Access::INDEX_READ.as_raw()
+                | Access::TRANSFER_WRITE.as_raw(),
+        ),
+    ),
+];
+/// Barrier after the uniforms of a frame were written.
+pub(super) const UNIFORMS: [(Stage, Access); 2] =
+    [(Stage::ALL_TRANSFER, Access::TRANSFER_WRITE), (SHADERS, Access::UNIFORM_READ)];
+/// Barrier after a frame: kernels of the next step may overwrite what was drawn from.
+pub(super) const AFTER: [(Stage, Access); 2] = [
+    (Stage::from_raw(SHADERS.as_raw() | Stage::DRAW_INDIRECT.as_raw()), Access::NONE),
+    (Stage::from_raw(Stage::COMPUTE_SHADER.as_raw() | Stage::ALL_TRANSFER.as_raw()), Access::NONE),
+];

@@ -1,0 +1,74 @@
+//! Agents with a pose (lod0 to lod2), and their shadows.
+
+use super::super::Error;
+use super::super::commands::Commands;
+use super::super::frame::{Frame, Shared};
+use super::super::meshes::DrawList;
+use super::super::pipelines::{PipelineSpec, Program, Setup};
+use crate::kernels::draw;
+use ash::vk;
+
+/// Draws the skinned bodies.
+pub(in super::super) struct CrowdPass {
+    program: Program,
+    /// For the finest level, which fades near the eyes.
+    near: vk::Pipeline,
+    solid: vk::Pipeline,
+    shadow: vk::Pipeline,
+}
+
+impl CrowdPass {
+    pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
+        let mut program = setup.program(&draw::CROWD)?;
+        let solid = program.pipeline(&setup.solid("crowd_vertex", "crowd_fragment"))?;
+        let near = PipelineSpec { covers: true, ..setup.solid("crowd_vertex", "crowd_near_fragment") };
+        let near = program.pipeline(&near)?;
+        let shadow = program.pipeline(&setup.shadow("crowd_shadow"))?;
+        Ok(Self { program, near, solid, shadow })
+    }
+
+    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+        if shared.crowd.is_none() {
+            return Ok(());
+        }
+        self.program.bind(eye_pass, |name| shared.find(name))
+    }
+
+    pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
+        let Some(meshes) = frame.crowd.map(|crowd| crowd.meshes) else { return };
+        // one change of pipelines: the finest level of every avatar, then the others
+        let is_near = |bucket: &u32| bucket.is_multiple_of(meshes.level_count);
+        let finest = (0..meshes.bucket_count).filter(is_near);
+        let others = (0..meshes.bucket_count).filter(|bucket| !is_near(bucket));
+        commands.labelled(c"gaitway.crowd", || {
+            commands.use_program(&self.program, self.near, frame.eye_pass);
+            self.draw(frame, commands, finest, DrawList::Seen);
+            commands.use_program(&self.program, self.solid, frame.eye_pass);
+            self.draw(frame, commands, others, DrawList::Seen);
+        });
+    }
+
+    pub(in super::super) fn record_shadow(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
+        let Some(meshes) = frame.crowd.map(|crowd| crowd.meshes) else { return };
+        commands.labelled(c"gaitway.crowd", || {
+            commands.use_program(&self.program, self.shadow, 0);
+            self.draw(frame, commands, 0..meshes.bucket_count, DrawList::Shadow);
+        });
+    }
+
+    /// Draws these buckets with the pipeline that is bound.
+    fn draw(
+        &self,
+        frame: &Frame<'_>,
+        commands: &Commands<'_>,
+        buckets: impl Iterator<Item = u32>,
+        list: DrawList,
+    ) {
+        let Some(crowd) = frame.crowd else { return };
+        crowd.meshes.bind_indices(commands);
+        for bucket in buckets {
+            // SAFETY: rendering has begun, pipeline and indices are bound, and the meshes have the bucket.
+            unsafe { crowd.draw_bucket(commands, &self.program, bucket, list) };
+        }
+    }
+}

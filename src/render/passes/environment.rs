@@ -1,0 +1,81 @@
+//! The environment, and its shadow.
+
+use super::super::Error;
+use super::super::commands::{Commands, Submitter};
+use super::super::frame::Shared;
+use super::super::pipelines::{Program, Resource, Setup};
+use super::super::surface::{self, Surface};
+use crate::gpu::Buffer;
+use crate::kernels::draw;
+use ash::vk;
+
+/// Draws triangles that do not move.
+pub(in super::super) struct EnvironmentPass {
+    program: Program,
+    solid: vk::Pipeline,
+    shadow: vk::Pipeline,
+    mesh: Option<Mesh>,
+}
+
+struct Mesh {
+    vertices: Buffer,
+    indices: Buffer,
+    index_count: u32,
+}
+
+impl EnvironmentPass {
+    pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
+        let mut program = setup.program(&draw::ENVIRONMENT)?;
+        let solid = program.pipeline(&setup.solid("environment_vertex", "environment_fragment"))?;
+        let shadow = program.pipeline(&setup.shadow("environment_shadow"))?;
+        Ok(Self { program, solid, shadow, mesh: None })
+    }
+
+    /// Replaces the environment; no triangles, no environment.
+    pub(in super::super) fn set(
+        &mut self,
+        submitter: &Submitter,
+        surfaces: &[Surface<'_>],
+    ) -> Result<(), Error> {
+        let (vertices, indices) = surface::pack(surfaces)?;
+        self.mesh = None;
+        if indices.is_empty() {
+            return Ok(());
+        }
+        let index_count = u32::try_from(indices.len())
+            .map_err(|error| Error::Mesh(format!("{} indices: {error}", indices.len())))?;
+        let vertices = submitter.upload("environment", bytemuck::cast_slice(&vertices))?;
+        let indices = submitter.upload("environment indices", bytemuck::cast_slice(&indices))?;
+        self.mesh = Some(Mesh { vertices, indices, index_count });
+        Ok(())
+    }
+
+    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+        let Some(mesh) = &self.mesh else { return Ok(()) };
+        self.program.bind(eye_pass, |name| match name {
+            "environment" => Some(Resource::Buffer(mesh.vertices.raw)),
+            name => shared.find(name),
+        })
+    }
+
+    pub(in super::super) fn record(&self, commands: &Commands<'_>, eye_pass: usize) {
+        self.draw(commands, self.solid, eye_pass);
+    }
+
+    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>) {
+        self.draw(commands, self.shadow, 0);
+    }
+
+    fn draw(&self, commands: &Commands<'_>, pipeline: vk::Pipeline, eye_pass: usize) {
+        let Some(mesh) = &self.mesh else { return };
+        commands.labelled(c"gaitway.environment", || {
+            commands.use_program(&self.program, pipeline, eye_pass);
+            // SAFETY: rendering has begun; every index was checked against the vertices.
+            unsafe {
+                let (raw, buffer) = (commands.raw(), commands.buffer);
+                raw.cmd_bind_index_buffer(buffer, mesh.indices.raw, 0, vk::IndexType::UINT32);
+                raw.cmd_draw_indexed(buffer, mesh.index_count, 1, 0, 0, 0);
+            }
+        });
+    }
+}
