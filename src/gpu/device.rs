@@ -1,6 +1,6 @@
 //! A device with its queue and allocator.
 
-use super::instance::{DeviceInfo, Instance, Maker, Own};
+use super::instance::{AroundSubmission, DeviceInfo, Instance, Maker, Own};
 use super::validation::Validation;
 use super::wanted::Wanted;
 use super::{Error, call};
@@ -8,14 +8,12 @@ use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
-#[cfg(feature = "xr")]
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
 /// A Vulkan device with one queue for compute, graphics and transfer.
 pub struct Device {
-    instance: Instance,
+    pub(crate) instance: Instance,
     pub(crate) raw: ash::Device,
     pub(crate) physical: vk::PhysicalDevice,
     pub(crate) queue: Mutex<vk::Queue>,
@@ -26,11 +24,8 @@ pub struct Device {
     /// Whether one pass can draw both eyes.
     pub(crate) multiview: bool,
     info: DeviceInfo,
-    /// Nanoseconds that were spent waiting for the device.
-    #[cfg(feature = "xr")]
-    waited: AtomicU64,
-    #[cfg(feature = "xr")]
-    submissions: AtomicU64,
+    /// Runs around every submission that [`Device::submit_and_wait`] waits for.
+    around_submission: Option<AroundSubmission>,
 }
 
 impl std::fmt::Debug for Device {
@@ -48,7 +43,7 @@ impl Device {
         Self::made_by(&Own, wanted, validation)
     }
 
-    /// The same through somebody who makes instance and device, and may choose the device.
+    /// Like [`Device::open`], but `maker` makes instance and device and may choose the physical device.
     pub(crate) fn made_by(
         maker: &dyn Maker,
         wanted: Option<&str>,
@@ -108,10 +103,7 @@ impl Device {
             limits,
             multiview: multiview && draws_every_view(&info.driver),
             info,
-            #[cfg(feature = "xr")]
-            waited: AtomicU64::new(0),
-            #[cfg(feature = "xr")]
-            submissions: AtomicU64::new(0),
+            around_submission: maker.around_submission(),
             instance,
         }))
     }
@@ -135,25 +127,12 @@ impl Device {
         }
     }
 
-    /// The instance that the device was made from.
-    #[cfg(feature = "xr")]
-    pub(crate) fn instance_handle(&self) -> vk::Instance {
-        self.instance.raw.handle()
-    }
-
-    /// The loader and the instance that the device was made from: a window's surface is theirs.
-    #[cfg(feature = "view")]
-    pub(crate) fn parents(&self) -> (&ash::Entry, &ash::Instance) {
-        (&self.instance.entry, &self.instance.raw)
-    }
-
-    /// Keeps everybody else from the queue: OpenXR calls that use it, and presenting, may overlap with no submission.
-    #[cfg(any(feature = "xr", feature = "view"))]
+    /// Locks the queue. Calls of other libraries that use it, and presenting, may overlap with no submission.
     pub(crate) fn hold_queue(&self) -> std::sync::MutexGuard<'_, vk::Queue> {
         self.queue.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Features of image formats, for the renderer.
+    /// What the device can do with images of a format.
     pub(crate) fn format_properties(&self, format: vk::Format) -> vk::FormatProperties {
         // SAFETY: the physical device came from this instance.
         unsafe { self.instance.raw.get_physical_device_format_properties(self.physical, format) }
@@ -161,33 +140,34 @@ impl Device {
 
     /// Submits one command buffer and waits until the device has done it.
     pub(crate) fn submit_and_wait(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
-        let queue = self.queue.lock().unwrap_or_else(PoisonError::into_inner);
-        let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
-        let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
-        #[cfg(feature = "xr")]
-        let watch = super::Watch::start();
-        self.reset(fence)?;
-        // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
-        unsafe { self.raw.queue_submit2(*queue, &submit, fence) }.map_err(call("vkQueueSubmit2"))?;
-        self.wait(fence)?;
-        #[cfg(feature = "xr")]
-        {
-            let waited = u64::try_from(watch.idle().as_nanos()).unwrap_or(0);
-            self.waited.fetch_add(waited, Ordering::Relaxed);
-            self.submissions.fetch_add(1, Ordering::Relaxed);
+        let queue = self.hold_queue();
+        let mut outcome = Ok(());
+        let mut submit = || outcome = self.submit(*queue, commands, fence).and_then(|()| self.wait(fence));
+        match &self.around_submission {
+            Some(around) => around(&mut submit),
+            None => submit(),
         }
-        Ok(())
+        outcome
     }
 
-    /// Makes a fence fit for a submission. Before it, not after the one before: a fence that could not be reset then would end
-    /// the next wait at once, and what is in flight would be dropped.
+    /// Submits one command buffer to the queue, which the caller holds.
+    fn submit(&self, queue: vk::Queue, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
+        let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+        let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
+        self.reset(fence)?;
+        // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
+        unsafe { self.raw.queue_submit2(queue, &submit, fence) }.map_err(call("vkQueueSubmit2"))
+    }
+
+    /// Resets a fence for a submission, just before it. A fence that could not be reset after its last submission would end
+    /// the next wait at once, and buffers in use would be dropped.
     pub(crate) fn reset(&self, fence: vk::Fence) -> Result<(), Error> {
         // SAFETY: the fence is of this device, and every submission that would signal it was waited for.
         unsafe { self.raw.reset_fences(&[fence]) }.map_err(call("vkResetFences"))
     }
 
-    /// Waits for the fence of a submission, whose queue the caller holds. What the submission uses may be dropped when this
-    /// comes back, also with an error.
+    /// Waits for the fence of a submission, whose queue the caller holds. Afterwards, what the submission uses may be dropped,
+    /// also after an error.
     pub(crate) fn wait(&self, fence: vk::Fence) -> Result<(), Error> {
         let fences = [fence];
         until_over(
@@ -197,23 +177,10 @@ impl Device {
             || unsafe { self.raw.device_wait_idle() },
         )
     }
-
-    /// Submissions that were waited for so far.
-    #[cfg(all(test, feature = "xr"))]
-    pub(crate) fn submissions(&self) -> u64 {
-        self.submissions.load(Ordering::Relaxed)
-    }
-
-    /// How long submissions were waited for so far: from handing them over to their end, without what this thread did.
-    #[cfg(feature = "xr")]
-    pub(crate) fn waited(&self) -> Duration {
-        Duration::from_nanos(self.waited.load(Ordering::Relaxed))
-    }
 }
 
-/// Comes back only when what was submitted is over, since it uses buffers that are dropped then. Where a wait fails for want of
-/// memory it is tried again; where it fails otherwise the device has to be idle first. The work of a device that is lost is
-/// over.
+/// Returns only when the submission is over, since its buffers may be dropped then. A wait that fails for want of memory is
+/// repeated. After any other failure the device has to be idle first. A lost device has no work left.
 fn until_over(
     mut wait: impl FnMut() -> Result<(), vk::Result>,
     mut idle: impl FnMut() -> Result<(), vk::Result>,
@@ -251,8 +218,7 @@ fn open_device(
         let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v12);
         instance.raw.get_physical_device_features2(physical, &mut all);
     }
-    // One structure a feature: an OpenXR runtime puts its own in front (timeline semaphores), and Vulkan allows no
-    // feature twice.
+    // One structure a feature: a maker may chain its own (timeline semaphores), and Vulkan allows no feature twice.
     let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(v11.multiview == vk::TRUE);
     // timeline semaphores, addresses and the memory model are what GPU-assisted validation instruments with
     let mut timeline = vk::PhysicalDeviceTimelineSemaphoreFeatures::default()

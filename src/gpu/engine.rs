@@ -1,5 +1,6 @@
 //! One Vulkan buffer per [`BufferId`], one pipeline per phase of a kernel, and lists of dispatches run in one submission.
 
+mod embed;
 mod encode;
 
 use super::pipeline::{self, Pipeline};
@@ -37,11 +38,11 @@ pub struct Engine {
     commands: vk::CommandBuffer,
     fence: vk::Fence,
     queries: vk::QueryPool,
-    /// What goes to the device, and what comes from it: the two want different memory.
+    /// Staging memory: to the device, and from it. The two want different kinds.
     staging: [Option<Buffer>; 2],
-    /// What the next command buffer of somebody else's brings to the device first.
+    /// What the next [`Engine::encode`] copies to the device first.
     brought: Vec<Copy>,
-    /// What it leaves for the host at its end.
+    /// What the next [`Engine::encode`] copies to the host at its end.
     reported: Vec<Copy>,
 }
 

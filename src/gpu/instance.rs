@@ -50,8 +50,10 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
 }
 
-/// Who makes the Vulkan instance and device: this program, or an OpenXR runtime or a window, which want to add what they
-/// need.
+/// Runs around a submission. It calls its argument once, which submits and waits.
+pub(crate) type AroundSubmission = Box<dyn Fn(&mut dyn FnMut()) + Send + Sync>;
+
+/// Makes the Vulkan instance and device, and may add what its own library needs of them.
 pub(crate) trait Maker {
     /// Makes the instance.
     ///
@@ -63,10 +65,10 @@ pub(crate) trait Maker {
         create: &vk::InstanceCreateInfo<'_>,
     ) -> Result<vk::Instance, Error>;
 
-    /// The one device that may be used, if the choice is not ours.
+    /// The one device that may be used, where the maker chooses.
     fn physical_device(&self, instance: vk::Instance) -> Result<Option<vk::PhysicalDevice>, Error>;
 
-    /// Why a device cannot be used, though it has what kernels and pictures need.
+    /// Why a device cannot be used, though it has what kernels and draws need.
     fn refusal(
         &self,
         _entry: &ash::Entry,
@@ -74,6 +76,11 @@ pub(crate) trait Maker {
         _physical: vk::PhysicalDevice,
         _family: u32,
     ) -> Option<String> {
+        None
+    }
+
+    /// What runs around the submissions of the device, such as a timer.
+    fn around_submission(&self) -> Option<AroundSubmission> {
         None
     }
 
@@ -90,7 +97,7 @@ pub(crate) trait Maker {
     ) -> Result<vk::Device, Error>;
 }
 
-/// This program makes its own.
+/// Makes both through the Vulkan loader alone.
 #[derive(Debug)]
 pub(crate) struct Own;
 

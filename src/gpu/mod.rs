@@ -10,24 +10,18 @@ mod engine;
 #[cfg(test)]
 #[path = "../../tests/common/gpu.rs"]
 pub(crate) mod for_tests;
-mod instance;
+pub(crate) mod instance;
 mod pipeline;
 pub mod plan;
 mod validation;
 mod wanted;
-#[cfg(feature = "xr")]
-mod watch;
 
 pub use buffer::{Buffer, Memory};
 pub use device::Device;
 pub use engine::{DispatchTime, Engine};
-#[cfg(any(feature = "xr", feature = "view"))]
-pub(crate) use instance::Maker;
 pub use instance::{DeviceInfo, DeviceKind, list};
 pub use validation::{Validation, validation_messages};
 pub use wanted::{DEVICE_VARIABLE, Wanted};
-#[cfg(feature = "xr")]
-pub(crate) use watch::Watch;
 
 /// Vulkan failed.
 #[derive(Debug, thiserror::Error)]
@@ -90,9 +84,9 @@ pub enum Error {
         /// Why.
         reason: String,
     },
-    /// The OpenXR runtime refused to make the instance or the device.
+    /// The library through which instance and device are made has refused.
     #[error("{call} failed: {result}")]
-    Runtime {
+    Maker {
         /// The call.
         call: &'static str,
         /// What it said.

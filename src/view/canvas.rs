@@ -61,7 +61,7 @@ fn image(device: &Arc<Device>, extent: vk::Extent2D) -> Result<GpuImage, crate::
 
 impl Canvas {
     pub(super) fn new(device: &Arc<Device>, [width, height]: [u32; 2]) -> Result<Self, crate::Error> {
-        let (_, instance) = device.parents();
+        let instance = &device.instance.raw;
         let extent = vk::Extent2D { width, height };
         let target = DynamicRendering {
             color_attachment_format: COLOR_FORMAT,

@@ -1,7 +1,8 @@
 //! The window's side of Vulkan: a device that can show pictures in it, its surface, and the images it takes.
 
 use super::Error;
-use crate::gpu::{self, Device, Maker, Validation, call};
+use crate::gpu::instance::Maker;
+use crate::gpu::{self, Device, Validation, call};
 use ash::{khr, vk};
 use std::ffi::{CStr, c_char};
 use std::sync::Arc;
@@ -192,7 +193,7 @@ pub(super) struct Surface {
 
 impl Surface {
     pub(super) fn new(device: &Arc<Device>, window: &Window) -> Result<Self, crate::Error> {
-        let (entry, instance) = device.parents();
+        let (entry, instance) = (&device.instance.entry, &device.instance.raw);
         let raw = Handles::of(window)?.surface(entry, instance)?;
         let mut surface = Self {
             device: device.clone(),

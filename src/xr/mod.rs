@@ -22,6 +22,7 @@ mod shown;
 mod survey;
 mod swapchain;
 mod views;
+mod watch;
 
 pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outage, Outcome, Plan, Shot, Shots, run};
 pub use mirror::Mirror;

@@ -1,7 +1,9 @@
 //! The OpenXR runtime of this machine, and a Vulkan device made through it.
 
+use super::watch::DeviceWaits;
 use super::{Error, call};
-use crate::gpu::{self, Device, Maker, Validation};
+use crate::gpu::instance::{AroundSubmission, Maker};
+use crate::gpu::{self, Device, Validation};
 use ash::vk::{self, Handle};
 use openxr as xr;
 use std::ffi::c_void;
@@ -14,6 +16,8 @@ pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::
 pub struct Runtime {
     pub(super) instance: xr::Instance,
     pub(super) system: xr::SystemId,
+    /// How long the submissions of its devices were waited for.
+    pub(super) waits: DeviceWaits,
     info: RuntimeInfo,
 }
 
@@ -23,7 +27,7 @@ impl std::fmt::Debug for Runtime {
     }
 }
 
-/// What a runtime says of itself and its headset.
+/// A runtime and its headset.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 pub struct RuntimeInfo {
     /// Name and version of the runtime.
@@ -49,7 +53,7 @@ impl Runtime {
         Self::through(&entry)
     }
 
-    /// The same through an entry point of somebody's own, such as one that plants faults.
+    /// Like [`Runtime::open`], through an entry point of the caller, such as one that plants faults.
     ///
     /// # Errors
     /// As [`Runtime::open`].
@@ -105,10 +109,10 @@ impl Runtime {
         };
         let (extensions, absent) = (names(&wanted), names(&useful.difference(&known)));
         let info = RuntimeInfo { runtime, headset, eye_size, extensions, absent };
-        Ok(Self { instance, system, info })
+        Ok(Self { instance, system, waits: DeviceWaits::default(), info })
     }
 
-    /// What it says of itself.
+    /// Names, sizes and extensions.
     pub fn info(&self) -> &RuntimeInfo {
         &self.info
     }
@@ -122,15 +126,17 @@ impl Runtime {
         self.instance
             .graphics_requirements::<xr::Vulkan>(self.system)
             .map_err(call("xrGetVulkanGraphicsRequirements2KHR"))?;
-        let maker = ThroughRuntime { instance: self.instance.clone(), system: self.system };
+        let (instance, waits) = (self.instance.clone(), self.waits.clone());
+        let maker = ThroughRuntime { instance, system: self.system, waits };
         Ok(Device::made_by(&maker, None, validation)?)
     }
 }
 
-/// Makes Vulkan's instance and device through the runtime, which adds what it needs.
+/// Makes Vulkan's instance and device through the runtime, which adds the extensions that it needs.
 struct ThroughRuntime {
     instance: xr::Instance,
     system: xr::SystemId,
+    waits: DeviceWaits,
 }
 
 /// A Vulkan handle as OpenXR spells it.
@@ -144,7 +150,7 @@ fn handle_from<H: Handle>(openxr: *const c_void) -> H {
 }
 
 fn runtime_error(call: &'static str) -> impl FnOnce(xr::sys::Result) -> gpu::Error {
-    move |result| gpu::Error::Runtime { call, result: result.to_string() }
+    move |result| gpu::Error::Maker { call, result: result.to_string() }
 }
 
 fn vulkan_error(call: &'static str) -> impl FnOnce(xr::sys::platform::VkResult) -> gpu::Error {
@@ -179,6 +185,10 @@ impl Maker for ThroughRuntime {
         // SAFETY: the instance was made through this runtime.
         let found = unsafe { self.instance.vulkan_graphics_device(self.system, handle(instance)) };
         Ok(Some(handle_from(found.map_err(runtime_error("xrGetVulkanGraphicsDevice2KHR"))?.cast())))
+    }
+
+    fn around_submission(&self) -> Option<AroundSubmission> {
+        Some(self.waits.around_submission())
     }
 
     unsafe fn device(

@@ -8,6 +8,7 @@ use super::input::Input;
 use super::runtime::{Runtime, STEREO, handle};
 use super::swapchain::Swapchain;
 use super::views::{NEAR, Pose};
+use super::watch::DeviceWaits;
 use super::{Error, Loss, call};
 use crate::gpu::Device;
 use crate::render::{DEPTH_FORMAT, Target};
@@ -99,6 +100,7 @@ pub(super) struct Session {
     session: xr::Session<xr::Vulkan>,
     instance: xr::Instance,
     device: Arc<Device>,
+    device_waits: DeviceWaits,
     blend: xr::EnvironmentBlendMode,
     format: vk::Format,
     state: State,
@@ -127,7 +129,7 @@ impl Session {
     ) -> Result<Self, Error> {
         let instance = runtime.instance.clone();
         let binding = xr::vulkan::SessionCreateInfo {
-            instance: handle(device.instance_handle()).cast(),
+            instance: handle(device.instance.raw.handle()).cast(),
             physical_device: handle(device.physical).cast(),
             device: handle(device.raw.handle()).cast(),
             queue_family_index: device.family,
@@ -180,6 +182,7 @@ impl Session {
             session,
             instance,
             device: device.clone(),
+            device_waits: runtime.waits.clone(),
             blend,
             format,
             state: State::Idle,
@@ -214,7 +217,7 @@ impl Session {
     /// How long the device and images of the swapchain were waited for so far.
     pub(super) fn waited(&self) -> Duration {
         let depth = self.depth.as_ref().map_or(Duration::ZERO, |depth| depth.waited);
-        self.color.waited + depth + self.device.waited()
+        self.color.waited + depth + self.device_waits.sum()
     }
 
     /// Pixels of one eye.

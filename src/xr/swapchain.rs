@@ -3,8 +3,9 @@
 //! Where the safe wrapper loses a success code that matters (a timeout) the raw call is made instead.
 
 use super::session::check;
+use super::watch::Watch;
 use super::{Error, call};
-use crate::gpu::{Device, Watch};
+use crate::gpu::Device;
 use ash::vk::{self, Handle as _};
 use openxr as xr;
 use std::sync::Arc;

@@ -4,8 +4,6 @@
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
 use super::{Copy, Engine, TIMED_DISPATCHES};
-use crate::kernels::Store;
-#[cfg(feature = "xr")]
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::{BufferId, Dispatch, Extent, KernelId};
 use ash::{ext, vk};
@@ -17,81 +15,10 @@ const MOST_UPDATED: usize = 65_536;
 const ARGUMENTS: u64 = 12;
 
 impl Engine {
-    /// Puts contents of buffers where [`Engine::encode`] takes them from; what was brought before and not yet taken is
-    /// taken first.
-    ///
-    /// # Errors
-    /// When a call fails or memory for staging is short.
-    #[cfg(feature = "xr")]
-    pub(crate) fn bring(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
-        self.bring_to_device()?;
-        self.brought = self.fill(store, ids)?;
-        Ok(())
-    }
-
-    /// Brings what was brought and not yet taken.
+    /// Copies the contents that wait for [`Engine::encode`] to the device, in a submission of their own.
     pub(super) fn bring_to_device(&mut self) -> Result<(), Error> {
         let brought = std::mem::take(&mut self.brought);
         self.copy(&brought, true)
-    }
-
-    /// Bytes that the next [`Engine::encode`] brings.
-    #[cfg(all(test, feature = "xr"))]
-    pub(crate) fn brought_bytes(&self) -> usize {
-        self.brought.iter().map(|(_, _, length)| length).sum()
-    }
-
-    /// Wants the contents of buffers, as long as in `store`, at the end of the next [`Engine::encode`].
-    ///
-    /// # Errors
-    /// When memory for staging is short.
-    #[cfg(feature = "xr")]
-    pub(crate) fn want_report(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
-        let ids = self.present(ids);
-        self.reported = self.stage(&ids, |id| store.bytes(id).len(), super::Memory::Readback)?;
-        Ok(())
-    }
-
-    /// The contents that are wanted, as the submission left them that was waited for last.
-    #[cfg(feature = "xr")]
-    pub(crate) fn report(&self, store: &mut Store) {
-        if let [_, Some(staging)] = &self.staging {
-            for (id, offset, length) in &self.reported {
-                let bytes = staging.bytes().get(*offset..offset + length);
-                if let (Some(bytes), to) = (bytes, store.bytes_mut(*id))
-                    && bytes.len() == to.len()
-                {
-                    to.copy_from_slice(bytes);
-                }
-            }
-        }
-    }
-
-    /// Records what [`Engine::run`] would submit into a command buffer of somebody else's, who submits it to the same queue
-    /// and waits, then says [`Engine::encoded`]. Draws that stand behind it find everything in place.
-    ///
-    /// # Errors
-    /// As of [`Engine::run`], without what only a submission meets.
-    #[cfg(feature = "xr")]
-    pub(crate) fn encode(
-        &self,
-        commands: vk::CommandBuffer,
-        ops: &[Op],
-        contents: impl Fn(usize, BufferId) -> Vec<u8>,
-    ) -> Result<(), Error> {
-        if !self.brought.is_empty() {
-            self.encode_copies(commands, &self.brought, true);
-            self.barrier(commands);
-        }
-        self.encode_ops(commands, ops, &contents, false)?;
-        self.encode_copies(commands, &self.reported, false);
-        Ok(())
-    }
-
-    /// The commands of [`Engine::encode`] are done.
-    #[cfg(feature = "xr")]
-    pub(crate) fn encoded(&mut self) {
-        self.brought.clear();
     }
 
     /// The error of a submission with these operations: a lost device says what it was doing.
@@ -280,7 +207,7 @@ impl Engine {
         }
     }
 
-    fn barrier(&self, commands: vk::CommandBuffer) {
+    pub(super) fn barrier(&self, commands: vk::CommandBuffer) {
         let before = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
         let after = before | vk::PipelineStageFlags2::DRAW_INDIRECT | vk::PipelineStageFlags2::VERTEX_SHADER;
         let barrier = [vk::MemoryBarrier2::default()

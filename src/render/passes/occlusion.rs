@@ -175,7 +175,8 @@ impl OcclusionPass {
         if agents < SMALL_CROWD {
             return None;
         }
-        let engine = buffers.engine.filter(|engine| engine.has(&[KernelId::Occlude, KernelId::OcclusionCompact]))?;
+        let engine =
+            buffers.engine.filter(|engine| engine.has(&[KernelId::Occlude, KernelId::OcclusionCompact]))?;
         let room = engine.buffer(BufferId::TileDepth)?.size();
         (room >= 8 * MOST_TILES as u64).then_some(OcclusionTest { pass: self, attachments, engine, agents })
     }
