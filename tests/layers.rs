@@ -406,7 +406,7 @@ fn a_module_without_a_place_and_a_glob_of_the_root_are_faults() {
 }
 
 /// Words by which the source of a backend would show that it knows what it is used for.
-fn words_of_users(source: &str) -> Vec<&str> {
+fn words_of_users(source: &str) -> Vec<&'static str> {
     let words = ["feature = \"xr\"", "feature = \"view\"", "openxr", "headset", "window"];
     let lower = source.to_lowercase();
     words.into_iter().filter(|word| lower.contains(word)).collect()

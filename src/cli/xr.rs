@@ -15,8 +15,8 @@ use crate::scenario::{Condition, GazeMode, User};
 use crate::scene::Scene;
 use crate::sim::measure;
 use crate::xr::{
-    self, Moment, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError,
-    SessionHash, Shot, Way,
+    self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, SessionHash,
+    Shot, UserState, Way,
 };
 use clap::Args;
 use serde::Serialize;
@@ -240,7 +240,7 @@ impl Observer for Keeper {
         note(&format!("note: {line}"));
     }
 
-    fn step(&mut self, user: &Moment, crowd: &Store) -> Result<(), Error> {
+    fn step(&mut self, user: &UserState, crowd: &Store) -> Result<(), Error> {
         match &mut self.record {
             Some((path, recorder)) => recorder.step(user, crowd).map_err(recording(path)),
             None => Ok(()),

@@ -3,24 +3,13 @@
 use super::Error;
 use super::commands::Commands;
 use super::settings::{Settings, Stereo};
-use super::target::{DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole};
+use super::target::{
+    DEPTH_FORMAT, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
+};
 use crate::gpu::{Device, call};
 use ash::vk;
 use std::sync::Arc;
 use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
-
-/// Samples and colour format of the attachments.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Format {
-    pub(super) samples: vk::SampleCountFlags,
-    pub(super) color: vk::Format,
-}
-
-impl Format {
-    pub(super) fn is_multisampled(self) -> bool {
-        self.samples != vk::SampleCountFlags::TYPE_1
-    }
-}
 
 /// Images of the frame's size, used by one eye pass after the other.
 pub(super) struct Attachments {

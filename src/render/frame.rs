@@ -1,9 +1,7 @@
 //! What the passes of a frame share: the view, the crowd, and the resources that several shaders bind.
 
-use super::Error;
 use super::camera::View;
-use super::crowd::CrowdBuffers;
-use super::meshes::CrowdMeshes;
+use super::meshes::DrawnCrowd;
 use super::passes::ShadowPass;
 use super::pipelines::Resource;
 use super::settings::Settings;
@@ -13,22 +11,6 @@ use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
 
 pub(super) const SHADERS: Stage =
     Stage::from_raw(Stage::VERTEX_SHADER.as_raw() | Stage::FRAGMENT_SHADER.as_raw());
-
-/// A crowd that can be drawn: its buffers are long enough for its meshes.
-#[derive(Clone, Copy)]
-pub(super) struct DrawnCrowd<'a> {
-    pub(super) buffers: &'a CrowdBuffers<'a>,
-    pub(super) meshes: &'a CrowdMeshes,
-}
-
-impl<'a> DrawnCrowd<'a> {
-    /// # Errors
-    /// When a buffer is too short for the meshes.
-    pub(super) fn new(buffers: &'a CrowdBuffers<'a>, meshes: &'a CrowdMeshes) -> Result<Self, Error> {
-        buffers.check(meshes.bucket_count + meshes.far_count)?;
-        Ok(Self { buffers, meshes })
-    }
-}
 
 /// One eye pass of one frame. A frame has one eye pass (one eye, or both by multiview) or two (one eye after the other).
 #[derive(Clone, Copy)]

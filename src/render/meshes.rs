@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::commands::{Commands, Submitter};
-use super::frame::DrawnCrowd;
+use super::crowd::CrowdBuffers;
 use super::pack::MeshBuffers;
 use super::pipelines::Program;
 use crate::gpu::Buffer;
@@ -85,7 +85,21 @@ impl CrowdMeshes {
     }
 }
 
-impl DrawnCrowd<'_> {
+/// A crowd that can be drawn: its buffers are long enough for its meshes.
+#[derive(Clone, Copy)]
+pub(super) struct DrawnCrowd<'a> {
+    pub(super) buffers: &'a CrowdBuffers<'a>,
+    pub(super) meshes: &'a CrowdMeshes,
+}
+
+impl<'a> DrawnCrowd<'a> {
+    /// # Errors
+    /// When a buffer is too short for the meshes.
+    pub(super) fn new(buffers: &'a CrowdBuffers<'a>, meshes: &'a CrowdMeshes) -> Result<Self, Error> {
+        buffers.check(meshes.bucket_count + meshes.far_count)?;
+        Ok(Self { buffers, meshes })
+    }
+
     /// Draws as many instances of a bucket as the kernels say.
     ///
     /// # Safety

@@ -1,8 +1,7 @@
 //! Draw shaders as pipelines. Descriptor sets are filled by the names of the bindings.
 
 use super::Error;
-use super::attachments::Format;
-use super::target::DEPTH_FORMAT;
+use super::target::{DEPTH_FORMAT, Format};
 use crate::gpu::{self, Device, call};
 use crate::kernels::{DrawBindingKind, DrawShader};
 use ash::vk;

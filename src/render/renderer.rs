@@ -2,14 +2,13 @@
 
 use super::atmosphere::Atmosphere;
 use super::attachments::{
-    Attachments, EyeTarget, EyeViews, Format, Part, begin_depth_target, eye_passes, samples, stereo,
-    view_mask,
+    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, eye_passes, samples, stereo, view_mask,
 };
 use super::camera::View;
 use super::commands::{Commands, Submitter};
 use super::crowd::CrowdBuffers;
-use super::frame::{self, DrawnCrowd, Frame, Shared};
-use super::meshes::{CrowdMeshes, FarLod};
+use super::frame::{self, Frame, Shared};
+use super::meshes::{CrowdMeshes, DrawnCrowd, FarLod};
 use super::pack::MeshBuffers;
 #[cfg(feature = "xr")]
 use super::passes::MaskPass;
@@ -20,7 +19,9 @@ use super::passes::{
 use super::pipelines::Setup;
 use super::settings::{Markers, Settings};
 use super::surface::Surface;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Transition};
+use super::target::{
+    COLOR_FORMAT, DEPTH_FORMAT, Format, GpuImage, ImageSpec, ImageUse, Readback, Transition,
+};
 use super::uniforms::ViewBuffers;
 use super::user::User;
 use super::{Error, Image};

@@ -13,6 +13,19 @@ pub(crate) const COLOR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 /// Depth, reversed: 32-bit floats are finest near 0, which is where the distance lies.
 pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
+/// Samples and colour format of the attachments.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Format {
+    pub(super) samples: vk::SampleCountFlags,
+    pub(super) color: vk::Format,
+}
+
+impl Format {
+    pub(super) fn is_multisampled(self) -> bool {
+        self.samples != vk::SampleCountFlags::TYPE_1
+    }
+}
+
 /// What an image is to be.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct ImageSpec<'a> {

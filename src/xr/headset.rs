@@ -1,17 +1,19 @@
 //! The headset's thread: session after session, and the frames of each.
 //!
-//! Whatever fails once there was a session is a reason to begin anew, on a device made anew, with pauses that grow. Only
-//! two things end it early: an error that waiting cannot mend and that comes again and again, and one of our own, such as
-//! a full disk.
+//! Any failure after the first session restarts the session on a new device, with increasing back-off. Two things end the
+//! thread early: an error that waiting cannot mend and that repeats, and an error of our own, such as a full disk.
 
-use super::app::{Outage, Outcome, Plan, Shared, Shot, Surroundings, lock};
 use super::input::Reading;
 use super::miniature::Miniature;
+use super::outcome::{Outage, Outcome};
 use super::pace::{FrameTimes, Governor};
-use super::recording::{Moment, numbers};
+use super::plan::{Plan, Shot};
+use super::recording::{UserState, numbers};
 use super::rig::{Rig, Terrain};
 use super::session::{Event, Eyes, Frame, Session, State};
+use super::shared::Shared;
 use super::shown::{Crowd, Shown};
+use super::surroundings::Surroundings;
 use super::views::Pose;
 use super::watch::Watch;
 use super::{Error, views};
@@ -28,13 +30,13 @@ const BACK_OFF: [Duration; 2] = [Duration::from_millis(100), Duration::from_mill
 const WELL: Duration = Duration::from_secs(5);
 /// Attempts in a row, each shorter than that and ended by an error that waiting does not mend, before it is given up.
 const FRUITLESS: u32 = 12;
-/// Steps of time longer than this, or negative, are not believed: a runtime that hung gives display times of long ago.
+/// Longest time from frame to frame, s. A runtime that hung gives display times of long ago.
 const LONGEST_FRAME: f32 = 0.1;
 
-/// Why a session ended that the runtime ended in good order.
+/// Reason for the end of a session that the runtime ended in good order.
 const RUNTIME_ENDED: &str = "the OpenXR runtime ended the session";
 
-/// Why a session ended that we ended.
+/// Reason for the end of a session that we ended.
 fn our_reason() -> &'static str {
     if stop::asked() { "interrupted" } else { "the time was up" }
 }
@@ -49,9 +51,9 @@ pub(super) struct Headset<'a> {
     governor: Governor,
     outcome: Outcome,
     frames: u64,
-    /// Since when there is no picture.
+    /// Since when no frame is seen.
     lost: Option<Instant>,
-    /// Since when the last loss lasts, and the crowd's moment then.
+    /// When the last loss began, and the number of the crowd's snapshot then.
     outage: Option<(Instant, u64)>,
 }
 
@@ -74,9 +76,9 @@ impl<'a> Headset<'a> {
     /// Session after session until one ends in good order.
     pub(super) fn run(mut self) -> Result<Outcome, crate::Error> {
         let (mut pause, mut fruitless) = (BACK_OFF[0], 0);
-        let mut told = None;
+        let mut last_message = None;
         loop {
-            self.shared.live();
+            self.shared.heartbeat();
             let (begin, sessions) = (Instant::now(), self.outcome.sessions);
             let error = match self.session() {
                 Ok(ended) => {
@@ -104,15 +106,15 @@ impl<'a> Headset<'a> {
             if had_one {
                 self.end_outage();
                 self.outcome.losses.push(Outage { reason: line.clone(), ..Outage::default() });
-                self.outage = Some((Instant::now(), lock(&self.shared.moment).number));
+                self.outage = Some((Instant::now(), self.shared.snapshot().number));
                 self.lost.get_or_insert_with(Instant::now);
                 pause = BACK_OFF[0];
             }
-            if had_one || told.as_ref() != Some(&line) {
-                self.shared.note(format!("{line}; looking for it again"));
-                told = Some(line);
+            if had_one || last_message.as_ref() != Some(&line) {
+                self.shared.leave_message(format!("{line}; looking for it again"));
+                last_message = Some(line);
             }
-            if self.shared.stops() {
+            if self.shared.stop_requested() {
                 self.outcome.ended = format!("{} while there was no headset", our_reason());
                 break;
             }
@@ -124,21 +126,21 @@ impl<'a> Headset<'a> {
         Ok(self.outcome)
     }
 
-    /// Notes how long the last loss has lasted, and what the crowd did meanwhile.
+    /// Records the length of the last loss and the steps of the crowd meanwhile.
     fn end_outage(&mut self) {
         if let (Some((since, number)), Some(loss)) = (self.outage.take(), self.outcome.losses.last_mut()) {
             loss.seconds = since.elapsed().as_secs_f64();
-            loss.steps = lock(&self.shared.moment).number - number;
+            loss.steps = self.shared.snapshot().number - number;
         }
     }
 
-    /// One session, from finding the runtime to its end; says why it ended.
+    /// Runs one session, from finding the runtime to its end; returns why it ended.
     fn session(&mut self) -> Result<&'static str, Failure> {
         let runtime = (self.plan.open)()?;
         let device = runtime.device(self.plan.validation)?;
-        self.shared.live();
+        self.shared.heartbeat();
         let session = Session::new(&runtime, &device, self.plan.eye_size)?;
-        self.shared.live();
+        self.shared.heartbeat();
         let [width, height] = session.size();
         let settings = Settings { width, height, eyes: 2, ..self.world.settings };
         let Surroundings { store, meshes, scenery, gaze, .. } = &self.world;
@@ -148,20 +150,20 @@ impl<'a> Headset<'a> {
         self.outcome.device = show.device();
         self.outcome.takes_depth = session.takes_depth();
         self.outcome.sessions += 1;
-        let mut asked = false;
+        let mut has_requested_exit = false;
         let mut running = Running { clock: Clock::default(), miniature: Miniature::default(), show, session };
         loop {
-            self.shared.live();
+            self.shared.heartbeat();
             for event in running.session.poll()? {
                 match event {
                     Event::State(state) => {
                         self.outcome.states.push(state.name());
                         if state == State::Exiting {
-                            return Ok(if asked { our_reason() } else { RUNTIME_ENDED });
+                            return Ok(if has_requested_exit { our_reason() } else { RUNTIME_ENDED });
                         }
                         match state {
                             State::Ready => self.choose_rate(&running.session)?,
-                            State::Focused => self.greet(),
+                            State::Focused => self.report_visible(),
                             _ => {}
                         }
                     }
@@ -169,8 +171,8 @@ impl<'a> Headset<'a> {
                     Event::Recentred => {}
                 }
             }
-            if self.shared.stops() && !asked {
-                asked = true;
+            if self.shared.stop_requested() && !has_requested_exit {
+                has_requested_exit = true;
                 if !running.session.is_running() {
                     return Ok(our_reason());
                 }
@@ -196,14 +198,14 @@ impl<'a> Headset<'a> {
         Ok(())
     }
 
-    /// Tells that the user sees the crowd: for the first time, or again.
-    fn greet(&mut self) {
+    /// Reports that the user sees the crowd: for the first time, or again.
+    fn report_visible(&mut self) {
         self.end_outage();
         if let Some(since) = self.lost.take() {
             let seconds = since.elapsed().as_secs_f64();
-            self.shared.note(format!("the headset is back after {seconds:.1} s"));
+            self.shared.leave_message(format!("the headset is back after {seconds:.1} s"));
         } else if !self.outcome.states.iter().rev().skip(1).any(|state| *state == State::Focused.name()) {
-            self.shared.note("the headset shows the crowd".to_owned());
+            self.shared.leave_message("the headset shows the crowd".to_owned());
         }
     }
 
@@ -211,7 +213,7 @@ impl<'a> Headset<'a> {
         let Running { clock, show, session, .. } = running;
         let frame = session.wait()?;
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
-        self.shared.live();
+        self.shared.heartbeat();
         let (seconds, periods) = clock.step(&frame, &mut self.times);
         let input = session.read_input(&frame)?;
         let head = session.head(&frame)?;
@@ -224,9 +226,9 @@ impl<'a> Headset<'a> {
         }
         let begin = Instant::now();
         let target = session.acquire()?;
-        let moment = lock(&self.shared.moment).clone();
-        show.take(&moment.store, moment.number, moment.due)?;
-        let crowd = Crowd { now: self.shared.now(), step: self.shared.time_step, late: moment.late };
+        let snapshot = self.shared.snapshot();
+        show.take(&snapshot.store, snapshot.number, snapshot.due)?;
+        let crowd = Crowd { now: self.shared.now(), step: self.shared.time_step, late: snapshot.late };
         let shown = clock.shown.time(frame.display.as_nanos(), &crowd);
         show.set_level_distances(self.governor.distances(self.world.level_distances));
         // as late as can be: everything but the eyes' place is ready
@@ -254,7 +256,7 @@ impl<'a> Headset<'a> {
 }
 
 impl Headset<'_> {
-    /// Moves the user, and tells the crowd where they are.
+    /// Moves the user, and hands their state to the crowd.
     fn follow(&mut self, head: Pose, input: &Reading, seconds: f32) {
         let hand = input.hands[1].or(input.hands[0]);
         let terrain = Terrain {
@@ -264,20 +266,20 @@ impl Headset<'_> {
         self.rig.walk(&input.walk, head, hand, seconds, &terrain);
         let place = self.rig.user(head);
         let room = self.rig.world_from_room();
-        let mut latest = lock(&self.shared.user);
-        let (user, seen) = &mut *latest;
-        *seen = Some(Instant::now());
-        let velocity = (place - user.place) / seconds.max(1e-3);
-        // a teleport or a recentring is no walk
-        let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
-        *user = Moment {
+        let state = UserState {
             place,
             elevation: self.rig.elevation(),
-            velocity: user.velocity.lerp(velocity, 0.3),
+            velocity: Vec2::ZERO,
             head: Some(numbers(head.within(room))),
             hands: input.hands.map(|hand| hand.map(|hand| numbers(hand.within(room)))),
             sticks: [input.walk.stick.x, input.walk.stick.y, input.walk.turn],
         };
+        self.shared.update_user(|before| {
+            let velocity = (place - before.place) / seconds.max(1e-3);
+            // a teleport or a recentring is no walk
+            let velocity = if velocity.length() > 4.0 { Vec2::ZERO } else { velocity };
+            UserState { velocity: before.velocity.lerp(velocity, 0.3), ..state }
+        });
     }
 
     /// Draws what the eyes see. Returns a copy and the midpoint of the eyes if this frame is one of the shots.
@@ -304,7 +306,7 @@ impl Headset<'_> {
         Ok(image.map(|image| (image, middle)))
     }
 
-    /// What the picture shows of the user.
+    /// What the frame shows of the user.
     fn user(&self, input: &Reading) -> User {
         let room = self.rig.world_from_room();
         let held = |grip: Pose| {
@@ -319,8 +321,7 @@ impl Headset<'_> {
         }
     }
 
-    /// Puts a small copy of what was drawn where somebody looks on. Who looks on never costs the user the session: when it
-    /// fails, there are no more copies.
+    /// Hands a small copy of the image to the mirror. A copy that fails closes the mirror and never ends the session.
     fn reflect(&self, running: &mut Running, image: ash::vk::Image) -> Result<(), Error> {
         let Running { show, session, miniature, .. } = running;
         let Some(mirror) = &self.plan.mirror else { return Ok(()) };
@@ -343,8 +344,8 @@ fn nearest(offered: &[f32], wanted: f32) -> Option<f32> {
     offered.iter().copied().filter(|rate| rate.is_finite()).min_by(|a, b| away(a).total_cmp(&away(b)))
 }
 
-/// Gives memory that a session has freed back to the system. Runtime, driver and compiler work on threads of their own, and
-/// the C library keeps for each thread what it has freed: after some sessions that would be a lot.
+/// Returns memory that a session has freed to the system. The C library keeps freed memory for each thread, and runtime,
+/// driver and compiler have threads of their own.
 fn give_back() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     // SAFETY: no requirements; what is in use stays.
@@ -353,7 +354,7 @@ fn give_back() {
     }
 }
 
-/// The time from frame to frame, as far as it can be believed.
+/// The time from frame to frame.
 #[derive(Debug, Default)]
 struct Clock {
     display: Option<i64>,
@@ -389,11 +390,11 @@ struct Running {
     session: Session,
 }
 
-/// Why a session was not to be had, or was lost.
+/// Why a session could not begin, or was lost.
 enum Failure {
-    /// The headset's doing: another session may help.
+    /// A failure of the headset: another session may help.
     Headset(Error),
-    /// Ours: no session would help.
+    /// A failure of our own: no session would help.
     Fatal(crate::Error),
 }
 
@@ -404,7 +405,7 @@ impl From<Error> for Failure {
 }
 
 impl From<crate::Error> for Failure {
-    /// Vulkan's errors may be the runtime's device's, which is made anew; all others are ours.
+    /// Vulkan's errors may come from the runtime's device, which the next session replaces. All others are ours.
     fn from(error: crate::Error) -> Self {
         match error {
             crate::Error::Gpu(error) => Self::Headset(error.into()),
@@ -430,7 +431,7 @@ mod tests {
     }
 
     #[test]
-    fn display_times_that_cannot_be_are_not_believed() {
+    fn display_times_that_cannot_be_are_bounded() {
         let mut clock = Clock::default();
         let mut times = FrameTimes::default();
         let mut at = |display: i64| {

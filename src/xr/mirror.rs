@@ -1,15 +1,15 @@
-//! What the user sees, for somebody else who looks on: small copies of the left eye's picture, now and then.
+//! Small copies of the left eye's image, now and then, for a window.
 //!
-//! The headset's thread puts them here and never waits; whoever shows them takes the newest. Whatever becomes of the one
-//! who shows them, the headset's session goes on.
+//! The headset's thread puts copies here and never waits. The window takes the newest. The session goes on when the window
+//! fails.
 
-use super::app::lock;
+use super::shared::lock;
 use crate::picture::Image;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Shortest time between two copies: looking on must not cost the user frames.
+/// Shortest time between two copies: the window must not cost the user frames.
 const PAUSE: Duration = Duration::from_millis(33);
 
 /// The place where copies are handed over.
@@ -24,7 +24,7 @@ pub struct Mirror {
 struct Latest {
     image: Option<Image>,
     kept: Option<Instant>,
-    said: Option<String>,
+    message: Option<String>,
 }
 
 impl Mirror {
@@ -33,17 +33,17 @@ impl Mirror {
         Self { rows: rows.max(1), is_closed: AtomicBool::new(false), latest: Mutex::default() }
     }
 
-    /// Whether anybody still looks on.
+    /// Whether copies are still wanted.
     pub fn is_open(&self) -> bool {
         !self.is_closed.load(Ordering::Relaxed)
     }
 
-    /// Nobody looks on any more; with a reason if it was not by intention.
+    /// Ends the copies; with a reason if not by intention.
     pub fn close(&self, why: Option<String>) {
         self.is_closed.store(true, Ordering::Relaxed);
         let mut latest = lock(&self.latest);
         latest.image = None;
-        latest.said = why;
+        latest.message = why;
     }
 
     /// The newest copy, unless it was taken already.
@@ -51,12 +51,12 @@ impl Mirror {
         lock(&self.latest).image.take()
     }
 
-    /// What there is to say about its end, once.
-    pub(super) fn said(&self) -> Option<String> {
-        lock(&self.latest).said.take()
+    /// Why it was closed, if not by intention; given once.
+    pub(super) fn take_message(&self) -> Option<String> {
+        lock(&self.latest).message.take()
     }
 
-    /// Pixels of the copy that is wanted now of an eye's picture, if one is.
+    /// Pixels of the copy that is due at `now` of an eye's image of this size, if one is.
     pub(super) fn wants(&self, [width, height]: [u32; 2], now: Instant) -> Option<[u32; 2]> {
         let kept = lock(&self.latest).kept;
         let is_due = kept.is_none_or(|kept| now.saturating_duration_since(kept) >= PAUSE);
@@ -80,7 +80,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn copies_are_small_not_too_many_and_end_with_who_looks_on() {
+    fn copies_are_small_not_too_many_and_end_with_the_window() {
         let mirror = Mirror::new(600);
         let now = Instant::now();
         assert_eq!(mirror.wants([2064, 2208], now), Some([561, 600]));
@@ -93,6 +93,9 @@ mod tests {
         mirror.close(Some("the window is gone".to_owned()));
         mirror.keep(Image::filled(2, 2, [1; 4]), now);
         assert!(mirror.take().is_none() && mirror.wants([320, 240], now + 9 * PAUSE).is_none());
-        assert_eq!((mirror.said(), mirror.said()), (Some("the window is gone".to_owned()), None));
+        assert_eq!(
+            (mirror.take_message(), mirror.take_message()),
+            (Some("the window is gone".to_owned()), None)
+        );
     }
 }

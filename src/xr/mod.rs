@@ -7,29 +7,36 @@
 //! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
 
 mod app;
+mod clock;
 mod headset;
 mod hidden;
 mod input;
 mod joints;
 mod miniature;
 mod mirror;
+mod outcome;
 mod pace;
+mod plan;
 mod recording;
 mod rig;
 mod runtime;
 mod session;
+mod shared;
 mod shown;
+mod surroundings;
 mod survey;
 mod swapchain;
 mod views;
 mod watch;
 
-pub use app::{DEFAULT_VIGNETTE, Observer, Opener, Outage, Outcome, Plan, Shot, Shots, run};
+pub use app::{Observer, run};
 pub use mirror::Mirror;
+pub use outcome::{Outage, Outcome};
 pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
+pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
 pub use recording::{
-    Moment, Recorder, Recording, RecordingError, Session as RecordedSession, SessionHash, Way, hash_avatars,
-    hash_library, hash_scenario, hash_start, make_way, repair,
+    Recorder, Recording, RecordingError, Session as RecordedSession, SessionHash, UserState, Way,
+    hash_avatars, hash_library, hash_scenario, hash_start, make_way, repair,
 };
 pub use rig::{Rig, Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
@@ -131,7 +138,7 @@ impl Error {
     }
 }
 
-/// An error of a call: losses are told apart, whatever the call.
+/// An error of a call. A loss is one whatever the call.
 fn call(call: &'static str) -> impl FnOnce(openxr::sys::Result) -> Error {
     use openxr::sys::Result as R;
     move |result| match result {
@@ -141,8 +148,18 @@ fn call(call: &'static str) -> impl FnOnce(openxr::sys::Result) -> Error {
     }
 }
 
-/// Keeps the OpenXR loader from telling on standard error what [`Error`] says in one line; `XR_LOADER_DEBUG` wins. To be
-/// called by a program that has one thread.
+/// The outcome of a raw call. Success codes that mean a loss are errors.
+fn check(name: &'static str, result: openxr::sys::Result) -> Result<(), Error> {
+    match result {
+        openxr::sys::Result::TIMEOUT_EXPIRED => Err(Error::Lost(Loss::Image)),
+        openxr::sys::Result::SESSION_LOSS_PENDING => Err(Error::Lost(Loss::Session)),
+        result if result.into_raw() >= 0 => Ok(()),
+        result => Err(call(name)(result)),
+    }
+}
+
+/// Silences the OpenXR loader on standard error, since [`Error`] says the same in one line; `XR_LOADER_DEBUG` wins. Call it
+/// while the program has one thread.
 pub(crate) fn hush_loader() {
     const LEVEL: &str = "XR_LOADER_DEBUG";
     if std::env::var_os(LEVEL).is_none() {

@@ -121,7 +121,7 @@ impl Session {
 
 /// The user in one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Moment {
+pub struct UserState {
     /// Place on the ground, m.
     pub place: Vec2,
     /// Height of the floor that the user stands on, m.
@@ -142,7 +142,7 @@ pub(super) fn numbers(pose: Pose) -> [f32; 7] {
     [x, y, z, a, b, c, d]
 }
 
-impl Moment {
+impl UserState {
     /// Position and rotation of the head in the world.
     pub fn head_pose(&self) -> Option<(Vec3, Quat)> {
         self.head.map(|[x, y, z, a, b, c, d]| (Vec3::new(x, y, z), Quat::from_xyzw(a, b, c, d)))
@@ -212,7 +212,7 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn step(&mut self, moment: &Moment, crowd: &Store) -> Result<(), RecordingError> {
+    pub fn step(&mut self, moment: &UserState, crowd: &Store) -> Result<(), RecordingError> {
         self.hash.step(moment, crowd);
         let mut line = self.step.to_string();
         let ([x, z], [vx, vz]) = (moment.place.to_array(), moment.velocity.to_array());
@@ -258,7 +258,7 @@ pub struct Recording {
     /// What it is of.
     pub session: Session,
     /// The user, step by step.
-    pub moments: Vec<Moment>,
+    pub moments: Vec<UserState>,
     /// Hashes of the session after so many steps.
     pub hashes: Vec<(u32, u64)>,
     /// Hash of the session after the last step; none if it broke off.
@@ -373,7 +373,7 @@ fn session(head: &[Option<String>; 11]) -> Result<Session, RecordingError> {
 }
 
 /// One line of the table, which must be that of step `step`.
-fn moment(line: &str, step: usize) -> Result<Moment, String> {
+fn moment(line: &str, step: usize) -> Result<UserState, String> {
     let fields: Vec<&str> = line.split(',').collect();
     let wanted = COLUMNS.split(',').count();
     if fields.len() != wanted {
@@ -396,7 +396,7 @@ fn moment(line: &str, step: usize) -> Result<Moment, String> {
         }
         Ok::<_, String>(Some(values))
     };
-    Ok(Moment {
+    Ok(UserState {
         place: Vec2::new(number(1)?, number(2)?),
         elevation: number(3)?,
         velocity: Vec2::new(number(4)?, number(5)?),

@@ -9,7 +9,7 @@ use super::runtime::{Runtime, STEREO, handle};
 use super::swapchain::Swapchain;
 use super::views::{NEAR, Pose};
 use super::watch::DeviceWaits;
-use super::{Error, Loss, call};
+use super::{Error, Loss, call, check};
 use crate::gpu::Device;
 use crate::render::{DEPTH_FORMAT, Target};
 use ash::vk;
@@ -456,16 +456,6 @@ fn room(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space, Error> {
     let down = if kind == local { -1.6 } else { 0.0 };
     let pose = xr::Posef { position: xr::Vector3f { x: 0.0, y: down, z: 0.0 }, ..xr::Posef::IDENTITY };
     session.create_reference_space(kind, pose).map_err(call("xrCreateReferenceSpace"))
-}
-
-/// Success codes that mean a loss are losses.
-pub(super) fn check(name: &'static str, result: xr::sys::Result) -> Result<(), Error> {
-    match result {
-        xr::sys::Result::TIMEOUT_EXPIRED => Err(Error::Lost(Loss::Image)),
-        xr::sys::Result::SESSION_LOSS_PENDING => Err(Error::Lost(Loss::Session)),
-        result if result.into_raw() >= 0 => Ok(()),
-        result => Err(call(name)(result)),
-    }
 }
 
 impl Drop for Session {

@@ -1,6 +1,6 @@
 //! What a session is known by.
 
-use super::{Moment, Session};
+use super::{Session, UserState};
 use crate::avatar::Avatar;
 use crate::kernels::Store;
 use crate::kernels::shared::attention::{RANGE, RANGE_HYSTERESIS};
@@ -31,7 +31,7 @@ impl SessionHash {
     }
 
     /// Adds a step: the user in it, and the crowd after it.
-    pub fn step(&mut self, user: &Moment, crowd: &Store) {
+    pub fn step(&mut self, user: &UserState, crowd: &Store) {
         let numbers = [user.place.x, user.place.y, user.elevation, user.velocity.x, user.velocity.y];
         self.hash.add(bytemuck::cast_slice(&numbers));
         for pose in [user.head, user.hands[0], user.hands[1]] {

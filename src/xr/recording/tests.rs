@@ -35,10 +35,10 @@ fn crowd(gazes: bool) -> Store {
     }
 }
 
-fn moments() -> Vec<Moment> {
+fn moments() -> Vec<UserState> {
     let odd = |i: u32| f32::from_bits(0x3f80_0000 + i * 7919);
     (0..40)
-        .map(|i| Moment {
+        .map(|i| UserState {
             place: Vec2::new(odd(i), -odd(i + 1) * 1e-3),
             elevation: odd(3 * i),
             velocity: Vec2::new(odd(2 * i) - 1.0, 1e-30),
@@ -66,7 +66,7 @@ fn what_is_written_is_read_back_with_all_its_bits() {
     assert_eq!(read.moments.len(), moments.len());
     for (a, b) in read.moments.iter().zip(&moments) {
         let bits =
-            |m: &Moment| [m.place.x, m.place.y, m.elevation, m.velocity.x, m.velocity.y].map(f32::to_bits);
+            |m: &UserState| [m.place.x, m.place.y, m.elevation, m.velocity.x, m.velocity.y].map(f32::to_bits);
         assert_eq!(bits(a), bits(b));
         assert_eq!(a, b);
     }
@@ -102,32 +102,32 @@ fn a_recording_of_another_session_is_refused_with_what_differs() {
 
 #[test]
 fn the_hash_of_a_session_covers_what_the_gaze_is_made_from() {
-    let of = |session: &Session, moment: &Moment, gazes: bool| {
+    let of = |session: &Session, moment: &UserState, gazes: bool| {
         let mut hash = SessionHash::new(session);
         hash.step(moment, &crowd(gazes));
         hash.with(&crowd(gazes))
     };
-    let user = Moment { head: Some([0.5, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..Moment::default() };
+    let user = UserState { head: Some([0.5, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..UserState::default() };
     let one = of(&session(), &user, true);
     assert_eq!(one, of(&session(), &user, true));
     // everyone walks alike in all of these
-    let lower = Moment { head: Some([0.5, 1.2, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
+    let lower = UserState { head: Some([0.5, 1.2, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
     assert_ne!(one, of(&session(), &lower, true));
     assert_ne!(one, of(&session(), &user, false), "who is looked at and who is not");
     assert_ne!(one, of(&Session { condition: "eva-o".into(), ..session() }, &user, true));
-    assert_ne!(one, of(&session(), &Moment { elevation: 3.0, ..user }, true));
+    assert_ne!(one, of(&session(), &UserState { elevation: 3.0, ..user }, true));
     // hands, sticks and a turned head move nobody, but are part of the session
     for other in [
-        Moment { head: Some([0.5, 1.6, 0.0, 0.0, 1.0, 0.0, 0.0]), ..user },
-        Moment { hands: [Some([0.1; 7]), None], ..user },
-        Moment { hands: [None, Some([0.1; 7])], ..user },
-        Moment { sticks: [0.0, 0.0, 0.5], ..user },
+        UserState { head: Some([0.5, 1.6, 0.0, 0.0, 1.0, 0.0, 0.0]), ..user },
+        UserState { hands: [Some([0.1; 7]), None], ..user },
+        UserState { hands: [None, Some([0.1; 7])], ..user },
+        UserState { sticks: [0.0, 0.0, 0.5], ..user },
     ] {
         assert_ne!(one, of(&session(), &other, true), "{other:?}");
     }
     // beyond everybody's reach only the user differs, not the gaze
     let mut far = (SessionHash::new(&session()), SessionHash::new(&session()));
-    let away = Moment { head: Some([50.0, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
+    let away = UserState { head: Some([50.0, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
     far.0.step(&away, &crowd(true));
     far.1.step(&away, &crowd(false));
     assert_eq!(far.0.with(&crowd(true)), far.1.with(&crowd(false)));
