@@ -405,25 +405,6 @@ fn a_module_without_a_place_and_a_glob_of_the_root_are_faults() {
     assert!(planted("main.rs", "use crate::cli;").is_empty());
 }
 
-/// Words by which the source of a backend would show that it knows what it is used for.
-fn words_of_users(source: &str) -> Vec<&'static str> {
-    let words = ["feature = \"xr\"", "feature = \"view\"", "openxr", "headset", "window"];
-    let lower = source.to_lowercase();
-    words.into_iter().filter(|word| lower.contains(word)).collect()
-}
-
-#[test]
-fn the_vulkan_backend_knows_neither_headset_nor_window() {
-    let mut files = Vec::new();
-    rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src/gpu"), &mut files).unwrap();
-    assert!(files.len() > 8, "{} files", files.len());
-    for file in files {
-        let found = words_of_users(&fs::read_to_string(&file).unwrap());
-        assert!(found.is_empty(), "{}: {found:?}", file.display());
-    }
-    assert_eq!(words_of_users("#[cfg(feature = \"xr\")] // OpenXR"), ["feature = \"xr\"", "openxr"]);
-}
-
 /// Lines of a test by which it would pass, and say nothing, where a device or a simulation fails.
 fn silent_skips(source: &str) -> Vec<&str> {
     let asks = |line: &str| {

@@ -289,10 +289,10 @@ fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Err
     found.must_be_of(&session).map_err(recording(path))?;
     let mut progress = Progress::new("replaying".to_owned());
     let mut hash = SessionHash::new(&session);
-    let steps = found.moments.len();
+    let steps = found.steps.len();
     let mut recorded = found.hashes.iter().peekable();
     let (mut compared_steps, mut differs_after) = (0, None);
-    for (step, user) in found.moments.iter().enumerate() {
+    for (step, user) in found.steps.iter().enumerate() {
         simulation.set_user(user.place, user.elevation, user.velocity);
         simulation.step(1)?;
         let crowd = simulation.state()?;

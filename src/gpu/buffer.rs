@@ -98,7 +98,7 @@ impl Buffer {
 
 impl Drop for Buffer {
     fn drop(&mut self) {
-        // SAFETY: whoever owns the buffer has waited for the work that uses it (every submission here is waited for).
+        // SAFETY: the owner of the buffer has waited for the work that uses it (every submission here is waited for).
         unsafe { self.device.raw.destroy_buffer(self.raw, None) };
         if let Some(allocation) = self.allocation.take() {
             let mut allocator = self.device.allocator.lock().unwrap_or_else(PoisonError::into_inner);

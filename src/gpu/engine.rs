@@ -165,7 +165,7 @@ impl Engine {
         Ok(())
     }
 
-    /// Copies buffers from the host to the device; those whose length has changed are made anew.
+    /// Copies buffers from the host to the device; a buffer whose length has changed is replaced.
     ///
     /// # Errors
     /// When a buffer is larger than the device can bind, memory is short, or a call fails.

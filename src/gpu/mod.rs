@@ -3,6 +3,19 @@
 //! [`Device`] is a Vulkan device with its queue and allocator; [`Engine`] holds one Vulkan buffer per
 //! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel and runs lists of dispatches; [`plan`] places the
 //! barriers from what the kernels read and write.
+//!
+//! ```no_run
+//! use gaitway::gpu::{self, Device, Validation};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! for device in gpu::list()? {
+//!     println!("{}: {} ({})", device.index, device.name, device.unusable.as_deref().unwrap_or("usable"));
+//! }
+//! let device = Device::open(None, Validation::from_environment()?)?; // the best one, or GAITWAY_DEVICE
+//! println!("{}", device.describe());
+//! # Ok(())
+//! # }
+//! ```
 
 mod buffer;
 mod device;
@@ -33,9 +46,9 @@ pub enum Error {
     /// There is a loader but no driver.
     #[error("no Vulkan driver found ({call}: {result})")]
     NoDriver {
-        /// The call that said so.
+        /// The call that failed.
         call: &'static str,
-        /// What it said.
+        /// Its result.
         result: ash::vk::Result,
     },
     /// This process may not have as much memory as drivers need.
@@ -55,9 +68,9 @@ pub enum Error {
     /// No device fits.
     #[error("{wanted}; found: {found}")]
     NoDevice {
-        /// Which one was asked for.
+        /// The device that was asked for.
         wanted: Wanted,
-        /// What there is, with the reason why each is not usable.
+        /// The devices of the machine, with the reason why each is not usable.
         found: String,
     },
     /// A call failed.
@@ -65,7 +78,7 @@ pub enum Error {
     Call {
         /// The call.
         call: &'static str,
-        /// What it said.
+        /// Its result.
         result: ash::vk::Result,
     },
     /// The device was lost while dispatches ran.
@@ -74,7 +87,7 @@ pub enum Error {
         /// The dispatches, first to last.
         dispatches: String,
     },
-    /// Memory could not be had.
+    /// An allocation failed.
     #[error("cannot allocate {bytes} bytes for {name:?}: {reason}")]
     Memory {
         /// Buffer or image.
@@ -89,7 +102,7 @@ pub enum Error {
     Maker {
         /// The call.
         call: &'static str,
-        /// What it said.
+        /// Its result.
         result: String,
     },
     /// A buffer is larger than the device can bind.
@@ -149,7 +162,7 @@ impl Error {
                 Some("name another with --device or GAITWAY_DEVICE, or none for the best")
             }
             Self::AddressSpace { .. } => Some("raise the limit (ulimit -v)"),
-            Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller pictures"),
+            Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller images"),
             _ => None,
         }
     }

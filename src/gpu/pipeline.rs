@@ -196,7 +196,7 @@ mod tests {
             set: vk::DescriptorSet::null(),
             label: CString::default(),
         });
-        drop(device); // the validation layer tells of what is left
+        drop(device); // the validation layer reports what is left
         for_tests::assert_silent();
     }
 }

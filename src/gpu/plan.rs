@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 pub enum Command {
     /// Everything written before is visible to everything after.
     Barrier,
-    /// As asked for; the number is its place among the operations.
+    /// An operation and its place in the list.
     Op(usize, Op),
 }
 

@@ -48,11 +48,11 @@ impl Validation {
     }
 }
 
-/// What the validation layer has said since the program began. It outlives every device, so that leaks, which are
-/// told while a device is destroyed, are heard.
+/// Messages of the validation layer since the program began. They outlive every device, since leaks are reported while a
+/// device is destroyed.
 static MESSAGES: Mutex<Vec<String>> = Mutex::new(Vec::new());
 
-/// What the validation layer has said since the program began.
+/// Messages of the validation layer since the program began.
 pub fn validation_messages() -> Vec<String> {
     MESSAGES.lock().unwrap_or_else(PoisonError::into_inner).clone()
 }

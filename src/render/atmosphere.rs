@@ -19,7 +19,7 @@ pub struct Atmosphere {
     pub sky_light: Vec3,
     /// Share of light lost per metre of air, 1/m; 0.004 blurs a street's end.
     pub haze: f32,
-    /// Brightness of the picture, 1 as is.
+    /// Brightness of the image, 1 as is.
     pub exposure: f32,
 }
 

@@ -10,7 +10,7 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// Near plane of the perspective cameras, m.
 pub const NEAR: f32 = 0.05;
 
-/// How a camera maps its view onto the picture.
+/// How a camera maps its view onto the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Projection {
     /// Perspective with the far plane at infinity.
@@ -20,9 +20,9 @@ pub enum Projection {
         /// Near plane, m.
         near: f32,
     },
-    /// Parallel projection: no perspective, distances can be measured in the picture.
+    /// Parallel projection: no perspective, distances can be measured in the image.
     Orthographic {
-        /// Height of the picture, m.
+        /// Height of the image, m.
         height: f32,
         /// Far plane, m; the near plane is at the camera.
         far: f32,
@@ -78,7 +78,7 @@ impl Camera {
         Self::look_at(target + out * distance.max(NEAR), target, Vec3::Y)
     }
 
-    /// Straight down onto the ground at `center`, as on a map: +x to the right, +z down. The picture is `height`
+    /// Straight down onto the ground at `center`, as on a map: +x to the right, +z down. The image is `height`
     /// metres high; parallel projection.
     pub fn top(center: Vec2, height: f32) -> Self {
         /// Nothing in a scene is higher, m.
@@ -146,7 +146,7 @@ impl Camera {
         Mat4::from_rotation_translation(self.rotation, self.position).inverse()
     }
 
-    /// View to clip space, for a picture of this width over height.
+    /// View to clip space, for an image of this width over height.
     pub fn clip_from_view(&self, aspect: f32) -> Mat4 {
         let aspect = if aspect.is_finite() && aspect > 0.0 { aspect } else { 1.0 };
         match self.projection {
@@ -167,12 +167,12 @@ impl Camera {
     }
 }
 
-/// Heading and pitch change when the pointer is dragged over the picture; helper for orbiting and looking around.
+/// Heading and pitch change when the pointer is dragged over the image; helper for orbiting and looking around.
 pub fn wrap_heading(heading: f32) -> f32 {
     (heading + PI).rem_euclid(2.0 * PI) - PI
 }
 
-/// The planes that bound what a clip matrix shows: left, right, bottom and top of the picture in any order, near, far.
+/// The planes that bound what a clip matrix shows: left, right, bottom and top of the image in any order, near, far.
 ///
 /// World frame; a point is inside a plane where `dot(plane.xyz, point) + plane.w >= 0`, and `plane.w` is in metres.
 /// A far plane at infinity has normal 0 and lets everything pass. Works for skewed projections of headsets too.
@@ -193,14 +193,14 @@ pub struct View {
     pub clip_from_world: [Mat4; 2],
     /// Position of each eye, world frame, m.
     pub eyes: [Vec3; 2],
-    /// 1 for a picture or a window, 2 for a headset.
+    /// 1 for an image or a window, 2 for a headset.
     pub eye_count: u32,
     /// Whether the projection is parallel: a map, which has no haze.
     pub parallel: bool,
 }
 
 impl View {
-    /// One eye through a camera, for a picture of this size in pixels.
+    /// One eye through a camera, for an image of this size in pixels.
     pub fn mono(camera: &Camera, width: u32, height: u32) -> Self {
         let clip = camera.clip_from_world(aspect(width, height));
         let parallel = matches!(camera.projection, Projection::Orthographic { .. });
@@ -247,7 +247,7 @@ impl View {
         })
     }
 
-    /// Unit direction of the ray through a point of the picture (x right, y down, each from −1 to 1), world frame.
+    /// Unit direction of the ray through a point of the image (x right, y down, each from −1 to 1), world frame.
     pub fn ray(&self, eye: usize, ndc: Vec2) -> Vec3 {
         let world_from_clip = self.clip_from_world[eye.min(1)].inverse();
         let near = world_from_clip * Vec4::new(ndc.x, ndc.y, 1.0, 1.0);
@@ -280,13 +280,13 @@ pub struct OrbitControl {
 }
 
 impl OrbitControl {
-    /// Turns by a drag of (x right, y down) in fractions of the picture's height.
+    /// Turns by a drag of (x right, y down) in fractions of the image's height.
     pub fn turn(&mut self, drag: Vec2) {
         self.azimuth = wrap_heading(self.azimuth - drag.x * PI);
         self.elevation = (self.elevation + drag.y * FRAC_PI_2).clamp(0.02, 1.55);
     }
 
-    /// Moves the target over the ground by a drag of (x right, y down) in fractions of the picture's height, so that
+    /// Moves the target over the ground by a drag of (x right, y down) in fractions of the image's height, so that
     /// the ground under the pointer follows it.
     pub fn pan(&mut self, drag: Vec2) {
         let right = Vec3::new(self.azimuth.cos(), 0.0, -self.azimuth.sin());

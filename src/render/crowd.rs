@@ -7,13 +7,13 @@ use crate::kernels::BufferId;
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
 pub struct CrowdBuffers<'a> {
-    /// The engine that can find out who is hidden, if there is one: it has the kernels `occlude` and `occlusion_compact`.
+    /// The engine of the occlusion test, if there is one: it has the kernels `occlude` and `occlusion_compact`.
     pub engine: Option<&'a Engine>,
-    /// Agent of each slot, sorted by bucket, far bodies behind the room for the others: `u32 [slot]`.
+    /// Agent of each slot, sorted by bucket, lod3 and lod4 bodies behind the room for the others: `u32 [slot]`.
     pub visible: &'a Buffer,
-    /// First slot of each bucket and the end of the last: `u32 [bucket + 1]`, then the same for far bodies.
+    /// First slot of each bucket and the end of the last: `u32 [bucket + 1]`, then the same for lod3 and lod4 bodies.
     pub bucket_start: &'a Buffer,
-    /// `VkDrawIndexedIndirectCommand [2][bucket]`, far bodies last, of pictures and of shadows; instances count from 0.
+    /// `VkDrawIndexedIndirectCommand [2][bucket]`, lod3 and lod4 bodies last, of frames and of shadows; instances count from 0.
     pub draw_args: &'a Buffer,
     /// `vec4<f32> [vertex][4]`.
     pub mesh_vertices: &'a Buffer,
@@ -74,7 +74,7 @@ impl<'a> CrowdBuffers<'a> {
         id.and_then(|id| self.engine.and_then(|engine| engine.buffer(id)))
     }
 
-    /// What the draws of those take who are not hidden.
+    /// Arguments of the draws of unoccluded bodies.
     pub(crate) fn shown_args(&self) -> &'a Buffer {
         self.made("shown_args").unwrap_or(self.draw_args)
     }
@@ -87,7 +87,7 @@ impl<'a> CrowdBuffers<'a> {
     pub(crate) fn buffer(&self, name: &str) -> Option<&'a Buffer> {
         Some(match name {
             "visible" => self.visible,
-            // without an engine nobody asks for it
+            // bound but not read without an engine
             "shown" => self.made("shown").unwrap_or(self.visible),
             "bucket_start" => self.bucket_start,
             "mesh_vertices" => self.mesh_vertices,
@@ -105,7 +105,7 @@ impl<'a> CrowdBuffers<'a> {
         })
     }
 
-    /// Whether the buffers are long enough for that many buckets, those of far bodies with them.
+    /// Checks that the buffers are long enough for that many buckets of all levels.
     pub(crate) fn check(&self, buckets: u32) -> Result<(), Error> {
         let wanted = [
             ("bucket_start", self.bucket_start, 4 * (u64::from(buckets) + 2)),

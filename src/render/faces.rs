@@ -1,4 +1,4 @@
-//! Where the people of a picture look: read back from the matrices they were skinned with.
+//! Where the agents of a frame look, from the matrices that they were skinned with.
 
 use super::Show;
 use crate::Emotion;
@@ -8,7 +8,7 @@ use crate::kernels::{BufferId, Store};
 use crate::reference::body::visible_agents;
 use glam::{Mat4, Vec3, Vec4};
 
-/// The face of someone who was drawn, in the world.
+/// The face of an agent that was drawn, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Face {
     /// The agent.
@@ -33,8 +33,8 @@ impl Face {
 }
 
 impl Show {
-    /// The faces of those who were drawn last, nearest first as far as they were skinned. `store` is the crowd's start,
-    /// which has what does not change: sizes, rigs, emotions.
+    /// The faces of the agents of the last frame, skinned ones first, nearest first. `store` is the crowd's start: sizes, rigs
+    /// and emotions do not change.
     ///
     /// # Errors
     /// When the device fails.

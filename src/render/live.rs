@@ -1,5 +1,5 @@
-//! Pictures of a crowd that is simulated elsewhere: its snapshots come to the device that draws, and everything of a picture
-//! is one submission, from the newest snapshot to the last pixel.
+//! Frames of a crowd that is simulated elsewhere. Its snapshots come to the device that draws; a frame is one submission,
+//! from the newest snapshot to the last pixel.
 
 use super::show::{READ, animation, check, kernels, no_failures, surface};
 use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, Target, View};
@@ -36,7 +36,7 @@ impl Show {
         Ok(Self::joined(renderer, Some(animator), store))
     }
 
-    /// What a picture needs of a crowd's state.
+    /// What a frame needs of a crowd's state.
     pub(crate) fn snapshot(store: &Store) -> Store {
         let mut snapshot = Store {
             position: store.position.clone(),
@@ -54,7 +54,7 @@ impl Show {
         snapshot
     }
 
-    /// Takes a snapshot of the crowd at its `time`, s, unless it has that one already; `number`, from 1, tells them apart.
+    /// Takes a snapshot of the crowd at its `time`, s, unless it has that one already. Snapshots are numbered from 1.
     pub(crate) fn take(&mut self, snapshot: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
             // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
@@ -62,7 +62,7 @@ impl Show {
             let felt = [BufferId::GaitWeights, BufferId::Appearance];
             animator.bring(snapshot, &[position, stance, phase, elevation, felt[0], felt[1]])?;
             self.taken = number;
-            self.keep = self.has_snapshots.then(|| self.snapshots.keep(time));
+            self.kept.keep(time);
         }
         Ok(())
     }
@@ -80,7 +80,7 @@ impl Show {
         let time = self.time.unwrap_or(0.0) + f64::from(seconds);
         self.time = Some(time);
         let frame = self.frame_of(view, Some(user_eyes), seconds, time);
-        let between = self.between(shown);
+        let between = self.kept.between(shown, frame.agent_count);
         let Some(animator) = &mut self.animator else { return Ok(None) };
         let (ops, contents) = animation(frame, between);
         let mut words = no_failures();
@@ -198,7 +198,7 @@ mod tests {
             let mut show =
                 Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
             let mut pictures = Vec::new();
-            // a snapshot, the same again, and one in which everybody is elsewhere
+            // a snapshot, the same again, and one in which all agents are elsewhere
             for (number, bytes) in [(1_u32, 20 * agents as usize), (1, 0), (2, 20 * agents as usize)] {
                 let before = counter.submissions.load(Ordering::Relaxed);
                 show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();

@@ -1,9 +1,32 @@
-//! Drawing: cameras, the crowd straight from the simulation's buffers, pictures in memory.
+//! Drawing: cameras, the crowd straight from the simulation's buffers, images in memory.
 //!
 //! [`Camera`] → [`View`] (matrices per eye) → [`Renderer::draw`] → [`Image`]. The crowd is drawn from the buffers that
-//! the kernels wrote ([`CrowdBuffers`]); nothing is read back but the picture. One sun with a shadow map, a sky, haze.
+//! the kernels wrote ([`CrowdBuffers`]); only the image is read back. One sun with a shadow map, a sky, haze.
 //!
 //! Depth is reversed (1 near, 0 infinitely far), clip space is Vulkan's (y down), matrices are `clip_from_world`.
+//!
+//! ```no_run
+//! use gaitway::gpu::{Device, Validation};
+//! use gaitway::render::{Camera, Renderer, Settings, Surface, View};
+//! use glam::Vec3;
+//!
+//! # fn main() -> Result<(), gaitway::Error> {
+//! let device = Device::open(None, Validation::Off)?;
+//! let mut renderer = Renderer::new(&device, Settings::sized(640, 480))?;
+//! let floor = [Vec3::ZERO, Vec3::Z, Vec3::X];
+//! renderer.set_environment(&[Surface {
+//!     positions: &floor,
+//!     normals: &[Vec3::Y; 3],
+//!     colors: &[Vec3::ONE; 3],
+//!     layers: &[],
+//!     indices: &[0, 1, 2],
+//! }])?;
+//! let camera = Camera::look_at(Vec3::new(2.0, 1.7, 2.0), Vec3::ZERO, Vec3::Y);
+//! let image = renderer.draw(&View::mono(&camera, 640, 480), None)?;
+//! assert_eq!((image.width, image.height), (640, 480));
+//! # Ok(())
+//! # }
+//! ```
 
 mod atmosphere;
 mod attachments;
@@ -57,7 +80,7 @@ pub enum Error {
     /// Vulkan failed.
     #[error(transparent)]
     Gpu(#[from] crate::gpu::Error),
-    /// The picture's size cannot be drawn.
+    /// Images of this size cannot be drawn.
     #[error("a picture of {width}x{height} pixels; this device draws 1 to {limit} pixels a side")]
     Size {
         /// Pixels a row.

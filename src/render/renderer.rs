@@ -56,29 +56,6 @@ struct Output {
 }
 
 /// Draws a crowd and its environment.
-///
-/// ```no_run
-/// use gaitway::gpu::{Device, Validation};
-/// use gaitway::render::{Camera, Renderer, Settings, Surface, View};
-/// use glam::Vec3;
-///
-/// # fn main() -> Result<(), gaitway::Error> {
-/// let device = Device::open(None, Validation::Off)?;
-/// let mut renderer = Renderer::new(&device, Settings::sized(640, 480))?;
-/// let floor = [Vec3::ZERO, Vec3::Z, Vec3::X];
-/// renderer.set_environment(&[Surface {
-///     positions: &floor,
-///     normals: &[Vec3::Y; 3],
-///     colors: &[Vec3::ONE; 3],
-///     layers: &[],
-///     indices: &[0, 1, 2],
-/// }])?;
-/// let camera = Camera::look_at(Vec3::new(2.0, 1.7, 2.0), Vec3::ZERO, Vec3::Y);
-/// let image = renderer.draw(&View::mono(&camera, 640, 480), None)?;
-/// assert_eq!((image.width, image.height), (640, 480));
-/// # Ok(())
-/// # }
-/// ```
 pub struct Renderer {
     shadow: ShadowPass,
     #[cfg(feature = "xr")]
@@ -269,7 +246,7 @@ impl Renderer {
         let target = self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
         let target = Target { image: target.0, view: target.1, depth: None, is_copied };
         let output = self.output(&target, Stage::COPY, ImageUse::COPY_SOURCE)?;
-        let readback = self.offscreen.as_ref().map(|(_, readback)| readback).filter(|_| is_copied);
+        let readback = self.offscreen.as_ref().map(|(_, readback)| readback).filter(|_| target.is_copied);
         let frame = self.frame(view, crowd)?;
         self.bind(&frame)?;
         self.submitter.submit(|commands| {

@@ -1,4 +1,4 @@
-//! How pictures are made.
+//! How frames are drawn.
 
 use super::Atmosphere;
 use glam::Vec3;
@@ -17,7 +17,7 @@ pub struct Markers {
 }
 
 impl Default for Markers {
-    /// Happy yellow, angry vermilion, sad blue, neutral white: told apart with every common colour vision.
+    /// Happy yellow, angry vermilion, sad blue, neutral white: distinct with every common colour vision.
     fn default() -> Self {
         let colors = [
             Vec3::new(0.87, 0.61, 0.02),
@@ -29,7 +29,7 @@ impl Default for Markers {
     }
 }
 
-/// How both eyes are drawn; the pictures are the same.
+/// How both eyes are drawn; the images are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Stereo {
     /// In one pass where the device has multiview.
@@ -41,7 +41,7 @@ pub enum Stereo {
     TwoPasses,
 }
 
-/// How pictures are made.
+/// How frames are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
     /// Pixels a row, per eye.
@@ -54,7 +54,7 @@ pub struct Settings {
     pub eyes: u32,
     /// How both are drawn.
     pub stereo: Stereo,
-    /// Whether people whom nobody sees, behind others or behind buildings, are left out. The picture is the same.
+    /// Whether agents that are hidden behind others or behind buildings are left out. The image is the same.
     pub occlusion: bool,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,

@@ -1,6 +1,6 @@
-//! A simulation and a renderer joined: pictures of a crowd in motion.
+//! A simulation and a renderer joined: frames of a crowd in motion.
 //!
-//! [`Show::picture`] animates the bodies that a view sees (`cull` to `skin`) and draws them from the buffers that the
+//! [`Show::draw`] animates the bodies that a view sees (`cull` to `skin`) and draws them from the buffers that the
 //! kernels wrote. A crowd that is simulated on the CPU is animated on the renderer's device, from its state.
 
 #[cfg(feature = "view")]
@@ -12,21 +12,22 @@ use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
 use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
 use crate::scenario::{EnvironmentMesh, Gaze};
 use crate::sim::bodies::{self, FAR_PIXELS, LEVEL_DISTANCES, MeshBuffers, SPECK_PIXELS};
+#[cfg(any(feature = "xr", feature = "view"))]
 use crate::sim::snapshots::Snapshots;
 use crate::sim::{self, Simulation, order};
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
 
-/// Seconds between pictures that the gaze is told for the first one.
+/// Time step of the gaze in the first frame, s.
 const FIRST_FRAME_TIME: f32 = 1.0 / 30.0;
 
 /// Height of a person, m.
 const PERSON: f32 = 1.7;
-/// Pixels of a metre at a metre's distance in pictures of 720 rows and 50 degrees, for which the level distances are meant.
+/// Pixels of a metre at a metre's distance in frames of 720 rows and 50 degrees, for which the level distances are meant.
 const FULL_FOCAL: f32 = 772.0;
-/// However small a picture, who is nearer than this has a pose: far bodies look at nobody, m.
+/// Agents nearer than this have a pose, however small the image, m: lod3 and lod4 bodies do not gaze.
 const POSED: f32 = 20.0;
-/// However small a picture, who is nearer than this is drawn in the finest level, which fades near the eyes, m.
+/// Agents nearer than this are drawn in the finest level, which fades near the eyes, however small the image, m.
 const LEAST: f32 = 2.5;
 
 /// What the animation reads of a crowd's state.
@@ -45,17 +46,41 @@ pub struct Show {
     /// Number of the snapshot that the animator has.
     #[cfg(feature = "xr")]
     pub(super) taken: u64,
-    /// When the last two snapshots were that pictures lie between.
-    pub(super) snapshots: Snapshots,
-    /// Where the newest is to be kept with the next picture.
-    pub(super) keep: Option<u32>,
-    /// Whether there is room for two snapshots.
-    pub(super) has_snapshots: bool,
-    /// How long the animator's kernels ran since that was last asked, if it is measured.
+    #[cfg(any(feature = "xr", feature = "view"))]
+    pub(super) kept: KeptSnapshots,
+    /// How long the animator's kernels ran since the last [`Show::take_times`], if they are timed.
     times: Option<Vec<(Phase, f64)>>,
 }
 
-/// The kernels of a picture.
+/// The two snapshots between which frames lie.
+#[cfg(any(feature = "xr", feature = "view"))]
+#[derive(Debug, Default)]
+pub(super) struct KeptSnapshots {
+    times: Snapshots,
+    /// The slot in which the next frame keeps the newest snapshot.
+    next_slot: Option<u32>,
+    /// Whether the device has room for two snapshots.
+    has_room: bool,
+}
+
+#[cfg(any(feature = "xr", feature = "view"))]
+impl KeptSnapshots {
+    /// Has the next frame keep the present snapshot, of this time, s.
+    pub(super) fn keep(&mut self, time: f64) {
+        self.next_slot = self.has_room.then(|| self.times.keep(time));
+    }
+
+    /// The parameters of a time between the two, and the slot to keep the newest in; none without room.
+    pub(super) fn between(&mut self, shown: f64, agents: u32) -> Option<Between> {
+        let slot = self.next_slot.take();
+        self.has_room.then(|| (self.times.at(shown, agents), slot))
+    }
+}
+
+/// Parameters of a time between two snapshots, and the slot in which the newest is kept first.
+pub(super) type Between = (BetweenUniforms, Option<u32>);
+
+/// The kernels of a frame.
 pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
     let mut kernels: Vec<KernelId> =
         order::frame_dispatches(&store.frame).iter().map(Dispatch::kernel).collect();
@@ -79,11 +104,11 @@ pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     }
 }
 
-/// The kernels that prepare the bodies for a picture, of the snapshot that the animator has or of one between two, and what
+/// The kernels that prepare the bodies for a frame, of the snapshot that the animator has or of one between two, and what
 /// the uniforms among them contain.
 pub(super) fn animation(
     frame: FrameUniforms,
-    between: Option<(BetweenUniforms, Option<u32>)>,
+    between: Option<Between>,
 ) -> (Vec<Op>, impl Fn(usize, BufferId) -> Vec<u8>) {
     let mut ops = vec![Op::Set(BufferId::Frame)];
     if let Some((between, keep)) = &between {
@@ -147,18 +172,10 @@ impl Show {
             time: None,
             #[cfg(feature = "xr")]
             taken: 0,
-            snapshots: Snapshots::default(),
-            keep: None,
-            has_snapshots: !store.snapshots.is_empty(),
+            #[cfg(any(feature = "xr", feature = "view"))]
+            kept: KeptSnapshots { has_room: !store.snapshots.is_empty(), ..KeptSnapshots::default() },
             times: None,
         }
-    }
-
-    /// What lies between the last two snapshots at a time, and where the newest is to be kept; none without room for them.
-    #[cfg(any(feature = "xr", feature = "view"))]
-    pub(super) fn between(&mut self, shown: f64) -> Option<(BetweenUniforms, Option<u32>)> {
-        let keep = self.keep.take();
-        self.has_snapshots.then(|| (self.snapshots.at(shown, self.frame.agent_count), keep))
     }
 
     /// The device that draws, in words.
@@ -166,14 +183,14 @@ impl Show {
         self.renderer.device().describe()
     }
 
-    /// Measures how long the kernels of pictures run that the show runs itself, or stops measuring: those of a crowd that
-    /// is simulated on the CPU. For others see [`Simulation::measure_times`].
+    /// Times the kernels that the show runs itself, or stops: those of a crowd that is simulated on the CPU. For others see
+    /// [`Simulation::measure_times`].
     #[cfg(feature = "view")]
     pub(crate) fn measure_times(&mut self, is_on: bool) {
         self.times = is_on.then(Vec::new);
     }
 
-    /// Those kernels and how long each ran since this was last asked, ms.
+    /// The timed kernels and how long each ran since the last call, ms.
     #[cfg(feature = "view")]
     pub(crate) fn take_times(&mut self) -> Vec<(Phase, f64)> {
         self.times.as_mut().map(std::mem::take).unwrap_or_default()
@@ -184,7 +201,7 @@ impl Show {
         &mut self.renderer
     }
 
-    /// Where levels of detail end and how far agents are drawn, m, in a picture of 720 rows and 50 degrees; in smaller ones
+    /// Where levels of detail end and how far agents are drawn, m, in a frame of 720 rows and 50 degrees; in smaller ones
     /// the levels come nearer. The distance at which far bodies begin goes with the second
     /// (see [`bodies::LEVEL_DISTANCES`]).
     pub fn set_level_distances(&mut self, [first, second, farthest]: [f32; 3]) {
@@ -196,11 +213,11 @@ impl Show {
         bodies::set_gaze(&mut self.frame, gaze);
     }
 
-    /// A picture of the present snapshot; agents that gaze look at `user_eyes` (world frame, m), if there are any.
+    /// Draws the crowd as it is now. Agents that gaze look at `user_eyes` (world frame, m).
     ///
     /// # Errors
     /// When the device fails.
-    pub fn picture(
+    pub fn draw(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
@@ -212,7 +229,7 @@ impl Show {
         Ok(self.renderer.draw(view, crowd.as_ref())?)
     }
 
-    /// Makes a picture and leaves it on the device: for timings.
+    /// Draws a frame and leaves it on the device: for timings.
     pub(crate) fn make(
         &mut self,
         simulation: &mut Simulation,
@@ -229,7 +246,7 @@ impl Show {
     /// Draws the crowd as it was at `shown`, s of its time, between the times of the last calls, into images of the caller;
     /// returns the copy that `target` asks for.
     #[cfg(feature = "view")]
-    pub(crate) fn picture_into(
+    pub(crate) fn draw_between(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
@@ -238,10 +255,10 @@ impl Show {
         target: &Target,
     ) -> Result<Option<Image>, crate::Error> {
         let time = simulation.time();
-        if self.has_snapshots && self.snapshots.newest() != Some(time) {
-            self.keep = Some(self.snapshots.keep(time));
+        if self.kept.times.newest() != Some(time) {
+            self.kept.keep(time);
         }
-        let between = self.between(shown);
+        let between = self.kept.between(shown, self.frame.agent_count);
         self.prepare_between(simulation, view, Some(user_eyes), between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
@@ -262,13 +279,13 @@ impl Show {
         self.prepare_between(simulation, view, Some(user_eyes), None)
     }
 
-    /// The same now, or between two snapshots.
+    /// Like [`Show::prepare`], now or between two snapshots.
     fn prepare_between(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
         user_eyes: Option<Vec3>,
-        between: Option<(BetweenUniforms, Option<u32>)>,
+        between: Option<Between>,
     ) -> Result<(), crate::Error> {
         let frame = self.next_frame(simulation, view, user_eyes)?;
         if let Some(animator) = &mut self.animator {
@@ -292,7 +309,7 @@ impl Show {
         }
     }
 
-    /// Parameters of a picture `seconds` after the one before, at `time`, s.
+    /// Parameters of a frame at `time`, `seconds` after the last one, s.
     pub(super) fn frame_of(
         &mut self,
         view: &View,
@@ -305,19 +322,19 @@ impl Show {
             self.frame.gaze_time = (time * 1e3) as u64 as u32;
         }
         self.frame.frame_index = self.frame.frame_index.wrapping_add(1);
-        let (level_distance, specks) =
+        let (level_distance, lod4) =
             level_distances(view, self.renderer.settings().height, self.frame.level_distance);
         FrameUniforms {
             level_distance,
             planes: view.planes(),
-            camera: view.center().extend(specks).to_array(),
+            camera: view.center().extend(lod4).to_array(),
             eye_count: view.eye_count,
             frame_time: seconds,
             ..bodies::looking_at(self.frame, user_eyes)
         }
     }
 
-    /// Parameters of the next picture of a simulation.
+    /// Parameters of the next frame of a simulation.
     fn next_frame(
         &mut self,
         simulation: &mut Simulation,
@@ -330,12 +347,12 @@ impl Show {
         self.time = Some(time);
         let mut frame = self.frame_of(view, user_eyes, since, time);
         if view.parallel {
-            // a map shows everyone equally large, however high its camera stands
+            // a map shows all agents equally large, however high its camera stands
             let away = view.center().y;
             frame.level_distance[1] += away;
             frame.level_distance[2] += away;
         }
-        // far bodies have room for everyone
+        // lod3 and lod4 bodies have room for all agents
         if frame.visible_capacity < frame.agent_count && frame.level_distance[3] == 0.0 {
             let store = simulation.state()?;
             let nearest = nearest(store, view.center(), frame.visible_capacity as usize, frame.agent_height);
@@ -345,11 +362,11 @@ impl Show {
     }
 }
 
-/// Level distances `[first, second, farthest, far]` of a view in a picture of so many rows, and that of specks.
+/// Level distances `[first, second, farthest, lod3]` of a view in an image of so many rows, and that of lod4, m.
 ///
-/// The first two are meant for pictures of [`FULL_FOCAL`]: in smaller ones the levels come nearer, so that people are as
-/// many pixels high where they change. Far bodies begin where people are [`FAR_PIXELS`] high, specks at [`SPECK_PIXELS`];
-/// both come nearer as the second level does. On a map they are nobody (0) or everybody.
+/// The first two are meant for frames of [`FULL_FOCAL`]: in smaller ones the levels come nearer, so that people are as
+/// many pixels high where they change. Lod3 begins where people are [`FAR_PIXELS`] high, lod4 at [`SPECK_PIXELS`];
+/// both come nearer as the second level does. On a map no agent (0) or every agent has them.
 pub(crate) fn level_distances(
     view: &View,
     height: u32,
@@ -393,7 +410,7 @@ fn nearest(store: &Store, eye: Vec3, count: usize, height: f32) -> f32 {
     (*first_out - 0.01).max(0.0)
 }
 
-/// Room for the sticky failure words of a picture.
+/// Room for the failure words of a frame.
 pub(super) fn no_failures() -> Store {
     Store { failure: vec![u32::MAX; KernelId::ALL.len()], ..Store::default() }
 }
@@ -431,14 +448,14 @@ mod tests {
         assert_eq!((at(8)[0], at(8)[3]), (LEAST, POSED));
         // the governor brings the far bodies nearer together with the second level
         let view = View::mono(&camera, 720, 720);
-        let (poor, specks) = level_distances(&view, 720, [6.0, 17.5, 900.0, 0.0]);
-        assert!((specks - poor[3] * 16.0 / 7.0).abs() < 0.1);
+        let (poor, lod4) = level_distances(&view, 720, [6.0, 17.5, 900.0, 0.0]);
+        assert!((lod4 - poor[3] * 16.0 / 7.0).abs() < 0.1);
         assert!((poor[3] - far / 2.0).abs() < 0.1);
-        // a map: all or nobody
+        // a map: all agents or none
         let map =
             |height| level_distances(&View::mono(&Camera::top(Vec2::ZERO, height), 720, 720), 720, full);
-        let everybody = f32::MIN_POSITIVE;
+        let all = f32::MIN_POSITIVE;
         let of = |height| (map(height).0[3], map(height).1);
-        assert_eq!((of(20.0), of(100.0), of(400.0)), ((0.0, 0.0), (everybody, 0.0), (everybody, everybody)));
+        assert_eq!((of(20.0), of(100.0), of(400.0)), ((0.0, 0.0), (all, 0.0), (all, all)));
     }
 }

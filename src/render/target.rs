@@ -7,7 +7,7 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::{Arc, PoisonError};
 
-/// Colour of pictures. Eight bits with the sRGB curve: shaders write linear light, blending and resolving stay linear,
+/// Colour of images. Eight bits with the sRGB curve: shaders write linear light, blending and resolving stay linear,
 /// dark tones do not band, and the bytes are those of a PNG.
 pub(crate) const COLOR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 /// Depth, reversed: 32-bit floats are finest near 0, which is where the distance lies.
@@ -224,7 +224,7 @@ impl Readback {
         bytes.get(..width * height * 4 * self.layers as usize).unwrap_or(bytes)
     }
 
-    /// The first layer as a picture.
+    /// The first layer.
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn image(&self) -> super::Image {
         let [width, height] = self.size;

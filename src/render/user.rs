@@ -1,10 +1,10 @@
-//! What pictures show of the user: hands or controllers, where a teleport leads, a vignette.
+//! What a frame shows of the user: hands or controllers, where a teleport leads, a vignette.
 
 use crate::kernels::layout::{Solid, UserUniforms};
 use bytemuck::Zeroable as _;
 use glam::{Mat4, Quat, Vec3};
 
-/// Most solids of one picture (`shaders/draw/user.wgsl`).
+/// Most solids of one frame (`shaders/draw/user.wgsl`).
 const SOLIDS: usize = 64;
 /// Vertices of one solid there: faces around times faces down, of six.
 pub(super) const SOLID_VERTICES: u32 = 12 * 8 * 6;
@@ -61,7 +61,7 @@ pub struct Teleport {
     pub is_allowed: bool,
 }
 
-/// What pictures show of the user, until told otherwise ([`super::Renderer::set_user`]). By default nothing.
+/// What frames show of the user, until the next [`super::Renderer::set_user`]. By default nothing.
 ///
 /// Hands and arc are lit and shaded like everything, the ring lies on the floor, the vignette over all. They cast no
 /// shadows, and agents do not see them.

@@ -174,7 +174,7 @@ impl Stage {
     pub fn picture(&mut self, camera: &Camera) -> Result<Image, crate::Error> {
         let view = View::mono(camera, self.size.0, self.size.1);
         let eyes = self.scene.geometry.eyes(&self.scene.scenario);
-        self.show.picture(&mut self.simulation, &view, eyes)
+        self.show.draw(&mut self.simulation, &view, eyes)
     }
 }
 

@@ -101,7 +101,7 @@ impl Rig {
         }
     }
 
-    /// Turns by a drag of (x right, y down) in fractions of the picture's height.
+    /// Turns by a drag of (x right, y down) in fractions of the frame's height.
     pub fn turn(&mut self, drag: Vec2) {
         if self.mode == CameraMode::Fly {
             self.heading = wrap_heading(self.heading + drag.x * 0.5 * PI);
@@ -111,7 +111,7 @@ impl Rig {
         }
     }
 
-    /// Moves along by a drag of (x right, y down) in fractions of the picture's height.
+    /// Moves along by a drag of (x right, y down) in fractions of the frame's height.
     pub fn pan(&mut self, drag: Vec2) {
         match self.mode {
             CameraMode::Orbit => self.orbit.pan(drag),
@@ -181,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn changing_the_way_of_steering_does_not_move_the_picture() {
+    fn changing_the_way_of_steering_does_not_move_the_view() {
         let mut rig = Rig::new(Vec3::new(12.0, 8.0, -9.0), Vec3::new(1.0, 0.0, 2.0));
         let before = rig.camera();
         assert!(near(before.position, Vec3::new(12.0, 8.0, -9.0)));
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn it_follows_whoever_is_picked() {
+    fn it_follows_the_picked_person() {
         let mut rig = Rig::new(Vec3::new(0.0, 5.0, 10.0), Vec3::ZERO);
         rig.follow(Some(Vec3::X * 50.0));
         assert!(rig.camera().position.x.abs() < 1e-3, "only when it is to follow");

@@ -1,4 +1,4 @@
-//! What the window shows before it is shown: the picture, the panel over it, and copies of both.
+//! The content of the window: the frame, the panel over it, and copies of both.
 
 use super::Error;
 use super::surface::{Slot, Surface};
@@ -33,7 +33,7 @@ pub(super) struct Canvas {
     extent: vk::Extent2D,
     /// Where the host reads it; made when first needed.
     readback: Option<Readback>,
-    /// Where the host writes pictures of somebody else's; made when first needed.
+    /// Where the host writes images that come from memory; made when first needed.
     upload: Option<Buffer>,
     commands: vk::CommandBuffer,
     pool: vk::CommandPool,
@@ -120,13 +120,13 @@ impl Canvas {
         Ok(())
     }
 
-    /// What the picture is drawn into.
+    /// What the frame is drawn into; copied to the host if that is wanted.
     pub(super) const fn target(&self, is_copied: bool) -> Target {
         Target { image: self.image.raw, view: self.image.view, depth: None, is_copied }
     }
 
-    /// Draws the panel over the picture and shows both in the window, if it takes an image just now; hands a copy back if
-    /// that is wanted.
+    /// Draws the panel over the frame and shows both in the window, if it takes an image just now. Returns a copy if that is
+    /// wanted.
     pub(super) fn show(
         &mut self,
         mut overlay: Overlay,
@@ -169,21 +169,21 @@ impl Canvas {
         Ok((slot.is_some(), copy))
     }
 
-    /// Shows somebody else's picture in the window, `size` pixels large, if it takes an image just now.
+    /// Shows an image from memory in the window, `size` pixels large, if it takes an image just now.
     pub(super) fn paint(
         &mut self,
-        picture: &Image,
+        shown: &Image,
         surface: &mut Surface,
         size: [u32; 2],
     ) -> Result<bool, crate::Error> {
-        self.resize([picture.width, picture.height])?;
+        self.resize([shown.width, shown.height])?;
         if self.upload.is_none() {
-            let bytes = picture.pixels.len() as u64;
-            self.upload = Some(Buffer::new(&self.device, "picture", bytes, Memory::Upload)?);
+            let bytes = shown.pixels.len() as u64;
+            self.upload = Some(Buffer::new(&self.device, "shown image", bytes, Memory::Upload)?);
         }
         let Some(upload) = &mut self.upload else { return Ok(false) };
-        if let Some(to) = upload.bytes_mut().get_mut(..picture.pixels.len()) {
-            to.copy_from_slice(&picture.pixels);
+        if let Some(to) = upload.bytes_mut().get_mut(..shown.pixels.len()) {
+            to.copy_from_slice(&shown.pixels);
         }
         let upload = upload.raw;
         let Some(slot) = surface.acquire(size)? else { return Ok(false) };
@@ -221,7 +221,7 @@ impl Canvas {
     }
 
     fn draw_panel(&mut self, overlay: &Overlay) -> Result<(), crate::Error> {
-        // the picture was drawn by an earlier submission, which was waited for
+        // the frame was drawn by an earlier submission, which was waited for
         self.transition(self.image.raw, DRAWN, ImageUse::COLOR_ATTACHMENT);
         let targets = [vk::RenderingAttachmentInfo::default()
             .image_view(self.image.view)

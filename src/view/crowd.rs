@@ -1,4 +1,4 @@
-//! The crowd in the window: stepped by the clock, drawn, asked, measured, filmed.
+//! The crowd in the window: stepped by the clock, drawn, queried, timed, filmed.
 
 use super::pick::{self, Pillar, Ray};
 use super::times::Times;
@@ -25,11 +25,11 @@ use std::time::{Duration, Instant};
 
 /// Longest the crowd may fall behind the clock before it lets time pass, s at the speed of the clock.
 const LONGEST_ARREARS: f64 = 0.25;
-/// Longest that stepping may keep a picture waiting.
+/// Longest that stepping may keep a frame waiting.
 const LONGEST_STEPPING: Duration = Duration::from_millis(80);
-/// Pictures a second of simulated time in videos.
+/// Frames a second of simulated time in videos.
 pub(super) const FILM_RATE: f64 = 30.0;
-/// Most pictures that one is repeated for in a video: the crowd ran faster than could be drawn.
+/// Most frames that one is repeated for in a video: the crowd ran faster than could be drawn.
 const MOST_REPEATED: u64 = 30;
 /// An agent that was picked, as it is now.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -127,7 +127,7 @@ pub(super) struct Company {
     /// Time of the crowd that is shown, s: up to a step ago, so that it is there to be shown.
     shown: f64,
     film: Option<Film>,
-    /// Times of the kernels of steps, and of pictures.
+    /// Times of the kernels of steps, and of frames.
     pub(super) times: [Times; 2],
 }
 
@@ -147,8 +147,9 @@ impl Company {
         };
         let scenery = scene.geometry.scenery();
         let gaze = scene.scenario.gaze;
-        let Staged { simulation, show, height } =
-            stage(&scene, scene.buffers_with_bodies()?, device, (&scenery, settings, &gaze))?;
+        let (start, meshes) = scene.buffers_with_bodies()?;
+        let looks = Looks { scenery: &scenery, settings, gaze: &gaze };
+        let Staged { simulation, show, height } = stage(&scene, start, &meshes, device, &looks)?;
         let mut company = Self {
             builder,
             scene,
@@ -187,7 +188,8 @@ impl Company {
         let scene = builder.change(|scenario| scenario.population.emotions = emotions).build()?;
         let (mut start, meshes) = scene.buffers_with_bodies()?;
         carry_on(self.simulation.state()?, &mut start.store);
-        let made = stage(&scene, (start, meshes), &self.device, (&self.scenery, self.settings, &self.gaze))?;
+        let looks = Looks { scenery: &self.scenery, settings: self.settings, gaze: &self.gaze };
+        let made = stage(&scene, start, &meshes, &self.device, &looks)?;
         (self.simulation, self.show, self.height) = (made.simulation, made.show, made.height);
         self.scene = scene;
         self.measure();
@@ -229,7 +231,7 @@ impl Company {
             steps += 1;
         }
         self.shown = self.simulation.time() + self.arrears - time_step;
-        self.took_steps(begin, steps);
+        self.record_steps(begin, steps);
         Ok(steps)
     }
 
@@ -239,12 +241,12 @@ impl Company {
         let begin = Instant::now();
         self.scene.step(&mut self.simulation, 1)?;
         self.shown = self.simulation.time();
-        self.took_steps(begin, 1);
+        self.record_steps(begin, 1);
         Ok(())
     }
 
-    /// Notes how long steps took.
-    fn took_steps(&mut self, begin: Instant, steps: u32) {
+    /// Records how long steps took.
+    fn record_steps(&mut self, begin: Instant, steps: u32) {
         let measured = self.simulation.take_times();
         self.times[0].take(&measured, steps, begin.elapsed());
     }
@@ -258,21 +260,21 @@ impl Company {
     ) -> Result<Option<Image>, crate::Error> {
         let target = Target { is_copied: target.is_copied || self.film.is_some(), ..*target };
         let begin = Instant::now();
-        let picture = self.show.picture_into(&mut self.simulation, view, user_eyes, self.shown, &target)?;
+        let image = self.show.draw_between(&mut self.simulation, view, user_eyes, self.shown, &target)?;
         // a crowd on the CPU is animated by the show, on the device that draws
         let mut measured = self.simulation.take_times();
         measured.extend(self.show.take_times());
         self.times[1].take(&measured, 1, begin.elapsed());
-        if let (Some(film), Some(picture)) = (&mut self.film, &picture) {
+        if let (Some(film), Some(image)) = (&mut self.film, &image) {
             let since = (self.simulation.time() - film.begin) * FILM_RATE;
             #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of pictures")]
             let due = since as u64 + 1;
             let missing = due.saturating_sub(film.video.frames()).min(MOST_REPEATED);
             for _ in 0..missing {
-                film.video.push(picture).map_err(crate::export::Error::from)?;
+                film.video.push(image).map_err(crate::export::Error::from)?;
             }
         }
-        Ok(picture)
+        Ok(image)
     }
 
     /// Begins a video of what is seen.
@@ -283,7 +285,7 @@ impl Company {
         Ok(())
     }
 
-    /// Ends the video, if one is being made; its file and number of pictures.
+    /// Ends the video, if one is being made; its file and number of frames.
     pub(super) fn end_film(&mut self) -> Result<Option<(PathBuf, u64)>, crate::Error> {
         let Some(film) = self.film.take() else { return Ok(None) };
         let frames = film.video.frames();
@@ -341,6 +343,13 @@ impl Company {
     }
 }
 
+/// How a crowd is drawn.
+struct Looks<'a> {
+    scenery: &'a EnvironmentMesh,
+    settings: Settings,
+    gaze: &'a Gaze,
+}
+
 /// A crowd on stage.
 struct Staged {
     simulation: Simulation,
@@ -351,9 +360,10 @@ struct Staged {
 /// Puts a crowd on stage.
 fn stage(
     scene: &Scene,
-    (mut start, meshes): (Start, MeshBuffers),
+    mut start: Start,
+    meshes: &MeshBuffers,
     device: &Arc<Device>,
-    (scenery, settings, gaze): (&EnvironmentMesh, Settings, &Gaze),
+    looks: &Looks<'_>,
 ) -> Result<Staged, crate::Error> {
     let height = start.store.frame.agent_height;
     make_room(&mut start.store);
@@ -363,8 +373,8 @@ fn stage(
         Simulation::on_device(start.store, device)?
     };
     let mut simulation = scene.introduce(simulation, start.ways);
-    let mut show = Show::with_device(&mut simulation, &meshes, scenery, settings, device)?;
-    show.set_gaze(gaze);
+    let mut show = Show::with_device(&mut simulation, meshes, looks.scenery, looks.settings, device)?;
+    show.set_gaze(looks.gaze);
     Ok(Staged { simulation, show, height })
 }
 

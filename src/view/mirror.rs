@@ -1,4 +1,4 @@
-//! A window that shows pictures which somebody else draws: what the user of a headset sees.
+//! A window that shows images from memory: what the user of a headset sees.
 
 use super::canvas::Canvas;
 use super::surface::{self, Surface};
@@ -12,28 +12,28 @@ use winit::event::WindowEvent;
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
 use winit::window::{Window, WindowId};
 
-/// How often a new picture is looked for.
+/// Time between two looks for a new image.
 const LOOK: Duration = Duration::from_millis(10);
 
-/// Who draws the pictures.
+/// Where the images come from.
 pub trait Source {
-    /// The newest picture, if there is one that was not given yet.
+    /// The newest image, unless it was given already.
     fn take(&mut self) -> Option<Image>;
 
-    /// Whether there will be more.
+    /// Whether more images may come.
     fn is_open(&self) -> bool;
 }
 
-/// What a mirror showed.
+/// What a mirror has shown.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Mirrored {
-    /// Pictures that were shown.
+    /// Images that were shown.
     pub shown: u64,
-    /// Whether somebody closed the window.
+    /// Whether the user closed the window.
     pub was_closed: bool,
 }
 
-/// Shows pictures in a window until it is closed or there are no more.
+/// Shows images in a window until it is closed or there are no more.
 ///
 /// # Errors
 /// [`NoDisplay`](super::Error::NoDisplay) and [`NoPresenter`](super::Error::NoPresenter) when there can be no window; when the

@@ -2,7 +2,20 @@
 //!
 //! [`run`] opens the window and gives it the crowd of a scene. Every frame the crowd is stepped by the clock,
 //! drawn by the one renderer into an image of the window's size, the panel drawn over it, and the whole copied to the window.
-//! A machine without a window says so; `gaitway render` draws the same pictures into files.
+//!
+//! ```no_run
+//! use gaitway::scene::Scene;
+//! use gaitway::view::{self, Plan};
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let plan = Plan { has_markers: true, seconds: Some(60.0), ..Plan::default() };
+//! let outcome = view::run(plan, Scene::load("garden")?.agents(200))?;
+//! println!("{} frames on {}", outcome.frames, outcome.device);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! A machine without a window says so; `gaitway render` draws the same images into files.
 
 mod camera;
 mod canvas;
@@ -32,10 +45,10 @@ pub enum Error {
     /// There is no display to open a window on.
     #[error("no window can be opened: {0}")]
     NoDisplay(String),
-    /// No Vulkan device can show pictures in the window.
+    /// No Vulkan device can show frames in the window.
     #[error("no Vulkan device can show pictures in a window here; found: {0}")]
     NoPresenter(String),
-    /// The window's pixels are of no kind that pictures can be shown in.
+    /// The window's pixels are of no kind that frames can be shown in.
     #[error("the window takes none of the colour formats of pictures (8 bits, sRGB); it takes {0}")]
     NoFormat(String),
     /// The panel could not be drawn.
@@ -79,7 +92,7 @@ pub struct Plan {
     pub shot: Option<PathBuf>,
     /// What is seen goes into this video from the beginning.
     pub record: Option<PathBuf>,
-    /// Point of the window (pixels from the top left) that is clicked at after the first pictures.
+    /// Point of the window (pixels from the top left) that is clicked at after the first frames.
     pub click: Option<(u32, u32)>,
     /// Whether the crowd stands still at the beginning.
     pub is_paused: bool,
@@ -87,28 +100,45 @@ pub struct Plan {
     pub note: fn(&str),
 }
 
-/// What came of it.
+impl Default for Plan {
+    /// A window of 1280 by 720 pixels until it is closed.
+    fn default() -> Self {
+        Self {
+            size: (1280, 720),
+            has_markers: false,
+            eyes_follow_camera: false,
+            seconds: None,
+            shot: None,
+            record: None,
+            click: None,
+            is_paused: false,
+            note: |_| {},
+        }
+    }
+}
+
+/// What came of a window.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct Outcome {
     /// The device that draws.
     pub device: String,
     /// Where the crowd is simulated.
     pub simulated_on: String,
-    /// Pictures shown.
+    /// Frames shown.
     pub frames: u64,
     /// Steps of the crowd.
     pub steps: u32,
-    /// How often the window's images were made anew (at the beginning, and when its size changed).
+    /// How often the window's images were made (at the beginning, and when its size changed).
     pub swapchains: u32,
-    /// How long steps took lately.
+    /// Mean time of the last steps.
     pub step_ms: MeanTimes,
-    /// How long pictures took lately.
+    /// Mean time of the last frames.
     pub picture_ms: MeanTimes,
     /// Pixels of the window at the end.
     pub size: [u32; 2],
     /// Who was picked last.
     pub picked: Option<Picked>,
-    /// Pictures that were written.
+    /// Frames that were written.
     pub shots: Vec<PathBuf>,
     /// Videos that were written.
     pub videos: Vec<PathBuf>,

@@ -1,4 +1,4 @@
-//! The panel beside the picture: what the crowd does, and what can be changed.
+//! The panel beside the frame: what the crowd does, and what can be changed.
 
 use super::camera::CameraMode;
 use super::crowd::Picked;
@@ -29,15 +29,15 @@ pub(super) struct Controls {
     pub(super) gaze: GazeMode,
     pub(super) has_markers: bool,
     pub(super) camera: CameraMode,
-    /// Whether pictures are kept with the panel.
+    /// Whether frames are kept with the panel.
     pub(super) shot_has_panel: bool,
-    /// What was asked for since the picture before.
-    pub(super) asked: Asked,
+    /// What the user has requested since the last frame.
+    pub(super) requests: Requests,
 }
 
-/// What was asked for.
+/// What the user has requested.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(super) struct Asked {
+pub(super) struct Requests {
     pub(super) step: bool,
     pub(super) shot: bool,
     pub(super) film: bool,
@@ -49,16 +49,16 @@ pub(super) struct Asked {
 pub(super) struct Facts<'a> {
     pub(super) time: f64,
     pub(super) agents: u32,
-    /// Pictures a second.
+    /// Frames a second.
     pub(super) rate: f64,
     pub(super) device: &'a str,
     pub(super) simulated_on: &'a str,
     pub(super) picked: Option<&'a Picked>,
-    /// Where the picked person is in the picture: middle of the feet and of the head, points.
+    /// Where the picked person is in the frame: middle of the feet and of the head, points.
     pub(super) mark: Option<[egui::Pos2; 2]>,
     pub(super) is_filmed: bool,
     pub(super) times: &'a [Times; 2],
-    pub(super) said: &'a str,
+    pub(super) message: &'a str,
 }
 
 /// Lays the panel out.
@@ -107,9 +107,9 @@ fn head(ui: &mut Ui, facts: &Facts<'_>) {
     if !same {
         ui.label(RichText::new(format!("drawn on {}", facts.device)).small());
     }
-    // there even when nothing is said: what stands below must not jump away from the pointer
-    let said = if facts.said.is_empty() { " " } else { facts.said };
-    ui.add(egui::Label::new(RichText::new(said).small().strong()).truncate());
+    // there even without a message: what stands below must not jump away from the pointer
+    let message = if facts.message.is_empty() { " " } else { facts.message };
+    ui.add(egui::Label::new(RichText::new(message).small().strong()).truncate());
 }
 
 fn clock(ui: &mut Ui, controls: &mut Controls) {
@@ -120,7 +120,7 @@ fn clock(ui: &mut Ui, controls: &mut Controls) {
         }
         if ui.button("One step").on_hover_text("full stop").clicked() {
             controls.is_paused = true;
-            controls.asked.step = true;
+            controls.requests.step = true;
         }
     });
     let speed = Slider::new(&mut controls.speed, 0.1..=8.0).logarithmic(true).suffix(" x").text("speed");
@@ -134,7 +134,7 @@ fn people(ui: &mut Ui, controls: &mut Controls) {
             ui.selectable_value(&mut controls.choice.condition, condition, name);
         }
     });
-    controls.asked.recast |= controls.choice.condition != before;
+    controls.requests.recast |= controls.choice.condition != before;
     ui.horizontal(|ui| {
         ui.label("gaze");
         for (mode, name) in GAZE_MODES {
@@ -151,7 +151,7 @@ fn people(ui: &mut Ui, controls: &mut Controls) {
     ui.checkbox(&mut controls.has_markers, "rings in the colours of the emotions");
 }
 
-/// The share of an emotion. The crowd is cast anew when the slider is let go.
+/// The share of an emotion. The crowd is built again when the slider is released.
 fn share(ui: &mut Ui, controls: &mut Controls, index: usize) {
     // whole percents: a slider rounds what it is given, and that is no change of the user's
     let before = (100.0 * controls.choice.shares[index]).round();
@@ -165,7 +165,7 @@ fn share(ui: &mut Ui, controls: &mut Controls, index: usize) {
         let from = controls.held.unwrap_or(controls.choice.shares);
         controls.choice.shares = shares::with(from, index, percent / 100.0);
     }
-    controls.asked.recast |= response.drag_stopped() || (is_changed && !response.dragged());
+    controls.requests.recast |= response.drag_stopped() || (is_changed && !response.dragged());
     if response.drag_stopped() {
         controls.held = None;
     }
@@ -184,12 +184,12 @@ fn camera(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>) {
     }
     ui.horizontal(|ui| {
         if ui.button("Picture").on_hover_text("F12").clicked() {
-            controls.asked.shot = true;
+            controls.requests.shot = true;
         }
         ui.checkbox(&mut controls.shot_has_panel, "with panel");
         let name = if facts.is_filmed { "End film" } else { "Film" };
         if ui.button(name).on_hover_text("F9").clicked() {
-            controls.asked.film = true;
+            controls.requests.film = true;
         }
     });
 }
@@ -202,7 +202,7 @@ fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Picked>) {
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("agent {}", person.id)).strong());
         if ui.small_button("let go").clicked() {
-            controls.asked.unpick = true;
+            controls.requests.unpick = true;
         }
     });
     let line = |ui: &mut Ui, name: &str, value: String| {
@@ -223,7 +223,7 @@ fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Picked>) {
     });
 }
 
-/// What somebody feels, without what they do not.
+/// The emotions that a person feels, without those of strength 0.
 fn felt(weights: &[f32; 4]) -> String {
     let all = Emotion::ALL.into_iter().map(|emotion| (emotion.name(), 100.0 * weights[emotion.index()]));
     let some =
@@ -239,7 +239,7 @@ fn color(kernel: &str, all: &[(&'static str, f64, &VecDeque<f64>)]) -> Color32 {
     egui::ecolor::Hsva::new(hue, 0.55, 0.95, 1.0).into()
 }
 
-/// How long steps or pictures take, their dearest kernels as lines, and what these are called.
+/// How long steps or frames take, their dearest kernels as lines, and what these are called.
 fn plot(ui: &mut Ui, name: &str, times: &Times) {
     let all = times.dearest();
     let title = if all.is_empty() {
@@ -293,7 +293,7 @@ mod tests {
             has_markers: false,
             camera: CameraMode::Orbit,
             shot_has_panel: true,
-            asked: Asked::default(),
+            requests: Requests::default(),
         }
     }
 
@@ -308,11 +308,11 @@ mod tests {
             mark: None,
             is_filmed: false,
             times,
-            said: "",
+            message: "",
         }
     }
 
-    /// Every text of a picture of the panel, and where it begins.
+    /// Every text of a frame of the panel, and where it begins.
     fn texts(context: &egui::Context, controls: &mut Controls, events: Vec<Event>) -> Vec<(String, Pos2)> {
         fn collect(shape: &Shape, found: &mut Vec<(String, Pos2)>) {
             match shape {
@@ -368,7 +368,7 @@ mod tests {
         texts(&context, &mut controls, vec![Event::PointerMoved(at + egui::vec2(8.0, 0.0))]);
         texts(&context, &mut controls, vec![Event::PointerMoved(at + egui::vec2(30.0, 0.0))]);
         assert_eq!(controls.choice.shares, [1.0, 0.0, 0.0, 0.0]);
-        assert!(!controls.asked.recast, "not while it is held");
+        assert!(!controls.requests.recast, "not while it is held");
         texts(&context, &mut controls, vec![Event::PointerMoved(pos2(at.x - 500.0, at.y))]);
         let [first, others @ ..] = controls.choice.shares;
         assert!(
@@ -376,12 +376,12 @@ mod tests {
             "{others:?}"
         );
         texts(&context, &mut controls, vec![press(false, pos2(at.x - 500.0, at.y))]);
-        assert!(controls.asked.recast && controls.held.is_none());
-        // thirds are no whole percents: nobody touches them, and nothing changes
+        assert!(controls.requests.recast && controls.held.is_none());
+        // thirds are no whole percents: without a touch nothing changes
         let let_go = controls.choice.shares;
-        controls.asked.recast = false;
+        controls.requests.recast = false;
         texts(&context, &mut controls, Vec::new());
-        assert!(controls.choice.shares == let_go && !controls.asked.recast);
+        assert!(controls.choice.shares == let_go && !controls.requests.recast);
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub struct Ray {
     pub direction: Vec3,
 }
 
-/// An upright cylinder in which somebody stands.
+/// An upright cylinder around a person.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pillar {
     /// Ground position (x, z), m.
@@ -58,7 +58,7 @@ pub fn enters(ray: &Ray, pillar: &Pillar) -> Option<f32> {
     (enter <= leave).then_some(enter)
 }
 
-/// The first pillar that a ray enters, nearer than `farthest`: its number and how far away it is, m. Whoever is absent is
+/// The first pillar that a ray enters, nearer than `farthest`: its number and distance, m. An absent person is
 /// not there.
 pub fn first(ray: &Ray, pillars: impl Iterator<Item = Pillar>, farthest: f32) -> Option<(usize, f32)> {
     pillars
@@ -119,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_that_pass_over_beside_or_away_pick_nobody() {
+    fn rays_that_pass_over_beside_or_away_pick_no_one() {
         let one = || std::iter::once(pillar(0.0, 0.0));
         let eye = Vec3::new(0.0, 1.5, 10.0);
         for (at, want) in [

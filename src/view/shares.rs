@@ -13,7 +13,7 @@ pub(super) fn with(shares: [f32; 4], index: usize, value: f32) -> [f32; 4] {
     let shares = whole(shares);
     let others = 1.0 - shares[index];
     let mut changed = shares.map(|share| {
-        // nobody else is there: those who come are of all kinds
+        // no other person is there: the new ones are of all kinds
         let part = if others > 1e-6 { share / others } else { 1.0 / 3.0 };
         part * (1.0 - value)
     });

@@ -1,4 +1,4 @@
-//! The window's side of Vulkan: a device that can show pictures in it, its surface, and the images it takes.
+//! The window's side of Vulkan: a device that can show images in it, its surface, and the images it takes.
 
 use super::Error;
 use crate::gpu::instance::Maker;
@@ -11,7 +11,7 @@ use winit::raw_window_handle::{
 };
 use winit::window::Window;
 
-/// Formats of a window that pictures can be copied to as they are, best first.
+/// Formats of a window that images can be copied to as they are, best first.
 const FORMATS: [vk::Format; 3] =
     [vk::Format::B8G8R8A8_SRGB, vk::Format::R8G8B8A8_SRGB, vk::Format::A8B8G8R8_SRGB_PACK32];
 /// Longest wait for an image of the window, ns: a compositor that shows nothing gives none.
@@ -31,7 +31,7 @@ impl Handles {
         Ok(Self { display, window: window.window_handle().map_err(lost)?.as_raw() })
     }
 
-    /// A surface for the window. Whoever calls destroys it, before the instance and before the window.
+    /// A surface for the window. The caller destroys it, before the instance and before the window.
     fn surface(&self, entry: &ash::Entry, instance: &ash::Instance) -> Result<vk::SurfaceKHR, gpu::Error> {
         // SAFETY: the instance was made with the extensions that the display needs; the window is alive.
         unsafe { ash_window::create_surface(entry, instance, self.display, self.window, None) }
@@ -39,7 +39,7 @@ impl Handles {
     }
 }
 
-/// The device that shows pictures in a window.
+/// The device that shows images in a window.
 ///
 /// # Errors
 /// When no Vulkan device can, or Vulkan is missing.
@@ -178,7 +178,7 @@ pub(super) struct Slot {
     pub(super) drawn: vk::Semaphore,
 }
 
-/// A window's surface and its images, made anew whenever they no longer fit.
+/// A window's surface and its images, replaced when they no longer fit.
 pub(super) struct Surface {
     device: Arc<Device>,
     loader: khr::surface::Instance,
@@ -316,7 +316,7 @@ impl Surface {
             self.make(size)?;
         }
         let Some(made) = &self.images else { return Ok(None) };
-        // SAFETY: the semaphore is unsignalled and waited for by nobody: the submission that waited for it is done.
+        // SAFETY: the semaphore is unsignalled and nothing waits for it: the submission that waited for it is done.
         let got = unsafe {
             self.swapchains.acquire_next_image(made.swapchain, IMAGE_TIMEOUT, self.free, vk::Fence::null())
         };

@@ -1,4 +1,4 @@
-//! How long steps and pictures take, and their kernels.
+//! How long steps and frames take, and their kernels.
 
 use crate::kernels::Phase;
 use serde::Serialize;
@@ -10,7 +10,7 @@ const HISTORY: usize = 240;
 /// Moments that means are taken over.
 const RECENT: usize = 30;
 
-/// How long the phases of kernels ran, moment by moment: of a step, or of a picture.
+/// How long the phases of kernels ran: of a step, or of a frame.
 #[derive(Debug, Default)]
 pub(super) struct Times {
     kernels: BTreeMap<&'static str, VecDeque<f64>>,
@@ -18,7 +18,7 @@ pub(super) struct Times {
     whole: VecDeque<f64>,
 }
 
-/// Mean times over the last steps or pictures, ms.
+/// Mean times over the last steps or frames, ms.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct MeanTimes {
     /// By the clock, with everything beside the kernels.
@@ -42,7 +42,7 @@ fn mean(history: &VecDeque<f64>) -> f64 {
 }
 
 impl Times {
-    /// Takes what was measured over `count` steps or pictures, which is one moment, and how long all of it took.
+    /// Takes one measurement over `count` steps or frames: the kernels, and how long all of it took.
     pub(super) fn take(&mut self, measured: &[(Phase, f64)], count: u32, whole: Duration) {
         if count == 0 {
             return;

@@ -1,11 +1,11 @@
-//! The window itself: its events, and one picture after another.
+//! The window itself: its events, and one frame after another.
 
 mod input;
 
 use super::camera::{CameraMode, Push, Rig};
 use super::canvas::{Canvas, Overlay};
 use super::crowd::{Company, Picked};
-use super::panel::{self, Asked, Controls, Facts};
+use super::panel::{self, Controls, Facts, Requests};
 use super::pick::Ray;
 use super::surface::{self, Surface};
 use super::{Choice, Error, Outcome, Plan, shares};
@@ -33,7 +33,7 @@ const HIDDEN: Duration = Duration::from_millis(20);
 const SAYING: Duration = Duration::from_secs(6);
 /// Most files that are tried for a free name.
 const MOST_FILES: u32 = 10_000;
-/// Pictures after which [`Plan::click`] comes.
+/// Frames after which [`Plan::click`] comes.
 const CLICK_AFTER: u64 = 3;
 
 /// Opens the window and shows the crowd until it is closed.
@@ -85,11 +85,11 @@ struct Open {
     keys: BTreeSet<KeyCode>,
     picked: Option<u32>,
     click: Option<(u32, u32)>,
-    said: (String, Instant),
+    message: (String, Instant),
     devices: (String, String),
     begin: Instant,
     before: Instant,
-    /// Time between two pictures, smoothed, s; 0 before the second.
+    /// Time between two frames, smoothed, s; 0 before the second.
     pace: f64,
     is_hidden: bool,
     view: View,
@@ -126,13 +126,13 @@ impl ApplicationHandler for App {
         let Some(open) = &mut self.open else { return };
         let size = open.window.inner_size();
         if open.is_hidden || size.width == 0 || size.height == 0 {
-            // nothing can be shown: the crowd goes on, and nobody else is kept waiting
+            // nothing can be shown: the crowd goes on, and no other thread is kept waiting
             events.set_control_flow(ControlFlow::WaitUntil(Instant::now() + HIDDEN));
             let seconds = open.seconds_since();
             if let Err(error) = open.advance(seconds) {
                 self.fail(events, error);
             } else if self.is_over() {
-                self.redraw(events); // a picture that was asked for needs no window
+                self.redraw(events); // a shot that was requested needs no window
             }
         } else {
             events.set_control_flow(ControlFlow::Poll);
@@ -224,13 +224,13 @@ impl Open {
                 has_markers: plan.has_markers,
                 camera: CameraMode::default(),
                 shot_has_panel: true,
-                asked: Asked::default(),
+                requests: Requests::default(),
             },
             pointer: Pointer::default(),
             keys: BTreeSet::new(),
             picked: None,
             click: plan.click,
-            said: (String::new(), now),
+            message: (String::new(), now),
             begin: now,
             before: now,
             pace: 0.0,
@@ -248,7 +248,7 @@ impl Open {
         Ok(())
     }
 
-    /// Seconds since this was last asked.
+    /// Seconds since the last call.
     fn seconds_since(&mut self) -> f64 {
         let now = Instant::now();
         (now - std::mem::replace(&mut self.before, now)).as_secs_f64()
@@ -256,8 +256,8 @@ impl Open {
 
     /// Lets the crowd go on.
     fn advance(&mut self, seconds: f64) -> Result<(), crate::Error> {
-        let is_asked = std::mem::take(&mut self.controls.asked.step);
-        if is_asked {
+        let is_requested = std::mem::take(&mut self.controls.requests.step);
+        if is_requested {
             self.company.step_once()?;
         } else if !self.controls.is_paused {
             self.company.pass(seconds, self.controls.speed)?;
@@ -266,10 +266,10 @@ impl Open {
     }
 
     fn say(&mut self, line: String) {
-        self.said = (line, Instant::now());
+        self.message = (line, Instant::now());
     }
 
-    /// One picture.
+    /// One frame.
     fn frame(&mut self, plan: &Plan, outcome: &mut Outcome, shot: Option<&Path>) -> Result<(), crate::Error> {
         let size: [u32; 2] = self.window.inner_size().into();
         if size.contains(&0) {
@@ -285,9 +285,9 @@ impl Open {
         self.advance(seconds)?;
         let person = self.steer(seconds)?;
         let eyes = if plan.eyes_follow_camera { self.view.eyes[0] } else { self.company.user_eyes() };
-        let asked = self.controls.asked;
+        let requests = self.controls.requests;
         let overlay = self.lay(person.as_ref());
-        let keeps = asked.shot || shot.is_some();
+        let keeps = requests.shot || shot.is_some();
         let with_panel = self.controls.shot_has_panel || shot.is_some();
         let target = self.canvas.target(keeps && !with_panel);
         let bare = self.company.draw(&self.view, eyes, &target)?;
@@ -303,7 +303,7 @@ impl Open {
                 Err(error) => self.complain(plan, &error),
             }
         }
-        self.controls.asked.shot &= !asked.shot;
+        self.controls.requests.shot &= !requests.shot;
         if let Some(at) = self.click.filter(|_| outcome.frames >= CLICK_AFTER) {
             self.click = None;
             self.pick(Vec2::new(side(at.0), side(at.1)))?;
@@ -314,7 +314,7 @@ impl Open {
     /// Another size of the window.
     fn take_size(&mut self, size: [u32; 2], outcome: &mut Outcome) -> Result<(), crate::Error> {
         if self.company.is_filmed() {
-            self.end_film(outcome)?; // all pictures of a video are of one size
+            self.end_film(outcome)?; // all frames of a video are of one size
         }
         self.company.resize(size)?;
         self.canvas.resize(size)?;
@@ -323,7 +323,7 @@ impl Open {
         Ok(())
     }
 
-    /// Moves the camera; who is picked, as they are now.
+    /// Moves the camera. Returns the picked person as they are now.
     fn steer(&mut self, seconds: f64) -> Result<Option<Picked>, crate::Error> {
         let person = match self.picked {
             Some(agent) => self.company.picked(agent)?,
@@ -349,7 +349,7 @@ impl Open {
         Ok(person)
     }
 
-    /// The panel of this picture.
+    /// The panel of this frame.
     fn lay(&mut self, person: Option<&Picked>) -> Overlay {
         let input = self.pen.take_egui_input(&self.window);
         let context = self.pen.egui_ctx().clone();
@@ -372,7 +372,7 @@ impl Open {
             mark,
             is_filmed: self.company.is_filmed(),
             times: &self.company.times,
-            said: if self.said.1.elapsed() < SAYING { &self.said.0 } else { "" },
+            message: if self.message.1.elapsed() < SAYING { &self.message.0 } else { "" },
         };
         let controls = &mut self.controls;
         let output = context.run_ui(input, |ui| panel::lay(ui, controls, &facts));
@@ -384,22 +384,22 @@ impl Open {
         }
     }
 
-    /// Does what was asked for in the panel.
+    /// Does what the user has requested in the panel.
     fn obey(&mut self, plan: &Plan, outcome: &mut Outcome) -> Result<(), crate::Error> {
-        let asked = std::mem::take(&mut self.controls.asked);
-        self.controls.asked = Asked { shot: asked.shot, step: asked.step, ..Asked::default() };
+        let requests = std::mem::take(&mut self.controls.requests);
+        self.controls.requests = Requests { shot: requests.shot, step: requests.step, ..Requests::default() };
         self.company.set_gaze_mode(self.controls.gaze);
         self.company.set_markers(self.controls.has_markers);
-        if asked.unpick {
+        if requests.unpick {
             self.picked = None;
         }
-        if asked.recast {
+        if requests.recast {
             if let Err(error) = self.company.recast(&self.controls.choice) {
                 self.complain(plan, &error);
             }
             self.before = Instant::now();
         }
-        if asked.film {
+        if requests.film {
             if self.company.is_filmed() {
                 self.end_film(outcome)?;
             } else {
@@ -466,8 +466,8 @@ mod tests {
 
     #[test]
     fn a_missing_display_is_told_without_the_place_in_a_source_file() {
-        let told = no_display("os error at /home/me/winit/src/mod.rs:765: DISPLAY is not set").to_string();
-        assert_eq!(told, "no window can be opened: DISPLAY is not set");
+        let message = no_display("os error at /home/me/winit/src/mod.rs:765: DISPLAY is not set").to_string();
+        assert_eq!(message, "no window can be opened: DISPLAY is not set");
         assert_eq!(no_display("no").to_string(), "no window can be opened: no");
     }
 }

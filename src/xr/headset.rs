@@ -186,7 +186,7 @@ impl<'a> Headset<'a> {
         }
     }
 
-    /// Asks for the refresh rate that is wanted, where the runtime lets us.
+    /// Requests the refresh rate of the plan, where the runtime offers rates.
     fn choose_rate(&mut self, session: &Session) -> Result<(), Error> {
         self.outcome.refresh_rates = session.refresh_rates()?;
         if let Some(rate) =
@@ -220,7 +220,7 @@ impl<'a> Headset<'a> {
         if let Some(head) = head {
             self.follow(head, &input, seconds);
         }
-        if !frame.wants_picture {
+        if !frame.wants_image {
             self.times.empty();
             return Ok(session.end(frame, None)?);
         }
@@ -437,7 +437,7 @@ mod tests {
         let mut at = |display: i64| {
             let period = Duration::from_millis(20);
             clock.step(
-                &Frame { display: xr::Time::from_nanos(display), period, wants_picture: true },
+                &Frame { display: xr::Time::from_nanos(display), period, wants_image: true },
                 &mut times,
             )
         };

@@ -1,4 +1,4 @@
-//! What the lenses hide of each eye's picture (`XR_KHR_visibility_mask`), as triangles in clip space.
+//! What the lenses hide of each eye's image (`XR_KHR_visibility_mask`), as triangles in clip space.
 
 use openxr as xr;
 
@@ -23,7 +23,7 @@ impl Hidden {
         [0, 1].map(|eye| self.masks[eye].indices.len() / 3)
     }
 
-    /// The corners for these fields of view if they have changed since this was last asked: the left eye's, then as many of
+    /// The corners for these fields of view if they have changed since the last call: the left eye's, then as many of
     /// the right one's.
     pub(super) fn corners(&mut self, fovs: [xr::Fovf; 2]) -> Option<Vec<[f32; 4]>> {
         if self.made_for == Some(fovs) {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn corners_lie_where_the_picture_shows_them_and_are_made_anew_when_the_view_changes() {
+    fn corners_lie_where_the_image_shows_them_and_follow_the_view() {
         let vertices = [(-1.2, 1.0), (0.5, -0.3), (0.1, 0.9), (f32::NAN, 0.0)];
         let vertices = vertices.map(|(x, y)| xr::Vector2f { x, y }).to_vec();
         let one = Mask { vertices: vertices.clone(), indices: vec![0, 1, 2, 0, 1, 9, 0, 1, 3] };

@@ -1,8 +1,33 @@
-//! The headset: an OpenXR runtime, the user in the crowd, and every way in which it can go wrong.
+//! The headset: an OpenXR runtime, the user in the crowd, and recovery from failures.
 //!
-//! [`Runtime`] is what is found on the machine, `Session` one run of it (swapchain, spaces, frame loop), [`Rig`] where
-//! the user's room stands in the world. [`run`] joins them with a crowd: everything of OpenXR lives on a thread of its
-//! own, the crowd goes on without it, and a lost session is begun anew.
+//! [`Runtime`] is the runtime of the machine, `Session` one run of it (swapchain, spaces, frame loop), [`Rig`] the place of
+//! the user's room in the world. [`run`] joins them with a crowd. All calls of OpenXR are made on a thread of their own; the
+//! crowd goes on without it, and a lost session is replaced by a new one.
+//!
+//! ```no_run
+//! use gaitway::kernels::Store;
+//! use gaitway::scene::Scene;
+//! use gaitway::xr::{self, Observer, Plan, UserState};
+//!
+//! struct Printer;
+//! impl Observer for Printer {
+//!     fn note(&mut self, line: &str) {
+//!         eprintln!("{line}");
+//!     }
+//!     fn step(&mut self, _: &UserState, _: &Store) -> gaitway::Result<()> {
+//!         Ok(())
+//!     }
+//! }
+//!
+//! # fn main() -> gaitway::Result<()> {
+//! let scene = Scene::load("crossing")?.build()?;
+//! let (mut simulation, meshes) = scene.start_with_bodies()?;
+//! let plan = Plan { seconds: Some(60.0), ..Plan::default() };
+//! let outcome = xr::run(&mut simulation, meshes, &scene, plan, &mut Printer)?;
+//! println!("{} frames, {}", outcome.frames.drawn, outcome.ended);
+//! # Ok(())
+//! # }
+//! ```
 //!
 //! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
 
@@ -78,7 +103,7 @@ pub enum Error {
     Call {
         /// The call.
         call: &'static str,
-        /// What it said.
+        /// Its result.
         result: openxr::sys::Result,
     },
     /// Vulkan failed.
@@ -89,7 +114,7 @@ pub enum Error {
     Render(#[from] crate::render::Error),
 }
 
-/// How a session ended that nobody asked to end.
+/// How a session was lost.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Loss {
     /// The session is lost or will be; the runtime stays.
@@ -163,7 +188,7 @@ fn check(name: &'static str, result: openxr::sys::Result) -> Result<(), Error> {
 pub(crate) fn hush_loader() {
     const LEVEL: &str = "XR_LOADER_DEBUG";
     if std::env::var_os(LEVEL).is_none() {
-        // SAFETY: called by the program before it starts a second thread, so nobody reads the environment meanwhile.
+        // SAFETY: called before the program starts a second thread, so no thread reads the environment meanwhile.
         unsafe { std::env::set_var(LEVEL, "none") }
     }
 }

@@ -24,7 +24,7 @@ pub struct Outcome {
     pub device: String,
     /// Refresh rate of the display, Hz, where the runtime reports it.
     pub refresh_rate: Option<f32>,
-    /// Rates that can be asked for, Hz.
+    /// Refresh rates on offer, Hz.
     pub refresh_rates: Vec<f32>,
     /// Whether the runtime takes the depth of frames.
     pub takes_depth: bool,

@@ -37,9 +37,9 @@ impl Percentiles {
     fn of(values: &[f32]) -> Self {
         let mut sorted = values.to_vec();
         sorted.sort_unstable_by(f32::total_cmp);
-        let at = |share: usize| {
+        let at = |percent: usize| {
             // nearest rank
-            let rank = (sorted.len() * share).div_ceil(100).max(1);
+            let rank = (sorted.len() * percent).div_ceil(100).max(1);
             sorted.get(rank - 1).copied().unwrap_or(0.0)
         };
         Self { p50: at(50), p95: at(95), p99: at(99) }
@@ -49,15 +49,15 @@ impl Percentiles {
 /// What [`FrameTimes`] comes to.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize)]
 pub struct FrameSummary {
-    /// Frames handed over with a picture.
+    /// Frames handed over with an image.
     pub drawn: u64,
-    /// Frames that the runtime wanted no picture for.
+    /// Frames for which the runtime wanted no image.
     pub empty: u64,
     /// Periods of the display for which no frame was ready.
     pub missed: u64,
     /// Time from acquiring an image to handing it over, ms.
     pub work_ms: Percentiles,
-    /// What the host did in a frame from the wake-up on, ms: input, the crowd's moment, recording, submitting, handing over;
+    /// What the host did in a frame from the wake-up on, ms: input, the crowd's snapshot, recording, submitting, handing over;
     /// without waiting for the device or for an image.
     pub host_ms: Percentiles,
     /// Processor time of the frame's thread in that, ms: the rest of it is the runtime's answers, and waiting for a
@@ -68,14 +68,14 @@ pub struct FrameSummary {
 }
 
 impl FrameTimes {
-    /// A frame with a picture: what it took, and how many periods of the display passed since the one before.
+    /// Records a frame with an image: its work, and the periods of the display since the frame before.
     pub fn drew(&mut self, work: Duration, periods: u64) {
         push(&mut self.work, work);
         self.drawn += 1;
         self.missed += periods.saturating_sub(1);
     }
 
-    /// The host's own share of a frame with a picture: by the clock, and the processor time of the thread.
+    /// Records the host's part of a frame with an image: by the clock, and in processor time of the thread.
     pub fn prepared(&mut self, host: Duration, cpu: Option<Duration>) {
         push(&mut self.host, host);
         if let Some(cpu) = cpu {
@@ -83,7 +83,7 @@ impl FrameTimes {
         }
     }
 
-    /// A frame for which the runtime wanted no picture.
+    /// Records a frame for which the runtime wanted no image.
     pub fn empty(&mut self) {
         self.empty += 1;
     }

@@ -1,4 +1,4 @@
-//! What a session is asked for.
+//! The parameters of a session.
 
 use super::Error;
 use super::mirror::Mirror;
@@ -30,7 +30,7 @@ pub type Shots = Box<dyn FnMut(&Shot) -> Result<(), crate::Error> + Send>;
 /// Finds the runtime; called again after every loss.
 pub type Opener = Box<dyn Fn() -> Result<Runtime, Error> + Send>;
 
-/// What a session is asked for.
+/// The parameters of a session.
 pub struct Plan {
     /// Time until the session is ended, s; none: until the runtime ends it.
     pub seconds: Option<f64>,

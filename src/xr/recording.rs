@@ -1,8 +1,7 @@
-//! What the user did, step by step, in a text file: to audit a study, or to meet a fault again.
+//! What the user did, step by step, in a text file: to audit a study, or to reproduce a fault.
 //!
-//! The crowd depends on the user through nothing but the place, height and velocity that it is told before each step, and
-//! these are written with all their bits, so a replay gives the same crowd, bit for bit, on any device whose arithmetic is
-//! exact. Head, hands and sticks are kept beside them. The header holds everything else that a session depends on;
+//! The crowd depends on the user only through the place, height and velocity that it receives before each step. These are
+//! written with all their bits, so a replay gives the same crowd, bit for bit, on any device whose arithmetic is exact. Head, hands and sticks are kept beside them. The header holds everything else that a session depends on;
 //! a replay of something else is refused with what differs.
 //!
 //! ```text
@@ -212,20 +211,20 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn step(&mut self, moment: &UserState, crowd: &Store) -> Result<(), RecordingError> {
-        self.hash.step(moment, crowd);
+    pub fn step(&mut self, user: &UserState, crowd: &Store) -> Result<(), RecordingError> {
+        self.hash.step(user, crowd);
         let mut line = self.step.to_string();
-        let ([x, z], [vx, vz]) = (moment.place.to_array(), moment.velocity.to_array());
-        for value in [x, z, moment.elevation, vx, vz] {
+        let ([x, z], [vx, vz]) = (user.place.to_array(), user.velocity.to_array());
+        for value in [x, z, user.elevation, vx, vz] {
             line += &format!(",{value}");
         }
-        for pose in [moment.head, moment.hands[0], moment.hands[1]] {
+        for pose in [user.head, user.hands[0], user.hands[1]] {
             match pose {
                 Some(pose) => pose.iter().for_each(|value| line += &format!(",{value}")),
                 None => line += ",,,,,,,",
             }
         }
-        moment.sticks.iter().for_each(|value| line += &format!(",{value}"));
+        user.sticks.iter().for_each(|value| line += &format!(",{value}"));
         line += "\n";
         self.step += 1;
         if self.step.is_multiple_of(self.every) {
@@ -258,7 +257,7 @@ pub struct Recording {
     /// What it is of.
     pub session: Session,
     /// The user, step by step.
-    pub moments: Vec<UserState>,
+    pub steps: Vec<UserState>,
     /// Hashes of the session after so many steps.
     pub hashes: Vec<(u32, u64)>,
     /// Hash of the session after the last step; none if it broke off.
@@ -272,7 +271,7 @@ impl Recording {
     /// When it cannot be read, or a line is not as it should be: which, and what is wrong.
     pub fn read(mut from: impl BufRead) -> Result<Self, RecordingError> {
         let mut head: [Option<String>; 11] = Default::default();
-        let (mut moments, mut hashes, mut end) = (Vec::new(), Vec::new(), None);
+        let (mut steps, mut hashes, mut end) = (Vec::new(), Vec::new(), None);
         let (mut line, mut number) = (String::new(), 0);
         while from.read_line(&mut line)? > 0 && line.ends_with('\n') {
             number += 1;
@@ -283,7 +282,7 @@ impl Recording {
             } else if let Some((key, value)) = text.strip_prefix("# ").and_then(|text| text.split_once(' ')) {
                 match key {
                     "end" => end = Some(hex(value).map_err(|message| wrong(format!("end: {message}")))?),
-                    "hash" => hashes.push(hash_after(value, moments.len()).map_err(wrong)?),
+                    "hash" => hashes.push(hash_after(value, steps.len()).map_err(wrong)?),
                     key => {
                         if let Some(place) = KEYS.iter().position(|known| *known == key) {
                             head[place] = Some(value.to_owned());
@@ -291,17 +290,17 @@ impl Recording {
                     }
                 }
             } else if !text.starts_with("step,") && !text.is_empty() {
-                if moments.len() >= MOST_STEPS as usize {
+                if steps.len() >= MOST_STEPS as usize {
                     return Err(wrong(format!("more than {MOST_STEPS} steps")));
                 }
-                moments.push(moment(text, moments.len()).map_err(wrong)?);
+                steps.push(user_state(text, steps.len()).map_err(wrong)?);
             }
             line.clear();
         }
         if number == 0 {
             version("").map_err(|message| RecordingError::Line { line: 1, message })?;
         }
-        Ok(Self { session: session(&head)?, moments, hashes, end })
+        Ok(Self { session: session(&head)?, steps, hashes, end })
     }
 
     /// Whether it is of this session.
@@ -373,7 +372,7 @@ fn session(head: &[Option<String>; 11]) -> Result<Session, RecordingError> {
 }
 
 /// One line of the table, which must be that of step `step`.
-fn moment(line: &str, step: usize) -> Result<UserState, String> {
+fn user_state(line: &str, step: usize) -> Result<UserState, String> {
     let fields: Vec<&str> = line.split(',').collect();
     let wanted = COLUMNS.split(',').count();
     if fields.len() != wanted {

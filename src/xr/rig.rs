@@ -84,7 +84,7 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// A room whose user, at its origin and facing its -z, stands and faces as told (a heading of 0 faces +z).
+    /// A room whose user, at its origin and facing its -z, stands and faces as `stand` says (a heading of 0 faces +z).
     pub fn new(stand: Stand) -> Self {
         let heading = stand.heading + std::f32::consts::PI;
         Self {
@@ -129,7 +129,7 @@ impl Rig {
         Some(Teleport { from, to: world_from_ground(place, height), is_allowed })
     }
 
-    /// Moves the room for a frame of `seconds`. `head` and `hand` are in the room; `terrain` tells where the user may be
+    /// Moves the room for a frame of `seconds`. `head` and `hand` are in the room; `terrain` says where the user may be
     /// moved to. Walking in the room itself is never stopped; who walks off an edge there stays as high as they were.
     pub(super) fn walk(
         &mut self,

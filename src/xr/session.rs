@@ -1,6 +1,6 @@
 //! One session with the headset: its swapchain, its spaces and its frame loop, in the order that OpenXR demands.
 //!
-//! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without a picture. Where the
+//! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without an image. Where the
 //! safe wrapper loses a success code that matters (a timeout, a loss that is pending) the raw call is made instead.
 
 use super::hidden::Hidden;
@@ -17,7 +17,7 @@ use openxr as xr;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Formats that pictures may have, best first: all with the sRGB curve, since shaders write linear light.
+/// Formats that images may have, best first: all with the sRGB curve, since shaders write linear light.
 const FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
 
 /// Where a session stands.
@@ -35,7 +35,7 @@ pub enum State {
     Focused,
     /// Shall end.
     Stopping,
-    /// Is over, as asked.
+    /// Is over, as requested.
     Exiting,
 }
 
@@ -59,7 +59,7 @@ impl State {
 pub(super) enum Event {
     /// A new state.
     State(State),
-    /// The user asked the runtime to recentre.
+    /// The user has recentred the view.
     Recentred,
     /// The display's refresh rate is another one now, Hz.
     Rate(f32),
@@ -73,8 +73,8 @@ pub(super) struct Frame {
     pub(super) display: xr::Time,
     /// Length of a period of the display.
     pub(super) period: Duration,
-    /// Whether a picture is wanted.
-    pub(super) wants_picture: bool,
+    /// Whether an image is wanted.
+    pub(super) wants_image: bool,
 }
 
 /// Where the eyes are and what they see, in the room.
@@ -225,7 +225,7 @@ impl Session {
         self.color.size()
     }
 
-    /// Whether the runtime takes the depth of pictures.
+    /// Whether the runtime takes the depth of frames.
     pub(super) fn takes_depth(&self) -> bool {
         self.depth.is_some()
     }
@@ -310,7 +310,7 @@ impl Session {
         Ok(())
     }
 
-    /// Refresh rates that the display can be asked for, Hz; none where the runtime does not tell.
+    /// Refresh rates on offer, Hz; none where the runtime does not report them.
     pub(super) fn refresh_rates(&self) -> Result<Vec<f32>, Error> {
         if self.instance.exts().fb_display_refresh_rate.is_none() {
             return Ok(Vec::new());
@@ -340,7 +340,7 @@ impl Session {
         Ok(Frame {
             display: state.predicted_display_time,
             period: Duration::from_nanos(period),
-            wants_picture: state.should_render,
+            wants_image: state.should_render,
         })
     }
 
@@ -397,7 +397,7 @@ impl Session {
         self.depth.as_mut().map_or(Ok(()), Swapchain::release)
     }
 
-    /// Ends the frame: with the picture that was drawn for these eyes, or without one.
+    /// Ends the frame: with the image that was drawn for these eyes, or without one.
     pub(super) fn end(&mut self, frame: Frame, eyes: Option<&Eyes>) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
         // depth is reversed and has no end: 0 is infinitely far, 1 as near as is drawn

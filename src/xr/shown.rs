@@ -1,26 +1,26 @@
-//! Which moment of the crowd a frame shows.
+//! The time of the crowd that a frame shows.
 //!
 //! Frames come at the display's rate and steps at their own. The crowd is shown as it was a step ago, and a little more
-//! where steps take their time, so that what a frame shows lies between two moments that are there. It advances by the
+//! where steps take their time, so that a frame lies between two snapshots. It advances by the
 //! display's times, which are regular, not by those at which this thread happens to wake up.
 
 /// How fast the shown time follows when display and clock drift apart, 1/s.
 const FOLLOW: f64 = 2.0;
 /// Farther apart than this they have nothing to do with each other any more, s.
 const LOST: f64 = 0.5;
-/// Slack for a thread that is a moment late, s.
+/// Slack for a thread that wakes up late, s.
 const SLACK: f64 = 0.002;
 /// How fast the delay for late steps goes back, s/s.
 const RECOVER: f64 = 0.05;
 
-/// What is known of the crowd when a frame is drawn.
+/// The state of the crowd's clock when a frame is drawn.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Crowd {
-    /// The clock of its moments now, s.
+    /// The clock of its snapshots now, s.
     pub(super) now: f64,
     /// Length of a step, s.
     pub(super) step: f64,
-    /// How long after it was due the newest moment was there, s.
+    /// Delay of the newest snapshot after it was due, s.
     pub(super) late: f64,
 }
 
@@ -64,7 +64,7 @@ mod tests {
     /// Seconds of a display at `rate` Hz with steps of `step` s that are there after `late` s; the thread wakes up to
     /// `jitter` s late. How far apart frames were of which none moved less than it should by half, and the worst delay.
     fn run(rate: f64, step: f64, late: f64, jitter: f64) -> (usize, f64) {
-        let (mut shown, mut moments) = (Shown::default(), Snapshots::default());
+        let (mut shown, mut snapshots) = (Shown::default(), Snapshots::default());
         let (mut taken, mut before, mut still, mut worst) = (0, f64::NAN, 0, 0.0_f64);
         for frame in 0..(4.0 * rate) as u32 {
             let display = 1000.0 + f64::from(frame) / rate;
@@ -73,10 +73,10 @@ mod tests {
             let newest = ((now - late) / step).floor();
             if newest as u32 != taken {
                 taken = newest as u32;
-                moments.keep(newest * step);
+                snapshots.keep(newest * step);
             }
             let time = shown.time((display * 1e9) as i64, &Crowd { now, step, late });
-            let between = moments.at(time, 1);
+            let between = snapshots.at(time, 1);
             let previous = newest * step - step;
             let seen = previous + f64::from(between.share) * step;
             assert!(seen <= newest * step + 1e-9);

@@ -12,12 +12,12 @@ use std::time::Duration;
 const ACTIVE: &str = "openxr/1/active_runtime.json";
 const SYSTEM: [&str; 3] = ["/etc/xdg", "/etc", "/usr/local/etc"];
 
-/// What there is, from the loader up; what comes after the first thing that is missing is not known.
+/// The parts that were found, from the loader up. Nothing is known of the parts after the first missing one.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Survey {
     /// Whether there is an OpenXR loader.
     pub loader: bool,
-    /// Manifest of the active runtime, as far as it can be told from outside.
+    /// Manifest of the active runtime, where it is found without loading the runtime.
     pub manifest: Option<PathBuf>,
     /// Whether the runtime could be loaded.
     pub installed: bool,
@@ -27,19 +27,19 @@ pub struct Survey {
     pub runtime: Option<RuntimeInfo>,
     /// What is missing for a headset; none if nothing is.
     pub missing: Option<String>,
-    /// The way out.
+    /// What the user can do about it.
     pub hint: Option<String>,
 }
 
 /// Looks for loader, runtime, service and headset. Does not wait longer than `patience` for a runtime that hangs.
 pub fn survey(patience: Duration) -> Survey {
-    let (tell, told) = mpsc::channel();
+    let (sender, receiver) = mpsc::channel();
     // a call into a runtime whose service hangs never returns: then the thread is left behind
     let looks = thread::Builder::new().name("openxr".to_owned()).spawn(move || {
-        let _ = tell.send(Runtime::open().map(|runtime| runtime.info().clone()));
+        let _ = sender.send(Runtime::open().map(|runtime| runtime.info().clone()));
     });
     let found = match looks {
-        Ok(_) => told.recv_timeout(patience).unwrap_or(Err(Error::Silent)),
+        Ok(_) => receiver.recv_timeout(patience).unwrap_or(Err(Error::Silent)),
         Err(error) => Err(Error::NoLoader(error.to_string())),
     };
     Survey { manifest: manifest(), ..Survey::of(found) }
@@ -83,7 +83,7 @@ mod tests {
     use openxr::sys::Result as R;
 
     #[test]
-    fn a_survey_tells_how_far_it_got() {
+    fn a_survey_shows_how_far_it_got() {
         let reached = |error| {
             let survey = Survey::of(Err(error));
             assert!(survey.missing.is_some() && survey.runtime.is_none());

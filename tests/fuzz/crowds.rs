@@ -321,7 +321,7 @@ const SESSION: &str = "# gaitway recording 2\n# version 0.1.0\n# scene crossing\
 fn session(bytes: &[u8]) -> Result<String, String> {
     let read = gaitway::xr::Recording::read(bytes).map_err(|error| error.to_string())?;
     assert!(read.session.hash_every() > 0);
-    Ok(format!("{} {}", read.moments.len().min(9), read.end.is_some()))
+    Ok(format!("{} {}", read.steps.len().min(9), read.end.is_some()))
 }
 
 #[cfg(not(feature = "xr"))]

@@ -56,12 +56,12 @@ fn all_twenty_thousand_are_drawn_most_of_them_without_a_pose() {
     let Some((mut simulation, mut show, user)) = crossing(20_000) else { return };
     // from high above, all agents are in view
     let camera = Camera::look_at(user + Vec3::new(0.0, 260.0, 260.0), user, Vec3::Y).with_fov(1.4);
-    let image = show.picture(&mut simulation, &View::mono(&camera, W, H), user).unwrap();
+    let image = show.draw(&mut simulation, &View::mono(&camera, W, H), user).unwrap();
     keep("far_all", &image);
     assert_eq!(drawn(&mut simulation), [0, 20_000]);
     // in the middle of it the near ones have a pose, and the user sees about a quarter of all
     let view = View::mono(&Camera::user_eyes(user, 0.0, 0.0), W, H);
-    let image = show.picture(&mut simulation, &view, user).unwrap();
+    let image = show.draw(&mut simulation, &view, user).unwrap();
     keep("far_eyes", &image);
     let [posed, far] = drawn(&mut simulation);
     assert!(posed > 50 && far > 5 * posed, "{posed} {far}");
@@ -76,7 +76,7 @@ fn where_far_bodies_begin_the_picture_hardly_changes() {
     let view = View::mono(&camera, W, H);
     let mut draw = |simulation: &mut Simulation, distances: [f32; 3]| {
         show.set_level_distances(distances);
-        let image = show.picture(simulation, &view, user).unwrap();
+        let image = show.draw(simulation, &view, user).unwrap();
         (image, drawn(simulation))
     };
     let (fine, [all, none]) = draw(&mut simulation, [12.0, 3500.0, 2000.0]);
@@ -140,7 +140,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
         show.set_level_distances([1.0, 4.0, 2000.0]);
         let eyes = Vec3::new(middle, 6.0, middle + 36.0);
         let camera = Camera::look_at(eyes, Vec3::new(middle, 1.0, middle), Vec3::Y).with_fov(0.2);
-        let image = show.picture(&mut simulation, &View::mono(&camera, W, H), eyes).unwrap();
+        let image = show.draw(&mut simulation, &View::mono(&camera, W, H), eyes).unwrap();
         assert_eq!(drawn(&mut simulation)[0], 0, "no agent has a pose");
         Some(image)
     };

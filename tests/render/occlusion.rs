@@ -101,7 +101,7 @@ impl Pair {
 
     /// Both pictures of a view.
     fn draw(&mut self, view: &View) -> [Image; 2] {
-        self.0.each_mut().map(|crowd| crowd.show.picture(&mut crowd.simulation, view, crowd.user).unwrap())
+        self.0.each_mut().map(|crowd| crowd.show.draw(&mut crowd.simulation, view, crowd.user).unwrap())
     }
 
     /// Draws and steps while the eyes move through the crowd, turn, and now and then look from above: how many pixels

@@ -1,5 +1,5 @@
 //! What an engine records: copies, uniforms, dispatches and the barriers between them, into its own command buffer or into
-//! somebody else's, so that a picture and the kernels before it are one submission.
+//! somebody else's, so that a frame and the kernels before it are one submission.
 
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
@@ -70,8 +70,8 @@ impl Engine {
         }
     }
 
-    /// Records operations into somebody else's commands, outside of rendering: everything written before is visible to
-    /// them, and what they write to later dispatches, draws and their arguments.
+    /// Records operations into the caller's command buffer, outside of rendering. They see all earlier writes, and their
+    /// writes are visible to later dispatches, draws and their arguments.
     ///
     /// # Errors
     /// As of [`Engine::run`], without what only a submission meets.

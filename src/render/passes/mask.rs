@@ -77,7 +77,7 @@ mod tests {
         GpuImage::readable(device, spec).unwrap()
     }
 
-    /// Depths of both eyes' pictures, row after row.
+    /// Depths of both eyes' frames, row after row.
     fn depths(renderer: &Renderer, depth: &GpuImage) -> Vec<f32> {
         let submitter = renderer.submitter();
         let readback = Readback::new(submitter.device(), "test", [SIDE, SIDE], 2).unwrap();

@@ -1,4 +1,4 @@
-//! Pointer and keys over the picture.
+//! Pointer and keys over the frame.
 
 use super::{Open, side};
 use crate::view::camera::CameraMode;
@@ -12,11 +12,11 @@ const CLICK: f32 = 4.0;
 /// Pixels that a touchpad scrolls for one notch of a wheel.
 const NOTCH: f32 = 50.0;
 
-/// The pointer over the picture.
+/// The pointer over the frame.
 #[derive(Debug, Default)]
 pub(super) struct Pointer {
     at: Vec2,
-    /// Which button is held since when it was pressed over the picture, and how far it was dragged.
+    /// Which button is held since when it was pressed over the frame, and how far it was dragged.
     held: Option<(MouseButton, f32)>,
 }
 
@@ -25,7 +25,7 @@ impl Open {
     pub(super) fn take(&mut self, event: &WindowEvent) -> Result<(), crate::Error> {
         let context = self.pen.egui_ctx();
         let types = context.egui_wants_keyboard_input();
-        // by its place: egui itself knows only where the pointer was at the picture before
+        // by its place: egui itself knows only where the pointer was at the frame before
         let width = panel::WIDTH * egui_winit::pixels_per_point(context, &self.window);
         let is_over = self.controls.is_open && self.pointer.at.x <= width;
         let over_panel = is_over || context.egui_is_using_pointer();
@@ -92,16 +92,16 @@ impl Open {
             KeyCode::Space => controls.is_paused = !controls.is_paused,
             KeyCode::Period => {
                 controls.is_paused = true;
-                controls.asked.step = true;
+                controls.requests.step = true;
             }
             KeyCode::Tab => controls.is_open = !controls.is_open,
             KeyCode::KeyF => {
                 let follows = controls.camera == CameraMode::Follow;
                 controls.camera = if follows { CameraMode::Orbit } else { CameraMode::Follow };
             }
-            KeyCode::Escape => controls.asked.unpick = true,
-            KeyCode::F12 => controls.asked.shot = true,
-            KeyCode::F9 => controls.asked.film = true,
+            KeyCode::Escape => controls.requests.unpick = true,
+            KeyCode::F12 => controls.requests.shot = true,
+            KeyCode::F9 => controls.requests.film = true,
             _ => {}
         }
     }

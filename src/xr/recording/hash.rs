@@ -12,10 +12,10 @@ use crate::sim::measure::{Hash, state_hash};
 /// A hash of a session: of everything in the header, of what the user did in every step, of what the gaze of the crowd is
 /// made from in every step, and of the crowd's state.
 ///
-/// The angles that heads were shown at depend on when the display showed pictures, and no replay could repeat that. What
+/// The angles that heads were shown at depend on when the display showed frames, and no replay could repeat that. What
 /// they are made from is fixed by the steps: where the user's head is, as each agent within reach sees it that looks at
 /// the user at times, and that agent's emotion. So another condition, another mode of the gaze or another way of holding
-/// the head is another hash, though everyone walks as before.
+/// the head is another hash, though all agents walk as before.
 #[derive(Debug, Clone)]
 pub struct SessionHash {
     hash: Hash,

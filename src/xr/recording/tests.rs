@@ -35,7 +35,7 @@ fn crowd(gazes: bool) -> Store {
     }
 }
 
-fn moments() -> Vec<UserState> {
+fn states() -> Vec<UserState> {
     let odd = |i: u32| f32::from_bits(0x3f80_0000 + i * 7919);
     (0..40)
         .map(|i| UserState {
@@ -51,20 +51,20 @@ fn moments() -> Vec<UserState> {
 
 fn written() -> String {
     let mut recorder = Recorder::new(Vec::new(), &session()).unwrap();
-    for moment in &moments() {
-        recorder.step(moment, &crowd(true)).unwrap();
+    for state in &states() {
+        recorder.step(state, &crowd(true)).unwrap();
     }
     String::from_utf8(recorder.finish(&crowd(true)).unwrap()).unwrap()
 }
 
 #[test]
 fn what_is_written_is_read_back_with_all_its_bits() {
-    let (moments, text) = (moments(), written());
+    let (states, text) = (states(), written());
     let read = Recording::read(text.as_bytes()).unwrap();
     assert_eq!(read.session, session());
     assert!(read.end.is_some() && read.hashes.len() == 1 && read.hashes[0].0 == 30);
-    assert_eq!(read.moments.len(), moments.len());
-    for (a, b) in read.moments.iter().zip(&moments) {
+    assert_eq!(read.steps.len(), states.len());
+    for (a, b) in read.steps.iter().zip(&states) {
         let bits =
             |m: &UserState| [m.place.x, m.place.y, m.elevation, m.velocity.x, m.velocity.y].map(f32::to_bits);
         assert_eq!(bits(a), bits(b));
@@ -102,21 +102,21 @@ fn a_recording_of_another_session_is_refused_with_what_differs() {
 
 #[test]
 fn the_hash_of_a_session_covers_what_the_gaze_is_made_from() {
-    let of = |session: &Session, moment: &UserState, gazes: bool| {
+    let of = |session: &Session, state: &UserState, gazes: bool| {
         let mut hash = SessionHash::new(session);
-        hash.step(moment, &crowd(gazes));
+        hash.step(state, &crowd(gazes));
         hash.with(&crowd(gazes))
     };
     let user = UserState { head: Some([0.5, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..UserState::default() };
     let one = of(&session(), &user, true);
     assert_eq!(one, of(&session(), &user, true));
-    // everyone walks alike in all of these
+    // all agents walk alike in all of these
     let lower = UserState { head: Some([0.5, 1.2, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
     assert_ne!(one, of(&session(), &lower, true));
-    assert_ne!(one, of(&session(), &user, false), "who is looked at and who is not");
+    assert_ne!(one, of(&session(), &user, false), "gazes at the user are hashed");
     assert_ne!(one, of(&Session { condition: "eva-o".into(), ..session() }, &user, true));
     assert_ne!(one, of(&session(), &UserState { elevation: 3.0, ..user }, true));
-    // hands, sticks and a turned head move nobody, but are part of the session
+    // hands, sticks and a turned head move no agent, but are part of the session
     for other in [
         UserState { head: Some([0.5, 1.6, 0.0, 0.0, 1.0, 0.0, 0.0]), ..user },
         UserState { hands: [Some([0.1; 7]), None], ..user },
@@ -125,7 +125,7 @@ fn the_hash_of_a_session_covers_what_the_gaze_is_made_from() {
     ] {
         assert_ne!(one, of(&session(), &other, true), "{other:?}");
     }
-    // beyond everybody's reach only the user differs, not the gaze
+    // beyond the reach of all agents only the user differs, not the gaze
     let mut far = (SessionHash::new(&session()), SessionHash::new(&session()));
     let away = UserState { head: Some([50.0, 1.6, 0.0, 0.0, 0.0, 0.0, 1.0]), ..user };
     far.0.step(&away, &crowd(true));
@@ -160,7 +160,7 @@ fn a_recording_that_is_cut_off_anywhere_is_read_up_to_its_last_whole_line() {
         let rows = text[table..cut]
             .split_inclusive('\n')
             .filter(|line| line.ends_with('\n') && !line.starts_with('#'));
-        assert_eq!((read.moments.len(), read.end), (rows.count(), None), "cut at {cut}");
+        assert_eq!((read.steps.len(), read.end), (rows.count(), None), "cut at {cut}");
     }
 }
 
