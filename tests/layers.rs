@@ -6,6 +6,8 @@
 
 #[path = "layers/imports.rs"]
 mod imports;
+#[path = "layers/words.rs"]
+mod words;
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -2,8 +2,9 @@
 
 use super::camera::CameraMode;
 use super::crowd::Picked;
+use super::plan::{CONDITIONS, Choice, GAZE_MODES};
+use super::shares;
 use super::times::Times;
-use super::{CONDITIONS, Choice, GAZE_MODES, shares};
 use crate::emotion::Emotion;
 use crate::scenario::GazeMode;
 use egui::{Color32, Grid, RichText, Slider, Ui};

@@ -1,9 +1,9 @@
 //! Hands, sticks and buttons.
 
+use super::error::{Error, call};
 use super::joints::{Seen, Trackers};
 use super::rig::Walk;
 use super::views::Pose;
-use super::{Error, call};
 use glam::Vec2;
 use openxr as xr;
 

@@ -1,7 +1,7 @@
 //! Hands that the runtime sees without controllers (`XR_EXT_hand_tracking`).
 
+use super::error::{Error, call};
 use super::views::Pose;
-use super::{Error, call};
 use crate::render::{JOINTS, Joints};
 use glam::Vec3;
 use openxr as xr;

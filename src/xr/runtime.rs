@@ -1,7 +1,7 @@
 //! The OpenXR runtime of this machine, and a Vulkan device made through it.
 
+use super::error::{Error, call};
 use super::watch::DeviceWaits;
-use super::{Error, call};
 use crate::gpu::instance::{AroundSubmission, Maker};
 use crate::gpu::{self, Device, Validation};
 use ash::vk::{self, Handle};

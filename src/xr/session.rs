@@ -3,13 +3,13 @@
 //! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without an image. Where the
 //! safe wrapper loses a success code that matters (a timeout, a loss that is pending) the raw call is made instead.
 
+use super::error::{Error, Loss, call, check};
 use super::hidden::Hidden;
 use super::input::Input;
 use super::runtime::{Runtime, STEREO, handle};
 use super::swapchain::Swapchain;
 use super::views::{NEAR, Pose};
 use super::watch::DeviceWaits;
-use super::{Error, Loss, call, check};
 use crate::gpu::Device;
 use crate::render::{DEPTH_FORMAT, Target};
 use ash::vk;

@@ -2,8 +2,8 @@
 //!
 //! Where the safe wrapper loses a success code that matters (a timeout) the raw call is made instead.
 
+use super::error::{Error, call, check};
 use super::watch::Watch;
-use super::{Error, call, check};
 use crate::gpu::Device;
 use ash::vk::{self, Handle as _};
 use openxr as xr;
