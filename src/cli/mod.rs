@@ -8,6 +8,7 @@ mod bench;
 #[cfg(feature = "vulkan")]
 mod demo;
 mod devices;
+mod failure;
 mod figures;
 mod gait;
 mod manual;
@@ -38,6 +39,7 @@ mod xr;
 
 use crate::{Error, stop};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
+use failure::{WENT_WRONG, WRONG_COMMAND_LINE, failed, usage};
 use output::complain;
 use std::process::ExitCode;
 
@@ -146,11 +148,6 @@ impl Command {
         list.then_some(json)
     }
 }
-
-/// Exit code: it went wrong while doing.
-const WENT_WRONG: u8 = 1;
-/// Exit code: the command line is wrong.
-const WRONG_COMMAND_LINE: u8 = 2;
 
 /// Reads the command line, does what it says and returns the exit code.
 pub fn main() -> ExitCode {
@@ -271,16 +268,6 @@ fn validation_is_silent() -> bool {
         return messages.is_empty();
     }
     true
-}
-
-/// An error of the command line's own: what is not possible, and what to do instead.
-fn usage(message: impl Into<String>, hint: impl Into<String>) -> Error {
-    Error::Usage { message: message.into(), hint: hint.into() }
-}
-
-/// An error of a command during its work, and the way out.
-fn failed(message: impl Into<String>, hint: impl Into<String>) -> Error {
-    Error::Failed { message: message.into(), hint: hint.into() }
 }
 
 #[cfg(test)]

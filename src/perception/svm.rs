@@ -8,12 +8,14 @@
 //! iteration of Lin, Lin, Weng 2007, and pairwise coupling by Wu, Lin, Weng 2004 (`platt.rs`); C and gamma by
 //! search on inner folds (`search.rs`). Decision values equal libsvm's to the tolerance of the solution.
 
+mod numbers;
 mod platt;
 mod search;
 mod smo;
 
 pub use search::{Found, Grid, search};
 
+use numbers::{count_f64, distinct, pairs, similarity};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -365,31 +367,6 @@ impl Svm {
         }
         Ok(())
     }
-}
-
-/// The distinct classes, ascending.
-fn distinct(classes: &[usize]) -> Vec<usize> {
-    let mut names = classes.to_vec();
-    names.sort_unstable();
-    names.dedup();
-    names
-}
-
-/// The pairs of `count` classes: (0, 1), (0, 2), ... (1, 2), ...
-fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
-    (0..count).flat_map(move |a| (a + 1..count).map(move |b| (a, b)))
-}
-
-fn similarity(gamma: Option<f64>, a: &[f64], b: &[f64]) -> f64 {
-    match gamma {
-        None => a.iter().zip(b).map(|(a, b)| a * b).sum(),
-        Some(gamma) => (-gamma * a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum::<f64>()).exp(),
-    }
-}
-
-#[allow(clippy::cast_precision_loss, reason = "counts of points and features are far below 2^53")]
-fn count_f64(count: usize) -> f64 {
-    count as f64
 }
 
 fn check(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<(), String> {

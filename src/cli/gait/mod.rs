@@ -6,6 +6,7 @@ mod figures_of_folds;
 mod fit;
 mod import;
 mod label;
+mod listing;
 mod predict;
 mod ratings;
 pub(super) mod sources;
@@ -14,26 +15,22 @@ mod videos;
 
 pub(super) use predict::model_or_default;
 
-use super::output::{note, say, say_json, table};
+use super::output::note;
 use super::outputs::free;
 use super::scene::{library, seed};
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
-use crate::export::{AtomicFile, image::write_png};
-use crate::gait::import::{Options, import_file_with};
-use crate::gait::walker::{STYLE_FIELDS, Sex, WalkerStyle, walk};
-use crate::gait::{Gait, Joint, LabelOrigin, stride};
+use crate::export::image::write_png;
+use crate::gait::LabelOrigin;
+use crate::gait::walker::{STYLE_FIELDS, WalkerStyle, walk};
 use crate::library::GaitLibrary;
 use crate::spelling::suggestion;
-use clap::{Args, Subcommand, ValueEnum};
-use serde::Serialize;
-use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use clap::{Args, Subcommand};
+use listing::{Row, SexName, is_glb, list, strides, table_of_gaits, write_csv};
+use std::path::PathBuf;
 use std::time::Instant;
 
-/// Strides of a gait written as CSV: enough to find strides in it again.
-const CSV_STRIDES: u32 = 3;
 /// Most gaits of a sheet.
 const SHEET_ROWS: usize = 32;
 
@@ -122,42 +119,6 @@ struct WalkArguments {
     out: PathBuf,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, ValueEnum)]
-enum SexName {
-    #[default]
-    Female,
-    Male,
-}
-
-impl SexName {
-    const fn sex(self) -> Sex {
-        match self {
-            Self::Female => Sex::Female,
-            Self::Male => Sex::Male,
-        }
-    }
-}
-
-/// A gait as it is listed.
-#[derive(Debug, Serialize)]
-struct Row {
-    name: String,
-    frames: usize,
-    rate_hz: f32,
-    cycle_time_s: f32,
-    v_des: f32,
-    stride_m: f32,
-    label: Option<&'static str>,
-    source: String,
-}
-
-#[derive(Debug, Serialize)]
-struct Listing {
-    gaits: Vec<Row>,
-    files: Vec<PathBuf>,
-    wall_seconds: f64,
-}
-
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
@@ -172,18 +133,6 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Ratings(arguments) => ratings::run(arguments),
         Command::Fit(arguments) => fit::run(arguments),
     }
-}
-
-/// All gaits of a motion file; what the importer inferred goes to standard error.
-fn strides(path: &Path) -> Result<Vec<Gait>, Error> {
-    let mut gaits = Vec::new();
-    for recording in import_file_with(path, &Options::default())? {
-        for line in &recording.report {
-            note(&format!("{}: {line}", recording.name));
-        }
-        gaits.extend(stride::extract(&recording)?);
-    }
-    Ok(gaits)
 }
 
 fn show(arguments: &ShowArguments) -> Result<bool, Error> {
@@ -210,58 +159,6 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
     }
     list(&gaits, files, begin, arguments.json)?;
     Ok(true)
-}
-
-fn is_glb(path: &Path) -> bool {
-    path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("glb"))
-}
-
-impl Row {
-    fn of(gait: &Gait) -> Self {
-        Self {
-            name: gait.name.clone(),
-            frames: gait.poses.len(),
-            rate_hz: gait.frame_rate,
-            cycle_time_s: gait.cycle_time(),
-            v_des: gait.speed,
-            stride_m: gait.stride_travel(),
-            label: gait.label.map(Emotion::name),
-            source: gait.provenance.to_string(),
-        }
-    }
-
-    fn words(&self) -> Vec<String> {
-        vec![
-            self.name.clone(),
-            self.frames.to_string(),
-            format!("{:.1}", self.rate_hz),
-            format!("{:.2}", self.cycle_time_s),
-            format!("{:.2}", self.v_des),
-            format!("{:.2}", self.stride_m),
-            self.label.unwrap_or("-").to_owned(),
-            self.source.chars().take(60).collect(),
-        ]
-    }
-}
-
-/// Prints gaits as a table.
-fn table_of_gaits(rows: &[Row]) {
-    let words: Vec<Vec<String>> = rows.iter().map(Row::words).collect();
-    table(&["name", "frames", "Hz", "cycle s", "m/s", "stride m", "label", "source"], &words);
-}
-
-fn list(gaits: &[Gait], files: Vec<PathBuf>, begin: Instant, is_json: bool) -> Result<(), Error> {
-    let rows = gaits.iter().map(Row::of).collect();
-    let listing = Listing { gaits: rows, files, wall_seconds: begin.elapsed().as_secs_f64() };
-    if is_json {
-        return say_json(&listing);
-    }
-    table_of_gaits(&listing.gaits);
-    for file in &listing.files {
-        say(&format!("written    {}", file.display()));
-    }
-    say(&format!("wall time  {:.2} s", listing.wall_seconds));
-    Ok(())
 }
 
 fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
@@ -322,31 +219,4 @@ fn assign(style: &mut WalkerStyle, text: &str) -> Result<(), Error> {
             ))
         }
     }
-}
-
-/// Joint positions of a few strides over the ground, as `gaitway gait import` reads them.
-fn write_csv(gait: &Gait, path: &Path) -> Result<(), Error> {
-    let wrong = |source| crate::export::Error::Write { path: path.to_owned(), source };
-    let mut file = AtomicFile::create(path)?;
-    let mut write = || -> std::io::Result<()> {
-        writeln!(file, "# {}: {}; metres, y up, walks towards +z", gait.name, gait.provenance)?;
-        write!(file, "time")?;
-        for joint in Joint::ALL {
-            let name = joint.name();
-            write!(file, ",{name}_x,{name}_y,{name}_z")?;
-        }
-        writeln!(file)?;
-        let frames = (0..CSV_STRIDES).flat_map(|_| &gait.poses);
-        for (number, pose) in (0_u16..).zip(frames) {
-            let time = f32::from(number) / gait.frame_rate;
-            write!(file, "{time:.6}")?;
-            for joint in pose {
-                write!(file, ",{:.6},{:.6},{:.6}", joint.x, joint.y, joint.z + gait.speed * time)?;
-            }
-            writeln!(file)?;
-        }
-        Ok(())
-    };
-    write().map_err(wrong)?;
-    Ok(file.finish()?)
 }
