@@ -45,6 +45,8 @@
 //! Frames: right-handed, y up, metres, seconds, radians. A model faces +z. The ground plane is stored as
 //! `(x, z)`; only [`ground`] crosses between the two.
 #![deny(missing_docs)]
+// A library without the program leaves readers and writers out, and what only they use stays.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "for the features left out"))]
 // The same scenario and seed give the same crowd on every machine (clippy.toml).
 #![cfg_attr(not(test), warn(clippy::disallowed_methods))]
 
@@ -53,24 +55,33 @@ extern crate self as gaitway; // what tests share calls the library by its name
 
 pub mod avatar;
 pub mod bench;
+#[doc(hidden)]
+#[cfg(feature = "cli")]
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]
 pub mod cli;
 pub mod closed_loop;
+#[doc(hidden)]
 pub mod emotion;
 pub mod error;
 #[allow(clippy::disallowed_methods, reason = "writes crowds, makes none")]
 pub mod export;
+#[doc(hidden)]
 pub mod file;
 pub mod gait;
+#[doc(hidden)]
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "all calls into Vulkan live here, one SAFETY comment per block")]
 pub mod gpu;
+#[doc(hidden)]
 pub mod ground;
+#[doc(hidden)]
 pub mod kernels;
 pub mod library;
+pub mod low_level;
 #[allow(clippy::disallowed_methods, reason = "judges gaits, makes no crowds")]
 pub mod perception;
 pub mod picture;
+#[doc(hidden)]
 pub mod reference;
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "records draw calls through Vulkan, one SAFETY comment per block")]
@@ -81,6 +92,7 @@ pub mod scenario;
 pub mod scene;
 pub mod sim;
 mod spelling;
+#[doc(hidden)]
 pub mod stop;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;

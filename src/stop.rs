@@ -32,7 +32,7 @@ impl Drop for Heed {
 }
 
 /// Handles Ctrl-C from now on, in a thread. Where the thread cannot start, Ctrl-C ends the program as it always does.
-#[cfg(unix)]
+#[cfg(all(unix, feature = "cli"))]
 pub fn listen() {
     use signal_hook::consts::{SIGINT, SIGTERM};
     let wait = || {
@@ -51,5 +51,5 @@ pub fn listen() {
 }
 
 /// Here Ctrl-C ends the program at once.
-#[cfg(not(unix))]
+#[cfg(not(all(unix, feature = "cli")))]
 pub fn listen() {}

@@ -23,6 +23,7 @@ const UPWARDS: f32 = 0.7;
 
 /// A vertex of a far body, mesh space as [`super::Vertex`].
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[doc(hidden)]
 pub struct FarVertex {
     /// Position, m.
     pub position: Vec3,
@@ -45,6 +46,7 @@ pub struct FarVertex {
 /// What of a posture moves a vertex of a far body; the numbers are those of `shaders/draw/far.wgsl`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u32)]
+#[doc(hidden)]
 pub enum Limb {
     /// Nothing: legs, and all of a speck.
     #[default]
@@ -61,6 +63,7 @@ pub enum Limb {
 
 /// A far body.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[doc(hidden)]
 pub struct FarMesh {
     /// Vertices.
     pub vertices: Vec<FarVertex>,

@@ -22,7 +22,9 @@
 mod body;
 mod far;
 mod glb;
+#[cfg_attr(not(feature = "import"), path = "without_import.rs")]
 mod load;
+mod model;
 mod posture;
 mod retarget;
 mod rig_map;
@@ -32,7 +34,8 @@ pub use body::{Sex, generated};
 pub use far::{FarMesh, FarVertex, Limb};
 use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
-pub use load::{Loaded, Model, load, load_bytes, load_with_map, model, triangles};
+pub use load::{load, load_bytes, load_with_map, model, triangles};
+pub use model::{Loaded, Model};
 pub use posture::Posture;
 pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;

@@ -6,6 +6,7 @@ use glam::{Mat4, Quat, Vec3};
 
 /// How a body is carried over a stride, against how it stands at rest with its arms hanging (see [`Avatar::far_body`]).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[doc(hidden)]
 pub struct Posture {
     /// Mean turn of the trunk about the hips, forwards, radians.
     pub lean: f32,

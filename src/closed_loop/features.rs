@@ -16,6 +16,7 @@ use crate::kernels::BufferId;
 ///
 /// # Errors
 /// When the device fails, or a gait cannot be used: [`Error::Failure`] names the first by its index.
+#[doc(hidden)]
 pub fn features(gaits: &[&Gait], simulation: &Simulation) -> Result<Vec<[f64; FEATURE_COUNT]>, crate::Error> {
     let batch = Batch::new(gaits).ok_or_else(|| crate::Error::Usage {
         message: format!("{} gaits have more than 2^32 frames", gaits.len()),

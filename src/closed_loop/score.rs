@@ -6,6 +6,7 @@ use serde::Serialize;
 
 /// What people saw in the paper's own agents: `[shown][perceived]`, 48 answers a row (24 participants, 2 agents each), in
 /// the order of [`Emotion::ALL`]. The paper has percentages, which are these counts; A-18.
+#[doc(hidden)]
 pub const HUMANS: [[u64; 4]; 4] = [[29, 2, 2, 15], [9, 25, 0, 14], [0, 0, 48, 0], [4, 2, 8, 34]];
 
 /// A confusion matrix and what follows from it.
@@ -52,6 +53,7 @@ impl Score {
 }
 
 /// The 95 % interval of `right` of `n` by Wilson (1927); of nothing, anything is possible.
+#[doc(hidden)]
 pub fn wilson(right: u64, n: u64) -> [f64; 2] {
     share_interval(share(right, n), n)
 }

@@ -6,8 +6,10 @@ use crate::gait::{Gait, Recording};
 use serde::Serialize;
 
 /// A stride that turns further than this is no straight walk, degrees.
+#[doc(hidden)]
 pub const MAX_TURN_DEG: f32 = 30.0;
 /// A stride slower than this share of the preferred speed is no walk: the agent queues or lets others pass.
+#[doc(hidden)]
 pub const WALKING_SHARE: f32 = 0.5;
 /// One stride in units of the unwrapped phase.
 const STRIDE: u64 = 1 << 32;

@@ -99,6 +99,12 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), Error> {
     written.and_then(|()| partial.finish()).map_err(Error::write(path))
 }
 
+#[cfg(not(feature = "png"))]
+fn encode_png(_: impl std::io::Write, _: &Image) -> std::io::Result<()> {
+    Err(std::io::Error::new(std::io::ErrorKind::Unsupported, "this build has no feature `png`"))
+}
+
+#[cfg(feature = "png")]
 fn encode_png(out: impl std::io::Write, image: &Image) -> std::io::Result<()> {
     // a picture without transparency needs no fourth channel: a quarter less to compress and to store
     let opaque = image.pixels.chunks_exact(4).all(|pixel| pixel[3] == 255);
@@ -122,6 +128,7 @@ fn encode_png(out: impl std::io::Write, image: &Image) -> std::io::Result<()> {
 
 /// Writes text into a picture, its top left corner at (`left`, `top`), each dot `dot` pixels wide, with a dark shade
 /// behind it so that it can be read on any ground.
+#[doc(hidden)]
 pub fn write_text(image: &mut Image, left: u32, top: u32, dot: u32, color: [u8; 4], text: &str) {
     let dot = dot.clamp(1, 64);
     for (line, text) in (0_u32..).zip(text.lines()) {
@@ -142,6 +149,7 @@ pub fn write_text(image: &mut Image, left: u32, top: u32, dot: u32, color: [u8; 
 }
 
 /// Width of a text in pixels.
+#[doc(hidden)]
 pub fn text_width(text: &str, dot: u32) -> u32 {
     let longest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
     u32::try_from(longest).unwrap_or(u32::MAX).saturating_mul(font::ADVANCE * dot)

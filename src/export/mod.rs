@@ -32,6 +32,7 @@ pub mod chart;
 mod font;
 pub mod image;
 pub mod trajectory;
+#[cfg_attr(not(feature = "sqlite"), path = "without_sqlite.rs")]
 mod trajectory_sqlite;
 pub mod video;
 
@@ -60,7 +61,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: rusqlite::Error,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A picture or video could not be written.
     #[error(transparent)]

@@ -62,7 +62,7 @@ pub(super) struct Sqlite {
 impl Sqlite {
     pub(super) fn create(path: &Path, frame_rate: f64, area: Area) -> Result<Self, Error> {
         let partial = Partial::create(path).map_err(wrong(path))?;
-        let sqlite = |source| Error::Sqlite { path: path.to_owned(), source };
+        let sqlite = |source: rusqlite::Error| Error::Sqlite { path: path.to_owned(), source: source.into() };
         let connection = Connection::open(partial.temporary()).map_err(sqlite)?;
         let set_up = || -> rusqlite::Result<()> {
             // The file is worthless until renamed, so a crash needs no journal. (A memory journal leaves no
@@ -99,7 +99,7 @@ impl Sqlite {
             self.high = self.high.max(place);
         }
         self.write(frame, people(), outsiders)
-            .map_err(|source| Error::Sqlite { path: self.path.clone(), source })
+            .map_err(|source| Error::Sqlite { path: self.path.clone(), source: source.into() })
     }
 
     fn write(
@@ -127,7 +127,7 @@ impl Sqlite {
         frame_rate: f64,
     ) -> Result<Ground, Error> {
         let Self { path, connection, partial, area, low, high, .. } = self;
-        let sqlite = |source| Error::Sqlite { path: path.clone(), source };
+        let sqlite = |source: rusqlite::Error| Error::Sqlite { path: path.clone(), source: source.into() };
         // No agents, no extent: readers want numbers all the same.
         let (low, high) = if low.is_finite() { (low, high) } else { (DVec2::ZERO, DVec2::ZERO) };
         let (wkt, ground) = area.polygon();

@@ -6,29 +6,36 @@
 //! Coefficients are 16-bit integers of one unit per gait, which is some 0.05 mm; [`HarmonicGait::error`] measures what
 //! is stored, rounding included.
 
+#[doc(hidden)]
 pub mod contrast;
 mod file;
 
 use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, Pose, Provenance};
 use crate::emotion::Emotion;
-pub use file::{FORMAT, MAGIC, from_bytes, from_json, is_fitted, load, to_bytes, to_json};
+#[doc(hidden)]
+pub use file::{FORMAT, MAGIC, from_bytes, is_fitted, to_bytes};
+pub use file::{from_json, load, to_json};
 use glam::{DVec3, Vec3};
 use std::f64::consts::TAU;
 
 /// Default number of harmonics: feet need more than the trunk does, and with 4 the root mean square error
 /// is some 3 mm (`tests/gait/fit.rs`).
+#[doc(hidden)]
 pub const HARMONICS: usize = 4;
 
 /// Most harmonics of a fitted gait.
+#[doc(hidden)]
 pub const MOST_HARMONICS: usize = 32;
 
 /// Frames of a gait that is made from harmonics.
+#[doc(hidden)]
 pub const FRAMES: usize = 64;
 
 /// Largest stored number.
 const LARGEST: f64 = 32_767.0;
 
 /// One row of coefficients: x, y, z of every joint.
+#[doc(hidden)]
 pub type Row = [[i16; 3]; JOINT_COUNT];
 
 /// A gait as a mean pose and harmonics.
@@ -68,6 +75,7 @@ pub struct FitError {
 }
 
 /// Most harmonics that `frames` frames determine.
+#[doc(hidden)]
 pub const fn most_harmonics(frames: usize) -> usize {
     let determined = frames.saturating_sub(1) / 2;
     if determined < MOST_HARMONICS { determined } else { MOST_HARMONICS }

@@ -25,8 +25,10 @@ use support::Feet;
 pub use support::Support;
 
 /// A stride that turns further than this is refused, degrees.
+#[doc(hidden)]
 pub const MAX_TURN_DEG: f32 = 20.0;
 /// A stride that turns further than this is called curved in [`Gait::provenance`], degrees.
+#[doc(hidden)]
 pub const CURVED_DEG: f32 = 10.0;
 /// Body and travel may point this far apart; beyond, it is walking sideways or backwards, degrees.
 const MAX_CRAB_DEG: f32 = 35.0;
@@ -39,6 +41,7 @@ const OTHER_FOOT: std::ops::RangeInclusive<f32> = 0.25..=0.75;
 /// Gaits keep the recording's rate up to this, Hz.
 const MAX_RATE: f32 = 60.0;
 /// Times a cyclic recording is repeated to look for strikes; the strides of the second repetition are taken.
+#[doc(hidden)]
 pub const REPEATS: usize = 4;
 
 /// One stride of a recording, and how good it is.
@@ -81,6 +84,7 @@ pub fn extract(recording: &Recording) -> Result<Vec<Gait>, Error> {
 ///
 /// # Errors
 /// [`Error::Unusable`] when there is no usable stride, with what was found.
+#[doc(hidden)]
 pub fn best(recording: &Recording) -> Result<Gait, Error> {
     let survey = survey(recording)?;
     let gait = survey.best().map(|stride| Gait { name: recording.name.clone(), ..stride.gait.clone() });
@@ -103,6 +107,7 @@ pub fn strides(recording: &Recording) -> Result<Vec<Stride>, Error> {
 /// # Errors
 /// [`Error::Unusable`] when the recording is cyclic, not finite or does not hold both strikes, or the stride turns too far,
 /// is too slow or fast, or goes sideways.
+#[doc(hidden)]
 pub fn between(recording: &Recording, [from, to]: [f32; 2], max_turn_deg: f32) -> Result<Stride, Error> {
     let rate = recording.frame_rate;
     let last = recording.poses.len().saturating_sub(1) as f32;

@@ -24,6 +24,8 @@ pub mod choose;
 mod figure;
 mod format;
 mod glb;
+#[cfg_attr(not(feature = "import"), path = "without_import.rs")]
+mod read;
 
 use crate::emotion::Emotion;
 use crate::file;
@@ -42,9 +44,11 @@ pub const DEFAULT_SEED: u64 = 1;
 pub const DEFAULT_PER_CLASS: u32 = 6;
 
 /// Most individuals per emotion and sex that [`GaitLibrary::generated`] makes.
+#[doc(hidden)]
 pub const MOST_PER_CLASS: u32 = 10_000;
 
 /// Most frames of one gait.
+#[doc(hidden)]
 pub const MOST_FRAMES: usize = 10_000;
 
 /// Farthest a joint may be from the origin, m. Gaits are on the spot; beyond this the unit is not the metre.
@@ -183,8 +187,7 @@ impl GaitLibrary {
     /// # Errors
     /// [`Error::Format`] if the bytes are damaged or not a gait library, [`Error::Gait`] if a gait in it is unusable.
     pub fn from_glb_bytes(bytes: &[u8], file: &str) -> Result<Self, Error> {
-        let gaits =
-            format::gaits(bytes).map_err(|message| Error::Format { file: file.to_owned(), message })?;
+        let gaits = read::gaits(bytes).map_err(|message| Error::Format { file: file.to_owned(), message })?;
         Self::from_gaits(gaits)
     }
 

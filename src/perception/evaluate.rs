@@ -78,6 +78,7 @@ pub struct Evaluation {
 
 /// Key of the person: data set and subject, so that equal subjects of two data sets are two people. Without a subject the take
 /// is a person of its own, and without a take the gait.
+#[doc(hidden)]
 pub fn person(gait: &Gait) -> String {
     let from = &gait.provenance;
     let take = if from.take.is_empty() { &gait.name } else { &from.take };
@@ -88,6 +89,7 @@ pub fn person(gait: &Gait) -> String {
 ///
 /// # Errors
 /// [`Error::Evaluation`] if there are fewer than two folds, or fewer groups than folds.
+#[doc(hidden)]
 pub fn folds(
     gaits: &[&Gait],
     emotions: &[Emotion],
@@ -168,6 +170,7 @@ fn numbered(names: impl Iterator<Item = String>) -> Vec<usize> {
 
 /// Folds with the same share of each class: every class is shuffled and dealt to the folds in turn, the next class
 /// going on where the last one ended. Serves inner folds too.
+#[doc(hidden)]
 pub fn stratified(classes: &[usize], folds: usize, seed: u64) -> Vec<usize> {
     let mut random = Random::new(seed);
     let mut order: Vec<usize> = (0..classes.len()).collect();
@@ -182,6 +185,7 @@ pub fn stratified(classes: &[usize], folds: usize, seed: u64) -> Vec<usize> {
 
 /// Folds with nearly the same share of each class and no group in two of them: groups from the largest to the smallest
 /// (equal ones shuffled), each to the fold that it brings closest to its share. Serves inner folds too.
+#[doc(hidden)]
 pub fn grouped(groups: &[usize], classes: &[usize], folds: usize, seed: u64) -> Vec<usize> {
     let folds = folds.max(1);
     let group_count = groups.iter().max().map_or(0, |last| last + 1);
@@ -329,6 +333,7 @@ fn share(part: u64, whole: u64) -> f64 {
 
 /// Random numbers that are the same everywhere: `SplitMix64` (Steele, Lea, Flood 2014).
 #[derive(Debug, Clone)]
+#[doc(hidden)]
 pub struct Random(u64);
 
 impl Random {

@@ -18,6 +18,7 @@ pub const FEATURE_COUNT: usize = 29;
 
 /// Frames per second before differencing, Hz: E-Gait's own, and the lowest rate in common use, so that no data
 /// set has to be guessed at between its frames.
+#[doc(hidden)]
 pub const RATE: f64 = 30.0;
 
 /// Resampling makes no more than this many frames of one: at RATE, recordings down to 7.5 Hz.
@@ -215,6 +216,7 @@ fn count_f64(count: usize) -> f64 {
 
 /// Many gaits in flat buffers, as the kernel `gait_features` takes them: resampled as [`Variant::Corrected`] does.
 #[derive(Debug, Clone, PartialEq, Default)]
+#[doc(hidden)]
 pub struct Batch {
     /// Joint positions and 0, m: `[frame][joint]`, the gaits one after another.
     pub frames: Vec<[f32; 4]>,

@@ -30,15 +30,21 @@ pub mod comparison;
 pub mod evaluate;
 pub mod features;
 mod interval;
+#[doc(hidden)]
 pub mod linear;
+#[doc(hidden)]
 pub mod logistic;
 mod memo;
 pub mod model;
+#[doc(hidden)]
 pub mod novelty;
 pub mod perceiver;
 pub mod ratings;
+#[doc(hidden)]
 pub mod scaling;
+#[doc(hidden)]
 pub mod svm;
+#[doc(hidden)]
 pub mod trainer;
 
 pub use interval::share_interval;

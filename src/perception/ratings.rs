@@ -19,9 +19,11 @@ use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// The paper's threshold theta: a gait looks like an emotion if its mean rating is above it (section 3.3).
+#[doc(hidden)]
 pub const THETA: f64 = 3.5;
 
 /// Fewest responses per video in the paper (section 3.2; S-04).
+#[doc(hidden)]
 pub const FEWEST_RESPONSES: usize = 10;
 
 /// What one participant answered to one video.
@@ -68,6 +70,7 @@ impl Video {
 }
 
 /// `values[emotion]` minus the largest other value.
+#[doc(hidden)]
 pub fn margin(values: [f64; 4], emotion: Emotion) -> f64 {
     let others = Emotion::ALL.into_iter().filter(|other| *other != emotion);
     let best_other = others.map(|other| values[other.index()]).fold(f64::NEG_INFINITY, f64::max);

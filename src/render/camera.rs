@@ -8,6 +8,7 @@ use glam::{Mat4, Quat, Vec2, Vec3, Vec4};
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Near plane of the perspective cameras, m.
+#[doc(hidden)]
 pub const NEAR: f32 = 0.05;
 
 /// How a camera maps its view onto the image.
@@ -168,6 +169,7 @@ impl Camera {
 }
 
 /// Heading and pitch change when the pointer is dragged over the image; helper for orbiting and looking around.
+#[doc(hidden)]
 pub fn wrap_heading(heading: f32) -> f32 {
     (heading + PI).rem_euclid(2.0 * PI) - PI
 }
@@ -176,6 +178,7 @@ pub fn wrap_heading(heading: f32) -> f32 {
 ///
 /// World frame; a point is inside a plane where `dot(plane.xyz, point) + plane.w >= 0`, and `plane.w` is in metres.
 /// A far plane at infinity has normal 0 and lets everything pass. Works for skewed projections of headsets too.
+#[doc(hidden)]
 pub fn frustum_planes(clip_from_world: &Mat4) -> [Vec4; 6] {
     let [x, y, z, w] = [0, 1, 2, 3].map(|i| clip_from_world.row(i));
     // inside: −w ≤ x ≤ w, −w ≤ y ≤ w, 0 ≤ z ≤ w
@@ -257,6 +260,7 @@ impl View {
 }
 
 /// Width over height.
+#[doc(hidden)]
 pub fn aspect(width: u32, height: u32) -> f32 {
     to_f32(width) / to_f32(height.max(1))
 }

@@ -6,6 +6,7 @@ use crate::kernels::BufferId;
 
 /// What the crowd is drawn from. The layouts are those of `shaders/draw/crowd.wgsl`.
 #[derive(Debug, Clone, Copy)]
+#[doc(hidden)]
 pub struct CrowdBuffers<'a> {
     /// The engine of the occlusion test, if there is one: it has the kernels `occlude` and `occlusion_compact`.
     pub engine: Option<&'a Engine>,

@@ -20,7 +20,7 @@ pub enum Error {
         /// The file.
         path: PathBuf,
         /// Why.
-        source: rusqlite::Error,
+        source: Box<dyn std::error::Error + Send + Sync>,
     },
     /// A line is not what the format says.
     #[error("{path:?}, line {line}: {message}")]

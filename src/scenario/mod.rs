@@ -39,11 +39,15 @@ mod check;
 mod error;
 mod file;
 mod load;
+#[cfg(feature = "import")]
 pub mod menge;
+#[doc(hidden)]
 pub mod personality;
 mod place;
+#[doc(hidden)]
 pub mod polygon;
 mod populate;
+#[doc(hidden)]
 pub mod random;
 mod setting;
 
@@ -56,13 +60,14 @@ pub use file::{
     Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
     SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
-pub use place::{
-    Area, AreaError, Clearance, EnvironmentMesh, ExternalBodies, Floors, Geometry, MAX_TRIANGLES, RAILING,
-    Raised, external_bodies,
-};
+pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
+#[doc(hidden)]
+pub use place::{Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, external_bodies};
+#[doc(hidden)]
 pub use polygon::{MAX_COORDINATE, UnionError};
+pub use populate::{AgentStart, Avoidance, Crowd, Entry, Stop, StopKind, populate};
+#[doc(hidden)]
 pub use populate::{
-    AgentStart, Avoidance, Crowd, Entry, ExternalPerson, ROUTE_CLEARANCE, SourceStart, Stop, StopKind,
-    populate, populate_from, populate_people, populate_with,
+    ExternalPerson, ROUTE_CLEARANCE, SourceStart, populate_from, populate_people, populate_with,
 };
 pub use setting::{Setting, SettingError};

@@ -29,16 +29,22 @@
 
 mod avatar_set;
 mod backend;
+#[doc(hidden)]
 pub mod bodies;
 pub mod departures;
 mod error;
+#[doc(hidden)]
 pub mod flow;
 pub mod measure;
+#[doc(hidden)]
 pub mod obstacles;
 mod optional;
+#[doc(hidden)]
 pub mod order;
 mod people;
+#[doc(hidden)]
 pub mod setup;
+#[doc(hidden)]
 pub mod snapshots;
 mod ways;
 
@@ -47,8 +53,10 @@ pub use backend::Backend;
 pub use error::Error;
 pub use people::Person;
 
+#[cfg(feature = "vulkan")]
+use crate::kernels::Dispatch;
 use crate::kernels::layout::{Avoidance, Lead, StepUniforms};
-use crate::kernels::{BufferId, Dispatch, KernelId, Op, Phase, Store};
+use crate::kernels::{BufferId, KernelId, Op, Phase, Store};
 use crate::scenario::{Crowd, Scenario};
 use glam::Vec2;
 #[cfg(feature = "vulkan")]

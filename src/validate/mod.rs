@@ -20,14 +20,19 @@
 //! # }
 //! ```
 
+#[doc(hidden)]
 pub mod diagram;
 pub mod files;
 pub mod judge;
+#[doc(hidden)]
 pub mod measure;
 pub mod report;
+#[doc(hidden)]
 pub mod rooms;
+#[doc(hidden)]
 pub mod scene;
 pub mod tests;
+#[doc(hidden)]
 pub mod tracks;
 
 use crate::Error;

@@ -20,6 +20,7 @@
 //! # }
 //! ```
 
+#[doc(hidden)]
 pub mod cases;
 #[cfg(feature = "vulkan")]
 mod equivalence;
@@ -29,8 +30,10 @@ mod numerics;
 pub mod report;
 
 #[cfg(feature = "vulkan")]
+#[doc(hidden)]
 pub use equivalence::{Comparison, Expected, compare_dispatches, compare_tampered};
 #[cfg(feature = "vulkan")]
+#[doc(hidden)]
 pub use numerics::{CASES, Numerics, numerics};
 #[cfg(feature = "vulkan")]
 pub use report::{Options, Report, verify};

@@ -10,10 +10,13 @@ use std::sync::Arc;
 use std::time::Instant;
 
 /// Sizes that every kernel is tried at: none, one, about a workgroup, many.
+#[doc(hidden)]
 pub const SIZES: [usize; 7] = [0, 1, 63, 64, 65, 1_000, 20_000];
 /// The same for `--quick`.
+#[doc(hidden)]
 pub const QUICK_SIZES: [usize; 6] = [0, 1, 63, 64, 65, 1_000];
 /// Agents of the crowd.
+#[doc(hidden)]
 pub const CROWD_AGENTS: usize = 10_000;
 /// Steps between two comparisons of the crowd.
 const STRIDE: u32 = 20;
@@ -55,6 +58,7 @@ impl Options {
 ///
 /// On an exact device it is 0. Integers must be equal everywhere; the unit is that of the kernel's floats.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[doc(hidden)]
 pub struct Tolerance {
     /// Largest difference.
     pub value: f32,
@@ -65,6 +69,7 @@ pub struct Tolerance {
 }
 
 /// The tolerance of each kernel on a device that is not exact.
+#[doc(hidden)]
 pub const fn tolerance(kernel: KernelId) -> Tolerance {
     let (value, unit, reason) = match kernel {
         KernelId::GridCount

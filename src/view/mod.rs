@@ -24,6 +24,7 @@ mod error;
 mod mirror;
 mod outcome;
 mod panel;
+#[doc(hidden)]
 pub mod pick;
 mod plan;
 mod shares;

@@ -59,13 +59,16 @@ pub use app::{Observer, run};
 pub use error::{Error, Loss};
 pub use mirror::Mirror;
 pub use outcome::{Outage, Outcome};
-pub use pace::{FrameSummary, FrameTimes, Governor, Percentiles};
+pub use pace::{FrameSummary, Percentiles};
+#[doc(hidden)]
+pub use pace::{FrameTimes, Governor};
 pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
-pub use recording::{
-    Recorder, Recording, RecordingError, Session as RecordedSession, SessionHash, UserState, Way,
-    hash_avatars, hash_library, hash_scenario, hash_start, make_way, repair,
-};
-pub use rig::{Rig, Stand, Terrain, Walk};
+pub use recording::{Recorder, Recording, RecordingError, Session as RecordedSession, UserState, repair};
+#[doc(hidden)]
+pub use recording::{SessionHash, Way, hash_avatars, hash_library, hash_scenario, hash_start, make_way};
+pub use rig::Rig;
+#[doc(hidden)]
+pub use rig::{Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
 pub use session::State;
 pub use survey::{Survey, survey};

@@ -16,9 +16,9 @@ mod source;
 mod stature;
 
 use super::rig_map::RigMap;
-use super::{Avatar, Error};
+use super::{Avatar, Error, Loaded};
 use crate::file;
-pub use model::{Model, model, triangles};
+pub use model::{model, triangles};
 use std::path::Path;
 
 /// Largest file read, bytes.
@@ -56,15 +56,6 @@ impl Fault {
             Self::Rig { message, map } => Error::Rig { name, message, map },
         }
     }
-}
-
-/// A loaded character and what was inferred about it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Loaded {
-    /// The character.
-    pub avatar: Avatar,
-    /// One line per inference or repair: joint map, unit, facing, rest pose, what was left out.
-    pub report: Vec<String>,
 }
 
 /// Loads a character from a `.glb`, `.gltf` or `.vrm` file.

@@ -1,24 +1,11 @@
 //! Models that are no characters: floors to walk on, carts and cars.
 
-use super::super::Error;
+use super::super::{Error, Model};
 use super::MOST_BYTES;
 use super::source::{Part, Source};
 use crate::file;
 use glam::{Mat3, Vec3};
 use std::path::Path;
-
-/// A model as it stands in its scene: metres, y up, front faces counter-clockwise.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Model {
-    /// Positions, m.
-    pub positions: Vec<Vec3>,
-    /// Unit normals.
-    pub normals: Vec<Vec3>,
-    /// Linear colours, 0 to 1.
-    pub colors: Vec<Vec3>,
-    /// Three indices per triangle.
-    pub indices: Vec<u32>,
-}
 
 /// Reads a model; what is more glass than not is left out.
 ///

@@ -8,6 +8,7 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Most files of one import.
+#[doc(hidden)]
 pub const MAX_FILES: usize = 1_000_000;
 /// Folders within folders.
 const MAX_DEPTH: usize = 32;
@@ -43,6 +44,7 @@ pub struct Search {
 ///
 /// # Errors
 /// As [`search`].
+#[doc(hidden)]
 pub fn motion_files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Error> {
     Ok(search(paths)?.motion)
 }
@@ -153,6 +155,7 @@ pub fn import_files<T: Send>(
 }
 
 /// What can be imported, for messages.
+#[doc(hidden)]
 pub fn known_extensions() -> String {
     list(&EXTENSIONS)
 }

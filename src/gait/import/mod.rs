@@ -6,10 +6,15 @@
 //!
 //! Nothing is allocated beyond a small multiple of the text that is really there, whatever counts it claims.
 
+#[doc(hidden)]
 pub mod asf_amc;
+#[doc(hidden)]
 pub mod bvh;
+#[doc(hidden)]
 pub mod c3d;
+#[doc(hidden)]
 pub mod csv;
+#[doc(hidden)]
 pub mod egait;
 pub mod folder;
 mod gaps;
@@ -17,12 +22,15 @@ mod heading;
 pub mod joint_map;
 pub mod labels;
 mod markers;
+#[doc(hidden)]
+#[cfg(feature = "import")]
 pub mod npz;
 mod points;
 mod repair;
 mod resample;
 pub(crate) mod table;
 mod text;
+#[doc(hidden)]
 pub mod trc;
 
 use super::{Error, Provenance, Recording};
@@ -33,10 +41,13 @@ use std::path::{Path, PathBuf};
 use text::list;
 
 /// Most joints a file may have.
+#[doc(hidden)]
 pub const MAX_JOINTS: usize = 512;
 /// Most frames a take may have.
+#[doc(hidden)]
 pub const MAX_FRAMES: usize = 1_000_000;
 /// Largest file read, bytes.
+#[doc(hidden)]
 pub const MAX_BYTES: u64 = 512 << 20;
 
 /// Extensions of the files that are read, in lower case.
@@ -129,8 +140,18 @@ fn takes(path: &Path, options: &Options) -> Result<Vec<Recording>, Error> {
         "csv" | "txt" | "tsv" => csv::parse_csv(&read(path)?, &shown, options)?,
         "trc" => trc::parse_trc(&read(path)?, &shown, options)?,
         "c3d" => c3d::parse_c3d(&read_bytes(path)?, &shown, options)?,
+        #[cfg(feature = "import")]
         "npz" => npz::parse_npz(&read_bytes(path)?, &shown, options)?,
+        #[cfg(feature = "import")]
         "npy" => npz::parse_npy(&read_bytes(path)?, &shown, options)?,
+        #[cfg(not(feature = "import"))]
+        "npz" | "npy" => {
+            return Err(text::syntax(
+                &shown,
+                0,
+                "this build reads no NumPy files: build it with the feature `import`",
+            ));
+        }
         "h5" | "hdf5" => {
             let message = "HDF5 is not read; turn it into .npz with three lines of Python: import h5py, numpy; \
                            f = h5py.File(\"features.h5\"); \

@@ -23,12 +23,14 @@ use std::f64::consts::TAU;
 use trig::{Turn, cos, sin};
 
 /// Frames of a generated cycle: that of the clips on the device, so that retargeting samples frames as they are.
+#[doc(hidden)]
 pub const FRAMES: usize = 64;
 
 /// [`FRAMES`] as a number to divide by.
 const FRAMES_F64: f64 = 64.0;
 
 /// Version of the generator, written into [`Gait::provenance`]; raised whenever the same style gives another gait.
+#[doc(hidden)]
 pub const VERSION: u32 = 1;
 
 /// The pelvis is lowest this share of a cycle after a strike.

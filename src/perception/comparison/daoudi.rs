@@ -36,6 +36,7 @@ pub enum Metric {
 
 /// What answers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[doc(hidden)]
 pub enum Rule {
     /// The emotion of the nearest training gait.
     #[default]

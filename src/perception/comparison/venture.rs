@@ -22,6 +22,7 @@ const LAGS: usize = 5;
 
 /// How the similarities to the references become an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[doc(hidden)]
 pub enum Answer {
     /// The emotion of the most similar reference.
     #[default]

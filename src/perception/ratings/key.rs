@@ -8,12 +8,14 @@ use std::path::Path;
 /// Longest table, bytes.
 const MOST_BYTES: u64 = 16 << 20;
 /// First line of the table.
+#[doc(hidden)]
 pub const KEY_HEAD: &str = "video,gait";
 
 /// Reads the table at `path`: names of gaits by names of videos.
 ///
 /// # Errors
 /// [`Error::Read`] if it cannot be read, else as [`parse_key`].
+#[doc(hidden)]
 pub fn read_key(path: &Path) -> Result<HashMap<String, String>, Error> {
     let text =
         file::read_text(path, MOST_BYTES).map_err(|source| Error::Read { path: path.to_owned(), source })?;
@@ -24,6 +26,7 @@ pub fn read_key(path: &Path) -> Result<HashMap<String, String>, Error> {
 ///
 /// # Errors
 /// [`Error::Syntax`] with the line if the first one is not [`KEY_HEAD`], a row has no comma, or a video stands twice.
+#[doc(hidden)]
 pub fn parse_key(text: &str, origin: &str) -> Result<HashMap<String, String>, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
     let mut lines = (1..).zip(text.lines());

@@ -14,6 +14,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
 /// Largest sheet that is read, bytes.
+#[doc(hidden)]
 pub const MOST_BYTES: u64 = 256 << 20;
 
 /// Names of the column of participants.
@@ -120,6 +121,7 @@ pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
 ///
 /// # Errors
 /// As [`read()`].
+#[doc(hidden)]
 pub fn parse(text: &str, origin: &str, options: &Options<'_>) -> Result<Sheet, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
     let mut records = Records::new(text);

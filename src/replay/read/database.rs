@@ -11,7 +11,7 @@ use std::path::Path;
 const MAX_CORNERS: usize = 100_000;
 
 pub(super) fn read(path: &Path) -> Result<Found, Error> {
-    let wrong = |source| Error::Sqlite { path: path.to_owned(), source };
+    let wrong = |source: rusqlite::Error| Error::Sqlite { path: path.to_owned(), source: source.into() };
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let connection = Connection::open_with_flags(path, flags).map_err(wrong)?;
     let mut found =
@@ -35,7 +35,7 @@ pub(super) fn read(path: &Path) -> Result<Found, Error> {
 }
 
 fn rows(connection: &Connection, path: &Path, found: &mut Found) -> Result<(), Error> {
-    let wrong = |source| Error::Sqlite { path: path.to_owned(), source };
+    let wrong = |source: rusqlite::Error| Error::Sqlite { path: path.to_owned(), source: source.into() };
     let columns = "SELECT frame, id, pos_x, pos_y, ori_x, ori_y FROM trajectory_data";
     let mut statement = connection.prepare(columns).map_err(wrong)?;
     let mut rows = statement.query([]).map_err(wrong)?;

@@ -187,6 +187,7 @@ fn by_speed(found: &mut Found, rate: f64) -> (f64, &'static str) {
 }
 
 /// The usual name of a unit.
+#[doc(hidden)]
 pub fn name_of_unit(metres: f64) -> String {
     let names = [(1.0, "metres"), (0.01, "centimetres"), (0.001, "millimetres"), (0.3048, "feet")];
     let known = names.into_iter().find(|(unit, _)| (metres / unit - 1.0).abs() < 1e-9);

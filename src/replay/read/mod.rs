@@ -7,6 +7,7 @@
 //! what the file really holds.
 
 mod columns;
+#[cfg_attr(not(feature = "sqlite"), path = "without_database.rs")]
 mod database;
 mod infer;
 mod signature;
@@ -26,14 +27,19 @@ use std::path::{Path, PathBuf};
 use tracks::Trajectories;
 
 /// Largest file read, bytes.
+#[doc(hidden)]
 pub const MAX_BYTES: u64 = 512 << 20;
 /// Longest recording, s.
+#[doc(hidden)]
 pub const MAX_SECONDS: f64 = 86_400.0;
 /// Greatest distance of a person from the origin, m.
+#[doc(hidden)]
 pub const MAX_COORDINATE: f64 = 50_000.0;
 /// Most people of a recording.
+#[doc(hidden)]
 pub const MAX_PEOPLE: usize = 1_000_000;
 /// Half of the steps of a recording are slower than this, or it was misread, m/s.
+#[doc(hidden)]
 pub const MAX_MEDIAN_SPEED: f64 = 4.0;
 
 /// A format that is read.
