@@ -307,8 +307,8 @@ impl Engine {
     /// `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
     ///
     /// # Errors
-    /// When a dispatch needs a kernel that this engine lacks, contents are longer than their buffer, group counts are to come from
-    /// where none are, a call fails or the device is lost.
+    /// When a dispatch needs a kernel that this engine lacks, contents do not fit their buffer, or group counts lie beyond
+    /// theirs. When a call fails or the device is lost.
     pub fn run(
         &mut self,
         ops: &[Op],

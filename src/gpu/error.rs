@@ -82,8 +82,8 @@ pub enum Error {
         /// The device's `maxStorageBufferRange` or `maxUniformBufferRange`.
         limit: u64,
     },
-    /// Contents do not go into a buffer, or out of it: there are more than it holds; or, of a uniform, more than 65,536 bytes
-    /// or no multiple of four.
+    /// Contents do not fit a buffer: they are longer than it. Contents of a uniform may also exceed 65,536 bytes or be no
+    /// multiple of four.
     #[error("{bytes} bytes cannot be copied: buffer {name:?} has {size}")]
     Contents {
         /// Buffer.

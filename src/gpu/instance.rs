@@ -44,7 +44,7 @@ pub struct DeviceInfo {
     pub kind: DeviceKind,
     /// Vulkan version, `major.minor.patch`.
     pub api: String,
-    /// Driver name and version, where the driver tells.
+    /// Driver name and version, where the driver reports them.
     pub driver: String,
     /// Why gaitway cannot use it, if it cannot.
     pub unusable: Option<String>,

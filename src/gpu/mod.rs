@@ -1,8 +1,8 @@
 //! Vulkan: devices, buffers, kernels. Knows nothing of gaits or emotions.
 //!
-//! [`Device`] is a Vulkan device with its queue and allocator; [`Engine`] holds one Vulkan buffer per
-//! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel and runs lists of dispatches; [`plan`] places the
-//! barriers from what the kernels read and write.
+//! [`Device`] is a Vulkan device with its queue and allocator. [`Engine`] has one Vulkan buffer per
+//! [`BufferId`](crate::kernels::BufferId) and one pipeline per phase of a kernel, and runs lists of dispatches. [`plan`]
+//! places the barriers from what the kernels read and write.
 //!
 //! ```no_run
 //! use gaitway::gpu::{self, Device, Validation};

@@ -155,7 +155,7 @@ impl Attachments {
         commands.rendering(&rendering, draw);
     }
 
-    /// The depth attachment whose depth, or that of the first sample, goes to the caller's image.
+    /// The depth attachment that also writes the caller's image: its depth, or that of the first sample.
     fn keep_depth(
         &self,
         attachment: vk::RenderingAttachmentInfo<'static>,

@@ -290,8 +290,8 @@ impl OrbitControl {
         self.elevation = (self.elevation + drag.y * FRAC_PI_2).clamp(0.02, 1.55);
     }
 
-    /// Moves the target over the ground by a drag of (x right, y down) in fractions of the image's height, so that
-    /// the ground under the pointer follows it.
+    /// Moves the target over the ground by a drag of (x right, y down) in fractions of the image's height, so the
+    /// ground follows the pointer.
     pub fn pan(&mut self, drag: Vec2) {
         let right = Vec3::new(self.azimuth.cos(), 0.0, -self.azimuth.sin());
         let back = Vec3::new(self.azimuth.sin(), 0.0, self.azimuth.cos());

@@ -77,7 +77,7 @@ impl Setup<'_> {
         PipelineSpec { write_depth: false, compare, ..self.two_sided(vertex, fragment) }
     }
 
-    /// The same, blended over what is there.
+    /// Like [`Setup::flat`], blended over earlier colour.
     pub(super) fn blended(
         &self,
         vertex: &'static str,

@@ -210,8 +210,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// Leaves these triangles of the eyes' images black, as a headset's lenses hide them: corners in clip space, the left
-    /// eye's, then as many of the right one's. None, nothing is hidden.
+    /// Leaves these triangles of the eyes' images black: the lenses of a headset hide them. `corners` are in clip space, the left
+    /// eye's, then as many of the right one's. An empty list hides nothing.
     ///
     /// # Errors
     /// When memory is short.

@@ -104,8 +104,8 @@ pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     }
 }
 
-/// The kernels that prepare the bodies for a frame, of the snapshot that the animator has or of one between two, and what
-/// the uniforms among them contain.
+/// The kernels that prepare the bodies for a frame, and the contents of their uniforms. `between` shows a time between two
+/// snapshots instead of the newest.
 pub(super) fn animation(
     frame: FrameUniforms,
     between: Option<Between>,
@@ -124,7 +124,7 @@ pub(super) fn animation(
 }
 
 impl Show {
-    /// A show of a simulation whose store [`crate::sim::bodies::fill`] has filled, which also gave `meshes`.
+    /// A show of a simulation. [`crate::sim::bodies::fill`] has filled its store and gave `meshes`.
     ///
     /// `device` is a name or index as for [`Device::open`]; a simulation on Vulkan is shown on its own device.
     ///
@@ -201,9 +201,9 @@ impl Show {
         &mut self.renderer
     }
 
-    /// Where levels of detail end and how far agents are drawn, m, in a frame of 720 rows and 50 degrees; in smaller ones
-    /// the levels come nearer. The distance at which far bodies begin goes with the second
-    /// (see [`bodies::LEVEL_DISTANCES`]).
+    /// Distances at which levels of detail end, and at which agents are no longer drawn, m: `[first, second, farthest]`.
+    /// They hold for an image of 720 rows and 50 degrees; in smaller images the levels come nearer. The distance of lod3 follows
+    /// the second (see [`bodies::LEVEL_DISTANCES`]).
     pub fn set_level_distances(&mut self, [first, second, farthest]: [f32; 3]) {
         self.frame.level_distance = [first, second, farthest, 0.0];
     }
@@ -243,8 +243,8 @@ impl Show {
         Ok(())
     }
 
-    /// Draws the crowd as it was at `shown`, s of its time, between the times of the last calls, into images of the caller;
-    /// returns the copy that `target` asks for.
+    /// Draws the crowd at time `shown`, s, between the times of the last two calls, into images of the caller. Returns the copy
+    /// that `target` asks for.
     #[cfg(feature = "view")]
     pub(crate) fn draw_between(
         &mut self,

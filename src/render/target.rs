@@ -7,8 +7,8 @@ use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
 use std::sync::{Arc, PoisonError};
 
-/// Colour of images. Eight bits with the sRGB curve: shaders write linear light, blending and resolving stay linear,
-/// dark tones do not band, and the bytes are those of a PNG.
+/// Colour of images: eight bits with the sRGB curve. Shaders write linear light; blending and resolving stay linear. Dark
+/// tones do not band, and the bytes are those of a PNG.
 pub(crate) const COLOR_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 /// Depth, reversed: 32-bit floats are finest near 0, which is where the distance lies.
 pub(crate) const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;

@@ -31,8 +31,8 @@ pub enum HandKind {
     Controller,
 }
 
-/// A hand of the user, as OpenXR's grip pose: in the middle of the fist, −z along the tube that the fingers form, out
-/// past the thumb; +y up when the arm is held out forwards.
+/// A hand of the user, as OpenXR's grip pose: the origin is the middle of the fist.
+/// −z runs along the tube that the fingers form, out past the thumb. +y is up when the arm is held out forwards.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
     /// World frame, m.

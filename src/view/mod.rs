@@ -1,7 +1,7 @@
-//! The desktop window: a crowd to look at, to stop, to ask and to film.
+//! The desktop window: a crowd to look at, to stop, to query and to film.
 //!
-//! [`run`] opens the window and gives it the crowd of a scene. Every frame the crowd is stepped by the clock,
-//! drawn by the one renderer into an image of the window's size, the panel drawn over it, and the whole copied to the window.
+//! [`run`] opens the window and gives it the crowd of a scene. Before every frame the clock steps the crowd. The renderer
+//! draws it into an image of the window's size, the panel is drawn over it, and the window gets a copy.
 //!
 //! ```no_run
 //! use gaitway::scene::Scene;

@@ -240,7 +240,7 @@ impl Open {
         })
     }
 
-    /// Picks who stands at a point of the window, pixels from the top left.
+    /// Picks the person at a point of the window, pixels from the top left.
     fn pick(&mut self, at: Vec2) -> Result<(), crate::Error> {
         let ndc = at / Vec2::new(side(self.size[0]), side(self.size[1])) * 2.0 - 1.0;
         let ray = Ray { origin: self.view.eyes[0], direction: self.view.ray(0, ndc) };

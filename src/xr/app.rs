@@ -1,7 +1,7 @@
 //! A crowd around the user, until the session ends or the time is up.
 //!
 //! Two threads. This one steps the crowd at its fixed rate by the clock, on a device of its own, and never waits for the
-//! headset. The headset's thread makes all calls of OpenXR: it waits for frames, draws the crowd's newest snapshot on the
+//! headset. The headset's thread makes all calls of OpenXR. It waits for frames, draws the crowd's newest snapshot on the
 //! runtime's device, and starts a new session when the runtime goes away. A runtime that hangs stops the frames, not the
 //! crowd.
 

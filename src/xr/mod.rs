@@ -1,8 +1,8 @@
 //! The headset: an OpenXR runtime, the user in the crowd, and recovery from failures.
 //!
 //! [`Runtime`] is the runtime of the machine, `Session` one run of it (swapchain, spaces, frame loop), [`Rig`] the place of
-//! the user's room in the world. [`run`] joins them with a crowd. All calls of OpenXR are made on a thread of their own; the
-//! crowd goes on without it, and a lost session is replaced by a new one.
+//! the user's room in the world. [`run`] joins them with a crowd. All calls of OpenXR are made on a thread of their own. The
+//! crowd goes on without it. A new session replaces a lost one.
 //!
 //! ```no_run
 //! use gaitway::kernels::Store;

@@ -57,11 +57,11 @@ pub struct FrameSummary {
     pub missed: u64,
     /// Time from acquiring an image to handing it over, ms.
     pub work_ms: Percentiles,
-    /// What the host did in a frame from the wake-up on, ms: input, the crowd's snapshot, recording, submitting, handing over;
-    /// without waiting for the device or for an image.
+    /// Time of the host in a frame from the wake-up on, ms: input, the crowd's snapshot, recording, submitting, handing over.
+    /// Waits for the device and for images do not count.
     pub host_ms: Percentiles,
-    /// Processor time of the frame's thread in that, ms: the rest of it is the runtime's answers, and waiting for a
-    /// processor that others have. 0 where the system does not tell.
+    /// Processor time of the frame's thread in [`FrameSummary::host_ms`], ms. The rest are the runtime's answers and waits for a
+    /// processor. 0 where the system does not measure it.
     pub host_cpu_ms: Percentiles,
     /// Time between wake-ups, ms.
     pub wake_ms: Percentiles,

@@ -178,7 +178,7 @@ const COLUMNS: &str = "step,x_m,z_m,y_m,vx,vz,head_x,head_y,head_z,head_qx,head_
                        left_qx,left_qy,left_qz,left_qw,right_x,right_y,right_z,right_qx,right_qy,right_qz,right_qw,\
                        walk_x,walk_y,turn";
 
-/// Writes a recording, step by step, to wherever it shall go: each line at once.
+/// Writes a recording, step by step, each line at once.
 #[derive(Debug)]
 pub struct Recorder<W: Write> {
     to: W,
@@ -245,7 +245,7 @@ impl<W: Write> Recorder<W> {
         Ok(self.to)
     }
 
-    /// What it is written to, of a recording that is given up.
+    /// The writer of a recording that is given up.
     pub fn into_inner(self) -> W {
         self.to
     }

@@ -1,5 +1,5 @@
 //! Where the user's room stands in the world, and how thumbsticks move it. The room's floor follows the floors of the
-//! scene: whoever walks up a ramp or a stair goes up, step by step as everyone in the crowd does.
+//! scene: a user who walks up a ramp or a stair rises step by step, as agents do.
 
 use super::views::Pose;
 use crate::ground::{ground_from_world, heading_from_ground, world_from_ground};
@@ -59,7 +59,7 @@ pub struct Walk {
     pub turn: f32,
     /// Whether a place to teleport to is being pointed at.
     pub aims: bool,
-    /// Whether the room shall be recentred.
+    /// Whether to recentre the room.
     pub recentres: bool,
 }
 
@@ -130,7 +130,7 @@ impl Rig {
     }
 
     /// Moves the room for a frame of `seconds`. `head` and `hand` are in the room; `terrain` says where the user may be
-    /// moved to. Walking in the room itself is never stopped; who walks off an edge there stays as high as they were.
+    /// moved to. Walking in the room itself is never stopped. A user who walks off an edge there keeps their height.
     pub(super) fn walk(
         &mut self,
         walk: &Walk,

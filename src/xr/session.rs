@@ -116,6 +116,34 @@ impl std::fmt::Debug for Session {
     }
 }
 
+/// A session with what waits for its frames and what submits them.
+type RawSession = (xr::Session<xr::Vulkan>, xr::FrameWaiter, xr::FrameStream<xr::Vulkan>);
+
+/// Creates a session on a device that was made through the runtime.
+fn create(runtime: &Runtime, device: &Arc<Device>) -> Result<RawSession, Error> {
+    let binding = xr::vulkan::SessionCreateInfo {
+        instance: handle(device.instance.raw.handle()).cast(),
+        physical_device: handle(device.physical).cast(),
+        device: handle(device.raw.handle()).cast(),
+        queue_family_index: device.family,
+        queue_index: 0,
+    };
+    // SAFETY: the device was made through this runtime; the guard keeps it until xrDestroySession has returned.
+    let created = unsafe {
+        runtime.instance.create_session_with_guard::<xr::Vulkan>(
+            runtime.system,
+            &binding,
+            Box::new(device.clone()),
+        )
+    };
+    created.map_err(call("xrCreateSession"))
+}
+
+/// Whether the runtime's list of formats has this one.
+fn offers(known: &[u32], format: vk::Format) -> bool {
+    u32::try_from(format.as_raw()).is_ok_and(|format| known.contains(&format))
+}
+
 impl Session {
     /// Makes a session on a device that was made through the runtime. `size` is that of one eye in pixels; none: what the
     /// runtime recommends.
@@ -128,22 +156,7 @@ impl Session {
         size: Option<[u32; 2]>,
     ) -> Result<Self, Error> {
         let instance = runtime.instance.clone();
-        let binding = xr::vulkan::SessionCreateInfo {
-            instance: handle(device.instance.raw.handle()).cast(),
-            physical_device: handle(device.physical).cast(),
-            device: handle(device.raw.handle()).cast(),
-            queue_family_index: device.family,
-            queue_index: 0,
-        };
-        // SAFETY: the device was made through this runtime; the guard keeps it until xrDestroySession has returned.
-        let (session, waiter, stream) = unsafe {
-            instance.create_session_with_guard::<xr::Vulkan>(
-                runtime.system,
-                &binding,
-                Box::new(device.clone()),
-            )
-        }
-        .map_err(call("xrCreateSession"))?;
+        let (session, waiter, stream) = create(runtime, device)?;
         let blend = *instance
             .enumerate_environment_blend_modes(runtime.system, STEREO)
             .map_err(call("xrEnumerateEnvironmentBlendModes"))?
@@ -154,7 +167,7 @@ impl Session {
             .create_reference_space(xr::ReferenceSpaceType::VIEW, xr::Posef::IDENTITY)
             .map_err(call("xrCreateReferenceSpace"))?;
         let known = session.enumerate_swapchain_formats().map_err(call("xrEnumerateSwapchainFormats"))?;
-        let format = FORMATS.into_iter().find(|f| known.contains(&u32::try_from(f.as_raw()).unwrap_or(0)));
+        let format = FORMATS.into_iter().find(|format| offers(&known, *format));
         let format = format.ok_or_else(|| Error::Lacks {
             runtime: runtime.info().runtime.clone(),
             what: "an sRGB image format of eight bits".to_owned(),
@@ -163,8 +176,8 @@ impl Session {
         let uses = xr::SwapchainUsageFlags::COLOR_ATTACHMENT | xr::SwapchainUsageFlags::TRANSFER_SRC;
         let color = Swapchain::new(&session, device, format, size, uses)?;
         // our depth is of one format, and goes along only where the runtime takes it
-        let takes_depth = instance.exts().khr_composition_layer_depth.is_some()
-            && known.contains(&u32::try_from(DEPTH_FORMAT.as_raw()).unwrap_or(0));
+        let takes_depth =
+            instance.exts().khr_composition_layer_depth.is_some() && offers(&known, DEPTH_FORMAT);
         let uses = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let depth =
             takes_depth.then(|| Swapchain::new(&session, device, DEPTH_FORMAT, size, uses)).transpose()?;
@@ -319,7 +332,7 @@ impl Session {
         known.map_err(call("xrEnumerateDisplayRefreshRatesFB"))
     }
 
-    /// The display's refresh rate, Hz, where the runtime tells.
+    /// The display's refresh rate, Hz, where the runtime reports it.
     pub(super) fn refresh_rate(&self) -> Result<Option<f32>, Error> {
         if self.instance.exts().fb_display_refresh_rate.is_none() {
             return Ok(None);

@@ -1,7 +1,7 @@
 //! Kernels as a part of the caller's submission, so that a frame and the kernels before it are one submission.
 //!
-//! [`Engine::bring`] and [`Engine::want_report`] choose the contents that go to the device first and come back last;
-//! [`Engine::encode`] records all of it; after the wait follow [`Engine::encoded`] and [`Engine::report`].
+//! [`Engine::bring`] and [`Engine::want_report`] choose the contents that go to the device first and come back last.
+//! [`Engine::encode`] records everything. [`Engine::encoded`] and [`Engine::report`] follow the wait.
 #![allow(dead_code, reason = "some builds have no caller that submits kernels itself")]
 
 use super::super::plan::Op;

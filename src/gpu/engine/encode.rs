@@ -1,5 +1,4 @@
-//! What an engine records: copies, uniforms, dispatches and the barriers between them, into its own command buffer or into
-//! somebody else's, so that a frame and the kernels before it are one submission.
+//! What an engine records: copies, uniforms, dispatches and the barriers between them.
 
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};

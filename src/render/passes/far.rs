@@ -1,4 +1,4 @@
-//! Agents of few pixels (lod3 and lod4), who have the posture of their gait but no pose, and their shadows.
+//! Agents of few pixels (lod3 and lod4), and their shadows. They have the posture of their gait but no pose.
 
 use super::super::Error;
 use super::super::commands::Commands;

@@ -31,7 +31,7 @@ use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as S
 
 /// One depth for each tile.
 const TILE_FORMAT: vk::Format = vk::Format::R32_SFLOAT;
-/// Smallest tile, pixels. It is flat: rows of pixels at the horizon decide who is hidden at eye level.
+/// Smallest tile, pixels. It is flat: rows of pixels at the horizon decide what is hidden at eye level.
 const LEAST_TILE: [u32; 2] = [2, 1];
 /// Fewer bodies of a level than this are drawn without a test.
 const FEWEST: u32 = 64;
@@ -162,8 +162,8 @@ pub(in super::super) struct OcclusionTest<'a> {
 }
 
 impl OcclusionPass {
-    /// The test of this frame, if it has one: not on maps, not of small crowds, and only where the attachments keep the
-    /// depth from the first draw on.
+    /// The occlusion test of this frame, if it has one. Maps and small crowds have none. The attachments must keep the depth from
+    /// the first draw on.
     pub(in super::super) fn test<'a>(
         &'a self,
         frame: &Frame<'a>,

@@ -9,13 +9,13 @@ use crate::reference::gaze::user_in_model;
 use crate::scenario::Scenario;
 use crate::sim::measure::{Hash, state_hash};
 
-/// A hash of a session: of everything in the header, of what the user did in every step, of what the gaze of the crowd is
-/// made from in every step, and of the crowd's state.
+/// A hash of a session. It covers the header, the user in every step, the inputs of the crowd's gaze in every step, and the
+/// state of the crowd.
 ///
-/// The angles that heads were shown at depend on when the display showed frames, and no replay could repeat that. What
-/// they are made from is fixed by the steps: where the user's head is, as each agent within reach sees it that looks at
-/// the user at times, and that agent's emotion. So another condition, another mode of the gaze or another way of holding
-/// the head is another hash, though all agents walk as before.
+/// The angles at which heads were shown depend on the times of the display's frames, and no replay could repeat them. The
+/// steps fix their inputs: the emotion of each agent within reach that looks at the user at times, and the user's head as
+/// that agent sees it. Another condition, another mode of the gaze or another posture of the head gives another hash, though
+/// all agents walk as before.
 #[derive(Debug, Clone)]
 pub struct SessionHash {
     hash: Hash,
@@ -44,7 +44,7 @@ impl SessionHash {
         }
     }
 
-    /// Adds the user's head as those see it who look at the user at times.
+    /// Adds the user's head as seen by each agent that looks at the user at times.
     fn gaze(&mut self, head: [f32; 3], crowd: &Store) {
         let range = RANGE + RANGE_HYSTERESIS;
         for agent in 0..crowd.step.agent_count as usize {
