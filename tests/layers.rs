@@ -245,7 +245,7 @@ fn faults(path: &str, source: &str, reexports: &BTreeMap<&str, &str>) -> Vec<Str
     let modules: Vec<&str> =
         path.trim_end_matches(".rs").split('/').filter(|&part| part != "mod" && part != "main").collect();
     let from = modules.first().copied().unwrap_or("cli");
-    if [ERROR, "lib"].contains(&from) {
+    if [ERROR, "lib", "low_level"].contains(&from) {
         return Vec::new();
     }
     if !known(from) {

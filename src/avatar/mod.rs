@@ -20,6 +20,8 @@
 //! ```
 
 mod body;
+mod body_model;
+mod error;
 mod far;
 mod glb;
 #[cfg_attr(not(feature = "import"), path = "without_import.rs")]
@@ -29,195 +31,13 @@ mod posture;
 mod retarget;
 mod rig_map;
 
-use crate::gait::{JOINT_COUNT, Joint};
 pub use body::{Sex, generated};
+pub use body_model::{Avatar, CLIP_FRAMES, Clip, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
+pub use error::Error;
 pub use far::{FarMesh, FarVertex, Limb};
-use glam::{Mat4, Quat, Vec3};
 pub use glb::{glb, write_glb};
 pub use load::{load, load_bytes, load_with_map, model, triangles};
 pub use model::{Loaded, Model};
 pub use posture::Posture;
 pub use retarget::{retarget, standing};
 pub use rig_map::RigMap;
-
-/// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
-pub use crate::kernels::shared::body::index::CLIP_FRAMES;
-
-/// Most levels of detail an avatar may have; level 0 is the finest.
-pub const LEVELS: usize = 3;
-
-/// One of the 16 driven joints in the rest pose.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct RestJoint {
-    /// Translation in the parent joint's space (model space for the root), metres.
-    pub translation: Vec3,
-    /// Rest rotation relative to the parent joint (to model space for the root).
-    pub rotation: Quat,
-    /// Mesh space to this joint's space (glTF: inverse bind matrix).
-    pub joint_from_mesh: Mat4,
-}
-
-/// A vertex of a body, mesh space (model space: metres, y up, facing +z, feet at y = 0).
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Vertex {
-    /// Position, m.
-    pub position: Vec3,
-    /// Unit normal.
-    pub normal: Vec3,
-    /// Linear colour, 0 to 1; the renderer multiplies it with the agent's colour of `material`.
-    pub color: Vec3,
-    /// How much of what is behind it the surface hides, 0 to 1; 1 of everything but glass.
-    pub alpha: f32,
-    /// Which of the agent's colours tints this vertex.
-    pub material: Material,
-    /// Up to four driven joints, as [`Joint`] indices.
-    pub joints: [u8; 4],
-    /// Their weights, sum 1.
-    pub weights: [f32; 4],
-}
-
-/// Which of an agent's colours tints a vertex.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-#[repr(u32)]
-pub enum Material {
-    /// The vertex colour as it is (textured characters, eyes, shoes).
-    #[default]
-    Fixed = 0,
-    /// The agent's skin colour.
-    Skin = 1,
-    /// The agent's hair or headwear colour.
-    Hair = 2,
-    /// The agent's shirt, jacket or dress colour.
-    Top = 3,
-    /// The agent's trousers or skirt colour.
-    Bottom = 4,
-}
-
-/// A triangle mesh of one level of detail. Triangles wind counter-clockwise seen from outside.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct Mesh {
-    /// Vertices.
-    pub vertices: Vec<Vertex>,
-    /// Three indices into `vertices` per triangle.
-    pub indices: Vec<u32>,
-}
-
-/// A character that gaits can drive.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Avatar {
-    /// Name.
-    pub name: String,
-    /// The 16 driven joints, indexed by [`Joint`], parents by [`Joint::PARENT`].
-    pub joints: [RestJoint; JOINT_COUNT],
-    /// Meshes from fine to coarse, 1 to [`LEVELS`].
-    pub levels: Vec<Mesh>,
-    /// Midpoint of the eyes in the head joint's space, m.
-    pub eyes_in_head: Vec3,
-    /// Standing height from sole to crown, m: headwear does not count.
-    pub height: f32,
-}
-
-/// One frame of a [`Clip`]: what the pose kernel samples.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ClipFrame {
-    /// Rotation of each joint relative to its parent (`parent_from_joint`), indexed by [`Joint`].
-    pub rotations: [Quat; JOINT_COUNT],
-    /// Position of the root joint in model space, m.
-    pub root: Vec3,
-}
-
-/// A gait retargeted onto one avatar: [`CLIP_FRAMES`] frames at equal phase steps over one cycle, phase 0 = left
-/// foot strike, quaternions of neighbouring frames (and of the wrap-around) in the same hemisphere.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Clip {
-    /// The frames.
-    pub frames: Vec<ClipFrame>,
-    /// Metres of ground covered per cycle by *this avatar*, so that its planted feet stand still.
-    pub stride_travel: f32,
-    /// Preferred speed of this avatar in this gait, m/s: `stride_travel` over the gait's cycle time.
-    pub speed: f32,
-}
-
-impl Avatar {
-    /// The highest point at rest, m: [`Self::height`] and what is worn on the head.
-    pub fn top(&self) -> f32 {
-        let vertices = self.levels.iter().flat_map(|mesh| &mesh.vertices);
-        vertices.map(|vertex| vertex.position.y).fold(self.height, f32::max)
-    }
-
-    /// Model-space transform of each joint for the given local rotations and root position.
-    pub fn model_from_joint(&self, rotations: &[Quat; JOINT_COUNT], root: Vec3) -> [Mat4; JOINT_COUNT] {
-        let mut model = [Mat4::IDENTITY; JOINT_COUNT];
-        for joint in 0..JOINT_COUNT {
-            let translation =
-                if joint == Joint::Root as usize { root } else { self.joints[joint].translation };
-            let local = Mat4::from_rotation_translation(rotations[joint], translation);
-            model[joint] = if joint == 0 { local } else { model[Joint::PARENT[joint]] * local };
-        }
-        model
-    }
-}
-
-/// A character could not be loaded or driven.
-#[derive(Debug, thiserror::Error)]
-#[non_exhaustive]
-pub enum Error {
-    /// The file could not be read.
-    #[error("cannot read {path:?}: {source}")]
-    Read {
-        /// The file.
-        path: std::path::PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The file could not be written.
-    #[error("cannot write {path:?}: {source}")]
-    Write {
-        /// The file.
-        path: std::path::PathBuf,
-        /// Why.
-        source: std::io::Error,
-    },
-    /// The file cannot be used as a character.
-    #[error("{name:?}: {message}")]
-    Unusable {
-        /// File or avatar.
-        name: String,
-        /// Why, with what was found and what was expected.
-        message: String,
-    },
-    /// The file is packed in a way that is not read.
-    #[error("{name:?} needs the glTF extension {extension}, which is not read")]
-    Packed {
-        /// File or avatar.
-        name: String,
-        /// The extension, as the file names it.
-        extension: String,
-        /// What to do; a command line where there is one.
-        hint: &'static str,
-    },
-    /// The joints of a character were not recognised.
-    #[error("character {name:?}: {message}")]
-    Rig {
-        /// File or avatar.
-        name: String,
-        /// Which joints are missing, or what is wrong with the rig map.
-        message: String,
-        /// A [`RigMap`] to fill in, as TOML: what was found, and the file's joints as comments.
-        map: String,
-    },
-}
-
-impl Error {
-    /// What the user can do about it, where the message does not say so itself.
-    pub fn hint(&self) -> Option<&str> {
-        match self {
-            Self::Packed { hint, .. } => Some(hint),
-            Self::Rig { .. } => Some(
-                "fill in the rig map on standard output (`gaitway ... > rig.toml` keeps it) and give it with \
-                 --rig-map rig.toml, or in the scenario: population.rig_maps = [\"rig.toml\"]",
-            ),
-            _ => None,
-        }
-    }
-}

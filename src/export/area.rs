@@ -5,7 +5,7 @@
 //! numbers). Readers take one polygon (PedPy and JuPedSim refuse several), so of several parts those stay that people are
 //! in, and if that is more than one, slits of two millimetres join them.
 
-use super::trajectory::plane_from_ground;
+use super::plane::plane_from_ground;
 use crate::ground::is_absent;
 use glam::{DVec2, Vec2};
 use i_overlay::core::fill_rule::FillRule;

@@ -31,6 +31,7 @@ mod atomic;
 pub mod chart;
 mod font;
 pub mod image;
+mod plane;
 pub mod trajectory;
 #[cfg_attr(not(feature = "sqlite"), path = "without_sqlite.rs")]
 mod trajectory_sqlite;

@@ -12,21 +12,16 @@ use super::Error;
 use super::agents::{AgentInfo, AgentKind, Presence, strongest_emotion};
 use super::area::{Area, Ground};
 use super::atomic::AtomicFile;
+pub use super::plane::plane_from_ground;
 use super::trajectory_sqlite::Sqlite;
 use crate::ground::is_absent;
 use crate::scenario::Geometry;
-use glam::{DVec2, Vec2};
+use glam::Vec2;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Most frames of one file: frame numbers are 32 bits in readers.
 const MAX_FRAMES: u32 = i32::MAX as u32;
-
-/// Our ground (x, z) in the trajectory formats' plane (x, y): y = -z keeps left and right as seen from above.
-pub fn plane_from_ground(ground: Vec2) -> DVec2 {
-    // `0 - z`, not `-z`: no negative zeros in files.
-    DVec2::new(f64::from(ground.x), 0.0 - f64::from(ground.y))
-}
 
 /// A trajectory file format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]

@@ -11,38 +11,22 @@
 mod course;
 mod cut;
 mod filter;
+mod limits;
 mod refusal;
 mod support;
+mod take;
 mod walk;
 
 use super::{Error, Gait, Joint, Recording};
 pub use course::Course;
-use cut::{Cut, Take, prepare};
+use cut::prepare;
 pub(super) use filter::{frames, low_pass, pose_at};
+pub use limits::{CURVED_DEG, MAX_TURN_DEG, REPEATS};
+use limits::{MAX_CRAB_DEG, MAX_RATE, OTHER_FOOT, SPEED, STRIDE_S, wrap};
 pub use refusal::Refusal;
-use std::f32::consts::{PI, TAU};
 use support::Feet;
 pub use support::Support;
-
-/// A stride that turns further than this is refused, degrees.
-#[doc(hidden)]
-pub const MAX_TURN_DEG: f32 = 20.0;
-/// A stride that turns further than this is called curved in [`Gait::provenance`], degrees.
-#[doc(hidden)]
-pub const CURVED_DEG: f32 = 10.0;
-/// Body and travel may point this far apart; beyond, it is walking sideways or backwards, degrees.
-const MAX_CRAB_DEG: f32 = 35.0;
-/// Duration of a stride, s.
-const STRIDE_S: std::ops::RangeInclusive<f32> = 0.5..=3.5;
-/// Speed of a stride, m/s.
-const SPEED: std::ops::RangeInclusive<f32> = 0.15..=8.0;
-/// The other foot strikes within this share of the stride.
-const OTHER_FOOT: std::ops::RangeInclusive<f32> = 0.25..=0.75;
-/// Gaits keep the recording's rate up to this, Hz.
-const MAX_RATE: f32 = 60.0;
-/// Times a cyclic recording is repeated to look for strikes; the strides of the second repetition are taken.
-#[doc(hidden)]
-pub const REPEATS: usize = 4;
+use take::{Cut, Take};
 
 /// One stride of a recording, and how good it is.
 #[derive(Debug, Clone, PartialEq)]
@@ -322,12 +306,6 @@ fn notes(stride: &Stride, by_height: &[bool; 2]) -> Vec<String> {
         notes.push("strikes by lowest foot".to_owned());
     }
     notes
-}
-
-/// An angle in (-pi, pi].
-fn wrap(angle: f32) -> f32 {
-    let turned = angle.rem_euclid(TAU);
-    if turned > PI { turned - TAU } else { turned }
 }
 
 fn unusable(recording: &Recording, message: impl Into<String>) -> Error {

@@ -127,6 +127,13 @@ pub fn ucy(path: &Path) -> Result<Tracks, Error> {
     collect(path, 2.5, 10.0, rows.iter().map(|row| (row[0] - 1.0, row[1], at(row))))
 }
 
+/// A recorded crowd that is there but cannot be used.
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+pub(super) fn unusable(error: Error) -> crate::Error {
+    let hint = "leave the file out, or name another folder with --data";
+    crate::Error::Failed { message: error.to_string(), hint: hint.to_owned() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -38,6 +38,7 @@ pub mod tracks;
 use crate::Error;
 use crate::export::chart::Plot;
 use crate::spelling::suggestion;
+use files::unusable;
 use judge::{Bench, Finding, Outcome, SIZES, Test};
 use rayon::prelude::*;
 use scene::{Stage, Variant};
@@ -215,11 +216,4 @@ fn gathered(tests: &[&Test], said: &[Said], is_quick: bool) -> Validation {
         }
     }
     validation
-}
-
-/// A recorded crowd that is there but cannot be used.
-#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
-fn unusable(error: files::Error) -> Error {
-    let hint = "leave the file out, or name another folder with --data";
-    Error::Failed { message: error.to_string(), hint: hint.to_owned() }
 }

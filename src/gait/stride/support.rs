@@ -7,9 +7,9 @@
 //! lift 0.04 m, the ground passes at 0.52 to 0.99 of the walking speed, at most 2.4 times as fast under one foot as under
 //! the other, and deviates by at most 0.42 of its mean.
 
-use super::cut::{Cut, Take};
 use super::filter::{derivative, frames, low_pass};
 use super::refusal::Refusal;
+use super::take::{Cut, Take};
 use super::walk::{FEET, FOOT_CUTOFF_HZ};
 use crate::gait::{Joint, Pose};
 use glam::Vec3;
