@@ -5,7 +5,7 @@ use super::progress::Progress;
 use super::scene::PlaceArguments;
 use crate::Error;
 use crate::validate::judge::Outcome;
-use crate::validate::scene::Stage;
+use crate::validate::scene::Equipment;
 use crate::validate::{DRAWS, Options, Validation, report, run as run_tests, tests};
 use clap::Args;
 use serde::Serialize;
@@ -83,7 +83,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         data: arguments.data.clone().or_else(from_environment).or_else(|| beside.is_dir().then_some(beside)),
     };
     let (backend, device) = arguments.place.get()?;
-    let stage = Stage::new(backend, device)?;
+    let stage = Equipment::new(backend, device)?;
     if let Some(reason) = &stage.fallback {
         note(&format!(
             "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"

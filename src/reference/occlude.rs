@@ -99,7 +99,8 @@ fn candidates<'a>(b: &Slices<'a>) -> impl Iterator<Item = (usize, usize, usize)>
 fn is_shown(b: &Slices<'_>, agent: usize, bucket: usize) -> bool {
     let sight = b.sight;
     let start = |bucket| start_of(sight, b.bucket_start, bucket);
-    let head = sight.bounds[bucket][1][2] * b.appearance[agent].scale;
+    let [_, [_, _, top, _]] = sight.bounds[bucket];
+    let head = top * b.appearance[agent].scale;
     start(sight.bucket_end) - start(sight.first_bucket) < sight.fewest
         || sight.eye_height > b.elevation[agent] + head + DOWN
 }

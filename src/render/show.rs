@@ -349,14 +349,16 @@ impl Show {
         if view.parallel {
             // a map shows all agents equally large, however high its camera stands
             let away = view.center().y;
-            frame.level_distance[1] += away;
-            frame.level_distance[2] += away;
+            let [_, second, farthest, _] = &mut frame.level_distance;
+            *second += away;
+            *farthest += away;
         }
         // lod3 and lod4 bodies have room for all agents
-        if frame.visible_capacity < frame.agent_count && frame.level_distance[3] == 0.0 {
+        let [.., farthest, lod3] = &mut frame.level_distance;
+        if frame.visible_capacity < frame.agent_count && *lod3 == 0.0 {
             let store = simulation.state()?;
             let nearest = nearest(store, view.center(), frame.visible_capacity as usize, frame.agent_height);
-            frame.level_distance[2] = frame.level_distance[2].min(nearest);
+            *farthest = farthest.min(nearest);
         }
         Ok(frame)
     }

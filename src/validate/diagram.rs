@@ -1,6 +1,6 @@
 //! The fundamental diagram: speed over density in a corridor that closes upon itself.
 
-use super::scene::{Scene, Walker};
+use super::scene::{Experiment, Walker};
 use crate::Error;
 use crate::reference::exact::{hash_u32, unit_f32};
 use glam::Vec2;
@@ -42,7 +42,7 @@ impl Ring {
         clippy::cast_sign_loss,
         reason = "small counts"
     )]
-    pub fn scene(&self, seconds: f32) -> Result<Scene, Error> {
+    pub fn scene(&self, seconds: f32) -> Result<Experiment, Error> {
         let Self { middle, width, density, lane: stream } = *self;
         let circle = |radius: f32, corners: u32| -> Vec<[f32; 2]> {
             (0..corners)
@@ -50,7 +50,7 @@ impl Ring {
                 .collect()
         };
         let (inner, outer) = (middle - 0.5 * width, middle + 0.5 * width);
-        let mut scene = Scene::new("ring", &circle(outer, CORNERS), seconds)?;
+        let mut scene = Experiment::new("ring", &circle(outer, CORNERS), seconds)?;
         scene.solid(&circle(inner, CORNERS));
         let area = 0.5 * TAU * (outer * outer - inner * inner);
         let count = (density * area).round() as u32;

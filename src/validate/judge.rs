@@ -1,6 +1,6 @@
 //! A test, what it found, and whether that is good enough.
 
-use super::scene::{Run, Scene, Stage, Variant};
+use super::scene::{Equipment, Experiment, Run, Variant};
 use crate::Error;
 use crate::export::chart::Plot;
 use serde::Serialize;
@@ -200,7 +200,7 @@ pub(super) const SIZES: [f32; 3] = [1.0, 1.5, 2.0];
 #[derive(Debug)]
 pub struct Bench<'a> {
     /// Bodies, backend, and what is broken on purpose.
-    pub stage: &'a Stage,
+    pub stage: &'a Equipment,
     /// How scenes lie.
     pub variant: Variant,
     /// Seed of start places and random draws; 1 is the first.
@@ -287,7 +287,7 @@ impl Bench<'_> {
     }
 
     /// Runs a scene with this draw's seed.
-    pub(super) fn run(&self, scene: &Scene) -> Result<Run, Error> {
+    pub(super) fn run(&self, scene: &Experiment) -> Result<Run, Error> {
         let mut seeded = scene.clone();
         seeded.scenario.seed = u64::from(self.seed);
         let run = seeded.run(self.stage, self.variant)?;

@@ -7,11 +7,11 @@
 //!
 //! ```
 //! use gaitway::sim::Backend;
-//! use gaitway::validate::scene::Stage;
+//! use gaitway::validate::scene::Equipment;
 //! use gaitway::validate::{Options, run};
 //!
 //! # fn main() -> gaitway::Result<()> {
-//! let stage = Stage::new(Backend::Cpu, None)?;
+//! let stage = Equipment::new(Backend::Cpu, None)?;
 //! let options = Options { tests: vec!["rimea-1".to_owned()], is_quick: true, draws: 1, data: None };
 //! for outcome in run(&stage, &options, &mut |_, _| ())?.outcomes {
 //!     println!("{}: {:.2} {} ({})", outcome.name, outcome.value, outcome.unit, outcome.pass);
@@ -41,7 +41,7 @@ use crate::spelling::suggestion;
 use files::unusable;
 use judge::{Bench, Finding, Outcome, SIZES, Test};
 use rayon::prelude::*;
-use scene::{Stage, Variant};
+use scene::{Equipment, Variant};
 use std::path::PathBuf;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -149,7 +149,7 @@ fn tasks(tests: &[&Test], options: &Options) -> Vec<Task> {
 /// When the device fails, a name is unknown, or a recorded crowd is there but unreadable.
 #[allow(clippy::cast_precision_loss, reason = "some hundred runs")]
 pub fn run(
-    stage: &Stage,
+    stage: &Equipment,
     options: &Options,
     progress: &mut (dyn FnMut(&str, f64) + Send),
 ) -> Result<Validation, Error> {

@@ -1,7 +1,7 @@
 //! Corridors, corners, rooms with doors, and people in them.
 
 use super::measure::Area;
-use super::scene::{Scene, Walker};
+use super::scene::{Experiment, Walker};
 use crate::Error;
 use crate::reference::exact::{hash_u32, unit_f32};
 use glam::Vec2;
@@ -47,8 +47,8 @@ pub fn walker(position: Vec2, speed: f32, way: Vec<(Vec2, f32)>) -> Walker {
 ///
 /// # Errors
 /// When the scene is refused, which would be an error of the program.
-pub fn corridor(name: &str, length: f32, width: f32, seconds: f32) -> Result<Scene, Error> {
-    Scene::new(name, &[[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]], seconds)
+pub fn corridor(name: &str, length: f32, width: f32, seconds: f32) -> Result<Experiment, Error> {
+    Experiment::new(name, &[[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]], seconds)
 }
 
 /// A room with a door onto a wide yard.
@@ -84,9 +84,9 @@ impl Room {
     ///
     /// # Errors
     /// When the scene is refused, which would be an error of the program.
-    pub fn scene(&self, name: &str, seconds: f32) -> Result<Scene, Error> {
+    pub fn scene(&self, name: &str, seconds: f32) -> Result<Experiment, Error> {
         let (c, half, out) = (self.middle(), 0.5 * self.door, -self.wall);
-        let mut scene = Scene::new(
+        let mut scene = Experiment::new(
             name,
             &[
                 [0.0, 0.0],

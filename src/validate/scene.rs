@@ -72,7 +72,7 @@ pub struct Walker {
 
 /// A scene.
 #[derive(Debug, Clone)]
-pub struct Scene {
+pub struct Experiment {
     /// Everything but the people: bounds, obstacles, navigation, seed.
     pub scenario: Scenario,
     /// The people.
@@ -106,7 +106,7 @@ pub enum Fault {
 
 /// What all tests run on: the backend and device, a body and its gait.
 #[derive(Debug)]
-pub struct Stage {
+pub struct Equipment {
     cast: AvatarSet,
     #[cfg(feature = "vulkan")]
     device: Option<Arc<Device>>,
@@ -117,7 +117,7 @@ pub struct Stage {
     pub fault: Fault,
 }
 
-impl Stage {
+impl Equipment {
     /// A body to walk with, and the backend; a device is opened once for all scenes.
     ///
     /// # Errors
@@ -181,7 +181,7 @@ pub struct Run {
     pub device: String,
 }
 
-impl Scene {
+impl Experiment {
     /// An empty scene with walls along `bounds`.
     ///
     /// # Errors
@@ -211,7 +211,7 @@ impl Scene {
     ///
     /// # Errors
     /// When the device cannot be used.
-    pub fn start(&self, stage: &Stage, variant: Variant) -> Result<(Simulation, Frame), Error> {
+    pub fn start(&self, stage: &Equipment, variant: Variant) -> Result<(Simulation, Frame), Error> {
         let mut frame = Frame::default();
         if variant == Variant::Rotated {
             frame.turn = Vec2::from_angle(TURN_DEG.to_radians());
@@ -252,7 +252,7 @@ impl Scene {
         Ok((simulation, frame))
     }
 
-    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Stage) -> Store {
+    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Equipment) -> Store {
         let mut crowd = Crowd::default();
         for (index, walker) in self.walkers.iter().enumerate() {
             let start = crowd.stages.len();
@@ -281,7 +281,7 @@ impl Scene {
     ///
     /// # Errors
     /// When the device fails or a kernel meets a value that is not finite.
-    pub fn run(&self, stage: &Stage, variant: Variant) -> Result<Run, Error> {
+    pub fn run(&self, stage: &Equipment, variant: Variant) -> Result<Run, Error> {
         let (mut simulation, frame) = self.start(stage, variant)?;
         let geometry = self.scenario.geometry();
         let free = Clearance::new(&geometry.bounds, &geometry.obstacles);

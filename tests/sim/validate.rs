@@ -4,7 +4,7 @@ use crate::common;
 use gaitway::sim::Backend;
 use gaitway::validate::diagram::{RING_RADIUS, Ring, speed_round, weidmann};
 use gaitway::validate::judge::Criterion;
-use gaitway::validate::scene::{Fault, Scene, Stage, Variant};
+use gaitway::validate::scene::{Equipment, Experiment, Fault, Variant};
 use gaitway::validate::{Options, Validation, chosen, report, run, tests};
 use std::path::{Path, PathBuf};
 
@@ -13,7 +13,7 @@ fn data() -> Option<PathBuf> {
 }
 
 fn quick(names: &[&str], fault: Fault) -> Validation {
-    let mut stage = Stage::new(Backend::Cpu, None).unwrap();
+    let mut stage = Equipment::new(Backend::Cpu, None).unwrap();
     stage.fault = fault;
     let tests = names.iter().map(|&name| name.to_owned()).collect();
     run(&stage, &Options { tests, is_quick: true, data: data(), ..Options::default() }, &mut |_, _| ())
@@ -21,13 +21,13 @@ fn quick(names: &[&str], fault: Fault) -> Validation {
 }
 
 /// A ring 3 m wide.
-fn ring(density: f32, seconds: f32) -> Scene {
+fn ring(density: f32, seconds: f32) -> Experiment {
     Ring { middle: RING_RADIUS, width: 3.0, density, lane: 0 }.scene(seconds).unwrap()
 }
 
 #[test]
 fn people_in_a_ring_slow_down_as_weidmann_says_and_not_at_all_without_crowding() {
-    let stage = Stage::new(Backend::Cpu, None).unwrap();
+    let stage = Equipment::new(Backend::Cpu, None).unwrap();
     for density in [0.5, 1.5, 3.0] {
         let expected = weidmann(f64::from(density));
         for (crowding, share) in [(1.0, 1.0), (0.0, 1.34 / expected)] {
@@ -54,7 +54,7 @@ fn the_crowd_as_it_is_passes_a_quick_run() {
 
 #[test]
 fn draws_and_larger_crowds_stand_beside_what_is_shown() {
-    let stage = Stage::new(Backend::Cpu, None).unwrap();
+    let stage = Equipment::new(Backend::Cpu, None).unwrap();
     let options = Options { tests: vec!["rimea-6".into(), "rimea-1".into()], draws: 6, ..Options::default() };
     let validation = run(&stage, &options, &mut |_, _| ()).unwrap();
     let of = |name: &str| validation.outcomes.iter().find(|outcome| outcome.name == name).unwrap();
@@ -112,7 +112,7 @@ fn every_test_notices_a_broken_crowd() {
 
 #[test]
 fn a_scene_turned_or_moved_gives_the_same_crowd_on_the_same_grid() {
-    let stage = Stage::new(Backend::Cpu, None).unwrap();
+    let stage = Equipment::new(Backend::Cpu, None).unwrap();
     let scene = ring(1.0, 3.0);
     let runs = Variant::ALL.map(|variant| scene.run(&stage, variant).unwrap());
     let last = runs[0].tracks.frames.len() - 1;

@@ -69,12 +69,13 @@ fn is_on(floor: &[[f32; 4]], at: Vec2) -> bool {
 
 /// Whether a point lies inside the edges of a floor moved out by `margin` m.
 fn is_within(floor: &[[f32; 4]], at: Vec2, margin: f32) -> bool {
-    floor[1..].iter().all(|side| side[0] * at.x + side[1] * at.y + side[2] >= -margin)
+    floor[1..].iter().all(|&[n, m, d, _]| n * at.x + m * at.y + d >= -margin)
 }
 
 /// The height of a floor's plane at a point, m.
 fn height_on(floor: &[[f32; 4]], at: Vec2) -> f32 {
-    floor[0][0] * at.x + floor[0][1] * at.y + floor[0][2]
+    let [a, b, c, _] = floor[0];
+    a * at.x + b * at.y + c
 }
 
 /// All floors of a scene, and what stands on them.
@@ -176,7 +177,8 @@ impl Floors {
         let ground = (direction.y < -FLAT && from.y > 0.0).then(|| (from.y / -direction.y, true));
         let floors = self.elements.chunks_exact(FLOOR_STRIDE).filter_map(|floor| {
             let above = from.y - height_on(floor, ahead(0.0));
-            let sinks = floor[0][0] * direction.x + floor[0][1] * direction.z - direction.y;
+            let [a, b, ..] = floor[0];
+            let sinks = a * direction.x + b * direction.z - direction.y;
             let t = above / sinks;
             (sinks.abs() > FLAT && t > 0.0 && is_on(floor, ahead(t))).then_some((t, above > 0.0))
         });

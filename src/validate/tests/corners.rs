@@ -3,7 +3,7 @@
 use super::super::judge::{Bench, Criterion, Draws, Origin, Test};
 use super::super::measure::{Area, crossings};
 use super::super::rooms::{RADIUS, corridor, places, walker};
-use super::super::scene::Scene;
+use super::super::scene::Experiment;
 use crate::Error;
 use glam::Vec2;
 use std::f32::consts::FRAC_1_SQRT_2;
@@ -34,7 +34,7 @@ const SIDE: f32 = 8.0;
 
 /// An L whose arms are `width` wide: along x, as far as `inner` at its inner side, then along z as far as `line`; from there a
 /// yard `deep`.
-fn corner(width: f32, inner: f32, line: f32, deep: f32, seconds: f32) -> Result<Scene, Error> {
+fn corner(width: f32, inner: f32, line: f32, deep: f32, seconds: f32) -> Result<Experiment, Error> {
     let (outer, far) = (inner + width, line + deep);
     let outline = [
         [0.0, 0.0],
@@ -48,7 +48,7 @@ fn corner(width: f32, inner: f32, line: f32, deep: f32, seconds: f32) -> Result<
         [inner, width],
         [0.0, width],
     ];
-    Scene::new("corner", &outline, seconds)
+    Experiment::new("corner", &outline, seconds)
 }
 
 /// The way of a person who starts at a place of the first arm: round the corner as far from its inner side as they start, then

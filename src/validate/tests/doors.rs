@@ -4,7 +4,7 @@ use super::super::files;
 use super::super::judge::{Bench, Criterion, Draws, Origin, Test};
 use super::super::measure::{Area, classic_density, crossings, flow, mean};
 use super::super::rooms::{Room, places, unit, walker};
-use super::super::scene::Scene;
+use super::super::scene::Experiment;
 use super::super::tracks::Tracks;
 use super::single::speeds;
 use crate::Error;
@@ -33,7 +33,7 @@ fn crowd_in(tracks: &Tracks, area: Area, frames: [f64; 2]) -> (f64, f64) {
 }
 
 /// `count` people anywhere in a room, at least 0.5 m from the wall with the door; `lane` is their stream of places.
-fn fill(scene: &mut Scene, room: &Room, count: usize, speed: f32, lane: u32) {
+fn fill(scene: &mut Experiment, room: &Room, count: usize, speed: f32, lane: u32) {
     let area = Area::new([0.3, 0.5], [room.width - 0.3, room.depth - 0.3]);
     for (index, place) in places(area, count, lane).into_iter().enumerate() {
         scene.walkers.push(walker(place, speed, room.way_out(index, place)));
@@ -110,11 +110,17 @@ pub(super) const RIMEA_9: Test = Test {
 };
 
 /// The hall at x 0 to `length`, z 0 to 20 in a yard; exits in its long walls.
-fn hall(length: f32, exits: &[(f32, f32)], people: &[(Vec2, f32)], seconds: f32) -> Result<Scene, Error> {
+fn hall(
+    length: f32,
+    exits: &[(f32, f32)],
+    people: &[(Vec2, f32)],
+    seconds: f32,
+) -> Result<Experiment, Error> {
     const WALL: f32 = 0.3;
     const EXIT: f32 = 0.5;
     let far = length + 12.0;
-    let mut scene = Scene::new("hall", &[[-12.0, -17.0], [far, -17.0], [far, 37.0], [-12.0, 37.0]], seconds)?;
+    let mut scene =
+        Experiment::new("hall", &[[-12.0, -17.0], [far, -17.0], [far, 37.0], [-12.0, 37.0]], seconds)?;
     scene.until = Some(2);
     let mut wall = |x: [f32; 2], z: [f32; 2]| {
         scene.solid(&[[x[0], z[0]], [x[1], z[0]], [x[1], z[1]], [x[0], z[1]]]);
@@ -230,7 +236,7 @@ fn two_rooms(near: f32) -> [[f32; 2]; 20] {
 fn two_bottlenecks(bench: &Bench<'_>) -> Result<(), Error> {
     let count = bench.people(if bench.is_quick { 80 } else { 150 });
     let near = 10.0 - bench.along(10.0);
-    let mut scene = Scene::new("bottlenecks", &two_rooms(near), 400.0)?;
+    let mut scene = Experiment::new("bottlenecks", &two_rooms(near), 400.0)?;
     scene.until = Some(4);
     for (index, place) in
         places(Area::new([near + 0.3, 0.3], [0.5 * (near + 10.0), 9.7]), count, bench.lane(31))

@@ -3,7 +3,7 @@
 use super::super::judge::{Bench, Criterion, Draws, Origin, Test};
 use super::super::measure::{Area, crossings_of, lane_order, mean};
 use super::super::rooms::{corridor, places, walker};
-use super::super::scene::{Run, Scene};
+use super::super::scene::{Experiment, Run};
 use crate::Error;
 use crate::export::chart::{Curve, Plot, Stroke};
 use crate::reference::exact::hash_u32;
@@ -57,7 +57,7 @@ fn shuffle(people: &mut [(f64, f64)], frame: usize) {
 }
 
 /// The corridor with both groups; `others` says whether the second one is there.
-fn streams(bench: &Bench<'_>, count: usize, has_others: bool) -> Result<Scene, Error> {
+fn streams(bench: &Bench<'_>, count: usize, has_others: bool) -> Result<Experiment, Error> {
     // so far away that everyone walks along the corridor and keeps to no side of it
     const FAR: f32 = 1e4;
     let long = bench.along(25.0);
@@ -153,7 +153,7 @@ fn counter_flow(bench: &Bench<'_>) -> Result<(), Error> {
     let (mut times, mut missing, mut outside) = (Vec::new(), 0, 0);
     for &others in back {
         let others = bench.people(others);
-        let mut scene = Scene::new("counter-flow", &outline, 600.0)?;
+        let mut scene = Experiment::new("counter-flow", &outline, 600.0)?;
         scene.until = Some(3);
         let mut add = |from: Area, to: Area, count: usize, east: bool, lane: u32| {
             let ends = places(to, count, bench.lane(lane + 2));

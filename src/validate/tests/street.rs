@@ -4,7 +4,7 @@ use super::super::files;
 use super::super::judge::{Bench, Draws, Test};
 use super::super::measure::{kolmogorov_smirnov, nearest_distances, quantile};
 use super::super::rooms::{RADIUS, walker};
-use super::super::scene::Scene;
+use super::super::scene::Experiment;
 use super::super::tracks::Tracks;
 use crate::Error;
 use crate::export::chart::{Curve, Plot, Stroke};
@@ -63,7 +63,7 @@ fn walk_again(bench: &Bench<'_>, film: &Tracks) -> Result<[[Vec<f64>; 2]; 2], Er
     let origin = |k: usize| Vec2::new((k % columns) as f32, (k / columns) as f32) * APART;
     let side = APART * columns as f32;
     let outline = [[-40.0, -40.0], [side + 40.0, -40.0], [side + 40.0, side + 40.0], [-40.0, side + 40.0]];
-    let mut scene = Scene::new("street", &outline, PIECE as f32)?;
+    let mut scene = Experiment::new("street", &outline, PIECE as f32)?;
     for (k, piece) in pieces.iter().enumerate() {
         for &(who, from, to) in &piece.people {
             let frames = (piece.first..).take_while(|frame| film.at(*frame, who).is_some());
