@@ -1,6 +1,6 @@
 // uses: step, exact, absent, stages, climb, agent
-// Where each agent is on its journey: finds out whether its present stage is done with, goes on to the next, and says what to walk to.
-// Who enters an exit is gone from this step on. First kernel of a step, so that the grid holds nobody who is gone.
+// Advances the journey of each agent: tests whether its present stage is done, goes on to the next, and sets its aim.
+// An agent that enters an exit is absent from this step on. The kernel runs first, so that the grid holds no such agent.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> stages: array<Stage>;             // [stage]
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
@@ -12,8 +12,8 @@
 
 // A place in a region counts as taken within this distance, m,
 const STANDING: f32 = 0.3;
-// which grows by this, m/s, for who has been in the region for this long, s: two people who stand in each other's way are content
-// in the end.
+// which grows at this rate, m/s, once an agent has been in the region for longer than this, s. So two agents that block
+// each other both arrive in the end.
 const PATIENCE: f32 = 0.1;
 const TRYING: f32 = 20.0;
 // People in a line stand this near to their place, and are served from this near to the counter, m.
@@ -106,8 +106,8 @@ fn aim_at(agent: u32, stage: u32, at: vec2<f32>, is_last: bool) -> Aim {
     return Aim(own_place(agent, own), how, own.field);
 }
 
-// The place in a line that an agent walks to: its own, or if it has none the one behind the last, where it asks to be let in. Says
-// so when the agent stands at the counter. Neither is said by who is on another floor.
+// Returns the place in a line that an agent walks to. An agent without a ticket walks to the place behind the last and asks
+// to join there. The function also marks an agent at the counter. An agent on another floor neither asks nor marks.
 fn line_up(agent: u32, line: Stage, at: vec2<f32>, is_here: bool) -> Aim {
     let base = u32(line.across.y) * 8u;
     let first = atomicLoad(&queues[base + 1u]);

@@ -1,7 +1,7 @@
 // uses: step, grid, orca, absent, agent
-// The last resort of collision avoidance: nobody walks through a wall. A velocity that would bring an agent's centre across
-// an obstacle segment (or nearer than GAP to it) loses what leads into the wall, twice if need be (a corner), and is zero
-// where that does not help. The way out of a solid is open. Agents led from outside are not held.
+// The last resort of collision avoidance: no agent walks through a wall. A velocity may bring an agent's centre across an
+// obstacle segment, or nearer to it than GAP. It then loses its component into the wall, twice if need be (a corner). It is
+// zero where that does not help. The way out of a solid stays open. Agents led from outside are exempt.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
 @group(0) @binding(2) var<storage, read> slot_agent: array<u32>;               // [slot]

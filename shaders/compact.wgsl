@@ -22,7 +22,7 @@ const COLUMNS: u32 = 32u;    // columns of a row of bucket_counts, the most buck
 @group(0) @binding(3) var<storage, read_write> bucket_start: array<u32>;    // [posed bucket + 1][far bucket + 1], each with its end
 @group(0) @binding(4) var<storage, read_write> visible: array<u32>;         // [(visible_capacity / 64 + 1) * 64] agents, then NONE; then far bodies
 @group(0) @binding(5) var<storage, read> mesh_table: array<MeshRange>;      // [bucket]
-@group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [2][bucket][5] VkDrawIndexedIndirectCommand: of pictures, of shadows
+@group(0) @binding(6) var<storage, read_write> draw_args: array<u32>;       // [2][bucket][5] VkDrawIndexedIndirectCommand: of images, of shadows
 @group(0) @binding(7) var<storage, read_write> dispatch_args: array<u32>;   // [1 + avatar][3]
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] smallest agent that failed
 

@@ -1,7 +1,7 @@
 // uses: step, grid, exact, mood, agent
-// Whom people hear: how strongly all who are near together, and their mean feelings, for `emotion_update`.
-// In each step a quarter of the rows of cells have their turn, and in the first step all: feelings change over seconds.
-// Rows, not agents, take turns so that neighbouring threads do the same, and the numbering of people does not matter.
+// Sums what each agent hears for `emotion_update`: the strength of all agents near it, and their mean feelings.
+// Each step updates a quarter of the rows of cells, and the first step updates all: feelings change over seconds.
+// Rows take turns, not agents. So neighbouring threads do the same work, and the numbering of agents does not matter.
 //
 // R hears S with epsilon_S alpha_SR, alpha_SR falling from 1 here to 0 at mood.radius; q* = sum of epsilon alpha q_S / sum of
 // epsilon alpha. The sums are of integers (steps of 2^-20): they are the same in any order.

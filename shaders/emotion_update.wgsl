@@ -1,6 +1,6 @@
 // uses: step, exact, absent, mood
-// How feelings change in a step: contagion between people who are near one another, events, and the return to each
-// one's own state.
+// How feelings change in a step: contagion between agents near one another, events, and the return to each agent's own
+// state.
 //
 // Contagion is the emotion part of ASCRIBE, after Bosse, Duell, Memon, Treur and van der Wal (2009, 2015), for each
 // of happy, angry and sad; neutral is what is left to 1. R hears S with
@@ -9,7 +9,7 @@
 //   PI = 1 - (1 - q*)(1 - q_R),  NI = q* q_R,
 // alpha_SR falling from 1 here to 0 at mood.radius. The bracket without q_R is held for the step and the rest is
 // solved exactly, so that no rate makes a weight leave 0 to 1. Three weights that together pass 1 are scaled to it.
-// The sums over those who are heard come from `emotion_gather`.
+// `emotion_gather` supplies the sums over the agents that R hears.
 const LOG2_E: f32 = 1.4426950;
 const EVENT_RATE: f32 = 2.0;      // 1/s: how fast an event is taken in
 
@@ -66,7 +66,7 @@ fn emotion_update(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let at = position[agent];
     if is_absent(at) {
-        heard[agent] = Heard(); // whoever comes in its place has heard nothing yet
+        heard[agent] = Heard(); // a later occupant of the place has heard nothing yet
         return;
     }
     var q = feeling[agent];

@@ -15,8 +15,8 @@
 //   sweep_solid (place): the same turns with them,
 //   point (tile):        directions; clears the lists, whose order is arbitrary,
 //   mark (seed):         marks from where the goal is seen.
-// A cell may be entered only from the neighbours that its bits name: a free cell from free cells to which a body fits
-// through, others from all, so that the field leads back whoever is outside.
+// A cell may be entered only from the neighbours that its bits name. A free cell names free cells to which a body fits
+// through. A solid cell names all, so that the field leads an agent in it back to free cells.
 // flow_args: for each list groups along x, 1, 1, and its length.
 const SWEEPS: u32 = 64u;       // in one turn; a tile that needs more takes another turn
 const GROUP: u32 = 32u;
@@ -228,7 +228,7 @@ fn slope(here: f32, low: f32, high: f32, both: bool) -> f32 {
     return select(max(here - high, 0.0) - max(here - low, 0.0), 0.5 * (low - high), both);
 }
 
-// The ways from the cells of a row, of which and of those below and above it the distances are in rows 1, 0 and 2.
+// Writes the directions of the cells of a row. Rows 1, 0 and 2 hold the distances of the row and of the rows below and above.
 fn point_row(tile: Tile, z: u32) {
     let row = (tile.z0 + z) * flow_grid.columns + tile.x0;
     for (var i = 0u; i < TILE; i++) {

@@ -17,7 +17,7 @@ fn follow_paths(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let path = paths[id.x];
     if path.keyframes == 0u {
-        return; // somebody leads it by hand
+        return; // the host leads this agent directly
     }
     // straight between keyframes, at rest before the first and after the last
     let time = f32(step.step_index + 1u) * step.time_step;

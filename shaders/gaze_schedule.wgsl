@@ -1,15 +1,15 @@
 // uses: frame, exact, body, attention, agent
-// Whose turn it is to look at the user, so that a crowd never stares at once: of the drawn agents that would (happy
-// and angry ones who see the user; `paper` mode: all of them) at most frame.gaze_limit - 1 do at a time. A turn lasts
-// turn_least to turn_most; after it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. Whoever has waited
-// longest comes next, counted up to twice for those who are near. Sets ATTENDS in gaze_frame, which `gaze` obeys.
+// Schedules which agents look at the user, so that a crowd never stares at once. Candidates are the drawn agents that are
+// happy or angry and see the user (`paper` mode: all drawn agents). At most frame.gaze_limit - 1 of them look at a time.
+// A turn lasts turn_least to turn_most. After it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. The agent that
+// has waited longest comes next; the wait of near agents counts up to twice. Sets ATTENDS in gaze_frame, which `gaze` obeys.
 //
 // A key orders the agents that wait: ten bits of waiting, then eight of a hash that changes from frame to frame, so that
 // equal ones do not stay equal. Sums of integers decide, in any order. The phases, in this order:
-//   look (visible):  who goes on, and how many wait with each upper half of a key,
+//   look (visible):  which turns go on, and how many agents wait with each upper half of a key,
 //   border (one):    the half in which the room ends,
 //   count (visible): how many wait with each lower half within that one,
-//   least (one):     the least key that has room; more keys than there is room for wait for the next picture,
+//   least (one):     the least key that has room; keys beyond the room wait for the next frame,
 //   begin (visible): turns begin.
 struct Attention {
     until: u32,         // when the turn ends or ended, ms

@@ -1,5 +1,5 @@
 // uses: step, grid, absent
-// Counts the agents of each cell; those who are absent are in none. cell_counts must be zero before (grid_scatter leaves it so).
+// Counts the agents of each cell. Absent agents are in none. cell_counts must be zero before (grid_scatter leaves it so).
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;            // [agent] m
 @group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell]

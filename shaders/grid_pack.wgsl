@@ -25,7 +25,7 @@ fn grid_pack(@builtin(global_invocation_id) id: vec3<u32>) {
     if (contents & UNLIKE) != 0u {
         own = avoidance[agent];
     }
-    // people keep their distance from those who are led from outside, and these avoid nobody
+    // other agents keep their distance from an agent led from outside, and it avoids none of them
     let is_led = own.priority >= LED;
     let comfort = select(0.0, own.inverse_time_horizon, is_led);
     let limits = u32(own.neighbour_cap) | select(0u, LED_BIT, is_led);

@@ -1,6 +1,6 @@
 // uses: step, exact, absent, agent
-// People who walk together: changes the preferred velocity so that the members of a group stay together, side by side
-// where there is room, at the pace of the slowest, and wait for whoever has fallen behind.
+// People who walk together: changes the preferred velocity of the members of a group. They stay side by side where there
+// is room, walk at the pace of the slowest, and wait for a member that has fallen behind.
 //
 // After Moussaid, Perozo, Garnier, Helbing, Theraulaz, "The walking behaviour of pedestrian social groups and its impact
 // on crowd dynamics" (PLoS ONE 2010). With N members, V the wanted velocity, the group adds to the acceleration
@@ -8,11 +8,13 @@
 //   +GATHER towards the centre of the group, if that is farther than (N - 1)/2 metres
 //   -APART from every member nearer than PERSONAL.
 // The acceleration towards a wanted velocity takes RELAXATION seconds, so a force f shifts the wanted velocity by f times
-// that, and GAZE, whose force grows with the speed, divides it by 1 + GAZE a RELAXATION. Ours: the two steps at a distance are ramps, since here velocities follow at once; gathering is weaker than
-// the will to go on; nobody walks backwards; and a member that is farther along the route than another waits for it but does not hold it back.
+// that, and GAZE, whose force grows with the speed, divides it by 1 + GAZE a RELAXATION. The rest is ours. The two steps at
+// a distance are ramps, since here velocities follow at once. Gathering is weaker than the will to go on. No agent walks
+// backwards. A member that is farther along the route than another waits for it but does not hold it back.
 //
-// It also marks everyone with their group. By that mark `velocity_*` knows whom they need not avoid like a stranger. And it raises
-// the priority of members whom their group has left behind. Strangers in a press then let them catch up. That is ours, too.
+// The kernel also marks each agent with its group. By that mark `velocity_*` exempts members from avoidance as strangers. The
+// kernel raises the priority of members that their group has left behind. Strangers in a press then let them catch up. That
+// is ours, too.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(2) var<storage, read> body: array<Body>;                          // [agent]

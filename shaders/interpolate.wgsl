@@ -1,8 +1,8 @@
 // uses: between, exact, agent
-// Puts everyone where they are between the last two snapshots that `keep_snapshot` kept: along the straight way, the heading
-// by the shorter turn, the phase of the walk forwards (it wraps by itself). Whoever is farther from where they were
-// than people walk in the time between (set to another place, just come in, gone) is shown as in the newest snapshot.
-// A share of 1 gives the newest snapshot bit for bit.
+// Interpolates every agent between the two snapshots that `keep_snapshot` kept. The position moves along the straight line,
+// the heading by the shorter turn, the phase of the walk forwards (it wraps by itself). An agent may be farther from its
+// earlier place than people walk in that time: it was set to another place, has just come in, or is gone. It is then shown
+// as in the newest snapshot. A share of 1 gives the newest snapshot bit for bit.
 @group(0) @binding(0) var<uniform> between: BetweenUniforms;
 @group(0) @binding(1) var<storage, read> snapshots: array<Snapshot>;           // [2][agent]
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>;     // [agent] m

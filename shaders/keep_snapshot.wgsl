@@ -1,5 +1,5 @@
 // uses: between, agent
-// Keeps what pictures show of a crowd's present snapshot, packed, at one of two places (`place`), for `interpolate`.
+// Keeps the drawn state of a crowd's present snapshot, packed, at one of two places (`place`), for `interpolate`.
 @group(0) @binding(0) var<uniform> between: BetweenUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;       // [agent] m
 @group(0) @binding(2) var<storage, read> stance: array<Stance>;            // [agent]

@@ -1,7 +1,7 @@
 // uses: step, exact, absent, agent
-// Agents that are led from outside (priority LED): a recording, a robot, a tracked person. Each is told where it is to
-// be at the end of the step, or that it is not there. The phases:
-//   appear, before the grid: who was absent appears one step short of the target; who is gone becomes absent
+// Agents led from outside (priority LED): a recording, a robot, a tracked person. The host gives each the place it reaches
+// at the end of the step, or marks it as absent. The phases:
+//   appear, before the grid: an absent agent appears one step short of its target; one without a target becomes absent
 //   steer, after prefer:     the velocity that ends the step at the target, v = (target - p) / dt
 // The target is a place, not a displacement, so that rounding does not add up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
@@ -12,7 +12,7 @@
 @group(0) @binding(5) var<storage, read_write> stance: array<Stance>;                // [agent]
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 
-const WALKING_SPEED: f32 = 0.05; // m/s: who appears faster than this appears in mid-stride
+const WALKING_SPEED: f32 = 0.05; // m/s: an agent that appears faster than this appears in mid-stride
 
 @compute @workgroup_size(64)
 fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {

@@ -1,14 +1,14 @@
 // uses: sight, agent
-// Who is hidden behind what has been drawn already: an agent of the sifted buckets whose two boxes, as each eye sees them,
-// lie behind everything in the tiles of the picture that they touch. A tile holds the farthest depth of its samples (0 where
-// nothing is drawn), so no sample of a hidden body could have passed the test of depth: the picture is the same without it.
-// The phases, in this order:
-//   mark (slot):  marks the blocks of tiles whose depth is wanted; the renderer then fills `tile_depth` in for these,
-//   judge (slot): is it hidden?
-// The boxes are upright, around trunk and limbs and around the head at any phase of the stride: at eye level it is heads
-// that stand out, and few are hidden if these count as wide as shoulders. Where it cannot be judged (it reaches behind the eye, or
-// touches many tiles) the agent counts as seen; and where the eye looks down on the agent's head, since no other head is in
-// the way then.
+// Finds the agents hidden behind bodies that are drawn already. Candidates are the agents of the sifted buckets. Such an
+// agent is hidden if its two boxes, as each eye sees them, lie behind everything in the tiles of the image that they touch.
+// A tile holds the farthest depth of its samples (0 where nothing is drawn). So no sample of a hidden body could have passed
+// the depth test, and the image is the same without it. The phases, in this order:
+//   mark (slot):  marks the blocks of tiles whose depth the next phase reads; the renderer then fills in their `tile_depth`,
+//   judge (slot): tests the boxes against those depths.
+// The boxes are upright, one around trunk and limbs and one around the head, at any phase of the stride. At eye level heads
+// stand out, and few agents are hidden if heads count as wide as shoulders. An agent counts as seen where the test is
+// impossible: a box reaches behind the eye or touches many tiles. It also counts as seen where the eye looks down on its
+// head, since no other head is in the way then.
 const PAD: f32 = 0.0625;       // pixels: corners of triangles are rounded to less than this
 const BEHIND: f32 = 0.01;      // of what is nearer to the eye's plane than this nothing is known, clip space
 const MOST_TILES: u32 = 256u;  // that one box may touch
@@ -21,14 +21,14 @@ const NEARER: f32 = 1.00001;   // depth is rounded too
 @group(0) @binding(3) var<storage, read> position: array<vec2<f32>>;       // [agent] m
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;            // [agent] m
 @group(0) @binding(5) var<storage, read> appearance: array<Appearance>;    // [agent]
-@group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>; // [eye][block] 1 where somebody asks
+@group(0) @binding(6) var<storage, read_write> wanted: array<atomic<u32>>; // [eye][block] 1 where phase `judge` reads it
 @group(0) @binding(7) var<storage, read> tile_depth: array<f32>;           // [eye][tile] least depth, of a marked block
-@group(0) @binding(8) var<storage, read_write> hidden: array<u32>;         // [slot] 1 if nobody sees it
+@group(0) @binding(8) var<storage, read_write> hidden: array<u32>;         // [slot] 1 if no eye sees it
 
 struct Seen {
     is_judged: bool,
     low: vec2<u32>,  // first tile
-    high: vec2<u32>, // behind the last one; none where the box is out of the picture
+    high: vec2<u32>, // behind the last one; none where the box is out of the image
     nearest: f32,    // greatest depth of the box
 }
 
@@ -85,7 +85,7 @@ fn look_at(eye: u32, agent: u32, bounds: vec4<f32>) -> Seen {
 
 fn mark(eye: u32, seen: Seen) {
     if seen.high.x == 0u {
-        return; // out of the picture
+        return; // out of the image
     }
     let columns = (sight.tile_columns + BLOCK - 1u) / BLOCK;
     let base = eye * columns * ((sight.tile_rows + BLOCK - 1u) / BLOCK);

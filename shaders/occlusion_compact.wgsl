@@ -1,5 +1,5 @@
 // uses: sight, dispatch
-// The list of those who are not hidden, in their old order, and what their draws take. A run is RUN slots.
+// Lists the visible agents in their old order, with the arguments of their draws. A run is RUN slots.
 // The phases, in this order:
 //   count (run): how many of a run are seen,
 //   scan (one):  exclusive prefix sums over the runs, the total behind the last,
@@ -7,7 +7,7 @@
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;     // [posed bucket + 1][far bucket + 1]
-@group(0) @binding(2) var<storage, read> hidden: array<u32>;           // [slot] 1 if nobody sees it
+@group(0) @binding(2) var<storage, read> hidden: array<u32>;           // [slot] 1 if no eye sees it
 @group(0) @binding(3) var<storage, read_write> run_shown: array<u32>;  // [run + 1]
 @group(0) @binding(4) var<storage, read_write> shown: array<u32>;      // [slot] slots, those of a bucket from its first on
 @group(0) @binding(5) var<storage, read> draw_args: array<u32>;        // [2][bucket][5]

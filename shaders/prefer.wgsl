@@ -1,7 +1,7 @@
 // uses: step, exact, absent, stages, follow, floors, agent
-// The velocity an agent wants before avoidance: towards its aim at the speed of its gait (v_des), slowing only to stop there. A tiny
-// random part, different for every agent and step, breaks exact symmetry (two people head-on would stop for ever); those who stand
-// at a place of their own stand still.
+// The velocity an agent wants before avoidance: towards its aim at the speed of its gait (v_des), slower only to stop there.
+// A tiny random part, different for every agent and step, breaks exact symmetry: two agents head-on would stop for ever. An
+// agent that has reached a place of its own stands still.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;                 // [agent] m
 @group(0) @binding(2) var<storage, read> body: array<Body>;                          // [agent]

@@ -1,8 +1,9 @@
 // uses: step, absent
-// Moves the queues on, one invocation each: who has been served for its time leaves, and of those who came to the end of the line in this
-// step the one with the lowest number gets the next place. `advance_journey` says who is there, and walks everyone to their place.
+// Advances the queues, one invocation each. An agent that has been served for its time leaves. Of the agents that came to
+// the end of the line in this step, the one with the lowest number gets the next place. `advance_journey` reports which
+// agents are there, and walks each to its place.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read_write> queues: array<u32>;         // [queue][8] who wants to join (NOBODY: none), first and next ticket in the line, 1 if the first stands at the counter, steps it has been served, places, steps of service, 0
+@group(0) @binding(1) var<storage, read_write> queues: array<u32>;         // [queue][8] agent that asks to join (NOBODY: none), first and next ticket in the line, 1 if the first stands at the counter, steps it has been served, places, steps of service, 0
 @group(0) @binding(2) var<storage, read_write> stage_progress: array<u32>; // [agent] in a queue: its ticket + 1
 
 @compute @workgroup_size(64)

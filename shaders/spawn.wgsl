@@ -1,6 +1,7 @@
 // uses: step, storey, grid, absent, exact, agent
-// Lets people in: of every source at most one agent a step, the next by number once its time has come, at a random free place of the source.
-// While there is none it waits outside, and everyone after it. Who comes in is in the grid from the next step on, and stands still until then.
+// Lets agents in: of every source at most one agent a step, the next by number once its time has come, at a random free
+// place of the source. Without a free place it waits outside, and every later agent of the source waits behind it. A new
+// agent is in the grid from the next step on, and stands still until then.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> body: array<Body>;                // [agent]
 @group(0) @binding(2) var<storage, read> elevation: array<f32>;            // [agent] m
@@ -44,7 +45,7 @@ fn spawn(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-// Whether nobody is too near a place for somebody of that radius and elevation.
+// Whether no agent is too near a place for an agent of that radius and elevation.
 fn is_free(place: vec2<f32>, radius: f32, widest: f32, height: f32) -> bool {
     let meets_user = step.user_radius > 0.0 && on_storey(height, step.user_elevation);
     if meets_user && is_near(place, step.user_position, radius + step.user_radius + GAP) {

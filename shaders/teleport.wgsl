@@ -1,6 +1,6 @@
 // uses: step, exact, absent, agent
-// Walkers on a way without an end: who comes into the first box of its teleport is at a random place of the second from this
-// step on. First of all, so that the grid holds everyone where they are.
+// Endless corridors: an agent that enters the first box of its teleport is at a random place of the second box from this
+// step on. The kernel runs before all others, so that the grid holds every agent at its new place.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> teleports: array<Teleport>;       // [teleport]
 @group(0) @binding(2) var<storage, read> teleport_of: array<u32>;          // [agent] its teleport, or NOBODY for none

@@ -1,14 +1,14 @@
 // uses: step, grid, orca, segments, contact, absent, agent
-// What somebody does who gets nowhere for longer than step.patience, so that no jam lasts that only a simulator makes.
+// Frees an agent that makes no progress for longer than step.patience, so that no jam persists as an artefact of the model.
 //
 // Right of way (phase turns): every TURN seconds a random direction is drawn. A blocked agent that faces an oncoming agent
 // gains priority (RAISE) if its preferred velocity has a positive component along that direction. It then takes no share in
 // avoiding agents without priority, and these make room. Agents that all want to go the same way gain nothing by it.
 //
-// Walls (phase walls, after it): who waits because a wall is straight ahead follows it (to the side to which the wanted direction is
-// slanted, else to the nearer end, else to a side drawn by agent) until it is nearer to where it wants to go than when it began, and nothing is straight ahead:
-// the rule by which Lumelsky and Stepanov's "bug" algorithms (1987) leave an obstacle. How much nearer it is comes from
-// the preferred velocity alone: the sum of the steps along it.
+// Walls (phase walls, after it): an agent that waits because a wall is straight ahead follows the wall. It takes the side to
+// which the wanted direction is slanted, else the nearer end, else a side drawn by agent. It stops following once it is
+// nearer to its goal than when it began and its way ahead is clear. Lumelsky and Stepanov's "bug" algorithms (1987) leave an
+// obstacle by this rule. The preferred velocity alone gives the gain in nearness: the sum of the steps along it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
 @group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>;       // [slot]
@@ -19,11 +19,11 @@
 @group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(8) var<storage, read_write> waiting: array<Waiting>;              // [agent]
 
-// Who wants to go slower than this stands by choice, m/s.
+// An agent whose wanted speed is below this stands by choice, m/s.
 const STANDING: f32 = 0.1;
 // Slower than this share of the wanted speed, in the wanted direction, is no progress.
 const PROGRESS: f32 = 0.15;
-// Who is as near as this (and within two cells), ahead, and wants to go the other way (within 73 degrees) is in the way, m.
+// An agent this near (and within two cells), ahead, that wants to go the other way (within 73 degrees) is in the way, m.
 const OPPOSED: f32 = 3.0;
 // How long the right of way lasts, s.
 const TURN: f32 = 3.0;
@@ -117,7 +117,7 @@ fn follow_walls(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
         let slide = blocked.along * select(-1.0, 1.0, along > 0.0);
         let drawn = (hash_u32(agent ^ hash_u32(step.seed)) & 1u) == 1u;
         let by_end = select(blocked.nearer_end > 0.0, drawn, abs(blocked.nearer_end) < ONE_OF_TWO);
-        // along a slanted wall everybody slides anyway, up to a corner
+        // along a slanted wall every agent slides anyway, up to a corner
         if !is_slanted || is_cornered(walls, at, slide, own.radius) {
             state.side = select(-1.0, 1.0, select(by_end, along > 0.0, is_slanted));
             state.lost = 0.0;
@@ -131,7 +131,7 @@ fn follow_walls(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
     waiting[agent] = state;
 }
 
-// Whether somebody ahead wants to go the other way.
+// Whether an agent ahead wants to go the other way.
 fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> bool {
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let columns = i32(step.grid_columns);
@@ -152,7 +152,7 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
     return is_there;
 }
 
-// Whether there is anybody within a metre and 60 degrees: then it is not the wall that keeps it.
+// Whether an agent is ahead within a metre and 60 degrees: then not the wall blocks the way.
 fn is_someone_ahead(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> bool {
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let columns = i32(step.grid_columns);

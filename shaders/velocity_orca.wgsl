@@ -92,8 +92,8 @@ fn leave(entry: u32) {
     }
 }
 
-// The attempts from number `first` on. When it is too crowded to plan that far, or nobody would get on, an agent plans less
-// far and asks who goes first: what is near then counts for more than what is far.
+// The attempts from number `first` on. In a crowd too dense to plan that far, or without progress, an agent plans less far.
+// It then applies precedence: near neighbours count for more than far ones.
 fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> vec2<f32> {
     let max_speed = others.me.max_speed;
     let made = others.hard + others.count;
@@ -120,7 +120,7 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
     return least_bad(made, others.hard, solved.satisfied, max_speed, solved.velocity);
 }
 
-// Whom an agent avoids: first the user, if `users` is 1, then those in `found`; `count` with the user.
+// The others that an agent avoids: first the user, if `users` is 1, then those in `found`; `count` with the user.
 struct Others {
     slot: u32,
     me: SlotMotion, // in that slot
@@ -129,8 +129,8 @@ struct Others {
     count: u32,
 }
 
-// Lines of the user, who takes none of the avoidance, so the agent takes all, and of the neighbours, nearest first. Of two
-// agents the one of lower priority takes more; of two alike, where it is dense, the one behind.
+// Lines of the user and of the neighbours, nearest first. The user takes no share of the avoidance, so the agent takes all.
+// Of two agents the one of lower priority takes more. Of two with equal priority in a dense crowd the one behind takes more.
 fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
     let heading = unit_or(wanted, vec2<f32>(0.0, 0.0));
     for (var k = 0u; k < o.count; k++) {

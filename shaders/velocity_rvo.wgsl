@@ -30,8 +30,8 @@ const GOLDEN: vec2<f32> = vec2<f32>(-0.7373689, 0.6754903);
 const GOLDEN_4: vec2<f32> = vec2<f32>(-0.9847135, -0.17418195);
 // Contacts sooner than a tenth of a second count as that, 1/s.
 const SOONEST: f32 = 10.0;
-// Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m: more
-// than a contact, or who overlaps with one would stay there for fear of touching the next.
+// Each m/s that two overlapping discs lack of coming apart costs as much as a collision so many times a second, 1/m. It costs
+// more than a contact. Otherwise an agent in an overlap would stay there for fear of touching the next.
 const SEPARATE: f32 = 20.0;
 
 // The user and the neighbours that can matter: where the disc is (if it overlaps: its direction), what the own relative
@@ -224,8 +224,8 @@ fn danger(v: Four, me: Walker) -> vec4<f32> {
     return step.collision_weight * (worst + SEPARATE * lack);
 }
 
-// Notes the user and the neighbours that can matter, nearest first; returns how many. Who cannot come nearer than its horizon
-// allows, whichever velocity is chosen, is left out.
+// Notes the user and the neighbours that can matter, nearest first; returns how many. The list leaves out a neighbour that
+// cannot come nearer than its horizon allows, whichever velocity the agent chooses.
 fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
     let at = me.motion.position;
     let to_user = step.user_position - at;
@@ -233,7 +233,7 @@ fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
     if (contents & USER) != 0u {
         users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.motion.elevation, step.user_elevation));
     }
-    // who is faster than it may be slows down by more than `most`
+    // an agent above its maximum speed slows down by more than `most`
     let excess = max(sqrt(dot2(me.motion.velocity, me.motion.velocity)) - me.motion.max_speed, 0.0);
     let change = me.most + excess;
     var made = 0u;

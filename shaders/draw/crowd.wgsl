@@ -86,7 +86,7 @@ fn crowd_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @location(0
     return finish(shade(in.world, normalize(in.normal), in.color.rgb), in.world, eye);
 }
 
-// Bodies nearer to an eye than this begin to dissolve, and are gone, m: nobody is seen from the inside.
+// Bodies nearer to an eye than this begin to dissolve, and are gone, m. So no body shows its inside.
 const FADE_BEGINS: f32 = 0.6;
 const FADE_ENDS: f32 = 0.22;
 
@@ -109,9 +109,9 @@ fn is_faded(world: vec3<f32>) -> bool {
     return whole <= (f32(order) + 0.5) / 16.0;
 }
 
-// How many of a pixel's samples glass covers, as a share: what its alpha says, dithered over two by two pixels. The
-// pipeline turns whole samples into coverage. Blending proper would need the surfaces of the whole crowd from back to front;
-// this needs no order, so that pictures do not depend on one, and depth stays true for what is drawn later.
+// Samples of a pixel that glass covers, as a share: what its alpha says, dithered over two by two pixels. The pipeline
+// turns whole samples into coverage. Blending proper would need the surfaces of the whole crowd from back to front. This
+// needs no order, so images do not depend on one, and depth stays true for later draws.
 fn coverage(alpha: f32, place: vec4<f32>) -> f32 {
     let x = u32(place.x) & 1u;
     let y = u32(place.y) & 1u;
@@ -130,7 +130,7 @@ fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @locat
     return vec4<f32>(finish(shade(in.world, normalize(in.normal), in.color.rgb), in.world, eye).rgb, cover);
 }
 
-// Of a mesh one level coarser than the picture's.
+// Of a mesh one level coarser than the image's.
 @vertex
 fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
     return view.shadow_from_world * vec4<f32>(pose(vertex, instance).world, 1.0);

@@ -1,5 +1,5 @@
 // uses: block
-// The farthest depth of each tile of a picture of several samples that `occlude` asks for, into an image of one texel a
+// Writes the farthest depth of each tile that `occlude` has marked, from a multisampled image, into an image of one texel a
 // tile. Depth is reversed: the farthest is the least.
 
 @group(0) @binding(0) var picture_depth: texture_depth_multisampled_2d;
@@ -13,7 +13,7 @@ struct TileVertex {
     @location(0) @interpolate(flat) side: vec2<u32>,
 }
 
-// An instance for each block; those that nobody asks for have no area.
+// One instance for each block. A block that `occlude` has not marked has no area.
 @vertex
 fn depth_reduce_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) block: u32) -> TileVertex {
     let count = (tiles.yz + BLOCK - 1u) / BLOCK;

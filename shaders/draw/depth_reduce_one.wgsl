@@ -1,5 +1,5 @@
 // uses: block
-// `tile_depth` of a picture of one sample a pixel.
+// `tile_depth` of an image of one sample a pixel.
 
 @group(0) @binding(0) var picture_depth: texture_depth_2d;
 @group(0) @binding(1) var<storage, read> wanted: array<u32>; // [eye][block]
@@ -12,7 +12,7 @@ struct TileVertex {
     @location(0) @interpolate(flat) side: vec2<u32>,
 }
 
-// An instance for each block; those that nobody asks for have no area.
+// One instance for each block. A block that `occlude` has not marked has no area.
 @vertex
 fn depth_reduce_one_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) block: u32) -> TileVertex {
     let count = (tiles.yz + BLOCK - 1u) / BLOCK;

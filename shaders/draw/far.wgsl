@@ -13,7 +13,7 @@
 @group(0) @binding(9) var<storage, read> phase: array<u32>;             // [agent] the whole range is one stride
 @group(0) @binding(10) var<storage, read> elevation: array<f32>;        // [agent] m
 
-@group(0) @binding(11) var<storage, read> shown: array<u32>; // slots of those who are not hidden, see kernel `occlusion_compact`
+@group(0) @binding(11) var<storage, read> shown: array<u32>; // slots of visible agents, see kernel `occlusion_compact`
 
 @group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;         // [agent] clip ids
 @group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>;  // [agent]

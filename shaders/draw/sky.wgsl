@@ -1,5 +1,5 @@
 // uses: view, light
-// The sky behind everything: one triangle over the whole picture, infinitely far.
+// The sky behind everything: one triangle over the whole image, infinitely far.
 
 struct SkyVertex {
     @builtin(position) clip: vec4<f32>,

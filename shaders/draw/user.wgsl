@@ -1,6 +1,6 @@
 // uses: view, light
-// What pictures show of the user: hands, their joints, controllers and a teleport's arc as rounded solids, the place it leads to as a
-// ring on the floor, and a vignette that narrows the view while the user is moved.
+// What images show of the user. Hands, their joints, controllers and a teleport's arc are rounded solids. The place it leads
+// to is a ring on the floor. A vignette narrows the view while the user is moved.
 
 // A solid of half lengths 1, as its twin kernels::layout::Solid.
 struct Solid {

@@ -1,4 +1,4 @@
-// Somebody who is not there (not yet, or no more) stands at ABSENT on both axes and has no slot.
+// An absent agent (not yet there, or gone) stands at ABSENT on both axes and has no slot.
 const ABSENT: f32 = 1e9;
 const NOBODY: u32 = 0xffffffffu;
 

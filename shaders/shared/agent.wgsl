@@ -8,7 +8,7 @@ struct Body {
     stride_travel: f32,   // m that one stride covers
 }
 
-// Buffer `avoidance`: whom an agent avoids, and how far ahead.
+// Buffer `avoidance`: which agents an agent avoids, and how far ahead.
 struct Avoidance {
     inverse_time_horizon: f32, // 1/s; of an agent led from outside its comfort distance instead, m
     neighbour_distance: f32,   // m

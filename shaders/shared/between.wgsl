@@ -3,7 +3,7 @@ struct BetweenUniforms {
     agent_count: u32,
     newest: u32, // place of the newest snapshot, 0 or 1; the one before it has the other
     share: f32,  // of the way from the one before to the newest, 0 to 1
-    reach: f32,  // m: whoever is farther from where they were did not walk there
+    reach: f32,  // m: an agent farther from its earlier place than this did not walk there
 }
 
 // Buffer `snapshots`: what is shown of an agent, [2][agent].

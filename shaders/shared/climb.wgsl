@@ -1,2 +1,2 @@
-// m: nobody climbs more at once, so what is this much higher or lower is not on the same floor.
+// Highest step that an agent climbs at once, m. What is farther above or below is not on the same floor.
 const STEP: f32 = 0.6;

@@ -1,10 +1,10 @@
 // Times until bodies touch, as rates (1 / time, 1/s), since a rate needs no infinity; twin: reference::contact. Needs exact.
 const NEARLY_TOUCHING: f32 = 1e-9;
-// Corners of walls count as discs of this share of the own radius: who slides along a wall is not stopped by its joints.
+// Corners of walls count as discs of this share of the own radius, so that the joints of a wall do not stop a sliding agent.
 const CORNER: f32 = 0.98;
 
-// Until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never. At most `most`; that much for
-// who is inside and goes farther in.
+// Returns the inverse of the time until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never.
+// The result is at most `most`, and `most` for a point inside that goes farther in.
 fn disc_rate(to: vec2<f32>, velocity: vec2<f32>, radius: f32, most: f32) -> f32 {
     let b = dot2(to, velocity);
     let c = dot2(to, to) - radius * radius;

@@ -6,5 +6,5 @@ const STOREYS: u32 = 1u; // people walk above one another
 const UNLIKE: u32 = 2u;  // avoidance differs between people
 const WALLS: u32 = 4u;
 const USER: u32 = 8u;
-const CROWDED: u32 = 16u; // who sees a crowd ahead walks slower
+const CROWDED: u32 = 16u; // agents slow down for a crowd ahead
 const GROUPS: u32 = 32u;  // some walk together

@@ -17,7 +17,7 @@ const LEAST_SHARE: f32 = 0.03;
 // The density is measured over no less than this, m2.
 const LEAST_REACH2: f32 = 0.04;
 
-// Who has been given the right of way (RAISE) does not slow down for the density.
+// Whether an agent has been given the right of way (RAISE). Such an agent does not slow down for the density.
 fn has_right_of_way(slot: u32) -> bool {
     return slot_motion[slot].priority >= RAISE;
 }
@@ -48,7 +48,7 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
             let theirs = preferred_velocity[slot_avoidance[found[k]].agent];
             let theirs2 = dot2(theirs, theirs);
-            // who stands is queued behind, who comes the other way is not
+            // an agent queues behind one that stands, and not behind one that comes the other way
             let same = select(dot2(theirs, wanted) / sqrt(theirs2 * wanted2), 1.0, theirs2 < 1e-8);
             people += (1.0 - distance2 / reach2) * (along / sqrt(distance2 * wanted2)) * max(same, 0.0);
         }

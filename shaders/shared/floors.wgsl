@@ -5,14 +5,14 @@
 // Needs the bindings step and floors. Twin: reference::elevate.
 //   floors: [floor][9] height = x a + z b + c: (a, b, c, sheet of the flow grid); eight edges: inside if x n + z m + d >= 0: (n, m, d, 0)
 const FLOOR_STRIDE: u32 = 9u;
-const EDGE: f32 = 0.02;  // m that a piece reaches beyond its edges, so that nobody falls between two that meet
+const EDGE: f32 = 0.02;  // m that a piece reaches beyond its edges, so that no agent falls between two that meet
 
 struct Standing {
     height: f32,  // m
     sheet: f32,   // of the flow grid
 }
 
-// Where somebody stands at a point who stood at height `present` before.
+// Where an agent stands at a point, from the height `present` it stood at before.
 fn standing(at: vec2<f32>, present: f32) -> Standing {
     var nearest = STEP;
     var found = Standing(0.0, 0.0);

@@ -1,10 +1,10 @@
 // uses: way, exact
 // Following a field. Needs the bindings flow_grid and flow_way. Twin: reference::way.
 
-// The direction (of any length) in which an agent at `at` walks to its goal, `to` away from it: along `field`, blended
-// between the four cells around it, of the sheet it stands on; `to` itself where the goal is in sight of its cell, there is no way or no such field.
-// Whoever stands where nobody can stand is led out. Cells behind a wall do not count: from cell to cell only links that
-// can be walked are crossed.
+// The direction (of any length) in which an agent at `at` walks to its goal, `to` away from it. It follows the flow field
+// `field`, blended between the four cells around it, of the sheet it stands on. It follows `to` itself where its cell sees
+// the goal, where there is no way, or without such a field. An agent in a solid cell is led out. Cells behind a wall do not
+// count: the blend crosses only walkable links from cell to cell.
 fn flow_direction(field: u32, sheet: u32, at: vec2<f32>, to: vec2<f32>) -> vec2<f32> {
     if field >= flow_grid.field_count {
         return to;

@@ -1,4 +1,4 @@
-// Parameters of one picture; the Rust twin is kernels::layout::FrameUniforms. World frame, y up, metres.
+// Parameters of one frame; the Rust twin is kernels::layout::FrameUniforms. World frame, y up, metres.
 struct FrameUniforms {
     planes: array<vec4<f32>, 12>, // unit normals; inside is dot(plane.xyz, p) + plane.w >= 0; eye 0 has 0..6, eye 1 has 6..12
     user_eyes: vec4<f32>,         // xyz: midpoint of the user's eyes, which agents look at
@@ -13,13 +13,13 @@ struct FrameUniforms {
     bucket_count: u32,            // avatars * levels; with two far buckets for each avatar behind them at most 32
     visible_capacity: u32,        // agents that local_rotations and palettes have room for
     near_capacity: u32,           // agents that the skinned vertices have room for
-    frame_index: u32,             // counts pictures; a gaze not updated in the picture before starts afresh
+    frame_index: u32,             // counts frames; a gaze not updated in the frame before starts afresh
     gaze_mode: u32,               // 0 natural, 1 paper
-    frame_time: f32,              // seconds since the picture before
+    frame_time: f32,              // time since the frame before, s
     agent_height: f32,            // bounding height for culling, m
     agent_radius: f32,            // bounding radius for culling, m
     clip_count: u32,              // clips in clip_frames; with none no agent is drawn
-    gaze_limit: u32,              // 0: all who would look at the user do; else one more than the most at a time
+    gaze_limit: u32,              // 0: every agent that would look at the user does; else one more than the most at a time
     gaze_time: u32,               // ms
     turn_least: u32,              // shortest turn to look at the user, ms
     turn_most: u32,               // longest turn, ms

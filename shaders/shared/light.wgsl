@@ -1,4 +1,4 @@
-// Sun, sky, shadow, haze and tone: what every surface in the picture has in common.
+// Sun, sky, shadow, haze and tone: what every surface in the image has in common.
 
 @group(0) @binding(0) var<uniform> view: ViewUniforms;
 @group(0) @binding(1) var shadow_map: texture_depth_2d;
@@ -68,7 +68,7 @@ fn shade_lifted(world: vec3<f32>, normal: vec3<f32>, color: vec3<f32>, lift: f32
     return albedo * (view.sun_color.rgb * sun + ambient) + max(color - 1.0, vec3<f32>(0.0));
 }
 
-// The picture's colour: haze over the distance from the eye, exposure, highlights rolled off. Linear; the sRGB curve is
+// The image's colour: haze over the distance from the eye, exposure, highlights rolled off. Linear; the sRGB curve is
 // the image format's.
 fn finish(light: vec3<f32>, world: vec3<f32>, eye: u32) -> vec4<f32> {
     let away = world - view.eyes[eye].xyz;

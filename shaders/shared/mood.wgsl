@@ -1,6 +1,6 @@
 // How feelings change, of all people; the Rust twin is kernels::layout::MoodUniforms.
 struct MoodUniforms {
-    radius: f32,       // m: people farther apart do not catch each other's feelings; 0: nobody does
+    radius: f32,       // m: agents farther apart do not catch each other's feelings; 0: none do
     contagion: f32,    // 1/s
     decay: f32,        // 1/s: how fast feelings return to their own state
     event_count: u32,
@@ -17,7 +17,7 @@ struct Temperament {
 
 // Buffer `heard`: [agent].
 struct Heard {
-    strength: f32, // sum of epsilon alpha over all who are heard
+    strength: f32, // sum of epsilon alpha over all agents heard
     happy: f32,    // q*, 0 to 1
     angry: f32,    // q*, 0 to 1
     sad: f32,      // q*, 0 to 1

@@ -6,8 +6,7 @@
 // neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
 // every device.
 //
-// Needs the bindings step, slot_motion, slot_avoidance, and cell_start. With STOREYS those of another storey do not
-// count.
+// Needs the bindings step, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES: u32 = 255u;          // candidates that the low bits can number
 const NO_KEY: u32 = 0xffffffffu;
@@ -227,7 +226,7 @@ fn search(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     return count;
 }
 
-// Everyone outside the square of 2 ring + 1 cells is at least this far away.
+// Lower bound of the distance of agents outside the square of 2 ring + 1 cells, m.
 fn safe_distance(at: vec2<f32>, centre: vec2<i32>, ring: i32) -> f32 {
     let from_origin = at - step.grid_origin;
     var safe = FAR_AWAY;

@@ -6,9 +6,9 @@ const NEIGHBOURS: u32 = 10u;
 const SEGMENTS: u32 = 12u;
 const LINES: u32 = 23u;
 const EPSILON: f32 = 0.00001;
-// Who has the right of way keeps clear of the others for this time only, 1/s (of 0.15 s).
+// An agent with the right of way avoids collisions with others within this time only, 1/s (of 0.15 s).
 const RIGHT_OF_WAY: f32 = 6.6666665;
-// Who walk together keep clear of one another for this time only, 1/s (of 0.25 s).
+// Members of a group avoid collisions with one another within this time only, 1/s (of 0.25 s).
 const TOGETHER: f32 = 4.0;
 const FAR_AWAY: f32 = 3.4028235e38;
 
@@ -164,7 +164,7 @@ const RAISED: f32 = 3000.0;
 // Height of a body that has to pass under something, m.
 const TALL: f32 = 1.8;
 
-// Whether a segment with these two corners is in the way of somebody who stands at `elevation`.
+// Whether a segment with these two corners is in the way of an agent that stands at `elevation`.
 fn stands_at(corners: vec2<f32>, elevation: f32) -> bool {
     let low = abs(corners.x) - RAISED;
     let high = abs(corners.y) - RAISED;

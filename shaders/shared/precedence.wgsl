@@ -1,6 +1,6 @@
 // uses: exact, orca
-// Who goes first where it is crowded, and how much room a body takes there; twin: reference::precedence, where the equations
-// are.
+// Which agent goes first where it is crowded, and how much room a body takes there. Twin: reference::precedence, which has
+// the equations.
 
 // How fast the share changes with how far the other is ahead: 5 % of the sum of the radii decide.
 const PRECEDENCE_STEEPNESS: f32 = 10.0;

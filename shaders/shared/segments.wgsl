@@ -3,8 +3,8 @@
 var<private> segment_numbers: array<u32, 12>;
 var<private> segment_distances: array<f32, 12>;
 
-// Finds the segments nearer than `reach`, m, that stand where somebody at `elevation` is, by (squared distance, number);
-// returns how many are in segment_numbers.
+// Finds the segments nearer than `reach`, m, that are in the way of an agent at `elevation`, by (squared distance, number).
+// Returns how many are in segment_numbers.
 fn near_segments(at: vec2<f32>, reach: f32, elevation: f32) -> u32 {
     if step.obstacle_count == 0u {
         return 0u;
@@ -36,7 +36,7 @@ fn near_segments(at: vec2<f32>, reach: f32, elevation: f32) -> u32 {
     return count;
 }
 
-// Whether a segment stands where somebody at `elevation` is; without floors all do.
+// Whether a segment is in the way of an agent at `elevation`; without floors all are.
 fn is_in_the_way(number: u32, elevation: f32) -> bool {
     if step.storey_height <= 0.0 {
         return true;

@@ -1,12 +1,12 @@
 // uses: block
-// What `occlude` and `occlusion_compact` know about a pass of a picture and the people it sifts; the Rust twin is
+// What `occlude` and `occlusion_compact` know about a render pass and the agents it sifts; the Rust twin is
 // kernels::layout::SightUniforms. World frame, y up, metres.
 struct SightUniforms {
     clip_from_world: array<mat4x4<f32>, 2>, // per eye; depth 1 near, 0 far
     bounds: array<array<vec4<f32>, 2>, 32>, // [bucket] two boxes around a body of scale 1, trunk and head: x: half a side; y, z: bottom and top above its foot
-    width: f32,                             // pixels of an eye's picture
+    width: f32,                             // pixels of an eye's image
     height: f32,
-    eye_count: u32,                         // eyes of the pass: hidden is who neither sees
+    eye_count: u32,                         // eyes of the pass: an agent is hidden if no eye sees it
     tile_width: u32,                        // pixels
     tile_height: u32,
     tile_columns: u32,

@@ -1,6 +1,7 @@
 // Buffer `stages`: the stages of journeys, [stage].
-// Kinds: a waypoint is passed within its radius. A goal is a region with a place of its own for everyone, passed on entering it. In a waiting area
-// everyone goes to a place of their own and stays for a time. An agent that enters an exit is gone. In a queue agents stand one behind the other.
+// Kinds: an agent passes a waypoint within its radius. A goal is a region with a place for each agent; an agent passes it on
+// entering it. In a waiting area each agent goes to its own place and stays for a time. An agent that enters an exit is gone.
+// In a queue agents stand one behind the other.
 struct Stage {
     place: vec2<f32>,    // its middle, or the first place of a queue, m
     radius: f32,         // m
@@ -9,7 +10,7 @@ struct Stage {
     across: vec2<f32>,   // half axis across the region, m; of a queue: its places, and its number
     field: f32,          // number of the flow field that leads there, or -1
     least_wait: f32,     // steps
-    first_leave: f32,    // step before which nobody leaves
+    first_leave: f32,    // first step in which an agent may leave
     number: f32,         // in its file
     elevation: f32,      // m
     has_elevation: f32,  // 1; 0: it is on whichever floor

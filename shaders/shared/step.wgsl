@@ -1,6 +1,6 @@
 // An agent of this priority is led from outside: it takes its preferred velocity whatever stands in its way.
 const LED: f32 = 2.0;
-// So much above its own is the priority of somebody who has been given the right of way for a while (their own is 1 at most).
+// The right of way raises an agent's priority by this much for a while (its own priority is 1 at most).
 const RAISE: f32 = 1.5;
 // Beside the neighbour cap in slot_avoidance: is led from outside.
 const LED_BIT: u32 = 256u;
@@ -20,7 +20,7 @@ struct StepUniforms {
     inverse_cell_size: f32,      // 1/m
     time_step: f32,              // s
     inverse_time_step: f32,      // 1/s
-    storey_height: f32,          // m: whoever is that much higher or lower is not a neighbour
+    storey_height: f32,          // m: an agent this much higher or lower is not a neighbour
     inverse_time_horizon_obstacles: f32, // 1/s
     user_position: vec2<f32>,    // m
     user_velocity: vec2<f32>,    // m/s
@@ -38,20 +38,20 @@ struct StepUniforms {
     model: u32,                  // velocity kernel: 0 ORCA, 1 RVO
     collision_weight: f32,       // m, of RVO: what a time to collision of 1 s costs
     max_acceleration: f32,       // m/s2, of RVO
-    patience: f32,               // s without progress before an agent does something about it; 0: never
+    patience: f32,               // time without progress before `unjam` acts, s; 0: never
     source_count: u32,           // sources of people
     queue_count: u32,            // queues
     wrap: f32,                   // m: side of a square from the origin whose opposite sides are joined; 0: none
-    led_count: u32,              // agents that are led from outside
+    led_count: u32,              // agents led from outside
     crowding: f32,               // 0 to 1, how much people ahead slow an agent down
     crowding_reach: f32,         // m ahead over which their density is measured
-    group_count: u32,            // groups of people who walk together
+    group_count: u32,            // walking groups
     floor_count: u32,            // floors above the ground
-    reaction_steps: u32,         // until this step somebody may still have to react
+    reaction_steps: u32,         // first step by which every agent has reacted
     feels: u32,                  // 1: feelings change
-    path_count: u32,             // agents that are led on a path
-    teleport_count: u32,         // places where walkers are taken away and put elsewhere
-    alike: u32,                  // 1: everyone has the manners of agent 0
+    path_count: u32,             // agents led on a path
+    teleport_count: u32,         // boxes from which agents move to other boxes
+    alike: u32,                  // 1: all agents have the avoidance of agent 0
     user_elevation: f32,         // m: height of the floor that the user stands on
     padding: u32,
 }

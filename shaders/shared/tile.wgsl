@@ -1,7 +1,7 @@
-// A tile of the flow grid and the ring of cells around it, held by one invocation, seen in the order of a sweep: the first
-// cell is the first it comes to. Cells are told apart by constants alone, in loops that a compiler unrolls, so that it can
-// keep them in registers: sweeping waits for no memory. Where rows are read or written one after the other all of them move
-// up by one each time, and it is always the same one that is read or written: less to compile than unrolling.
+// A tile of the flow grid and the ring of cells around it, held by one invocation in the order of a sweep: the first cell is
+// the first that the sweep reaches. Only constants index the cells, in loops that a compiler unrolls. So it can keep them in
+// registers, and sweeping waits for no memory. Where the code reads or writes rows one after the other, all rows move up by
+// one each time, and the code always accesses the same one. This compiles faster than unrolling.
 // Needs the bindings flow_grid, flow_cells and flow_distance. Twin: in reference::flow.
 const TILE: u32 = 8u;          // cells along a side
 const RING: u32 = TILE + 2u;   // with the ring

@@ -1,4 +1,4 @@
-// Parameters of one picture for the draw shaders; the Rust twin is kernels::layout::ViewUniforms. World frame, y up,
+// Parameters of one frame for the draw shaders; the Rust twin is kernels::layout::ViewUniforms. World frame, y up,
 // metres, linear colours.
 struct ViewUniforms {
     clip_from_world: array<mat4x4<f32>, 2>, // per eye; depth 1 near, 0 far

@@ -11,11 +11,11 @@ struct FlowUniforms {
     cell_count: u32,          // columns * rows
     tile_columns: u32,        // tiles of TILE by TILE cells
     tile_rows: u32,
-    field_count: u32,         // 0: nobody asks for a way
+    field_count: u32,         // 0: no agent follows a flow field
     seed_count: u32,          // of flow_seeds
     window: u32,              // density is counted over 2 window + 1 cells each way
     density_weight: f32,      // m2: cost of a metre is 1 + density_weight * density; 0: density does not matter
-    solid_step: f32,          // m: what a cell costs where nobody can stand
+    solid_step: f32,          // m: cost of a cell in which no agent can stand
     every: u32,               // steps between two counts of people; 0: never
     sheet_rows: u32,          // of one sheet
     joint_count: u32,         // of flow_joints

@@ -57,7 +57,7 @@ pub fn advance_journey(b: Slices<'_>) {
     }
 }
 
-/// What somebody in or at a line shows, beside the first element of the line.
+/// What an agent in or at a line signals, with the first element of the line.
 enum Sign {
     /// Wants to be let in.
     Joins,

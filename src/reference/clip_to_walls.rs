@@ -1,4 +1,4 @@
-//! The last resort of collision avoidance: nobody walks through a wall.
+//! The last resort of collision avoidance: no agent walks through a wall.
 
 use super::exact::{det2, dot2, is_finite2};
 use super::segments::Walls;

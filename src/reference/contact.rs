@@ -3,8 +3,8 @@
 use super::exact::{det2, dot2};
 use crate::kernels::shared::contact::{CORNER, NEARLY_TOUCHING};
 
-/// Until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never. At most `most`; that much for
-/// who is inside and goes farther in.
+/// Returns the inverse of the time until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never.
+/// The result is at most `most`, and `most` for a point inside that goes farther in.
 pub fn disc_rate(to: [f32; 2], velocity: [f32; 2], radius: f32, most: f32) -> f32 {
     let b = dot2(to, velocity);
     let c = dot2(to, to) - radius * radius;

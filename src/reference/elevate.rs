@@ -19,8 +19,8 @@ pub fn elevate(b: Slices<'_>) {
     });
 }
 
-/// Where somebody stands at a point who stood at height `present` before: height, m, and sheet of the flow grid. Twin of
-/// `shaders/shared/floors.wgsl`.
+/// Where an agent stands at a point, from the height `present` it stood at before: height, m, and sheet of the flow grid.
+/// Twin of `shaders/shared/floors.wgsl`.
 pub fn standing(floors: &[[f32; 4]], at: [f32; 2], present: f32) -> [f32; 2] {
     let (mut nearest, mut found) = (STEP, [0.0; 2]);
     for floor in floors.chunks_exact(FLOOR_STRIDE) {

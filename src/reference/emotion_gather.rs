@@ -1,4 +1,4 @@
-//! Whom people hear, for what they then feel.
+//! Sums what each agent hears, for its feelings.
 
 use super::exact::dot2;
 use super::shared::grid_cell;

@@ -318,7 +318,7 @@ fn sweeps(
             }
         }
         if quiet {
-            // a tile whose inner cells alone fell has nothing to tell its neighbours, but is written all the same
+            // a tile whose inner cells alone fell changes nothing for its neighbours, but is written all the same
             return (fell | if sweep > 0 { 1 << 31 } else { 0 }, false);
         }
     }

@@ -1,4 +1,4 @@
-//! Whose turn it is to look at the user, so that a crowd never stares at once.
+//! Schedules which agents look at the user, so that a crowd never stares at once.
 
 use super::body::visible_agents;
 use super::exact::{dot2, hash_u32, sin_cos};

@@ -34,7 +34,7 @@ pub fn group_cohesion(b: Slices<'_>) {
     );
 }
 
-/// How far the first of the group is ahead of an agent who wants to go with the velocity `wanted`, m/s; in m, 0 for the first.
+/// How far the first of the group is ahead of an agent of preferred velocity `wanted` (m/s), m; 0 for the first.
 fn behind(agent: usize, others: [u32; 4], wanted: [f32; 2], position: &[[f32; 2]]) -> f32 {
     let at = position[agent];
     let ahead = others

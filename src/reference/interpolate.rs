@@ -1,4 +1,4 @@
-//! Puts everyone where they are between the last two snapshots.
+//! Interpolates every agent between the last two snapshots.
 
 use super::between::index_of;
 use super::exact::{dot2, wrap};

@@ -1,4 +1,4 @@
-//! Keeps what pictures show of a crowd's present snapshot.
+//! Keeps the drawn state of a crowd's present snapshot.
 
 use super::between::index_of;
 use crate::kernels::keep_snapshot::Slices;

@@ -1,4 +1,4 @@
-//! Who is hidden behind what has been drawn already.
+//! Finds the agents hidden behind bodies that are drawn already.
 
 use super::sight::{bucket_of, start_of};
 use crate::kernels::layout::SightUniforms;

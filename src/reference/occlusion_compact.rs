@@ -1,4 +1,4 @@
-//! The list of those who are not hidden, and what their draws take.
+//! Lists the visible agents, with the arguments of their draws.
 
 use super::sight::{bucket_of, start_of};
 use crate::kernels::occlusion_compact::Slices;

@@ -1,15 +1,15 @@
-//! Who goes first where it is crowded, and how much room a body takes there; twin of `shaders/shared/precedence.wgsl`.
+//! Which agent goes first where it is crowded, and how much room a body takes there; twin of `shaders/shared/precedence.wgsl`.
 //!
 //! Reciprocal avoidance shares every evasion in halves, so discs that press towards a door from both sides hold one another in
-//! an arch. People do not: who is ahead goes, and who is behind waits. So where not everyone can be avoided, an agent's share of
-//! the avoidance is, instead of ρ (the `responsibility`),
+//! an arch. People do not: the person ahead goes, and the person behind waits. So where an agent cannot avoid all others, its
+//! share of the avoidance is, instead of ρ (the `responsibility`),
 //!
 //! s = clamp(ρ + 10 c (a + 2 m p) / R, 0, 1),    c = |u + w| / 2,    a = d · (u + w) / |u + w|
 //!
 //! u and w are the directions in which both want to go, d leads to the other, and R is the sum of the radii. p is how much higher
-//! the priority of the other is: `group_cohesion` raises that of people whom their group has left behind, so a group passes a door
-//! together. Both shares make 2 ρ together: what one takes less the other takes more. Of two who meet exactly head on c is 0,
-//! and they share as before. Who goes first yields at last, too: below 0.8 R.
+//! the priority of the other is. `group_cohesion` raises it for members that their group has left behind, so a group passes a
+//! door together. The two shares sum to 2 ρ: what one takes less the other takes more. Of two that meet exactly head on c is 0,
+//! and they share as before. The agent that goes first yields at last, too: below 0.8 R.
 //!
 //! Beside one another people are shoulders, behind one another chests: the sum of the radii is taken as
 //!

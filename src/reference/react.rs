@@ -1,4 +1,4 @@
-//! Who has not yet reacted stands.
+//! An agent that has not yet reacted stands.
 
 use crate::kernels::react::Slices;
 

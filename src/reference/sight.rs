@@ -1,4 +1,4 @@
-//! Twin of `shaders/shared/sight.wgsl`: the slots that are sifted for those nobody sees.
+//! Twin of `shaders/shared/sight.wgsl`: the slots that the occlusion test sifts for hidden agents.
 
 use crate::kernels::layout::SightUniforms;
 

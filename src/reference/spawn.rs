@@ -26,7 +26,7 @@ pub fn spawn(b: Slices<'_>) {
     }
 }
 
-/// Whether nobody is too near a place for somebody of that radius and elevation.
+/// Whether no agent is too near a place for an agent of that radius and elevation.
 fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f32) -> bool {
     let step = b.step;
     let meets_user = step.user_radius > 0.0 && on_storey(step, height, step.user_elevation);

@@ -1,4 +1,4 @@
-//! What somebody does who gets nowhere: takes turns, and follows walls.
+//! Frees an agent that makes no progress: right of way in turns, and wall following.
 
 use super::contact::segment_rate;
 use super::exact::{dot2, hash_u32, unit_f32};
@@ -117,7 +117,7 @@ fn follow_walls(
         let is_slanted = along.abs() >= SLANTED;
         let way = if along > 0.0 { 1.0 } else { -1.0 };
         let slide = [wall[0] * way, wall[1] * way];
-        // along a slanted wall everybody slides anyway, up to a corner
+        // along a slanted wall every agent slides anyway, up to a corner
         if !is_slanted || is_cornered(walls, &near, position, slide, radius) {
             let is_forward = if is_slanted { along > 0.0 } else { by_end };
             state.side = if is_forward { 1.0 } else { -1.0 };
@@ -129,7 +129,7 @@ fn follow_walls(
     (state.side != 0.0).then(|| beside_wall(walls, &near, position, state.side, radius))
 }
 
-/// Whether somebody ahead wants to go the other way.
+/// Whether an agent ahead wants to go the other way.
 fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 2], ahead: [f32; 2]) -> bool {
     let step = slots.step;
     let [cx, cy] = grid_cell(at, step);
@@ -151,14 +151,14 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
     })
 }
 
-/// Who wants to go to this side has the right of way now.
+/// The present direction of the right of way: agents that want to go to this side have it.
 fn turn(step: &StepUniforms) -> [f32; 2] {
     let turn = step.step_index / ((TURN * step.inverse_time_step) as u32).max(1);
     let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475_726e));
     [unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5]
 }
 
-/// Whether there is anybody within a metre and 60 degrees: then it is not the wall that keeps it.
+/// Whether an agent is ahead within a metre and 60 degrees: then not the wall blocks the way.
 fn is_someone_ahead(slots: &Slots<'_>, slot: usize, at: [f32; 2], ahead: [f32; 2]) -> bool {
     let step = slots.step;
     let [cx, cy] = grid_cell(at, step);

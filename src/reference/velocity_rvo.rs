@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 /// Twin of phase `velocity_rvo` of `shaders/velocity_rvo.wgsl`.
 ///
-/// The shader leaves those who have to search to a second phase, so that invocations side by side do alike. Here the first
+/// The shader leaves agents that have to search to a second phase, so that invocations side by side do alike. Here the first
 /// does all, and the second nothing.
 pub fn velocity_rvo(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
@@ -188,8 +188,8 @@ impl Neighbourhood<'_> {
         cost(&worst, &lack)
     }
 
-    /// The user and the neighbours that can matter, nearest first, and how many. Who cannot come nearer than its horizon
-    /// allows, whichever velocity is chosen, is left out.
+    /// The user and the neighbours that can matter, nearest first, and how many. The list leaves out a neighbour that cannot
+    /// come nearer than its horizon allows, whichever velocity the agent chooses.
     fn look_at_others(
         &self,
         slot: usize,
@@ -200,7 +200,7 @@ impl Neighbourhood<'_> {
         let step = self.slots.step;
         let me = self.slots.slot_motion[slot];
         let ([x, y], [vx, vy], max_speed) = (me.position, me.velocity, me.max_speed);
-        // who is faster than it may be slows down by more than `most`
+        // an agent above its maximum speed slows down by more than `most`
         let excess = (dot2([vx, vy], [vx, vy]).sqrt() - max_speed).max(0.0);
         let change = most + excess;
         let mut others = [Other::default(); NEIGHBOURS + 1];

@@ -1,4 +1,4 @@
-//! Everyone who can appear: avatars, and every gait retargeted onto each of them.
+//! The avatars of a crowd, and every gait retargeted onto each of them.
 
 use super::Error;
 use crate::avatar::{Avatar, Clip, retarget, standing};

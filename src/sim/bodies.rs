@@ -1,5 +1,5 @@
 //! Avatars and clips as the flat buffers that kernels and draw shaders read; `shaders/shared/body.wgsl` states the
-//! layouts. [`fill`] gives a simulation everything that its pictures need.
+//! layouts. [`fill`] gives a simulation everything that its frames need.
 
 use super::avatar_set::AvatarSet;
 use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
@@ -14,7 +14,7 @@ use crate::reference::body::far_slot;
 use crate::scenario::{Budget, EnvironmentMesh, Gaze, GazeMode};
 use glam::Vec3;
 
-/// Most agents that one picture shows with a pose; those beyond are far bodies.
+/// Most agents that one frame shows with a pose; agents beyond are far bodies.
 const MOST_VISIBLE: u64 = 100_000;
 /// Most bytes of skinned vertices; agents beyond are drawn in the second level of detail.
 const MOST_SKINNED: u64 = 96 << 20;
@@ -23,13 +23,13 @@ pub const SMALLEST_STORAGE_RANGE: u64 = 128 << 20;
 /// Nearer than the first two an agent is drawn in level 0 or 1; farther than the third it is not drawn, m. Between the
 /// second and the third lies the distance from which on far bodies are drawn: a person is then [`FAR_PIXELS`] high.
 pub const LEVEL_DISTANCES: [f32; 3] = [12.0, 35.0, 2000.0];
-/// People who are fewer pixels high than this are drawn as far bodies.
+/// People below this height are drawn as far bodies, pixels.
 pub const FAR_PIXELS: f32 = 16.0;
-/// Far bodies who are fewer pixels high than this are specks.
+/// Far bodies below this height are specks, pixels.
 pub const SPECK_PIXELS: f32 = 7.0;
-/// Most tiles of the depth of one eye's picture that tell who is hidden.
+/// Most tiles of the depth of one eye's image for the occlusion test.
 pub const MOST_TILES: usize = 1 << 18;
-/// Most blocks of them: even a picture of one column has no more.
+/// Most blocks of them: even an image of one column has no more.
 const MOST_BLOCKS: usize = MOST_TILES / BLOCK as usize;
 /// Radius about an agent's axis that limbs in motion stay within, m.
 const REACH: f32 = 0.8;
@@ -206,7 +206,7 @@ pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
     frames
 }
 
-/// Fills every buffer that pictures of a crowd need, in capacities that fit buffers of `storage_range` bytes.
+/// Fills every buffer that frames of a crowd need, in capacities that fit buffers of `storage_range` bytes.
 ///
 /// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
 pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuffers {
@@ -259,7 +259,7 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     meshes
 }
 
-/// The same picture with the eyes of the user (world, m) to look at, or nobody.
+/// The same frame with the user's eyes (world, m) as the target of gazes, or with no target.
 pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniforms {
     match user_eyes {
         Some(eyes) => FrameUniforms { user_eyes: eyes.extend(0.0).to_array(), ..frame },
@@ -283,14 +283,14 @@ fn outsiders(cast: &AvatarSet, agents: usize) -> Vec<OutsiderMesh> {
         .collect()
 }
 
-/// Which formulas move the gaze in pictures, how many agents look at the user at a time, and for how long.
+/// Sets the formulas of the gaze, how many agents look at the user at a time, and for how long.
 pub fn set_gaze(frame: &mut FrameUniforms, gaze: &Gaze) {
     frame.gaze_mode = u32::from(gaze.mode == GazeMode::Paper);
     frame.gaze_limit = limit_of(gaze.effective_budget());
     [frame.turn_least, frame.turn_most] = gaze.turn.map(|seconds| (seconds * 1e3) as u32);
 }
 
-/// How the kernels are told how many agents may look at the user: 0 is all of them, otherwise one more than may.
+/// The limit in the kernels' form for agents that may look at the user: 0 is all of them, otherwise one more than may.
 const fn limit_of(budget: Budget) -> u32 {
     match budget {
         Budget::All => 0,

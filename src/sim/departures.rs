@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 /// When how many people had left.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Evacuation {
-    /// People who are to leave: all but those whom no source has a time for; robots and vehicles are none.
+    /// People who are to leave: all but people without a time at a source. Robots and vehicles do not count.
     pub people: u32,
     /// How many of them have left for good.
     pub left: u32,
@@ -21,28 +21,28 @@ pub struct Evacuation {
     pub time_95: Option<f64>,
     /// When all had left, s.
     pub time_100: Option<f64>,
-    /// By exit, in the order of the scenario's stages; of those only that somebody took.
+    /// By exit, in the order of the scenario's stages; only exits that people took.
     pub exits: Vec<ExitTimes>,
-    /// The n-t curve: times, s, and how many had left by then; one entry for every time at which somebody left.
+    /// The n-t curve: times, s, and how many had left by then; one entry for every time of a departure.
     pub n_t: Vec<(f64, u32)>,
 }
 
-/// When those had left who took one exit.
+/// When people left by one exit.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ExitTimes {
     /// Name of the stage.
     pub exit: String,
     /// How many took it.
     pub left: u32,
-    /// When 50 % of those had left, s.
+    /// When 50 % of them had left, s.
     pub time_50: Option<f64>,
     /// When 95 % had left, s.
     pub time_95: Option<f64>,
-    /// When all of those had left, s.
+    /// When all of them had left, s.
     pub time_100: Option<f64>,
 }
 
-/// Somebody as last seen.
+/// An agent as last seen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Whereabouts {
     /// Not come yet.
@@ -85,7 +85,7 @@ impl Departures {
         self.exits.iter().any(Option::is_some)
     }
 
-    /// Notes who is there now, after `steps` steps.
+    /// Notes which agents are there now, after `steps` steps.
     pub fn observe(&mut self, store: &Store, steps: u32) {
         let now = time_of(steps, store.step.time_step);
         for (agent, state) in self.people.iter_mut().enumerate() {
@@ -110,7 +110,7 @@ impl Departures {
         })
     }
 
-    /// What was seen; `None` where nobody can leave and nobody has.
+    /// The observed evacuation; `None` where no agent can leave and none has.
     pub fn evacuation(&self) -> Option<Evacuation> {
         let mut times: Vec<f64> = self.gone().map(|(time, _)| time).collect();
         if times.is_empty() && !self.has_exits() {
@@ -158,7 +158,7 @@ fn quantiles(times: &[f64], people: usize) -> [Option<f64>; 3] {
     })
 }
 
-/// The exit through which somebody with this route has gone: the stage before the one walked to now.
+/// The exit through which an agent with this route has gone: the stage before its present one.
 fn exit_of(exits: &[Option<u32>], route: Route) -> Option<u32> {
     let last = if route.next == 0 { route.length() } else { route.next }.checked_sub(1)?;
     exits.get((route.first + last) as usize).copied().flatten()

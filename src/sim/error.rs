@@ -25,13 +25,13 @@ pub enum Error {
         /// The first agent.
         agent: u32,
     },
-    /// Somebody was to be led who walks by himself, or who is not in the crowd.
+    /// The agent to lead walks by itself, or is not in the crowd.
     #[error("agent {agent} cannot be led: set it up with setup::set_led before the simulation begins")]
     NotLed {
         /// The agent.
         agent: u32,
     },
-    /// Somebody was to be led to nowhere.
+    /// The target or velocity of a led agent is not finite, or too large.
     #[error(
         "agent {agent} cannot be led to {position} m at {velocity} m/s: both must be finite and below 1e8"
     )]
@@ -43,7 +43,7 @@ pub enum Error {
         /// How fast, m/s.
         velocity: Vec2,
     },
-    /// Nobody can stand at a goal.
+    /// No agent can stand at a goal.
     #[error(
         "goal {name:?} at ({x:.2}, {z:.2}) m{} lies where nobody can stand (in something solid, too near to a wall, or outside); \
          move it at least a body's radius from walls, make its radius larger, or lower way_finding.clearance",
@@ -73,7 +73,7 @@ pub enum Error {
         to: Vec2,
         /// Height of the floor that it is on, m.
         to_elevation: f32,
-        /// Where somebody sets out for it, m.
+        /// Where an agent sets out for it, m.
         from: Vec2,
         /// Height of the floor there, m.
         from_elevation: f32,
@@ -106,7 +106,7 @@ pub enum Error {
         /// Fields.
         fields: usize,
     },
-    /// The solver of the ways did not come to an end.
+    /// The solver of the flow fields did not converge.
     #[error("the ways to the goals are not found after {turns} turns: please report the scenario")]
     FlowTurns {
         /// Turns done.

@@ -1,4 +1,4 @@
-//! What a crowd looks like from outside: speeds, clearances, overlaps, who left the walkable area, and a hash.
+//! What a crowd looks like from outside: speeds, clearances, overlaps, departures from the walkable area, and a hash.
 
 use super::setup::NEVER;
 use crate::ground::is_absent;
@@ -12,9 +12,9 @@ pub const OVERLAP: f32 = 0.9;
 /// What a crowd looks like at one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measures {
-    /// Agents that are there.
+    /// Agents present.
     pub present: u32,
-    /// Mean speed of those, m/s; 0 for none.
+    /// Their mean speed, m/s; 0 for none.
     pub mean_speed: f32,
     /// Smallest gap between two discs, m (negative when they overlap); infinite when no two are near.
     pub min_clearance: f32,
@@ -22,11 +22,11 @@ pub struct Measures {
     pub overlapping_pairs: u32,
     /// Routes and journeys walked to their end so far.
     pub arrived: u64,
-    /// Agents that have been there at any time, those of the start too.
+    /// Agents present at any time so far, with those of the start.
     pub entered: u32,
     /// Agents that have left by an exit.
     pub left: u32,
-    /// Agents whose time to come in has come, but who have found no room yet.
+    /// Agents whose time to come in has come, but that have found no room yet.
     pub waiting_outside: u32,
     /// Agents that no source has a time for.
     pub never: u32,
@@ -40,7 +40,7 @@ pub fn time_of(steps: u32, time_step: f32) -> f64 {
     f64::from(steps) / meant
 }
 
-/// The sum of the speeds, m/s, of those who are there and counted, and how many these are.
+/// The sum of the speeds of present agents that `is_counted` accepts, m/s, and how many these are.
 pub fn speeds(store: &Store, is_counted: impl Fn(usize) -> bool) -> (f64, u32) {
     let agents = store.step.agent_count as usize;
     let there = (0..agents).filter(|agent| !is_absent(store.position[*agent]) && is_counted(*agent));
@@ -185,7 +185,7 @@ pub fn state_hash(store: &Store) -> u64 {
     hash.value()
 }
 
-/// Mean weights of happy, angry, sad and neutral over all who are there and walk by themselves, where feelings change.
+/// Mean weights of happy, angry, sad and neutral over all present agents that walk by themselves, where feelings change.
 pub fn mean_feeling(store: &Store) -> Option<[f32; 4]> {
     if store.step.feels == 0 {
         return None;

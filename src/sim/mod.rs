@@ -111,7 +111,7 @@ impl Simulation {
     /// A simulation of a scenario's crowd.
     ///
     /// # Errors
-    /// When a Vulkan device is demanded but cannot be used, or a goal lies where nobody can stand ([`flow::equip`]).
+    /// When a Vulkan device is demanded but cannot be used, or no agent can stand at a goal ([`flow::equip`]).
     pub fn new(
         scenario: &Scenario,
         crowd: &Crowd,
@@ -126,7 +126,7 @@ impl Simulation {
         Ok(Self::from_store(store, backend, device)?.knowing(ways, emotions))
     }
 
-    /// The same, which knows the ways that its store was equipped with, and what each agent feels at the start.
+    /// The same with the flow fields that its store was equipped with, and each agent's feelings at the start.
     pub(crate) fn knowing(self, ways: flow::Ways, emotions: Vec<[f32; 4]>) -> Self {
         Self { ways, emotions, ..self }
     }
@@ -136,7 +136,7 @@ impl Simulation {
         self.machine.run(&mut self.store, ops, contents, self.times.as_mut())
     }
 
-    /// A simulation of buffers filled by hand (see [`setup`]); buffers that only pictures need may be empty.
+    /// A simulation of buffers filled by hand (see [`setup`]); buffers that only frames need may be empty.
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
@@ -152,7 +152,7 @@ impl Simulation {
         Ok(new)
     }
 
-    /// A simulation whose ways are not found yet.
+    /// A simulation whose flow fields are not solved yet.
     fn on(machine: Machine, store: Store) -> Self {
         Self {
             store,
@@ -179,8 +179,8 @@ impl Simulation {
         Ok(new)
     }
 
-    /// A simulation on a Vulkan device that is open already, with the kernels of a step alone: for many short runs. It
-    /// cannot be drawn, and has no ways to goals.
+    /// A simulation on an open Vulkan device with the kernels of a step alone, for many short runs. It cannot be drawn, and has
+    /// no flow fields.
     ///
     /// # Errors
     /// When the device fails.
@@ -227,10 +227,10 @@ impl Simulation {
         self.store.step.user_velocity = velocity.to_array();
     }
 
-    /// Tells where an agent that is led from outside ([`setup::set_led`]) is to be at the end of the next step: a ground
-    /// position (m) and the velocity it has there (m/s, used when it appears); or `None`: it is not there.
+    /// Sets where an agent led from outside ([`setup::set_led`]) is at the end of the next step: a ground position (m) and the
+    /// velocity it has there (m/s, used when it appears). `None` makes it absent.
     ///
-    /// An agent that is told nothing new stands where it was led to last; one with a path in the scenario leaves it.
+    /// An agent without a new target stands at its last target. An agent with a path in the scenario leaves the path.
     ///
     /// # Errors
     /// [`Error::NotLed`] when there is no such agent or it walks by itself, [`Error::Lead`] for numbers that are not
@@ -279,7 +279,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Does `count` steps with the ways as they are.
+    /// Does `count` steps with the present flow fields.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
         if self.is_led_anew {
             self.machine.take(&self.store, &[BufferId::Lead, BufferId::Paths])?;
@@ -313,7 +313,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Measures how long each phase of the kernels of steps and pictures runs, or stops measuring.
+    /// Measures how long each phase of the kernels of steps and frames runs, or stops measuring.
     pub fn measure_times(&mut self, is_on: bool) {
         self.times = is_on.then(Vec::new);
     }
@@ -344,7 +344,7 @@ impl Simulation {
         Ok(&self.store)
     }
 
-    /// Prepares the bodies of everyone a camera sees for drawing (`cull` to `skin`). The store's `frame` says for whom.
+    /// Prepares the bodies that the cameras of the store's `frame` see for drawing (`cull` to `skin`).
     ///
     /// # Errors
     /// When the device fails.
@@ -356,7 +356,7 @@ impl Simulation {
         self.check()
     }
 
-    /// Reads buffers back that a picture made (palettes, skinned vertices, ...).
+    /// Reads buffers back that a frame wrote (palettes, skinned vertices, ...).
     ///
     /// # Errors
     /// When the device fails.

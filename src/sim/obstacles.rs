@@ -67,7 +67,7 @@ pub fn at_heights(mut segment: Segment, low: f32, high: f32) -> Segment {
 pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<u32> {
     let (columns, rows) = (step.grid_columns as i32, step.grid_rows as i32);
     if columns == 0 || rows == 0 {
-        return vec![1]; // no grid, nobody to ask
+        return vec![1]; // no grid, so no agent looks it up
     }
     let mut lists = vec![Vec::new(); (columns * rows) as usize];
     let half = step.cell_size * 0.5;

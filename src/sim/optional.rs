@@ -22,7 +22,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         let speeds = clips.map(|clip| cast.clip(clip).speed * agent.scale);
         let travels = clips.map(|clip| cast.clip(clip).stride_travel * agent.scale);
         let Body { max_speed, preferred_speed: preferred, .. } = store.body[index];
-        // whoever walks faster or slower than the gait says does so with every gait
+        // an agent that walks faster or slower than its gait's speed does so with every gait
         let blended: f32 = speeds.iter().zip(agent.gait_weights).map(|(speed, weight)| speed * weight).sum();
         let own = if blended > 0.0 { preferred / blended } else { 1.0 };
         let is_led = store.avoidance[index].is_led();

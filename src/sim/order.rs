@@ -1,4 +1,4 @@
-//! The order of the kernels in one step and in one picture, once, for both backends.
+//! The order of the kernels in one step and in one frame, once, for both backends.
 
 use crate::kernels::compact::COLUMNS;
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
@@ -120,7 +120,7 @@ pub fn flow_turns(first: u32, count: u32, with_solid: bool) -> Vec<Dispatch> {
     (first..first + count).map(turn).collect()
 }
 
-/// The dispatch that joins sheets, where there are several: if it puts tiles on lists, the turns go on from one whose number
+/// The dispatch that joins sheets, where there are several. If it puts tiles on lists, the turns go on from one whose number
 /// is a multiple of four.
 pub fn flow_joint(grid: &FlowUniforms) -> Dispatch {
     Dispatch::of(Phase::FlowJoin, grid.field_count * grid.joint_count)
@@ -136,19 +136,19 @@ fn tiles_or_lists(grid: &FlowUniforms) -> u32 {
     (grid.field_count * grid.tile_columns * grid.tile_rows).max(4)
 }
 
-/// The dispatches before a picture that shows what lies between two snapshots: the present one is kept at a place first, if
-/// it is to be.
+/// The dispatches before a frame that shows the crowd between two snapshots. With `keep` the first keeps the present snapshot
+/// at that place.
 pub fn between_dispatches(agent_count: u32, keep: Option<u32>) -> Vec<Dispatch> {
     let keep = keep.map(|place| Dispatch::of(Phase::KeepSnapshot, agent_count).with(place));
     keep.into_iter().chain([Dispatch::of(Phase::Interpolate, agent_count)]).collect()
 }
 
-/// The dispatches that mark where the picture's depth is wanted to see who is hidden.
+/// The dispatches that mark where the occlusion test needs the image's depth.
 pub fn marking_dispatches(agent_count: u32) -> Vec<Dispatch> {
     vec![Dispatch::of(Phase::OccludeMark, agent_count)]
 }
 
-/// The dispatches that leave out who is hidden behind that depth.
+/// The dispatches that leave out agents hidden behind that depth.
 pub fn occlusion_dispatches(agent_count: u32) -> Vec<Dispatch> {
     // at least as many as there are buckets
     let runs = agent_count.div_ceil(RUN).max(COLUMNS);
@@ -160,7 +160,7 @@ pub fn occlusion_dispatches(agent_count: u32) -> Vec<Dispatch> {
     ]
 }
 
-/// The schedule of the bodies for one picture, from top to bottom: whether a dispatch is due, and the dispatch.
+/// The schedule of the bodies for one frame, from top to bottom: whether a dispatch is due, and the dispatch.
 pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
     let runs = |phase| Dispatch::of(phase, frame.agent_count.div_ceil(RUN));
     let per_visible = |phase| Dispatch::new(phase, Extent::Indirect(BufferId::DispatchArgs, 0));
@@ -191,7 +191,7 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
     dispatches
 }
 
-/// The kernels of a crowd's steps and pictures.
+/// The kernels of a crowd's steps and frames.
 pub fn kernels(store: &Store) -> Vec<KernelId> {
     let model = velocity_kernel(store.step.model);
     let others = MODELS.map(velocity_kernel).filter(|kernel| *kernel != model);

@@ -6,7 +6,7 @@ use crate::ground::is_absent;
 use crate::kernels::Store;
 use glam::Vec2;
 
-/// A person who is there.
+/// A person in the crowd at present.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Person {
     /// Number of the agent, the same for the whole run.
@@ -49,8 +49,8 @@ impl Person {
 }
 
 impl Simulation {
-    /// Everyone who is there now, by ascending number. People who have not entered yet, or have left, are not among
-    /// them. On a Vulkan device the state is read back first.
+    /// All people present now, by ascending number. People who have not entered yet, or have left, are not among them. On a
+    /// Vulkan device this reads the state back first.
     ///
     /// # Errors
     /// When the device fails.

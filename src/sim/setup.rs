@@ -18,7 +18,7 @@ use crate::scenario::{
 };
 use glam::Vec2;
 
-/// Whoever is that much higher or lower is not in the way, m; only where there are floors.
+/// An agent this much higher or lower is not in the way, m; only where there are floors.
 const STOREY_HEIGHT: f32 = 2.0;
 /// Body turns at most this fast, rad/s.
 const TURN_RATE: f32 = 3.5;
@@ -120,7 +120,7 @@ pub fn set_grid(step: &mut StepUniforms, low: Vec2, high: Vec2, area: f32, neigh
     step.cell_count = step.grid_columns * step.grid_rows;
 }
 
-/// Puts obstacle polygons into the store; its bodies must be there, since their speed decides who can reach what.
+/// Puts obstacle polygons into the store; its bodies must be there, since their speed decides which segments they can reach.
 pub fn set_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>]) {
     set_raised_obstacles(store, polygons, &[]);
 }
@@ -142,7 +142,7 @@ pub fn set_raised_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>], raise
     }
 }
 
-/// Groups of people who walk together, counted by their first members.
+/// Walking groups, counted by their first members.
 fn groups(store: &Store) -> u32 {
     let is_first = |(agent, others): (usize, &[u32; 4])| {
         others.iter().any(|other| *other != NOBODY) && others.iter().all(|other| *other as usize > agent)
@@ -161,7 +161,7 @@ pub fn join(store: &mut Store, members: &[u32]) {
     store.step.group_count += 1;
 }
 
-/// Puts floors into the store; with any, whoever is on another storey is not in the way.
+/// Puts floors into the store. With any, an agent on another storey is not in the way.
 pub fn set_floors(store: &mut Store, floors: &Floors) {
     if floors.count() > 0 {
         store.step.floor_count = floors.count() as u32;
@@ -204,8 +204,8 @@ pub fn scratch(store: &mut Store) {
     store.teleport_of.resize(agents, NOBODY);
 }
 
-/// Has an agent led from outside ([`super::Simulation::lead`]): it is absent until it is told where to be, goes there
-/// whatever stands in its way, and all others make way for it. Before the simulation begins.
+/// Has an agent led from outside ([`super::Simulation::lead`]). It is absent until the host leads it somewhere. It goes there
+/// whatever stands in its way, and all others make way for it. Call this before the simulation begins.
 pub fn set_led(store: &mut Store, agent: u32) {
     let (agent, agents) = (agent as usize, store.step.agent_count as usize);
     let nowhere = Lead { place: [ABSENT, ABSENT], velocity: [0.0, 0.0] };

@@ -1,14 +1,14 @@
-//! The last two snapshots of a crowd that pictures were told of, and what lies between them.
+//! The last two snapshots of a crowd that frames interpolate, and the interpolation between them.
 //!
-//! Pictures come at the display's rate, steps at their own. A picture shows the crowd as it was a step ago: between the
-//! last two snapshots, never beyond the newest, so that nobody is ever shown where they will not have been.
+//! Frames come at the display's rate, steps at their own. A frame shows the crowd one step late: between the last two
+//! snapshots, never beyond the newest. So no agent is ever shown at a place where it will not have been.
 
 use super::bodies::SMALLEST_STORAGE_RANGE;
 use super::{Simulation, order};
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms, Snapshot};
 use crate::kernels::{BufferId, Dispatch, Op, Store};
 
-/// Whoever is seen to move faster than this did not walk, m/s: was set to another place, came in, or went.
+/// An agent that seems faster than this did not walk, m/s: it was set to another place, came in, or went.
 const FASTEST: f64 = 10.0;
 
 /// When the two snapshots were, and where they are kept.
@@ -21,7 +21,7 @@ pub struct Snapshots {
 }
 
 impl Snapshots {
-    /// Notes that the present snapshot is of this time (s) and the newest; the place where `keep_snapshot` shall keep it.
+    /// Records the present snapshot as the newest, at `time` (s). Returns the place that `keep_snapshot` must write.
     pub fn keep(&mut self, time: f64) -> u32 {
         self.newest = if self.count == 0 { 0 } else { 1 - self.newest };
         self.times[self.newest] = time;
@@ -46,8 +46,8 @@ impl Snapshots {
     }
 }
 
-/// Makes room for two snapshots; must be done before the engine is made. A crowd whose snapshots would be larger than every
-/// device can bind gets none: its pictures show the newest snapshot.
+/// Makes room for two snapshots. The call must come before the engine is made. A crowd whose snapshots would be larger than
+/// every device can bind gets none: its frames show the newest snapshot.
 pub fn make_room(store: &mut Store) {
     let elements = 2 * store.step.agent_count as usize;
     if (elements * size_of::<Snapshot>()) as u64 <= SMALLEST_STORAGE_RANGE {
@@ -56,9 +56,8 @@ pub fn make_room(store: &mut Store) {
 }
 
 impl Simulation {
-    /// Prepares bodies as [`Simulation::animate`] does, between two snapshots: the present one is kept at a place first, if
-    /// it is to be. [`Simulation::restore`] must follow once the picture is drawn. Only of a crowd that there was
-    /// [`make_room`] for.
+    /// Prepares bodies as [`Simulation::animate`] does, between two snapshots. With `keep` it first keeps the present snapshot at
+    /// that place. [`Simulation::restore`] must follow once the frame is drawn. The crowd needs [`make_room`] first.
     ///
     /// # Errors
     /// When the device fails.
@@ -74,7 +73,7 @@ impl Simulation {
         self.check()
     }
 
-    /// Puts the present snapshot back, which is the newest of those that were kept.
+    /// Restores the present snapshot, the newest of those kept.
     ///
     /// # Errors
     /// When the device fails.

@@ -1,4 +1,4 @@
-//! Goals and obstacles of a simulation that runs, and the ways from everywhere to these goals.
+//! Goals and obstacles of a running simulation, and the flow fields of these goals.
 
 use super::{Error, Simulation, flow, order, setup};
 use crate::kernels::{BufferId, Dispatch, Op};
@@ -21,7 +21,7 @@ const FLOW: [BufferId; 13] = [
 ];
 
 impl Simulation {
-    /// Lays the flow grid with one field for each goal and solves them. `outlines` are those of [`Self::set_obstacles`].
+    /// Lays the flow grid with one field for each goal and solves the fields. `outlines` are as in [`Self::set_obstacles`].
     ///
     /// # Errors
     /// As [`flow::lay`] and [`Self::solve_ways`].
@@ -37,13 +37,13 @@ impl Simulation {
         self.solve_ways()
     }
 
-    /// Changes what agents must not cross, while they walk: doors open and close, vehicles come and go. All outlines
-    /// are given anew, m on the ground: those that run clockwise on (x, z) are walkable inside (the bounds), others
-    /// solid inside, two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so); those of the scenario that stand at some heights only stay. Agents
-    /// keep their state; the ways to goals are found again. Nothing has changed when it fails.
+    /// Changes what agents must not cross, while they walk: doors open and close, vehicles come and go. `outlines` replaces all
+    /// outlines, m on the ground. Those that run clockwise on (x, z) are walkable inside (the bounds), others are solid inside,
+    /// and two corners are a wall ([`crate::scenario::Geometry::outlines`] has them so). The scenario's outlines that stand at
+    /// some heights only stay. Agents keep their state, and the flow fields are solved again. A failure changes nothing.
     ///
     /// # Errors
-    /// [`Error::Goal`] when nobody can stand at a goal any more; when the device fails.
+    /// [`Error::Goal`] when no agent can stand at a goal any more; when the device fails.
     pub fn set_obstacles(&mut self, outlines: &[Vec<[f32; 2]>]) -> Result<(), crate::Error> {
         let ways = &self.ways;
         flow::lay_on(&mut self.store, outlines, &ways.floors, &ways.goals, &ways.settings)?;
@@ -53,8 +53,8 @@ impl Simulation {
         self.solve_ways()
     }
 
-    /// Finds the ways to all goals, by the density of people as they stand now if that matters. [`Self::step`] does it
-    /// by itself every so many steps; the fields of a new simulation are solved already.
+    /// Solves the flow fields of all goals, by the present density of people if `density_weight` is above 0. [`Self::step`] then calls
+    /// it every so many steps. The fields of a new simulation are solved already.
     ///
     /// # Errors
     /// When the device fails.

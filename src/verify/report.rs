@@ -184,7 +184,7 @@ pub struct Report {
     pub wall_seconds: f64,
 }
 
-/// Compares everything. `progress` is told what is being done and which share of all is done.
+/// Compares everything. Calls `progress` with the current comparison and the fraction done.
 ///
 /// # Errors
 /// When the device fails, or a kernel has no case ([`crate::Error::Usage`]): nothing may go unverified.

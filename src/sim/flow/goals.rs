@@ -22,12 +22,12 @@ pub struct Ways {
     pub floors: Floors,
 }
 
-/// Gives the stages of a crowd their fields as `scenario.way_finding` says: lays the flow grid into a store in which the
-/// crowd is already. The fields are solved by [`crate::sim::Simulation::from_store`].
+/// Gives the stages of a crowd their flow fields by `scenario.way_finding`: lays the flow grid into a store that holds the
+/// crowd already. [`crate::sim::Simulation::from_store`] solves the fields.
 ///
 /// # Errors
-/// As [`lay_on`]; [`Error::Fields`] when there are too many goals; [`Error::Unreachable`] when somebody is to go to another
-/// storey and no way leads there.
+/// As [`lay_on`]; [`Error::Fields`] when there are too many goals; [`Error::Unreachable`] when no way leads an agent to its
+/// goal on another storey.
 pub fn equip(
     store: &mut Store,
     scenario: &Scenario,
@@ -97,7 +97,7 @@ fn goal(stop: &Stop, scenario: &Scenario) -> Goal {
     Goal { name, center: c, radius: stop.radius, region, elevation: stop.elevation }
 }
 
-/// Whether everybody can come to each of their goals from where they set out for it, if it lies on another storey.
+/// Whether every agent can come to each of its goals on another storey, from where it sets out for it.
 fn check_reach(
     sheets: &Sheets,
     store: &Store,
@@ -105,7 +105,7 @@ fn check_reach(
     goals: &[Goal],
     fields: &[Option<usize>],
 ) -> Result<(), Error> {
-    // by field and cell: a place from where somebody sets out
+    // by field and cell: a place from which an agent sets out
     let mut legs: BTreeMap<(usize, usize), (Vec2, f32)> = BTreeMap::new();
     for agent in crowd.agents.iter().filter(|agent| agent.entry != Entry::Never) {
         for (stop, at, elevation) in places(agent, &crowd.stages) {

@@ -1,6 +1,6 @@
-//! Way-finding: the flow grid over the walkable area, and one field for each goal that agents ask the way to.
+//! Way-finding: the flow grid over the walkable area, and one flow field for each goal of the agents.
 //!
-//! The fields themselves are solved by the kernel `flow`, on either backend; here is what it starts from.
+//! The kernel `flow` solves the fields on either backend. This module prepares its input.
 
 mod goals;
 pub mod raster;
@@ -28,7 +28,7 @@ const FINE: f32 = 250_000.0;
 const MOST: f32 = 16_000_000.0;
 /// Least cell side, m.
 const SMALLEST: f32 = 0.05;
-/// A cell where nobody can stand costs as much as this many free ones, so that it is left by the nearest way.
+/// Cost of a cell in which no agent can stand, in free cells. So the field leaves it by the nearest way.
 const SOLID_COST: f32 = 30.0;
 /// Exact distances are given around a goal as far as it can be seen: in m, and least and most in cells.
 const SIGHT: (f32, f32, f32) = (4.0, 8.0, 24.0);
@@ -42,7 +42,7 @@ pub struct Goal {
     pub name: String,
     /// Its middle, m.
     pub center: Vec2,
-    /// Whoever is this near to the middle has arrived, m: within it another place is sought if the middle is in a wall.
+    /// An agent this near to the middle has arrived, m. Where a wall covers the middle, another place within it is sought.
     pub radius: f32,
     /// Its outline, if it is a region: all of it is the goal, and distances are those to the outline. Empty: the middle.
     pub region: Vec<Vec2>,
@@ -70,10 +70,10 @@ impl Default for Settings {
 }
 
 /// Lays the flow grid over `outlines` (oriented as [`Raster::new`] wants them) with one field for each goal, into the
-/// store's buffers. Without goals the buffers hold one element each and nobody reads them.
+/// store's buffers. Without goals the buffers hold one element each, which no kernel reads.
 ///
 /// # Errors
-/// [`super::Error::Goal`] when nobody can stand at a goal, [`super::Error::FlowGrid`] when the cells asked for are too many.
+/// [`super::Error::Goal`] when no agent can stand at a goal, [`super::Error::FlowGrid`] for too many cells.
 pub fn lay(
     store: &mut Store,
     outlines: &[Vec<[f32; 2]>],
@@ -83,7 +83,7 @@ pub fn lay(
     lay_on(store, outlines, &Floors::default(), goals, settings)
 }
 
-/// The same over the ground and floors, which must be in the store already: they are told their sheets.
+/// The same over the ground and floors, which must be in the store already: the function writes their sheets to them.
 ///
 /// # Errors
 /// As [`lay`]; [`super::Error::Sheets`] when too many floors lie above one another.

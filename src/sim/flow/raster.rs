@@ -13,7 +13,7 @@ use glam::{DVec2, Vec2};
 
 /// Samples along the side of a cell.
 const SAMPLES: usize = 8;
-/// Cells around the area, so that whoever is pushed out finds back.
+/// Cells around the area, so that an agent pushed out finds back.
 const MARGIN: f64 = 2.0;
 /// Samples in the first and last column of a cell, bit by row * 8 + column.
 const FIRST_COLUMN: u64 = 0x0101_0101_0101_0101;

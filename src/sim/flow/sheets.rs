@@ -2,7 +2,7 @@
 //!
 //! Each sheet has the same cells over the same area. A cell of it has one surface: the ground, a floor, or none. Every
 //! floor has a home sheet, on which all of it lies; the home of the ground is sheet 0. A sheet reaches some cells beyond
-//! its own surfaces, as far as somebody can walk on, so that neighbouring sheets overlap: there they are joined.
+//! its own surfaces, as far as an agent can walk on. So neighbouring sheets overlap, and they are joined there.
 
 use super::raster::Raster;
 use crate::kernels::layout::FlowUniforms;
@@ -88,8 +88,8 @@ impl Sheets {
         self.grid().cell_count as usize
     }
 
-    /// The sheets on which a goal at a place lies: one if its height is said, else those of all that one can stand on
-    /// there. None: there is nothing at that height.
+    /// The sheets on which a goal at a place lies. With an elevation this is one; without, all on which an agent can stand there.
+    /// None: there is nothing at that height.
     pub fn of_goal(&self, at: Vec2, elevation: Option<f32>) -> Vec<usize> {
         let home = |floor: usize| self.homes[floor] as usize;
         match elevation {
@@ -114,7 +114,7 @@ impl Sheets {
         height(&self.floors, surface, self.rasters[sheet].middle(cell))
     }
 
-    /// The free cell of all sheets in which somebody stands, if there is one.
+    /// The free cell of all sheets in which an agent at this place stands, if there is one.
     pub fn cell(&self, at: Vec2, elevation: f32) -> Option<usize> {
         let sheet = self.floors.on(at, elevation).map_or(0, |floor| self.homes[floor] as usize);
         let raster = &self.rasters[sheet];
@@ -234,7 +234,7 @@ struct Builder<'a> {
     grid: FlowUniforms,
     /// Floors above or below the middles of cells.
     covering: BTreeMap<usize, Vec<usize>>,
-    /// Pieces of edges over which nobody can walk on: from, to, floor.
+    /// Pieces of edges that no agent can cross: from, to, floor.
     drops: Vec<(Vec2, Vec2, usize)>,
 }
 
@@ -301,7 +301,7 @@ impl<'a> Builder<'a> {
         .flatten()
     }
 
-    /// The floor on which somebody stands in the middle of a cell who stood at a height just before.
+    /// The floor on which an agent stands in the middle of a cell, from the height it stood at before.
     fn stand(&self, cell: usize, present: f32) -> Option<usize> {
         let at = self.middle(cell);
         let off = |floor: &usize| (self.floors.level(*floor, at) - present).abs();
@@ -382,7 +382,7 @@ impl<'a> Builder<'a> {
         raster
     }
 
-    /// Takes the ways back from cells that lie far from all surfaces of a sheet: nobody is there.
+    /// Takes the ways back from cells far from all surfaces of a sheet: no agent is there.
     fn forget_far(&self, surfaces: &[u32], raster: &mut Raster) {
         let mut near: Vec<bool> = surfaces.iter().map(|surface| *surface != NONE).collect();
         for _ in 0..BACK {
