@@ -3,38 +3,30 @@
 //! Kernels are timed within their sequence (some of them use up what the one before made): on Vulkan by the device's
 //! own timestamps, on the CPU by the clock. A whole step is timed by the clock, in batches.
 
-use crate::avatar::{self, Sex};
-use crate::emotion::Emotion;
-use crate::gait::walker;
-use crate::kernels::layout::{Appearance, Attention, GazeState};
-use crate::kernels::{BufferId, KernelId, Phase, Store};
-use crate::reference::exact::hash_u32;
-use crate::sim::bodies::{self, MeshBuffers};
-use crate::sim::{AvatarSet, Backend, Simulation, order};
-use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
+use crate::kernels::{KernelId, Phase};
+use crate::sim::{Backend, Simulation};
+use crate::verify::cases::crossing::crossing;
 use serde::Serialize;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
+mod crowds;
 mod field;
 mod models;
 #[cfg(feature = "vulkan")]
 mod occlusion;
+mod runs;
 mod sequence;
 #[cfg(feature = "vulkan")]
 mod stereo;
 
+pub use crowds::Quality;
+pub use runs::Row;
 pub use sequence::Sequence;
 
-/// Metres between agents of the crossing: one to a square metre.
-const SPACING: f32 = 1.0;
-/// Kernels that not every step has.
-const EXTRAS: [KernelId; 5] = [
-    KernelId::EmotionApply,
-    KernelId::EmotionUpdate,
-    KernelId::FollowPaths,
-    KernelId::EmotionGather,
-    KernelId::LeadAgents,
-];
+use crowds::{SPACING, quality_of};
+use runs::{WARM_UP, repeat};
+use sequence::EXTRAS;
+
 /// Kernels that a step has when somebody needs them, each timed in a step that does.
 const OTHERS: [KernelId; 6] = [
     KernelId::GroupCohesion,
@@ -44,13 +36,6 @@ const OTHERS: [KernelId; 6] = [
     KernelId::React,
     KernelId::Teleport,
 ];
-/// Height of the user's eyes, m.
-const EYE_HEIGHT: f32 = 1.65;
-/// Runs before the first that counts.
-const WARM_UP: usize = 3;
-/// Fewest and most runs that count, and how long they may take together.
-const RUNS: (usize, usize, Duration) = (5, 60, Duration::from_secs(2));
-
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Workload {
@@ -68,60 +53,6 @@ pub enum Workload {
     Field,
     /// Steps of ORCA and of RVO in alternation, at 0.5 to 3.5 people per square metre (see the rows' names).
     Models,
-}
-
-/// One measurement.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Row {
-    /// Kernel, `step` for a whole step, or `picture` for all of its animation.
-    pub name: &'static str,
-    /// Agents (cells of `flow`, `flow_density` and `field_...`, gaits of `gait_features`, cases of the probe).
-    pub agents: usize,
-    /// Median, ms.
-    pub ms_median: f64,
-    /// Fastest, ms.
-    pub ms_min: f64,
-    /// Slowest, ms.
-    pub ms_max: f64,
-    /// Agents over the median.
-    pub agent_steps_per_second: f64,
-    /// How many runs the median is of.
-    pub runs: usize,
-}
-
-impl Row {
-    /// Of the times of all runs, ms.
-    fn new(name: &'static str, agents: usize, mut times: Vec<f64>) -> Self {
-        times.sort_by(f64::total_cmp);
-        let runs = times.len();
-        let at = |place: usize| times.get(place).copied().unwrap_or(0.0);
-        let ms_median = at(runs / 2);
-        #[allow(clippy::cast_precision_loss, reason = "up to millions")]
-        let agent_steps_per_second = if ms_median > 0.0 { agents as f64 / ms_median * 1e3 } else { 0.0 };
-        let (ms_min, ms_max) = (at(0), at(runs.saturating_sub(1)));
-        Self { name, agents, ms_median, ms_min, ms_max, agent_steps_per_second, runs }
-    }
-}
-
-/// What the crowd of the timed steps looked like at their end: speed means nothing without it.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Quality {
-    /// Name of the row whose crowd this is.
-    pub name: &'static str,
-    /// Agents.
-    pub agents: usize,
-    /// Steps since the start.
-    pub steps: u32,
-    /// Pairs closer than 0.99 of the summed radii, per agent.
-    pub overlapping: f64,
-    /// Pairs closer than 0.9 of the summed radii, per agent.
-    pub deep: f64,
-    /// Smallest distance between two agents, m.
-    pub min_distance: f64,
-    /// Mean velocity along the wanted direction, m/s (wanted: 1.3).
-    pub progress: f64,
-    /// Bytes of all buffers of a step, over the agents.
-    pub bytes_per_agent: f64,
 }
 
 /// The outcome.
@@ -271,43 +202,6 @@ fn whole_step(
     Ok((Row::new("step", agents, times), quality, simulation))
 }
 
-/// What a crossing looks like now; `name` is that of the row which it belongs to.
-fn quality_of(
-    name: &'static str,
-    agents: usize,
-    simulation: &mut Simulation,
-) -> Result<Quality, crate::Error> {
-    let bytes = step_bytes(simulation);
-    let steps = simulation.steps_done();
-    let CrossingQuality { overlapping, deep, min_distance, progress } = crossing_quality(simulation.state()?);
-    #[allow(clippy::cast_precision_loss, reason = "up to gigabytes")]
-    let bytes_per_agent = bytes as f64 / agents.max(1) as f64;
-    Ok(Quality { name, agents, steps, overlapping, deep, min_distance, progress, bytes_per_agent })
-}
-
-/// Bytes of the buffers that a step touches.
-fn step_bytes(simulation: &Simulation) -> usize {
-    let store = simulation.store();
-    let mut buffers: Vec<BufferId> = order::step_dispatches(&store.step)
-        .iter()
-        .flat_map(|dispatch| dispatch.phase.entry().bindings.iter().map(|binding| binding.buffer))
-        .collect();
-    buffers.sort_unstable();
-    buffers.dedup();
-    buffers.into_iter().map(|buffer| store.bytes(buffer).len()).sum()
-}
-
-/// Runs something as often as [`RUNS`] says; every run returns its time in ms.
-fn repeat(mut run: impl FnMut() -> Result<f64, crate::Error>) -> Result<Vec<f64>, crate::Error> {
-    let (fewest, most, budget) = RUNS;
-    let begin = Instant::now();
-    let mut times = Vec::new();
-    while times.len() < fewest || (times.len() < most && begin.elapsed() < budget) {
-        times.push(run()?);
-    }
-    Ok(times)
-}
-
 /// Times every kernel of a sequence, and the sequence as a whole where it has a name.
 fn kernels(sequence: &mut Sequence) -> Result<Vec<Row>, crate::Error> {
     for _ in 0..WARM_UP {
@@ -353,44 +247,10 @@ fn by_name(times: &[(Phase, f64)]) -> Vec<(&'static str, f64)> {
     rows
 }
 
-/// One gait of each emotion on the two generated bodies.
-fn cast() -> Result<AvatarSet, crate::Error> {
-    let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0));
-    let gaits = gaits.into_iter().collect::<Result<Vec<_>, _>>()?;
-    let cast = AvatarSet::new(&gaits, Sex::ALL.map(avatar::generated).to_vec())?;
-    Ok(cast)
-}
-
-/// The crossing of bare agents with bodies, and their meshes.
-fn dressed(agents: usize) -> Result<(Store, MeshBuffers), crate::Error> {
-    let cast = cast()?;
-    let mut store = crossing(agents, SPACING);
-    dress(&mut store, &cast);
-    let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
-    Ok((store, meshes))
-}
-
-/// Gives the agents of a bare crowd a body, a gait and an emotion each.
-fn dress(store: &mut Store, cast: &AvatarSet) {
-    for agent in 0..store.step.agent_count {
-        let dice = hash_u32(agent);
-        let (avatar, emotion) = (dice & 1, dice >> 1 & 3);
-        store.appearance.push(Appearance {
-            skin_and_hair: dice,
-            top_and_bottom: hash_u32(dice),
-            ..Appearance::new(avatar, emotion, true, 1.0, [0; 4])
-        });
-        store.gaits.push([cast.clip_index(avatar, emotion); 4]);
-        store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
-        store.gaze_state.push(GazeState::default());
-        store.gaze_frame.push(u32::MAX);
-        store.attention.push(Attention::default());
-    }
-}
-
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "numbers are copied")]
 mod tests {
+    use super::runs::RUNS;
     use super::*;
 
     #[test]

@@ -3,7 +3,7 @@
 //! `field_open` is an empty square with the goal in its middle, `field_blocks` the same with a house of 2 to 10 m
 //! for every thousand cells. Cells have sides of 0.5 m. Timed by the clock: from the walkable cells to the ways, [`Simulation::solve_ways`].
 
-use super::{Row, repeat};
+use super::runs::{Row, repeat};
 use crate::kernels::Store;
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::flow::{Goal, Settings, lay};

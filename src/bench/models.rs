@@ -4,7 +4,8 @@
 //! both. A batch is timed after the crowd has mixed;
 //! what the crowd looks like is told of that moment, since slower machines do fewer steps after it.
 
-use super::{Quality, RUNS, Row, quality_of};
+use super::crowds::{Quality, quality_of};
+use super::runs::{RUNS, Row};
 use crate::sim::{Backend, Simulation};
 use crate::verify::cases::crossing::crossing;
 use std::time::Instant;

@@ -5,8 +5,9 @@
 //!
 //! Both eyes as a headset has them, in one pass. Times as in [`super::stereo`].
 
+use super::crowds::{EYE_HEIGHT, dressed};
+use super::runs::{RUNS, Row, WARM_UP};
 use super::stereo::{BEFORE, EYE, FIELD, INTERPUPILLARY, ground};
-use super::{EYE_HEIGHT, RUNS, Row, WARM_UP, dressed};
 use crate::render::camera::{Camera, View};
 use crate::render::{Settings, Show};
 use crate::sim::{Backend, Simulation};

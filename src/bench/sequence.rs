@@ -1,6 +1,6 @@
 //! Kernels in the order of a step, a picture or a case, run again and again, each timed.
 
-use super::{EXTRAS, EYE_HEIGHT, SPACING, dressed};
+use super::crowds::{EYE_HEIGHT, SPACING, dressed};
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Validation, plan::Op};
 #[cfg(feature = "vulkan")]
@@ -17,6 +17,15 @@ use crate::verify::cases::feelings::feelings;
 use crate::verify::cases::journeys::journeys;
 use crate::verify::cases::{between, flow, gaits, hidden};
 use std::time::Instant;
+
+/// Kernels that not every step has.
+pub(super) const EXTRAS: [KernelId; 5] = [
+    KernelId::EmotionApply,
+    KernelId::EmotionUpdate,
+    KernelId::FollowPaths,
+    KernelId::EmotionGather,
+    KernelId::LeadAgents,
+];
 
 /// Passes that are run again and again, each kernel timed.
 #[derive(Debug)]

@@ -11,7 +11,8 @@
 //! The ways take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
 //! the simulation's state to the picture on the device; nothing is copied to the host.
 
-use super::{EYE_HEIGHT, RUNS, Row, WARM_UP, dressed};
+use super::crowds::{EYE_HEIGHT, dressed};
+use super::runs::{RUNS, Row, WARM_UP};
 use crate::render::camera::{Camera, View};
 use crate::render::show::level_distances;
 use crate::render::{Settings, Show, Stereo};

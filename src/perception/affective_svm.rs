@@ -118,10 +118,12 @@ impl AffectiveSvm {
             None => self.settings.clone(),
             Some(grid) => {
                 let folds = inner_folds(gaits, &classes, seed);
-                search(&points, &classes, &folds, &self.settings, grid).map_err(failed)?.settings
+                search(&points, &classes, &folds, &self.settings, grid)
+                    .map_err(|why| failed(why.into()))?
+                    .settings
             }
         };
-        let svm = Svm::train(&points, &classes, &settings).map_err(failed)?;
+        let svm = Svm::train(&points, &classes, &settings).map_err(|why| failed(why.into()))?;
         Ok((Learned { features: self.variant, scaling, svm }, settings))
     }
 }

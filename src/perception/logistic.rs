@@ -70,7 +70,7 @@ impl Logistic {
     ///
     /// # Errors
     /// A message with what was found and expected.
-    pub fn validate(&self, classes: usize, length: usize) -> Result<(), String> {
+    pub(crate) fn validate(&self, classes: usize, length: usize) -> Result<(), String> {
         if self.planes.len() != classes {
             return Err(format!("{} planes for {classes} emotions", self.planes.len()));
         }

@@ -94,7 +94,7 @@ impl Novelty {
     ///
     /// # Errors
     /// A message with what was found and expected.
-    pub fn validate(&self, length: usize) -> Result<(), String> {
+    pub(crate) fn validate(&self, length: usize) -> Result<(), String> {
         let lengths = std::iter::once(&self.mean).chain(&self.directions).map(Vec::len);
         if let Some(found) = lengths.into_iter().find(|found| *found != length) {
             return Err(format!("novelty has a row of {found} numbers; expected {length}"));

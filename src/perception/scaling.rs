@@ -51,7 +51,7 @@ impl Scaling {
     ///
     /// # Errors
     /// A message with what was found and expected.
-    pub fn validate(&self, features: usize) -> Result<(), String> {
+    pub(crate) fn validate(&self, features: usize) -> Result<(), String> {
         let (low, high) = (self.low.len(), self.high.len());
         if low != features || high != features {
             return Err(format!("the scaling has {low} and {high} numbers; expected {features} of each"));

@@ -153,13 +153,24 @@ pub struct Verdict {
     pub margin: f64,
 }
 
+/// What is given cannot be learned from: the value found and what is allowed.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("{0}")]
+pub struct Untrainable(pub(super) String);
+
+impl From<Untrainable> for String {
+    fn from(error: Untrainable) -> Self {
+        error.0
+    }
+}
+
 impl Svm {
     /// Trains on points with their classes.
     ///
     /// # Errors
-    /// A message if the points are not of one length and finite, their number is not that of the classes, there are
+    /// If the points are not of one length and finite, their number is not that of the classes, there are
     /// fewer than two classes, or a setting is out of its range.
-    pub fn train(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<Self, String> {
+    pub fn train(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<Self, Untrainable> {
         check(points, classes, settings)?;
         let gamma = match settings.kernel {
             Kernel::Linear => None,
@@ -330,7 +341,7 @@ impl Svm {
     ///
     /// # Errors
     /// A message with the value and what was expected.
-    pub fn validate(&self) -> Result<(), String> {
+    pub(crate) fn validate(&self) -> Result<(), String> {
         let count = self.classes.len();
         if count < 2 || !self.classes.is_sorted_by(|a, b| a < b) {
             return Err(format!("its classes are {:?}; expected two or more, ascending", self.classes));
@@ -369,7 +380,11 @@ impl Svm {
     }
 }
 
-fn check(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<(), String> {
+fn check(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<(), Untrainable> {
+    check_points(points, classes, settings).map_err(Untrainable)
+}
+
+fn check_points(points: &[Vec<f64>], classes: &[usize], settings: &Settings) -> Result<(), String> {
     if points.len() != classes.len() {
         return Err(format!("{} points with {} classes; each point needs one", points.len(), classes.len()));
     }

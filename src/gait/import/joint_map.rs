@@ -131,8 +131,8 @@ impl JointMap {
     /// Where each of the 16 joints stands in `names`; of a capture of the legs, those up to the pelvis.
     ///
     /// # Errors
-    /// A message that lists the joints not found and the names the file has.
-    pub fn resolve<S: AsRef<str>>(&self, names: &[S]) -> Result<Sources, String> {
+    /// Joints that are not found.
+    pub fn resolve<S: AsRef<str>>(&self, names: &[S]) -> Result<Sources, MissingJoints> {
         complete(self.places(names), &format!("rig {:?}", self.rig), names)
     }
 
@@ -156,8 +156,8 @@ impl JointMap {
 /// Returns the rig's name (or "words") and where each joint stands in `names`.
 ///
 /// # Errors
-/// A message that lists the joints not found and the names the file has.
-pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, Sources), String> {
+/// Joints that are not found.
+pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, Sources), MissingJoints> {
     let has = |mark: &str| names.iter().any(|name| plain(name.as_ref()) == mark);
     let presets = PRESETS.iter().filter(|preset| preset.mark.is_none_or(has));
     let mut found: Vec<(&str, Found)> =
@@ -167,6 +167,29 @@ pub fn find<S: AsRef<str>>(names: &[S]) -> Result<(String, Sources), String> {
     let chosen = chosen.or_else(|| found.iter().position(|(_, found)| is_of_legs(found)));
     let (rig, joints) = found.swap_remove(chosen.unwrap_or(found.len() - 1));
     Ok((rig.to_owned(), complete(joints, "any known rig", names)?))
+}
+
+/// A file does not have all joints under the names of a rig.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "{} of the 16 joints not found under the names of {rig}: {}; the file has: {}; give a joint map",
+    missing.len(),
+    missing.join(", "),
+    list(names)
+)]
+pub struct MissingJoints {
+    /// The rig, in words.
+    pub rig: String,
+    /// Joints that were not found.
+    pub missing: Vec<&'static str>,
+    /// The names that the file has.
+    pub names: Vec<String>,
+}
+
+impl From<MissingJoints> for String {
+    fn from(error: MissingJoints) -> Self {
+        error.to_string()
+    }
 }
 
 /// Places of the joints, as far as they were found.
@@ -187,23 +210,19 @@ pub(super) fn choose<S: AsRef<str>>(
     names: &[S],
 ) -> Result<(String, Sources), String> {
     match given {
-        Some(map) => map.resolve(names).map(|joints| (map.rig.clone(), joints)),
-        None => find(names),
+        Some(map) => Ok((map.rig.clone(), map.resolve(names)?)),
+        None => Ok(find(names)?),
     }
 }
 
-fn complete<S: AsRef<str>>(found: Found, rig: &str, names: &[S]) -> Result<Sources, String> {
-    let missing: Vec<&str> =
+fn complete<S: AsRef<str>>(found: Found, rig: &str, names: &[S]) -> Result<Sources, MissingJoints> {
+    let missing: Vec<&'static str> =
         Joint::ALL.into_iter().filter(|&j| found[j as usize].is_none()).map(Joint::name).collect();
     if missing.is_empty() || is_of_legs(&found) {
         return Ok(Sources(found.map(Option::unwrap_or_default)));
     }
-    Err(format!(
-        "{} of the 16 joints not found under the names of {rig}: {}; the file has: {}; give a joint map",
-        missing.len(),
-        missing.join(", "),
-        list(names)
-    ))
+    let names = names.iter().map(|name| name.as_ref().to_owned()).collect();
+    Err(MissingJoints { rig: rig.to_owned(), missing, names })
 }
 
 #[cfg(test)]
@@ -310,7 +329,7 @@ mod tests {
         let map = JointMap::named("mixamo").unwrap().names;
         let mut map: Vec<String> = map.iter().flatten().map(|(name, _)| name.clone()).collect();
         map.retain(|name| name != "leftleg");
-        let message = find(&map).unwrap_err();
+        let message = find(&map).unwrap_err().to_string();
         assert!(message.contains("left_knee") && message.contains("rightupleg"), "{message}");
         assert!(message.starts_with("1 of the 16"), "{message}");
     }

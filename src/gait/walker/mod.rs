@@ -14,7 +14,7 @@ mod style;
 mod trig;
 mod upper;
 
-pub use style::{Body, STYLE_FIELDS, Sex, StyleField, WalkerStyle};
+pub use style::{Body, OutOfRange, STYLE_FIELDS, Sex, StyleField, WalkerStyle};
 
 use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, LabelOrigin, Pose, Provenance};
 use crate::emotion::Emotion;
@@ -96,7 +96,8 @@ fn turned_z(v: DVec3, turn: Turn) -> DVec3 {
 /// [`Error::Unusable`] if a parameter is outside its range in [`STYLE_FIELDS`] or the legs are too short for the
 /// stride (speed times cycle time).
 pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
-    style.check().map_err(|message| Error::Unusable { name: name.to_owned(), message })?;
+    let unusable = |error: OutOfRange| Error::Unusable { name: name.to_owned(), message: error.to_string() };
+    style.check().map_err(unusable)?;
     let feet = legs::FootPath::new(style);
     let height = legs::pelvis_height(style, &feet).ok_or_else(|| Error::Unusable {
         name: name.to_owned(),

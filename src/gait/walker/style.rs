@@ -411,20 +411,32 @@ impl WalkerStyle {
         varied
     }
 
-    /// Checks every number against its range; the message names the first that is outside.
+    /// Checks every number against its range.
     ///
     /// # Errors
-    /// The message: name, value, range.
-    pub fn check(&self) -> Result<(), String> {
+    /// The first number that is outside.
+    pub fn check(&self) -> Result<(), OutOfRange> {
         for field in STYLE_FIELDS {
             let value = (field.get)(self);
             let [low, high] = field.range;
             if !(low..=high).contains(&value) {
-                return Err(format!("{} = {value}; it must be {low} to {high}", field.name));
+                return Err(OutOfRange { field: field.name, value, range: field.range });
             }
         }
         Ok(())
     }
+}
+
+/// A number of a style is outside of its range.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+#[error("{field} = {value}; it must be {} to {}", range[0], range[1])]
+pub struct OutOfRange {
+    /// The field, as in [`STYLE_FIELDS`].
+    pub field: &'static str,
+    /// The value found.
+    pub value: f64,
+    /// The least and the greatest value allowed.
+    pub range: [f64; 2],
 }
 
 /// A bell-shaped number in [-1, 1] (mean of three uniform ones, doubled spread is cut), by integer hashing.

@@ -107,7 +107,9 @@ impl Method for Karg2010 {
             Classifier::LinearSvm => {
                 let classes: Vec<usize> = emotions.iter().map(|emotion| emotion.index()).collect();
                 let settings = Settings { kernel: Kernel::Linear, ..Settings::default() };
-                Trained::Svm(Box::new(Svm::train(&points, &classes, &settings).map_err(failed)?))
+                Trained::Svm(Box::new(
+                    Svm::train(&points, &classes, &settings).map_err(|why| failed(why.into()))?,
+                ))
             }
         };
         Ok(Box::new(Machine { scores, pca, rule, known: self.known.clone() }))

@@ -1,6 +1,6 @@
 //! C and gamma by search: the pair with the best accuracy on inner folds of the training points.
 
-use super::{Gamma, Kernel, Settings, Svm, count_f64};
+use super::{Gamma, Kernel, Settings, Svm, Untrainable, count_f64};
 use rayon::prelude::*;
 
 /// What is tried.
@@ -43,14 +43,14 @@ pub fn search(
     folds: &[usize],
     settings: &Settings,
     grid: &Grid,
-) -> Result<Found, String> {
+) -> Result<Found, Untrainable> {
     if folds.len() != points.len() || points.len() != classes.len() {
-        return Err(format!(
+        return Err(Untrainable(format!(
             "{} points, {} classes, {} folds; they must be as many",
             points.len(),
             classes.len(),
             folds.len()
-        ));
+        )));
     }
     let count = folds.iter().max().map_or(0, |last| last + 1);
     let candidates: Vec<Settings> = grid
@@ -62,13 +62,14 @@ pub fn search(
             Settings { c, kernel, has_probabilities: false, ..settings.clone() }
         })
         .collect();
-    let rights: Result<Vec<usize>, String> = candidates
+    let rights: Result<Vec<usize>, Untrainable> = candidates
         .par_iter()
         .map(|candidate| (0..count).map(|fold| right(points, classes, folds, fold, candidate)).sum())
         .collect();
     let rights = rights?;
     let best = (0..rights.len()).reduce(|best, i| if rights[i] > rights[best] { i } else { best });
-    let best = best.ok_or("the grid is empty: give at least one C and one gamma")?;
+    let empty = || Untrainable("the grid is empty: give at least one C and one gamma".to_owned());
+    let best = best.ok_or_else(empty)?;
     let found = &candidates[best];
     Ok(Found {
         settings: Settings { c: found.c, kernel: found.kernel, ..settings.clone() },
@@ -83,7 +84,7 @@ fn right(
     folds: &[usize],
     fold: usize,
     settings: &Settings,
-) -> Result<usize, String> {
+) -> Result<usize, Untrainable> {
     let (held, kept): (Vec<usize>, Vec<usize>) = (0..points.len()).partition(|&i| folds[i] == fold);
     let of = |chosen: &[usize]| -> (Vec<Vec<f64>>, Vec<usize>) {
         chosen.iter().map(|&i| (points[i].clone(), classes[i])).unzip()

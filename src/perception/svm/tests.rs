@@ -135,7 +135,7 @@ fn search_prefers_what_the_held_out_points_prefer() {
 fn what_cannot_be_learned_is_refused_with_the_reason() {
     let settings = Settings::default();
     let train = |points: &[Vec<f64>], classes: &[usize], settings: &Settings| {
-        Svm::train(points, classes, settings).unwrap_err()
+        Svm::train(points, classes, settings).unwrap_err().to_string()
     };
     assert!(train(&[vec![1.0]], &[0, 1], &settings).contains("2 classes"));
     assert!(train(&[vec![1.0], vec![2.0]], &[3, 3], &settings).contains("two classes"));

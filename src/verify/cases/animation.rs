@@ -9,7 +9,7 @@
     reason = "small made-up numbers, written in the buffers' types"
 )]
 
-use super::{filled, nan};
+use super::case::{filled, nan};
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};

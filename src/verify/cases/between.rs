@@ -1,7 +1,7 @@
 //! Inputs for `keep_snapshot` and `interpolate`: two snapshots of a crowd of whom some walk, turn across the back, end a
 //! stride, stand, are set to another place, come in, go, or have no place that is a number.
 
-use super::{filled, nan, unit};
+use super::case::{filled, nan, unit};
 use crate::ground::ABSENT;
 use crate::kernels::layout::{BetweenUniforms, Snapshot, Stance};
 use crate::kernels::{Dispatch, Store};

@@ -1,6 +1,6 @@
 //! A crowd whose feelings change and of whom some are led, for the kernels that not every step has.
 
-use super::nan;
+use super::case::nan;
 use crate::kernels::Store;
 use crate::kernels::layout::{Appearance, Heard, Keyframe, MoodUniforms, Paces, Path, Stimulus, Temperament};
 use crate::reference::exact::{hash_u32, unit_f32};

@@ -1,6 +1,6 @@
 //! Fields for the kernels of way-finding.
 
-use super::unit;
+use super::case::unit;
 use crate::kernels::layout::{FlowUniforms, StepUniforms};
 use crate::kernels::{Dispatch, Store};
 use crate::scenario::{Floor, Floors};

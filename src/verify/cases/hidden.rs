@@ -4,7 +4,8 @@
 //! Hard by design: agents at and behind the eye, far too near or large to be judged, out of one eye's picture, tiles where
 //! nothing is drawn, fewer agents than are worth looking for, and poison in everything that must not be read.
 
-use super::{animation, unit};
+use super::animation;
+use super::case::unit;
 use crate::kernels::layout::SightUniforms;
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::dispatch::index::RUN;

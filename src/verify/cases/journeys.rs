@@ -1,7 +1,7 @@
 //! A crowd on journeys: stages of every kind, people about to come in, people about to leave.
 
+use super::case::unit;
 use super::step::crowd;
-use super::unit;
 use crate::kernels::Store;
 use crate::kernels::layout::{Aim, Route, Source, Stage};
 use crate::kernels::shared::absent::{ABSENT, NOBODY};

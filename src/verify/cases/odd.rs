@@ -1,7 +1,7 @@
 //! Inputs for single kernels that a crowd seldom comes to: walls within a centimetre, velocities that are no numbers,
 //! places to come in at that are nearly free, throngs.
 
-use super::{Case, unit};
+use super::case::{Case, unit};
 use crate::kernels::layout::{Segment, Source};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::{KernelId, Store};

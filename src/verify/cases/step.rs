@@ -1,6 +1,6 @@
 //! Crowds for the kernels of a simulation step.
 
-use super::{nan, unit};
+use super::case::{nan, unit};
 use crate::kernels::layout::{
     Body, Lead, Route, SlotAvoidance, Source, Stage, Stance, StepUniforms, Teleport, Waiting,
 };
