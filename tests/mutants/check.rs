@@ -98,14 +98,18 @@ fn expected(kernel: KernelId) -> Vec<(String, Expected)> {
     let mut found = Vec::new();
     let mut add = |case: &Case| {
         say("ready");
-        let passes = case.passes.iter().rposition(|pass| pass.kernel() == kernel).map_or(0, |last| last + 1);
-        let own = Expected::of(&case.store, &case.passes[..passes]).filter(|e| e.kernel == kernel);
+        let count = case
+            .dispatches
+            .iter()
+            .rposition(|dispatch| dispatch.kernel() == kernel)
+            .map_or(0, |last| last + 1);
+        let own = Expected::of(&case.store, &case.dispatches[..count]).filter(|e| e.kernel == kernel);
         found.extend(own.map(|expected| (case.name.clone(), expected)));
     };
     if kernel == KernelId::Numerics {
         add(&cases::probe());
     }
-    let has = |case: &Case| case.passes.iter().any(|pass| pass.kernel() == kernel);
+    let has = |case: &Case| case.dispatches.iter().any(|dispatch| dispatch.kernel() == kernel);
     for (size, seed) in SIZES {
         for case in cases::all(size, seed).into_iter().filter(has) {
             let rounds = std::iter::successors(Some(case), |case| case.clone().next_step());
