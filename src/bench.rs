@@ -27,7 +27,7 @@ use crowds::{SPACING, quality_of};
 use runs::{WARM_UP, repeat};
 use sequence::EXTRAS;
 
-/// Kernels that a step has when somebody needs them, each timed in a step that does.
+/// Kernels that only some steps run, each timed in a step that runs it.
 const OTHERS: [KernelId; 6] = [
     KernelId::GroupCohesion,
     KernelId::Elevate,
@@ -42,14 +42,14 @@ pub enum Workload {
     /// The kernels of a simulation step and the step as a whole.
     #[default]
     Crossing,
-    /// These, the animation of everyone in that crowd, ways over as many cells, the features of as many gaits, and the
+    /// These, the animation of all agents in that crowd, flow fields over as many cells, the features of as many gaits, and the
     /// arithmetic probe: every kernel.
     All,
-    /// Both eyes of a user who stands before the crowd, in one pass, in two, and as two pictures (see the rows' names).
+    /// Both eyes of a user in front of the crowd, in one pass, in two, and as two frames (see the rows' names).
     Stereo,
-    /// Pictures with and without those whom nobody sees, from within the crowd, before and above it.
+    /// Frames with and without occlusion culling, from within the crowd, before and above it.
     Occlusion,
-    /// The ways to a goal over squares of as many cells of 0.5 m (see the rows' names).
+    /// The flow fields of a goal over squares of as many cells of 0.5 m (see the rows' names).
     Field,
     /// Steps of ORCA and of RVO in alternation, at 0.5 to 3.5 people per square metre (see the rows' names).
     Models,
@@ -75,7 +75,7 @@ pub struct Report {
     pub wall_seconds: f64,
 }
 
-/// Times `workload` at every size. `progress` is told what is being timed and which share of all is done.
+/// Times `workload` at every size. Calls `progress` with the current row and the fraction done.
 ///
 /// # Errors
 /// When a Vulkan device is demanded but cannot be used, fails, or a size does not fit it.
@@ -150,7 +150,7 @@ pub fn bench(
     Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, wall_seconds })
 }
 
-/// Times pictures for both eyes.
+/// Times frames for both eyes.
 #[cfg(feature = "vulkan")]
 fn pictures(
     workload: Workload,
@@ -164,7 +164,7 @@ fn pictures(
     }
 }
 
-/// Pictures need Vulkan.
+/// Frames need Vulkan.
 #[cfg(not(feature = "vulkan"))]
 fn pictures(
     _workload: Workload,

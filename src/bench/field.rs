@@ -1,7 +1,8 @@
-//! What it costs to find the ways to a goal: all of the field over a square, in the open and among blocks.
+//! What it costs to solve the flow field of a goal over a square, in the open and among blocks.
 //!
 //! `field_open` is an empty square with the goal in its middle, `field_blocks` the same with a house of 2 to 10 m
-//! for every thousand cells. Cells have sides of 0.5 m. Timed by the clock: from the walkable cells to the ways, [`Simulation::solve_ways`].
+//! for every thousand cells. Cells have sides of 0.5 m. Timed by the clock: from the walkable cells to the solved field,
+//! [`Simulation::solve_ways`].
 
 use super::runs::{Row, repeat};
 use crate::kernels::Store;

@@ -1,8 +1,8 @@
 //! What the models of avoidance cost beside each other: steps of the crossing at several densities.
 //!
-//! Both models walk the same crowd. Their batches of steps alternate, so that whatever else the machine does slows
-//! both. A batch is timed after the crowd has mixed;
-//! what the crowd looks like is told of that moment, since slower machines do fewer steps after it.
+//! Both models walk the same crowd. Their batches of steps alternate, so that other load on the machine slows both. The
+//! bench times a batch after the crowd has mixed. The crowd's quality is measured at that moment too, since slower machines
+//! do fewer steps after it.
 
 use super::crowds::{Quality, quality_of};
 use super::runs::{RUNS, Row};

@@ -1,7 +1,7 @@
-//! What it costs and saves to leave out hidden people: the same pictures with and without, in turns.
+//! Cost and gain of leaving out hidden people: the same frames with and without, in turns.
 //!
 //! - `inside`: at eye level in the middle of the crowd, `before`: at eye level in front of it,
-//! - `over`: from three metres up, over their heads, `above`: from a roof, where nobody hides anybody.
+//! - `over`: from three metres up, over their heads, `above`: from a roof, where no agent hides another.
 //!
 //! Both eyes as a headset has them, in one pass. Times as in [`super::stereo`].
 
@@ -14,7 +14,7 @@ use crate::sim::{Backend, Simulation};
 use glam::Vec3;
 use std::time::Instant;
 
-/// Times pictures of a crowd on a plane from four places.
+/// Times frames of a crowd on a plane from four places.
 pub(super) fn occlusion(
     agents: usize,
     backend: Backend,

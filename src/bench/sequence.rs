@@ -1,4 +1,4 @@
-//! Kernels in the order of a step, a picture or a case, run again and again, each timed.
+//! Kernels in the order of a step, a frame or a case, run again and again, each timed.
 
 use super::crowds::{EYE_HEIGHT, SPACING, dressed};
 #[cfg(feature = "vulkan")]
@@ -113,7 +113,7 @@ impl Sequence {
         Self::new(None, agents, store, dispatches, (backend, device))
     }
 
-    /// The kernels that prepare a picture of everyone in the crossing, from the middle of it.
+    /// The kernels that prepare a frame of all agents in the crossing, from the middle of it.
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
@@ -159,7 +159,7 @@ impl Sequence {
         Self::new(None, agents, store, dispatches, (backend, device))
     }
 
-    /// The kernels that leave out people whom nobody sees.
+    /// The kernels that leave out hidden people.
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.

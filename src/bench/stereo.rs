@@ -1,15 +1,15 @@
-//! What both eyes cost: one pass with multiview, two passes, and two pictures made one after the other.
+//! What both eyes cost: one pass with multiview, two passes, and two frames made one after the other.
 //!
 //! - `stereo_one_pass`: bodies animated once, one shadow map, both eyes in one pass (multiview).
 //! - `stereo_two_passes`: bodies and shadow map once, then a pass for each eye: what this engine does without multiview.
-//! - `stereo_two_pictures`: everything twice, culling, bodies, shadow map and pass: what an engine does that knows one eye.
+//! - `stereo_two_pictures`: everything twice (culling, bodies, shadow map and pass), as in an engine that knows one eye.
 //!
-//! Of what the first one consists tell the first one with less: `stereo_without_shadows`, `stereo_without_far` (only people
-//! who have a pose), `stereo_one_sample` a pixel instead of four, `stereo_few_pixels` (a hundredth: mostly vertices and the
-//! shadow map); and `stereo_bodies`, culling and animation alone, which both eyes share.
+//! Variants of the first row with less show what it consists of: `stereo_without_shadows`, `stereo_without_far` (only posed
+//! people), `stereo_one_sample` (one sample a pixel instead of four), `stereo_few_pixels` (a hundredth of the pixels: mostly
+//! vertices and the shadow map). `stereo_bodies` is culling and animation alone, which both eyes share.
 //!
-//! The ways take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
-//! the simulation's state to the picture on the device; nothing is copied to the host.
+//! The variants take turns within one run, so that a busy machine slows all of them alike. Every time is by the clock, from
+//! the simulation's state to the image on the device. Nothing is copied to the host.
 
 use super::crowds::{EYE_HEIGHT, dressed};
 use super::runs::{RUNS, Row, WARM_UP};

@@ -32,7 +32,7 @@ pub const AVATARS: usize = 2;
 pub const CLIPS: usize = 4;
 /// Elements behind the last agent that hold NaN.
 const SPARE: usize = 5;
-/// Index of the picture that the made-up memories of the gaze refer to.
+/// Index of the frame that the made-up memories of the gaze refer to.
 const FRAME_INDEX: u32 = 1000;
 /// Its time, ms.
 const GAZE_TIME: u32 = 20_000;
@@ -456,7 +456,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     store.skinned = vec![[NAN; 4]; (near_capacity * most_vertices + 1) * SKINNED_STRIDE];
 }
 
-/// The dispatches of the animation kernels for one picture, in order.
+/// The dispatches of the animation kernels for one frame, in order.
 pub fn dispatches(store: &Store) -> Vec<Dispatch> {
     crate::sim::order::frame_dispatches(&store.frame)
 }

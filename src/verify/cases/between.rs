@@ -1,4 +1,4 @@
-//! Inputs for `keep_snapshot` and `interpolate`: two snapshots of a crowd of whom some walk, turn across the back, end a
+//! Inputs for `keep_snapshot` and `interpolate`: two snapshots of a crowd. Some agents walk, turn across the back, end a
 //! stride, stand, are set to another place, come in, go, or have no place that is a number.
 
 use super::case::{filled, nan, unit};
@@ -12,8 +12,8 @@ const SPARE: usize = 3;
 /// Farthest that the made-up people walk between the snapshots, m.
 const REACH: f32 = 0.4;
 
-/// A crowd whose snapshot before is kept and whose newest is not yet. Seeds differ in the share: none of the way, some of
-/// it, nearly all, all; and in the place of the newest snapshot.
+/// A crowd with its earlier snapshot kept and its newest not yet. Seeds differ in the share: none of the way, some of it,
+/// nearly all, all; and in the place of the newest snapshot.
 pub fn between(agents: usize, seed: u32) -> Store {
     let newest = seed >> 1 & 1;
     let share = [0.0, 0.37, 0.999_999_94, 1.0][seed as usize % 4];
@@ -68,7 +68,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
     store
 }
 
-/// The dispatches: the newest snapshot is kept, then everyone is put between the two.
+/// The dispatches: they keep the newest snapshot, then interpolate every agent between the two.
 pub fn dispatches(store: &Store) -> Vec<Dispatch> {
     between_dispatches(store.between.agent_count, Some(store.between.newest))
 }

@@ -5,7 +5,7 @@ use crate::kernels::layout::{Body, Route, Stage, Stance, StepUniforms};
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::sim::setup::avoidance;
 
-/// Far enough that everyone of a stream walks in the same direction to 1e-4 rad.
+/// Far enough that all agents of a stream walk in the same direction to 1e-4 rad.
 const FAR: f32 = 1e7;
 
 /// `agents` at one per `spacing`² square metres, stored in arbitrary order; half want to go along x, half along z, at

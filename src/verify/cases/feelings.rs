@@ -1,4 +1,4 @@
-//! A crowd whose feelings change and of whom some are led, for the kernels that not every step has.
+//! A crowd with feelings that change and some agents led from outside, for the kernels that not every step has.
 
 use super::case::nan;
 use crate::kernels::Store;
@@ -8,8 +8,8 @@ use crate::reference::exact::{hash_u32, unit_f32};
 /// Events of the case: going on, exactly now, just over, not begun, calming.
 const EVENTS: usize = 5;
 
-/// [`super::step::crowd`] with feelings of every kind: at the ends of their range, of people who show or catch nothing,
-/// at the very place of an event; seeds differ in how far feelings reach. Led agents follow paths of every length.
+/// [`super::step::crowd`] with feelings of every kind: at the ends of their range, of agents that show or catch nothing,
+/// at the very place of an event. Seeds differ in how far feelings reach. Led agents follow paths of every length.
 pub fn feelings(agents: usize, seed: u32) -> Store {
     let mut store = super::step::crowd(agents, seed);
     store.step.step_index = [100, 1, 0][seed as usize % 3];
@@ -91,7 +91,7 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
             unused: 0.0,
         });
     }
-    // those whose row has no turn keep what they heard before
+    // agents whose row has no turn keep what they heard before
     let before =
         |i| Heard { strength: unit(i, 50), happy: unit(i, 51), angry: unit(i, 52), sad: unit(i, 53) };
     store.heard = (0..agents).map(before).collect();

@@ -8,8 +8,9 @@ use crate::sim::flow::{Goal, Settings, lay_on};
 use crate::sim::order;
 use glam::Vec2;
 
-/// Three fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, on odd seeds a maze too,
-/// and a crowd whose density counts; from a thousand cells on with a ramp that leads up to a floor above the ground. `cells` 0: no field at all. What the kernels write before they read is NaN or nonsense.
+/// Three fields over about `cells` cells with walls and blocks on them, one of which shuts a pocket off, and a crowd whose
+/// density counts. Odd seeds have a maze, too. From a thousand cells on a ramp leads up to a floor above the ground. `cells` 0: no
+/// field at all. What the kernels write before they read is NaN or nonsense.
 pub fn fields(cells: usize, seed: u32) -> Store {
     let mut store = Store {
         step: StepUniforms { agent_count: cells as u32, ..StepUniforms::default() },

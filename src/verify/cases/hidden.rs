@@ -1,8 +1,8 @@
 //! Inputs for `occlude` and `occlusion_compact`: the crowd of [`super::animation`] as `cull` and `compact` leave it, and a depth that
 //! hides some of it.
 //!
-//! Hard by design: agents at and behind the eye, far too near or large to be judged, out of one eye's picture, tiles where
-//! nothing is drawn, fewer agents than are worth looking for, and poison in everything that must not be read.
+//! Hard by design: agents at and behind the eye, far too near or large for the test, out of one eye's image, tiles where
+//! nothing is drawn, fewer agents than the test is worth, and poison in everything that must not be read.
 
 use super::animation;
 use super::case::unit;
@@ -18,7 +18,7 @@ use glam::{Mat4, Vec3};
 const POISON: u32 = 0xdead_beef;
 const ASPECT: f32 = 1.6;
 
-/// Clip from world space of an eye `aside` of the made-up user, who looks towards +z.
+/// Clip from world space of an eye `aside` of the made-up user. The user looks towards +z.
 fn clip_from_world(user_eyes: Vec3, aside: f32) -> [[f32; 4]; 4] {
     let eye = user_eyes + Vec3::X * aside;
     let view: Mat4 = look_at_mat4(eye, eye + Vec3::new(0.15, -0.1, 1.0), Vec3::new(0.1, 1.0, 0.0));
@@ -30,9 +30,9 @@ fn clip_from_world(user_eyes: Vec3, aside: f32) -> [[f32; 4]; 4] {
     clip.to_cols_array_2d()
 }
 
-/// Every buffer that the kernels touch. Seeds differ in kind: of even ones there is room for a pose for some only, so that
-/// near agents are far bodies; those with bit 1 set see with one eye; one in five of them has too few agents, and of
-/// another one in five the eye looks down on most.
+/// Every buffer that the kernels touch. Seeds differ in kind. With even seeds only some agents have room for a pose, so that
+/// near agents are far bodies. Seeds with bit 1 set see with one eye. One in five of them has too few agents. In another one
+/// in five the eye looks down on most agents.
 pub fn hidden(agents: usize, seed: u32) -> Store {
     let kind = seed.wrapping_mul(3).wrapping_add(1); // with far bodies
     let mut store = animation::animation(agents, kind);

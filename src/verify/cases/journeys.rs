@@ -9,7 +9,7 @@ use crate::kernels::shared::stages::{EXIT, GOAL, QUEUE, WAITING, WAYPOINT};
 
 /// Kinds of the stages, in turn; the last one of every journey may be an exit.
 const KINDS: [f32; 5] = [WAYPOINT, GOAL, WAITING, QUEUE, EXIT];
-/// Sources: two that let people in, one whose time has not come, one that has let everybody in, one without a place.
+/// Sources: two that let people in, one whose time has not come, one that has let all in, one without a place.
 const SOURCES: usize = 5;
 
 /// The crowd of [`crowd`] on journeys through regions that many of them stand in, with a part of it outside, in sources:

@@ -24,7 +24,7 @@ use crate::kernels::{Dispatch, Phase, Store};
 use crate::sim::order;
 use case::unit;
 
-/// All cases of a size: steps, pictures and what else there is, of every kind (seeds differ in kind). Above a thousand
+/// All cases of a size: steps, frames and what else there is, of every kind (seeds differ in kind). Above a thousand
 /// agents there is one of each.
 pub fn all(size: usize, seed: u32) -> Vec<Case> {
     let few = size > 1_000;
@@ -67,8 +67,8 @@ pub fn all(size: usize, seed: u32) -> Vec<Case> {
     cases
 }
 
-/// A crowd that has everything at once: journeys, groups, walls, floors, ways, sources, queues, people who are led, feelings,
-/// and a crowd ahead that slows people down.
+/// A crowd that has everything at once: journeys, groups, walls, floors, flow fields, sources, queues, agents led from
+/// outside, feelings, and a crowd ahead that slows people down.
 pub fn everything(agents: usize, seed: u32) -> Store {
     let mut store = journeys::journeys(agents, seed);
     store.step.crowding = 0.3 + 0.7 * unit(seed ^ 0x57e9_0000, 1, 0);

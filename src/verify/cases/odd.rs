@@ -31,7 +31,7 @@ fn only(what: &str, size: usize, seed: u32, store: Store, kernels: &[KernelId]) 
     Case { name: format!("{what}, size {size}, seed {seed}"), store, dispatches }
 }
 
-/// Puts everyone into the grid.
+/// Puts all agents into the grid.
 fn into_grid(store: &mut Store) {
     use KernelId::{GridCount, GridPack, GridScan, GridScatter};
     for dispatch in order::step_dispatches(&store.step) {
@@ -75,7 +75,7 @@ fn walls(agents: usize, seed: u32) -> Store {
             2 if slot % 4 == 3 => [x, f32::INFINITY],
             _ => [x, z],
         };
-        // where nobody is nothing may happen, though there be numbers
+        // nothing may happen in an empty slot, even where its fields are numbers
         let is_empty = slot >= agents || store.slot_agent[slot] == NOBODY;
         if is_empty && agents > 0 {
             store.slot_motion[slot] = store.slot_motion[0];

@@ -166,7 +166,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             stride_travel: 0.9 + 0.6 * u(8),
         });
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
-        // led from outside: there, leaving, appearing, standing; and some who stay absent
+        // led from outside: there, leaving, appearing, standing; and some that stay absent
         let is_led = i % 128 == 7 || i % 64 == 38;
         let priority = if is_led { LED } else { (u(15) * 3.0).floor() * 0.5 };
         let speed = if i % 256 == 38 { 0.02 } else { 3.0 };
