@@ -81,6 +81,7 @@ pub mod low_level;
 #[allow(clippy::disallowed_methods, reason = "judges gaits, makes no crowds")]
 pub mod perception;
 pub mod picture;
+mod random;
 #[doc(hidden)]
 pub mod reference;
 #[cfg(feature = "vulkan")]

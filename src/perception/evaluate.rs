@@ -6,6 +6,9 @@
 //! Paper: section 3.5; S-15, A-09, A-19. The result depends on nothing but the arguments: not on threads, not on the
 //! machine.
 
+#[doc(hidden)]
+pub use crate::random::Random;
+
 use super::{Error, Method};
 use crate::emotion::Emotion;
 use crate::gait::Gait;
@@ -329,45 +332,6 @@ fn count(
 #[allow(clippy::cast_precision_loss, reason = "counts of answers are far below 2^53")]
 fn share(part: u64, whole: u64) -> f64 {
     if whole == 0 { 0.0 } else { part as f64 / whole as f64 }
-}
-
-/// Random numbers that are the same everywhere: `SplitMix64` (Steele, Lea, Flood 2014).
-#[derive(Debug, Clone)]
-#[doc(hidden)]
-pub struct Random(u64);
-
-impl Random {
-    /// The numbers of a seed.
-    pub const fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// The next 64 bits.
-    pub const fn bits(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        let z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-
-    /// The next number in [0, 1), 53 bits.
-    #[allow(clippy::cast_precision_loss, reason = "53 bits are exact in an f64")]
-    pub fn unit(&mut self) -> f64 {
-        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// The next number below `end`; 0 if `end` is 0.
-    pub fn below(&mut self, end: usize) -> usize {
-        // the upper half of a product with a number below 2^64 is below `end`
-        usize::try_from((u128::from(self.bits()) * end as u128) >> 64).unwrap_or(0)
-    }
-
-    /// Puts items into a random order.
-    pub fn shuffle<T>(&mut self, items: &mut [T]) {
-        for i in (1..items.len()).rev() {
-            items.swap(i, self.below(i + 1));
-        }
-    }
 }
 
 #[cfg(test)]

@@ -124,10 +124,3 @@ fn too_few_groups_are_refused_with_both_numbers() {
     let text = folds(&gaits, &emotions, Grouping::Stratified { folds: 1 }, 0).unwrap_err().to_string();
     assert!(text.contains("at least 2"), "{text}");
 }
-
-#[test]
-fn random_numbers_are_those_published_for_seed_0() {
-    let mut random = Random::new(0);
-    assert_eq!([random.bits(), random.bits()], [0xe220_a839_7b1d_cdaf, 0x6e78_9e6a_a1b9_65f4]);
-    assert!((0..1000).all(|_| random.below(7) < 7 && (0.0..1.0).contains(&random.unit())));
-}
