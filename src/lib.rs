@@ -28,7 +28,9 @@
 //! | what people would see in a walk | [`perception::model::Model`] |
 //! | a recorded crowd that walks again | [`replay`] |
 //! | a window, a headset | `view`, `xr` |
+//! | what an observer would see in a crowd that walks | [`closed_loop`] |
 //! | to check your device | [`verify`], [`bench`](mod@bench), [`validate`] |
+//! | buffers and kernels themselves, without a promise | [`low_level`] |
 //!
 //! What is guaranteed: the same version, scenario and seed give the same crowd, bit for bit, on the CPU and on every Vulkan
 //! device whose arithmetic is exact. [`verify`] tells whether yours is.
@@ -40,10 +42,10 @@
 //!   C3D, npz)     speed    features     clips      retarget  where, how  step   draw      assembly
 //! ```
 //! A module uses what stands to its left, never what stands to its right (`tests/layers.rs`).
-//! [`kernels`] is the floor under [`mod@reference`] (CPU) and `gpu` (Vulkan).
+//! [`low_level::kernels`] is the floor under [`low_level::reference`] (CPU) and `gpu` (Vulkan).
 //!
 //! Frames: right-handed, y up, metres, seconds, radians. A model faces +z. The ground plane is stored as
-//! `(x, z)`; only [`ground`] crosses between the two.
+//! `(x, z)`; only [`low_level::ground`] crosses between the two.
 #![deny(missing_docs)]
 // A library without the program leaves readers and writers out, and what only they use stays.
 #![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports, reason = "for the features left out"))]
