@@ -110,8 +110,11 @@ fn copy_of_the_tree(texts: &BTreeMap<String, String>) -> Result<PathBuf, Failure
     if !listing.status.success() {
         return Err("git ls-files fails: the errors are planted in a copy of a git checkout".into());
     }
-    for file in String::from_utf8(listing.stdout)?.split('\0').filter(|file| !file.is_empty()) {
-        let Ok(original) = std::fs::read(file) else { continue };
+    let listing = String::from_utf8(listing.stdout)?;
+    let files: BTreeSet<&str> = listing.split('\0').filter(|file| Path::new(file).is_file()).collect();
+    remove_others(&folder, &folder, &files)?;
+    for &file in &files {
+        let original = std::fs::read(file)?;
         let contents = texts.get(file).map_or(original, |text| text.clone().into_bytes());
         let place = folder.join(file);
         // what is the same is left alone, so that cargo need not build it again
@@ -122,6 +125,23 @@ fn copy_of_the_tree(texts: &BTreeMap<String, String>) -> Result<PathBuf, Failure
         std::fs::set_permissions(&place, std::fs::metadata(file)?.permissions())?;
     }
     Ok(folder)
+}
+
+/// Removes the files of a copy that the tree has no more: the build would take a shader that was renamed for two.
+fn remove_others(copy: &Path, folder: &Path, files: &BTreeSet<&str>) -> Result<(), Failure> {
+    let Ok(listing) = std::fs::read_dir(folder) else { return Ok(()) };
+    for entry in listing {
+        let path = entry?.path();
+        let known = path.strip_prefix(copy)?;
+        if path.is_dir() {
+            if known != Path::new("target") {
+                remove_others(copy, &path, files)?;
+            }
+        } else if !known.to_str().is_some_and(|known| files.contains(known) || known == "Cargo.lock") {
+            std::fs::remove_file(&path)?;
+        }
+    }
+    Ok(())
 }
 
 /// The files with the errors in them.
