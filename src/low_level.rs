@@ -1,7 +1,7 @@
 //! What lies under the library: buffers, kernels and their twins, the Vulkan engine, how a crowd is laid into buffers.
 //!
 //! **No promise is made about anything here.** Names and types follow the shaders and change with any version. The rest of
-//! the library is stable: a change that breaks it is told as `breaking:` in the changelog.
+//! the library is stable: the changelog marks a change that breaks it with `breaking:`.
 //!
 //! Reasons to come here: to read or fill buffers ([`kernels::Store`]), to run one kernel by itself
 //! ([`mod@reference`]), to put kernels of your own beside ours (`gpu`), to fill a crowd by hand ([`setup`]).

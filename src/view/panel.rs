@@ -181,7 +181,7 @@ fn camera(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>) {
     let keys = "drag: turn; right drag or WASD, Q, E: move (Shift: faster)\nwheel: nearer; click: pick; Tab: hide this panel";
     ui.label(RichText::new(keys).small());
     if controls.camera == CameraMode::Follow && facts.picked.is_none() {
-        ui.label(RichText::new("Click somebody to follow them.").small().strong());
+        ui.label(RichText::new("Click a person to follow them.").small().strong());
     }
     ui.horizontal(|ui| {
         if ui.button("Picture").on_hover_text("F12").clicked() {
@@ -197,7 +197,7 @@ fn camera(ui: &mut Ui, controls: &mut Controls, facts: &Facts<'_>) {
 
 fn person(ui: &mut Ui, controls: &mut Controls, picked: Option<&Picked>) {
     let Some(person) = picked else {
-        ui.label("Click somebody to see their state.");
+        ui.label("Click a person to see their state.");
         return;
     };
     ui.horizontal(|ui| {

@@ -334,7 +334,7 @@ impl Machine {
                     _ => {}
                 }
                 let leg = self.leg(state, at, goal, agent.radius, walls).unwrap_or_else(|| {
-                    report.note("somebody sees no way along the roads or the mesh and goes straight");
+                    report.note("an agent that sees no way along the roads or the mesh goes straight");
                     vec![goal]
                 });
                 way.extend(leg);

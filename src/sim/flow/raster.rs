@@ -407,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn whoever_is_inside_something_solid_has_a_way_out_on_every_side() {
+    fn an_agent_inside_a_solid_has_a_way_out_on_every_side() {
         let inside = vec![[4.0, 4.0], [6.0, 4.0], [6.0, 6.0], [4.0, 6.0]];
         let raster = Raster::new(&[room(2.0, 0.0)[0].clone(), inside], 0.5, 0.25);
         let cell = raster.cell(Vec2::new(5.1, 5.1)).unwrap();
