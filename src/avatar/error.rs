@@ -45,7 +45,7 @@ pub enum Error {
         name: String,
         /// Which joints are missing, or what is wrong with the rig map.
         message: String,
-        /// A [`RigMap`] to fill in, as TOML: what was found, and the file's joints as comments.
+        /// A [`RigMap`](super::RigMap) to fill in, as TOML: what was found, and the file's joints as comments.
         map: String,
     },
 }

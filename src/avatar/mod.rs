@@ -3,7 +3,7 @@
 //!
 //! Any rigged character is reduced on loading: a joint that no gait drives (fingers, toes, twist helpers) is
 //! rigid to its nearest driven ancestor, so its weights move there and the shape in the rest pose is unchanged.
-//! Every avatar therefore has exactly the 16 joints of [`Joint`] and the device needs one layout only.
+//! Every avatar therefore has exactly the 16 joints of [`Joint`](crate::gait::Joint) and the device needs one layout only.
 //!
 //! ```
 //! use gaitway::avatar::{Sex, generated, retarget};

@@ -48,7 +48,7 @@ pub struct Show {
     pub(super) taken: u64,
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(super) kept: KeptSnapshots,
-    /// How long the animator's kernels ran since the last [`Show::take_times`], if they are timed.
+    /// How long the animator's kernels ran since they were last asked for, if they are timed.
     times: Option<Vec<(Phase, f64)>>,
 }
 
