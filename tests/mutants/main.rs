@@ -99,13 +99,21 @@ fn run() -> Result<bool, Failure> {
             let planted = plant_shaders(only, most)?;
             let is_caught =
                 planted.iter().flat_map(|file| file.fates.values()).all(|fate| *fate != Fate::Survived);
-            Found::read()?.keep(planted, Vec::new())?;
+            let mut kept = Found::read()?;
+            if only.is_empty() {
+                kept.planted.clear(); // files that are gone
+            }
+            kept.keep(planted, Vec::new())?;
             Ok(is_caught)
         }
         ["rust", only @ ..] => {
             let tried = rust::run(TABLES, only.first().unwrap_or(&""))?;
             let is_caught = tried.iter().all(|one| one.caught);
-            Found::read()?.keep(Vec::new(), tried)?;
+            let mut kept = Found::read()?;
+            if only.is_empty() {
+                kept.tried.clear();
+            }
+            kept.keep(Vec::new(), tried)?;
             Ok(is_caught)
         }
         ["page"] => page(most),
