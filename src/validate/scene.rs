@@ -8,9 +8,10 @@ use crate::gait::walker;
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Validation};
 use crate::kernels::Store;
-use crate::kernels::layout::{Body, Route};
+use crate::kernels::layout::Route;
 use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Stop};
-use crate::sim::{AvatarSet, Backend, Simulation};
+use crate::scene::{Scene, Start};
+use crate::sim::{AvatarSet, Backend, Simulation, setup};
 use glam::Vec2;
 use serde::Serialize;
 #[cfg(feature = "vulkan")]
@@ -153,12 +154,14 @@ impl Equipment {
         false
     }
 
-    fn simulation(&self, store: Store) -> Result<Simulation, Error> {
+    fn simulation(&self, scene: &Scene, start: Start) -> Result<Simulation, Error> {
         #[cfg(feature = "vulkan")]
         if let Some(device) = &self.device {
-            return Simulation::steps_on(store, device);
+            let simulation = Simulation::steps_on(start.store, device)?;
+            return Ok(scene.introduce(simulation, start.ways));
         }
-        Simulation::from_store(store, Backend::Cpu, None)
+        let simulation = Simulation::from_store(start.store, Backend::Cpu, None)?;
+        Ok(scene.introduce(simulation, start.ways))
     }
 }
 
@@ -211,78 +214,56 @@ impl Experiment {
     ///
     /// # Errors
     /// When the device cannot be used.
-    pub fn start(&self, stage: &Equipment, variant: Variant) -> Result<(Simulation, Frame), Error> {
+    pub fn start(&self, equipment: &Equipment, variant: Variant) -> Result<(Simulation, Frame), Error> {
         let mut frame = Frame::default();
         if variant == Variant::Rotated {
             frame.turn = Vec2::from_angle(TURN_DEG.to_radians());
         }
-        let mut scenario = self.scenario.clone();
-        let place = |points: &mut Vec<[f32; 2]>| {
-            for point in points {
-                *point = frame.there((*point).into()).to_array();
-            }
-        };
-        place(&mut scenario.bounds);
-        scenario.obstacles.iter_mut().for_each(|obstacle| place(&mut obstacle.polygon));
-        let mut store = self.store(&scenario, frame, stage);
+        let mut scene = self.scene(frame, equipment);
+        let mut start = scene.buffers()?;
         if variant == Variant::Shifted {
             // the same grid under everything moved by half of one of its cells
-            let (cell, origin) = (store.step.cell_size, store.step.grid_origin);
+            let (cell, origin) = (start.store.step.cell_size, start.store.step.grid_origin);
             frame.shift = Vec2::splat(0.5 * cell);
-            scenario = self.scenario.clone();
-            let place = |points: &mut Vec<[f32; 2]>| {
-                for point in points {
-                    *point = frame.there((*point).into()).to_array();
-                }
-            };
-            place(&mut scenario.bounds);
-            scenario.obstacles.iter_mut().for_each(|obstacle| place(&mut obstacle.polygon));
-            store = self.store(&scenario, frame, stage);
-            store.step.grid_origin = origin;
-            store.step.grid_columns += 1;
-            store.step.grid_rows += 1;
-            store.step.cell_count = store.step.grid_columns * store.step.grid_rows;
+            scene = self.scene(frame, equipment);
+            start = scene.buffers()?;
+            let step = &mut start.store.step;
+            step.grid_origin = origin;
+            step.grid_columns += 1;
+            step.grid_rows += 1;
+            step.cell_count = step.grid_columns * step.grid_rows;
             let polygons: Vec<Vec<[f32; 2]>> =
-                scenario.geometry().outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
-            crate::sim::setup::set_obstacles(&mut store, &polygons);
-            crate::sim::setup::scratch(&mut store);
+                scene.geometry.outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
+            setup::set_obstacles(&mut start.store, &polygons);
+            setup::scratch(&mut start.store);
         }
-        stage.fault.apply(&mut store);
-        let simulation = stage.simulation(store)?;
-        Ok((simulation, frame))
+        equipment.fault.apply(&mut start.store);
+        Ok((equipment.simulation(&scene, start)?, frame))
     }
 
-    fn store(&self, scenario: &Scenario, frame: Frame, stage: &Equipment) -> Store {
+    /// The place and its people, turned and moved.
+    fn scene(&self, frame: Frame, equipment: &Equipment) -> Scene {
+        let mut scenario = self.scenario.clone();
+        let obstacles = scenario.obstacles.iter_mut().map(|obstacle| &mut obstacle.polygon);
+        for point in std::iter::once(&mut scenario.bounds).chain(obstacles).flatten() {
+            *point = frame.there((*point).into()).to_array();
+        }
         let mut crowd = Crowd::default();
         for (index, walker) in self.walkers.iter().enumerate() {
-            let start = crowd.stages.len();
+            let first = crowd.stages.len();
             let points = walker.way.iter();
             crowd.stages.extend(points.map(|&(p, radius)| Stop::waypoint(frame.there(p), radius)));
-            crowd.agents.push(start_of(walker, frame, index, start));
+            crowd.agents.push(start_of(walker, frame, index, first));
         }
-        let mut store = crate::sim::setup::store(scenario, &scenario.geometry(), &crowd, &stage.cast);
-        let navigation = &scenario.navigation;
-        for (body, walker) in store.body.iter_mut().zip(&self.walkers) {
-            let most = (walker.speed * navigation.max_speed_factor).min(navigation.max_speed);
-            *body = Body {
-                radius: walker.radius,
-                max_speed: most.max(walker.speed),
-                preferred_speed: walker.speed,
-                stride_travel: walker.speed * 1.05,
-            };
-        }
-        let polygons: Vec<Vec<[f32; 2]>> =
-            scenario.geometry().outlines().map(|o| o.iter().map(Vec2::to_array).collect()).collect();
-        crate::sim::setup::set_obstacles(&mut store, &polygons);
-        store
+        Scene::of_crowd(scenario, crowd, equipment.cast.clone())
     }
 
     /// Runs it to its end, or until everyone has `left`.
     ///
     /// # Errors
     /// When the device fails or a kernel meets a value that is not finite.
-    pub fn run(&self, stage: &Equipment, variant: Variant) -> Result<Run, Error> {
-        let (mut simulation, frame) = self.start(stage, variant)?;
+    pub fn run(&self, equipment: &Equipment, variant: Variant) -> Result<Run, Error> {
+        let (mut simulation, frame) = self.start(equipment, variant)?;
         let geometry = self.scenario.geometry();
         let free = Clearance::new(&geometry.bounds, &geometry.obstacles);
         let mut tracks =
@@ -362,6 +343,7 @@ fn start_of(walker: &Walker, frame: Frame, index: usize, first: usize) -> AgentS
         route_start: number(first),
         route_length: number(walker.way.len()),
         waypoint: number(walker.next),
+        speed: Some(walker.speed),
         loops: walker.loops,
         companions: walker.companions,
         ..AgentStart::at(frame.there(walker.position))
@@ -375,7 +357,7 @@ impl Fault {
             Self::HalfSpeed => 0.5,
             Self::Frozen => 0.0,
             Self::NoWalls => {
-                crate::sim::setup::set_obstacles(store, &[]);
+                setup::set_obstacles(store, &[]);
                 return;
             }
             Self::Alone => {
