@@ -100,7 +100,7 @@ fn compile_folder(folder: &Path, spirv: &Path) -> Result<Vec<(Source, Shader)>, 
                 }
                 shaders.push((source, shader));
             }
-            Err(error) => errors.push(error),
+            Err(error) => errors.push(error.to_string()),
         }
     }
     if errors.is_empty() { Ok(shaders) } else { Err(errors.join("\n")) }

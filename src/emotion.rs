@@ -1,5 +1,6 @@
 //! The four emotions of the paper and weights over them (S-32: other emotions are mixtures of these).
 
+use crate::spelling::{UnknownName, by_name};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -62,13 +63,10 @@ impl fmt::Display for Emotion {
 }
 
 impl FromStr for Emotion {
-    type Err = String;
+    type Err = UnknownName;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|emotion| emotion.name().eq_ignore_ascii_case(text))
-            .ok_or_else(|| format!("unknown emotion {text:?}; use happy, angry, sad or neutral"))
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("emotion", &Self::ALL, Self::name, text)
     }
 }
 
@@ -81,6 +79,8 @@ mod tests {
         for emotion in Emotion::ALL {
             assert_eq!(emotion.name().to_uppercase().parse(), Ok(emotion));
         }
-        assert!("joyful".parse::<Emotion>().unwrap_err().contains("joyful"));
+        let refused = "joyful".parse::<Emotion>().unwrap_err();
+        assert_eq!(refused.to_string(), "unknown emotion \"joyful\"; use happy, angry, sad or neutral");
+        assert_eq!((refused.kind, refused.found.as_str()), ("emotion", "joyful"));
     }
 }

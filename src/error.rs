@@ -1,5 +1,7 @@
 //! The library's error: one enum per layer, gathered here.
 
+pub use crate::spelling::UnknownName;
+
 /// Result of the library's fallible functions.
 pub type Result<T> = std::result::Result<T, Error>;
 

@@ -6,6 +6,8 @@
 
 #[path = "layers/documents.rs"]
 mod documents;
+#[path = "layers/errors.rs"]
+mod errors;
 #[path = "layers/imports.rs"]
 mod imports;
 #[path = "layers/words.rs"]

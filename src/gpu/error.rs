@@ -105,8 +105,8 @@ pub enum Error {
     },
     /// A shader that was to be reloaded does not compile or has other bindings than the program was built with.
     #[cfg(feature = "hot-reload")]
-    #[error("{0}")]
-    Shader(String),
+    #[error(transparent)]
+    Shader(#[from] crate::kernels::compile::fault::Error),
     /// A dispatch needs a kernel that the engine was not built with.
     #[error("kernel {0} is not part of this engine")]
     NoKernel(&'static str),

@@ -151,14 +151,14 @@ pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
 /// The code of a kernel's phases: compiled again from the folder that `GAITWAY_SHADERS` names, if it names one.
 #[cfg(feature = "hot-reload")]
 pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
-    use crate::kernels::compile::{Source, compile};
+    use crate::kernels::compile::{Source, compile, fault};
     let entries = kernel.phases.iter().map(|phase| phase.entry());
     let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
         return Ok(entries.map(|entry| entry.spirv.into()).collect());
     };
     let file = folder.join(kernel.name).with_extension("wgsl");
-    let source = Source::read(&file, &folder.join("shared"), kernel.id as usize).map_err(Error::Shader)?;
-    let mut found = compile(&source).map_err(Error::Shader)?.entries;
+    let source = Source::read(&file, &folder.join("shared"), kernel.id as usize)?;
+    let mut found = compile(&source)?.entries;
     let code = entries.map(|entry| {
         let wanted = entry.bindings.iter().map(|b| (b.buffer.name(), b.index));
         let found = found.iter_mut().find(|found| found.name == entry.name)?;
@@ -166,10 +166,8 @@ pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
         is_same.then(|| std::mem::take(&mut found.spirv).into())
     });
     code.collect::<Option<_>>().ok_or_else(|| {
-        let file = file.display();
-        Error::Shader(format!(
-            "{file}: other phases or bindings than when the program was built: build it again"
-        ))
+        let message = "other phases or bindings than when the program was built: build it again";
+        fault::Error::at(file.display(), message).into()
     })
 }
 

@@ -6,10 +6,13 @@
 
 #[path = "constants.rs"]
 pub mod constants;
+#[path = "fault.rs"]
+pub mod fault;
 #[path = "spirv.rs"]
 mod spirv;
 
 use constants::Constant;
+use fault::{Error, Fault};
 
 use naga::back::spv;
 use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy, Layouter};
@@ -38,8 +41,8 @@ impl Source {
     /// a kernel reports failures.
     ///
     /// # Errors
-    /// When a file cannot be read.
-    pub fn read(file: &Path, shared: &Path, number: usize) -> Result<Self, String> {
+    /// The file that cannot be read.
+    pub fn read(file: &Path, shared: &Path, number: usize) -> Result<Self, Error> {
         let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let mut source = Self { name, text: String::new(), parts: Vec::new() };
         let mut wanted = vec![file.to_path_buf()];
@@ -47,7 +50,7 @@ impl Source {
         while next < wanted.len() {
             let part = wanted[next].clone();
             next += 1;
-            let text = std::fs::read_to_string(&part).map_err(|e| format!("{}: {e}", part.display()))?;
+            let text = std::fs::read_to_string(&part).map_err(|e| Error::at(part.display(), e))?;
             for used in text.lines().filter_map(|line| line.strip_prefix("// uses:")) {
                 for stem in used.split(',').map(str::trim) {
                     let path = shared.join(format!("{stem}.wgsl"));
@@ -198,14 +201,15 @@ pub struct Shader {
 /// Compiles one file.
 ///
 /// # Errors
-/// `file:line:column: message`, one line per fault.
-pub fn compile(source: &Source) -> Result<Shader, String> {
+/// The faults of its text.
+pub fn compile(source: &Source) -> Result<Shader, Error> {
     let module = naga::front::wgsl::parse_str(&source.text).map_err(|error| {
-        let labels: Vec<_> = error
-            .labels()
-            .map(|(span, label)| format!("{}: {}: {label}", source.place(span), error.message()))
-            .collect();
-        if labels.is_empty() { format!("{}: {}", source.name, error.message()) } else { labels.join("\n") }
+        let fault = |(span, label): (naga::Span, &str)| Fault {
+            place: source.place(span),
+            message: format!("{}: {label}", error.message()),
+        };
+        let faults: Vec<Fault> = error.labels().map(fault).collect();
+        if faults.is_empty() { Error::at(&source.name, error.message()) } else { Error { faults } }
     })?;
     let capabilities = Capabilities::IMMEDIATES | Capabilities::MULTIVIEW;
     let info = Validator::new(ValidationFlags::all(), capabilities).validate(&module).map_err(|error| {
@@ -216,12 +220,12 @@ pub fn compile(source: &Source) -> Result<Shader, String> {
             cause = inner.source();
         }
         let place = error.spans().next().map_or(source.name.clone(), |(span, _)| source.place(*span));
-        format!("{place}: {text}")
+        Error::at(place, text)
     })?;
     barriers_are_uniform(&module, source)?;
     bindings_are_used(&module, &info, source)?;
     let mut layouter = Layouter::default();
-    layouter.update(module.to_ctx()).map_err(|error| format!("{}: {error}", source.name))?;
+    layouter.update(module.to_ctx()).map_err(|error| Error::at(&source.name, error))?;
     let mut entries = Vec::new();
     for index in 0..module.entry_points.len() {
         entries.push(entry(source, &module, &info, &layouter, index)?);
@@ -236,7 +240,7 @@ fn entry(
     info: &ModuleInfo,
     layouter: &Layouter,
     index: usize,
-) -> Result<Entry, String> {
+) -> Result<Entry, Error> {
     let point = &module.entry_points[index];
     let (mut bindings, mut immediate) = (Vec::new(), None);
     for (handle, variable) in module.global_variables.iter() {
@@ -261,15 +265,16 @@ fn entry(
             (AddressSpace::Uniform, _) => (
                 Use::Uniform,
                 layouter[variable.ty].size,
-                rust_type(module, ty).map_err(|e| format!("{place}: {e}"))?,
+                rust_type(module, ty).map_err(|e| Error::at(&place, e))?,
             ),
             (AddressSpace::Storage { .. }, TypeInner::Array { base, stride, .. }) => {
                 let access = if usage.contains(GlobalUse::WRITE) { Use::Write } else { Use::Read };
-                let element = rust_type(module, &module.types[*base]).map_err(|e| format!("{place}: {e}"))?;
+                let element = rust_type(module, &module.types[*base]).map_err(|e| Error::at(&place, e))?;
                 (access, *stride, element)
             }
             (AddressSpace::Storage { .. }, _) => {
-                return Err(format!("{place}: storage binding `{name}` must be an array of elements"));
+                let message = format!("storage binding `{name}` must be an array of elements");
+                return Err(Error::at(place, message));
             }
             (_, TypeInner::Sampler { .. }) => (Use::Sampler, 0, String::new()),
             _ => (Use::Texture, 0, String::new()),
@@ -286,8 +291,8 @@ fn entry(
         });
     }
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
-    let spirv = spirv_of(module, info, index).map_err(|e| format!("{}: {e}", source.name))?;
-    let one_eye = one_eye(module, index).map_err(|e| format!("{}: {e}", source.name))?;
+    let spirv = spirv_of(module, info, index).map_err(|e| Error::at(&source.name, e))?;
+    let one_eye = one_eye(module, index).map_err(|e| Error::at(&source.name, e))?;
     Ok(Entry {
         name: point.name.clone(),
         stage: point.stage,
@@ -312,14 +317,14 @@ fn spirv_of(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>
 }
 
 /// A kernel binds nothing that none of its phases uses, nor does a draw shader of one entry point.
-fn bindings_are_used(module: &Module, info: &ModuleInfo, source: &Source) -> Result<(), String> {
+fn bindings_are_used(module: &Module, info: &ModuleInfo, source: &Source) -> Result<(), Error> {
     let is_kernel = module.entry_points.iter().all(|point| point.stage == ShaderStage::Compute);
     for (handle, variable) in module.global_variables.iter().filter(|(_, v)| v.binding.is_some()) {
         let is_used = (0..module.entry_points.len()).any(|i| !info.get_entry_point(i)[handle].is_empty());
         if !is_used && (is_kernel || module.entry_points.len() == 1) {
             let place = source.place(module.global_variables.get_span(handle));
             let name = variable.name.as_deref().unwrap_or_default();
-            return Err(format!("{place}: binding `{name}` is never used: remove it"));
+            return Err(Error::at(place, format!("binding `{name}` is never used: remove it")));
         }
     }
     Ok(())
@@ -429,7 +434,7 @@ fn rust_type(module: &Module, ty: &Type) -> Result<String, String> {
 }
 
 /// Layouts of all structs that a buffer variable holds.
-fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<Layout>, String> {
+fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<Layout>, Error> {
     let mut reached: Vec<_> = module
         .global_variables
         .iter()
@@ -449,23 +454,20 @@ fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<
                 for member in members {
                     let field = member.name.clone().unwrap_or_default();
                     if member.offset != end {
-                        return Err(format!(
-                            "{place}: {} bytes lie unnamed before {name}.{field}: name them",
-                            member.offset - end
-                        ));
+                        let hole = member.offset - end;
+                        let message = format!("{hole} bytes lie unnamed before {name}.{field}: name them");
+                        return Err(Error::at(place, message));
                     }
                     end += layouter[member.ty].size;
                     let rust = rust_type(module, &module.types[member.ty])
-                        .map_err(|e| format!("{place}: {field}: {e}"))?;
+                        .map_err(|e| Error::at(&place, format!("{field}: {e}")))?;
                     let comment = source.comment_of(&name, &field).unwrap_or_default();
                     fields.push(Field { name: field, rust, comment });
                 }
                 let size = layouter[handle].to_stride();
                 if size != end {
-                    return Err(format!(
-                        "{place}: {} bytes lie unnamed at the end of {name}: name them",
-                        size - end
-                    ));
+                    let message = format!("{} bytes lie unnamed at the end of {name}: name them", size - end);
+                    return Err(Error::at(place, message));
                 }
                 found.push(Layout { name, fields, place });
             }
@@ -476,7 +478,7 @@ fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<
 }
 
 /// naga lets a `workgroupBarrier` through where not every invocation may reach it; a GPU would hang there.
-fn barriers_are_uniform(module: &Module, source: &Source) -> Result<(), String> {
+fn barriers_are_uniform(module: &Module, source: &Source) -> Result<(), Error> {
     fn holds(block: &Block, wanted: &dyn Fn(&Statement) -> bool) -> bool {
         block.iter().any(|statement| {
             wanted(statement)
@@ -505,7 +507,7 @@ fn barriers_are_uniform(module: &Module, source: &Source) -> Result<(), String> 
             };
             if holds(&inner, &barrier) && (conditional || may_have_left) {
                 let place = source.place(*span);
-                return Err(format!("{place}: a barrier that some invocations may not reach hangs a GPU"));
+                return Err(Error::at(place, "a barrier that some invocations may not reach hangs a GPU"));
             }
             may_have_left |= conditional && holds(&inner, &leaves);
         }

@@ -1,6 +1,7 @@
 //! The constants that a shader declares, with the values that naga evaluated.
 
 use super::Source;
+use super::fault::Error;
 use naga::{Expression, Handle, Literal, Module};
 use std::path::PathBuf;
 
@@ -72,7 +73,7 @@ impl Value {
 /// The constants that the text declares.
 ///
 /// naga drops those without a type once it has put them in where they are used, so every constant states its type.
-pub(super) fn of(source: &Source, module: &Module) -> Result<Vec<Constant>, String> {
+pub(super) fn of(source: &Source, module: &Module) -> Result<Vec<Constant>, Error> {
     let mut found = Vec::new();
     for (at, line) in source.text.lines().enumerate() {
         let Some(rest) = line.strip_prefix("const ") else { continue };
@@ -82,10 +83,13 @@ pub(super) fn of(source: &Source, module: &Module) -> Result<Vec<Constant>, Stri
         let place = format!("{}:{line}", file.display());
         let constant = module.constants.iter().map(|(_, constant)| constant).find(is_it);
         let constant = constant.ok_or_else(|| {
-            format!("{place}: the constant `{name}` has no type: write it down, as in `const {name}: f32`")
+            let message =
+                format!("the constant `{name}` has no type: write it down, as in `const {name}: f32`");
+            Error::at(&place, message)
         })?;
         let value = value(module, constant.init).filter(|value| !value.rust_type().is_empty());
-        let value = value.ok_or_else(|| format!("{place}: the constant `{name}` has no twin in Rust"))?;
+        let value =
+            value.ok_or_else(|| Error::at(&place, format!("the constant `{name}` has no twin in Rust")))?;
         found.push(Constant { name: name.to_owned(), file: file.to_path_buf(), line, value });
     }
     Ok(found)

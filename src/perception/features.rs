@@ -10,6 +10,7 @@ mod variants;
 
 use crate::gait::{Gait, JOINT_COUNT};
 use crate::kernels::layout::GaitEntry;
+use crate::spelling::{UnknownName, by_name};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
@@ -125,13 +126,10 @@ impl Variant {
 }
 
 impl std::str::FromStr for Variant {
-    type Err = String;
+    type Err = UnknownName;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|variant| variant.name() == text)
-            .ok_or_else(|| format!("unknown variant {text:?}; use paper, corrected or step-code"))
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("variant", &Self::ALL, Self::name, text)
     }
 }
 

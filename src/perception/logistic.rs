@@ -16,6 +16,11 @@ const FLAT: f64 = 1e-6;
 /// Keeps the matrix positive definite where a number does not vary; of the points' number.
 const FIRM: f64 = 1e-9;
 
+/// Points to learn from are not finite.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("the points are not finite")]
+pub struct NotFinite;
+
 /// A trained regression.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(transparent)]
@@ -29,18 +34,18 @@ impl Logistic {
     /// regression with a like ridge, to be there sooner.
     ///
     /// # Errors
-    /// Words, when the points are not finite.
+    /// [`NotFinite`].
     pub fn train<P: AsRef<[f64]>>(
         points: &[P],
         of: &[usize],
         classes: usize,
         ridge: f64,
         start: Option<&Self>,
-    ) -> Result<Self, String> {
+    ) -> Result<Self, NotFinite> {
         let rows: Vec<Vec<f64>> =
             points.iter().map(|point| point.as_ref().iter().copied().chain([1.0]).collect()).collect();
         let size = rows.first().map_or(0, Vec::len);
-        let bound = Cholesky::of(&bound(&rows, size, ridge)).ok_or("the points are not finite")?;
+        let bound = Cholesky::of(&bound(&rows, size, ridge)).ok_or(NotFinite)?;
         let mut planes = start.map_or_else(|| vec![vec![0.0; size]; classes], |s| s.planes.clone());
         let mut ahead = planes.clone();
         let mut momentum = 1.0_f64;

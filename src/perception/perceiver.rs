@@ -158,7 +158,8 @@ impl Learning<'_> {
         let class = |i: &usize| emotions.iter().position(|e| *e == self.emotions[*i]).unwrap_or_default();
         let classes: Vec<usize> = of.iter().map(class).collect();
         let start = start.map(|learned| &learned.planes);
-        let planes = Logistic::train(&points, &classes, emotions.len(), ridge, start)?;
+        let planes = Logistic::train(&points, &classes, emotions.len(), ridge, start)
+            .map_err(|error| error.to_string())?;
         Ok(Learned { scale, emotions, planes })
     }
 }

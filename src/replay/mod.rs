@@ -39,4 +39,4 @@ pub use crowd::{Replay, ReplayOptions};
 pub use error::Error;
 pub use path::{Moment, Path};
 pub use read::tracks::{Report, Sample, Track, Trajectories};
-pub use read::{Column, Columns, Format, Options, Pixels, name_of_unit, read};
+pub use read::{Column, Columns, ColumnsError, Format, Options, Pixels, name_of_unit, read};

@@ -25,7 +25,7 @@ mod stage;
 pub use builder::SceneBuilder;
 pub use error::Error;
 #[cfg(feature = "vulkan")]
-pub use stage::{CameraChoice, Stage, atmosphere};
+pub use stage::{CameraChoice, CameraChoiceError, Stage, atmosphere};
 
 use crate::export::AgentInfo;
 use crate::ground::world_from_ground;

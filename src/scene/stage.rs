@@ -8,6 +8,7 @@ use crate::render::{Atmosphere, Camera, Settings, Show};
 use crate::scenario::Layout;
 use crate::sim::Simulation;
 use glam::{Vec2, Vec3};
+use std::num::ParseIntError;
 use std::str::FromStr;
 
 /// How fast the orbiting camera goes round, radians/s.
@@ -30,19 +31,37 @@ pub enum CameraChoice {
     Follow(u32),
 }
 
-impl FromStr for CameraChoice {
-    type Err = String;
+/// Text that is no [`CameraChoice`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CameraChoiceError {
+    /// What stands behind `follow:` is no number of an agent.
+    #[error("agent {agent:?}: {reason}")]
+    Agent {
+        /// What stands there.
+        agent: String,
+        /// Why that is none.
+        reason: ParseIntError,
+    },
+    /// There is no such camera.
+    #[error("use eyes, orbit, top, follow or follow:AGENT")]
+    Unknown,
+}
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for CameraChoice {
+    type Err = CameraChoiceError;
+
+    fn from_str(text: &str) -> Result<Self, CameraChoiceError> {
         match text.split_once(':') {
             None if text == "eyes" => Ok(Self::Eyes),
             None if text == "orbit" => Ok(Self::Orbit),
             None if text == "top" => Ok(Self::Top),
             None if text == "follow" => Ok(Self::Follow(0)),
-            Some(("follow", agent)) => {
-                agent.parse().map(Self::Follow).map_err(|error| format!("agent {agent:?}: {error}"))
-            }
-            _ => Err("use eyes, orbit, top, follow or follow:AGENT".to_owned()),
+            Some(("follow", agent)) => agent
+                .parse()
+                .map(Self::Follow)
+                .map_err(|reason| CameraChoiceError::Agent { agent: agent.to_owned(), reason }),
+            _ => Err(CameraChoiceError::Unknown),
         }
     }
 }
@@ -208,8 +227,9 @@ mod tests {
     fn cameras_are_read_and_wrong_ones_refused_with_the_way_out() {
         assert_eq!("follow:12".parse(), Ok(CameraChoice::Follow(12)));
         assert_eq!("top".parse(), Ok(CameraChoice::Top));
-        assert!("follow:x".parse::<CameraChoice>().unwrap_err().contains("\"x\""));
-        assert!("behind".parse::<CameraChoice>().unwrap_err().contains("orbit"));
+        let refused = |text: &str| text.parse::<CameraChoice>().unwrap_err().to_string();
+        assert_eq!(refused("follow:x"), "agent \"x\": invalid digit found in string");
+        assert_eq!(refused("behind"), "use eyes, orbit, top, follow or follow:AGENT");
     }
 
     #[test]

@@ -112,13 +112,13 @@ pub(crate) static TARGETS: [Target; 9] = [
         read: |bytes| {
             let word = text(bytes);
             let answers = [
-                word.parse::<Emotion>().map(|_| ()),
-                word.parse::<gaitway::gait::walker::Sex>().map(|_| ()),
-                word.parse::<Shares>().map(|_| ()).map_err(|error| error.to_string()),
-                word.parse::<Columns>().map(|_| ()),
-                word.parse::<Variant>().map(|_| ()),
+                word.parse::<Emotion>().err().map(|error| error.to_string()),
+                word.parse::<gaitway::gait::walker::Sex>().err().map(|error| error.to_string()),
+                word.parse::<Shares>().err().map(|error| error.to_string()),
+                word.parse::<Columns>().err().map(|error| error.to_string()),
+                word.parse::<Variant>().err().map(|error| error.to_string()),
             ];
-            let refused: Vec<String> = answers.into_iter().filter_map(Result::err).collect();
+            let refused: Vec<String> = answers.into_iter().flatten().collect();
             if refused.len() < 5 { Ok(String::new()) } else { Err(refused.concat()) }
         },
     },

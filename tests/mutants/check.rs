@@ -2,7 +2,7 @@
 
 use gaitway::gpu::{Device, Validation};
 use gaitway::kernels::KernelId;
-use gaitway::kernels::compile::{Source, compile};
+use gaitway::kernels::compile::{Source, compile, fault};
 use gaitway::sim::order;
 use gaitway::verify::Expected;
 use gaitway::verify::cases::{self, Case};
@@ -83,13 +83,13 @@ pub(crate) fn kernels_with(folder: &Path, file: &Path) -> Result<Vec<KernelId>, 
     Ok(found)
 }
 
-pub(crate) fn source(folder: &Path, kernel: KernelId) -> Result<Source, String> {
+pub(crate) fn source(folder: &Path, kernel: KernelId) -> Result<Source, fault::Error> {
     let file: PathBuf = folder.join(kernel.kernel().name).with_extension("wgsl");
     Source::read(&file, &folder.join("shared"), kernel as usize)
 }
 
 /// The code of all phases of a kernel.
-fn spirv(folder: &Path, kernel: KernelId) -> Result<Vec<Vec<u32>>, String> {
+fn spirv(folder: &Path, kernel: KernelId) -> Result<Vec<Vec<u32>>, fault::Error> {
     Ok(compile(&source(folder, kernel)?)?.entries.into_iter().map(|entry| entry.spirv).collect())
 }
 

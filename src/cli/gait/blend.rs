@@ -9,6 +9,7 @@ use crate::library::GaitLibrary;
 use crate::library::blend::{affect_from_weights, blend, weights_from_affect};
 use crate::library::choose::{Chooser, SPEED_TOLERANCE, Wish};
 use crate::scenario::random::{Purpose, bits};
+use crate::spelling::UnknownName;
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -82,7 +83,7 @@ fn weights(text: &str) -> Result<[f32; 4], String> {
     let mut weights = [0.0; 4];
     for part in text.split(',') {
         let (name, value) = part.split_once('=').ok_or("use EMOTION=WEIGHT, such as happy=0.7,angry=0.3")?;
-        let emotion: Emotion = name.trim().parse()?;
+        let emotion: Emotion = name.trim().parse().map_err(|error: UnknownName| error.to_string())?;
         weights[emotion.index()] = match value.trim().parse::<f32>() {
             Ok(weight) if (0.0..=1e6).contains(&weight) => weight,
             _ => {

@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, value_enum)]
     method: Option<MethodName>,
     /// Reading of the 29 features: corrected, paper or step-code [affective-svm; default: corrected]
-    #[arg(long, value_parser = parse_variant)]
+    #[arg(long)]
     variant: Option<Variant>,
     /// One-versus-one with votes (libsvm, the likely original) or one-versus-rest [affective-svm; default: ovr]
     #[arg(long, value_enum)]
@@ -104,10 +104,6 @@ enum FoldsName {
     Dataset,
     /// Do not find the accuracy
     None,
-}
-
-fn parse_variant(text: &str) -> Result<Variant, String> {
-    text.parse()
 }
 
 fn parse_gamma(text: &str) -> Result<Gamma, String> {

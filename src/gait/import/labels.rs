@@ -14,7 +14,7 @@ use super::text::{list, syntax};
 use crate::emotion::Emotion;
 use crate::gait::walker::Sex;
 use crate::gait::{Error, LabelOrigin, Recording};
-use crate::spelling::nearest;
+use crate::spelling::{UnknownName, nearest};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -244,7 +244,7 @@ fn sex(word: &str) -> Result<Sex, String> {
 
 /// The emotion of a label.
 fn label(word: &str) -> Result<Emotion, String> {
-    word.parse().map_err(|_unknown: String| {
+    word.parse().map_err(|_unknown: UnknownName| {
         let names = Emotion::ALL.map(Emotion::name);
         let meant = nearest(word, &names).map_or(String::new(), |near| format!("; did you mean {near:?}?"));
         format!("the label is {word:?}; it must be {}, or empty{meant}", names.join(", "))

@@ -1,6 +1,7 @@
 //! The numbers of a walk: their ranges, the presets of the four emotions, mixtures and individuals.
 
 use crate::emotion::Emotion;
+use crate::spelling::{UnknownName, by_name};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
@@ -37,13 +38,10 @@ impl fmt::Display for Sex {
 }
 
 impl FromStr for Sex {
-    type Err = String;
+    type Err = UnknownName;
 
-    fn from_str(text: &str) -> Result<Self, String> {
-        Self::ALL
-            .into_iter()
-            .find(|sex| sex.name().eq_ignore_ascii_case(text))
-            .ok_or_else(|| format!("unknown sex {text:?}; use female or male"))
+    fn from_str(text: &str) -> Result<Self, UnknownName> {
+        by_name("sex", &Self::ALL, Self::name, text)
     }
 }
 

@@ -146,30 +146,49 @@ impl Serialize for Columns {
     }
 }
 
+/// Text that is no [`Columns`].
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum ColumnsError {
+    /// A name is no column's.
+    #[error("{name:?} is no column; use id, frame, time, x, y, z, vx, vy, or - to skip one")]
+    Unknown {
+        /// The name, clipped.
+        name: String,
+    },
+    /// A column stands there twice.
+    #[error("{name} stands twice")]
+    Twice {
+        /// Its name, as it stands there.
+        name: String,
+    },
+    /// A column that is needed is missing.
+    #[error("{name} is missing; such as id,frame,x,y or frame,id,x,-,y")]
+    Missing {
+        /// Its name.
+        name: &'static str,
+    },
+}
+
 impl FromStr for Columns {
-    type Err = String;
+    type Err = ColumnsError;
 
     /// `id,frame,x,y` in any order, `-` for what is skipped, `time` (s) instead of `frame`; also `z`, `vx`, `vy`.
-    fn from_str(text: &str) -> Result<Self, String> {
+    fn from_str(text: &str) -> Result<Self, ColumnsError> {
         let mut columns = Vec::new();
         for name in text.split(',').map(str::trim) {
             let known = NAMES.iter().find(|(known, _)| *known == name.to_ascii_lowercase());
             let Some((_, column)) = known else {
-                let name = clip(name);
-                return Err(format!(
-                    "{name:?} is no column; use id, frame, time, x, y, z, vx, vy, or - to skip one"
-                ));
+                return Err(ColumnsError::Unknown { name: clip(name) });
             };
             if *column != Column::Skip && columns.contains(column) {
-                return Err(format!("{name} stands twice"));
+                return Err(ColumnsError::Twice { name: name.to_owned() });
             }
             columns.push(*column);
         }
         match Self(columns).lacking() {
             (columns, None) => Ok(columns),
-            (_, Some(missing)) => {
-                Err(format!("{missing} is missing; such as id,frame,x,y or frame,id,x,-,y"))
-            }
+            (_, Some(name)) => Err(ColumnsError::Missing { name }),
         }
     }
 }
@@ -288,9 +307,9 @@ mod tests {
         assert_eq!(read("frame,id,x,y").unwrap().0, [Frame, Id, X, Y]);
         assert_eq!(read("ID, frame, x, -, y, vx").unwrap().0, [Id, Frame, X, Skip, Y, Vx]);
         assert_eq!(read("frame,id,x,-,y,-").unwrap().to_string(), "frame, id, x, -, y");
-        assert!(read("id,x,y").unwrap_err().contains("frame (or time) is missing"));
-        assert!(read("id,frame,x,x").unwrap_err().contains("twice"));
-        assert!(read("id,frame,x,zz").unwrap_err().contains("no column; use id, frame"));
+        assert!(read("id,x,y").unwrap_err().to_string().contains("frame (or time) is missing"));
+        assert!(read("id,frame,x,x").unwrap_err().to_string().contains("twice"));
+        assert!(read("id,frame,x,zz").unwrap_err().to_string().contains("no column; use id, frame"));
         assert!(read("").is_err() && read("id,frame,x").is_err() && read("time,id,x,y").is_ok());
     }
 

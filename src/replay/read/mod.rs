@@ -16,7 +16,7 @@ mod splines;
 mod text;
 pub mod tracks;
 
-pub use columns::{Column, Columns};
+pub use columns::{Column, Columns, ColumnsError};
 pub use found::{
     Format, MAX_BYTES, MAX_COORDINATE, MAX_MEDIAN_SPEED, MAX_PEOPLE, MAX_SECONDS, Options, Pixels,
 };
