@@ -1,5 +1,6 @@
 //! Sheets of stick figures: gaits drawn without any device.
 
+use crate::export;
 use crate::export::image::{Tile, contact_sheet};
 use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
 use crate::picture::Image;
@@ -20,7 +21,7 @@ const RIGHT: [u8; 4] = [36, 96, 158, 255];
 /// One row per gait: phases from the left (it walks to the right), then the first phase from the front.
 ///
 /// The left limbs are red, the right ones blue.
-pub(super) fn sheet(gaits: &[Gait]) -> Image {
+pub(super) fn sheet(gaits: &[Gait]) -> Result<Image, export::Error> {
     let mut pictures = Vec::new();
     for gait in gaits {
         for phase in 0..PHASES {
@@ -33,11 +34,11 @@ pub(super) fn sheet(gaits: &[Gait]) -> Image {
         }
     }
     let tiles: Vec<Tile<'_>> = pictures.iter().map(|(caption, image)| Tile { caption, image }).collect();
-    contact_sheet(&tiles, u32::try_from(PHASES + 1).unwrap_or(1))
+    Ok(contact_sheet(&tiles, u32::try_from(PHASES + 1).unwrap_or(1))?)
 }
 
 fn caption(gait: &Gait, phase: usize) -> String {
-    if phase > 0 { format!("{phase}/{PHASES}") } else { gait.name.chars().take(20).collect() }
+    if phase > 0 { format!("{phase}/{PHASES}") } else { gait.name.clone() }
 }
 
 /// One pose, projected by `flat` to metres right and up.
@@ -109,7 +110,7 @@ mod tests {
     #[test]
     fn a_sheet_shows_both_sides_of_a_walker() {
         let gait = person(Emotion::Sad, Sex::Male, 1, 0).unwrap();
-        let sheet = sheet(&[gait]);
+        let sheet = sheet(&[gait]).unwrap();
         assert!(sheet.width > 9 * TILE.0 && sheet.height >= TILE.1);
         for color in [LEFT, RIGHT, MIDDLE] {
             let count = sheet.pixels.chunks_exact(4).filter(|pixel| **pixel == color).count();

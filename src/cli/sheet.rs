@@ -58,7 +58,8 @@ pub(super) fn sheet(place: &PlaceArguments, progress: &mut dyn FnMut(f64)) -> Re
         progress((number + 1) as f64 / total as f64);
     }
     let tiles: Vec<Tile<'_>> = pictures.iter().map(|(caption, image)| Tile { caption, image }).collect();
-    Ok((contact_sheet(&tiles, PHASES), stage.device()))
+    let image = contact_sheet(&tiles, PHASES).map_err(crate::export::Error::from)?;
+    Ok((image, stage.device()))
 }
 
 fn caption(number: usize) -> String {

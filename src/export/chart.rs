@@ -1,4 +1,4 @@
-//! Figures of results: bars, matrices and curves, as SVG text and as a picture. Plain data in.
+//! Figures of results: bars, matrices and curves, as SVG text and as a picture of that SVG. Plain data in.
 //!
 //! An SVG follows the reader's colour scheme, light or dark; a PNG has its own paper and reads on both. Every value is
 //! written out, so no figure needs its colours to be read. The colour-blind can distinguish the colours: matrices run in one
@@ -36,7 +36,10 @@ pub trait Figure {
     }
 
     /// The figure as a picture, two pixels for each unit of the SVG.
-    fn image(&self) -> Image {
+    ///
+    /// # Errors
+    /// [`super::image::Error::Draw`] in a build without the feature `charts`.
+    fn image(&self) -> Result<Image, super::image::Error> {
         self.canvas().image()
     }
 }
@@ -44,17 +47,112 @@ pub trait Figure {
 /// Writes `NAME.svg` and `NAME.png` into a folder, which is made if it is not there; returns both paths.
 ///
 /// # Errors
-/// [`Error::Write`] or [`Error::Picture`] when the folder or a file cannot be made.
+/// [`Error::Write`] or [`Error::Picture`] when the folder or a file cannot be made, or in a build without the feature `charts`.
 pub fn write(folder: &Path, name: &str, figure: &dyn Figure) -> Result<[PathBuf; 2], Error> {
     let wrong = |path: &Path| {
         let path = path.to_owned();
         move |source| Error::Write { path, source }
     };
+    let image = figure.image()?;
     std::fs::create_dir_all(folder).map_err(wrong(folder))?;
     let (svg, png) = (folder.join(format!("{name}.svg")), folder.join(format!("{name}.png")));
     let mut file = AtomicFile::create(&svg)?;
     file.write_all(figure.svg().as_bytes()).map_err(wrong(&svg))?;
     file.finish()?;
-    super::image::write_png(&png, &figure.image())?;
+    super::image::write_png(&png, &image)?;
     Ok([svg, png])
+}
+
+#[cfg(test)]
+#[cfg(feature = "charts")]
+#[allow(clippy::cast_possible_truncation, reason = "units of a figure")]
+mod tests {
+    use super::canvas::{Anchor, Paint, Size};
+    use super::*;
+    use crate::export::raster::texts;
+
+    fn wide() -> [String; 4] {
+        [
+            "WWWWWW, MMMM",
+            "E-GAIT: 100 % AT 25 \u{b0}C",
+            "illicit fjords",
+            "\u{d6}\u{c4}\u{dc} \u{2248} 5 m\u{b2}",
+        ]
+        .map(str::to_owned)
+    }
+
+    /// Every text within the figure and none over another one.
+    fn assert_legible(figure: &dyn Figure) {
+        let svg = figure.svg();
+        let (boxes, image) = (texts(&svg), figure.image().unwrap());
+        assert!(boxes.len() > 8, "{svg}");
+        let [width, height] = [image.width, image.height].map(|pixels| pixels as f32 / 2.0);
+        for (index, a) in boxes.iter().enumerate() {
+            assert!(
+                a[0] >= 0.0 && a[1] >= 0.0 && a[2] <= width && a[3] <= height,
+                "{a:?} of {width} x {height}"
+            );
+            for b in &boxes[..index] {
+                let meet = a[0] < b[2] && b[0] < a[2] && a[1] + 2.0 < b[3] && b[1] + 2.0 < a[3];
+                assert!(!meet, "{a:?} {b:?} in {svg}");
+            }
+        }
+    }
+
+    #[test]
+    fn the_layout_has_room_for_every_text() {
+        let letters =
+            (' '..='~').chain('\u{a1}'..='\u{17f}').chain("\u{2013}\u{2248}\u{20ac}\u{3b1}\u{416}".chars());
+        for letter in letters {
+            for size in [Size::Normal, Size::Title] {
+                let text = format!("n{letter}n");
+                let mut canvas = Canvas::new(400.0, 40.0, "");
+                canvas.text([10.0, 20.0], (size, Anchor::Start, Paint::Ink), &text);
+                let (found, room) = (texts(&canvas.svg())[0], size.width(&text));
+                assert!(f64::from(found[2] - 10.0) <= room, "{text:?}: {found:?}, room {room}");
+            }
+        }
+    }
+
+    #[test]
+    fn texts_of_figures_stay_within_them_and_apart() {
+        let title = wide().join(" ").repeat(2);
+        let bars =
+            |k: f64| [88.0, 100.0, 7.5, 0.0].map(|value| Bar { value: value * k, ..Bar::default() }).to_vec();
+        let series = |k| Series { name: wide()[0].clone(), bars: bars(k), colors: EMOTION_COLORS.to_vec() };
+        assert_legible(&Bars {
+            title: title.clone(),
+            axis: wide().concat(),
+            groups: wide().to_vec(),
+            series: vec![series(1.0), series(0.5)],
+            line: None,
+            decimals: 1,
+            note: title.repeat(2),
+        });
+        let counts = vec![vec![1_000_000, 2, 3, 4]; 4];
+        assert_legible(&Matrix::confusion(&title, ["WANTED", "PERCEIVED"], &wide(), &counts));
+        let curves = wide().map(|name| Curve {
+            name,
+            points: vec![[0.0, 1e5], [9.0, 2e5]],
+            stroke: Stroke::Line,
+            color: [0; 3],
+        });
+        let axes = [wide()[1].clone(), wide().concat()];
+        assert_legible(&Plot { title: title.clone(), axes, curves: curves.to_vec(), note: title });
+    }
+
+    #[test]
+    fn a_picture_is_the_light_scheme_of_its_svg_with_smooth_letters() {
+        let canvas = {
+            let mut canvas = Canvas::new(40.0, 20.0, "");
+            canvas.text([4.0, 15.0], (Size::Normal, Anchor::Start, Paint::Ink), "agoe");
+            canvas
+        };
+        let image = canvas.image().unwrap();
+        assert_eq!((image.width, image.height, image.pixel(0, 0)), (80, 40, Some([255; 4])));
+        let mut greys: Vec<u8> = image.pixels.chunks_exact(4).map(|pixel| pixel[1]).collect();
+        greys.sort_unstable();
+        greys.dedup();
+        assert!(greys[0] < 80 && greys.len() > 16, "{greys:?}");
+    }
 }

@@ -1,6 +1,7 @@
 //! Pictures into PNG files, and many pictures onto one sheet.
 
-use super::font;
+use super::raster;
+use super::svg::escaped;
 use crate::file::Partial;
 use crate::picture::Image;
 use std::io::{BufWriter, Write as _};
@@ -43,6 +44,9 @@ pub enum Error {
     /// The frame rate cannot be used.
     #[error("a frame rate of {0} per second; give one from 1 to 1000")]
     FrameRate(f64),
+    /// A figure or a caption could not be drawn.
+    #[error("cannot draw the picture: {0}")]
+    Draw(String),
     /// The video could not be coded.
     #[error("cannot code {path:?} as H.264: {message}")]
     Encode {
@@ -59,7 +63,7 @@ impl Error {
         match self {
             Self::Write { .. } => Some("give a path in a folder that exists and may be written to"),
             Self::Encode { .. } => Some("a name that ends in .y4m gives an uncompressed video"),
-            Self::Size { .. } | Self::Ending { .. } | Self::FrameRate(_) => None,
+            Self::Size { .. } | Self::Ending { .. } | Self::FrameRate(_) | Self::Draw(_) => None,
         }
     }
 
@@ -126,35 +130,6 @@ fn encode_png(out: impl std::io::Write, image: &Image) -> std::io::Result<()> {
     Ok(())
 }
 
-/// Writes text into a picture, its top left corner at (`left`, `top`), each dot `dot` pixels wide, with a dark shade
-/// behind it so that it can be read on any ground.
-#[doc(hidden)]
-pub fn write_text(image: &mut Image, left: u32, top: u32, dot: u32, color: [u8; 4], text: &str) {
-    let dot = dot.clamp(1, 64);
-    for (line, text) in (0_u32..).zip(text.lines()) {
-        let top = top.saturating_add(line.saturating_mul(font::LINE * dot));
-        for (shade, x, y) in [(true, dot, dot), (false, 0, 0)] {
-            let color = if shade { [0, 0, 0, 255] } else { color };
-            for (column, row) in font::dots(text) {
-                image.fill(
-                    left.saturating_add(column * dot + x),
-                    top.saturating_add(row * dot + y),
-                    dot,
-                    dot,
-                    color,
-                );
-            }
-        }
-    }
-}
-
-/// Width of a text in pixels.
-#[doc(hidden)]
-pub fn text_width(text: &str, dot: u32) -> u32 {
-    let longest = text.lines().map(|line| line.chars().count()).max().unwrap_or(0);
-    u32::try_from(longest).unwrap_or(u32::MAX).saturating_mul(font::ADVANCE * dot)
-}
-
 /// One picture of a contact sheet.
 #[derive(Debug, Clone, Copy)]
 pub struct Tile<'a> {
@@ -164,17 +139,21 @@ pub struct Tile<'a> {
     pub image: &'a Image,
 }
 
+const PAPER: [u8; 4] = [24, 26, 30, 255];
+
 /// Puts pictures in rows of `columns` (0: about as many as rows) with their captions below.
 ///
-/// Every cell has the size of the largest picture. No tiles give one dark pixel.
-pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Image {
+/// Every cell has the size of the largest picture. An ellipsis ends a line that is wider than its picture. No tiles give one
+/// dark pixel.
+///
+/// # Errors
+/// [`Error::Draw`] when there are captions and the build lacks the feature `charts`.
+pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Result<Image, Error> {
     /// Pixels between tiles.
     const GAP: u32 = 8;
-    const PAPER: [u8; 4] = [24, 26, 30, 255];
-    const INK: [u8; 4] = [232, 232, 228, 255];
     let count = u32::try_from(tiles.len()).unwrap_or(u32::MAX);
     if count == 0 {
-        return Image::filled(1, 1, PAPER);
+        return Ok(Image::filled(1, 1, PAPER));
     }
     let columns =
         if columns == 0 { count.isqrt() + u32::from(count.isqrt().pow(2) < count) } else { columns }
@@ -182,20 +161,71 @@ pub fn contact_sheet(tiles: &[Tile<'_>], columns: u32) -> Image {
     let rows = count.div_ceil(columns);
     let width = tiles.iter().map(|tile| tile.image.width).max().unwrap_or(0);
     let height = tiles.iter().map(|tile| tile.image.height).max().unwrap_or(0);
-    let dot = (width / 320).clamp(1, 3);
+    let letters = Letters { width, size: 12 * (width / 320).clamp(1, 3) };
     let lines = tiles.iter().map(|tile| tile.caption.lines().count()).max().unwrap_or(0);
-    let caption = u32::try_from(lines).unwrap_or(0) * font::LINE * dot;
-    let (across, down) = (width + GAP, height + caption + GAP + if lines > 0 { 4 } else { 0 });
+    let below = letters.height(lines);
+    let (across, down) = (width + GAP, height + below + GAP);
     let mut sheet = Image::filled(columns * across + GAP, rows * down + GAP, PAPER);
     for (index, tile) in (0_u32..).zip(tiles) {
         let (left, top) = (GAP + index % columns * across, GAP + index / columns * down);
         sheet.blit(tile.image, left, top);
-        // what does not fit below its own picture would run into the next caption
-        let fits = (width / (font::ADVANCE * dot)) as usize;
-        let text: Vec<String> = tile.caption.lines().map(|line| line.chars().take(fits).collect()).collect();
-        write_text(&mut sheet, left, top + height + 4, dot, INK, &text.join("\n"));
+        if !tile.caption.is_empty() {
+            sheet.blit(&letters.picture(tile.caption)?, left, top + height);
+        }
     }
-    sheet
+    Ok(sheet)
+}
+
+/// Captions below pictures: light letters on [`PAPER`].
+struct Letters {
+    /// Pixels that a line may be wide.
+    width: u32,
+    /// Size of the letters, pixels.
+    size: u32,
+}
+
+impl Letters {
+    /// Pixels of so many lines, and a little above them.
+    fn height(&self, lines: usize) -> u32 {
+        u32::try_from(lines).unwrap_or(0) * self.size * 5 / 4 + if lines > 0 { self.size / 3 } else { 0 }
+    }
+
+    fn svg(&self, lines: &[String]) -> String {
+        use std::fmt::Write as _;
+        let (width, height, size) = (self.width, self.height(lines.len()), self.size);
+        let [r, g, b, _] = PAPER;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\"><rect width=\"100%\" \
+             height=\"100%\" fill=\"rgb({r},{g},{b})\"/>"
+        );
+        for (count, line) in (1..).zip(lines) {
+            // The letters stand a quarter of their size above the bottom of their line.
+            let (y, text) = (self.height(count) - size / 4, escaped(line));
+            // Writing into a String cannot fail.
+            let _ = write!(svg, "<text y=\"{y}\" font-size=\"{size}\" fill=\"#e8e8e4\">{text}</text>");
+        }
+        svg + "</svg>"
+    }
+
+    /// A line, or as much of its beginning as fits before an ellipsis.
+    #[allow(clippy::cast_precision_loss, reason = "a picture's width")]
+    fn fitted(&self, line: &str) -> Result<String, Error> {
+        // No letter is narrower than a pixel.
+        let mut kept: String = line.chars().take(self.width as usize).collect();
+        let mut shown = line.to_owned();
+        while raster::reach(&self.svg(&[shown.clone()])).map_err(Error::Draw)? > self.width as f32 {
+            if kept.pop().is_none() {
+                return Ok(String::new());
+            }
+            shown = format!("{}\u{2026}", kept.trim_end());
+        }
+        Ok(shown)
+    }
+
+    fn picture(&self, caption: &str) -> Result<Image, Error> {
+        let lines: Result<Vec<String>, Error> = caption.lines().map(|line| self.fitted(line)).collect();
+        raster::pixels(&self.svg(&lines?), 1.0).map_err(Error::Draw)
+    }
 }
 
 #[cfg(test)]
@@ -256,24 +286,34 @@ mod tests {
     fn tiles_stand_in_rows_with_captions_below() {
         let (red, blue) = (Image::filled(64, 32, [255, 0, 0, 255]), Image::filled(64, 32, [0, 0, 255, 255]));
         let tile = |caption, image| Tile { caption, image };
-        let sheet = contact_sheet(&[tile("first", &red), tile("second\nline", &blue), tile("", &red)], 0);
-        assert_eq!((sheet.width, sheet.height), (2 * 72 + 8, 2 * (32 + 20 + 8 + 4) + 8));
+        let tiles = [tile("first", &red), tile("second\nline", &blue), tile("", &red)];
+        let sheet = contact_sheet(&tiles, 0).unwrap();
+        // Two lines of 15 pixels, 4 above them, and 8 to the next row.
+        assert_eq!((sheet.width, sheet.height), (2 * 72 + 8, 2 * (32 + 34 + 8) + 8));
         assert_eq!(sheet.pixel(8, 8), Some([255, 0, 0, 255]));
         assert_eq!(sheet.pixel(80, 8), Some([0, 0, 255, 255]));
-        assert_eq!(sheet.pixel(8, 72), Some([255, 0, 0, 255]));
-        let ink = |top: u32| {
-            (80..144).any(|x| (top..top + 8).any(|y| sheet.pixel(x, y) == Some([232, 232, 228, 255])))
+        assert_eq!(sheet.pixel(8, 82), Some([255, 0, 0, 255]));
+        let ink = |left: u32, top: u32| {
+            (left..left + 64).any(|x| (top..top + 15).any(|y| sheet.pixel(x, y).unwrap()[0] > 150))
         };
-        assert!(ink(44) && ink(54) && !ink(108), "both lines of the second caption are there");
-        assert_eq!(contact_sheet(&[], 3).width, 1);
+        assert!(ink(8, 44) && !ink(8, 59), "the first caption has one line");
+        assert!(ink(80, 44) && ink(80, 59), "both lines of the second caption are there");
+        assert!(!ink(8, 118) && !ink(8, 133), "the third has none");
+        assert_eq!(contact_sheet(&[], 3).unwrap().width, 1);
     }
 
     #[test]
     fn captions_stop_where_their_picture_ends() {
-        let tile = Image::filled(30, 8, [9, 9, 9, 255]);
-        let sheet = contact_sheet(&[Tile { caption: "a very long caption", image: &tile }; 2], 2);
-        let gap_is_clear = (8 + 30 + 1..8 + 38)
-            .all(|x| (8..sheet.height).all(|y| sheet.pixel(x, y) == Some([24, 26, 30, 255])));
+        let tile = Image::filled(90, 8, [9, 9, 9, 255]);
+        let long = "wanted: a very long caption & <more>";
+        let sheet = contact_sheet(&[Tile { caption: long, image: &tile }; 2], 2).unwrap();
+        let gap_is_clear =
+            (8 + 90..8 + 98).all(|x| (0..sheet.height).all(|y| sheet.pixel(x, y) == Some(PAPER)));
         assert!(gap_is_clear);
+        let letters = Letters { width: 90, size: 12 };
+        let shown = letters.fitted(long).unwrap();
+        assert!(shown.len() > 10 && shown.ends_with('\u{2026}') && long.starts_with(&shown[..10]), "{shown}");
+        assert_eq!(letters.fitted("short").unwrap(), "short");
+        assert_eq!(Letters { width: 1, size: 12 }.fitted(long).unwrap(), "");
     }
 }

@@ -29,9 +29,11 @@ mod agents;
 mod area;
 mod atomic;
 pub mod chart;
-mod font;
 pub mod image;
 mod plane;
+#[cfg_attr(not(feature = "charts"), path = "without_charts.rs")]
+mod raster;
+mod svg;
 pub mod trajectory;
 #[cfg_attr(not(feature = "sqlite"), path = "without_sqlite.rs")]
 mod trajectory_sqlite;

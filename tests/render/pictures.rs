@@ -383,7 +383,7 @@ fn pictures_go_onto_a_contact_sheet() {
     }
     let tiles: Vec<_> =
         airs.iter().zip(&images).map(|((caption, _), image)| Tile { caption, image }).collect();
-    let sheet = contact_sheet(&tiles, 2);
+    let sheet = contact_sheet(&tiles, 2).unwrap();
     keep("sheet", &sheet);
     assert!(sheet.width > 2 * W && sheet.height > 2 * H);
     assert!(images[0] != images[1] && images[1] != images[2]);

@@ -151,7 +151,7 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
             note(&format!("note: the sheet shows the first {SHEET_ROWS} of {} gaits", gaits.len()));
         }
         let shown = &gaits[..gaits.len().min(SHEET_ROWS)];
-        write_png(out, &figures::sheet(shown)).map_err(crate::export::Error::from)?;
+        write_png(out, &figures::sheet(shown)?).map_err(crate::export::Error::from)?;
         files.push(out.clone());
     }
     if let Some(folder) = &arguments.videos {

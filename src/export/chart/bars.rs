@@ -74,7 +74,11 @@ pub(super) fn tick(value: f64, step: f64) -> String {
     format!("{value:.digits$}")
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few hundred bars and characters")]
+/// Units of a series in the legend: a square, its name and what parts it from the next.
+fn legend_width(series: &Series) -> f64 {
+    15.0 + Size::Normal.width(&series.name) + 15.0
+}
+
 impl Bars {
     /// The axis' end, a whole number of steps, and the step.
     fn reach(&self) -> (f64, f64) {
@@ -117,7 +121,7 @@ impl Bars {
         let value = format!("{:.*}", self.decimals, bar.value);
         let text = if bar.text.is_empty() { &value } else { &bar.text };
         // Grid lines do not run through the text.
-        let wide = text.chars().count() as f64 * Size::Normal.advance() + 4.0;
+        let wide = Size::Normal.width(text) + 4.0;
         canvas.rect([middle - 0.5 * wide, above - 18.0], [wide, 15.0], Paint::Paper);
         canvas.text([middle, above - 6.0], style, text);
     }
@@ -128,16 +132,15 @@ impl Bars {
             let color = series.colors.first().copied().unwrap_or([128; 3]);
             canvas.rect([x, y - 9.0], [10.0, 10.0], Paint::Fixed(color));
             canvas.text([x + 15.0, y], (Size::Normal, Anchor::Start, Paint::Ink), &series.name);
-            x += 15.0 + (series.name.chars().count() as f64 + 2.5) * Size::Normal.advance();
+            x += legend_width(series);
         }
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few hundred bars and characters")]
+#[allow(clippy::cast_precision_loss, reason = "a few hundred bars")]
 impl Figure for Bars {
     fn canvas(&self) -> Canvas {
-        let advance = Size::Normal.advance();
-        let length = |text: &str| text.chars().count() as f64 * advance;
+        let length = |text: &str| Size::Normal.width(text);
         let groups = self.groups.len().min(MOST);
         let series = self.series.len().clamp(1, MOST) as f64;
         let bars = || self.series.iter().flat_map(|series| &series.bars);
@@ -145,16 +148,19 @@ impl Figure for Bars {
         let names = self.groups.iter().map(|name| length(name) + 6.0).fold(0.0, f64::max);
         let group = (widest * series).max(names);
         let (end, step) = self.reach();
-        let left = MARGIN + (tick(end, step).chars().count() as f64 + 1.0) * advance;
+        let left = MARGIN + length(&tick(end, step)) + Size::Normal.space();
         let right = left + GAP + groups as f64 * (group + GAP);
         let has_legend = self.series.len() > 1;
         let legend = if has_legend { 24.0 } else { 0.0 };
         let top = MARGIN + Canvas::line(Size::Title) + legend + 40.0;
         let bottom = top + HEIGHT;
-        let title = self.title.chars().count() as f64 * Size::Title.advance();
-        let names = self.series.iter().map(|series| length(&series.name) + 15.0 + 2.5 * advance).sum::<f64>();
-        let width =
-            [right, MARGIN + title, MARGIN + length(&self.note), MARGIN + names * f64::from(has_legend)];
+        let title = Size::Title.width(&self.title);
+        let names = self.series.iter().map(legend_width).sum::<f64>();
+        let width = [
+            right,
+            MARGIN + title.max(length(&self.axis)).max(length(&self.note)),
+            MARGIN + names * f64::from(has_legend),
+        ];
         let width = width.into_iter().fold(0.0, f64::max) + MARGIN;
         let note = if self.note.is_empty() { 0.0 } else { 22.0 };
         let mut canvas = Canvas::new(width, bottom + 34.0 + note, &self.title);
@@ -172,7 +178,7 @@ impl Figure for Bars {
                 if at > 0.0 { Paint::Grid } else { Paint::Ink },
             );
             canvas.text(
-                [left - advance, y(at) + 4.0],
+                [left - Size::Normal.space(), y(at) + 4.0],
                 (Size::Normal, Anchor::End, Paint::Muted),
                 &tick(at, step),
             );
@@ -239,12 +245,12 @@ mod tests {
         assert_eq!(tick(40.0, 10.0), "40");
         let none = Bars { series: vec![], line: None, ..shares() };
         assert_eq!(none.reach(), (1.0, 0.2));
-        none.image();
+        none.image().unwrap();
     }
 
     #[test]
     fn bars_stand_on_the_axis_as_high_as_their_values() {
-        let image = shares().image();
+        let image = shares().image().unwrap();
         let rows = |color: [u8; 3]| {
             let [r, g, b] = color;
             (0..image.height)

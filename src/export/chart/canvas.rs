@@ -1,11 +1,13 @@
-//! What figures are drawn on: rectangles, lines and text, rendered as SVG or pixels.
+//! What figures are drawn on: rectangles, lines and text, written as SVG; a picture is that SVG rasterised.
 
-use super::super::font;
+use super::super::image::Error;
+use super::super::raster;
+use super::super::svg::escaped;
 use crate::picture::Image;
 use std::fmt::Write as _;
 
 /// Pixels of a picture for one unit.
-const PIXELS: f64 = 2.0;
+const PIXELS: f32 = 2.0;
 /// Widest and highest figure, units.
 const MOST_UNITS: f64 = 8000.0;
 
@@ -52,24 +54,31 @@ impl Size {
         }
     }
 
-    /// Pixels of a dot of the bitmap font.
-    const fn dot(self) -> u32 {
-        match self {
-            Self::Normal => 2,
-            Self::Title => 3,
-        }
+    /// Units that a text may be wide. Each reader's `system-ui` is another font: the layout takes the widths of a wide one
+    /// (`DejaVu Sans`), which the font of pictures stays below.
+    pub(super) fn width(self, text: &str) -> f64 {
+        let em = |character| match character {
+            ' ' | '!' | '\'' | '(' | ')' | ',' | '-' | '.' | '/' | ':' | ';' | '[' | ']' | '|' => 0.4,
+            'f' | 'i' | 'j' | 'l' | 'r' | 't' | 'I' | 'J' => 0.42,
+            '%' | '@' | 'M' | 'W' | 'm' => 1.0,
+            '+' | '<' | '=' | '>' | 'w' => 0.84,
+            'A'..='Z' => 0.79,
+            ' '..='~' => 0.68,
+            _ => 1.0,
+        };
+        text.chars().map(em).sum::<f64>() * self.units()
     }
 
-    /// Units from one character to the next, in the picture's font; that of an SVG is a little narrower.
-    pub(super) fn advance(self) -> f64 {
-        f64::from(font::ADVANCE * self.dot()) / PIXELS
+    /// Units between a text and what it stands beside.
+    pub(super) const fn space(self) -> f64 {
+        0.5 * self.units()
     }
 }
 
 #[derive(Debug, Clone, PartialEq)]
 enum Mark {
     Rect { at: [f64; 2], size: [f64; 2], paint: Paint },
-    Line { ends: [[f64; 2]; 2], width: f64, paint: Paint },
+    Line { ends: [[f64; 2]; 2], width: f64, color: [u8; 3] },
     Dot { at: [f64; 2], radius: f64, paint: Paint },
     Text { at: [f64; 2], size: Size, anchor: Anchor, paint: Paint, text: String },
 }
@@ -95,8 +104,8 @@ impl Canvas {
     }
 
     /// A straight line with round ends.
-    pub(super) fn line_between(&mut self, ends: [[f64; 2]; 2], width: f64, paint: Paint) {
-        self.marks.push(Mark::Line { ends, width, paint });
+    pub(super) fn line_between(&mut self, ends: [[f64; 2]; 2], width: f64, color: [u8; 3]) {
+        self.marks.push(Mark::Line { ends, width, color });
     }
 
     pub(super) fn dot(&mut self, at: [f64; 2], radius: f64, paint: Paint) {
@@ -115,7 +124,7 @@ impl Canvas {
         let (width, height, title) = (self.width, self.height, escaped(&self.title));
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
-             {height}\" role=\"img\">\n<title>{title}</title>\n<style>\ntext {{ font-family: system-ui, sans-serif; \
+             {height}\" role=\"img\">\n<title>{title}</title>\n<style>\nrect {{ shape-rendering: crispEdges }}\ntext {{ font-family: system-ui, sans-serif; \
              font-size: 12px }}\n.title {{ font-size: 17px; font-weight: 600 }}\n.ink {{ fill: #1e2126 }}\n.muted {{ \
              fill: #5c636d }}\n.grid {{ fill: #d9dce0 }}\n.paper {{ fill: #ffffff }}\n@media \
              (prefers-color-scheme: dark) {{\n.ink {{ fill: #eceef1 }}\n.muted {{ fill: #a3abb6 }}\n.grid {{ fill: \
@@ -132,11 +141,10 @@ impl Canvas {
                         attribute(*paint, "")
                     )
                 }
-                Mark::Line { ends: [[x1, y1], [x2, y2]], width, paint } => writeln!(
+                Mark::Line { ends: [[x1, y1], [x2, y2]], width, color: [r, g, b] } => writeln!(
                     svg,
                     "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke-width=\"{width:.1}\" \
-                     stroke-linecap=\"round\" {}/>",
-                    stroke(*paint)
+                     stroke-linecap=\"round\" stroke=\"#{r:02x}{g:02x}{b:02x}\"/>"
                 ),
                 Mark::Dot { at: [x, y], radius, paint } => writeln!(
                     svg,
@@ -161,89 +169,14 @@ impl Canvas {
         svg + "</svg>\n"
     }
 
-    /// The figure as pixels on white.
-    pub(super) fn image(&self) -> Image {
-        let mut image = Image::filled(pixel(self.width), pixel(self.height), [255; 4]);
-        for mark in &self.marks {
-            match mark {
-                Mark::Rect { at, size, paint } => {
-                    let [left, top] = at.map(pixel);
-                    let [right, bottom] = [at[0] + size[0], at[1] + size[1]].map(pixel);
-                    // A line thinner than a pixel is a pixel.
-                    let (width, height) =
-                        ((right - left.min(right)).max(1), (bottom - top.min(bottom)).max(1));
-                    image.fill(left, top, width, height, color(*paint));
-                }
-                Mark::Line { ends: [a, b], width, paint } => {
-                    let length = (b[0] - a[0]).hypot(b[1] - a[1]);
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "within a figure"
-                    )]
-                    let steps = (length * PIXELS).min(MOST_UNITS * PIXELS).ceil() as u32;
-                    for k in 0..=steps {
-                        let t = f64::from(k) / f64::from(steps.max(1));
-                        let at = [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t];
-                        disc(&mut image, at, 0.5 * width, color(*paint));
-                    }
-                }
-                Mark::Dot { at, radius, paint } => disc(&mut image, *at, *radius, color(*paint)),
-                Mark::Text { at, size, anchor, paint, text } => {
-                    let count = u32::try_from(text.chars().count()).unwrap_or(u32::MAX);
-                    // The last character needs no space after it.
-                    let wide =
-                        (count.saturating_mul(font::ADVANCE)).saturating_sub(1).saturating_mul(size.dot());
-                    let before = match anchor {
-                        Anchor::Start => 0,
-                        Anchor::Middle => wide / 2,
-                        Anchor::End => wide,
-                    };
-                    let left = pixel(at[0]).saturating_sub(before);
-                    let top = pixel(at[1]).saturating_sub(7 * size.dot());
-                    for (x, y) in font::dots(text) {
-                        let (dot, color) = (size.dot(), color(*paint));
-                        image.fill(
-                            left.saturating_add(x * dot),
-                            top.saturating_add(y * dot),
-                            dot,
-                            dot,
-                            color,
-                        );
-                    }
-                }
-            }
-        }
-        image
+    /// The figure as pixels, in the light scheme.
+    pub(super) fn image(&self) -> Result<Image, Error> {
+        raster::pixels(&self.svg(), PIXELS).map_err(Error::Draw)
     }
 
     /// Units of a text's height.
     pub(super) const fn line(size: Size) -> f64 {
         size.units() * 1.4
-    }
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a figure's size")]
-fn pixel(units: f64) -> u32 {
-    (units * PIXELS).round().clamp(0.0, MOST_UNITS * PIXELS) as u32
-}
-
-/// A filled disc, at least a pixel.
-fn disc(image: &mut Image, at: [f64; 2], radius: f64, color: [u8; 4]) {
-    let mut y = -radius;
-    while y <= radius {
-        let half = (radius * radius - y * y).max(0.0).sqrt();
-        let (left, right) = (pixel(at[0] - half), pixel(at[0] + half));
-        image.fill(left, pixel(at[1] + y), (right - left.min(right)).max(1), 1, color);
-        y += 1.0 / PIXELS;
-    }
-}
-
-/// A line's colour; the reader's scheme decides through the same classes.
-fn stroke(paint: Paint) -> String {
-    match paint {
-        Paint::Fixed([r, g, b]) => format!("stroke=\"#{r:02x}{g:02x}{b:02x}\""),
-        other => format!("stroke=\"currentColor\" {}", attribute(other, "")),
     }
 }
 
@@ -258,33 +191,6 @@ fn attribute(paint: Paint, more: &str) -> String {
         }
     };
     format!("class=\"{class}{more}\"")
-}
-
-/// The colour of the light scheme.
-const fn color(paint: Paint) -> [u8; 4] {
-    match paint {
-        Paint::Ink => [30, 33, 38, 255],
-        Paint::Muted => [92, 99, 109, 255],
-        Paint::Paper => [255; 4],
-        Paint::Grid => [217, 220, 224, 255],
-        Paint::Fixed([r, g, b]) => [r, g, b, 255],
-    }
-}
-
-/// Text as XML wants it; characters that XML does not know are left out.
-fn escaped(text: &str) -> String {
-    let mut safe = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => safe += "&amp;",
-            '<' => safe += "&lt;",
-            '>' => safe += "&gt;",
-            '"' => safe += "&quot;",
-            control if control.is_control() && !matches!(control, '\t' | '\n') => {}
-            other => safe.push(other),
-        }
-    }
-    safe
 }
 
 /// Black or white, whichever reads better on `ground` (by the contrast ratio of WCAG 2).

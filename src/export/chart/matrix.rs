@@ -133,21 +133,22 @@ impl Matrix {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few hundred cells and characters")]
+#[allow(clippy::cast_precision_loss, reason = "a few hundred cells")]
 impl Figure for Matrix {
     fn canvas(&self) -> Canvas {
-        let advance = Size::Normal.advance();
-        let longest =
-            |words: &[String]| words.iter().map(|word| word.chars().count()).max().unwrap_or(0) as f64;
+        let (length, space) = (|text: &str| Size::Normal.width(text), Size::Normal.space());
+        let longest = |words: &[String]| words.iter().map(|word| length(word)).fold(0.0, f64::max);
         let (rows, columns) = (self.rows.len().min(MOST), self.columns.len().min(MOST));
-        let cell_width = CELL_WIDTH.max(longest(&self.columns) * advance + 12.0);
-        let left = MARGIN + (longest(&self.rows).max(self.row_name.chars().count() as f64) + 1.5) * advance;
+        let cell_width =
+            self.notes.iter().map(|row| longest(row)).fold(longest(&self.columns), f64::max) + 12.0;
+        let cell_width = cell_width.max(CELL_WIDTH);
+        let left = MARGIN + longest(&self.rows).max(length(&self.row_name)) + space;
         let has_head = !self.column_name.is_empty() || !self.row_name.is_empty();
         let top = MARGIN + Canvas::line(Size::Title) + if has_head { 44.0 } else { 26.0 };
         let right = left + cell_width * columns as f64;
         let bottom = top + CELL_HEIGHT * rows as f64;
-        let title_width = self.title.chars().count() as f64 * Size::Title.advance();
-        let note_width = self.note.chars().count() as f64 * advance;
+        let title_width = Size::Title.width(&self.title);
+        let note_width = length(&self.note);
         let width = right.max(MARGIN + title_width).max(MARGIN + note_width) + MARGIN;
         let mut canvas =
             Canvas::new(width, bottom + if self.note.is_empty() { 16.0 } else { 38.0 }, &self.title);
@@ -155,7 +156,7 @@ impl Figure for Matrix {
         let names = |x, anchor| ([x, top - 28.0], (Size::Normal, anchor, Paint::Muted));
         let (at, style) = names((left + right) * 0.5, Anchor::Middle);
         canvas.text(at, style, &self.column_name);
-        let (at, style) = names(left - advance, Anchor::End);
+        let (at, style) = names(left - space, Anchor::End);
         canvas.text([at[0], top - 9.0], style, &self.row_name);
         for (column, name) in self.columns.iter().take(columns).enumerate() {
             let x = left + (column as f64 + 0.5) * cell_width;
@@ -164,7 +165,7 @@ impl Figure for Matrix {
         for (row, name) in self.rows.iter().take(rows).enumerate() {
             let y = top + row as f64 * CELL_HEIGHT;
             let middle = y + 0.5 * CELL_HEIGHT + 4.0;
-            canvas.text([left - advance, middle], (Size::Normal, Anchor::End, Paint::Ink), name);
+            canvas.text([left - space, middle], (Size::Normal, Anchor::End, Paint::Ink), name);
             for column in 0..columns {
                 let x = left + column as f64 * cell_width;
                 let (value, text) = self.cell_text(row, column);
@@ -227,6 +228,6 @@ mod tests {
         assert_eq!(matrix.cell_text(0, 0).1, "0.0 %");
         assert_eq!(matrix.cell_text(0, 1).1, "-");
         assert_eq!(matrix.cell_text(1, 1).1, "-");
-        matrix.image();
+        matrix.image().unwrap();
     }
 }

@@ -64,20 +64,19 @@ impl Plot {
     }
 }
 
-#[allow(clippy::cast_precision_loss, reason = "a few hundred characters")]
 impl Figure for Plot {
     fn canvas(&self) -> Canvas {
-        let advance = Size::Normal.advance();
-        let length = |text: &str| text.chars().count() as f64 * advance;
+        let (length, space) = (|text: &str| Size::Normal.width(text), Size::Normal.space());
         let ([x_end, x_step], [y_end, y_step]) =
             (<[f64; 2]>::from(self.reach(0)), <[f64; 2]>::from(self.reach(1)));
         let curves = self.curves.len().min(MOST);
-        let left = MARGIN + (tick(y_end, y_step).chars().count() as f64 + 1.0) * advance;
+        let left = MARGIN + length(&tick(y_end, y_step)) + space;
         let top = MARGIN + Canvas::line(Size::Title) + 26.0;
         let (right, bottom) = (left + AREA[0], top + AREA[1]);
         let names = self.curves.iter().take(curves).map(|curve| length(&curve.name)).fold(0.0, f64::max);
-        let title = self.title.chars().count() as f64 * Size::Title.advance();
-        let width = [right + 44.0 + names, MARGIN + title, MARGIN + length(&self.note)];
+        let title = Size::Title.width(&self.title);
+        let width =
+            [right + 44.0 + names, MARGIN + title, MARGIN + length(&self.note).max(length(&self.axes[1]))];
         let width = width.into_iter().fold(0.0, f64::max) + MARGIN;
         let note = if self.note.is_empty() { 0.0 } else { 22.0 };
         let mut canvas = Canvas::new(width, bottom + 56.0 + note, &self.title);
@@ -91,7 +90,7 @@ impl Figure for Plot {
             let paint = if at > 0.0 { Paint::Grid } else { Paint::Ink };
             canvas.rect([left, y(at) - 0.5], [AREA[0], 1.0], paint);
             let style = (Size::Normal, Anchor::End, Paint::Muted);
-            canvas.text([left - advance, y(at) + 4.0], style, &tick(at, y_step));
+            canvas.text([left - space, y(at) + 4.0], style, &tick(at, y_step));
             at += y_step;
         }
         at = 0.0;
@@ -105,7 +104,6 @@ impl Figure for Plot {
         let style = (Size::Normal, Anchor::Middle, Paint::Muted);
         canvas.text([0.5 * (left + right), bottom + 38.0], style, &self.axes[0]);
         for (index, curve) in self.curves.iter().take(curves).enumerate() {
-            let paint = Paint::Fixed(curve.color);
             let every = curve.points.len().div_ceil(MOST_POINTS).max(1);
             let points: Vec<[f64; 2]> = curve
                 .points
@@ -114,12 +112,12 @@ impl Figure for Plot {
                 .filter(|point| point.iter().all(|value| value.is_finite()))
                 .map(|point| [x(point[0]), y(point[1])])
                 .collect();
-            draw(&mut canvas, &points, curve.stroke, paint);
+            draw(&mut canvas, &points, curve);
             let row = top + 12.0 + 20.0 * index as f64;
             let ends = [[right + 12.0, row - 4.0], [right + 34.0, row - 4.0]];
             let sample =
                 if curve.stroke == Stroke::Points { vec![[right + 23.0, row - 4.0]] } else { ends.to_vec() };
-            draw(&mut canvas, &sample, curve.stroke, paint);
+            draw(&mut canvas, &sample, curve);
             canvas.text([right + 42.0, row], start, &curve.name);
         }
         let style = (Size::Normal, Anchor::Start, Paint::Muted);
@@ -128,25 +126,30 @@ impl Figure for Plot {
     }
 }
 
-fn draw(canvas: &mut Canvas, points: &[[f64; 2]], stroke: Stroke, paint: Paint) {
-    match stroke {
-        Stroke::Points => points.iter().for_each(|&point| canvas.dot(point, POINT, paint)),
+/// Draws `points` of the canvas as `curve` is drawn.
+fn draw(canvas: &mut Canvas, points: &[[f64; 2]], curve: &Curve) {
+    match curve.stroke {
+        Stroke::Points => {
+            for &point in points {
+                canvas.dot(point, POINT, Paint::Fixed(curve.color));
+            }
+        }
         Stroke::Line => {
             for ends in points.windows(2) {
-                canvas.line_between([ends[0], ends[1]], LINE, paint);
+                canvas.line_between([ends[0], ends[1]], LINE, curve.color);
             }
         }
         Stroke::Dashed => {
             let mut walked = 0.0;
             for ends in points.windows(2) {
-                dashes(canvas, [ends[0], ends[1]], &mut walked, paint);
+                dashes(canvas, [ends[0], ends[1]], &mut walked, curve.color);
             }
         }
     }
 }
 
 /// Dashes of 7 units every 12, counted on from `walked`.
-fn dashes(canvas: &mut Canvas, [a, b]: [[f64; 2]; 2], walked: &mut f64, paint: Paint) {
+fn dashes(canvas: &mut Canvas, [a, b]: [[f64; 2]; 2], walked: &mut f64, color: [u8; 3]) {
     const DASH: f64 = 7.0;
     const PERIOD: f64 = 12.0;
     let length = (b[0] - a[0]).hypot(b[1] - a[1]);
@@ -157,7 +160,7 @@ fn dashes(canvas: &mut Canvas, [a, b]: [[f64; 2]; 2], walked: &mut f64, paint: P
         let (end, drawn) = if phase < DASH { (s + DASH - phase, true) } else { (s + PERIOD - phase, false) };
         let end = end.min(length).max(s + 1e-6);
         if drawn {
-            canvas.line_between([at(s), at(end)], LINE, paint);
+            canvas.line_between([at(s), at(end)], LINE, color);
         }
         s = end;
     }
@@ -189,7 +192,7 @@ mod tests {
 
     #[test]
     fn all_curves_are_drawn_in_their_colours_as_svg_and_as_pixels() {
-        let (svg, image) = (plot().svg(), plot().image());
+        let (svg, image) = (plot().svg(), plot().image().unwrap());
         assert_eq!(svg.matches("<circle").count(), 21);
         assert!(svg.matches("<line").count() > 40 && svg.contains("Speed &amp; density"));
         for color in [[200, 66, 52], [66, 118, 190], [222, 158, 20]] {
@@ -205,6 +208,6 @@ mod tests {
         plot.curves.truncate(1);
         assert!(plot.svg().contains("<svg"));
         plot.curves.clear();
-        assert!(plot.image().width > 100);
+        assert!(plot.image().unwrap().width > 100);
     }
 }
