@@ -97,6 +97,7 @@ pub mod sim;
 mod spelling;
 #[doc(hidden)]
 pub mod stop;
+mod table;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;
 pub mod verify;

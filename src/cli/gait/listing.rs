@@ -121,7 +121,9 @@ pub(super) fn write_csv(gait: &Gait, path: &Path) -> Result<(), Error> {
     let wrong = |source| crate::export::Error::Write { path: path.to_owned(), source };
     let mut file = AtomicFile::create(path)?;
     let mut write = || -> std::io::Result<()> {
-        writeln!(file, "# {}: {}; metres, y up, walks towards +z", gait.name, gait.provenance)?;
+        // A comment ends with its line, and a name may have several.
+        let origin = format!("{}: {}", gait.name, gait.provenance).replace(['\n', '\r'], " ");
+        writeln!(file, "# {origin}; metres, y up, walks towards +z")?;
         write!(file, "time")?;
         for joint in Joint::ALL {
             let name = joint.name();

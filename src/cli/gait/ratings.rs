@@ -10,6 +10,7 @@ use crate::export::AtomicFile;
 use crate::export::chart::{self, Bar, Bars, EMOTION_COLORS, Matrix, Scale, Series};
 use crate::library::GaitLibrary;
 use crate::perception::ratings::{self, Analysis, Correlation, Fault, Options};
+use crate::table::cell;
 use clap::Args;
 use serde::Serialize;
 use std::collections::HashSet;
@@ -253,13 +254,6 @@ fn few(names: &[String]) -> String {
 /// One row per video: n, means, standard deviations, label, margin.
 fn write_means(analysis: &Analysis, path: &Path) -> Result<(), Error> {
     let wrong = |source| crate::export::Error::Write { path: path.to_owned(), source };
-    let quoted = |name: &str| {
-        if name.contains([',', '"', '\n']) {
-            format!("\"{}\"", name.replace('"', "\"\""))
-        } else {
-            name.to_owned()
-        }
-    };
     let mut file = AtomicFile::create(path)?;
     let mut write = || -> std::io::Result<()> {
         write!(file, "video,responses")?;
@@ -270,7 +264,7 @@ fn write_means(analysis: &Analysis, path: &Path) -> Result<(), Error> {
         }
         writeln!(file, ",label,margin")?;
         for video in &analysis.videos {
-            write!(file, "{},{}", quoted(&video.name), video.responses)?;
+            write!(file, "{},{}", cell(&video.name), video.responses)?;
             for value in video.mean.iter().chain(&video.deviation) {
                 write!(file, ",{value:.6}")?;
             }

@@ -14,6 +14,7 @@ use crate::gait::{Gait, Joint, Pose};
 use crate::perception::ratings::{self, KEY_HEAD};
 use crate::picture::Image;
 use crate::random::Random;
+use crate::table::quoted;
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -62,7 +63,7 @@ pub(super) fn write(folder: &Path, gaits: &[Gait], seed: u64) -> Result<Vec<Path
         progress.at(&name, index as f64 / order.len() as f64);
         let path = folder.join(&name).with_extension(ENDING);
         files.push(film(&path, gait).map_err(crate::export::Error::from)?);
-        table += &format!("{name},\"{}\"\n", gait.name.replace('"', "\"\""));
+        table += &format!("{name},{}\n", quoted(&gait.name));
     }
     let key = key_of(folder);
     file::write(&key, table.as_bytes())

@@ -2,15 +2,17 @@
 //!
 //! The header names the columns: `NAME_x`, `NAME.y`, `NAME Z` ... for the joints (any rig the joint map knows),
 //! optionally `key` (rows with the same key are one take), `frame` (ignored) and `time` in seconds. Separators
-//! are comma, semicolon, tab or blanks. Files in E-Gait's layout, and files of 48 bare numbers a row (E-Gait's
-//! own), are repaired by [`egait`].
+//! are comma, semicolon, tab or blanks; cells may be quoted ([`crate::table`]). Lines that begin with `#` are comments.
+//! Files in E-Gait's layout, and files of 48 bare numbers a row (E-Gait's own), are repaired by [`egait`].
 
 use super::joint_map::{self, Sources};
 use super::repair::{Unit, finish, rate_or};
 use super::text::{frame_rate, list, number, shown, syntax};
 use super::{MAX_FRAMES, Options, egait, of_data_set, of_file, stem};
 use crate::gait::{Error, JOINT_COUNT, Joint, Pose, Recording};
+use crate::table::{Record, Records, Separator};
 use glam::Vec3;
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 /// Frame rate of a CSV that does not say: E-Gait's.
@@ -22,7 +24,6 @@ const MAX_COLUMNS: usize = 4096;
 
 /// Where the values stand in a row.
 struct Columns {
-    separator: char,
     count: usize,
     key: Option<usize>,
     time: Option<usize>,
@@ -41,15 +42,35 @@ struct Rows {
     name: String,
     line: usize,
     poses: Vec<Pose>,
-    times: Vec<f32>,
+    /// The line and the time of each row.
+    times: Vec<(usize, f32)>,
 }
 
-/// The cells of a row without blanks and quotation marks around them.
-pub(super) fn cells(line: &str, separator: char) -> Vec<&str> {
-    if separator == ' ' {
-        line.split_whitespace().collect()
-    } else {
-        line.split(separator).map(|cell| cell.trim().trim_matches('"').trim()).collect()
+/// The rows of a file without its comments.
+struct File<'a> {
+    path: &'a str,
+    records: Records<'a>,
+}
+
+impl<'a> File<'a> {
+    fn new(text: &'a str, path: &'a str) -> Self {
+        let mut file = Self { path, records: Records::new(text) };
+        file.pass_comments();
+        file.records.part_by(Separator::of(file.records.first_line()).unwrap_or(Separator::Space));
+        file.records.keep(MAX_COLUMNS + 1);
+        file
+    }
+
+    fn pass_comments(&mut self) {
+        while self.records.rest().starts_with('#') {
+            self.records.pass_line();
+        }
+    }
+
+    /// Reads the next row; false at the end.
+    fn read(&mut self, row: &mut Record<'a>) -> Result<bool, Error> {
+        self.pass_comments();
+        self.records.read(row).map_err(|unclosed| syntax(self.path, unclosed.line, unclosed.to_string()))
     }
 }
 
@@ -58,51 +79,51 @@ pub(super) fn cells(line: &str, separator: char) -> Vec<&str> {
 /// # Errors
 /// [`Error::Syntax`] with the line of the first fault; [`Error::Unusable`] if a motion is not that of a body.
 pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Recording>, Error> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let rows = text.lines().enumerate().map(|(index, line)| (index + 1, line.trim_end_matches('\r')));
-    let mut rows = rows.filter(|(_, line)| !line.trim().is_empty() && !line.starts_with('#')).peekable();
-    let Some(&(header_line, header)) = rows.peek() else {
+    let (mut file, mut row) = (File::new(text, path), Record::default());
+    let start = file.records.place();
+    if !file.read(&mut row)? {
         return Err(syntax(path, 0, "the file is empty; a header and rows of joint positions were expected"));
-    };
-    let columns = if first_row_is_data(header) {
-        bare_columns(path, header_line, header)?
+    }
+    let header_line = row.line;
+    let columns = if row.cells.iter().all(|cell| cell.parse::<f32>().is_ok()) {
+        file.records.return_to(start);
+        bare_columns(path, &row)?
     } else {
-        rows.next();
-        columns(path, header_line, header, options)?
+        columns(path, &row, options)?
     };
 
     let mut takes: Vec<Rows> = Vec::new();
-    let mut keys: HashSet<&str> = HashSet::new();
+    let mut keys: HashSet<Cow<'_, str>> = HashSet::new();
     let mut current_key = None;
     let mut points = vec![Vec3::ZERO; columns.triples.len()];
     let mut frames = 0;
-    for (line, row) in rows {
-        let row = cells(row, columns.separator);
-        if row.len() != columns.count {
-            let message = format!("{} cells; the header has {}", row.len(), columns.count);
+    while file.read(&mut row)? {
+        let line = row.line;
+        if row.cells.len() != columns.count {
+            let message = format!("{} cells; the header has {}", count_of(&row), columns.count);
             return Err(syntax(path, line, message));
         }
         frames += 1;
         if frames > MAX_FRAMES {
             return Err(syntax(path, line, format!("more than {MAX_FRAMES} frames")));
         }
-        let key = columns.key.map(|column| row[column]);
-        if takes.is_empty() || key != current_key {
-            if key.is_some_and(|key| !keys.insert(key)) {
-                let message = format!(
-                    "take {} again after another; its rows must stand together",
-                    shown(key.unwrap_or_default())
-                );
+        let key = columns.key.and_then(|column| row.get(column));
+        if takes.is_empty() || key != current_key.as_deref() {
+            current_key = columns.key.map(|column| row.cells[column].clone());
+            if let Some(key) = &current_key
+                && !keys.insert(key.clone())
+            {
+                let message =
+                    format!("take {} again after another; its rows must stand together", shown(key));
                 return Err(syntax(path, line, message));
             }
-            current_key = key;
-            let name = key.map_or_else(|| stem(path), str::to_owned);
+            let name = current_key.as_deref().map_or_else(|| stem(path), str::to_owned);
             takes.push(Rows { name, line, poses: Vec::new(), times: Vec::new() });
         }
         if let Some(take) = takes.last_mut() {
-            take.poses.push(pose(path, line, &row, &columns, &mut points)?);
+            take.poses.push(pose(path, &row, &columns, &mut points)?);
             if let Some(column) = columns.time {
-                take.times.push(number(path, line, row[column], "time")?);
+                take.times.push((line, number(path, line, &row.cells[column], "time")?));
             }
         }
     }
@@ -112,17 +133,19 @@ pub fn parse_csv(text: &str, path: &str, options: &Options) -> Result<Vec<Record
     takes.into_iter().map(|take| recording(take, path, &columns, options)).collect()
 }
 
+/// The number of cells of a row, for messages.
+fn count_of(row: &Record<'_>) -> String {
+    match row.cells.len() {
+        ..=MAX_COLUMNS => row.cells.len().to_string(),
+        _ => format!("more than {MAX_COLUMNS}"),
+    }
+}
+
 /// The 16 joints of one row; `points` is room for the joints of the file.
-fn pose(
-    path: &str,
-    line: usize,
-    row: &[&str],
-    columns: &Columns,
-    points: &mut [Vec3],
-) -> Result<Pose, Error> {
+fn pose(path: &str, row: &Record<'_>, columns: &Columns, points: &mut [Vec3]) -> Result<Pose, Error> {
     for joint in columns.joints.used() {
         for (axis, &column) in columns.triples[joint].iter().enumerate() {
-            points[joint][axis] = number(path, line, row[column], &columns.names[joint])?;
+            points[joint][axis] = number(path, row.line, &row.cells[column], &columns.names[joint])?;
         }
     }
     Ok(columns.joints.pose(|joint| points[joint]))
@@ -130,10 +153,9 @@ fn pose(
 
 fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Result<Recording, Error> {
     let (rate, rate_line) = match (rows.times.first(), rows.times.last()) {
-        (Some(first), Some(last)) if rows.times.len() > 1 && options.frame_rate.is_none() => {
-            if let Some(at) = rows.times.windows(2).position(|pair| pair[1] <= pair[0]) {
-                let message = format!("time does not increase after {} s", rows.times[at]);
-                return Err(syntax(path, rows.line + at + 1, message));
+        (Some((_, first)), Some((_, last))) if rows.times.len() > 1 && options.frame_rate.is_none() => {
+            if let Some([before, now]) = rows.times.array_windows().find(|[before, now]| now.1 <= before.1) {
+                return Err(syntax(path, now.0, format!("time does not increase after {} s", before.1)));
             }
             let rate = (rows.times.len() - 1) as f32 / (last - first);
             (frame_rate(path, rows.line, rate)?, format!("frame rate: {rate:.2} Hz, from the times"))
@@ -151,22 +173,15 @@ fn recording(rows: Rows, path: &str, columns: &Columns, options: &Options) -> Re
     if columns.egait { egait::repair(take, options) } else { finish(take, Unit::Unstated, options) }
 }
 
-fn separator_of(line: &str) -> char {
-    [',', ';', '\t'].into_iter().find(|&separator| line.contains(separator)).unwrap_or(' ')
-}
-
-fn first_row_is_data(line: &str) -> bool {
-    cells(line, separator_of(line)).iter().all(|cell| cell.parse::<f32>().is_ok())
-}
-
 /// The columns of a file without header: E-Gait's 48 numbers, right arm and leg before the left ones.
-fn bare_columns(path: &str, line: usize, row: &str) -> Result<Columns, Error> {
-    let separator = separator_of(row);
-    let count = cells(row, separator).len();
+fn bare_columns(path: &str, row: &Record<'_>) -> Result<Columns, Error> {
+    let count = row.cells.len();
     if count != 3 * JOINT_COUNT {
-        let message =
-            format!("{count} numbers and no header; without one, E-Gait's 48 numbers a row are expected");
-        return Err(syntax(path, line, message));
+        let message = format!(
+            "{} numbers and no header; without one, E-Gait's 48 numbers a row are expected",
+            count_of(row)
+        );
+        return Err(syntax(path, row.line, message));
     }
     // A-01: the data's README names the left side first, the authors' code the right; the data have both. Whichever
     // is taken here, the bend of the knees decides.
@@ -174,14 +189,13 @@ fn bare_columns(path: &str, line: usize, row: &str) -> Result<Columns, Error> {
     let triples = (0..JOINT_COUNT).map(|joint| [3 * joint, 3 * joint + 1, 3 * joint + 2]).collect();
     let names = Joint::ALL.map(|joint| joint.mirrored().name().to_owned()).to_vec();
     let rig = "E-Gait's order, right side first".to_owned();
-    Ok(Columns { separator, count, key: None, time: None, triples, joints, names, rig, egait: true })
+    Ok(Columns { count, key: None, time: None, triples, joints, names, rig, egait: true })
 }
 
-fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<Columns, Error> {
-    let separator = separator_of(header);
-    let header = cells(header, separator);
+fn columns(path: &str, row: &Record<'_>, options: &Options) -> Result<Columns, Error> {
+    let (line, header) = (row.line, &row.cells);
     if header.len() > MAX_COLUMNS {
-        return Err(syntax(path, line, format!("{} columns; up to {MAX_COLUMNS} are read", header.len())));
+        return Err(syntax(path, line, format!("{} columns; up to {MAX_COLUMNS} are read", count_of(row))));
     }
     let single = |names: &[&str]| {
         header.iter().position(|cell| names.iter().any(|name| cell.eq_ignore_ascii_case(name)))
@@ -212,7 +226,7 @@ fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<C
     if names.is_empty() {
         let message = format!(
             "no columns of joint positions such as head_x, head_y, head_z; the header has: {}",
-            list(&header)
+            list(header)
         );
         return Err(syntax(path, line, message));
     }
@@ -220,7 +234,6 @@ fn columns(path: &str, line: usize, header: &str, options: &Options) -> Result<C
         .map_err(|message| syntax(path, line, message))?;
     let key = single(&["key", "take", "gait"]);
     Ok(Columns {
-        separator,
         count: header.len(),
         key,
         time: single(&["time", "t", "seconds", "timestamp"]),

@@ -9,12 +9,13 @@
 //! A row means the take of that name, with or without the ending of its file. A name with folders (`anna/walk`) means
 //! the file in these folders only. What the take carries already stays.
 
-use super::table::{Record, Records, is_unsaid, normalised};
 use super::text::{list, syntax};
 use crate::emotion::Emotion;
 use crate::gait::walker::Sex;
 use crate::gait::{Error, LabelOrigin, Recording};
 use crate::spelling::{UnknownName, nearest};
+use crate::table::{Record, Records, Unclosed, is_unsaid, normalised};
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -162,7 +163,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &[String]) -> Result<Self, String> {
+    fn of(header: &[Cow<'_, str>]) -> Result<Self, String> {
         let plain: Vec<String> = header.iter().map(|cell| normalised(cell)).collect();
         let column =
             |names: &[&str]| names.iter().find_map(|name| plain.iter().position(|cell| cell == name));
@@ -181,7 +182,8 @@ impl Columns {
 
 fn parse(text: &str, path: PathBuf) -> Result<Table, Error> {
     let shown = path.display().to_string();
-    let mut records = Records::new(text);
+    let mut records = Records::with_header(text);
+    let failed = |unclosed: Unclosed| syntax(&shown, unclosed.line, unclosed.to_string());
     let Some(header) = records.next() else {
         return Err(syntax(
             &shown,
@@ -189,11 +191,11 @@ fn parse(text: &str, path: PathBuf) -> Result<Table, Error> {
             "the table is empty; its first line names the columns, such as file,label",
         ));
     };
-    let header = header.map_err(|broken| syntax(&shown, broken.line, broken.message))?;
+    let header = header.map_err(failed)?;
     let columns = Columns::of(&header.cells).map_err(|message| syntax(&shown, header.line, message))?;
     let (mut rows, mut count, mut example): (HashMap<String, Vec<Row>>, _, _) = (HashMap::new(), 0, None);
     for record in records {
-        let record = record.map_err(|broken| syntax(&shown, broken.line, broken.message))?;
+        let record = record.map_err(failed)?;
         let line = record.line;
         let row = row(&record, &columns).map_err(|message| syntax(&shown, line, message))?;
         count += 1;
@@ -212,11 +214,9 @@ fn parse(text: &str, path: PathBuf) -> Result<Table, Error> {
     Ok(Table { path, rows, count, example: example.unwrap_or_default(), is_used: AtomicBool::new(false) })
 }
 
-fn row(record: &Record, columns: &Columns) -> Result<Row, String> {
-    let cell = |column: Option<usize>| {
-        column.and_then(|c| record.cells.get(c)).filter(|cell| !is_unsaid(cell)).map(String::as_str)
-    };
-    let name = record.cells.get(columns.take).map_or("", String::as_str);
+fn row(record: &Record<'_>, columns: &Columns) -> Result<Row, String> {
+    let cell = |column: Option<usize>| record.get(column?).filter(|cell| !is_unsaid(cell));
+    let name = record.get(columns.take).unwrap_or_default();
     if name.is_empty() {
         return Err("the row names no take".to_owned());
     }

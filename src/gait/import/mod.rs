@@ -29,7 +29,6 @@ mod options;
 mod points;
 mod repair;
 mod resample;
-pub(crate) mod table;
 mod text;
 #[doc(hidden)]
 pub mod trc;

@@ -2,6 +2,7 @@
 
 use crate::file;
 use crate::perception::Error;
+use crate::table::{Records, Unclosed};
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -25,23 +26,27 @@ pub fn read_key(path: &Path) -> Result<HashMap<String, String>, Error> {
 /// Reads the table from text; `origin` names it in errors.
 ///
 /// # Errors
-/// [`Error::Syntax`] with the line if the first one is not [`KEY_HEAD`], a row has no comma, or a video stands twice.
+/// [`Error::Syntax`] with the line if the first one is not [`KEY_HEAD`], a row has not two cells, a quote is never closed, or a
+/// video stands twice.
 #[doc(hidden)]
 pub fn parse_key(text: &str, origin: &str) -> Result<HashMap<String, String>, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
-    let mut lines = (1..).zip(text.lines());
-    if lines.next().is_none_or(|(_, head)| head.trim() != KEY_HEAD) {
+    let unclosed = |quote: Unclosed| syntax(quote.line, quote.to_string());
+    let mut records = Records::with_header(text);
+    let head = records.next().transpose().map_err(unclosed)?;
+    if head.is_none_or(|head| head.cells.join(",") != KEY_HEAD) {
         return Err(syntax(1, format!("the first line must be {KEY_HEAD}")));
     }
     let mut gaits = HashMap::new();
-    for (line, row) in lines.filter(|(_, row)| !row.trim().is_empty()) {
-        let (video, gait) = row
-            .trim_end()
-            .split_once(',')
-            .ok_or_else(|| syntax(line, "no comma; a row is VIDEO,\"GAIT\"".to_owned()))?;
-        let gait = gait.strip_prefix('"').and_then(|gait| gait.strip_suffix('"')).unwrap_or(gait);
-        if gaits.insert(video.to_owned(), gait.replace("\"\"", "\"")).is_some() {
-            return Err(syntax(line, format!("the video {video:?} stands in an earlier row, too")));
+    for record in records {
+        let record = record.map_err(unclosed)?;
+        let [video, gait] = &record.cells[..] else {
+            let count = record.cells.len();
+            return Err(syntax(record.line, format!("{count} cells; a row is VIDEO,\"GAIT\"")));
+        };
+        if gaits.insert(video.to_string(), gait.to_string()).is_some() {
+            let message = format!("the video {video:?} stands in an earlier row, too");
+            return Err(syntax(record.line, message));
         }
     }
     Ok(gaits)
@@ -55,9 +60,13 @@ mod tests {
     fn a_key_is_read_and_what_is_none_is_refused_with_its_line() {
         let gaits = parse_key("video,gait\nclip-1,\"a \"\"b\"\", c\"\n\nclip-2,d\r\n", "k").unwrap();
         assert_eq!((gaits.len(), gaits["clip-1"].as_str(), gaits["clip-2"].as_str()), (2, "a \"b\", c", "d"));
+        let saved = parse_key("\u{feff}video;gait\r\nclip-1;\"a\r\nb; c\"\r\n", "k").unwrap();
+        assert_eq!(saved["clip-1"], "a\r\nb; c", "as a spreadsheet saves it");
         for (text, wanted) in [
             ("", "k:1: the first line must be video,gait"),
-            ("video,gait\nclip-1\n", "k:2: no comma"),
+            ("video,gait\nclip-1\n", "k:2: 1 cells; a row is VIDEO,\"GAIT\""),
+            ("video,gait\nclip-1,a, b\n", "k:2: 3 cells"),
+            ("video,gait\nclip-1,a\nclip-2,\"b\n", "k:3: a quote is opened and never closed"),
             ("video,gait\na,b\na,c\n", "k:3: the video \"a\" stands in an earlier row"),
         ] {
             let message = parse_key(text, "k").unwrap_err().to_string();

@@ -7,9 +7,10 @@
 use super::Response;
 use crate::emotion::Emotion;
 use crate::file;
-use crate::gait::import::table::{Broken, Record, Records, is_unsaid, normalised};
 use crate::perception::Error;
 use crate::spelling::nearest;
+use crate::table::{Record, Records, Unclosed, is_unsaid, normalised};
+use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
@@ -90,12 +91,6 @@ pub struct Fault {
     pub message: String,
 }
 
-impl From<Broken> for Fault {
-    fn from(Broken { line, message }: Broken) -> Self {
-        Self { line, message }
-    }
-}
-
 /// A sheet, read.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Sheet {
@@ -108,8 +103,9 @@ pub struct Sheet {
 /// Reads the sheet at `path`.
 ///
 /// # Errors
-/// [`Error::Syntax`] with file and line if the file cannot be read, lacks a column or has rows that cannot be used (the
-/// first of them, and how many more there are); with [`Options::skip_bad`] only if no row can be used.
+/// [`Error::Syntax`] with file and line if the file cannot be read, lacks a column, has a quote that is never closed or rows
+/// that cannot be used (the first of them, and how many more there are); with [`Options::skip_bad`] rows count only if none
+/// can be used.
 pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
     let origin = path.display().to_string();
     let failed = |message: String| Error::Syntax { path: origin.clone(), line: 0, message };
@@ -124,19 +120,20 @@ pub fn read(path: &Path, options: &Options<'_>) -> Result<Sheet, Error> {
 #[doc(hidden)]
 pub fn parse(text: &str, origin: &str, options: &Options<'_>) -> Result<Sheet, Error> {
     let syntax = |line, message| Error::Syntax { path: origin.to_owned(), line, message };
-    let mut records = Records::new(text);
+    let unclosed = |quote: Unclosed| syntax(quote.line, quote.to_string());
+    let mut records = Records::with_header(text);
     let Some(header) = records.next() else {
         return Err(syntax(
             0,
             "empty; the first line names the columns: participant,video,happy,angry,sad,neutral".into(),
         ));
     };
-    let header = header.map_err(|fault| syntax(fault.line, fault.message))?;
+    let header = header.map_err(unclosed)?;
     let columns = Columns::of(&header.cells).map_err(|message| syntax(header.line, message))?;
     let mut reader = Reader { columns, width: header.cells.len(), options, seen: HashMap::new() };
     let mut sheet = Sheet::default();
     for record in records {
-        match record.map_err(Fault::from).and_then(|record| reader.response(&record)) {
+        match reader.response(&record.map_err(unclosed)?) {
             Ok(response) => sheet.responses.push(response),
             Err(fault) => sheet.left_out.push(fault),
         }
@@ -168,7 +165,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    fn response(&mut self, record: &Record) -> Result<Response, Fault> {
+    fn response(&mut self, record: &Record<'_>) -> Result<Response, Fault> {
         let line = record.line;
         let fault = |message: String| Fault { line, message };
         let spare = record.cells.iter().skip(self.width).find(|cell| !cell.is_empty());
@@ -178,7 +175,7 @@ impl Reader<'_> {
                 "{found} cells, but the header names {width} columns ({spare:?} is spare)"
             )));
         }
-        let cell = |column: usize, what: &str| match record.cells.get(column).map(String::as_str) {
+        let cell = |column: usize, what: &str| match record.get(column) {
             None | Some("") => Err(fault(format!("the {what} is missing"))),
             Some(text) => Ok(text),
         };
@@ -194,8 +191,8 @@ impl Reader<'_> {
             })?;
         }
         let said = |column: Option<usize>| {
-            let text = record.cells.get(column?)?;
-            (!is_unsaid(text)).then(|| text.clone())
+            let text = record.get(column?)?;
+            (!is_unsaid(text)).then(|| text.to_owned())
         };
         let gender = said(self.columns.gender);
         let age = match said(self.columns.age) {
@@ -264,7 +261,7 @@ struct Columns {
 }
 
 impl Columns {
-    fn of(header: &[String]) -> Result<Self, String> {
+    fn of(header: &[Cow<'_, str>]) -> Result<Self, String> {
         let plain: Vec<String> = header.iter().map(|cell| normalised(cell)).collect();
         let named = |names: &[&str]| plain.iter().position(|cell| names.contains(&cell.as_str()));
         let missing = |what: &str, names: &[&str]| {
@@ -287,7 +284,7 @@ impl Columns {
 }
 
 /// The column that is called one of `words`, or else the only one whose name has one of them.
-fn question(header: &[String], plain: &[String], words: &[&str]) -> Result<Option<usize>, String> {
+fn question(header: &[Cow<'_, str>], plain: &[String], words: &[&str]) -> Result<Option<usize>, String> {
     if let Some(exact) = plain.iter().position(|cell| words.contains(&cell.as_str())) {
         return Ok(Some(exact));
     }
@@ -340,13 +337,16 @@ mod tests {
             (",v,1,2,3,4", 2, &["participant is missing"]),
             ("p,v,1,2,3,4,9", 2, &["7 cells", "6 columns"]),
             ("p,v,1,2,3,4\nq,v,1,1,1,1\np,v.mp4,1,1,1,1", 4, &["\"p\"", "\"v\"", "line 2"]),
-            ("p,\"v,1,2,3,4\nq,v,1,1,1,1", 2, &["never closed"]),
         ] {
             let message = bad(&format!("{head}{row}\n"));
             assert!(message.starts_with(&format!("study.csv:{line}: ")), "{row}: {message}");
             assert!(parts.iter().all(|part| message.contains(part)), "{row}: {message}");
             assert!(message.contains("--skip-bad"), "{message}");
         }
+        let skip = Options { skip_bad: true, ..Options::default() };
+        let open = format!("{head}p,\"v\n1\",1,2,3,4\nq,\"v,1,2,3,4\nr,v,1,1,1,1\n");
+        let message = parse(&open, "study.csv", &skip).unwrap_err().to_string();
+        assert!(message.starts_with("study.csv:4: a quote is opened and never closed"), "{message}");
         assert!(bad("participant,happy,angry,sad,neutral\n").contains("no column for the video"));
         assert!(bad("").contains("participant,video"));
         assert!(bad("pid,gait,happy_a,happy_b,angry,sad,neutral\n").contains("happy_b"));

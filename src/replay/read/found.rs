@@ -141,9 +141,9 @@ pub(super) fn unusable(path: &Path, message: impl Into<String>, hint: impl Into<
     Error::Unusable { path: path.to_owned(), message: message.into(), hint: hint.into() }
 }
 
-/// A number as programs write it, or with a decimal comma.
+/// A number as programs write it, or with a decimal comma; between blanks it may be quoted, too.
 pub(super) fn decimal(cell: &str) -> Option<f64> {
-    let cell = cell.trim().trim_matches('"');
+    let cell = cell.trim_matches('"');
     cell.parse().ok().or_else(|| cell.replacen(',', ".", 1).parse().ok())
 }
 

@@ -87,11 +87,9 @@ fn homography(path: &Path, options: &Options) -> Result<splines::Homography, Err
 fn text_of(path: &Path) -> Result<String, Error> {
     let wrong = |source| Error::Read { path: path.to_owned(), source };
     let bytes = file::read(path, MAX_BYTES).map_err(wrong)?;
-    let text = String::from_utf8(bytes).map_err(|error| {
+    String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();
         let line = 1 + error.as_bytes()[..at].iter().filter(|byte| **byte == b'\n').count();
         syntax(path, line, "bytes that are no text (UTF-8)")
-    })?;
-    // a mark of the order of bytes, as spreadsheets write it
-    Ok(text.strip_prefix('\u{feff}').map(str::to_owned).unwrap_or(text))
+    })
 }

@@ -8,6 +8,7 @@
 //! ```
 
 use super::{Error, Format, Found, Pixels, Row, number, syntax, unusable, whole};
+use crate::table::Records;
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
@@ -27,7 +28,8 @@ impl Homography {
     /// Three rows of three numbers.
     pub(super) fn parse(path: &Path, text: &str, pixels: Option<Pixels>) -> Result<Self, Error> {
         let mut numbers = Vec::new();
-        for (line, row) in (1..).zip(text.lines()) {
+        let mut records = Records::new(text);
+        while let Some((line, row)) = records.pass_line() {
             for cell in row.split_whitespace() {
                 numbers.push(number(path, line, "a number of the homography", Some(cell))?);
             }
@@ -88,7 +90,8 @@ pub(super) fn parse(path: &Path, text: &str, homography: &Homography) -> Result<
         notes: vec![homography.note.clone()],
         ..Found::default()
     };
-    let mut lines = (1..).zip(text.lines()).filter(|(_, line)| !line.trim().is_empty());
+    let mut records = Records::new(text);
+    let mut lines = std::iter::from_fn(|| records.pass_line());
     let first = |line: &str| line.split_whitespace().next().map(str::to_owned);
     let Some((line, head)) = lines.next() else {
         return Err(syntax(path, 1, "empty; the number of splines is expected"));

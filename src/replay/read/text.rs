@@ -2,71 +2,77 @@
 //! columns: JuPedSim's users, Vadere, Pathfinder, Viswalk, Crowd:it, gaitway.
 
 use super::columns::{Column, Columns, metres_of};
-use super::{Error, Format, Found, Options, Row, infer, number, unusable, whole};
+use super::{Error, Format, Found, Options, Row, infer, number, syntax, unusable, whole};
+use crate::table::{Record, Records, Separator, outside_quotes};
 use glam::DVec2;
 use std::collections::BTreeMap;
 use std::path::Path;
 
+/// Most columns of which names are read.
+const MOST_NAMES: usize = 256;
 /// ETH and UCY were filmed at 15 and 25 frames per second; where the file does not say, 25.
 const OBSMAT_RATE: f64 = 25.0;
 
-/// What parts the cells of a row.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Separator {
-    Sign(char),
-    /// Any white space.
-    Space,
-    /// Commas and white space.
-    Both,
-}
-
-impl Separator {
-    fn of(row: &str) -> Self {
-        if row.contains(';') {
-            return Self::Sign(';');
-        }
-        if !row.contains(',') {
-            let row = row.trim();
-            let has_words =
-                row.contains('\t') && row.contains(' ') && row.contains(|c: char| c.is_ascii_alphabetic());
-            return if has_words { Self::Sign('\t') } else { Self::Space };
-        }
-        // `1 0 3,5 4,2` has decimal commas; in `1, 0, 3.5` a comma ends the words.
-        let words: Vec<&str> = row.split_whitespace().collect();
-        let is_decimal = |word: &&str| !word.ends_with(',') && word.matches(',').count() <= 1;
-        if words.len() >= 4 && words.iter().all(is_decimal) { Self::Space } else { Self::Sign(',') }
+/// What parts the cells of a text that begins with this row.
+fn separator_of(row: &str) -> Separator {
+    let open = outside_quotes(row);
+    if open.contains(';') {
+        return Separator::Sign(b';');
     }
-
-    fn cells(self, row: &str) -> Box<dyn Iterator<Item = &str> + '_> {
-        match self {
-            Self::Sign(sign) => Box::new(row.split(sign)),
-            Self::Space => Box::new(row.split_whitespace()),
-            Self::Both => {
-                Box::new(row.split(|c: char| c.is_whitespace() || c == ',').filter(|cell| !cell.is_empty()))
-            }
-        }
+    if !open.contains(',') {
+        let row = row.trim();
+        let has_words =
+            row.contains('\t') && row.contains(' ') && row.contains(|c: char| c.is_ascii_alphabetic());
+        return if has_words { Separator::Sign(b'\t') } else { Separator::Space };
     }
+    // `1 0 3,5 4,2` has decimal commas; in `1, 0, 3.5` a comma ends the words.
+    let words: Vec<&str> = open.split_whitespace().collect();
+    let is_decimal = |word: &&str| !word.ends_with(',') && word.matches(',').count() <= 1;
+    if words.len() >= 4 && words.iter().all(is_decimal) {
+        return Separator::Space;
+    }
+    // `1 0, 3.5 4.2`: anything goes that parts numbers
+    let is_mixed = row.contains(' ')
+        && !row.split(',').all(|cell| is_number(cell.trim()))
+        && row.split(|c: char| c.is_whitespace() || c == ',').all(|word| word.is_empty() || is_number(word));
+    if is_mixed { Separator::SpaceOrComma } else { Separator::Sign(b',') }
 }
 
 fn is_number(cell: &str) -> bool {
     super::decimal(cell).is_some()
 }
 
-/// Rows that hold something: without comments, blank lines and the preamble of Viswalk's files.
-fn rows<'a>(text: &'a str, found: &mut Found) -> Vec<(usize, &'a str)> {
-    let mut rows = Vec::new();
-    // old Macs end lines with a carriage return alone
-    let lines: Box<dyn Iterator<Item = &str>> =
-        if text.contains('\n') { Box::new(text.lines()) } else { Box::new(text.split('\r')) };
-    for (line, row) in (1..).zip(lines) {
-        let bare = row.trim();
-        if let Some(comment) = bare.strip_prefix('#') {
-            read_comment(comment, found);
-        } else if !bare.is_empty() && !bare.starts_with('*') && !bare.eq_ignore_ascii_case("$vision") {
-            rows.push((line, row));
+/// A text without its comments and the preamble of Viswalk's files.
+struct Rows<'a> {
+    path: &'a Path,
+    records: Records<'a>,
+}
+
+impl<'a> Rows<'a> {
+    /// Reads over comments, and what they tell into `found`.
+    fn pass_comments(&mut self, found: &mut Found) {
+        loop {
+            let is_preamble = match self.records.rest().trim_start().as_bytes().first() {
+                Some(b'#' | b'*') => true,
+                Some(b'$') => self.records.first_line().trim().eq_ignore_ascii_case("$vision"),
+                _ => false,
+            };
+            if !is_preamble {
+                return;
+            }
+            if let Some((_, line)) = self.records.pass_line()
+                && let Some(comment) = line.trim().strip_prefix('#')
+            {
+                read_comment(comment, found);
+            }
         }
     }
-    rows
+
+    /// Reads the next row; false at the end.
+    fn read(&mut self, row: &mut Record<'a>, found: &mut Found) -> Result<bool, Error> {
+        self.pass_comments(found);
+        self.records.read(row).map_err(|quote| syntax(self.path, quote.line, quote.to_string()))
+    }
 }
 
 /// Frame rate, unit and columns out of a comment: `framerate: 25 fps`, `x/cm`, `in m`, `id frame x y z`.
@@ -97,33 +103,31 @@ fn read_comment(comment: &str, found: &mut Found) {
 
 /// Reads a text of columns.
 pub(super) fn parse(path: &Path, text: &str, options: &Options) -> Result<Found, Error> {
-    let mut found = Found::default();
-    let rows = rows(text, &mut found);
-    let Some(&(line, first)) = rows.first() else {
+    let (mut found, mut row) = (Found::default(), Record::default());
+    let mut rows = Rows { path, records: Records::new(text) };
+    rows.pass_comments(&mut found);
+    rows.records.part_by(separator_of(rows.records.first_line()));
+    rows.records.keep(MOST_NAMES);
+    let mut body = rows.records.place();
+    if !rows.read(&mut row, &mut found)? {
         return Err(unusable(
             path,
             "it has no rows",
             "a recording has one for every person and frame, of id, frame, x, y",
         ));
-    };
-    let mut separator = Separator::of(first);
-    if separator == Separator::Sign(',') && !separator.cells(first).all(is_number) && first.contains(' ') {
-        // `1 0, 3.5 4.2`: anything goes that parts numbers
-        if Separator::Both.cells(first).all(is_number) {
-            separator = Separator::Both;
-        }
     }
-    let cells: Vec<&str> = separator.cells(first).take(256).collect();
-    let has_head = !cells.iter().all(|cell| is_number(cell) || cell.trim().is_empty());
+    let has_head = !row.cells.iter().all(|cell| is_number(cell) || cell.is_empty());
+    let mut unit = None;
     let (columns, from) = match (&options.columns, has_head) {
         (Some(columns), _) => (columns.clone(), "asked for"),
         (None, true) => {
-            let (columns, metres) = Columns::of_head(path, line, &cells)?;
-            found.metres_per_unit = metres.map(|metres| (metres, "file")).or(found.metres_per_unit);
+            let head: Vec<&str> = row.cells.iter().map(AsRef::as_ref).collect();
+            let (columns, metres) = Columns::of_head(path, row.line, &head)?;
+            unit = metres;
             (columns, "file")
         }
         (None, false) => {
-            bare(path, line, cells.iter().filter(|c| !c.trim().is_empty()).count(), options, &found)?
+            bare(path, row.line, row.cells.iter().filter(|c| !c.is_empty()).count(), options, &found)?
         }
     };
     found.format = match (from, options.format) {
@@ -133,16 +137,21 @@ pub(super) fn parse(path: &Path, text: &str, options: &Options) -> Result<Found,
         _ if columns.0.starts_with(&[Column::Id, Column::Frame]) => Format::Archive,
         _ => Format::Columns,
     };
-    let mut body = rows.get(usize::from(has_head)..).unwrap_or(&[]);
-    if let Some((&(_, units), rest)) = body.split_first().filter(|_| has_head)
-        && is_units(separator, units, &columns, &mut found)
-    {
-        body = rest;
+    if has_head {
+        body = rows.records.place();
+        if rows.read(&mut row, &mut found)?
+            && let Some(metres) = unit_of(&row, &columns)
+        {
+            (body, unit) = (rows.records.place(), Some(metres));
+        }
     }
-    if body.is_empty() {
+    rows.records.return_to(body);
+    rows.pass_comments(&mut found);
+    if rows.records.rest().is_empty() {
         return Err(unusable(path, "no rows below the head", "a recording has at least one"));
     }
-    read_rows(path, separator, body, &columns, &mut found)?;
+    read_rows(rows, &columns, &mut found)?;
+    found.metres_per_unit = unit.map(|metres| (metres, "file")).or(found.metres_per_unit);
     if found.format == Format::Obsmat {
         found.usual_rate = Some(OBSMAT_RATE);
     }
@@ -183,39 +192,25 @@ fn bare(
     }
 }
 
-/// Whether the row below a head holds units (as Pathfinder's does) instead of a person's place.
-fn is_units(separator: Separator, row: &str, columns: &Columns, found: &mut Found) -> bool {
-    let cells: Vec<&str> = separator.cells(row).take(256).collect();
-    let cell = |column| columns.find(column).and_then(|at| cells.get(at)).map_or("", |cell| cell.trim());
-    let (x, time) =
-        (cell(Column::X), if columns.find(Column::Time).is_some() { cell(Column::Time) } else { "" });
-    let is_unit = metres_of(x).is_some() && !is_number(time);
-    if is_unit {
-        found.metres_per_unit = metres_of(x).map(|metres| (metres, "file"));
-    }
-    is_unit
+/// Metres per unit where the row below a head holds units (as Pathfinder's does) instead of a person's place.
+fn unit_of(row: &Record<'_>, columns: &Columns) -> Option<f64> {
+    let cell = |column| columns.find(column).and_then(|at| row.get(at)).unwrap_or_default();
+    metres_of(cell(Column::X)).filter(|_| !is_number(cell(Column::Time)))
 }
 
 /// The last known end of each person's step.
 type Ends = BTreeMap<i64, Row>;
 
-fn read_rows(
-    path: &Path,
-    separator: Separator,
-    body: &[(usize, &str)],
-    columns: &Columns,
-    found: &mut Found,
-) -> Result<(), Error> {
+fn read_rows(mut rows: Rows<'_>, columns: &Columns, found: &mut Found) -> Result<(), Error> {
     let last = columns.0.iter().rposition(|column| *column != Column::Skip).unwrap_or(0);
-    let mut cells: Vec<&str> = Vec::with_capacity(last + 1);
+    rows.records.keep(last + 1);
+    let (path, mut row) = (rows.path, Record::default());
     let (mut ends, mut times) = (Ends::new(), Times::default());
-    found.rows.reserve(body.len());
-    for &(line, row) in body {
-        cells.clear();
-        cells.extend(separator.cells(row).take(last + 1));
-        let cell = |column| columns.find(column).map(|at| cells.get(at).copied());
+    while rows.read(&mut row, found)? {
+        let line = row.line;
+        let cell = |column| columns.find(column).map(|at| row.get(at));
         let need = |column: Column, name: &str| number(path, line, name, cell(column).flatten());
-        if cell(Column::Kind).flatten().is_some_and(|kind| matches!(kind.trim(), "robot" | "vehicle")) {
+        if cell(Column::Kind).flatten().is_some_and(|kind| matches!(kind, "robot" | "vehicle")) {
             continue;
         }
         let id = whole(path, line, "the id", cell(Column::Id).flatten())?;

@@ -342,6 +342,30 @@ fn faults_are_named_with_file_and_line() {
 }
 
 #[test]
+fn quoted_cells_of_a_csv_hold_separators_and_line_ends_and_what_is_wrong_behind_them_has_its_line() {
+    let take = Recording { name: "\"Ann, \"\"A\"\"\nslow\"".into(), ..Walker::default().take(0.2, 30.0) };
+    let text = walker::csv(&[&take], 1.0).replacen("key,frame", "# of \"Ann\n\n\"key\", \"frame, of it\"", 1);
+    let read = |text: &str| csv::parse_csv(text, "a.csv", &Options::default());
+    for end in ["\n", "\r\n", "\r"] {
+        let text = text.replace('\n', end);
+        let found = read(&text).unwrap().remove(0);
+        assert_eq!((found.name.as_str(), found.poses.len()), (format!("Ann, \"A\"{end}slow").as_str(), 6));
+        // a header in line 3, and two lines for each row
+        for (row, wrong, line, why) in [
+            ("slow\",3,", "slow\",3,x", 10, "number was expected"),
+            ("slow\",5,", "slow\",\"5,", 15, "a quote is opened and never closed"),
+            ("slow\",4,", "slow\",4,4,", 12, "51 cells; the header has 50"),
+        ] {
+            let said = read(&text.replacen(row, wrong, 1)).unwrap_err().to_string();
+            assert!(said.starts_with(&format!("a.csv:{line}: ")) && said.contains(why), "{end:?}: {said}");
+        }
+    }
+    let timed = walker::csv(&[&take], 1.0).replacen(",frame,", ",time,", 1).replace("slow\",5,", "slow\",4,");
+    let said = read(&timed).unwrap_err().to_string();
+    assert!(said.starts_with("a.csv:12: time does not increase after 4 s"), "{said}");
+}
+
+#[test]
 fn files_are_dispatched_by_extension_and_options_hold() {
     let folder = tempfile::tempdir().unwrap();
     let take = Walker::default().take(4.0, 60.0);

@@ -369,6 +369,30 @@ fn the_ways_of_spreadsheets_and_single_frames_are_read() {
     assert!(huge.contains("53 bits"), "{huge}");
 }
 
+#[test]
+fn quoted_cells_hold_separators_and_line_ends_and_what_is_wrong_behind_them_has_its_line() {
+    let options = Options { frame_rate: Some(10.0), ..Options::default() };
+    let head = "id, \"frame\",\"seen; said\",x [m],\"y [m]\"\n";
+    let waits = "1,0,\"waits, \"\"then\n# framerate: 5\nwalks\",1.5,\"2,5\"\n# no \"row\n";
+    for end in ["\n", "\r\n", "\r"] {
+        let text = format!("\u{feff}{head}{waits}1,1, \"a, b\",\"1,6\",2.5\n").replace('\n', end);
+        let found = of("remarks.csv", &text, &options).unwrap();
+        let places: Vec<Vec2> = found.tracks[0].samples.iter().map(|sample| sample.position).collect();
+        assert_eq!(places, [Vec2::new(1.5, -2.5), Vec2::new(1.6, -2.5)], "{end:?}");
+        let unsaid = of("remarks.csv", &text, &Options::default()).unwrap_err().to_string();
+        assert!(unsaid.contains("frames a second"), "a cell is no comment: {unsaid}");
+        for (row, line, why) in [
+            ("1,1,,left,2\n", "line 6", "x is \"left\""),
+            ("1,1,\"\n\n\",1,2\n2,1,,1\n", "line 9", "y is missing"),
+            ("1,1,\"a\nb\",\"1,2\n2,1,,1,1\n", "line 7", "a quote is opened and never closed"),
+        ] {
+            let text = format!("{head}{waits}{row}").replace('\n', end);
+            let said = of("remarks.csv", &text, &options).unwrap_err().to_string();
+            assert!(said.contains(line) && said.contains(why), "{row:?} {end:?}: {said}");
+        }
+    }
+}
+
 /// xorshift: the same broken files every time.
 fn random(state: &mut u64) -> usize {
     *state ^= *state << 13;
