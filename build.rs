@@ -12,6 +12,20 @@
 mod compile;
 #[path = "build/constants.rs"]
 mod constants;
+#[path = "src/kernels/link.rs"]
+#[allow(dead_code, unreachable_pub, reason = "checked in the crate")]
+mod link;
+#[path = "build/operations.rs"]
+mod operations;
+#[path = "src/kernels/spirv.rs"]
+#[allow(
+    dead_code,
+    missing_docs,
+    unreachable_pub,
+    clippy::missing_errors_doc,
+    reason = "checked in the crate"
+)]
+mod spirv;
 #[path = "build/structs.rs"]
 mod structs;
 
@@ -57,6 +71,7 @@ fn generate() -> Result<(), String> {
         kernel(source, shader, &own, &shared, &mut text)?;
     }
     constants::write_shared(&shared, &mut text);
+    operations::write(&kernels, &spirv, &mut text)?;
     text.push_str("/// The draw shaders.\n#[allow(unused_imports, reason = \"empty while there is no draw shader\")]\npub mod draw {\nuse super::*;\n");
     for (source, shader) in &draws {
         draw_shader(source, shader, &mut text)?;
@@ -136,6 +151,11 @@ fn check_kernel(source: &Source, shader: &Shader) -> Result<(), String> {
         let storage = entry.bindings.iter().filter(|b| matches!(b.access, Use::Read | Use::Write)).count();
         if storage > 8 {
             return Err(format!("{file}:1: {name}: {storage} storage buffers, at most 8 run everywhere"));
+        }
+        if let Some(operation) = spirv::inexact(&entry.spirv) {
+            return Err(format!(
+                "{file}:1: {name}: Vulkan does not define {operation} to the bit: use + - * / sqrt and `exact.wgsl`"
+            ));
         }
         if entry.immediate.as_ref().is_some_and(|(_, size)| *size != 4) {
             return Err(format!("{file}:1: {name}: the immediate of a kernel is one `u32`"));
@@ -254,7 +274,7 @@ fn mask(flags: &[bool]) -> u64 {
     flags.iter().take(64).enumerate().fold(0, |mask, (bit, is_set)| mask | u64::from(*is_set) << bit)
 }
 
-fn words(spirv: &[u32]) -> String {
+pub(crate) fn words(spirv: &[u32]) -> String {
     spirv.iter().map(|word| format!("{word},")).collect()
 }
 

@@ -54,5 +54,28 @@ fn kernels(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, kernels);
+/// The proof of careful division and root: none may come out wrong.
+fn careful(criterion: &mut Criterion) {
+    use gaitway::verify::careful::{wrong_quotients, wrong_roots};
+    const CASES: u64 = 1 << 20;
+    let mut group = criterion.benchmark_group("careful");
+    group.sample_size(10).throughput(Throughput::Elements(CASES));
+    let mut next = (0..).map(|round| round * CASES % 0x8000_0000);
+    group.bench_function("square_root", |bencher| {
+        bencher.iter(|| {
+            let first = next.next().unwrap();
+            assert_eq!(wrong_roots(first..first + CASES), 0);
+        });
+    });
+    let mut next = (0..).map(|round| round * CASES);
+    group.bench_function("division", |bencher| {
+        bencher.iter(|| {
+            let first = next.next().unwrap();
+            assert_eq!(wrong_quotients(first..first + CASES), 0);
+        });
+    });
+    group.finish();
+}
+
+criterion_group!(benches, kernels, careful);
 criterion_main!(benches);

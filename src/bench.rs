@@ -142,7 +142,9 @@ pub fn bench(
             rows.extend(kernels(&mut Sequence::between(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::hidden(agents, backend, device)?)?);
             rows.extend(kernels(&mut Sequence::features(agents, backend, device)?)?);
-            rows.extend(kernels(&mut Sequence::probe(agents, backend, device)?)?);
+            for kernel in [KernelId::Arithmetic, KernelId::Numerics] {
+                rows.extend(kernels(&mut Sequence::probe(kernel, agents, backend, device)?)?);
+            }
         }
     }
     let wall_seconds = begin.elapsed().as_secs_f64();

@@ -15,7 +15,7 @@ use crate::sim::{Backend, bodies, order};
 use crate::verify::cases::crossing::crossing;
 use crate::verify::cases::feelings::feelings;
 use crate::verify::cases::journeys::journeys;
-use crate::verify::cases::{between, flow, gaits, hidden};
+use crate::verify::cases::{arithmetic, between, flow, functions, gaits, hidden};
 use std::time::Instant;
 
 /// Kernels that not every step has.
@@ -179,19 +179,18 @@ impl Sequence {
         Self::new(None, count, store, dispatches, (backend, device))
     }
 
-    /// The arithmetic probe.
+    /// The probes of the arithmetic and of the functions made of it.
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
-    pub fn probe(cases: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let count = u32::try_from(cases).unwrap_or(u32::MAX);
-        let store = Store {
-            numerics_in: reference::probe_cases(count),
-            numerics_out: vec![[0.0; 4]; cases * 4],
-            ..Store::default()
-        };
-        let dispatch = Dispatch::of(Phase::Numerics, count);
-        Self::new(None, cases, store, vec![dispatch], (backend, device))
+    pub fn probe(
+        kernel: KernelId,
+        cases: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let case = if kernel == KernelId::Arithmetic { arithmetic(cases) } else { functions(cases) };
+        Self::new(None, cases, case.store, case.dispatches, (backend, device))
     }
 
     /// The sequence that a kernel is part of.
@@ -204,8 +203,8 @@ impl Sequence {
         backend: Backend,
         device: Option<&str>,
     ) -> Result<Self, crate::Error> {
-        if kernel == KernelId::Numerics {
-            return Self::probe(agents, backend, device);
+        if matches!(kernel, KernelId::Arithmetic | KernelId::Numerics) {
+            return Self::probe(kernel, agents, backend, device);
         }
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);

@@ -53,7 +53,8 @@ use std::process::ExitCode;
     after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway render garden \
                   --camera eyes --out garden.png\n  gaitway verify --quick\n\nThe scenes are crossing, garden, \
                   parking and scifi, or a TOML file.\nEnvironment: GAITWAY_DEVICE names the Vulkan device, \
-                  GAITWAY_VALIDATION=core|sync|gpu-av turns the validation layer on.\nExit codes: 0 done; 1 it went \
+                  GAITWAY_ARITHMETIC=native|careful says how it computes, GAITWAY_VALIDATION=core|sync|gpu-av \
+                  turns the validation layer on.\nExit codes: 0 done; 1 it went \
                   wrong while doing, or a test failed; 2 the command line is wrong: an unknown option or name, a value \
                   out of range; 130 interrupted by Ctrl-C.\nFiles that exist are kept unless --force is given."
 )]
@@ -76,6 +77,34 @@ struct Manner {
     /// Say what is read, where it is computed and how long it takes
     #[arg(short, long, global = true, help_heading = "Everywhere")]
     verbose: bool,
+    /// Arithmetic of a Vulkan device: its own, or careful code; `auto` takes careful code for what the device does not compute
+    /// exactly [default: `GAITWAY_ARITHMETIC`, or auto]
+    #[cfg(feature = "vulkan")]
+    #[arg(long, value_enum, global = true, value_name = "WHICH", help_heading = "Everywhere")]
+    arithmetic: Option<Arithmetic>,
+}
+
+/// Arithmetic that a Vulkan device can be told to take.
+#[cfg(feature = "vulkan")]
+#[derive(Debug, Clone, Copy, clap::ValueEnum)]
+enum Arithmetic {
+    Auto,
+    Native,
+    Careful,
+}
+
+#[cfg(feature = "vulkan")]
+impl Arithmetic {
+    /// Makes it the choice of this process.
+    fn choose(self) {
+        use crate::gpu::arithmetic::Wanted;
+        let wanted = match self {
+            Self::Auto => Wanted::Auto,
+            Self::Native => Wanted::Native,
+            Self::Careful => Wanted::Careful,
+        };
+        wanted.choose();
+    }
 }
 
 #[derive(Debug, Subcommand)]
@@ -159,6 +188,8 @@ pub fn main() -> ExitCode {
         Err(answer) => output::print(&answer),
         Ok((cli, found)) => {
             output::set_manner(cli.manner.quiet, cli.manner.verbose);
+            #[cfg(feature = "vulkan")]
+            cli.manner.arithmetic.into_iter().for_each(Arithmetic::choose);
             let has_backend = cli.command.has_backend();
             let outcome = check_environment().and_then(|()| match cli.command.lists_scenes() {
                 Some(is_json) => scenes::list(is_json),
@@ -185,6 +216,7 @@ fn command_line() -> clap::Command {
 fn check_environment() -> Result<(), Error> {
     #[cfg(feature = "vulkan")]
     crate::gpu::Validation::from_environment()
+        .and_then(|_| crate::gpu::arithmetic::Setting::of_process())
         .map_err(|error| usage(error.to_string(), "or leave it out"))?;
     Ok(())
 }

@@ -82,6 +82,8 @@ pub(super) struct Length {
 #[derive(Debug, Serialize)]
 pub(super) struct Outcome {
     pub(super) device: String,
+    /// `native`, or `careful` and for what.
+    pub(super) arithmetic: String,
     pub(super) scene: String,
     pub(super) agents: u32,
     pub(super) steps: u32,
@@ -325,6 +327,7 @@ pub(super) fn simulate(
     let mean_speed = (speed / counted.max(1) as f64) as f32;
     Ok(Outcome {
         device: simulation.device(),
+        arithmetic: simulation.arithmetic()?,
         scene: scene.scenario.name.clone(),
         agents,
         steps: done,

@@ -1,14 +1,16 @@
 //! A device with its queue and allocator.
 
+use super::arithmetic::{self, Arithmetic, Part, Setting};
 use super::instance::{AroundSubmission, DeviceInfo, Instance, Maker, Own};
 use super::validation::Validation;
 use super::wanted::Wanted;
 use super::{Error, call};
+use crate::kernels::link::FloatMode;
 use ash::{ext, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::Duration;
 
 /// A Vulkan device with one queue for compute, graphics and transfer.
@@ -23,6 +25,12 @@ pub struct Device {
     pub(crate) limits: vk::PhysicalDeviceLimits,
     /// Whether one pass can draw both eyes.
     pub(crate) multiview: bool,
+    /// How its kernels are to be computed.
+    pub(super) setting: Setting,
+    /// What may be declared of its floats.
+    float_modes: Vec<FloatMode>,
+    /// The arithmetic of its kernels, once it is settled.
+    pub(super) arithmetic: OnceLock<Arithmetic>,
     info: DeviceInfo,
     /// Runs around every submission that [`Device::submit_and_wait`] waits for.
     around_submission: Option<AroundSubmission>,
@@ -43,11 +51,32 @@ impl Device {
         Self::made_by(&Own, wanted, validation)
     }
 
+    /// Like [`Device::open`], whatever option and environment say of the arithmetic.
+    ///
+    /// # Errors
+    /// As of [`Device::open`].
+    pub fn open_with(
+        wanted: Option<&str>,
+        validation: Validation,
+        setting: Setting,
+    ) -> Result<Arc<Self>, Error> {
+        Self::made_with(&Own, wanted, validation, setting)
+    }
+
     /// Like [`Device::open`], but `maker` makes instance and device and may choose the physical device.
     pub(crate) fn made_by(
         maker: &dyn Maker,
         wanted: Option<&str>,
         validation: Validation,
+    ) -> Result<Arc<Self>, Error> {
+        Self::made_with(maker, wanted, validation, Setting::of_process()?)
+    }
+
+    fn made_with(
+        maker: &dyn Maker,
+        wanted: Option<&str>,
+        validation: Validation,
+        setting: Setting,
     ) -> Result<Arc<Self>, Error> {
         let instance = Instance::new(validation, maker)?;
         let mut devices = instance.devices()?;
@@ -102,6 +131,9 @@ impl Device {
             names,
             limits,
             multiview: multiview && draws_every_view(&info.driver),
+            setting,
+            float_modes: arithmetic::float_modes(&instance.raw, physical),
+            arithmetic: OnceLock::new(),
             info,
             around_submission: maker.around_submission(),
             instance,
@@ -113,9 +145,18 @@ impl Device {
         &self.info
     }
 
-    /// Name and driver in one line.
+    /// Arithmetic with careful code for these parts.
+    pub(super) fn arithmetic_of(&self, careful: Vec<Part>) -> Arithmetic {
+        Arithmetic::new(careful, self.float_modes.clone(), self.setting.faults.clone())
+    }
+
+    /// Name and driver in one line, with the arithmetic where it is known not to be the device's own.
     pub fn describe(&self) -> String {
-        format!("{} [{}]", self.info.name, self.info.driver)
+        let Self { info: DeviceInfo { name, driver, .. }, arithmetic, .. } = self;
+        match arithmetic.get().filter(|arithmetic| !arithmetic.careful().is_empty()) {
+            Some(careful) => format!("{name} [{driver}], arithmetic {careful}"),
+            None => format!("{name} [{driver}]"),
+        }
     }
 
     /// Names a Vulkan object for captures and validation messages.

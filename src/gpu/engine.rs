@@ -6,7 +6,7 @@ mod encode;
 use super::pipeline::{self, Pipeline};
 use super::plan::Op;
 use super::{Buffer, Device, Error, Memory, call};
-use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
 
@@ -58,6 +58,19 @@ impl Engine {
     /// # Errors
     /// When a buffer is larger than the device can bind, memory is short, or a call fails.
     pub fn new(device: &Arc<Device>, store: &Store, kernels: &[KernelId]) -> Result<Self, Error> {
+        let arithmetic = device.arithmetic()?;
+        let applied = |code: pipeline::Code| arithmetic.applied(&code).map(pipeline::Code::from);
+        let code = |kernel| pipeline::code(kernel)?.into_iter().map(applied).collect();
+        Self::of_code(device, store, kernels, code)
+    }
+
+    /// The same with the code that `code` gives for the phases of a kernel.
+    pub(super) fn of_code(
+        device: &Arc<Device>,
+        store: &Store,
+        kernels: &[KernelId],
+        code: impl Fn(&'static Kernel) -> Result<Vec<pipeline::Code>, Error>,
+    ) -> Result<Self, Error> {
         let mut engine = Self {
             device: device.clone(),
             buffers: BufferId::ALL.iter().map(|_| None).collect(),
@@ -76,7 +89,7 @@ impl Engine {
             for binding in kernel.bindings {
                 engine.make_buffer(binding.buffer, store.bytes(binding.buffer).len() as u64)?;
             }
-            for (&phase, code) in kernel.phases.iter().zip(pipeline::code(kernel)?) {
+            for (&phase, code) in kernel.phases.iter().zip(code(kernel)?) {
                 let made = Pipeline::new(device, phase.entry(), &code, engine.descriptors, &engine.buffers)?;
                 engine.pipelines[phase as usize] = Some(made);
             }

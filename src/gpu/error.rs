@@ -1,5 +1,6 @@
 //! What can go wrong with Vulkan.
 
+use super::arithmetic;
 use super::validation::Validation;
 use super::wanted::Wanted;
 
@@ -29,6 +30,12 @@ pub enum Error {
     /// `GAITWAY_VALIDATION` has a value that is none.
     #[error("GAITWAY_VALIDATION={0}: must be {names}", names = Validation::NAMES.join(", "))]
     UnknownValidation(String),
+    /// `GAITWAY_ARITHMETIC` has a value that is none.
+    #[error("{name}={0}: must be auto, native or careful", name = arithmetic::Wanted::VARIABLE)]
+    UnknownArithmetic(String),
+    /// `GAITWAY_WRONG_ARITHMETIC`, which is for tests, has a value that is none.
+    #[error("{name}={0}: must be by-1, by-3, slip, zeros or flush", name = arithmetic::Fault::VARIABLE)]
+    UnknownFault(String),
     /// The validation layer was asked for but is not installed.
     #[error("the Vulkan validation layer (VK_LAYER_KHRONOS_validation) is not installed")]
     NoValidationLayer,
@@ -107,6 +114,9 @@ pub enum Error {
     #[cfg(feature = "hot-reload")]
     #[error(transparent)]
     Shader(#[from] crate::kernels::compile::fault::Error),
+    /// An operation of a kernel cannot be replaced.
+    #[error("the arithmetic of a kernel cannot be replaced: {0}")]
+    Operations(#[from] crate::kernels::link::Error),
     /// A dispatch needs a kernel that the engine was not built with.
     #[error("kernel {0} is not part of this engine")]
     NoKernel(&'static str),

@@ -17,6 +17,7 @@
 //! # }
 //! ```
 
+pub mod arithmetic;
 mod buffer;
 mod device;
 mod engine;
@@ -27,6 +28,7 @@ pub(crate) mod for_tests;
 pub(crate) mod instance;
 mod pipeline;
 pub mod plan;
+mod probe;
 mod validation;
 mod wanted;
 
@@ -36,5 +38,6 @@ pub use engine::{DispatchTime, Engine};
 pub use error::Error;
 pub(crate) use error::call;
 pub use instance::{DeviceInfo, DeviceKind, list};
+pub use probe::Probe;
 pub use validation::{Validation, validation_messages};
 pub use wanted::{DEVICE_VARIABLE, Wanted};

@@ -139,7 +139,7 @@ impl Drop for Pipeline {
 }
 
 /// SPIR-V.
-type Code = std::borrow::Cow<'static, [u32]>;
+pub(super) type Code = std::borrow::Cow<'static, [u32]>;
 
 /// The code of a kernel's phases, as it was when the program was built.
 #[cfg(not(feature = "hot-reload"))]

@@ -6,21 +6,18 @@
 
 #[path = "constants.rs"]
 pub mod constants;
+#[path = "emit.rs"]
+pub(crate) mod emit;
 #[path = "fault.rs"]
 pub mod fault;
-#[path = "spirv.rs"]
-mod spirv;
 
+use super::spirv;
 use constants::Constant;
 use fault::{Error, Fault};
 
-use naga::back::spv;
-use naga::proc::{BoundsCheckPolicies, BoundsCheckPolicy, Layouter};
+use naga::proc::Layouter;
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
-use naga::{
-    AddressSpace, Block, BuiltIn, Expression, FunctionArgument, Literal, Module, ScalarKind, ShaderStage,
-    Statement, Type, TypeInner, VectorSize,
-};
+use naga::{AddressSpace, Block, Module, ScalarKind, ShaderStage, Statement, Type, TypeInner, VectorSize};
 use std::path::{Path, PathBuf};
 
 /// Text of one shader with the shared texts it asks for behind it, and where each part came from.
@@ -291,8 +288,8 @@ fn entry(
         });
     }
     bindings.sort_by_key(|binding| (binding.group, binding.binding));
-    let spirv = spirv_of(module, info, index).map_err(|e| Error::at(&source.name, e))?;
-    let one_eye = one_eye(module, index).map_err(|e| Error::at(&source.name, e))?;
+    let spirv = emit::entry(module, info, index).map_err(|e| Error::at(&source.name, e))?;
+    let one_eye = emit::one_eye(module, index).map_err(|e| Error::at(&source.name, e))?;
     Ok(Entry {
         name: point.name.clone(),
         stage: point.stage,
@@ -302,18 +299,6 @@ fn entry(
         spirv,
         one_eye,
     })
-}
-
-/// The SPIR-V of an entry point: of several phases in a file each has only what it needs.
-fn spirv_of(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, String> {
-    if module.entry_points.len() == 1 || module.entry_points[index].stage != ShaderStage::Compute {
-        return emit(module, info, index);
-    }
-    let mut module = module.clone();
-    module.entry_points = vec![module.entry_points.swap_remove(index)];
-    naga::compact::compact(&mut module, naga::compact::KeepUnused::No);
-    let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module);
-    emit(&module, &info.map_err(|error| error.to_string())?, 0)
 }
 
 /// A kernel binds nothing that none of its phases uses, nor does a draw shader of one entry point.
@@ -328,64 +313,6 @@ fn bindings_are_used(module: &Module, info: &ModuleInfo, source: &Source) -> Res
         }
     }
     Ok(())
-}
-
-/// The SPIR-V of an entry point that reads `view_index`, with 0 in its place; none for one that does not.
-///
-/// A shader that reads the number of the eye needs a device with multiview, even when it draws one eye only.
-fn one_eye(module: &Module, index: usize) -> Result<Option<Vec<u32>>, String> {
-    let is_eye = |a: &FunctionArgument| a.binding == Some(naga::Binding::BuiltIn(BuiltIn::ViewIndex));
-    let arguments = &module.entry_points[index].function.arguments;
-    let Some(eye) = arguments.iter().position(is_eye) else { return Ok(None) };
-    let mut module = module.clone();
-    let function = &mut module.entry_points[index].function;
-    function.arguments.remove(eye);
-    let eye = u32::try_from(eye).map_err(|error| error.to_string())?;
-    for (_, expression) in function.expressions.iter_mut() {
-        match expression {
-            Expression::FunctionArgument(number) if *number == eye => {
-                *expression = Expression::Literal(Literal::U32(0));
-            }
-            Expression::FunctionArgument(number) if *number > eye => *number -= 1,
-            _ => {}
-        }
-    }
-    // the other entry points may still have it
-    module.entry_points = vec![module.entry_points.swap_remove(index)];
-    let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module);
-    let info = info.map_err(|error| format!("without view_index: {error}"))?;
-    emit(&module, &info, 0).map(Some)
-}
-
-/// The SPIR-V of one entry point, with the choices this project has measured.
-fn emit(module: &Module, info: &ModuleInfo, index: usize) -> Result<Vec<u32>, String> {
-    let point = &module.entry_points[index];
-    let restrict = BoundsCheckPolicy::Restrict; // costs nothing measurable, and no index can leave its buffer
-    let options = spv::Options {
-        lang_version: (1, 3),
-        flags: spv::WriterFlags::DEBUG, // names for captures; without ADJUST_COORDINATE_SPACE, which flips y
-        fake_missing_bindings: false,
-        binding_map: module
-            .global_variables
-            .iter()
-            .filter_map(|(_, variable)| variable.binding)
-            .map(|b| {
-                (b, spv::BindingInfo { descriptor_set: b.group, binding: b.binding, ..Default::default() })
-            })
-            .collect(),
-        bounds_check_policies: BoundsCheckPolicies {
-            index: restrict,
-            buffer: BoundsCheckPolicy::Unchecked,
-            image_load: restrict,
-            binding_array: restrict,
-        },
-        zero_initialize_workgroup_memory: spv::ZeroInitializeWorkgroupMemoryMode::None, // kernels write first
-        force_loop_bounding: false, // every loop has an integer bound of its own; a counter costs time
-        ..Default::default()
-    };
-    let pipeline = spv::PipelineOptions { shader_stage: point.stage, entry_point: point.name.clone() };
-    let words = spv::write_vec(module, info, &options, Some(&pipeline)).map_err(|error| error.to_string())?;
-    Ok(spirv::strip_private_layout(&spirv::no_contraction(&words)))
 }
 
 /// Of each word of a type whether it is an integer; of what holds no numbers nothing.

@@ -28,6 +28,11 @@
 #[allow(missing_docs, reason = "shared with build.rs")]
 pub mod compile;
 pub mod layout;
+#[cfg(feature = "vulkan")]
+pub mod link;
+pub mod probe;
+#[cfg(feature = "vulkan")]
+pub mod spirv;
 
 /// How a kernel uses a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -1,6 +1,6 @@
 //! Where each agent is on its journey.
 
-use super::exact::dot2;
+use super::exact::{dot2, greater};
 use super::shared::is_absent;
 use super::stages::{in_region, nearest_place, own_place};
 use crate::kernels::advance_journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
@@ -135,7 +135,7 @@ impl Stages<'_> {
             how = STANDING;
             if walker.progress > 0 && in_region(walker.at, own) {
                 let inside = (self.now + 1 - walker.progress) as f32 * self.time_step;
-                how += PATIENCE * (inside - TRYING).max(0.0);
+                how += PATIENCE * greater(inside - TRYING, 0.0);
             }
         }
         (aim(own_place(walker.agent, own), how), None)

@@ -1,6 +1,6 @@
 //! The last resort of collision avoidance: no agent walks through a wall.
 
-use super::exact::{det2, dot2, is_finite2};
+use super::exact::{det2, dot2, greater, is_finite2, lesser};
 use super::segments::Walls;
 use crate::kernels::clip_to_walls::{GAP, NUDGE, ROUNDS, Slices};
 use crate::kernels::layout::Segment;
@@ -64,7 +64,7 @@ fn crosses(
     // where the move is at the gap's edge, and where it is on the line
     let s = dot2(along, [at[0] - a[0], at[1] - a[1]]);
     let moved = dot2(along, [next[0] - at[0], next[1] - at[1]]);
-    let first = s + moved * ((now - now.min(GAP)) / (now - then));
-    let last = s + moved * ((now - then.max(0.0)) / (now - then));
-    first.max(last) >= -GAP && first.min(last) <= dot2(along, [b[0] - a[0], b[1] - a[1]]) + GAP
+    let first = s + moved * ((now - lesser(now, GAP)) / (now - then));
+    let last = s + moved * ((now - greater(then, 0.0)) / (now - then));
+    greater(first, last) >= -GAP && lesser(first, last) <= dot2(along, [b[0] - a[0], b[1] - a[1]]) + GAP
 }

@@ -1,6 +1,6 @@
 //! Times until bodies touch, as rates (1 / time, 1/s); twin of `shaders/shared/contact.wgsl`.
 
-use super::exact::{det2, dot2};
+use super::exact::{det2, dot2, greater, lesser};
 use crate::kernels::shared::contact::{CORNER, NEARLY_TOUCHING};
 
 /// Returns the inverse of the time until a point of velocity `velocity` enters the disc of `radius` m around `to`; 0: never.
@@ -12,7 +12,7 @@ pub fn disc_rate(to: [f32; 2], velocity: [f32; 2], radius: f32, most: f32) -> f3
     if !(b > 0.0) || discriminant < 0.0 {
         return 0.0;
     }
-    ((b + discriminant.sqrt()) / c.max(NEARLY_TOUCHING)).min(most)
+    lesser((b + discriminant.sqrt()) / greater(c, NEARLY_TOUCHING), most)
 }
 
 /// The same for four velocities, without a branch for one of them.
@@ -24,10 +24,10 @@ pub fn disc_rates(to: [f32; 2], x: &[f32; 4], y: &[f32; 4], radius: f32, most: f
     if !(meets[0] | meets[1] | meets[2] | meets[3]) {
         return [0.0; 4];
     }
-    let gap = c.max(NEARLY_TOUCHING);
+    let gap = greater(c, NEARLY_TOUCHING);
     std::array::from_fn(|i| {
         let root = (if meets[i] { discriminant[i] } else { 0.0 }).sqrt();
-        let rate = ((b[i] + root) / gap).min(most);
+        let rate = lesser((b[i] + root) / gap, most);
         if meets[i] { rate } else { 0.0 }
     })
 }
@@ -42,17 +42,17 @@ pub fn segment_rate(
     radius: f32,
     most: f32,
 ) -> f32 {
-    let gap = (det2(along, to_a) - radius).max(NEARLY_TOUCHING);
+    let gap = greater(det2(along, to_a) - radius, NEARLY_TOUCHING);
     let inward = det2(along, velocity);
     let mut rate = 0.0;
     if inward > 0.0 {
         let s = dot2(along, velocity) * (gap / inward) - dot2(along, to_a);
         if s >= 0.0 && s <= dot2(along, [to_b[0] - to_a[0], to_b[1] - to_a[1]]) {
-            rate = (inward / gap).min(most);
+            rate = lesser(inward / gap, most);
         }
     }
-    rate = rate.max(disc_rate(to_a, velocity, radius * CORNER, most));
-    rate.max(disc_rate(to_b, velocity, radius * CORNER, most))
+    rate = greater(rate, disc_rate(to_a, velocity, radius * CORNER, most));
+    greater(rate, disc_rate(to_b, velocity, radius * CORNER, most))
 }
 
 #[cfg(test)]

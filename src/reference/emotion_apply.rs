@@ -1,5 +1,6 @@
 //! What people show of how they feel: gait, speed, gaze.
 
+use super::exact::{greater, lesser};
 use crate::kernels::emotion_apply::{MARGIN, Slices};
 use crate::kernels::layout::Body;
 
@@ -14,7 +15,7 @@ pub fn emotion_apply(b: Slices<'_>) {
         b.gait_weights[agent] = q;
         let speed = sum_of(q, own.preferred_speeds);
         let travel = sum_of(q, own.stride_travels);
-        let max_speed = speed.max((speed * own.max_speed_factor).min(own.max_speed));
+        let max_speed = greater(speed, lesser(speed * own.max_speed_factor, own.max_speed));
         let radius = b.body[agent].radius;
         b.body[agent] = Body { radius, max_speed, preferred_speed: speed, stride_travel: travel };
 

@@ -1,6 +1,6 @@
 //! Sums what each agent hears, for its feelings.
 
-use super::exact::dot2;
+use super::exact::{dot2, lesser};
 use super::shared::grid_cell;
 use crate::kernels::emotion_gather::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
 use crate::kernels::layout::{Heard, SlotMotion};
@@ -28,7 +28,7 @@ fn of_all([voices, happy, angry, sad]: [u32; 4]) -> Heard {
         return Heard::default();
     }
     let voices = total(voices);
-    let mean = |sum: u32| (total(sum) / voices).min(1.0);
+    let mean = |sum: u32| lesser(total(sum) / voices, 1.0);
     Heard { strength: voices / SHARE, happy: mean(happy), angry: mean(angry), sad: mean(sad) }
 }
 

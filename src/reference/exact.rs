@@ -1,6 +1,17 @@
 //! Twin of `shaders/shared/exact.wgsl`: the same operations in the same order.
 #![allow(clippy::excessive_precision, clippy::approx_constant, reason = "the shader's own literals")]
 
+/// The lesser of two, as in `operations/plain.wgsl`: the second, unless the first is less. `f32::min` may return either of two
+/// zeros.
+pub fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+/// The greater of two: the second, unless the first is greater.
+pub fn greater(a: f32, b: f32) -> f32 {
+    if b < a { a } else { b }
+}
+
 /// `(sin x, cos x)`.
 pub fn sin_cos(x: f32) -> [f32; 2] {
     let k = (x * 0.636_619_75 + 0.5).floor();
@@ -17,7 +28,7 @@ pub fn sin_cos(x: f32) -> [f32; 2] {
 /// Angle of (x, y) in (-pi, pi]; 0 at the origin.
 pub fn atan2(y: f32, x: f32) -> f32 {
     let (ax, ay) = (x.abs(), y.abs());
-    let (high, low) = (ax.max(ay), ax.min(ay));
+    let (high, low) = (greater(ax, ay), lesser(ax, ay));
     if high == 0.0 {
         return 0.0;
     }

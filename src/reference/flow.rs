@@ -1,5 +1,6 @@
 //! Way-finding: distances to goals over the walkable cells, and the directions in which they fall.
 
+use super::exact::{greater, lesser};
 use super::way::{pack, step};
 use crate::kernels::flow::{FAR, GROUP};
 use crate::kernels::flow::{SWEEPS, Slices};
@@ -299,10 +300,10 @@ fn sweeps(
                 // a neighbour it may not be entered from is replaced by the cell itself, which never makes it fall
                 let neighbour = |bit: u32, index: usize| if word & bit != 0 { near[index] } else { old };
                 let size = step(word);
-                let a = neighbour(FROM_LEFT, at - 1).min(neighbour(FROM_RIGHT, at + 1));
-                let b = neighbour(FROM_BELOW, at - RING).min(neighbour(FROM_ABOVE, at + RING));
+                let a = lesser(neighbour(FROM_LEFT, at - 1), neighbour(FROM_RIGHT, at + 1));
+                let b = lesser(neighbour(FROM_BELOW, at - RING), neighbour(FROM_ABOVE, at + RING));
                 let apart = (a - b).abs();
-                let mut fresh = a.min(b) + size;
+                let mut fresh = lesser(a, b) + size;
                 if apart < size {
                     fresh = 0.5 * (a + b + (2.0 * size * size - apart * apart).sqrt());
                 }
@@ -329,7 +330,7 @@ fn slope(here: f32, low: f32, high: f32, both: bool) -> f32 {
     if both {
         return 0.5 * (low - high);
     }
-    (here - high).max(0.0) - (here - low).max(0.0)
+    greater(here - high, 0.0) - greater(here - low, 0.0)
 }
 
 /// Twin of phase `point` of `shaders/flow.wgsl`.

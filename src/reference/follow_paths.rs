@@ -1,5 +1,6 @@
 //! Where agents that are led on a scripted path are to be at the end of the step.
 
+use super::exact::lesser;
 use crate::kernels::follow_paths::Slices;
 use crate::kernels::layout::{Keyframe, Lead};
 
@@ -17,7 +18,7 @@ pub fn follow_paths(b: Slices<'_>) {
             let (start, end) = (&pair[0], &pair[1]);
             if time >= start.time {
                 let span = end.time - start.time;
-                let share = ((time - start.time) / span).min(1.0);
+                let share = lesser((time - start.time) / span, 1.0);
                 let ([x, z], way) = (place_of(start), [end.x - start.x, end.z - start.z]);
                 lead.place = [x + way[0] * share, z + way[1] * share];
                 lead.velocity = if share < 1.0 { [way[0] / span, way[1] / span] } else { [0.0, 0.0] };

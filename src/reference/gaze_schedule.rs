@@ -1,7 +1,7 @@
 //! Schedules which agents look at the user, so that a crowd never stares at once.
 
 use super::body::visible_agents;
-use super::exact::{dot2, hash_u32, sin_cos};
+use super::exact::{dot2, hash_u32, lesser, sin_cos};
 use crate::kernels::gaze_schedule::index::{BORDER, HELD, LEAST, OVER, ROOM};
 use crate::kernels::gaze_schedule::{
     BINS, FIELD_START, FRAME_BITS, MOST_WAIT, REST_LEAST, REST_SPAN, Slices, WAIT_UNIT,
@@ -75,8 +75,8 @@ fn look_on(b: &mut Slices<'_>, id: u32) {
         let waited = now.wrapping_sub(until);
         let rested = until == 0 || waited >= REST_LEAST + draw(id, until) % REST_SPAN;
         if distance >= 0.0 && rested {
-            let near = 2.0 - (distance / RANGE).min(1.0);
-            let wait = (waited as f32 * near / WAIT_UNIT).floor().min(MOST_WAIT);
+            let near = 2.0 - lesser(distance / RANGE, 1.0);
+            let wait = lesser((waited as f32 * near / WAIT_UNIT).floor(), MOST_WAIT);
             key = ((wait as u32).max(1) << 8) | (draw(id, now) & 255);
             b.attention_counts[(key / BINS) as usize] += 1;
         }

@@ -1,6 +1,6 @@
 //! Keeps groups together.
 
-use super::exact::{atan2, det2, dot2};
+use super::exact::{atan2, det2, dot2, greater, lesser};
 use super::shared::is_absent;
 use crate::kernels::group_cohesion::{
     APART, FORWARD, GATHER, GAZE, HASTE, LEFT_BEHIND, PERSONAL, RAMP, RELAXATION, STRAY, Slices,
@@ -22,7 +22,7 @@ pub fn group_cohesion(b: Slices<'_>) {
             let behind = behind(agent, *others, b.preferred_velocity[agent], &position[..agents]);
             // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given
             let priority = &mut b.slot_motion[slot].priority;
-            *priority = priority.max((*priority + HASTE * behind.min(LEFT_BEHIND)).min(1.0));
+            *priority = greater(*priority, lesser(*priority + HASTE * lesser(behind, LEFT_BEHIND), 1.0));
         }
     }
     b.preferred_velocity[..agents].par_iter_mut().enumerate().with_min_len(1024).for_each(
@@ -41,7 +41,7 @@ fn behind(agent: usize, others: [u32; 4], wanted: [f32; 2], position: &[[f32; 2]
         .into_iter()
         .filter_map(|other| position.get(other as usize))
         .filter(|other| !is_absent(**other))
-        .fold(0.0_f32, |most, other| most.max(-dot2([at[0] - other[0], at[1] - other[1]], wanted)));
+        .fold(0.0_f32, |most, other| greater(most, -dot2([at[0] - other[0], at[1] - other[1]], wanted)));
     if ahead > 0.0 { ahead / dot2(wanted, wanted).sqrt() } else { 0.0 }
 }
 
@@ -61,12 +61,12 @@ fn together(
         if other >= position.len() || is_absent(position[other]) {
             continue;
         }
-        pace = pace.min(body[other].preferred_speed);
+        pace = lesser(pace, body[other].preferred_speed);
         let way = route[other];
         let off = [at[0] - position[other][0], at[1] - position[other][1]];
         let distance = dot2(off, off).sqrt();
         if distance < PERSONAL && distance > 0.0 {
-            let scale = ((PERSONAL - distance) / RAMP).min(1.0) / distance;
+            let scale = lesser((PERSONAL - distance) / RAMP, 1.0) / distance;
             away = [away[0] + off[0] * scale, away[1] + off[1] * scale];
         }
         let is_ahead = (way.arrivals, way.next) > (own_way.arrivals, own_way.next);
@@ -90,7 +90,7 @@ fn together(
     if count > 0.0 {
         let to = [others_sum[0] / count - at[0], others_sum[1] / count - at[1]];
         let along = dot2(to, direction);
-        let turn = atan2((-along).max(0.0), det2(direction, to).abs());
+        let turn = atan2(greater(-along, 0.0), det2(direction, to).abs());
         let slower = GAZE * RELAXATION * turn;
         let slower = slower / (1.0 + slower);
         shift = [shift[0] - wanted[0] * slower, shift[1] - wanted[1] * slower];
@@ -99,7 +99,7 @@ fn together(
         let distance = dot2(gather, gather).sqrt();
         let too_far = distance - 0.5 * count;
         if too_far > 0.0 {
-            let scale = (GATHER * RELAXATION * (too_far / RAMP).min(1.0)).min(STRAY * speed) / distance;
+            let scale = lesser(GATHER * RELAXATION * lesser(too_far / RAMP, 1.0), STRAY * speed) / distance;
             shift = [shift[0] + gather[0] * scale, shift[1] + gather[1] * scale];
         }
     }

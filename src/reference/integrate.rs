@@ -1,6 +1,6 @@
 //! Moves, turns, advances the phase of the walk.
 
-use super::exact::{atan2, dot2, is_finite2, wrap};
+use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
 use crate::kernels::KernelId;
 use crate::kernels::integrate::{FOLLOW, Slices, TURNING_SPEED};
 use crate::kernels::layout::{Body, Stance, StepUniforms};
@@ -60,12 +60,12 @@ fn moved(
     if speed > TURNING_SPEED {
         let most = step.turn_rate * step.time_step;
         let turn = wrap(atan2(v[0], v[1]) - heading);
-        let follow = (FOLLOW * step.time_step).min(1.0);
+        let follow = lesser(FOLLOW * step.time_step, 1.0);
         heading = wrap(heading + (turn * follow).clamp(-most, most));
     }
     let walking = speed > step.walk_speed * body.preferred_speed;
     let blend = if walking { step.blend_rate } else { -step.blend_rate } * step.time_step;
     *stance = Stance { heading, walk_weight: (stance.walk_weight + blend).clamp(0.0, 1.0) };
-    let strides = (speed * step.time_step / body.stride_travel.max(0.1)).min(0.5);
+    let strides = lesser(speed * step.time_step / greater(body.stride_travel, 0.1), 0.5);
     *phase = phase.wrapping_add(((strides * 16_777_216.0) as u32) << 8);
 }

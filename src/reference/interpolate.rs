@@ -1,7 +1,7 @@
 //! Interpolates every agent between the last two snapshots.
 
 use super::between::index_of;
-use super::exact::{dot2, wrap};
+use super::exact::{dot2, lesser, wrap};
 use crate::kernels::interpolate::{Slices, TURN_LIMIT};
 use crate::kernels::layout::Stance;
 
@@ -25,7 +25,7 @@ pub fn interpolate(b: Slices<'_>) {
             heading: if share >= 1.0 { now.heading } else { turned },
             walk_weight: on_the_way(was.walk_weight, now.walk_weight, share),
         };
-        let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * share.min(0.999_999_94)) as u32;
+        let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
         b.phase[agent] = if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) };
         b.elevation[agent] = on_the_way(was.elevation, now.elevation, share);
         b.gait_weights[agent] =

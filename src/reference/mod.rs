@@ -15,6 +15,7 @@
 
 pub mod between;
 pub mod body;
+pub mod careful;
 pub mod contact;
 pub mod crowding;
 pub mod exact;

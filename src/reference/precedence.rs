@@ -19,7 +19,7 @@
 //! knows right of way at doors and bodies that turn; this form is ours. The numbers 10, 0.9 and 0.8 are chosen so that doors
 //! pass as many people as measured ones (`gaitway validate`).
 
-use super::exact::dot2;
+use super::exact::{dot2, greater};
 use super::orca::{Line, unit_or};
 use crate::kernels::shared::precedence::{
     ALL_OF_IT, GAIN, NEAREST, PRECEDENCE_STEEPNESS, SAME_WAY, SHOULDERS,
@@ -57,7 +57,7 @@ pub fn precedence(
         return Precedence { share: equal, radius, follows: false };
     }
     let share = (equal + PRECEDENCE_STEEPNESS * agreement * ((ahead + lead) / radius)).clamp(0.0, 1.0);
-    let breadth = (1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2))).max(NEAREST);
+    let breadth = greater(1.0 + SHOULDERS * agreement * (1.0 - 2.0 * (ahead * ahead / distance2)), NEAREST);
     Precedence { share, radius: radius * breadth, follows: share > ALL_OF_IT && dot2(own, theirs) > SAME_WAY }
 }
 

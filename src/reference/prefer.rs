@@ -1,7 +1,7 @@
 //! The velocity an agent wants before avoidance.
 
 use super::elevate::standing;
-use super::exact::{dot2, hash_u32, unit_f32};
+use super::exact::{dot2, hash_u32, lesser, unit_f32};
 use super::shared::is_absent;
 use super::way::Around;
 use crate::kernels::layout::{Aim, StepUniforms};
@@ -55,13 +55,13 @@ fn wanted(
     let distance = dot2(to, to).sqrt();
     let mut speed = preferred_speed;
     if goal.how == STOP {
-        speed = speed.min(distance * step.inverse_time_step);
+        speed = lesser(speed, distance * step.inverse_time_step);
     }
     if goal.how > 0.0 {
         if distance < goal.how {
             return [0.0, 0.0];
         }
-        speed = speed.min(distance * APPROACH);
+        speed = lesser(speed, distance * APPROACH);
     }
     // along its flow field if it has one, else straight
     let direction = around.map_or(to, |around| around.direction(to));

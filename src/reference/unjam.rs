@@ -1,7 +1,7 @@
 //! Frees an agent that makes no progress: right of way in turns, and wall following.
 
 use super::contact::segment_rate;
-use super::exact::{dot2, hash_u32, unit_f32};
+use super::exact::{dot2, greater, hash_u32, unit_f32};
 use super::neighbours::Slots;
 use super::orca::unit_or;
 use super::segments::{NearSegments, Walls};
@@ -81,7 +81,7 @@ fn take_turns(
     let SlotMotion { position, velocity, .. } = slots.slot_motion[slot];
     let progress = dot2(velocity, ahead);
     let pace = if progress < PROGRESS * speed { 1.0 } else { -2.0 };
-    state.stuck = (state.stuck + pace * step.time_step).max(0.0);
+    state.stuck = greater(state.stuck + pace * step.time_step, 0.0);
     if state.side != 0.0 {
         state.lost -= progress * step.time_step;
     }

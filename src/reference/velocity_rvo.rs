@@ -2,7 +2,7 @@
 
 use super::contact::{disc_rates, segment_rate};
 use super::crowding::{crowded, has_right_of_way};
-use super::exact::dot2;
+use super::exact::{dot2, greater, lesser};
 use super::neighbours::{Nearest, Seeker, Slots, seeker_of};
 use super::orca::{share_of, unit_or};
 use super::segments::{NearSegments, Walls};
@@ -168,11 +168,11 @@ impl Neighbourhood<'_> {
             let y = each(|i| v.y[i] * other.factor - other.offset[1]);
             if other.apart > 0.0 {
                 lack = each(|i| {
-                    lack[i] + (other.apart + (x[i] * other.place[0] + y[i] * other.place[1])).max(0.0)
+                    lack[i] + greater(other.apart + (x[i] * other.place[0] + y[i] * other.place[1]), 0.0)
                 });
             } else {
                 let there = disc_rates(other.place, &x, &y, other.radius, SOONEST);
-                worst = each(|i| worst[i].max(there[i] - other.rate));
+                worst = each(|i| greater(worst[i], there[i] - other.rate));
             }
             let cost = cost(&worst, &lack);
             if (0..4).all(|i| distance[i] + cost[i] >= enough) {
@@ -183,7 +183,7 @@ impl Neighbourhood<'_> {
             let Segment { a: [ax, ay], b: [bx, by], along, .. } = *self.walls.segment(number);
             let (to_a, to_b) = ([ax - view.at[0], ay - view.at[1]], [bx - view.at[0], by - view.at[1]]);
             let rate = |i| segment_rate(to_a, to_b, along, v.at(i), view.radius, SOONEST);
-            worst = each(|i| worst[i].max(rate(i) - step.inverse_time_horizon_obstacles));
+            worst = each(|i| greater(worst[i], rate(i) - step.inverse_time_horizon_obstacles));
         }
         cost(&worst, &lack)
     }
@@ -201,16 +201,16 @@ impl Neighbourhood<'_> {
         let me = self.slots.slot_motion[slot];
         let ([x, y], [vx, vy], max_speed) = (me.position, me.velocity, me.max_speed);
         // an agent above its maximum speed slows down by more than `most`
-        let excess = (dot2([vx, vy], [vx, vy]).sqrt() - max_speed).max(0.0);
+        let excess = greater(dot2([vx, vy], [vx, vy]).sqrt() - max_speed, 0.0);
         let change = most + excess;
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
         let mut look = |theirs: &SlotMotion, share: f32, side: f32, is_mate: bool| {
             let has_way = share <= 0.0;
             let factor = 1.0 / if has_way { 1.0 } else { share };
-            let rate = if has_way { own.rate.max(RIGHT_OF_WAY) } else { own.rate };
+            let rate = if has_way { greater(own.rate, RIGHT_OF_WAY) } else { own.rate };
             // members of a group walk near one another on purpose
-            let rate = if is_mate { rate.max(TOGETHER) } else { rate };
+            let rate = if is_mate { greater(rate, TOGETHER) } else { rate };
             let to = [theirs.position[0] - x, theirs.position[1] - y];
             let radius = me.radius + theirs.radius + step.safety_margin;
             let distance = dot2(to, to).sqrt();
@@ -219,7 +219,7 @@ impl Neighbourhood<'_> {
             let (mut place, mut apart) = (to, 0.0);
             if distance < radius {
                 place = unit_or(to, [side, 0.0]);
-                apart = ((radius - distance) * step.inverse_time_step).min(max_speed);
+                apart = lesser((radius - distance) * step.inverse_time_step, max_speed);
             } else {
                 let closing = dot2(to, [vx - their_vx, vy - their_vy]) + change * factor * distance;
                 if !(closing > SAFE * rate * (distance - radius) * distance) {

@@ -161,6 +161,15 @@ impl Machine {
         }
     }
 
+    /// Which arithmetic the kernels are computed with.
+    pub(super) fn arithmetic(&self) -> Result<String, crate::Error> {
+        Ok(match self {
+            Self::Cpu => "native".to_owned(),
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.device().arithmetic()?.to_string(),
+        })
+    }
+
     /// The engine, if there is one.
     #[cfg(feature = "vulkan")]
     pub(super) fn engine(&self) -> Option<&Engine> {

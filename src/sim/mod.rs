@@ -170,8 +170,8 @@ impl Simulation {
     ///
     /// # Errors
     /// When the device fails.
-    #[cfg(feature = "view")]
-    pub(crate) fn on_device(mut store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
+    #[cfg(feature = "vulkan")]
+    pub fn on_device(mut store: Store, device: &Arc<Device>) -> Result<Self, crate::Error> {
         find_alike(&mut store);
         let machine = Machine::on(device, &store, &order::kernels(&store))?;
         let mut new = Self::on(machine, store);
@@ -197,6 +197,14 @@ impl Simulation {
     /// What it runs on, in words.
     pub fn device(&self) -> String {
         self.machine.describe()
+    }
+
+    /// Which arithmetic its kernels are computed with: `native`, or `careful` and for what.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub fn arithmetic(&self) -> Result<String, crate::Error> {
+        self.machine.arithmetic()
     }
 
     /// Why the CPU is used although Vulkan was tried, if so.

@@ -195,7 +195,8 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
 pub fn kernels(store: &Store) -> Vec<KernelId> {
     let model = velocity_kernel(store.step.model);
     let others = MODELS.map(velocity_kernel).filter(|kernel| *kernel != model);
-    let others: Vec<KernelId> = others.chain([KernelId::Numerics, KernelId::GaitFeatures]).collect();
+    let others: Vec<KernelId> =
+        others.chain([KernelId::Arithmetic, KernelId::Numerics, KernelId::GaitFeatures]).collect();
     let has_snapshots = !store.snapshots.is_empty();
     let is_wanted = |kernel: &KernelId| {
         !others.contains(kernel)

@@ -12,14 +12,22 @@
 //! # fn main() -> gaitway::Result<()> {
 //! let device = Device::open(None, Validation::Off)?;
 //! let report = verify(&device, &Options::quick(), &mut |_, _| ())?;
-//! println!("{}: {}", report.device, report.numerics);
+//! println!("{}: {}", report.device, report.arithmetic.taken);
 //! for kernel in report.kernels.iter().filter(|kernel| !kernel.pass) {
-//!     println!("{} differs by {:e} {}", kernel.name, kernel.max_error, kernel.unit);
+//!     println!("{} differs by {:e}", kernel.name, kernel.max_error);
 //! }
 //! # Ok(())
 //! # }
 //! ```
 
+#[doc(hidden)]
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "bits of floats"
+)]
+pub mod careful;
 #[doc(hidden)]
 pub mod cases;
 #[cfg(feature = "vulkan")]
@@ -32,8 +40,5 @@ pub mod report;
 #[cfg(feature = "vulkan")]
 #[doc(hidden)]
 pub use equivalence::{Comparison, Expected, compare_dispatches, compare_tampered};
-#[cfg(feature = "vulkan")]
-#[doc(hidden)]
-pub use numerics::{CASES, Numerics, numerics};
 #[cfg(feature = "vulkan")]
 pub use report::{Options, Report, verify};

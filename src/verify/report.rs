@@ -1,8 +1,9 @@
 //! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
 
 use super::cases::{self, Case};
-use super::{CASES, Comparison, Numerics, compare_dispatches, numerics};
-use crate::gpu::Device;
+use super::numerics::is_host_exact;
+use super::{Comparison, compare_dispatches};
+use crate::gpu::{Device, Probe};
 use crate::kernels::{KernelId, Store};
 use crate::sim::{Backend, FELT, STATE, Simulation, measure::state_hash, order};
 use serde::Serialize;
@@ -54,77 +55,6 @@ impl Options {
     }
 }
 
-/// How far a kernel may be from its twin on a device whose arithmetic is not exact, and why.
-///
-/// On an exact device it is 0. Integers must be equal everywhere; the unit is that of the kernel's floats.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[doc(hidden)]
-pub struct Tolerance {
-    /// Largest difference.
-    pub value: f32,
-    /// Its unit.
-    pub unit: &'static str,
-    /// Where it comes from.
-    pub reason: &'static str,
-}
-
-/// The tolerance of each kernel on a device that is not exact.
-#[doc(hidden)]
-pub const fn tolerance(kernel: KernelId) -> Tolerance {
-    let (value, unit, reason) = match kernel {
-        KernelId::GaitFeatures => {
-            // third differences over a step of 1/80 s: a rounding error of 1e-7 m becomes 0.05 m/s3, and its mean less
-            (0.1, "m, s, deg", "differences of positions, up to the third, over short steps of time")
-        }
-        KernelId::Flow => {
-            (0.5, "m", "a root per cell, and which neighbour is lower may change along a ridge")
-        }
-        KernelId::FlowDensity => (1e-4, "m", "one quotient per cell"),
-        KernelId::Spawn => (0.0, "m", "copies of places; who is near is a comparison of squares"),
-        KernelId::AdvanceJourney => (1e-4, "m", "places in regions of up to a kilometre"),
-        KernelId::GridPack => (1e-6, "m", "copies, one sum"),
-        KernelId::FollowPaths => (1e-3, "m, m/s", "quotients of times, times metres of a path"),
-        KernelId::EmotionGather => (1e-5, "", "sums of rounded shares"),
-        KernelId::EmotionUpdate => (1e-5, "", "exponentials"),
-        KernelId::EmotionApply => (1e-5, "m, m/s", "sums of four products"),
-        KernelId::Numerics => (3.0, "ULP", "Vulkan allows 2.5 ULP for a division"),
-        KernelId::Teleport => (1e-5, "m", "one product and one sum"),
-        KernelId::LeadAgents => (1e-5, "m, m/s, rad", "one product and one arc tangent"),
-        KernelId::Prefer => (1e-5, "m/s", "one division by a distance, times a speed of a few m/s"),
-        KernelId::GroupCohesion => {
-            (1e-5, "m/s", "a root, an arc tangent and quotients by distances within a group")
-        }
-        KernelId::VelocityOrca => {
-            (1e-4, "m/s", "quotients of a linear programme, amplified where lines are nearly parallel")
-        }
-        KernelId::VelocityRvo => {
-            // the choice is among some velocities a tenth of a m/s apart: a tie may fall either way
-            (0.5, "m/s", "a choice among samples: where two cost nearly the same, another one may win")
-        }
-        KernelId::ClipToWalls => {
-            (1e-3, "m/s", "a comparison with a wall: by rounding an agent may be held or not")
-        }
-        KernelId::Elevate => (1e-4, "m", "a plane at a point up to 100 m away"),
-        KernelId::Interpolate => {
-            (1e-4, "m, rad", "one product and one sum, world coordinates of up to 100 m")
-        }
-        KernelId::Stand => (1e-5, "m", "a quotient of a few metres"),
-        KernelId::Unjam => (
-            3.0,
-            "m/s, s, m",
-            "a decision (has it waited long enough, is a wall ahead): by rounding it may come a step later",
-        ),
-        KernelId::Integrate => (1e-5, "m, m/s, rad", "one step of a few centimetres, one arc tangent"),
-        KernelId::Pose => (2e-6, "", "normalised quaternions: a root and a division"),
-        KernelId::Gaze => (1e-4, "", "three rounds of arc tangents, roots and quotients"),
-        KernelId::Palette => (1e-4, "m", "sixteen transforms in a row, world coordinates of up to 100 m"),
-        KernelId::Skin => (1e-4, "m", "sums of four transforms, world coordinates of up to 100 m"),
-        // a new kernel is exact until its own line says why not
-        _ => (0.0, "", "integers and copies"),
-    };
-    Tolerance { value, unit, reason }
-}
-
 /// One kernel against its twin.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct KernelRow {
@@ -136,11 +66,7 @@ pub struct KernelRow {
     pub exact: usize,
     /// Largest difference; `null` in JSON where one side is not finite or an integer differs.
     pub max_error: f32,
-    /// Largest difference allowed.
-    pub tolerance: f32,
-    /// Unit of both.
-    pub unit: &'static str,
-    /// Whether it is within the tolerance.
+    /// Whether all are equal.
     pub pass: bool,
     /// The first difference: case, buffer, element, both values.
     pub first: Option<String>,
@@ -153,16 +79,29 @@ pub struct CrowdRow {
     pub agents: usize,
     /// Steps.
     pub steps: u32,
-    /// Whether the whole state is equal bit for bit after all of them.
-    pub exact: bool,
-    /// How it was compared: `trajectory` on an exact device, `single steps` elsewhere.
-    pub method: &'static str,
     /// The first step after which the two were found to differ.
     pub differs_by_step: Option<u32>,
     /// Hash of the CPU's state at the end.
     pub state_hash: String,
-    /// Whether it is as it must be on this device.
+    /// Whether the whole state is equal bit for bit after all of them.
     pub pass: bool,
+}
+
+/// How the kernels were computed, and why.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ArithmeticRow {
+    /// `native`: the device's own. `careful (division, ...)`: careful code for what stands behind.
+    pub taken: String,
+    /// What the device's own arithmetic does, in words.
+    pub native: String,
+    /// Whether all of the device's own operations give the bits of IEEE 754, subnormal numbers apart.
+    pub native_is_exact: bool,
+    /// Whether the device takes subnormal numbers for zero.
+    pub flushes_subnormals: bool,
+    /// Whether this computer's own arithmetic, which the twins run on, is that of IEEE 754.
+    pub host_is_exact: bool,
+    /// What the probe of the device's arithmetic took, seconds.
+    pub probe_seconds: f64,
 }
 
 /// The outcome.
@@ -170,8 +109,8 @@ pub struct CrowdRow {
 pub struct Report {
     /// Device.
     pub device: String,
-    /// What its arithmetic does, in words.
-    pub numerics: String,
+    /// How the kernels were computed.
+    pub arithmetic: ArithmeticRow,
     /// Seed of all inputs.
     pub seed: u32,
     /// Every kernel.
@@ -195,8 +134,11 @@ pub fn verify(
 ) -> Result<Report, crate::Error> {
     let begin = Instant::now();
     progress("arithmetic", 0.0);
-    let arithmetic = numerics(device)?;
-    let mut found = vec![numerics_row(&arithmetic)];
+    let arithmetic = arithmetic(device)?;
+    let mut found = Vec::new();
+    for case in [cases::arithmetic(cases::PROBED), cases::functions(cases::PROBED)] {
+        merge(&mut found, compare_dispatches(device, &case.store, &case.dispatches)?, &case.name);
+    }
     for (number, &size) in options.sizes.iter().enumerate() {
         let is_wanted = |case: &Case| {
             !case.dispatches.iter().any(|dispatch| options.without.contains(&dispatch.kernel()))
@@ -208,11 +150,7 @@ pub fn verify(
             merge(&mut found, compared, &case.name);
         }
     }
-    let crowd = if arithmetic.exact {
-        trajectory(device, options, progress)?
-    } else {
-        single_steps(device, options, &mut found, progress)?
-    };
+    let crowd = trajectory(device, options, progress)?;
     if let Some(missing) = KernelId::ALL
         .into_iter()
         .find(|id| !options.without.contains(id) && !found.iter().any(|c| c.kernel == *id))
@@ -223,12 +161,11 @@ pub fn verify(
         });
     }
     found.sort_by_key(|comparison| comparison.kernel);
-    let kernels: Vec<KernelRow> =
-        found.into_iter().map(|comparison| row(comparison, arithmetic.exact)).collect();
-    let pass = arithmetic.is_host_exact && kernels.iter().all(|kernel| kernel.pass) && crowd.pass;
+    let kernels: Vec<KernelRow> = found.into_iter().map(row).collect();
+    let pass = arithmetic.host_is_exact && kernels.iter().all(|kernel| kernel.pass) && crowd.pass;
     Ok(Report {
         device: device.describe(),
-        numerics: arithmetic.to_string(),
+        arithmetic,
         seed: options.seed,
         kernels,
         crowd,
@@ -237,17 +174,17 @@ pub fn verify(
     })
 }
 
-fn numerics_row(numerics: &Numerics) -> Comparison {
-    let compared = CASES as usize * 16;
-    #[allow(clippy::cast_precision_loss, reason = "units in the last place, for people")]
-    let max_error = numerics.division_ulp.max(numerics.square_root_ulp) as f32;
-    Comparison {
-        kernel: KernelId::Numerics,
-        compared,
-        exact: compared.saturating_sub(numerics.different as usize),
-        max_error,
-        first: (numerics.different > 0).then(|| numerics.to_string()),
-    }
+fn arithmetic(device: &Arc<Device>) -> Result<ArithmeticRow, crate::Error> {
+    let begin = Instant::now();
+    let native = Probe::of_native(device)?;
+    Ok(ArithmeticRow {
+        taken: device.arithmetic()?.to_string(),
+        native: native.to_string(),
+        native_is_exact: native.is_exact(),
+        flushes_subnormals: native.flushes_subnormals,
+        host_is_exact: is_host_exact(),
+        probe_seconds: begin.elapsed().as_secs_f64(),
+    })
 }
 
 /// Adds the outcome of a case.
@@ -261,20 +198,9 @@ fn merge(found: &mut Vec<Comparison>, case: Vec<Comparison>, name: &str) {
     }
 }
 
-fn row(comparison: Comparison, is_exact: bool) -> KernelRow {
-    let tolerance = tolerance(comparison.kernel);
-    let value = if is_exact { 0.0 } else { tolerance.value };
-    let pass = comparison.exact == comparison.compared || (!is_exact && comparison.max_error <= value);
-    KernelRow {
-        name: comparison.kernel.kernel().name,
-        compared: comparison.compared,
-        exact: comparison.exact,
-        max_error: comparison.max_error,
-        tolerance: value,
-        unit: tolerance.unit,
-        pass,
-        first: comparison.first,
-    }
+fn row(comparison: Comparison) -> KernelRow {
+    let Comparison { kernel, compared, exact, max_error, first } = comparison;
+    KernelRow { name: kernel.kernel().name, compared, exact, max_error, pass: exact == compared, first }
 }
 
 /// Steps the same crowd on both sides and compares whole states: with every model of avoidance for its share of the steps.
@@ -283,12 +209,11 @@ fn trajectory(
     options: &Options,
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<CrowdRow, crate::Error> {
-    let index = device.info().index.to_string();
     let mut walk = Walk::new(options);
     let mut differs_by_step = None;
     for model in order::MODELS {
         let start = walk.start(model);
-        let mut gpu = Simulation::from_store(start.clone(), Backend::Vulkan, Some(&index))?;
+        let mut gpu = Simulation::on_device(start.clone(), device)?;
         let mut cpu = Simulation::from_store(start, Backend::Cpu, None)?;
         while let Some(count) = walk.stride(differs_by_step, progress) {
             gpu.step(count)?;
@@ -301,11 +226,11 @@ fn trajectory(
         walk.store = cpu.state()?.clone();
     }
     Ok(CrowdRow {
-        exact: differs_by_step.is_none(),
-        method: "trajectory",
+        agents: options.crowd_agents,
+        steps: walk.done,
         differs_by_step,
+        state_hash: format!("{:016x}", state_hash(&walk.store)),
         pass: differs_by_step.is_none(),
-        ..walk.row()
     })
 }
 
@@ -338,49 +263,11 @@ impl<'a> Walk<'a> {
         let count = STRIDE.min(self.until.saturating_sub(self.done));
         (count > 0 && differs.is_none()).then_some(count)
     }
-
-    /// What is to be said of it, whether all is well apart.
-    fn row(&self) -> CrowdRow {
-        CrowdRow {
-            agents: self.options.crowd_agents,
-            steps: self.done,
-            exact: false,
-            method: "",
-            differs_by_step: None,
-            state_hash: format!("{:016x}", state_hash(&self.store)),
-            pass: false,
-        }
-    }
 }
 
 /// Whether everything that a step carries on has equal bits.
 fn same_state(cpu: &Store, gpu: &Store) -> bool {
     STATE.into_iter().chain(FELT).all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
-}
-
-/// Compares single steps from states along the CPU's trajectory: rounding differs, so trajectories part.
-fn single_steps(
-    device: &Arc<Device>,
-    options: &Options,
-    found: &mut Vec<Comparison>,
-    progress: &mut dyn FnMut(&str, f64),
-) -> Result<CrowdRow, crate::Error> {
-    let mut walk = Walk::new(options);
-    let mut crowd: Vec<Comparison> = Vec::new();
-    for model in order::MODELS {
-        let mut cpu = Simulation::from_store(walk.start(model), Backend::Cpu, None)?;
-        while let Some(count) = walk.stride(None, progress) {
-            let state = cpu.state()?;
-            let compared = compare_dispatches(device, state, &order::step_dispatches(&state.step))?;
-            merge(&mut crowd, compared, &format!("crowd, step {}", walk.done));
-            cpu.step(count)?;
-            walk.done += count;
-        }
-        walk.store = cpu.state()?.clone();
-    }
-    let pass = crowd.iter().all(|comparison| row(comparison.clone(), false).pass);
-    merge(found, crowd, "single steps");
-    Ok(CrowdRow { method: "single steps", pass, ..walk.row() })
 }
 
 #[cfg(test)]
@@ -392,13 +279,10 @@ mod tests {
     }
 
     #[test]
-    fn an_exact_device_is_allowed_no_difference_and_another_no_more_than_the_tolerance() {
-        let allowed = tolerance(KernelId::Integrate).value;
-        assert!(row(comparison(100, 0.0), true).pass);
-        assert!(!row(comparison(99, 1e-9), true).pass);
-        assert!(row(comparison(99, allowed), false).pass);
-        assert!(!row(comparison(99, allowed * 2.0), false).pass);
-        assert!(!row(comparison(99, f32::INFINITY), false).pass, "an integer that differs");
+    fn no_kernel_is_allowed_any_difference() {
+        assert!(row(comparison(100, 0.0)).pass);
+        assert!(!row(comparison(99, 1e-9)).pass);
+        assert!(!row(comparison(99, f32::INFINITY)).pass, "an integer that differs");
     }
 
     #[test]
@@ -412,12 +296,14 @@ mod tests {
     }
 
     #[test]
-    fn the_cases_of_a_size_reach_every_kernel_but_the_probe() {
+    fn the_cases_of_a_size_reach_every_kernel_but_the_probes() {
         let reached: Vec<KernelId> = cases::all(65, 1)
             .iter()
             .flat_map(|case| case.dispatches.iter().map(crate::kernels::Dispatch::kernel))
             .collect();
-        for kernel in KernelId::ALL.into_iter().filter(|id| *id != KernelId::Numerics) {
+        for kernel in
+            KernelId::ALL.into_iter().filter(|id| !matches!(id, KernelId::Arithmetic | KernelId::Numerics))
+        {
             assert!(reached.contains(&kernel), "{}", kernel.kernel().name);
         }
     }

@@ -78,6 +78,35 @@ fn the_cpu_and_vulkan_give_the_same_hash() {
 }
 
 #[test]
+#[cfg(feature = "vulkan")]
+fn a_device_that_is_wrong_gives_the_hash_of_the_cpu_unless_its_own_arithmetic_is_demanded() {
+    if !has_vulkan() {
+        return;
+    }
+    let crowd =
+        ["simulate", "crossing", "--agents", "300", "--seconds", "4", "--condition", "eva-g", "--json"];
+    let on_cpu = json(&[&crowd[..], &["--backend", "cpu"]].concat());
+    let on = |faults: &str, options: &[&str]| -> Value {
+        let mut command = program();
+        command.args(crowd).args(["--backend", "vulkan"]).args(options);
+        let output = command.env("GAITWAY_WRONG_ARITHMETIC", faults).output().unwrap();
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        serde_json::from_slice(&output.stdout).unwrap()
+    };
+    assert_eq!((&on_cpu["arithmetic"], on_cpu["state_hash"].is_string()), (&"native".into(), true));
+    let careful = on("by-3", &[]);
+    assert_eq!(careful["arithmetic"], "careful (division, square root)");
+    assert_eq!(careful["state_hash"], on_cpu["state_hash"]);
+    assert!(careful["device"].as_str().unwrap().ends_with("arithmetic careful (division, square root)"));
+    let native = on("by-3", &["--arithmetic", "native"]);
+    assert_eq!(native["arithmetic"], "native");
+    assert_ne!(native["state_hash"], on_cpu["state_hash"]);
+    let forced = on("", &["--arithmetic", "careful"]);
+    assert_eq!(forced["arithmetic"], "careful (division, square root, minimum and maximum)");
+    assert_eq!(forced["state_hash"], on_cpu["state_hash"]);
+}
+
+#[test]
 fn an_empty_crowd_is_a_crowd() {
     let result =
         json(&["simulate", "crossing", "--agents", "0", "--seconds", "1", "--backend", "cpu", "--json"]);

@@ -24,13 +24,16 @@ fn the_environment_is_checked_whatever_is_done() {
     if !cfg!(feature = "vulkan") {
         return;
     }
-    let output = program().arg("devices").env("GAITWAY_VALIDATION", "nosuch").output().unwrap();
-    let error = String::from_utf8(output.stderr).unwrap();
-    assert_eq!(output.status.code(), Some(2), "{error}");
-    assert!(
-        error.contains("GAITWAY_VALIDATION=nosuch") && error.contains("off, core, sync, gpu-av"),
-        "{error}"
-    );
+    for (variable, names) in [
+        ("GAITWAY_VALIDATION", "off, core, sync, gpu-av"),
+        ("GAITWAY_ARITHMETIC", "auto, native or careful"),
+        ("GAITWAY_WRONG_ARITHMETIC", "by-1, by-3, slip, zeros or flush"),
+    ] {
+        let output = program().arg("devices").env(variable, "nosuch").output().unwrap();
+        let error = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{error}");
+        assert!(error.contains(&format!("{variable}=nosuch")) && error.contains(names), "{error}");
+    }
 }
 
 /// Options (`--word`) in a text.

@@ -71,7 +71,7 @@ pub(crate) fn check(folder: &Path, file: &Path, job: &Path) -> Result<(), Failur
     Ok(())
 }
 
-/// The kernels whose text holds a file, the probe of the arithmetic first.
+/// The kernels whose text holds a file, the functions of `exact` first.
 pub(crate) fn kernels_with(folder: &Path, file: &Path) -> Result<Vec<KernelId>, Failure> {
     let mut found = Vec::new();
     for kernel in KernelId::ALL {
@@ -106,8 +106,10 @@ fn expected(kernel: KernelId) -> Vec<(String, Expected)> {
         let own = Expected::of(&case.store, &case.dispatches[..count]).filter(|e| e.kernel == kernel);
         found.extend(own.map(|expected| (case.name.clone(), expected)));
     };
-    if kernel == KernelId::Numerics {
-        add(&cases::probe());
+    match kernel {
+        KernelId::Arithmetic => add(&cases::arithmetic(cases::PROBED)),
+        KernelId::Numerics => add(&cases::functions(cases::PROBED)),
+        _ => {}
     }
     let has = |case: &Case| case.dispatches.iter().any(|dispatch| dispatch.kernel() == kernel);
     for (size, seed) in SIZES {

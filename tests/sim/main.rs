@@ -15,6 +15,8 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+#[cfg(feature = "vulkan")]
+mod arithmetic;
 mod crowd;
 mod emotion;
 #[cfg(feature = "vulkan")]

@@ -20,7 +20,7 @@ pub mod step;
 
 pub use case::Case;
 
-use crate::kernels::{Dispatch, Phase, Store};
+use crate::kernels::{Dispatch, Phase, Store, probe};
 use crate::sim::order;
 use case::unit;
 
@@ -83,15 +83,29 @@ pub fn crowd(agents: usize, seed: u32, model: u32) -> Case {
     Case::step(&format!("crowd of model {model}"), agents, seed, store)
 }
 
-/// Cases that the probe of a device's arithmetic tries.
-pub const PROBED: u32 = 65_536;
+/// Cases of the operations, and of the functions made of them, that `gaitway verify` tries.
+pub const PROBED: usize = 65_536;
 
-/// That probe.
-pub fn probe() -> Case {
-    let mut store = Store { numerics_in: crate::reference::probe_cases(PROBED), ..Store::default() };
-    store.numerics_out = vec![[0.0; 4]; store.numerics_in.len() * 4];
-    let dispatches = vec![Dispatch::of(Phase::Numerics, PROBED)];
+/// The operations themselves, without subnormal numbers: a device may flush those.
+pub fn arithmetic(count: usize) -> Case {
+    let cases = probe::cases(count).into_iter().filter(|(_, class)| *class == probe::Class::Normal);
+    let numerics_in: Vec<_> = cases.map(|(case, _)| case).collect();
+    let dispatches = vec![Dispatch::of(Phase::Arithmetic, numerics_in.len() as u32)];
+    let arithmetic_out = vec![[0.0; 4]; numerics_in.len() * 3];
+    let store = Store { numerics_in, arithmetic_out, ..Store::default() };
     Case { name: "arithmetic".to_owned(), store, dispatches }
+}
+
+/// The functions of `exact.wgsl`.
+pub fn functions(count: usize) -> Case {
+    let numerics_in = crate::reference::probe_cases(count as u32);
+    let numerics_out = vec![[0.0; 4]; count * 2];
+    let store = Store { numerics_in, numerics_out, ..Store::default() };
+    Case {
+        name: "functions".to_owned(),
+        store,
+        dispatches: vec![Dispatch::of(Phase::Numerics, count as u32)],
+    }
 }
 
 #[cfg(test)]
