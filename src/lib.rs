@@ -70,6 +70,7 @@ pub mod export;
 #[doc(hidden)]
 pub mod file;
 pub mod gait;
+mod glb;
 #[doc(hidden)]
 #[cfg(feature = "vulkan")]
 #[allow(unsafe_code, reason = "all calls into Vulkan live here, one SAFETY comment per block")]

@@ -5,9 +5,14 @@
 
 use super::{Avatar, Error, Material, Mesh};
 use crate::file;
-use crate::gait::{JOINT_COUNT, Joint};
+use crate::gait::Joint;
+use crate::glb::{self, Kind, Writer};
 use glam::Vec3;
-use serde_json::{Value, json};
+use gltf_json::material::{self, AlphaMode, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::mesh::{Primitive, Semantic};
+use gltf_json::scene::UnitQuaternion;
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Index, Node};
 use std::path::Path;
 
 /// Materials by name, with an example of the colour an agent may have there (linear).
@@ -19,84 +24,26 @@ pub(super) const MATERIALS: [(Material, &str, [f32; 3]); 5] = [
     (Material::Bottom, "gaitway.bottom", [0.10, 0.09, 0.12]),
 ];
 
-const FLOAT: u32 = 5126;
-const BYTE: u32 = 5121;
-const INDEX: u32 = 5125;
-
-/// Collects accessors over one buffer.
-#[derive(Default)]
-struct Buffer {
-    bytes: Vec<u8>,
-    views: Vec<Value>,
-    accessors: Vec<Value>,
-}
-
-impl Buffer {
-    /// Adds an accessor of `count` elements; returns its index.
-    fn add(
-        &mut self,
-        bytes: &[u8],
-        count: usize,
-        component: u32,
-        shape: &str,
-        extra: &[(&str, Value)],
-    ) -> usize {
-        let offset = self.bytes.len();
-        self.bytes.extend_from_slice(bytes);
-        self.bytes.resize(self.bytes.len().next_multiple_of(4), 0);
-        self.views.push(json!({ "buffer": 0, "byteOffset": offset, "byteLength": bytes.len() }));
-        let mut accessor = json!({ "bufferView": self.views.len() - 1, "componentType": component, "count": count, "type": shape });
-        for (key, value) in extra {
-            accessor[*key] = value.clone();
-        }
-        self.accessors.push(accessor);
-        self.accessors.len() - 1
-    }
-
-    fn floats(&mut self, values: &[f32], width: usize, shape: &str, extra: &[(&str, Value)]) -> usize {
-        self.add(bytemuck::cast_slice(values), values.len() / width, FLOAT, shape, extra)
-    }
-}
-
 /// The avatar's finest level as a GLB file.
 pub fn glb(avatar: &Avatar) -> Vec<u8> {
-    let mut buffer = Buffer::default();
-    let inverse: Vec<f32> =
-        avatar.joints.iter().flat_map(|joint| joint.joint_from_mesh.to_cols_array()).collect();
-    let inverse = buffer.floats(&inverse, 16, "MAT4", &[]);
+    let mut writer = Writer::default();
+    let inverse = avatar.joints.iter().flat_map(|joint| joint.joint_from_mesh.to_cols_array());
+    let inverse = writer.floats(Kind::MAT4, inverse);
     let empty = Mesh::default();
-    let primitives = primitives(&mut buffer, avatar.levels.first().unwrap_or(&empty));
-    let mut nodes: Vec<Value> = Joint::ALL.iter().map(|&joint| node(avatar, joint)).collect();
-    nodes.push(json!({ "name": avatar.name, "mesh": 0, "skin": 0 }));
-    let material = |(_, name, [r, g, b]): &(Material, &str, [f32; 3])| {
-        let surface =
-            json!({ "baseColorFactor": [r, g, b, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9 });
-        json!({ "name": name, "pbrMetallicRoughness": surface })
-    };
-    let mut materials: Vec<Value> = MATERIALS.iter().map(material).collect();
-    if primitives.iter().any(|primitive| primitive["material"].as_u64() >= Some(materials.len() as u64)) {
-        materials.extend(MATERIALS.iter().map(material).map(|mut glass| {
-            glass["alphaMode"] = json!("BLEND");
-            glass
-        }));
+    let primitives = primitives(&mut writer, avatar.levels.first().unwrap_or(&empty));
+    let opaque = MATERIALS.len();
+    let has_glass = primitives.iter().filter_map(|primitive| primitive.material).any(|m| m.value() >= opaque);
+    writer.root.materials.extend(MATERIALS.map(|material| surface(material, AlphaMode::Opaque)));
+    if has_glass {
+        writer.root.materials.extend(MATERIALS.map(|material| surface(material, AlphaMode::Blend)));
     }
-    let joints: Vec<usize> = (0..JOINT_COUNT).collect();
-    let document = json!({
-        "asset": { "version": "2.0", "generator": concat!("gaitway ", env!("CARGO_PKG_VERSION")), "copyright": "CC0 1.0" },
-        "scene": 0,
-        "scenes": [{ "nodes": [0, JOINT_COUNT] }],
-        "nodes": nodes,
-        "meshes": [{ "name": avatar.name, "primitives": primitives }],
-        "skins": [{ "joints": joints, "skeleton": 0, "inverseBindMatrices": inverse }],
-        "materials": materials,
-        "buffers": [{ "byteLength": buffer.bytes.len() }],
-        "bufferViews": buffer.views,
-        "accessors": buffer.accessors,
-    });
-    pack(document.to_string().into_bytes(), &buffer.bytes)
+    writer.root.asset.copyright = Some("CC0 1.0".to_owned());
+    let joints = Joint::ALL.map(|joint| node(avatar, joint)).to_vec();
+    writer.figure(joints, &Joint::PARENT, inverse, glb::mesh(&avatar.name, primitives));
+    writer.finish()
 }
 
-/// Writes [`glb`] to a file; it appears under its name only when complete.
+/// Writes [`glb()`] to a file; it appears under its name only when complete.
 ///
 /// # Errors
 /// [`Error::Write`] when the folder or file cannot be written.
@@ -104,28 +51,36 @@ pub fn write_glb(avatar: &Avatar, path: &Path) -> Result<(), Error> {
     file::write(path, &glb(avatar)).map_err(|source| Error::Write { path: path.to_owned(), source })
 }
 
-fn node(avatar: &Avatar, joint: Joint) -> Value {
-    let rest = &avatar.joints[joint as usize];
-    let children: Vec<usize> =
-        (1..JOINT_COUNT).filter(|&child| Joint::PARENT[child] == joint as usize).collect();
-    let name = if joint == Joint::Root { "hips" } else { joint.name() };
-    let mut node = json!({
-        "name": name,
-        "translation": rest.translation.to_array(),
-        "rotation": rest.rotation.to_array(),
-    });
-    if !children.is_empty() {
-        node["children"] = json!(children);
+fn surface((_, name, [r, g, b]): (Material, &str, [f32; 3]), alpha: AlphaMode) -> material::Material {
+    material::Material {
+        name: Some(name.to_owned()),
+        alpha_mode: Valid(alpha),
+        pbr_metallic_roughness: PbrMetallicRoughness {
+            base_color_factor: PbrBaseColorFactor([r, g, b, 1.0]),
+            metallic_factor: StrengthFactor(0.0),
+            roughness_factor: StrengthFactor(0.9),
+            ..PbrMetallicRoughness::default()
+        },
+        ..material::Material::default()
     }
-    node
+}
+
+fn node(avatar: &Avatar, joint: Joint) -> Node {
+    let rest = &avatar.joints[joint as usize];
+    Node {
+        name: Some(if joint == Joint::Root { "hips" } else { joint.name() }.to_owned()),
+        translation: Some(rest.translation.to_array()),
+        rotation: Some(UnitQuaternion(rest.rotation.to_array())),
+        ..Node::default()
+    }
 }
 
 /// One primitive per material that has triangles, and one of its glass; each has its own vertices.
-fn primitives(buffer: &mut Buffer, mesh: &Mesh) -> Vec<Value> {
+fn primitives(writer: &mut Writer, mesh: &Mesh) -> Vec<Primitive> {
     let mut primitives = Vec::new();
     let glass = MATERIALS.iter().map(|material| (material, true));
     let all = MATERIALS.iter().map(|material| (material, false)).chain(glass);
-    for (index, ((material, ..), is_glass)) in all.enumerate() {
+    for (number, ((material, ..), is_glass)) in (0..).zip(all) {
         let vertex = |corner: &u32| mesh.vertices.get(*corner as usize);
         let own = |t: &&[u32]| {
             let has_alpha = t.iter().filter_map(vertex).any(|v| v.alpha < 1.0);
@@ -151,47 +106,23 @@ fn primitives(buffer: &mut Buffer, mesh: &Mesh) -> Vec<Value> {
         let bound = |fold: fn(Vec3, Vec3) -> Vec3| {
             vertices.iter().map(|v| v.position).reduce(fold).unwrap_or_default().to_array()
         };
-        let (least, most) = (json!(bound(Vec3::min)), json!(bound(Vec3::max)));
-        let positions = buffer.floats(&vectors(|v| v.position), 3, "VEC3", &[("min", least), ("max", most)]);
-        let normals = buffer.floats(&vectors(|v| v.normal), 3, "VEC3", &[]);
+        let bounds = [bound(Vec3::min), bound(Vec3::max)];
+        let positions = writer.bounded(Kind::VEC3, vectors(|v| v.position), bounds);
+        let normals = writer.floats(Kind::VEC3, vectors(|v| v.normal));
         let colors = if is_glass {
-            let colors: Vec<f32> = vertices.iter().flat_map(|v| v.color.extend(v.alpha).to_array()).collect();
-            buffer.floats(&colors, 4, "VEC4", &[])
+            writer.floats(Kind::VEC4, vertices.iter().flat_map(|v| v.color.extend(v.alpha).to_array()))
         } else {
-            buffer.floats(&vectors(|v| v.color), 3, "VEC3", &[])
+            writer.floats(Kind::VEC3, vectors(|v| v.color))
         };
-        let joints: Vec<u8> = vertices.iter().flat_map(|v| v.joints).collect();
-        let joints = buffer.add(&joints, vertices.len(), BYTE, "VEC4", &[]);
-        let weights: Vec<f32> = vertices.iter().flat_map(|v| v.weights).collect();
-        let weights = buffer.floats(&weights, 4, "VEC4", &[]);
-        let count = indices.len();
-        let indices = buffer.add(bytemuck::cast_slice(&indices), count, INDEX, "SCALAR", &[]);
-        primitives.push(json!({
-            "attributes": {
-                "POSITION": positions, "NORMAL": normals, "COLOR_0": colors, "JOINTS_0": joints, "WEIGHTS_0": weights
-            },
-            "indices": indices,
-            "material": index,
-        }));
+        let attributes = [
+            (Semantic::Positions, positions),
+            (Semantic::Normals, normals),
+            (Semantic::Colors(0), colors),
+            (Semantic::Joints(0), writer.push(Kind::JOINTS, vertices.iter().flat_map(|v| v.joints))),
+            (Semantic::Weights(0), writer.floats(Kind::VEC4, vertices.iter().flat_map(|v| v.weights))),
+        ];
+        let indices = writer.push(Kind::INDEX, indices.iter().copied().flat_map(u32::to_le_bytes));
+        primitives.push(glb::triangles(attributes, Some(indices), Index::new(number)));
     }
     primitives
-}
-
-/// The GLB container: header, JSON chunk padded with spaces, binary chunk padded with zeros.
-fn pack(mut text: Vec<u8>, binary: &[u8]) -> Vec<u8> {
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let word = |value: usize| u32::try_from(value).unwrap_or(u32::MAX).to_le_bytes();
-    let padded = binary.len().next_multiple_of(4);
-    let mut file = Vec::with_capacity(28 + text.len() + padded);
-    file.extend_from_slice(b"glTF");
-    file.extend_from_slice(&2_u32.to_le_bytes());
-    file.extend_from_slice(&word(28 + text.len() + padded));
-    file.extend_from_slice(&word(text.len()));
-    file.extend_from_slice(b"JSON");
-    file.extend_from_slice(&text);
-    file.extend_from_slice(&word(padded));
-    file.extend_from_slice(b"BIN\0");
-    file.extend_from_slice(binary);
-    file.resize(file.len() + padded - binary.len(), 0);
-    file
 }

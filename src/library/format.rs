@@ -11,15 +11,23 @@
 //! ```
 
 use super::figure::{Mesh, Skeleton};
-use super::glb::{Kind, Writer};
 use crate::emotion::Emotion;
 use crate::gait::{Gait, JOINT_COUNT, Joint, Provenance};
+use crate::glb::{self, Kind, Writer};
 use glam::{Mat4, Quat, Vec3};
+use gltf_json::animation::{Animation, Channel, Interpolation, Property, Sampler, Target};
+use gltf_json::material::{Material, PbrBaseColorFactor, PbrMetallicRoughness, StrengthFactor};
+use gltf_json::mesh::Semantic;
+use gltf_json::validation::Checked::Valid;
+use gltf_json::{Accessor, Extras, Index, Node};
 use serde::{Deserialize, Serialize};
-use serde_json::{Value, json};
+use serde_json::value::to_raw_value;
 
 pub(super) const FORMAT: &str = "gaitway-gait-library";
 pub(super) const VERSION: u32 = 2;
+
+/// What the mesh and its material are called.
+const FIGURE: &str = "figure";
 
 /// Bytes of one pose.
 pub(super) const POSE_BYTES: usize = JOINT_COUNT * 12;
@@ -59,98 +67,100 @@ pub(super) struct Description {
 pub(super) fn bytes(gaits: &[Gait]) -> Vec<u8> {
     let skeleton = Skeleton::mean(gaits);
     let mut writer = Writer::default();
-    let animations: Vec<Value> = gaits.iter().map(|gait| animation(&mut writer, &skeleton, gait)).collect();
-    let header = Header {
+    for gait in gaits {
+        let animation = animation(&mut writer, &skeleton, gait);
+        writer.root.push(animation);
+    }
+    figure(&mut writer, &skeleton);
+    writer.root.extras = extras(Header {
         format: FORMAT.to_owned(),
         version: VERSION,
         joints: Joint::ALL.map(|joint| joint.name().to_owned()).to_vec(),
-    };
-    let mut document = scene(&mut writer, &skeleton);
-    document["extras"] = json!(Tagged { gaitway: header });
-    if !animations.is_empty() {
-        document["animations"] = Value::Array(animations);
-    }
-    writer.finish(document)
+    });
+    writer.finish()
 }
 
-/// Nodes, skin and mesh of the stick figure.
-fn scene(writer: &mut Writer, skeleton: &Skeleton) -> Value {
+/// What glTF has no place for; gltf-json keeps it as text.
+fn extras<T: Serialize>(gaitway: T) -> Extras {
+    // it cannot fail: every key is text
+    to_raw_value(&Tagged { gaitway }).ok()
+}
+
+/// The stick figure.
+fn figure(writer: &mut Writer, skeleton: &Skeleton) {
     let mesh = Mesh::of(skeleton);
-    let count = mesh.positions.len();
     let low = mesh.positions.iter().copied().fold(Vec3::ZERO, Vec3::min);
     let high = mesh.positions.iter().copied().fold(Vec3::ZERO, Vec3::max);
-    let positions = writer.push_floats(Kind::VEC3, count, mesh.positions.iter().flat_map(Vec3::to_array));
-    writer.bounds(positions, &low.to_array(), &high.to_array());
-    let normals = writer.push_floats(Kind::VEC3, count, mesh.normals.iter().flat_map(Vec3::to_array));
-    let joints = writer.push(Kind::JOINTS, count, mesh.joints.iter().flat_map(|&joint| [joint, 0, 0, 0]));
-    let weights =
-        writer.push_floats(Kind::VEC4, count, mesh.joints.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0]));
+    let positions = mesh.positions.iter().flat_map(Vec3::to_array);
+    let attributes = [
+        (Semantic::Positions, writer.bounded(Kind::VEC3, positions, [low, high].map(Vec3::into))),
+        (Semantic::Normals, writer.floats(Kind::VEC3, mesh.normals.iter().flat_map(Vec3::to_array))),
+        (
+            Semantic::Joints(0),
+            writer.push(Kind::JOINTS, mesh.joints.iter().flat_map(|&joint| [joint, 0, 0, 0])),
+        ),
+        (
+            Semantic::Weights(0),
+            writer.floats(Kind::VEC4, mesh.joints.iter().flat_map(|_| [1.0, 0.0, 0.0, 0.0])),
+        ),
+    ];
     let inverse_bind = skeleton.positions().map(|position| Mat4::from_translation(-position));
-    let matrices = inverse_bind.iter().flat_map(Mat4::to_cols_array);
-    let inverse_bind = writer.push_floats(Kind::MAT4, JOINT_COUNT, matrices);
-    let mut nodes: Vec<Value> = Joint::ALL.map(|joint| node(skeleton, joint)).to_vec();
-    nodes.push(json!({ "name": "figure", "mesh": 0, "skin": 0 }));
-    json!({
-        "asset": {
-            "version": "2.0",
-            "generator": concat!("gaitway ", env!("CARGO_PKG_VERSION")),
+    let inverse_bind = writer.floats(Kind::MAT4, inverse_bind.iter().flat_map(Mat4::to_cols_array));
+    let material = writer.root.push(Material {
+        name: Some(FIGURE.to_owned()),
+        pbr_metallic_roughness: PbrMetallicRoughness {
+            base_color_factor: PbrBaseColorFactor([0.6, 0.55, 0.5, 1.0]),
+            metallic_factor: StrengthFactor(0.0),
+            ..PbrMetallicRoughness::default()
         },
-        "scene": 0,
-        "scenes": [{ "nodes": [0, JOINT_COUNT] }],
-        "nodes": nodes,
-        "skins": [{
-            "joints": (0..JOINT_COUNT).collect::<Vec<_>>(), "skeleton": 0, "inverseBindMatrices": inverse_bind,
-        }],
-        "materials": [{
-            "name": "figure",
-            "pbrMetallicRoughness": { "baseColorFactor": [0.6, 0.55, 0.5, 1.0], "metallicFactor": 0.0 },
-        }],
-        "meshes": [{ "name": "figure", "primitives": [{
-            "attributes": {
-                "POSITION": positions, "NORMAL": normals, "JOINTS_0": joints, "WEIGHTS_0": weights,
-            },
-            "material": 0,
-        }] }],
-    })
+        ..Material::default()
+    });
+    let joints = Joint::ALL.map(|joint| Node {
+        name: Some(joint.name().to_owned()),
+        translation: Some(skeleton.offsets[joint as usize].to_array()),
+        ..Node::default()
+    });
+    let mesh = glb::mesh(FIGURE, vec![glb::triangles(attributes, None, material)]);
+    writer.figure(joints.to_vec(), &Joint::PARENT, inverse_bind, mesh);
 }
 
-fn node(skeleton: &Skeleton, joint: Joint) -> Value {
-    let index = joint as usize;
-    let children: Vec<usize> =
-        (index + 1..JOINT_COUNT).filter(|&child| Joint::PARENT[child] == index).collect();
-    let mut node = json!({ "name": joint.name(), "translation": skeleton.offsets[index].to_array() });
-    if !children.is_empty() {
-        node["children"] = json!(children);
+/// Samplers and channels of a clip.
+#[derive(Default)]
+struct Tracks {
+    samplers: Vec<Sampler>,
+    channels: Vec<Channel>,
+}
+
+impl Tracks {
+    /// `output` over the times `input` moves `path` of a joint.
+    fn add(&mut self, input: Index<Accessor>, output: Index<Accessor>, joint: Joint, path: Property) {
+        let interpolation = Valid(Interpolation::Linear);
+        let sampler = Sampler { input, interpolation, output, extensions: None, extras: None };
+        let node = Index::new(joint as u32);
+        self.channels.push(Channel {
+            sampler: Index::push(&mut self.samplers, sampler),
+            target: Target { node, path: Valid(path), extensions: None, extras: None },
+            extensions: None,
+            extras: None,
+        });
     }
-    node
 }
 
 /// One clip: root translation and size, joint rotations, and the exact positions beside them.
-fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
+fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Animation {
     let frames = gait.poses.len();
-    let positions = writer.push_floats(
-        Kind::VEC3,
-        frames * JOINT_COUNT,
-        gait.poses.iter().flatten().flat_map(Vec3::to_array),
-    );
+    let positions = writer.floats(Kind::VEC3, gait.poses.iter().flatten().flat_map(Vec3::to_array));
     // The clip ends with its first pose, so that viewers that do not blend over the end loop smoothly.
     let looped = || gait.poses.iter().chain(gait.poses.first());
     let times: Vec<f32> = (0_u16..).take(frames + 1).map(|i| f32::from(i) / gait.frame_rate).collect();
     let end = times.last().copied().unwrap_or(0.0);
-    let input = writer.push_floats(Kind::SCALAR, times.len(), times.iter().copied());
-    writer.bounds(input, &[0.0], &[end]);
-
-    let (mut samplers, mut channels) = (Vec::new(), Vec::new());
-    let mut channel = |input: usize, output: usize, node: usize, path: &str| {
-        channels.push(json!({ "sampler": samplers.len(), "target": { "node": node, "path": path } }));
-        samplers.push(json!({ "input": input, "output": output }));
-    };
-    let root = looped().flat_map(|pose| pose[0].to_array());
-    channel(input, writer.push_floats(Kind::VEC3, frames + 1, root), 0, "translation");
-    let start = writer.push_floats(Kind::SCALAR, 1, [0.0]);
-    writer.bounds(start, &[0.0], &[0.0]);
-    let scale = writer.push_floats(Kind::VEC3, 1, [skeleton.scale_of(gait); 3]);
-    channel(start, scale, 0, "scale");
+    let input = writer.bounded(Kind::SCALAR, times, [[0.0], [end]]);
+    let mut tracks = Tracks::default();
+    let root = writer.floats(Kind::VEC3, looped().flat_map(|pose| pose[0].to_array()));
+    tracks.add(input, root, Joint::Root, Property::Translation);
+    let start = writer.bounded(Kind::SCALAR, [0.0], [[0.0]; 2]);
+    let scale = writer.floats(Kind::VEC3, [skeleton.scale_of(gait); 3]);
+    tracks.add(start, scale, Joint::Root, Property::Scale);
 
     let mut rotations: Vec<[Quat; JOINT_COUNT]> = looped().map(|pose| skeleton.rotations(pose)).collect();
     // Neighbouring frames in one hemisphere, so that viewers interpolate the short way.
@@ -166,12 +176,12 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
     for joint in Joint::ALL {
         if !matches!(joint, Joint::Head | Joint::LeftHand | Joint::RightHand) {
             let shorts = rotations.iter().flat_map(|frame| frame[joint as usize].to_array().map(short));
-            let output = writer.push(Kind::ROTATION, frames + 1, shorts.flat_map(i16::to_le_bytes));
-            channel(input, output, joint as usize, "rotation");
+            let output = writer.push(Kind::ROTATION, shorts.flat_map(i16::to_le_bytes));
+            tracks.add(input, output, joint, Property::Rotation);
         }
     }
     let description = Description {
-        positions,
+        positions: positions.value(),
         frame_rate: f64::from(gait.frame_rate),
         speed: f64::from(gait.speed),
         provenance: gait.provenance.clone(),
@@ -180,10 +190,9 @@ fn animation(writer: &mut Writer, skeleton: &Skeleton, gait: &Gait) -> Value {
         label: gait.label,
         missing: gait.missing.iter().map(|joint| joint.name().to_owned()).collect(),
     };
-    json!({
-        "name": gait.name, "channels": channels, "samplers": samplers,
-        "extras": Tagged { gaitway: description },
-    })
+    let Tracks { samplers, channels } = tracks;
+    let (name, extras) = (Some(gait.name.clone()), extras(description));
+    Animation { name, channels, samplers, extensions: None, extras }
 }
 
 /// A number in [-1, 1] as a normalised 16-bit integer.

@@ -23,8 +23,6 @@ pub mod blend;
 pub mod choose;
 mod figure;
 mod format;
-mod glb;
-#[cfg_attr(not(feature = "import"), path = "without_import.rs")]
 mod read;
 
 use crate::emotion::Emotion;

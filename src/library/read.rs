@@ -1,10 +1,11 @@
 //! Reads the library's file; [`super::format`] says how it lies.
 
 use super::format::{Description, FORMAT, Header, POSE_BYTES, Tagged, VERSION};
-use super::{MOST_FRAMES, check, glb};
+use super::{MOST_FRAMES, check};
 use crate::gait::{Gait, JOINT_COUNT, Joint, JointSet, Pose};
+use crate::glb;
 use glam::Vec3;
-use gltf::json as gltf_json;
+use gltf_json::Root;
 use gltf_json::validation::Checked::Valid;
 use serde_json::Value;
 
@@ -12,13 +13,7 @@ use serde_json::Value;
 pub(super) fn gaits(bytes: &[u8]) -> Result<Vec<Gait>, String> {
     let (text, binary) = glb::chunks(bytes)?;
     // Without the crate's validation, which panics on some damaged files; what is used here is checked here.
-    // The parser would take a JSON chunk that begins with "glTF" for another GLB file.
-    if text.first() != Some(&b'{') {
-        return Err("its JSON chunk does not begin with {".to_owned());
-    }
-    let parsed = gltf::Gltf::from_slice_without_validation(text)
-        .map_err(|error| format!("not valid glTF: {error}"))?;
-    let root = parsed.document.as_json();
+    let root = &Root::from_slice(text).map_err(|error| format!("not valid glTF: {error}"))?;
     header(root)?;
     let mut spent = 0_usize;
     let mut gaits = Vec::new();
@@ -44,7 +39,7 @@ pub(super) fn gaits(bytes: &[u8]) -> Result<Vec<Gait>, String> {
     Ok(gaits)
 }
 
-fn header(root: &gltf_json::Root) -> Result<(), String> {
+fn header(root: &Root) -> Result<(), String> {
     let hint = "it is glTF but not a gait library; write one with GaitLibrary::save_glb";
     let raw = root.extras.as_ref().ok_or_else(|| format!("no extras: {hint}"))?;
     // The version first: another version may have another header.
@@ -65,7 +60,7 @@ fn header(root: &gltf_json::Root) -> Result<(), String> {
 }
 
 /// The bytes of the positions accessor: a whole number of poses, inside the binary chunk.
-fn position_bytes<'a>(root: &gltf_json::Root, binary: &'a [u8], index: usize) -> Result<&'a [u8], String> {
+fn position_bytes<'a>(root: &Root, binary: &'a [u8], index: usize) -> Result<&'a [u8], String> {
     let accessor = root.accessors.get(index).ok_or_else(|| {
         format!("its positions are accessor {index}, but there are {} accessors", root.accessors.len())
     })?;

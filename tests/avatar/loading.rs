@@ -1,7 +1,7 @@
 //! Characters as others make them: loading, units, names, broken files.
 
 use crate::clips::{contact, picture, pose, roughness};
-use crate::common::data_set;
+use crate::common::{self, data_set};
 use crate::raster::{self, Sheet, rest};
 use crate::rigs;
 use crate::walker::Walker;
@@ -164,18 +164,10 @@ fn a_written_avatar_is_read_back_whatever_its_unit_and_joint_axes() {
 
 /// The file with its JSON changed; the binary part stays.
 pub fn edited(file: &[u8], edit: impl Fn(&mut serde_json::Value)) -> Vec<u8> {
-    let length = u32::from_le_bytes(file[12..16].try_into().unwrap()) as usize;
-    let mut json: serde_json::Value = serde_json::from_slice(&file[20..20 + length]).unwrap();
+    let (json, binary) = common::glb::parts(file);
+    let mut json = serde_json::from_slice(&json).unwrap();
     edit(&mut json);
-    let mut text = json.to_string().into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut out = file[..8].to_vec();
-    out.extend(u32::try_from(20 + text.len() + file.len() - 20 - length).unwrap().to_le_bytes());
-    out.extend(u32::try_from(text.len()).unwrap().to_le_bytes());
-    out.extend(b"JSON");
-    out.extend(text);
-    out.extend(&file[20 + length..]);
-    out
+    common::glb::file(json.to_string(), binary)
 }
 
 #[test]

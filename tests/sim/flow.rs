@@ -2,7 +2,7 @@
 
 mod storeys;
 
-use crate::common::gpu;
+use crate::common::{glb, gpu};
 use gaitway::avatar::{Sex, generated};
 use gaitway::kernels::flow::FAR;
 use gaitway::kernels::shared::way::SOLID;
@@ -13,6 +13,7 @@ use gaitway::scenario::{Scenario, populate};
 use gaitway::sim::flow::{Goal, Raster, Settings, lay};
 use gaitway::sim::{AvatarSet, Backend, Simulation, measure};
 use glam::Vec2;
+use serde_json::json;
 
 type Outlines = Vec<Vec<[f32; 2]>>;
 
@@ -342,39 +343,24 @@ fn model(squares: &[[f32; 2]]) -> Vec<u8> {
             }
         }
     }
-    let (bytes, floor) = (corners.len() * 4, squares.len() * 6);
-    let view = |offset: usize, count: usize| {
-        format!("{{\"buffer\":0,\"byteOffset\":{},\"byteLength\":{}}}", offset * 12, count * 12)
-    };
+    let (count, floor) = (corners.len() / 3, squares.len() * 6);
+    let view = |first: usize, count: usize| json!({ "buffer": 0, "byteOffset": first * 12, "byteLength": count * 12 });
     let accessor = |view: usize, count: usize| {
-        format!(
-            "{{\"bufferView\":{view},\"componentType\":5126,\"count\":{count},\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[20,4,20]}}"
-        )
+        let (low, high) = ([0, 0, 0], [20, 4, 20]);
+        json!({ "bufferView": view, "componentType": 5126, "count": count, "type": "VEC3", "min": low, "max": high })
     };
-    let mut json = format!(
-        "{{\"asset\":{{\"version\":\"2.0\"}},\"scene\":0,\"scenes\":[{{\"nodes\":[0,1]}}],\"nodes\":[{{\"name\":\"floor\",\"mesh\":0}},\
-         {{\"name\":\"roof\",\"mesh\":1}}],\"meshes\":[{{\"primitives\":[{{\"attributes\":{{\"POSITION\":0}}}}]}},\
-         {{\"primitives\":[{{\"attributes\":{{\"POSITION\":1}}}}]}}],\"accessors\":[{},{}],\"bufferViews\":[{},{}],\
-         \"buffers\":[{{\"byteLength\":{bytes}}}]}}",
-        accessor(0, floor),
-        accessor(1, 6),
-        view(0, floor),
-        view(floor, 6),
-    );
-    while json.len() % 4 != 0 {
-        json.push(' ');
-    }
-    let mut file = b"glTF".to_vec();
-    let chunks = 12 + 8 + json.len() + 8 + bytes;
-    for word in [2, chunks, json.len(), 0x4e4f_534a] {
-        file.extend((word as u32).to_le_bytes());
-    }
-    file.extend(json.as_bytes());
-    for word in [bytes, 0x004e_4942] {
-        file.extend((word as u32).to_le_bytes());
-    }
-    file.extend(corners.iter().flat_map(|value| value.to_le_bytes()));
-    file
+    let mesh = |positions: usize| json!({ "primitives": [{ "attributes": { "POSITION": positions } }] });
+    let document = json!({
+        "asset": { "version": "2.0" },
+        "scene": 0,
+        "scenes": [{ "nodes": [0, 1] }],
+        "nodes": [{ "name": "floor", "mesh": 0 }, { "name": "roof", "mesh": 1 }],
+        "meshes": [mesh(0), mesh(1)],
+        "accessors": [accessor(0, floor), accessor(1, 6)],
+        "bufferViews": [view(0, floor), view(floor, 6)],
+        "buffers": [{ "byteLength": count * 12 }],
+    });
+    glb::file(document.to_string(), corners.into_iter().flat_map(f32::to_le_bytes).collect())
 }
 
 #[test]

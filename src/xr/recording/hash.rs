@@ -90,10 +90,20 @@ pub fn hash_scenario(scenario: &Scenario) -> u64 {
     hash.value()
 }
 
-/// A hash of all gaits of a library, with their labels.
+/// A hash of all gaits of a library: of what a crowd has of them, in whatever bytes the file had it.
 pub fn hash_library(library: &GaitLibrary) -> u64 {
     let mut hash = Hash::default();
-    hash.add_bytes(&library.to_glb_bytes());
+    for gait in library.gaits() {
+        hash.add_text(&gait.name);
+        for position in gait.poses.iter().flatten() {
+            hash.add(bytemuck::cast_slice(&position.to_array()));
+        }
+        let sex = gait.provenance.sex;
+        hash.add_text(&format!(
+            "{:?}",
+            (gait.frame_rate, gait.speed, gait.ratings, gait.label, sex, gait.missing)
+        ));
+    }
     hash.value()
 }
 
@@ -120,4 +130,37 @@ pub fn hash_avatars(avatars: &[Avatar]) -> u64 {
         }
     }
     hash.value()
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+    use crate::emotion::Emotion;
+    use crate::gait::Gait;
+    use crate::gait::walker::Sex;
+
+    #[test]
+    fn a_library_is_known_by_what_a_crowd_has_of_it() {
+        let hash = |change: &dyn Fn(&mut Gait)| {
+            let mut gaits = GaitLibrary::generated(3, 1).unwrap().gaits().to_vec();
+            change(&mut gaits[5]);
+            hash_library(&GaitLibrary::from_gaits(gaits).unwrap())
+        };
+        let plain = hash(&|_| {});
+        assert_eq!(hash(&|gait| gait.provenance.file = "elsewhere.bvh".to_owned()), plain);
+        let changes: [&dyn Fn(&mut Gait); 8] = [
+            &|gait| gait.poses[7][3].y += 1e-6,
+            &|gait| gait.poses.truncate(20),
+            &|gait| gait.frame_rate += 1.0,
+            &|gait| gait.speed += 1e-6,
+            &|gait| gait.label = Some(Emotion::Neutral),
+            &|gait| gait.ratings = Some([1.0, 2.0, 3.0, 4.0]),
+            &|gait| gait.provenance.sex = Some(Sex::Female),
+            &|gait| gait.missing = [crate::gait::Joint::Neck].into_iter().collect(),
+        ];
+        for (number, change) in changes.iter().enumerate() {
+            assert_ne!(hash(change), plain, "change {number}");
+        }
+    }
 }

@@ -1,5 +1,6 @@
 //! The library's file gives back what was written and refuses what is damaged.
 
+use crate::common::glb;
 use gaitway::Emotion;
 use gaitway::gait::walker::Sex;
 use gaitway::gait::{Gait, Joint, LabelOrigin, Provenance};
@@ -75,6 +76,9 @@ fn the_default_library_is_what_the_program_generates() {
         return;
     }
     let built_in = GaitLibrary::built_in().expect("run the tests once with GAITWAY_UPDATE_ASSETS=1");
+    let again = GaitLibrary::from_glb_bytes(&built_in.to_glb_bytes(), "written again").unwrap();
+    assert_eq!(bits(&again), bits(&built_in), "an older version wrote the file");
+    assert_eq!(again, built_in);
     assert_eq!(built_in.gaits().len(), generated.gaits().len());
     for (stored, made) in built_in.gaits().iter().zip(generated.gaits()) {
         assert_eq!((&stored.name, stored.label), (&made.name, made.label));
@@ -187,19 +191,10 @@ fn unusable_gaits_are_refused_with_the_value() {
 
 /// The file with a text in its JSON chunk replaced, lengths put right.
 fn edited(bytes: &[u8], from: &str, to: &str) -> Vec<u8> {
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let text = std::str::from_utf8(&bytes[20..20 + length]).unwrap();
+    let (json, binary) = glb::parts(bytes);
+    let text = String::from_utf8(json).unwrap();
     assert!(text.contains(from), "{from} is not in the file");
-    let mut text = text.replacen(from, to, 1).into_bytes();
-    text.resize(text.len().next_multiple_of(4), b' ');
-    let mut file = bytes[..12].to_vec();
-    file.extend((text.len() as u32).to_le_bytes());
-    file.extend(&bytes[16..20]);
-    file.extend(text);
-    file.extend(&bytes[20 + length..]);
-    let total = (file.len() as u32).to_le_bytes();
-    file[8..12].copy_from_slice(&total);
-    file
+    glb::file(text.replacen(from, to, 1), binary)
 }
 
 fn message_of(bytes: &[u8]) -> String {
@@ -211,7 +206,7 @@ fn damaged_files_are_refused_with_what_was_found() {
     let bytes = small().to_glb_bytes();
     assert!(message_of(b"").contains("not a GLB file"));
     assert!(message_of(&bytes[..bytes.len() - 1]).contains("cut off"));
-    assert!(message_of(&edited(&bytes, "\"version\":2}", "\"version\":1}")).contains("library version 1"));
+    assert!(message_of(&edited(&bytes, "\"version\":2,", "\"version\":1,")).contains("library version 1"));
     assert!(message_of(&edited(&bytes, "gaitway-gait-library", "somebody-elses")).contains("somebody-elses"));
     assert!(
         message_of(&edited(&bytes, "\"left_knee\",\"left_foot\"", "\"left_foot\",\"left_knee\""))
@@ -237,9 +232,9 @@ fn damaged_files_are_refused_with_what_was_found() {
 #[test]
 fn positions_that_are_not_numbers_are_refused() {
     let bytes = small().to_glb_bytes();
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let mut bad = bytes;
-    bad[28 + length..32 + length].copy_from_slice(&f32::NAN.to_le_bytes());
+    let (json, mut binary) = glb::parts(&bytes);
+    binary[..4].copy_from_slice(&f32::NAN.to_le_bytes());
+    let bad = glb::file(json, binary);
     assert!(message_of(&bad).contains("frame 0, root"), "{}", message_of(&bad));
 }
 
@@ -247,8 +242,7 @@ fn positions_that_are_not_numbers_are_refused() {
 fn one_block_of_positions_cannot_serve_many_gaits() {
     let bytes = small().to_glb_bytes();
     let first = "\"positions\":0,";
-    let length = u32::from_le_bytes(bytes[12..16].try_into().unwrap()) as usize;
-    let text = std::str::from_utf8(&bytes[20..20 + length]).unwrap();
+    let text = String::from_utf8(glb::parts(&bytes).0).unwrap();
     let mut file = bytes.clone();
     for part in text.split("\"positions\":").skip(2) {
         let number = part.split(',').next().unwrap();
