@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn no_operation_is_left_but_the_librarys_own_and_every_id_is_given_once() {
+    fn only_operations_of_the_library_are_left_and_every_id_is_given_once() {
         let own = count(operations::CAREFUL);
         assert!(!own.contains_key(&Operation::Root) && own[&Operation::Divide] == 1);
         for phase in Phase::ALL {
