@@ -2,7 +2,7 @@
 //!
 //! The header names the columns: `NAME_x`, `NAME.y`, `NAME Z` ... for the joints (any rig the joint map knows),
 //! optionally `key` (rows with the same key are one take), `frame` (ignored) and `time` in seconds. Separators
-//! are comma, semicolon, tab or blanks; cells may be quoted ([`crate::table`]). Lines that begin with `#` are comments.
+//! are comma, semicolon, tab or blanks; cells may be quoted. Lines that begin with `#` are comments.
 //! Files in E-Gait's layout, and files of 48 bare numbers a row (E-Gait's own), are repaired by [`egait`].
 
 use super::joint_map::{self, Sources};
