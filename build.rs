@@ -12,6 +12,8 @@
 mod compile;
 #[path = "build/constants.rs"]
 mod constants;
+#[path = "build/limits.rs"]
+mod limits;
 #[path = "src/kernels/link.rs"]
 #[allow(dead_code, unreachable_pub, reason = "checked in the crate")]
 mod link;
@@ -59,6 +61,7 @@ fn generate() -> Result<(), String> {
         std::fs::remove_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
     }
     std::fs::create_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
+    compile::barriers::examples()?;
     let kernels = compile_folder(Path::new("shaders"), &spirv)?;
     let draws = compile_folder(Path::new("shaders/draw"), &spirv)?;
     let shared = constants::shared(kernels.iter().chain(&draws));
@@ -71,6 +74,7 @@ fn generate() -> Result<(), String> {
         kernel(source, shader, &own, &shared, &mut text)?;
     }
     constants::write_shared(&shared, &mut text);
+    limits::write(&kernels, &draws, &mut text)?;
     operations::write(&kernels, &spirv, &mut text)?;
     text.push_str("/// The draw shaders.\n#[allow(unused_imports, reason = \"empty while there is no draw shader\")]\npub mod draw {\nuse super::*;\n");
     for (source, shader) in &draws {
@@ -144,13 +148,6 @@ fn check_kernel(source: &Source, shader: &Shader) -> Result<(), String> {
                 "{file}:1: the entry point `{name}` must be named as its file, or `{}_` and the phase",
                 source.name
             ));
-        }
-        if entry.workgroup_size.iter().product::<u32>() > 256 {
-            return Err(format!("{file}:1: {name}: workgroups over 256 invocations do not run everywhere"));
-        }
-        let storage = entry.bindings.iter().filter(|b| matches!(b.access, Use::Read | Use::Write)).count();
-        if storage > 8 {
-            return Err(format!("{file}:1: {name}: {storage} storage buffers, at most 8 run everywhere"));
         }
         if let Some(operation) = spirv::inexact(&entry.spirv) {
             return Err(format!(

@@ -1,4 +1,4 @@
-// uses: frame, exact, body, attention, agent
+// uses: frame, exact, body, attention, agent, scan
 // Schedules which agents look at the user, so that a crowd never stares at once. Candidates are the drawn agents that are
 // happy or angry and see the user (`paper` mode: all drawn agents). At most frame.gaze_limit - 1 of them look at a time.
 // A turn lasts turn_least to turn_most. After it the agent rests for REST_LEAST to REST_LEAST + REST_SPAN. The agent that
@@ -6,11 +6,11 @@
 //
 // A key orders the agents that wait: ten bits of waiting, then eight of a hash that changes from frame to frame, so that
 // equal ones do not stay equal. Sums of integers decide, in any order. The phases, in this order:
-//   look (visible):  which turns go on, and how many agents wait with each upper half of a key,
-//   border (one):    the half in which the room ends,
-//   count (visible): how many wait with each lower half within that one,
-//   least (one):     the least key that has room; keys beyond the room wait for the next frame,
-//   begin (visible): turns begin.
+//   look (visible):     which turns go on, and how many agents wait with each upper half of a key,
+//   border (one group): the half in which the room ends,
+//   count (visible):    how many wait with each lower half within that one,
+//   least (one group):  the least key that has room; keys beyond the room wait for the next frame,
+//   begin (visible):    turns begin.
 struct Attention {
     until: u32,         // when the turn ends or ended, ms
     key_and_frame: u32, // key << 14 | low bits of frame_index of the last update
@@ -101,37 +101,54 @@ fn gaze_schedule_look(@builtin(global_invocation_id) id: vec3<u32>) {
     gaze_frame[agent] = (gaze_frame[agent] & ~ATTENDS) | select(0u, ATTENDS, attends);
 }
 
-// Finds the bin, counted from the top, that has no room any more, and empties all; NONE if all have. Leaves in ROOM
-// what is left.
-fn border_of(first: u32, most: u32) -> u32 {
-    var room = most;
-    var border = NONE;
-    for (var i = 0u; i < BINS; i++) {
-        let bin = BINS - 1u - i;
-        let count = atomicLoad(&attention_counts[first + bin]);
-        atomicStore(&attention_counts[first + bin], 0u);
-        if border == NONE {
-            if count > room {
-                border = bin;
-            } else {
-                room -= count;
+const OWN: u32 = 4u; // bins of a lane, BINS / LANES
+
+var<workgroup> border: u32;
+var<workgroup> room: u32;
+
+// Finds the bin, counted from the top, that has no room any more, and empties all; `border` is NONE if all have. Leaves in
+// `room` what is left. Every lane of the workgroup must call it.
+fn find_border(lane: u32, first: u32, most: u32) {
+    let highest = first + BINS - 1u - lane * OWN;
+    var sum = 0u;
+    for (var i = 0u; i < OWN; i++) {
+        sum += atomicLoad(&attention_counts[highest - i]);
+    }
+    let sums = scan(lane, sum);
+    if lane == 0u && sums.total <= most {
+        border = NONE;
+        room = most - sums.total;
+    }
+    if sums.before <= most && sums.before + sum > most {
+        // it is one of this lane's
+        var left = most - sums.before;
+        for (var i = 0u; i < OWN; i++) {
+            let count = atomicLoad(&attention_counts[highest - i]);
+            if count > left {
+                border = highest - i - first;
+                room = left;
+                break;
             }
+            left -= count;
         }
     }
-    atomicStore(&attention_counts[ROOM], room);
-    return border;
+    for (var i = 0u; i < OWN; i++) {
+        atomicStore(&attention_counts[highest - i], 0u);
+    }
+    workgroupBarrier();
 }
 
-@compute @workgroup_size(64)
-fn gaze_schedule_border(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x > 0u {
-        return;
-    }
+@compute @workgroup_size(LANES)
+fn gaze_schedule_border(@builtin(local_invocation_index) lane: u32) {
     let most = frame.gaze_limit - 1u;
     let held = atomicLoad(&attention_counts[HELD]);
-    atomicStore(&attention_counts[HELD], 0u);
-    atomicStore(&attention_counts[OVER], select(0u, 1u, held > most));
-    atomicStore(&attention_counts[BORDER], border_of(0u, most - min(held, most)));
+    find_border(lane, 0u, most - min(held, most));
+    if lane == 0u {
+        atomicStore(&attention_counts[HELD], 0u);
+        atomicStore(&attention_counts[OVER], select(0u, 1u, held > most));
+        atomicStore(&attention_counts[BORDER], border);
+        atomicStore(&attention_counts[ROOM], room);
+    }
 }
 
 @compute @workgroup_size(64)
@@ -146,18 +163,16 @@ fn gaze_schedule_count(@builtin(global_invocation_id) id: vec3<u32>) {
     }
 }
 
-@compute @workgroup_size(64)
-fn gaze_schedule_least(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x > 0u {
-        return;
-    }
-    let border = atomicLoad(&attention_counts[BORDER]);
-    var least = 1u;
-    if border != NONE {
+@compute @workgroup_size(LANES)
+fn gaze_schedule_least(@builtin(local_invocation_index) lane: u32) {
+    let upper = atomicLoad(&attention_counts[BORDER]);
+    // without a border no key was counted
+    find_border(lane, BINS, atomicLoad(&attention_counts[ROOM]));
+    if lane == 0u {
         // the border has more keys than there is room for, so one of its bins has, too
-        least = border * BINS + border_of(BINS, atomicLoad(&attention_counts[ROOM])) + 1u;
+        atomicStore(&attention_counts[LEAST], select(upper * BINS + border + 1u, 1u, upper == NONE));
+        atomicStore(&attention_counts[ROOM], room);
     }
-    atomicStore(&attention_counts[LEAST], least);
 }
 
 @compute @workgroup_size(64)

@@ -1,97 +1,107 @@
-// uses: sight, dispatch
-// Lists the visible agents in their old order, with the arguments of their draws. A run is RUN slots.
-// The phases, in this order:
-//   count (run): how many of a run are seen,
-//   scan (one):  exclusive prefix sums over the runs, the total behind the last,
-//   list (run):  `shown`, and the arguments of a bucket for as many runs as there are buckets.
+// uses: sight, scan
+// Lists the visible agents in their old order, with the arguments of their draws. A group is LANES of the slots that are
+// sifted. The phases, in this order:
+//   count (slot):      how many of a group are seen,
+//   scan (one group):  exclusive prefix sums over the groups, the total behind the last,
+//   starts (slot):     how many are seen before each bucket, and before the end of the last,
+//   list (slot):       `shown`, and the arguments of a bucket for as many slots as there are buckets.
 
 @group(0) @binding(0) var<uniform> sight: SightUniforms;
-@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;     // [posed bucket + 1][far bucket + 1]
-@group(0) @binding(2) var<storage, read> hidden: array<u32>;           // [slot] 1 if no eye sees it
-@group(0) @binding(3) var<storage, read_write> run_shown: array<u32>;  // [run + 1]
-@group(0) @binding(4) var<storage, read_write> shown: array<u32>;      // [slot] slots, those of a bucket from its first on
-@group(0) @binding(5) var<storage, read> draw_args: array<u32>;        // [2][bucket][5]
-@group(0) @binding(6) var<storage, read_write> shown_args: array<u32>; // [bucket][5] VkDrawIndexedIndirectCommand
+@group(0) @binding(1) var<storage, read> bucket_start: array<u32>;      // [posed bucket + 1][far bucket + 1]
+@group(0) @binding(2) var<storage, read> hidden: array<u32>;            // [slot] 1 if no eye sees it
+@group(0) @binding(3) var<storage, read_write> group_shown: array<u32>; // [group + 1]
+@group(0) @binding(4) var<storage, read_write> bucket_shown: array<u32>; // [bucket + 1]
+@group(0) @binding(5) var<storage, read_write> shown: array<u32>;       // [slot] slots, those of a bucket from its first on
+@group(0) @binding(6) var<storage, read> draw_args: array<u32>;         // [2][bucket][5]
+@group(0) @binding(7) var<storage, read_write> shown_args: array<u32>;  // [bucket][5] VkDrawIndexedIndirectCommand
 
-// Slots that are seen before number `count` of the sifted ones.
-fn seen_before(count: u32) -> u32 {
-    let first = start_of(sight.first_bucket);
-    var seen = run_shown[count / RUN];
-    for (var i = count / RUN * RUN; i < count; i++) {
-        seen += 1u - hidden[first + i];
-    }
-    return seen;
+// How many slots are sifted.
+fn sifted() -> u32 {
+    return start_of(sight.bucket_end) - start_of(sight.first_bucket);
 }
 
-fn write_shown(run: u32, first: u32, end: u32) {
-    var seen = run_shown[run];
-    var bucket = bucket_of(first + run * RUN, sight.first_bucket);
-    var before = seen_before(start_of(bucket) - first); // seen in earlier buckets
-    for (var slot = first + run * RUN; slot < min(first + run * RUN + RUN, end); slot++) {
-        let of_slot = bucket_of(slot, bucket);
-        if of_slot != bucket {
-            bucket = of_slot;
-            before = seen;
-        }
-        if hidden[slot] == 0u {
-            shown[start_of(bucket) + seen - before] = slot;
-            seen++;
-        }
+// 1 if the sifted slot of that number is seen.
+fn seen(number: u32) -> u32 {
+    if number < sifted() {
+        return 1u - hidden[start_of(sight.first_bucket) + number];
+    }
+    return 0u;
+}
+
+@compute @workgroup_size(LANES)
+fn occlusion_compact_count(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+) {
+    let sums = scan(lane, seen(id.x));
+    if lane == 0u && id.x < sifted() {
+        group_shown[group.x] = sums.total;
     }
 }
 
-fn write_arguments(bucket: u32, first: u32) {
-    for (var word = 0u; word < 5u; word++) {
-        shown_args[bucket * 5u + word] = draw_args[bucket * 5u + word];
-    }
-    shown_args[bucket * 5u + 1u] = seen_before(start_of(bucket + 1u) - first) - seen_before(start_of(bucket) - first);
-}
-
-// Slots that are sifted: the first, and the end.
-fn sifted() -> vec2<u32> {
-    return vec2<u32>(start_of(sight.first_bucket), start_of(sight.bucket_end));
-}
-
-fn run_count(slots: vec2<u32>) -> u32 {
-    return (slots.y - slots.x + RUN - 1u) / RUN;
-}
-
-@compute @workgroup_size(64)
-fn occlusion_compact_count(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slots = sifted();
-    if id.x >= run_count(slots) {
-        return;
-    }
-    let first = slots.x + id.x * RUN;
-    var seen = 0u;
-    for (var slot = first; slot < min(first + RUN, slots.y); slot++) {
-        seen += 1u - hidden[slot];
-    }
-    run_shown[id.x] = seen;
-}
-
-@compute @workgroup_size(64)
-fn occlusion_compact_scan(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x > 0u {
-        return;
-    }
-    let runs = run_count(sifted());
+@compute @workgroup_size(LANES)
+fn occlusion_compact_scan(@builtin(local_invocation_index) lane: u32) {
+    let groups = (sifted() + LANES - 1u) / LANES;
     var total = 0u;
-    for (var run = 0u; run < runs; run++) {
-        let seen = run_shown[run];
-        run_shown[run] = total;
-        total += seen;
+    for (var first = 0u; first < groups; first += LANES) {
+        let group = first + lane;
+        var count = 0u;
+        if group < groups {
+            count = group_shown[group];
+        }
+        let sums = scan(lane, count);
+        if group < groups {
+            group_shown[group] = total + sums.before;
+        }
+        total += sums.total;
     }
-    run_shown[runs] = total;
+    if lane == 0u {
+        group_shown[groups] = total;
+    }
 }
 
-@compute @workgroup_size(64)
-fn occlusion_compact_list(@builtin(global_invocation_id) id: vec3<u32>) {
-    let slots = sifted();
-    if id.x < sight.bucket_end - sight.first_bucket {
-        write_arguments(sight.first_bucket + id.x, slots.x);
+// Sifted slots that are seen before the one of that number. Every lane must call it.
+fn seen_before(number: u32, lane: u32, group: u32) -> u32 {
+    let sums = scan(lane, seen(number));
+    return group_shown[group] + sums.before;
+}
+
+@compute @workgroup_size(LANES)
+fn occlusion_compact_starts(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+) {
+    let before = seen_before(id.x, lane, group.x);
+    if id.x > sifted() {
+        return;
     }
-    if id.x < run_count(slots) {
-        write_shown(id.x, slots.x, slots.y);
+    let slot = start_of(sight.first_bucket) + id.x;
+    for (var bucket = sight.first_bucket; bucket <= sight.bucket_end; bucket++) {
+        if start_of(bucket) == slot {
+            bucket_shown[bucket] = before;
+        }
+    }
+}
+
+@compute @workgroup_size(LANES)
+fn occlusion_compact_list(
+    @builtin(global_invocation_id) id: vec3<u32>,
+    @builtin(local_invocation_index) lane: u32,
+    @builtin(workgroup_id) group: vec3<u32>,
+) {
+    let before = seen_before(id.x, lane, group.x);
+    if seen(id.x) == 1u {
+        let slot = start_of(sight.first_bucket) + id.x;
+        let bucket = bucket_of(slot, sight.first_bucket);
+        shown[start_of(bucket) + before - bucket_shown[bucket]] = slot;
+    }
+    let bucket = sight.first_bucket + id.x;
+    if bucket < sight.bucket_end {
+        for (var word = 0u; word < 5u; word++) {
+            shown_args[bucket * 5u + word] = draw_args[bucket * 5u + word];
+        }
+        shown_args[bucket * 5u + 1u] = bucket_shown[bucket + 1u] - bucket_shown[bucket];
     }
 }

@@ -10,6 +10,8 @@ mod documents;
 mod errors;
 #[path = "layers/imports.rs"]
 mod imports;
+#[path = "layers/loops.rs"]
+mod loops;
 #[path = "layers/words.rs"]
 mod words;
 

@@ -1,7 +1,6 @@
-// uses: view, light, tint, agent
-// People far away: a body of some fifty triangles without a pose. It is placed and turned, and its limbs swing with the
-// phase; the palettes are not needed. Trunk, head and arms are held as in the clips that the agent walks: an emotion is seen
-// from afar by posture. One indirect draw per avatar.
+// uses: view, light, tint, agent, far
+// People far away: a body of some fifty triangles without a pose. It is placed and turned, its limbs swing with the phase, and
+// trunk, head and arms are held as kernel `pose_far` says; the palettes are not needed. One indirect draw per avatar.
 
 @group(0) @binding(3) var<storage, read> visible: array<u32>;                       // agent of each slot
 @group(0) @binding(4) var<storage, read> bucket_start: array<u32>;                  // [posed bucket + 1][far bucket + 1]
@@ -9,15 +8,8 @@
                                                                       // hinge, swing; linear colour, height of the hips
 @group(0) @binding(6) var<storage, read> appearance: array<Appearance>; // [agent]
 @group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;    // [agent] ground, m
-@group(0) @binding(8) var<storage, read> stance: array<Stance>;         // [agent]
-@group(0) @binding(9) var<storage, read> phase: array<u32>;             // [agent] the whole range is one stride
-@group(0) @binding(10) var<storage, read> elevation: array<f32>;        // [agent] m
-
-@group(0) @binding(11) var<storage, read> shown: array<u32>; // slots of visible agents, see kernel `occlusion_compact`
-
-@group(0) @binding(12) var<storage, read> gaits: array<vec4<u32>>;         // [agent] clip ids
-@group(0) @binding(13) var<storage, read> gait_weights: array<vec4<f32>>;  // [agent]
-@group(0) @binding(14) var<storage, read> clip_postures: array<vec4<f32>>; // [clip] lean, nod, spread of the arms, their swing; rad
+@group(0) @binding(8) var<storage, read> far_poses: array<FarPose>;     // [agent] see kernel `pose_far`
+@group(0) @binding(9) var<storage, read> shown: array<u32>;             // slots of visible agents, see kernel `occlusion_compact`
 
 // which bucket is drawn, and, in the highest bit, whether hidden people are left out
 var<immediate> bucket: u32;
@@ -44,17 +36,6 @@ const LIMB_LEFT_ARM: u32 = 3u;
 const LIMB_RIGHT_ARM: u32 = 4u;
 const ARM_SWING: f32 = 0.32; // rad to either side: what the swing of arms in the mesh is meant for
 
-fn posture(agent: u32) -> vec4<f32> {
-    let weights = gait_weights[agent];
-    let clips = gaits[agent];
-    if weights.y == 0.0 && weights.z == 0.0 && weights.w == 0.0 {
-        return clip_postures[clips.x];
-    }
-    let sum = clip_postures[clips.x] * weights.x + clip_postures[clips.y] * weights.y
-        + clip_postures[clips.z] * weights.z + clip_postures[clips.w] * weights.w;
-    return sum / max(weights.x + weights.y + weights.z + weights.w, 1.0e-6);
-}
-
 // Turned about +x: what is up goes forwards.
 fn about_x(p: vec3<f32>, angle: f32) -> vec3<f32> {
     let s = sin(angle);
@@ -70,36 +51,33 @@ fn about_z(p: vec3<f32>, angle: f32) -> vec3<f32> {
 }
 
 fn place(vertex: u32, agent: u32) -> Placed {
-    let own = stance[agent];
-    let walk = clamp(own.walk_weight, 0.0, 1.0);
+    let own = far_poses[agent];
     let limb = mesh_vertices[vertex][1].w;
     let swing = bitcast<vec4<f32>>(mesh_vertices[vertex][2]);
-    let stride = f32(phase[agent] >> 8u) * (6.2831853 / 16777216.0);
-    let angle = swing.w * walk * cos(stride);
+    let angle = swing.w * own.stride;
     var local = bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz) - swing.xyz;
     var out = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
     if limb == LIMB_FIXED {
         local = swing.xyz + about_x(local, angle);
     } else {
-        let held = posture(agent) * walk;
         if limb == LIMB_HEAD {
-            local = about_x(local, held.y);
+            local = about_x(local, own.nod);
         } else if limb == LIMB_LEFT_ARM || limb == LIMB_RIGHT_ARM {
-            local = about_x(local, angle / ARM_SWING * (held.w / max(walk, 1.0e-6)));
-            local = about_z(local, select(-held.z, held.z, limb == LIMB_LEFT_ARM));
+            local = about_x(local, angle / ARM_SWING * own.arm_swing);
+            local = about_z(local, select(-own.spread, own.spread, limb == LIMB_LEFT_ARM));
         }
         let hips = vec3<f32>(0.0, bitcast<f32>(mesh_vertices[vertex][3].w), 0.0);
-        local = hips + about_x(local + swing.xyz - hips, held.x);
-        out = about_x(out, held.x);
+        local = hips + about_x(local + swing.xyz - hips, own.lean);
+        out = about_x(out, own.lean);
     }
     // about +y: 0 faces +z
-    let ahead = vec2<f32>(sin(own.heading), cos(own.heading));
+    let ahead = vec2<f32>(own.heading_sine, own.heading_cosine);
     let scale = appearance[agent].scale;
     let at = position[agent];
     return Placed(
         vec3<f32>(
             at.x + scale * (local.x * ahead.y + local.z * ahead.x),
-            elevation[agent] + scale * local.y,
+            own.elevation + scale * local.y,
             at.y + scale * (local.z * ahead.y - local.x * ahead.x),
         ),
         vec3<f32>(out.x * ahead.y + out.z * ahead.x, out.y, out.z * ahead.y - out.x * ahead.x),

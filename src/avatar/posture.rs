@@ -2,6 +2,7 @@
 
 use super::{Avatar, Clip};
 use crate::gait::{JOINT_COUNT, Joint};
+use crate::kernels::layout::ClipPosture;
 use glam::{Mat4, Quat, Vec3};
 
 /// How a body is carried over a stride, against how it stands at rest with its arms hanging (see [`Avatar::far_body`]).
@@ -52,8 +53,9 @@ impl Posture {
     }
 
     /// As it lies in `clip_postures`.
-    pub const fn to_array(self) -> [f32; 4] {
-        [self.lean, self.nod, self.spread, self.swing]
+    pub const fn in_buffer(self) -> ClipPosture {
+        let Self { lean, nod, spread, swing } = self;
+        ClipPosture { lean, nod, spread, swing }
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::crowds::{EYE_HEIGHT, SPACING, dressed};
 #[cfg(feature = "vulkan")]
-use crate::gpu::{Device, Engine, Validation, plan::Op};
+use crate::gpu::{Engine, plan::Op};
 #[cfg(feature = "vulkan")]
 use crate::kernels::BufferId;
 use crate::kernels::layout::Teleport;
@@ -258,9 +258,7 @@ impl Sequence {
             Backend::Auto | Backend::Vulkan => {
                 let mut kernels: Vec<KernelId> = dispatches.iter().map(Dispatch::kernel).collect();
                 kernels.dedup();
-                let engine = Validation::from_environment()
-                    .and_then(|validation| Device::open(device, validation))
-                    .and_then(|device| Engine::new(&device, &store, &kernels));
+                let engine = backend.open(device).and_then(|device| Engine::new(&device, &store, &kernels));
                 match engine {
                     Ok(engine) => Some(engine),
                     Err(_) if backend.falls_back(device) => None,

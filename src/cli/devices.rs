@@ -31,8 +31,10 @@ struct Row {
 #[derive(Debug, Serialize)]
 struct List {
     devices: Vec<Row>,
-    /// The one that is taken when none is named.
+    /// The one that draws when none is named.
     best: Option<usize>,
+    /// The one that crowds walk on when none is named; null where that is the CPU.
+    crowds: Option<usize>,
     /// The one that `GAITWAY_DEVICE` names: null where it names none; left out where it is not set.
     #[serde(skip_serializing_if = "Option::is_none")]
     named: Option<Option<usize>>,
@@ -73,9 +75,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         table(&["", "name", "kind", "Vulkan", "driver", "usable"], &rows);
     }
     say(&match (list.best, &list.missing) {
-        (Some(best), _) => {
+        (Some(best), _) if list.crowds == list.best => {
             format!("\nDevice {best} is taken unless --device or GAITWAY_DEVICE names another.")
         }
+        (Some(best), _) => format!(
+            "\nDevice {best} draws unless --device or GAITWAY_DEVICE names another. It is software, so crowds walk on the \
+             CPU unless it is named or asked for with --backend vulkan."
+        ),
         (None, Some(missing)) => format!("No Vulkan device: {missing}."),
         (None, None) => "\nNo device can be used.".to_owned(),
     });
@@ -152,6 +158,7 @@ fn list() -> List {
             return List {
                 devices: Vec::new(),
                 best: None,
+                crowds: None,
                 named: None,
                 missing: Some(error.to_string()),
                 hint,
@@ -160,6 +167,7 @@ fn list() -> List {
         }
     };
     let best = Wanted::Best.choose(&devices).map(|info| info.index);
+    let crowds = Wanted::Hardware.choose(&devices).map(|info| info.index);
     let wanted = Wanted::of(None);
     let named = (wanted != Wanted::Best).then(|| wanted.choose(&devices).map(|info| info.index));
     let hint = best.is_none().then(|| {
@@ -177,12 +185,12 @@ fn list() -> List {
         usable: info.unusable.is_none(),
         reason: info.unusable,
     });
-    List { devices: rows.collect(), best, named, missing: None, hint, openxr: openxr() }
+    List { devices: rows.collect(), best, crowds, named, missing: None, hint, openxr: openxr() }
 }
 
 #[cfg(not(feature = "vulkan"))]
 fn list() -> List {
     let missing = Some("this build has no Vulkan backend".to_owned());
     let hint = Some("build with the feature `vulkan` (it is on by default)".to_owned());
-    List { devices: Vec::new(), best: None, named: None, missing, hint, openxr: openxr() }
+    List { devices: Vec::new(), best: None, crowds: None, named: None, missing, hint, openxr: openxr() }
 }

@@ -62,7 +62,7 @@ pub(super) struct SceneArguments {
 /// Where to compute.
 #[derive(Debug, Clone, Args)]
 pub(super) struct PlaceArguments {
-    /// Where to simulate; auto takes the best Vulkan device, or the CPU where there is none and none is named
+    /// Where to simulate; auto takes the device that is named, or else the best GPU, or else the CPU
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendName,
     /// Vulkan device: a part of its name, or its number in `gaitway devices` [default: `GAITWAY_DEVICE`, or the best]
@@ -209,9 +209,7 @@ pub(super) fn start(scene: &Scene) -> Result<Simulation, Error> {
 pub(super) fn tell_place(simulation: &Simulation) {
     detail(&format!("simulating on {}, {} threads", simulation.device(), rayon::current_num_threads()));
     if let Some(reason) = simulation.fallback() {
-        note(&format!(
-            "note: simulating on the CPU, since {reason} (`gaitway devices` says what is missing)"
-        ));
+        note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says more)"));
     }
 }
 

@@ -48,7 +48,15 @@ impl Device {
     /// # Errors
     /// When there is no loader, no driver, no such device, or the device cannot be opened.
     pub fn open(wanted: Option<&str>, validation: Validation) -> Result<Arc<Self>, Error> {
-        Self::made_by(&Own, wanted, validation)
+        Self::made_by(&Own, &Wanted::of(wanted), validation)
+    }
+
+    /// Opens the best device that is no software.
+    ///
+    /// # Errors
+    /// As of [`Device::open`], and where every device is software.
+    pub fn open_hardware(validation: Validation) -> Result<Arc<Self>, Error> {
+        Self::made_by(&Own, &Wanted::Hardware, validation)
     }
 
     /// Like [`Device::open`], whatever option and environment say of the arithmetic.
@@ -60,13 +68,13 @@ impl Device {
         validation: Validation,
         setting: Setting,
     ) -> Result<Arc<Self>, Error> {
-        Self::made_with(&Own, wanted, validation, setting)
+        Self::made_with(&Own, &Wanted::of(wanted), validation, setting)
     }
 
     /// Like [`Device::open`], but `maker` makes instance and device and may choose the physical device.
     pub(crate) fn made_by(
         maker: &dyn Maker,
-        wanted: Option<&str>,
+        wanted: &Wanted,
         validation: Validation,
     ) -> Result<Arc<Self>, Error> {
         Self::made_with(maker, wanted, validation, Setting::of_process()?)
@@ -74,7 +82,7 @@ impl Device {
 
     fn made_with(
         maker: &dyn Maker,
-        wanted: Option<&str>,
+        wanted: &Wanted,
         validation: Validation,
         setting: Setting,
     ) -> Result<Arc<Self>, Error> {
@@ -89,10 +97,14 @@ impl Device {
                 info.unusable = maker.refusal(&instance.entry, &instance.raw, *device, family);
             }
         }
-        let wanted = if chosen.is_some() { Wanted::Best } else { Wanted::of(wanted) };
+        let wanted = if chosen.is_some() { &Wanted::Best } else { wanted };
         let best = wanted.choose(devices.iter().map(|(_, info)| info)).map(|info| info.index);
         let Some((physical, info)) = devices.iter().find(|(_, info)| Some(info.index) == best).cloned()
         else {
+            let software = Wanted::Best.choose(devices.iter().map(|(_, info)| info));
+            if let (Wanted::Hardware, Some(info)) = (wanted, software) {
+                return Err(Error::OnlySoftware { name: info.name.clone() });
+            }
             let list: Vec<_> = devices
                 .iter()
                 .map(|(_, i)| {
@@ -100,7 +112,7 @@ impl Device {
                 })
                 .collect();
             let found = if list.is_empty() { "none".to_owned() } else { list.join(", ") };
-            return Err(Error::NoDevice { wanted, found });
+            return Err(Error::NoDevice { wanted: wanted.clone(), found });
         };
         let family = instance.family(physical).unwrap_or(0);
         let (raw, multiview) = open_device(maker, &instance, physical, family)?;

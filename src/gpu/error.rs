@@ -47,6 +47,12 @@ pub enum Error {
         /// The devices of the machine, with the reason why each is not usable.
         found: String,
     },
+    /// A GPU was asked for, and the best device of the machine is software.
+    #[error("{name} is software, no faster than the CPU")]
+    OnlySoftware {
+        /// The device.
+        name: String,
+    },
     /// A call failed.
     #[error("{call} failed: {result}")]
     Call {
@@ -138,6 +144,7 @@ impl Error {
             Self::NoDevice { .. } => {
                 Some("name another with --device or GAITWAY_DEVICE, or none for the best")
             }
+            Self::OnlySoftware { .. } => Some("--backend vulkan or --device takes it all the same"),
             Self::AddressSpace { .. } => Some("raise the limit (ulimit -v)"),
             Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller images"),
             _ => None,

@@ -2,6 +2,7 @@
 
 use super::validation::{LAYER, Validation, bool_setting, messenger_info};
 use super::{Error, call};
+use crate::kernels::NEEDS;
 use ash::{ext, vk};
 use std::ffi::CStr;
 
@@ -259,14 +260,22 @@ impl Instance {
             )
             .trim()
             .to_owned(),
-            unusable: self.missing(device, api),
+            unusable: self.missing(device, api, &properties.limits),
         }
     }
 
     /// What this device lacks, if anything.
-    fn missing(&self, device: vk::PhysicalDevice, api: u32) -> Option<String> {
+    fn missing(
+        &self,
+        device: vk::PhysicalDevice,
+        api: u32,
+        limits: &vk::PhysicalDeviceLimits,
+    ) -> Option<String> {
         if api < vk::API_VERSION_1_3 {
             return Some("needs Vulkan 1.3".to_owned());
+        }
+        if let Some(short) = short(limits) {
+            return Some(short);
         }
         let mut v13 = vk::PhysicalDeviceVulkan13Features::default();
         // SAFETY: the device came from this instance and has Vulkan 1.3.
@@ -291,6 +300,30 @@ impl Instance {
     }
 }
 
+/// The first limit that is too low for the shaders.
+fn short(limits: &vk::PhysicalDeviceLimits) -> Option<String> {
+    let limits = [
+        (
+            "storage buffers of a stage",
+            limits.max_per_stage_descriptor_storage_buffers,
+            NEEDS.storage_buffers,
+        ),
+        (
+            "uniform buffers of a stage",
+            limits.max_per_stage_descriptor_uniform_buffers,
+            NEEDS.uniform_buffers,
+        ),
+        ("sampled images of a stage", limits.max_per_stage_descriptor_sampled_images, NEEDS.sampled_images),
+        ("resources of a stage", limits.max_per_stage_resources, NEEDS.resources),
+        ("bytes of a uniform buffer", limits.max_uniform_buffer_range, NEEDS.uniform_range),
+        ("bytes of immediates", limits.max_push_constants_size, NEEDS.immediates),
+        ("invocations of a workgroup", limits.max_compute_work_group_invocations, NEEDS.invocations),
+        ("bytes of workgroup memory", limits.max_compute_shared_memory_size, NEEDS.workgroup_memory),
+    ];
+    let (what, has, needed) = limits.into_iter().find(|(_, has, needed)| has < needed)?;
+    Some(format!("has {has} {what}, needs {needed}"))
+}
+
 impl Drop for Instance {
     fn drop(&mut self) {
         // SAFETY: everything made from this instance is gone: `Device` drops its own parts first.
@@ -309,4 +342,30 @@ impl Drop for Instance {
 /// When there is no Vulkan loader or no driver at all.
 pub fn list() -> Result<Vec<DeviceInfo>, Error> {
     Ok(Instance::new(Validation::Off, &Own)?.devices()?.into_iter().map(|(_, info)| info).collect())
+}
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used, reason = "a test")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_is_refused_for_the_limit_that_is_too_low() {
+        let enough = vk::PhysicalDeviceLimits {
+            max_per_stage_descriptor_storage_buffers: 12,
+            max_per_stage_descriptor_uniform_buffers: 13,
+            max_per_stage_descriptor_sampled_images: 128,
+            max_per_stage_resources: 128,
+            max_uniform_buffer_range: 16_384,
+            max_push_constants_size: 128,
+            max_compute_work_group_invocations: 128,
+            max_compute_shared_memory_size: 16_384,
+            ..Default::default()
+        };
+        assert_eq!(short(&enough), None, "Android 15");
+        let few = vk::PhysicalDeviceLimits { max_per_stage_descriptor_storage_buffers: 4, ..enough };
+        assert_eq!(short(&few).unwrap(), "has 4 storage buffers of a stage, needs 8");
+        let small = vk::PhysicalDeviceLimits { max_compute_work_group_invocations: 32, ..enough };
+        assert!(short(&small).unwrap().starts_with("has 32 invocations of a workgroup, needs "));
+    }
 }

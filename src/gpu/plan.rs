@@ -104,11 +104,11 @@ mod tests {
             Op::Set(BufferId::Step),
             dispatch(Phase::GridCount),
             dispatch(Phase::GridScanSum),
-            dispatch(Phase::GridScanRuns),
+            dispatch(Phase::GridScanGroups),
         ];
         assert_eq!(
             text(&plan(&ops)),
-            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan.sum\nbarrier\ngrid_scan.runs\n"
+            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan.sum\nbarrier\ngrid_scan.groups\n"
         );
     }
 

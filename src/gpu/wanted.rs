@@ -1,6 +1,6 @@
 //! Which of the machine's devices is meant.
 
-use super::instance::DeviceInfo;
+use super::instance::{DeviceInfo, DeviceKind};
 use std::fmt;
 
 /// The environment variable that names a device where no option does.
@@ -11,6 +11,8 @@ pub const DEVICE_VARIABLE: &str = "GAITWAY_DEVICE";
 pub enum Wanted {
     /// The best one: discrete, integrated, virtual, software.
     Best,
+    /// The best one that is no software.
+    Hardware,
     /// The one of this number in the loader's list ([`super::list`]), which `gaitway devices` prints.
     Number(usize),
     /// The best one whose name contains this, whatever the case.
@@ -41,6 +43,7 @@ impl Wanted {
     pub fn choose<'a>(&self, devices: impl IntoIterator<Item = &'a DeviceInfo>) -> Option<&'a DeviceInfo> {
         let fits = |info: &&DeviceInfo| match self {
             Self::Best => true,
+            Self::Hardware => info.kind != DeviceKind::Cpu,
             Self::Number(number) => info.index == *number,
             Self::Named(name) => info.name.to_lowercase().contains(name),
         };
@@ -53,6 +56,7 @@ impl fmt::Display for Wanted {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Best => write!(f, "no Vulkan device can be used"),
+            Self::Hardware => write!(f, "no Vulkan device but software can be used"),
             Self::Number(number) => write!(f, "no usable Vulkan device has the number {number}"),
             Self::Named(name) => write!(f, "no usable Vulkan device has {name:?} in its name"),
         }
@@ -62,7 +66,6 @@ impl fmt::Display for Wanted {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test")]
 mod tests {
-    use super::super::instance::DeviceKind;
     use super::*;
 
     fn device(index: usize, name: &str, kind: DeviceKind, unusable: Option<&str>) -> DeviceInfo {
@@ -86,6 +89,8 @@ mod tests {
         let index = |text: &str| Wanted::parse(text).choose(&devices).map(|info| info.index);
         assert_eq!((index(""), index("0"), index("1")), (Some(1), Some(0), Some(1)));
         assert_eq!((index("rtx"), index("LLVM"), index(" llvmpipe ")), (Some(1), Some(0), Some(0)));
+        assert_eq!(Wanted::Hardware.choose(&devices).map(|info| info.index), Some(1));
+        assert_eq!(Wanted::Hardware.choose(&devices[..1]), None);
         for absent in ["7", "19", "4070", "2", "3060 ", "99999999999999999999999", "radeon", "-1"] {
             assert_eq!(index(absent), None, "{absent}");
         }

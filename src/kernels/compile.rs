@@ -4,6 +4,8 @@
 //! `build.rs` includes this file and compiles every shader when the crate is built; the feature `hot-reload`
 //! uses the same code while the program runs.
 
+#[path = "barriers.rs"]
+pub(crate) mod barriers;
 #[path = "constants.rs"]
 pub mod constants;
 #[path = "emit.rs"]
@@ -17,7 +19,7 @@ use fault::{Error, Fault};
 
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, Block, Module, ScalarKind, ShaderStage, Statement, Type, TypeInner, VectorSize};
+use naga::{AddressSpace, Module, ScalarKind, ShaderStage, Type, TypeInner, VectorSize};
 use std::path::{Path, PathBuf};
 
 /// Text of one shader with the shared texts it asks for behind it, and where each part came from.
@@ -174,6 +176,8 @@ pub struct Entry {
     pub stage: ShaderStage,
     /// Workgroup size of a compute entry point.
     pub workgroup_size: [u32; 3],
+    /// Bytes of workgroup memory.
+    pub workgroup_bytes: u32,
     /// What it binds, by binding number.
     pub bindings: Vec<Binding>,
     /// Name and size of the immediates, if any.
@@ -219,7 +223,10 @@ pub fn compile(source: &Source) -> Result<Shader, Error> {
         let place = error.spans().next().map_or(source.name.clone(), |(span, _)| source.place(*span));
         Error::at(place, text)
     })?;
-    barriers_are_uniform(&module, source)?;
+    if let Some(span) = barriers::fault(&module) {
+        let message = "a barrier that some invocations may not reach hangs a GPU";
+        return Err(Error::at(source.place(span), message));
+    }
     bindings_are_used(&module, &info, source)?;
     let mut layouter = Layouter::default();
     layouter.update(module.to_ctx()).map_err(|error| Error::at(&source.name, error))?;
@@ -239,7 +246,7 @@ fn entry(
     index: usize,
 ) -> Result<Entry, Error> {
     let point = &module.entry_points[index];
-    let (mut bindings, mut immediate) = (Vec::new(), None);
+    let (mut bindings, mut immediate, mut workgroup_bytes) = (Vec::new(), None, 0);
     for (handle, variable) in module.global_variables.iter() {
         let usage = info.get_entry_point(index)[handle];
         let name = variable.name.clone().unwrap_or_default();
@@ -247,6 +254,9 @@ fn entry(
         if variable.space == AddressSpace::Immediate && !usage.is_empty() {
             immediate = Some((name, layouter[variable.ty].size));
             continue;
+        }
+        if variable.space == AddressSpace::WorkGroup && !usage.is_empty() {
+            workgroup_bytes += layouter[variable.ty].size;
         }
         let Some(resource) = &variable.binding else { continue };
         if usage.is_empty() {
@@ -294,6 +304,7 @@ fn entry(
         name: point.name.clone(),
         stage: point.stage,
         workgroup_size: point.workgroup_size,
+        workgroup_bytes,
         bindings,
         immediate,
         spirv,
@@ -402,42 +413,4 @@ fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<
         }
     }
     Ok(found)
-}
-
-/// naga lets a `workgroupBarrier` through where not every invocation may reach it; a GPU would hang there.
-fn barriers_are_uniform(module: &Module, source: &Source) -> Result<(), Error> {
-    fn holds(block: &Block, wanted: &dyn Fn(&Statement) -> bool) -> bool {
-        block.iter().any(|statement| {
-            wanted(statement)
-                || match statement {
-                    Statement::Block(inner) => holds(inner, wanted),
-                    Statement::If { accept, reject, .. } => holds(accept, wanted) || holds(reject, wanted),
-                    Statement::Switch { cases, .. } => cases.iter().any(|case| holds(&case.body, wanted)),
-                    Statement::Loop { body, continuing, .. } => {
-                        holds(body, wanted) || holds(continuing, wanted)
-                    }
-                    _ => false,
-                }
-        })
-    }
-    let barrier =
-        |s: &Statement| matches!(s, Statement::ControlBarrier(_) | Statement::WorkGroupUniformLoad { .. });
-    let leaves = |s: &Statement| matches!(s, Statement::Return { .. });
-    for point in &module.entry_points {
-        let mut may_have_left = false;
-        for (statement, span) in point.function.body.span_iter() {
-            let conditional = matches!(statement, Statement::If { .. } | Statement::Switch { .. });
-            let inner = {
-                let mut block = Block::new();
-                block.push(statement.clone(), *span);
-                block
-            };
-            if holds(&inner, &barrier) && (conditional || may_have_left) {
-                let place = source.place(*span);
-                return Err(Error::at(place, "a barrier that some invocations may not reach hangs a GPU"));
-            }
-            may_have_left |= conditional && holds(&inner, &leaves);
-        }
-    }
-    Ok(())
 }

@@ -161,6 +161,27 @@ impl Dispatch {
     }
 }
 
+/// What shaders need of a device: the most of what any stage takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Needs {
+    /// Storage buffers of a stage.
+    pub storage_buffers: u32,
+    /// Uniform buffers of a stage.
+    pub uniform_buffers: u32,
+    /// Sampled images of a stage.
+    pub sampled_images: u32,
+    /// All of these, and samplers.
+    pub resources: u32,
+    /// Bytes of a uniform buffer.
+    pub uniform_range: u32,
+    /// Bytes of immediates.
+    pub immediates: u32,
+    /// Invocations of a workgroup.
+    pub invocations: u32,
+    /// Bytes of memory that a workgroup shares.
+    pub workgroup_memory: u32,
+}
+
 /// One thing to do.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Op {
@@ -250,7 +271,7 @@ mod tests {
         assert_eq!(Phase::FlowSweep.entry().label, "flow.sweep");
         // a phase binds what it uses, not what its kernel does
         let binds = |phase: Phase, buffer| phase.entry().bindings.iter().any(|b| b.buffer == buffer);
-        assert!(binds(Phase::GridScanRuns, BufferId::Unsolved));
+        assert!(binds(Phase::GridScanGroups, BufferId::Unsolved));
         assert!(!binds(Phase::GridScanSum, BufferId::Unsolved));
     }
 

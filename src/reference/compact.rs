@@ -3,55 +3,56 @@
 use super::body::far_slot;
 use crate::kernels::KernelId;
 use crate::kernels::compact::Slices;
-use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::layout::{FrameUniforms, MeshRange};
 use crate::kernels::shared::body::NONE;
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::ranks::index::COLUMNS;
+use crate::kernels::shared::scan::index::LANES;
 
-/// Agents of each run.
-fn runs(frame: &FrameUniforms) -> impl ExactSizeIterator<Item = std::ops::Range<usize>> + use<> {
+/// Agents of each group.
+fn groups(frame: &FrameUniforms) -> impl ExactSizeIterator<Item = std::ops::Range<usize>> + use<> {
     let agents = frame.agent_count as usize;
-    (0..agents.div_ceil(RUN)).map(move |run| run * RUN..(run * RUN + RUN).min(agents))
+    (0..agents.div_ceil(LANES)).map(move |group| group * LANES..(group * LANES + LANES).min(agents))
 }
 
 /// Twin of phase `count` of `shaders/compact.wgsl`.
 pub fn compact_count(b: Slices<'_>) {
-    for (run, agents) in runs(b.frame).enumerate() {
+    for (group, agents) in groups(b.frame).enumerate() {
         let buckets = &b.agent_bucket[agents];
         let near = buckets.iter().filter(|bucket| is_near(**bucket, b.frame)).count();
         let seen = buckets.iter().filter(|bucket| **bucket < b.frame.bucket_count).count();
-        b.bucket_counts[run * COLUMNS] = near as u32;
-        b.bucket_counts[run * COLUMNS + 1] = seen as u32;
+        b.bucket_counts[group * COLUMNS] = near as u32;
+        b.bucket_counts[group * COLUMNS + 1] = seen as u32;
     }
 }
 
 /// Twin of phase `scan_visible` of `shaders/compact.wgsl`.
 pub fn compact_scan_visible(b: Slices<'_>) {
-    (0..2).for_each(|column| scan_column(b.bucket_counts, runs(b.frame).len(), column));
+    (0..2).for_each(|column| scan_column(b.bucket_counts, groups(b.frame).len(), column));
 }
 
 /// Twin of phase `demote` of `shaders/compact.wgsl`.
 pub fn compact_demote(mut b: Slices<'_>) {
-    for (run, agents) in runs(b.frame).enumerate() {
-        apply_capacities(&mut b, run, agents);
+    for (group, agents) in groups(b.frame).enumerate() {
+        apply_capacities(&mut b, group, agents);
     }
 }
 
 /// Twin of phase `scan_buckets` of `shaders/compact.wgsl`.
 pub fn compact_scan_buckets(b: Slices<'_>) {
-    (0..COLUMNS).for_each(|column| scan_column(b.bucket_counts, runs(b.frame).len(), column));
+    (0..COLUMNS).for_each(|column| scan_column(b.bucket_counts, groups(b.frame).len(), column));
 }
 
 /// Twin of phase `list` of `shaders/compact.wgsl`.
 pub fn compact_list(b: Slices<'_>) {
-    for (run, agents) in runs(b.frame).enumerate() {
+    for (group, agents) in groups(b.frame).enumerate() {
         let mut next = [0; COLUMNS];
         for (bucket, next) in next.iter_mut().enumerate().take(b.frame.bucket_count as usize) {
-            *next = b.bucket_start[bucket] + b.bucket_counts[run * COLUMNS + bucket];
+            *next = b.bucket_start[bucket] + b.bucket_counts[group * COLUMNS + bucket];
         }
         for bucket in far_buckets(b.frame) {
-            next[bucket] = b.bucket_start[bucket + 1] + b.bucket_counts[run * COLUMNS + bucket];
+            next[bucket] = b.bucket_start[bucket + 1] + b.bucket_counts[group * COLUMNS + bucket];
         }
         for agent in agents {
             let bucket = b.agent_bucket[agent];
@@ -73,19 +74,19 @@ fn far_buckets(frame: &FrameUniforms) -> std::ops::Range<usize> {
     frame.bucket_count as usize..(frame.bucket_count + 2 * avatars) as usize
 }
 
-fn scan_column(bucket_counts: &mut [u32], runs: usize, column: usize) {
+fn scan_column(bucket_counts: &mut [u32], groups: usize, column: usize) {
     let mut total = 0;
-    for run in 0..runs {
-        let count = bucket_counts[run * COLUMNS + column];
-        bucket_counts[run * COLUMNS + column] = total;
+    for group in 0..groups {
+        let count = bucket_counts[group * COLUMNS + column];
+        bucket_counts[group * COLUMNS + column] = total;
         total += count;
     }
-    bucket_counts[runs * COLUMNS + column] = total;
+    bucket_counts[groups * COLUMNS + column] = total;
 }
 
-fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usize>) {
-    let mut near = b.bucket_counts[run * COLUMNS];
-    let mut seen = b.bucket_counts[run * COLUMNS + 1];
+fn apply_capacities(b: &mut Slices<'_>, group: usize, agents: std::ops::Range<usize>) {
+    let mut near = b.bucket_counts[group * COLUMNS];
+    let mut seen = b.bucket_counts[group * COLUMNS + 1];
     let mut counts = [0; COLUMNS];
     for agent in agents {
         let mut bucket = b.agent_bucket[agent];
@@ -122,7 +123,7 @@ fn apply_capacities(b: &mut Slices<'_>, run: usize, agents: std::ops::Range<usiz
         }
         counts[bucket as usize] += 1;
     }
-    b.bucket_counts[run * COLUMNS..(run + 1) * COLUMNS].copy_from_slice(&counts);
+    b.bucket_counts[group * COLUMNS..(group + 1) * COLUMNS].copy_from_slice(&counts);
 }
 
 fn write_command(b: &mut Slices<'_>, command: usize, mesh: usize, count: u32) {
@@ -132,8 +133,8 @@ fn write_command(b: &mut Slices<'_>, command: usize, mesh: usize, count: u32) {
 }
 
 /// Writes how the agents of a bucket are drawn, and how their shadows are: one level coarser. How many they are.
-fn write_draw(b: &mut Slices<'_>, runs: usize, bucket: usize) -> u32 {
-    let count = b.bucket_counts[runs * COLUMNS + bucket];
+fn write_draw(b: &mut Slices<'_>, groups: usize, bucket: usize) -> u32 {
+    let count = b.bucket_counts[groups * COLUMNS + bucket];
     write_command(b, bucket, bucket, count);
     let (buckets, levels) = (b.frame.bucket_count as usize, b.frame.level_count as usize);
     let is_coarsest = bucket >= buckets || bucket % levels == levels - 1;
@@ -144,10 +145,10 @@ fn write_draw(b: &mut Slices<'_>, runs: usize, bucket: usize) -> u32 {
 
 /// Twin of phase `arguments` of `shaders/compact.wgsl`.
 pub fn compact_arguments(mut b: Slices<'_>) {
-    let runs = runs(b.frame).len();
+    let groups = groups(b.frame).len();
     let mut start = 0;
     for bucket in 0..b.frame.bucket_count as usize {
-        let count = write_draw(&mut b, runs, bucket);
+        let count = write_draw(&mut b, groups, bucket);
         b.bucket_start[bucket] = start;
         start += count;
         let levels = b.frame.level_count as usize;
@@ -168,7 +169,7 @@ pub fn compact_arguments(mut b: Slices<'_>) {
     let far_buckets = far_buckets(b.frame);
     for bucket in far_buckets.clone() {
         b.bucket_start[bucket + 1] = far;
-        far += write_draw(&mut b, runs, bucket);
+        far += write_draw(&mut b, groups, bucket);
     }
     b.bucket_start[far_buckets.end + 1] = far;
 }

@@ -32,12 +32,8 @@ pub struct CrowdBuffers<'a> {
     pub elevation: &'a Buffer,
     /// Heading, radians, and walk weight: `vec2<f32> [agent]`.
     pub stance: &'a Buffer,
-    /// Phase of the stride: `u32 [agent]`.
-    pub phase: &'a Buffer,
-    /// Clips: `vec4<u32> [agent]`.
-    pub gaits: &'a Buffer,
-    /// Their weights: `vec4<f32> [agent]`.
-    pub gait_weights: &'a Buffer,
+    /// How lod3 and lod4 bodies hold themselves: `FarPose [agent]`.
+    pub far_poses: &'a Buffer,
 }
 
 impl<'a> CrowdBuffers<'a> {
@@ -63,9 +59,7 @@ impl<'a> CrowdBuffers<'a> {
             position: find("position")?,
             elevation: find("elevation")?,
             stance: find("stance")?,
-            phase: find("phase")?,
-            gaits: find("gaits")?,
-            gait_weights: find("gait_weights")?,
+            far_poses: find("far_poses")?,
         })
     }
 
@@ -99,9 +93,7 @@ impl<'a> CrowdBuffers<'a> {
             "position" => self.position,
             "elevation" => self.elevation,
             "stance" => self.stance,
-            "phase" => self.phase,
-            "gaits" => self.gaits,
-            "gait_weights" => self.gait_weights,
+            "far_poses" => self.far_poses,
             _ => return None,
         })
     }

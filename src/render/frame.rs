@@ -38,7 +38,6 @@ impl Shared<'_> {
             "view" => Some(Resource::Buffer(self.view.raw)),
             "shadow_map" => Some(self.shadow.texture()),
             "shadow_sampler" => Some(self.shadow.sampler()),
-            "clip_postures" => self.crowd.map(|crowd| Resource::Buffer(crowd.meshes.postures.raw)),
             name => self.crowd?.buffers.buffer(name).map(|buffer| Resource::Buffer(buffer.raw)),
         }
     }

@@ -188,7 +188,7 @@ mod tests {
         let wanted = device.info().index.to_string();
         let validation = Validation::from_environment().unwrap();
         drop(device);
-        let device = Device::made_by(&counter, Some(&wanted), validation).unwrap();
+        let device = Device::made_by(&counter, &gpu::Wanted::of(Some(&wanted)), validation).unwrap();
         let image = image(&device);
         let camera = Camera::look_at(Vec3::new(0.0, 30.0, 20.0), Vec3::ZERO, Vec3::Y);
         let view = View { eye_count: 2, ..View::mono(&camera, SIDE, SIDE) };

@@ -17,8 +17,6 @@ const DRAW_ARGS_STRIDE: u32 = 20;
 #[derive(Debug)]
 pub(super) struct CrowdMeshes {
     indices: Buffer,
-    /// `vec4<f32> [clip]`, see [`MeshBuffers::postures`].
-    pub(super) postures: Buffer,
     /// Buckets of agents with a pose.
     pub(super) bucket_count: u32,
     pub(super) level_count: u32,
@@ -50,11 +48,8 @@ pub(super) enum DrawList {
 
 impl CrowdMeshes {
     pub(super) fn new(submitter: &Submitter, meshes: &MeshBuffers) -> Result<Self, Error> {
-        let upright = [[0.0; 4]];
-        let postures = if meshes.postures.is_empty() { &upright } else { &meshes.postures[..] };
         Ok(Self {
             indices: submitter.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?,
-            postures: submitter.upload("clip_postures", bytemuck::cast_slice(postures))?,
             bucket_count: meshes.bucket_count(),
             level_count: meshes.level_count.max(1),
             far_count: meshes.far_count(),

@@ -84,7 +84,8 @@ pub(super) type Between = (BetweenUniforms, Option<u32>);
 pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
     let mut kernels: Vec<KernelId> =
         order::frame_dispatches(&store.frame).iter().map(Dispatch::kernel).collect();
-    kernels.push(KernelId::GazeSchedule); // agents may have to take turns later
+    // agents may have to take turns later, and may be seen from afar
+    kernels.extend([KernelId::GazeSchedule, KernelId::PoseFar]);
     kernels.extend([KernelId::Occlude, KernelId::OcclusionCompact]);
     if !store.snapshots.is_empty() {
         kernels.extend([KernelId::KeepSnapshot, KernelId::Interpolate]);

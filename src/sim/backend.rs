@@ -16,7 +16,8 @@ use std::time::Instant;
 /// Where to simulate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Backend {
-    /// The best Vulkan device; without one, the CPU, unless a device is named.
+    /// The device that is named; where none is, the best GPU, or else the CPU. A software device is taken by its name alone:
+    /// it computes nothing that the CPU does not compute sooner.
     #[default]
     Auto,
     /// A Vulkan device or an error.
@@ -35,6 +36,17 @@ impl Backend {
         let is_named =
             device.is_some() || std::env::var_os("GAITWAY_DEVICE").is_some_and(|name| !name.is_empty());
         self == Self::Auto && !is_named
+    }
+
+    /// Opens the Vulkan device for it; the backend is not the CPU.
+    #[cfg(feature = "vulkan")]
+    pub(crate) fn open(self, device: Option<&str>) -> Result<Arc<Device>, crate::gpu::Error> {
+        let validation = Validation::from_environment()?;
+        if self.falls_back(device) {
+            Device::open_hardware(validation)
+        } else {
+            Device::open(device, validation)
+        }
     }
 }
 
@@ -59,9 +71,8 @@ impl Machine {
         if backend == Backend::Cpu {
             return Ok((Self::Cpu, None));
         }
-        let opened = Validation::from_environment()
-            .and_then(|validation| Device::open(device, validation))
-            .and_then(|device| Engine::new(&device, store, &order::kernels(store)));
+        let opened =
+            backend.open(device).and_then(|device| Engine::new(&device, store, &order::kernels(store)));
         match opened {
             Ok(engine) => Ok((Self::Vulkan(Box::new(engine)), None)),
             Err(error) if backend.falls_back(device) => Ok((Self::Cpu, Some(error.to_string()))),

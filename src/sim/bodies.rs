@@ -4,12 +4,12 @@
 use super::avatar_set::AvatarSet;
 use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
-use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{FrameUniforms, MeshRange};
+use crate::kernels::layout::{FarPose, FrameUniforms, MeshRange};
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
-use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::ranks::index::COLUMNS;
+use crate::kernels::shared::scan::index::LANES;
 use crate::reference::body::far_slot;
 use crate::scenario::{Budget, EnvironmentMesh, Gaze, GazeMode};
 use glam::Vec3;
@@ -49,8 +49,6 @@ pub struct MeshBuffers {
     pub mesh_table: Vec<MeshRange>,
     /// `[bucket]`: what a body of scale 1 stays within, see [`crate::avatar::FarMesh::bounds`]; 0 of buckets with a pose.
     pub bounds: Vec<[[f32; 4]; 2]>,
-    /// `[clip]`: the posture, see [`Posture`]; empty, all stand upright.
-    pub postures: Vec<[f32; 4]>,
     /// Levels of detail: those of the avatar with the most. An avatar with fewer repeats its coarsest.
     pub level_count: u32,
     /// Robots and vehicles.
@@ -105,16 +103,13 @@ pub fn pack_avatars(avatars: &[Avatar]) -> MeshBuffers {
     pack(avatars, &[])
 }
 
-/// The same of a cast, whose far bodies take the postures of its clips.
-fn pack_cast(cast: &AvatarSet) -> MeshBuffers {
+/// The posture of each clip of a cast.
+fn postures_of(cast: &AvatarSet) -> Vec<Posture> {
     let of_avatar = cast.clips().len() / cast.avatars().len().max(1);
     let of_clip = |(number, clip)| {
         cast.avatars().get(number / of_avatar.max(1)).map_or_else(Posture::default, |a| Posture::of(a, clip))
     };
-    let postures: Vec<Posture> = cast.clips().iter().enumerate().map(of_clip).collect();
-    let mut meshes = pack(cast.avatars(), &postures);
-    meshes.postures = postures.into_iter().map(Posture::to_array).collect();
-    meshes
+    cast.clips().iter().enumerate().map(of_clip).collect()
 }
 
 /// The same with the postures that far bodies may take.
@@ -210,7 +205,8 @@ pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
 ///
 /// Returns the meshes for the renderer; the store's `frame` then holds everything that does not depend on the camera.
 pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuffers {
-    let mut meshes = pack_cast(cast);
+    let postures = postures_of(cast);
+    let mut meshes = pack(cast.avatars(), &postures);
     let agents = store.step.agent_count as usize;
     meshes.outsiders = outsiders(cast, agents);
     let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
@@ -219,10 +215,12 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     let near = fits((near_vertices * SKINNED_STRIDE * 16) as u64, MOST_SKINNED).min(visible as u64) as usize;
     store.rig = pack_rig(cast.avatars());
     store.clip_frames = pack_clips(cast.clips());
+    store.clip_postures = postures.into_iter().map(Posture::in_buffer).collect();
+    store.far_poses = vec![FarPose::default(); agents];
     store.mesh_vertices.clone_from(&meshes.vertices);
     store.mesh_table = meshes.mesh_table.clone();
     store.agent_bucket = vec![0; agents];
-    store.bucket_counts = vec![0; (agents.div_ceil(RUN) + 1) * COLUMNS];
+    store.bucket_counts = vec![0; (agents.div_ceil(LANES) + 1) * COLUMNS];
     store.bucket_start = vec![0; meshes.mesh_table.len() + 2];
     store.visible = vec![u32::MAX; far_slot(visible) + agents];
     store.draw_args = vec![0; 2 * meshes.mesh_table.len() * 5];
@@ -230,7 +228,8 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     store.tile_depth = vec![0.0; 2 * MOST_TILES];
     store.hidden = vec![0; store.visible.len()];
     store.shown = vec![0; store.visible.len()];
-    store.run_shown = vec![0; agents.div_ceil(RUN) + 1];
+    store.group_shown = vec![0; agents.div_ceil(LANES) + 1];
+    store.bucket_shown = vec![0; meshes.mesh_table.len() + 1];
     store.shown_args = vec![0; meshes.mesh_table.len() * 5];
     store.attention_counts = vec![0; COUNTS];
     store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];

@@ -1,15 +1,15 @@
 //! The order of the kernels in one step and in one frame, once, for both backends.
 
-use crate::kernels::compact::COLUMNS;
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
-use crate::kernels::shared::dispatch::RUN;
+use crate::kernels::shared::ranks::COLUMNS;
+use crate::kernels::shared::scan::LANES;
 use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
 
 /// The schedule of one step, from top to bottom: whether a dispatch is due, and the dispatch.
 pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
     let agents = |phase| Dispatch::of(phase, step.agent_count);
-    let runs = |phase| Dispatch::of(phase, step.cell_count.div_ceil(RUN));
+    let cells = |phase| Dispatch::of(phase, step.cell_count);
     let contents = contents(step);
     let [first, again] = velocity_phases(step.model);
     let (is_led, feels, is_patient) = (step.led_count > 0, step.feels > 0, step.patience > 0.0);
@@ -21,9 +21,9 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
         (true, agents(Phase::AdvanceJourney)),
         (step.queue_count > 0, Dispatch::of(Phase::Queue, step.queue_count)),
         (true, agents(Phase::GridCount)),
-        (true, runs(Phase::GridScanSum)),
-        (true, Dispatch::of(Phase::GridScanRuns, 1)),
-        (true, runs(Phase::GridScanCells)),
+        (true, cells(Phase::GridScanSum)),
+        (true, Dispatch::of(Phase::GridScanGroups, LANES)),
+        (true, cells(Phase::GridScanCells)),
         (true, agents(Phase::GridScatterPlace)),
         (true, Dispatch::of(Phase::GridScatterSort, step.cell_count.max(step.agent_count))),
         (true, agents(Phase::GridPack).with(contents)),
@@ -150,35 +150,37 @@ pub fn marking_dispatches(agent_count: u32) -> Vec<Dispatch> {
 
 /// The dispatches that leave out agents hidden behind that depth.
 pub fn occlusion_dispatches(agent_count: u32) -> Vec<Dispatch> {
-    // at least as many as there are buckets
-    let runs = agent_count.div_ceil(RUN).max(COLUMNS);
     vec![
         Dispatch::of(Phase::OccludeJudge, agent_count),
-        Dispatch::of(Phase::OcclusionCompactCount, runs),
-        Dispatch::of(Phase::OcclusionCompactScan, 1),
-        Dispatch::of(Phase::OcclusionCompactList, runs),
+        Dispatch::of(Phase::OcclusionCompactCount, agent_count),
+        Dispatch::of(Phase::OcclusionCompactScan, LANES),
+        // the end of the last bucket, too
+        Dispatch::of(Phase::OcclusionCompactStarts, agent_count + 1),
+        Dispatch::of(Phase::OcclusionCompactList, agent_count.max(COLUMNS)),
     ]
 }
 
 /// The schedule of the bodies for one frame, from top to bottom: whether a dispatch is due, and the dispatch.
 pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
-    let runs = |phase| Dispatch::of(phase, frame.agent_count.div_ceil(RUN));
+    let agents = |phase| Dispatch::of(phase, frame.agent_count);
     let per_visible = |phase| Dispatch::new(phase, Extent::Indirect(BufferId::DispatchArgs, 0));
     let takes_turns = has_turns(frame);
+    let [.., far_distance] = frame.level_distance;
     let mut dispatches = due([
-        (true, Dispatch::of(Phase::Cull, frame.agent_count)),
-        (true, runs(Phase::CompactCount)),
-        (true, Dispatch::of(Phase::CompactScanVisible, 2)),
-        (true, runs(Phase::CompactDemote)),
-        (true, Dispatch::of(Phase::CompactScanBuckets, COLUMNS)),
-        (true, Dispatch::of(Phase::CompactArguments, 1)),
-        (true, runs(Phase::CompactList)),
+        (true, agents(Phase::Cull)),
+        (true, agents(Phase::CompactCount)),
+        (true, Dispatch::of(Phase::CompactScanVisible, 2 * LANES)),
+        (true, agents(Phase::CompactDemote)),
+        (true, Dispatch::of(Phase::CompactScanBuckets, COLUMNS * LANES)),
+        (true, Dispatch::of(Phase::CompactArguments, LANES)),
+        (true, agents(Phase::CompactList)),
+        (far_distance > 0.0, agents(Phase::PoseFar)),
         (true, per_visible(Phase::Pose)),
         (true, per_visible(Phase::Stand)),
         (takes_turns, per_visible(Phase::GazeScheduleLook)),
-        (takes_turns, Dispatch::of(Phase::GazeScheduleBorder, 1)),
+        (takes_turns, Dispatch::of(Phase::GazeScheduleBorder, LANES)),
         (takes_turns, per_visible(Phase::GazeScheduleCount)),
-        (takes_turns, Dispatch::of(Phase::GazeScheduleLeast, 1)),
+        (takes_turns, Dispatch::of(Phase::GazeScheduleLeast, LANES)),
         (takes_turns, per_visible(Phase::GazeScheduleBegin)),
         (true, per_visible(Phase::Gaze)),
         (true, per_visible(Phase::Palette)),

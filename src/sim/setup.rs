@@ -8,7 +8,7 @@ use crate::kernels::layout::{
     Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
-use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
@@ -176,7 +176,7 @@ pub fn scratch(store: &mut Store) {
     let cells = store.step.cell_count as usize;
     store.cell_counts = vec![0; cells];
     store.cell_start = vec![0; cells + 1];
-    store.run_sums = vec![0; cells.div_ceil(RUN)];
+    store.group_sums = vec![0; cells.div_ceil(LANES)];
     store.slot_agent = vec![0; agents];
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];

@@ -6,7 +6,7 @@ use crate::avatar::{Sex, generated};
 use crate::emotion::Emotion;
 use crate::gait::walker;
 #[cfg(feature = "vulkan")]
-use crate::gpu::{Device, Validation};
+use crate::gpu::Device;
 use crate::kernels::Store;
 use crate::kernels::layout::Route;
 use crate::scenario::{AgentStart, Clearance, Crowd, Obstacle, Scenario, Stop};
@@ -128,8 +128,7 @@ impl Equipment {
         let cast = AvatarSet::new(&[gait], vec![generated(Sex::Female)])?;
         #[cfg(feature = "vulkan")]
         {
-            let open = || Device::open(device, Validation::from_environment()?);
-            let opened = (backend != Backend::Cpu).then(open);
+            let opened = (backend != Backend::Cpu).then(|| backend.open(device));
             let (device, fallback) = match opened {
                 None => (None, None),
                 Some(Ok(device)) => (Some(device), None),

@@ -49,7 +49,7 @@ pub(super) fn open(
     validation: Validation,
 ) -> Result<Arc<Device>, crate::Error> {
     let maker = ForWindow { handles: Handles::of(window)? };
-    Device::made_by(&maker, wanted, validation).map_err(|error| match error {
+    Device::made_by(&maker, &gpu::Wanted::of(wanted), validation).map_err(|error| match error {
         gpu::Error::NoDevice { found, .. } => Error::NoPresenter(found).into(),
         gpu::Error::NoDriver { result: vk::Result::ERROR_EXTENSION_NOT_PRESENT, .. } => {
             Error::NoPresenter("a Vulkan loader or drivers that know no windows of this system".to_owned())

@@ -128,7 +128,7 @@ impl Runtime {
             .map_err(call("xrGetVulkanGraphicsRequirements2KHR"))?;
         let (instance, waits) = (self.instance.clone(), self.waits.clone());
         let maker = ThroughRuntime { instance, system: self.system, waits };
-        Ok(Device::made_by(&maker, None, validation)?)
+        Ok(Device::made_by(&maker, &gpu::Wanted::Best, validation)?)
     }
 }
 

@@ -37,7 +37,7 @@ fn pictures_show_something_from_every_camera_on_both_backends() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("picture.png");
     let file = out.to_str().unwrap();
-    for (camera, backend) in [("eyes", "auto"), ("orbit", "cpu"), ("top", "auto"), ("follow:3", "cpu")] {
+    for (camera, backend) in [("eyes", "vulkan"), ("orbit", "cpu"), ("top", "auto"), ("follow:3", "cpu")] {
         let result = json(&[
             "render",
             "crossing",

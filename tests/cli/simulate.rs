@@ -136,17 +136,25 @@ fn wrong_values_are_refused_with_a_way_out() {
 }
 
 #[test]
-fn without_a_device_vulkan_is_refused_and_auto_falls_back_with_one_line() {
-    if cfg!(feature = "vulkan") && json(&["devices", "--json"])["best"].is_u64() {
-        println!("skipped: there is a Vulkan device");
+fn without_a_gpu_auto_takes_the_cpu_with_one_line_and_without_any_device_vulkan_is_refused() {
+    let devices = json(&["devices", "--json"]);
+    if devices["crowds"].is_u64() {
+        println!("skipped: there is a GPU");
         return;
     }
-    fails(&["simulate", "crossing", "--backend", "vulkan"], "Vulkan", "cpu");
-    let output = gaitway(&["simulate", "crossing", "--seconds", "1"]);
+    if !devices["best"].is_u64() {
+        fails(&["simulate", "crossing", "--backend", "vulkan"], "Vulkan", "cpu");
+    }
+    let output = program()
+        .env_remove("GAITWAY_DEVICE")
+        .args(["simulate", "crossing", "--seconds", "1"])
+        .output()
+        .unwrap();
     assert!(output.status.success());
     let error = String::from_utf8(output.stderr).unwrap();
     let expected = usize::from(cfg!(feature = "vulkan"));
     assert_eq!(error.lines().filter(|line| line.starts_with("note: ")).count(), expected, "{error}");
+    assert!(String::from_utf8(output.stdout).unwrap().contains("CPU reference"));
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::common::gpu;
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};
+use gaitway::kernels::layout::FarPose;
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
 use gaitway::render::{Atmosphere, CrowdBuffers, Image, Surface};
@@ -229,8 +230,7 @@ impl HandMade {
         let position: Vec<[f32; 2]> = places.iter().map(|p| p.0.to_array()).collect();
         let elevation = vec![0.0_f32; position.len()];
         let stance = vec![[0.0_f32; 2]; position.len()];
-        let phase = vec![0_u32; position.len()];
-        let (gaits, gait_weights) = (vec![[0_u32; 4]; position.len()], vec![[0.0_f32; 4]; position.len()]);
+        let far_poses = vec![FarPose::default(); position.len()];
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
         }
@@ -246,9 +246,7 @@ impl HandMade {
             ("position", bytes(&position)),
             ("elevation", bytes(&elevation)),
             ("stance", bytes(&stance)),
-            ("phase", bytes(&phase)),
-            ("gaits", bytes(&gaits)),
-            ("gait_weights", bytes(&gait_weights)),
+            ("far_poses", bytes(&far_poses)),
         ];
         let buffers = contents
             .map(|(name, bytes)| {
@@ -288,9 +286,7 @@ impl HandMade {
             position: &b[8],
             elevation: &b[9],
             stance: &b[10],
-            phase: &b[11],
-            gaits: &b[12],
-            gait_weights: &b[13],
+            far_poses: &b[11],
         }
     }
 }

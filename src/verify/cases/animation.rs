@@ -13,14 +13,16 @@ use super::case::{filled, nan};
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
-use crate::kernels::compact::index::COLUMNS;
 use crate::kernels::gaze::{ENGAGED, VALID};
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{Appearance, Attention, FrameUniforms, GazeState, MeshRange, Stance};
+use crate::kernels::layout::{
+    Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Stance,
+};
 use crate::kernels::shared::body::index::{
     PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
-use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::ranks::index::COLUMNS;
+use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference::body::far_slot;
 use crate::reference::exact::{hash_u32, unit_f32};
@@ -284,6 +286,10 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             vertex_count: 4,
         });
     }
+    for _ in 0..AVATARS * CLIPS {
+        let [lean, nod, spread, swing] = [0; 4].map(|_| dice.between(-0.5, 0.5));
+        store.clip_postures.push(ClipPosture { lean, nod, spread, swing });
+    }
     for agent in 0..agents {
         push_agent(&mut store, &mut dice, agent, user_eyes);
     }
@@ -441,10 +447,11 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
         store.gaze_frame.push(POISON);
         store.attention.push(filled(POISON));
     }
+    store.far_poses = vec![nan(); agents + SPARE];
     let buckets = store.mesh_table.len();
     let most_vertices = store.mesh_table.iter().map(|mesh| mesh.vertex_count as usize).max().unwrap_or(0);
     store.agent_bucket = vec![POISON; agents + SPARE];
-    store.bucket_counts = vec![POISON; (agents.div_ceil(RUN) + 1) * COLUMNS];
+    store.bucket_counts = vec![POISON; (agents.div_ceil(LANES) + 1) * COLUMNS];
     store.bucket_start = vec![POISON; buckets + 2];
     store.visible = vec![POISON; far_slot(visible_capacity) + agents];
     store.attention_counts = vec![0; COUNTS];

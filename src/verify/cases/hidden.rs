@@ -8,7 +8,7 @@ use super::animation;
 use super::case::unit;
 use crate::kernels::layout::SightUniforms;
 use crate::kernels::shared::block::BLOCK;
-use crate::kernels::shared::dispatch::index::RUN;
+use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference;
 use crate::sim::order;
@@ -85,7 +85,8 @@ pub fn hidden(agents: usize, seed: u32) -> Store {
     store.tile_depth = (0..tiles).map(wall).collect();
     store.hidden = vec![POISON; store.visible.len()];
     store.shown = vec![POISON; store.visible.len()];
-    store.run_shown = vec![POISON; agents.div_ceil(RUN) + 1];
+    store.group_shown = vec![POISON; agents.div_ceil(LANES) + 1];
+    store.bucket_shown = vec![POISON; store.mesh_table.len() + 1];
     store.shown_args = vec![POISON; store.mesh_table.len() * 5];
     store
 }

@@ -132,7 +132,7 @@ fn throngs(seed: u32) -> Store {
     store.avoidance.iter_mut().for_each(|own| own.priority = 0.0); // no agent is led, and keeps more clear
     store.cell_start = vec![0; 101];
     store.cell_counts = vec![0; 100];
-    store.run_sums = vec![0; 2];
+    store.group_sums = vec![0; 1];
     store.sources = vec![one_agent(0, 1, 0), one_agent(1, 1, MOST as u32)];
     store.source_places = vec![[2.0, 3.2], [34.0, 3.2]];
     store

@@ -6,6 +6,7 @@ use crate::kernels::layout::{
 };
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
+use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::hash_u32;
@@ -272,7 +273,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     let spare = agents + 3;
     store.cell_counts = vec![0; cell_total];
     store.cell_start = vec![0; cell_total + 1];
-    store.run_sums = vec![0; cell_total.div_ceil(64)];
+    store.group_sums = vec![0; cell_total.div_ceil(LANES)];
     store.slot_agent = vec![0; spare];
     store.agent_slot = vec![0; spare];
     // what is left of another step
