@@ -22,7 +22,7 @@ const QUANTITIES: [&str; 9] = [
 type Amounts = [u32; QUANTITIES.len()];
 
 /// Classes of devices. The first row is the specification's own minimum (table "Required Limits"); Android 15 and the
-/// roadmap of 2022 are Khronos's profiles over it; MoltenVK shares Metal's 31 buffers of a stage.
+/// roadmap of 2022 are Khronos's profiles over it; on Apple's GPUs Metal has 31 buffers of a stage in all.
 const CLASSES: [(&str, Amounts); 4] = [
     ("the Vulkan minimum", [4, 12, 16, 128, 16_384, 128, 128, 64, 16_384]),
     ("Android 15", [12, 13, 128, 128, 16_384, 128, 128, 64, 16_384]),

@@ -28,13 +28,14 @@ use runs::{WARM_UP, repeat};
 use sequence::EXTRAS;
 
 /// Kernels that only some steps run, each timed in a step that runs it.
-const OTHERS: [KernelId; 6] = [
+const OTHERS: [KernelId; 7] = [
     KernelId::GroupCohesion,
     KernelId::Elevate,
     KernelId::Spawn,
     KernelId::Queue,
     KernelId::React,
     KernelId::Teleport,
+    KernelId::PoseFar,
 ];
 /// What is timed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

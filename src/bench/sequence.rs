@@ -118,15 +118,20 @@ impl Sequence {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     pub fn picture(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let (mut store, _) = dressed(agents)?;
-        let middle = store.step.wrap * 0.5;
-        store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12]; // everyone is in view
-        store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];
-        store.frame.camera = store.frame.user_eyes;
-        store.frame.frame_time = 1.0 / 72.0;
-        bodies::set_gaze(&mut store.frame, &Gaze::default());
+        let store = in_view(agents)?;
         let dispatches = order::frame_dispatches(&store.frame);
         Self::new(Some("picture"), agents, store, dispatches, (backend, device))
+    }
+
+    /// The kernels of a picture of people who are all seen from afar, and have no pose.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub fn far(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        let mut store = in_view(agents)?;
+        store.frame.level_distance = [0.0, 0.0, f32::MAX, f32::MIN_POSITIVE];
+        let dispatches = order::frame_dispatches(&store.frame);
+        Self::new(None, agents, store, dispatches, (backend, device))
     }
 
     /// Two fields over so many cells, with walls and a crowd on them.
@@ -205,6 +210,9 @@ impl Sequence {
     ) -> Result<Self, crate::Error> {
         if matches!(kernel, KernelId::Arithmetic | KernelId::Numerics) {
             return Self::probe(kernel, agents, backend, device);
+        }
+        if kernel == KernelId::PoseFar {
+            return Self::far(agents, backend, device);
         }
         if kernel == KernelId::GaitFeatures {
             return Self::features(agents, backend, device);
@@ -315,4 +323,16 @@ fn summed(times: impl IntoIterator<Item = (Phase, f64)>) -> Vec<(Phase, f64)> {
         }
     }
     sums
+}
+
+/// The crossing with bodies, of which everyone is in view.
+fn in_view(agents: usize) -> Result<Store, crate::Error> {
+    let (mut store, _) = dressed(agents)?;
+    let middle = store.step.wrap * 0.5;
+    store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
+    store.frame.user_eyes = [middle, EYE_HEIGHT, middle, 0.0];
+    store.frame.camera = store.frame.user_eyes;
+    store.frame.frame_time = 1.0 / 72.0;
+    bodies::set_gaze(&mut store.frame, &Gaze::default());
+    Ok(store)
 }
