@@ -11,6 +11,7 @@ use std::time::Instant;
 
 mod crowds;
 mod field;
+mod goals;
 mod models;
 #[cfg(feature = "vulkan")]
 mod occlusion;
@@ -20,6 +21,7 @@ mod sequence;
 mod stereo;
 
 pub use crowds::Quality;
+pub use goals::Goal;
 pub use runs::Row;
 pub use sequence::Sequence;
 
@@ -52,6 +54,8 @@ pub enum Workload {
     Occlusion,
     /// The flow fields of a goal over squares of as many cells of 0.5 m (see the rows' names).
     Field,
+    /// Steps and pictures of 10,000, 100,000 and 1,000,000 people against this project's goals for a large GPU.
+    Goals,
     /// Steps of ORCA and of RVO in alternation, at 0.5 to 3.5 people per square metre (see the rows' names).
     Models,
 }
@@ -72,6 +76,9 @@ pub struct Report {
     pub rows: Vec<Row>,
     /// The crowds of the rows that time whole steps.
     pub quality: Vec<Quality>,
+    /// The goals of [`Workload::Goals`].
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub goals: Vec<Goal>,
     /// Seconds it took.
     pub wall_seconds: f64,
 }
@@ -88,7 +95,7 @@ pub fn bench(
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<Report, crate::Error> {
     let begin = Instant::now();
-    let (mut rows, mut quality) = (Vec::new(), Vec::new());
+    let (mut rows, mut quality, mut goals) = (Vec::new(), Vec::new(), Vec::new());
     let (mut name, mut fallback) = (String::new(), None);
     for (number, &agents) in sizes.iter().enumerate() {
         #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
@@ -113,6 +120,15 @@ pub fn bench(
             name = device;
             rows.extend(timed);
             quality.extend(crowds);
+            continue;
+        }
+        if workload == Workload::Goals {
+            progress(&format!("goals, {agents} agents"), share(0.0));
+            let measured = goals::goals(agents, backend, device)?;
+            name = measured.device;
+            rows.extend(measured.rows);
+            quality.push(measured.quality);
+            goals.extend(measured.goals);
             continue;
         }
         progress(&format!("step, {agents} agents"), share(0.0));
@@ -150,7 +166,8 @@ pub fn bench(
     }
     let wall_seconds = begin.elapsed().as_secs_f64();
     let optimised = !cfg!(debug_assertions);
-    Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, wall_seconds })
+    goals.sort_by_key(|goal: &Goal| goal.name);
+    Ok(Report { device: name, fallback, optimised, seed: 0, rows, quality, goals, wall_seconds })
 }
 
 /// Times frames for both eyes.

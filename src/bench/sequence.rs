@@ -118,9 +118,39 @@ impl Sequence {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     pub fn picture(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let store = in_view(agents)?;
+        Self::picture_from(agents, None, backend, device)
+    }
+
+    /// The same with far bodies from a distance on, m.
+    ///
+    /// # Errors
+    /// When a Vulkan device is demanded but cannot be used.
+    pub(super) fn picture_from(
+        agents: usize,
+        far_distance: Option<f32>,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        let mut store = in_view(agents)?;
+        let [.., far] = &mut store.frame.level_distance;
+        *far = far_distance.unwrap_or(0.0);
         let dispatches = order::frame_dispatches(&store.frame);
         Self::new(Some("picture"), agents, store, dispatches, (backend, device))
+    }
+
+    /// Vertices that the kernel `skin` moved in the last run.
+    ///
+    /// # Errors
+    /// When the device fails.
+    pub(super) fn skinned_vertices(&mut self) -> Result<usize, crate::Error> {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut self.engine {
+            engine.download(&mut self.store, &[BufferId::DispatchArgs])?;
+        }
+        let near_of_avatars = self.store.dispatch_args.chunks(3).skip(1).map(|words| words[1] as usize);
+        let levels = self.store.frame.level_count.max(1) as usize;
+        let finest = self.store.mesh_table.iter().step_by(levels).map(|mesh| mesh.vertex_count as usize);
+        Ok(near_of_avatars.zip(finest).map(|(near, vertices)| near * vertices).sum())
     }
 
     /// The kernels of a picture of people who are all seen from afar, and have no pose.
@@ -128,10 +158,10 @@ impl Sequence {
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
     pub fn far(agents: usize, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
-        let mut store = in_view(agents)?;
-        store.frame.level_distance = [0.0, 0.0, f32::MAX, f32::MIN_POSITIVE];
-        let dispatches = order::frame_dispatches(&store.frame);
-        Self::new(None, agents, store, dispatches, (backend, device))
+        let mut far = Self::picture_from(agents, Some(f32::MIN_POSITIVE), backend, device)?;
+        let [near, next, farthest, _] = &mut far.store.frame.level_distance;
+        (*near, *next, *farthest) = (0.0, 0.0, f32::MAX);
+        Ok(far)
     }
 
     /// Two fields over so many cells, with walls and a crowd on them.

@@ -17,7 +17,8 @@ use clap::{Args, ValueEnum};
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
     /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
-    /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities
+    /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities;
+    /// goals: what this project wants of a large GPU, with --agents 10000,100000,1000000
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
     /// Sizes, comma-separated
@@ -45,6 +46,7 @@ enum WorkloadName {
     Occlusion,
     Field,
     Models,
+    Goals,
 }
 
 /// Runs the subcommand.
@@ -62,6 +64,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         WorkloadName::Stereo => Workload::Stereo,
         WorkloadName::Field => Workload::Field,
         WorkloadName::Models => Workload::Models,
+        WorkloadName::Goals => Workload::Goals,
     };
     let (backend, device) = arguments.place.get()?;
     let mut progress = Progress::new("timing");
@@ -117,10 +120,33 @@ fn print(report: &Report) {
             ));
         }
     }
+    if !report.goals.is_empty() {
+        print_goals(report);
+    }
     if !report.quality.is_empty() {
         print_quality(report);
     }
     say(&format!("wall time  {:.1} s", report.wall_seconds));
+}
+
+fn print_goals(report: &Report) {
+    say("\nGoals for a large GPU:");
+    let rows: Vec<Vec<String>> = report
+        .goals
+        .iter()
+        .map(|goal| {
+            let bound = if goal.unit == "ms" { "at most" } else { "at least" };
+            let met = if goal.is_met { "met" } else { "missed" };
+            vec![
+                goal.name.to_owned(),
+                goal.what.clone(),
+                format!("{:.3} {}", goal.value, goal.unit),
+                format!("{bound} {}", goal.goal),
+                met.to_owned(),
+            ]
+        })
+        .collect();
+    table(&["", "what", "median", "goal", ""], &rows);
 }
 
 fn print_quality(report: &Report) {

@@ -105,6 +105,7 @@ fn the_comparison_notices_one_bit() {
         let (crowd, bodies, walks) =
             (journeys::journeys(65, 3), animation::animation(65, 3), gaits::gaits(65, 3));
         let of_model = |model| step::crowd_with(model, 65, 3);
+        let afar = animation::animation(65, 1);
         let ways = flow::fields(300, 3);
         let behind = hidden::hidden(300, 3);
         let (moved, snapshots) = (feelings::feelings(65, 1), between::between(65, 1));
@@ -113,7 +114,8 @@ fn the_comparison_notices_one_bit() {
             (order::step_dispatches(&crowd.step), crowd),
             (order::step_dispatches(&of_model(1).step), of_model(1)),
             (order::frame_dispatches(&bodies.frame), bodies),
-            (gaits::dispatches(&walks), walks), // gait_features
+            (order::frame_dispatches(&afar.frame), afar), // pose_far
+            (gaits::dispatches(&walks), walks),           // gait_features
             (hidden::dispatches(&behind), behind),
             (flow::dispatches(&ways), ways),
             (between::dispatches(&snapshots), snapshots),

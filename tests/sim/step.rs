@@ -25,7 +25,7 @@ grid_count
 barrier
 grid_scan.sum
 barrier
-grid_scan.runs
+grid_scan.groups
 barrier
 grid_scan.cells
 barrier
