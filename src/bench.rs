@@ -1,7 +1,8 @@
 //! How fast it is: every kernel by name, and the whole step, on either backend, from seeded crowds.
 //!
 //! Kernels are timed within their sequence (some of them use up what the one before made): on Vulkan by the device's
-//! own timestamps, on the CPU by the clock. A whole step is timed by the clock, in batches.
+//! own timestamps, on the CPU by the clock. A device without timestamps runs each kernel by itself, timed by the clock,
+//! submission and wait included. A whole step is timed by the clock, in batches.
 
 use crate::kernels::{KernelId, Phase};
 use crate::sim::{Backend, Simulation};

@@ -71,6 +71,25 @@ fn kind(data: &Metadata) -> &'static str {
     if data.is_dir() { "a folder" } else { "a device" }
 }
 
+/// The folder where this system's programs keep what they can make again; none for a user without a home.
+pub fn users_cache() -> Option<PathBuf> {
+    let set = |name: &str| std::env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    users_cache_of(set, cfg!(windows), cfg!(target_os = "macos"))
+}
+
+fn users_cache_of(set: impl Fn(&str) -> Option<PathBuf>, windows: bool, mac: bool) -> Option<PathBuf> {
+    // a home that is not there is none: accounts of services have such
+    let home = || set("HOME").filter(|home| home.is_dir());
+    if windows {
+        return set("LOCALAPPDATA");
+    }
+    if mac {
+        return home().map(|home| home.join("Library/Caches"));
+    }
+    let named = set("XDG_CACHE_HOME").filter(|path| path.is_absolute());
+    named.or_else(|| home().map(|home| home.join(".cache")))
+}
+
 /// Writes a whole file; on failure its name is as it was before.
 ///
 /// # Errors
@@ -246,6 +265,26 @@ mod tests {
             // has a length of 0 and bytes all the same
             assert!(read(Path::new("/proc/self/status"), 9).unwrap_err().to_string().contains("up to 9"));
         }
+    }
+
+    #[test]
+    fn the_users_cache_is_where_the_system_has_it() {
+        let home = tempfile::tempdir().unwrap();
+        let home = home.path().to_str().unwrap();
+        let found = |set: &[(&str, &str)], windows, mac| {
+            let set = |name: &str| set.iter().find(|(of, _)| *of == name).map(|(_, value)| value.into());
+            users_cache_of(set, windows, mac)
+        };
+        let below_home = |name: &str| Some(Path::new(home).join(name));
+        assert_eq!(found(&[("HOME", home)], false, false), below_home(".cache"));
+        let named = [("HOME", home), ("XDG_CACHE_HOME", "/c")];
+        assert_eq!(found(&named, false, false), Some("/c".into()));
+        assert_eq!(found(&named, false, true), below_home("Library/Caches"));
+        let relative = [("HOME", home), ("XDG_CACHE_HOME", "c")];
+        assert_eq!(found(&relative, false, false), below_home(".cache"));
+        assert_eq!(found(&[("LOCALAPPDATA", "L"), ("HOME", home)], true, false), Some("L".into()));
+        assert_eq!(found(&[("HOME", "/no/such/home")], false, false), None);
+        assert_eq!(found(&[], false, false), None);
     }
 
     #[test]

@@ -77,6 +77,7 @@ mod glb;
 pub mod gpu;
 #[doc(hidden)]
 pub mod ground;
+mod hash;
 #[doc(hidden)]
 pub mod kernels;
 pub mod library;

@@ -102,8 +102,8 @@ pub(super) fn complain(error: &Error, has_backend: bool) {
         }
         #[cfg(feature = "vulkan")]
         Error::Gpu(error) if has_backend => {
-            let hint = error.hint().map(|hint| format!("{hint}; "));
-            (error.to_string(), Some(hint.unwrap_or_default() + "or add --backend cpu"))
+            let hint = error.hint().map(|hint| format!("{hint}; or "));
+            (error.to_string(), Some(hint.unwrap_or_default() + "add --backend cpu"))
         }
         other => (other.to_string(), other.hint().map(str::to_owned)),
     };

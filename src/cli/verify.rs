@@ -8,6 +8,7 @@ use crate::Error;
 use crate::gpu::{Device, Validation};
 use crate::kernels::KernelId;
 use crate::spelling::suggestion;
+use crate::verify::report::CROWD_AGENTS;
 use crate::verify::{Options, Report, verify};
 use clap::Args;
 
@@ -25,6 +26,9 @@ pub(super) struct Arguments {
     /// Sizes for the kernels, comma-separated [default: 0,1,63,64,65,1000,20000]
     #[arg(long, value_delimiter = ',', value_name = "LIST", value_parser = size_of_crowd)]
     agents: Vec<usize>,
+    /// Agents of the crowd
+    #[arg(long, default_value_t = CROWD_AGENTS, value_name = "N", value_parser = size_of_crowd)]
+    crowd: usize,
     /// Without the largest size, and a third of the crowd's steps
     #[arg(long)]
     quick: bool,
@@ -52,14 +56,15 @@ fn kernel(name: &str) -> Result<KernelId, String> {
 /// Runs the subcommand; false when something differs that must not.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let mut options = if arguments.quick { Options::quick() } else { Options::full() };
-    options.seed = arguments.seed;
+    (options.seed, options.crowd_agents) = (arguments.seed, arguments.crowd);
     options.without.clone_from(&arguments.without);
     if !arguments.agents.is_empty() {
         options.sizes.clone_from(&arguments.agents);
     }
-    if let Some(size) = options.sizes.iter().find(|size| **size > MOST) {
+    let sizes = options.sizes.iter().map(|size| ("--agents", *size)).chain([("--crowd", arguments.crowd)]);
+    if let Some((option, size)) = sizes.into_iter().find(|(_, size)| *size > MOST) {
         return Err(usage(
-            format!("--agents {size}: a size is 0 to {MOST}"),
+            format!("{option} {size}: a size is 0 to {MOST}"),
             "kernels differ, if at all, at small sizes",
         ));
     }

@@ -9,6 +9,7 @@ use crate::kernels::operations;
 use crate::kernels::probe::Primitive;
 use ash::vk;
 use std::fmt;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 /// Which arithmetic is wanted.
@@ -126,6 +127,16 @@ impl Setting {
     pub fn of_process() -> Result<Self, Error> {
         Ok(Self { wanted: Wanted::of_process()?, faults: Fault::from_environment()? })
     }
+
+    /// Whether the code of its kernels is that of the program: not wrong on purpose, nor compiled when the program starts.
+    pub(super) fn is_lasting(&self) -> bool {
+        self.faults.is_empty() && shader_folder().is_none()
+    }
+}
+
+/// The folder whose kernels are compiled when the program starts, if `GAITWAY_SHADERS` names one.
+pub(super) fn shader_folder() -> Option<PathBuf> {
+    if cfg!(feature = "hot-reload") { std::env::var_os("GAITWAY_SHADERS").map(PathBuf::from) } else { None }
 }
 
 /// Operations that are replaced together.

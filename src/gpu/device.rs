@@ -1,12 +1,14 @@
 //! A device with its queue and allocator.
 
 use super::arithmetic::{self, Arithmetic, Part, Setting};
-use super::instance::{AroundSubmission, DeviceInfo, Instance, Maker, Own};
+use super::cache::PipelineCache;
+use super::instance::{AroundSubmission, DeviceInfo, DriverId, Instance, Maker, Own};
 use super::validation::Validation;
 use super::wanted::Wanted;
 use super::{Error, call};
 use crate::kernels::link::FloatMode;
 use ash::{ext, vk};
+use gpu_allocator::AllocationSizes;
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 use std::ffi::CString;
 use std::mem::ManuallyDrop;
@@ -23,6 +25,11 @@ pub struct Device {
     pub(crate) allocator: ManuallyDrop<Mutex<Allocator>>,
     pub(crate) names: Option<ext::debug_utils::Device>,
     pub(crate) limits: vk::PhysicalDeviceLimits,
+    /// Bits of its timestamps; 0 where it has none.
+    pub(crate) timestamp_bits: u32,
+    pub(super) driver: DriverId,
+    /// What its pipelines are made with.
+    pub(crate) cache: PipelineCache,
     /// Whether one pass can draw both eyes.
     pub(crate) multiview: bool,
     /// How its kernels are to be computed.
@@ -117,16 +124,21 @@ impl Device {
         let family = instance.family(physical).unwrap_or(0);
         let (raw, multiview) = open_device(maker, &instance, physical, family)?;
         // SAFETY: the queue was asked for when the device was made; the device came from the instance.
-        let (queue, limits) = unsafe {
-            (raw.get_device_queue(family, 0), instance.raw.get_physical_device_properties(physical).limits)
+        let (queue, properties, memory) = unsafe {
+            (
+                raw.get_device_queue(family, 0),
+                instance.raw.get_physical_device_properties(physical),
+                instance.raw.get_physical_device_memory_properties(physical),
+            )
         };
+        let driver = DriverId::of(&properties);
         let allocator = Allocator::new(&AllocatorCreateDesc {
             instance: instance.raw.clone(),
             device: raw.clone(),
             physical_device: physical,
             debug_settings: gpu_allocator::AllocatorDebugSettings::default(),
             buffer_device_address: false,
-            allocation_sizes: gpu_allocator::AllocationSizes::default(),
+            allocation_sizes: block_sizes(&memory),
         })
         .map_err(|error| Error::Memory {
             name: "allocator".to_owned(),
@@ -135,18 +147,25 @@ impl Device {
         })?;
         let names = instance.messenger.is_some().then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
         Ok(Arc::new(Self {
-            raw,
             physical,
             queue: Mutex::new(queue),
             family,
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             names,
-            limits,
+            limits: properties.limits,
+            timestamp_bits: instance.timestamp_bits(physical, family),
+            driver,
+            cache: if setting.is_lasting() {
+                PipelineCache::open(&raw, driver)
+            } else {
+                PipelineCache::none(driver)
+            },
             multiview: multiview && draws_every_view(&info.driver),
             setting,
             float_modes: arithmetic::float_modes(&instance.raw, physical),
             arithmetic: OnceLock::new(),
             info,
+            raw,
             around_submission: maker.around_submission(),
             instance,
         }))
@@ -306,6 +325,14 @@ fn open_device(
     }
 }
 
+/// How much memory is taken from the driver at a time: usually 256 MiB of the device's and 64 MiB of the host's, but at most a
+/// sixteenth of the largest heap, so that little memory has room for more than one buffer.
+fn block_sizes(memory: &vk::PhysicalDeviceMemoryProperties) -> AllocationSizes {
+    let largest = memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
+    let at_most = |mib: u64| (mib << 20).min(largest / 16);
+    AllocationSizes::new(at_most(256), at_most(64))
+}
+
 /// Whether a driver that has multiview draws it right: lavapipe of Mesa 22.3 claims it and draws one view wrong.
 fn draws_every_view(driver: &str) -> bool {
     let lavapipe = driver.strip_prefix("llvmpipe Mesa ");
@@ -315,10 +342,11 @@ fn draws_every_view(driver: &str) -> bool {
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: buffers and pipelines hold an `Arc` of this device, so none is left; the allocator frees its
-        // memory before the device goes, the device before the instance (the last field).
+        // SAFETY: buffers and pipelines hold an `Arc` of this device, so none is left or being made; the allocator frees
+        // its memory before the device goes, the device before the instance (the last field).
         unsafe {
             let _ = self.raw.device_wait_idle();
+            self.cache.close(&self.raw);
             ManuallyDrop::drop(&mut self.allocator);
             self.raw.destroy_device(None);
         }

@@ -9,6 +9,7 @@ use super::{Buffer, Device, Error, Memory, call};
 use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
+use std::time::Instant;
 
 /// Most dispatches that one submission can time.
 const TIMED_DISPATCHES: u32 = 2048;
@@ -24,7 +25,7 @@ type Copy = (BufferId, usize, usize);
 pub struct DispatchTime {
     /// The dispatch.
     pub dispatch: Dispatch,
-    /// Milliseconds between the device's timestamps.
+    /// Milliseconds between the device's timestamps; by the clock, submission and wait included, where it has none.
     pub milliseconds: f64,
 }
 
@@ -330,9 +331,33 @@ impl Engine {
     ) -> Result<Vec<DispatchTime>, Error> {
         let dispatches = ops.iter().filter(|op| matches!(op, Op::Dispatch(_))).count();
         let timed = timed && dispatches <= TIMED_DISPATCHES as usize;
+        if timed && self.device.timestamp_bits == 0 {
+            return self.run_by_the_clock(ops, contents);
+        }
         let outcome = self.record(|engine, _, commands| engine.encode_ops(commands, ops, &contents, timed));
         outcome.map_err(|error| Self::named(error, ops))?;
         if timed { self.times(ops) } else { Ok(Vec::new()) }
+    }
+
+    /// Runs every operation in a submission of its own, timed by the clock, on a device without timestamps.
+    fn run_by_the_clock(
+        &self,
+        ops: &[Op],
+        contents: impl Fn(usize, BufferId) -> Vec<u8>,
+    ) -> Result<Vec<DispatchTime>, Error> {
+        let mut times = Vec::new();
+        for (index, op) in ops.iter().enumerate() {
+            let begin = Instant::now();
+            let (one, its_contents) = (std::slice::from_ref(op), |_, id| contents(index, id));
+            let outcome =
+                self.record(|engine, _, commands| engine.encode_ops(commands, one, &its_contents, false));
+            outcome.map_err(|error| Self::named(error, one))?;
+            if let Op::Dispatch(dispatch) = op {
+                let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
+                times.push(DispatchTime { dispatch: *dispatch, milliseconds });
+            }
+        }
+        Ok(times)
     }
 
     fn times(&self, ops: &[Op]) -> Result<Vec<DispatchTime>, Error> {
@@ -350,15 +375,20 @@ impl Engine {
         unsafe { self.device.raw.get_query_pool_results(self.queries, 0, &mut stamps, flags) }
             .map_err(call("vkGetQueryPoolResults"))?;
         let period = f64::from(self.device.limits.timestamp_period) * 1e-6;
-        Ok(dispatches
-            .into_iter()
-            .zip(stamps.chunks_exact(2))
-            .map(|(dispatch, s)| DispatchTime {
-                dispatch,
-                milliseconds: s[1].saturating_sub(s[0]) as f64 * period,
-            })
-            .collect())
+        let bits = self.device.timestamp_bits;
+        let time = |(dispatch, stamps): (Dispatch, &[u64])| DispatchTime {
+            dispatch,
+            milliseconds: ticks([stamps[0], stamps[1]], bits) as f64 * period,
+        };
+        Ok(dispatches.into_iter().zip(stamps.chunks_exact(2)).map(time).collect())
     }
+}
+
+/// Ticks between two timestamps of so many bits, which begin anew at 0 behind their end.
+fn ticks([begin, end]: [u64; 2], bits: u32) -> u64 {
+    let most = u64::MAX >> 64_u32.saturating_sub(bits).min(63);
+    let ticks = end.wrapping_sub(begin) & most;
+    if ticks > most / 2 { 0 } else { ticks } // a clock that went back
 }
 
 impl Drop for Engine {
@@ -371,5 +401,19 @@ impl Drop for Engine {
             raw.destroy_command_pool(self.pool, None);
             raw.destroy_descriptor_pool(self.descriptors, None);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ticks;
+
+    #[test]
+    fn a_timestamp_that_begins_anew_gives_the_time_all_the_same() {
+        assert_eq!(ticks([100, 130], 64), 30);
+        assert_eq!(ticks([(1 << 36) - 10, 20], 36), 30);
+        assert_eq!(ticks([u64::MAX - 9, 20], 64), 30);
+        assert_eq!(ticks([130, 100], 64), 0);
+        assert_eq!(ticks([130, 100], 36), 0);
     }
 }

@@ -145,6 +145,9 @@ impl Error {
                 Some("name another with --device or GAITWAY_DEVICE, or none for the best")
             }
             Self::OnlySoftware { .. } => Some("--backend vulkan or --device takes it all the same"),
+            Self::DeviceLost { .. } | Self::Call { result: ash::vk::Result::ERROR_DEVICE_LOST, .. } => {
+                Some("the driver stopped or was reset; the system's log says more")
+            }
             Self::AddressSpace { .. } => Some("raise the limit (ulimit -v)"),
             Self::Memory { .. } | Self::TooLarge { .. } => Some("ask for fewer agents or smaller images"),
             _ => None,

@@ -51,6 +51,30 @@ pub struct DeviceInfo {
     pub unusable: Option<String>,
 }
 
+/// A device and its driver. What was compiled, and what was found of the arithmetic, holds for all of the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) struct DriverId {
+    /// Number of the maker.
+    pub(super) vendor: u32,
+    /// The maker's number of the device.
+    pub(super) device: u32,
+    /// The driver's version, in its own form.
+    pub(super) version: u32,
+    /// Changes when the driver's compiled pipelines do.
+    pub(super) cache_uuid: [u8; vk::UUID_SIZE],
+}
+
+impl DriverId {
+    pub(super) const fn of(properties: &vk::PhysicalDeviceProperties) -> Self {
+        Self {
+            vendor: properties.vendor_id,
+            device: properties.device_id,
+            version: properties.driver_version,
+            cache_uuid: properties.pipeline_cache_uuid,
+        }
+    }
+}
+
 /// Runs around a submission. It calls its argument once, which submits and waits.
 pub(crate) type AroundSubmission = Box<dyn Fn(&mut dyn FnMut()) + Send + Sync>;
 
@@ -297,6 +321,13 @@ impl Instance {
             .iter()
             .position(|family| family.queue_flags.contains(both))
             .and_then(|i| u32::try_from(i).ok())
+    }
+
+    /// Bits of the timestamps that queues of a family write; 0 where they write none.
+    pub(crate) fn timestamp_bits(&self, device: vk::PhysicalDevice, family: u32) -> u32 {
+        // SAFETY: the device came from this instance.
+        let families = unsafe { self.raw.get_physical_device_queue_family_properties(device) };
+        families.get(family as usize).map_or(0, |family| family.timestamp_valid_bits)
     }
 }
 

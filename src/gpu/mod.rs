@@ -19,6 +19,7 @@
 
 pub mod arithmetic;
 mod buffer;
+mod cache;
 mod device;
 mod engine;
 mod error;
@@ -33,6 +34,7 @@ mod validation;
 mod wanted;
 
 pub use buffer::{Buffer, Memory};
+pub use cache::CACHE_VARIABLE;
 pub use device::Device;
 pub use engine::{DispatchTime, Engine};
 pub use error::Error;

@@ -86,7 +86,7 @@ impl Pipeline {
                 .module(module)
                 .name(&name);
             let create = [vk::ComputePipelineCreateInfo::default().layout(made.layout).stage(stage)];
-            let pipelines = raw.create_compute_pipelines(vk::PipelineCache::null(), &create, None);
+            let pipelines = raw.create_compute_pipelines(device.cache.raw(), &create, None);
             raw.destroy_shader_module(module, None);
             made.raw = pipelines
                 .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
@@ -153,7 +153,7 @@ pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
 pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
     use crate::kernels::compile::{Source, compile, fault};
     let entries = kernel.phases.iter().map(|phase| phase.entry());
-    let Some(folder) = std::env::var_os("GAITWAY_SHADERS").map(std::path::PathBuf::from) else {
+    let Some(folder) = super::arithmetic::shader_folder() else {
         return Ok(entries.map(|entry| entry.spirv.into()).collect());
     };
     let file = folder.join(kernel.name).with_extension("wgsl");

@@ -1,11 +1,11 @@
 //! What a device's own arithmetic does, measured by the kernel `arithmetic`.
 
 use super::arithmetic::{Arithmetic, Fault, Part, Wanted};
+use super::instance::DriverId;
 use super::plan::Op;
 use super::{Device, Engine, Error};
 use crate::kernels::probe::{self, Case, Class, Primitive};
 use crate::kernels::{BufferId, Dispatch, KernelId, Phase, Store};
-use ash::vk;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -42,8 +42,8 @@ fn in_words(primitive: Primitive, ulps: u32) -> String {
     }
 }
 
-/// Two devices of one key compute alike: the driver says so of its pipelines.
-type Key = (u32, u32, u32, [u8; vk::UUID_SIZE], Vec<Fault>);
+/// Two devices of one key compute alike.
+type Key = (DriverId, Vec<Fault>);
 
 /// What has been found in this process.
 static FOUND: Mutex<Vec<(Key, Probe)>> = Mutex::new(Vec::new());
@@ -54,10 +54,7 @@ impl Probe {
     /// # Errors
     /// When the device fails.
     pub fn of_native(device: &Arc<Device>) -> Result<Self, Error> {
-        // SAFETY: the physical device came from this instance.
-        let p = unsafe { device.instance.raw.get_physical_device_properties(device.physical) };
-        let faults = device.setting.faults.clone();
-        let key = (p.vendor_id, p.device_id, p.driver_version, p.pipeline_cache_uuid, faults);
+        let key = (device.driver, device.setting.faults.clone());
         let mut found = FOUND.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, probe)) = found.iter().find(|(known, _)| *known == key) {
             return Ok(probe.clone());

@@ -328,7 +328,7 @@ impl Program {
             .push_next(&mut rendering)];
         // SAFETY: every state that the pipeline needs is given and lives until the call returns.
         let made =
-            unsafe { self.device.raw.create_graphics_pipelines(vk::PipelineCache::null(), &create, None) };
+            unsafe { self.device.raw.create_graphics_pipelines(self.device.cache.raw(), &create, None) };
         let made =
             made.map_err(|(_, result)| gpu::Error::Call { call: "vkCreateGraphicsPipelines", result })?;
         Ok(made.first().copied().unwrap_or_default())

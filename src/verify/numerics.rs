@@ -1,7 +1,7 @@
 //! Whether this computer's own arithmetic is that of IEEE 754: without it there is nothing to compare a device with.
 
+use crate::hash::Hash;
 use crate::kernels::probe;
-use crate::sim::measure::Hash;
 
 /// Cases that it is tried with.
 const CASES: usize = 65_536;

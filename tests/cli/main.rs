@@ -10,7 +10,12 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[cfg(feature = "vulkan")]
+#[path = "../device/mod.rs"]
+mod device;
 
+#[cfg(feature = "vulkan")]
+mod cache;
 mod crowds;
 mod ending;
 mod odd;
@@ -18,6 +23,8 @@ mod outcomes;
 mod pictures;
 mod simulate;
 mod words;
+#[cfg(feature = "vulkan")]
+mod wrong;
 
 use common::program;
 use serde_json::Value;

@@ -13,6 +13,8 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+#[path = "../device/mod.rs"]
+mod device;
 mod devices;
 mod endurance;
 mod faults;
@@ -29,6 +31,7 @@ mod service;
 mod session;
 mod smooth;
 mod timing;
+mod wrong;
 
 use gaitway::picture::Image;
 use serde_json::Value;

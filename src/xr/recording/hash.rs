@@ -2,12 +2,13 @@
 
 use super::{Session, UserState};
 use crate::avatar::Avatar;
+use crate::hash::Hash;
 use crate::kernels::Store;
 use crate::kernels::shared::attention::{RANGE, RANGE_HYSTERESIS};
 use crate::library::GaitLibrary;
 use crate::reference::gaze::user_in_model;
 use crate::scenario::Scenario;
-use crate::sim::measure::{Hash, state_hash};
+use crate::sim::measure::state_hash;
 
 /// A hash of a session. It covers the header, the user in every step, the inputs of the crowd's gaze in every step, and the
 /// state of the crowd.
