@@ -28,7 +28,7 @@ const WINDOW: u64 = 256 << 20;
 pub(crate) struct Profile {
     /// `android-15`: the limits that Android 15 demands at least, and no optional feature.
     pub(crate) android: bool,
-    /// `vulkan-minimum`: the limits that Vulkan demands at least, but as many storage buffers as our shaders bind.
+    /// `vulkan-minimum`: the limits that Vulkan demands at least, but 8 storage buffers a stage instead of 4.
     pub(crate) minimum: bool,
     /// `discrete`: the memory types of a discrete card.
     pub(crate) discrete: bool,
@@ -87,11 +87,11 @@ impl Profile {
     }
 
     pub(crate) fn limits(&self, limits: &mut Limits) {
-        if self.android || self.minimum {
-            small(limits);
-        }
         if self.android {
-            at_most(&mut limits.per_stage, &[128, 13, 12, 128, 4, 4, 200]);
+            small(limits, [128, 13, 12, 128, 4, 4, 128]);
+        }
+        if self.minimum {
+            small(limits, [16, 12, 8, 16, 4, 4, 128]);
         }
         if self.no_timestamps {
             limits.timestamps = 0;
@@ -175,9 +175,8 @@ fn at_most<const N: usize>(limits: &mut [u32; N], most: &[u32; N]) {
     }
 }
 
-/// The limits of the table "Required Limits" of Vulkan 1.3, without the optional features. A stage may bind 4 storage
-/// buffers there; this leaves the 12 that `far.wgsl` binds.
-fn small(limits: &mut Limits) {
+/// The limits of the table "Required Limits" of Vulkan 1.3, without the optional features, and what a stage may bind.
+fn small(limits: &mut Limits, per_stage: [u32; 7]) {
     at_most(&mut limits.image_dimension, &[4096, 4096, 256, 4096, 256]);
     limits.uniform_buffer_range = limits.uniform_buffer_range.min(16 << 10);
     limits.storage_buffer_range = limits.storage_buffer_range.min(1 << 27);
@@ -185,7 +184,7 @@ fn small(limits: &mut Limits) {
     limits.memory_allocations = limits.memory_allocations.min(4096);
     limits.granularity[0] = limits.granularity[0].max(1024);
     limits.bound_descriptor_sets = limits.bound_descriptor_sets.min(4);
-    at_most(&mut limits.per_stage, &[16, 12, 12, 16, 4, 4, 128]);
+    at_most(&mut limits.per_stage, &per_stage);
     at_most(&mut limits.per_set, &[96, 72, 8, 24, 4, 96, 24, 4]);
     limits.vertex_output_components = limits.vertex_output_components.min(64);
     limits.fragment_input_components = limits.fragment_input_components.min(64);
