@@ -4,7 +4,7 @@ use super::Error;
 use super::commands::Commands;
 use super::settings::{Settings, Stereo};
 use super::target::{
-    DEPTH_FORMAT, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
+    DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
 };
 use crate::gpu::{Device, call};
 use ash::vk;
@@ -174,8 +174,8 @@ impl Attachments {
 /// The layout of the caller's image for depth, during a frame and afterwards.
 pub(super) const DEPTH_TARGET: Layout = Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
-/// Makes the caller's image for depth ready to be written.
-pub(super) fn begin_depth_target(commands: &Commands<'_>, image: vk::Image) {
+/// Makes the caller's images for depth ready to be written.
+pub(super) fn begin_depth_target(commands: &Commands<'_>, images: EyeImages) {
     // resolving depth counts as writing colour
     let stages = Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS | Stage::COLOR_ATTACHMENT_OUTPUT;
     let access = Access::DEPTH_STENCIL_ATTACHMENT_READ
@@ -183,7 +183,7 @@ pub(super) fn begin_depth_target(commands: &Commands<'_>, image: vk::Image) {
         | Access::COLOR_ATTACHMENT_WRITE;
     let from = ImageUse { stages, access: Access::NONE, layout: Layout::UNDEFINED };
     let to = ImageUse { stages, access, layout: DEPTH_TARGET };
-    commands.transition(&[Transition { image, aspect: vk::ImageAspectFlags::DEPTH, from, to }]);
+    commands.transition(&images.transitions(vk::ImageAspectFlags::DEPTH, from, to));
 }
 
 /// A depth attachment cleared to the farthest depth.
@@ -207,7 +207,7 @@ pub(super) fn area(width: u32, height: u32) -> vk::Rect2D {
 /// Views of the caller's images, one for each eye pass; made when an image is first drawn into.
 pub(super) struct EyeViews {
     device: Arc<Device>,
-    known: Vec<(vk::Image, [vk::ImageView; 2])>,
+    known: Vec<(EyeImages, [vk::ImageView; 2])>,
 }
 
 impl EyeViews {
@@ -215,28 +215,29 @@ impl EyeViews {
         Self { device: device.clone(), known: Vec::new() }
     }
 
-    /// The views of an image of one layer for each eye.
+    /// The views of the images of both eyes.
     pub(super) fn of(
         &mut self,
-        image: vk::Image,
+        images: EyeImages,
         format: vk::Format,
         settings: &Settings,
     ) -> Result<[vk::ImageView; 2], Error> {
-        if let Some((_, views)) = self.known.iter().find(|(known, _)| *known == image) {
+        if let Some((_, views)) = self.known.iter().find(|(known, _)| *known == images) {
             return Ok(*views);
         }
         let mut views = [vk::ImageView::null(); 2];
-        for (layer, view) in (0..eye_passes(settings)).zip(&mut views) {
+        for (eye_pass, view) in (0..eye_passes(settings)).zip(&mut views) {
+            let (image, layer) = images.of_eye(eye_pass);
             match self.make(image, format, (layers(settings) == 1).then_some(layer)) {
                 Ok(made) => *view = made,
                 Err(error) => {
-                    self.known.push((image, views)); // what was made goes with the rest
+                    self.known.push((images, views)); // what was made goes with the rest
                     self.clear();
                     return Err(error);
                 }
             }
         }
-        self.known.push((image, views));
+        self.known.push((images, views));
         Ok(views)
     }
 

@@ -102,7 +102,7 @@ impl Show {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 mod tests {
-    use super::super::target::{COLOR_FORMAT, GpuImage, ImageSpec};
+    use super::super::target::{COLOR_FORMAT, EyeImages, GpuImage, ImageSpec};
     use super::super::{Camera, View};
     use super::*;
     use crate::avatar::{self, Sex};
@@ -164,7 +164,7 @@ mod tests {
     }
 
     fn target(image: &GpuImage, is_copied: bool) -> Target {
-        Target { image: image.raw, view: image.view, depth: None, is_copied }
+        Target { color: EyeImages::layered(image.raw), view: image.view, depth: None, is_copied }
     }
 
     const TIMES: DrawTimes = DrawTimes { shown: 9.0, seconds: 0.02 };

@@ -71,6 +71,6 @@ pub use surface::Surface;
 pub(crate) use target::DEPTH_FORMAT;
 #[cfg(any(feature = "xr", feature = "view"))]
 pub(crate) use target::{
-    COLOR_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Transition, corners, first_layer,
+    COLOR_FORMAT, EyeImages, GpuImage, ImageSpec, ImageUse, Readback, Transition, corners, first_layer,
 };
 pub use user::{Hand, HandKind, JOINTS, Joints, Teleport, User};

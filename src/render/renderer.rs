@@ -19,9 +19,7 @@ use super::passes::{
 use super::pipelines::Setup;
 use super::settings::{Markers, Settings};
 use super::surface::Surface;
-use super::target::{
-    COLOR_FORMAT, DEPTH_FORMAT, Format, GpuImage, ImageSpec, ImageUse, Readback, Transition,
-};
+use super::target::{COLOR_FORMAT, DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Readback};
 use super::uniforms::ViewBuffers;
 use super::user::User;
 use super::{Error, Image};
@@ -30,14 +28,15 @@ use ash::vk;
 use std::sync::Arc;
 use vk::PipelineStageFlags2 as Stage;
 
-/// Images of the caller that a frame is drawn into, of one layer for each eye.
+/// Images of the caller that a frame is drawn into.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Target {
-    pub(crate) image: vk::Image,
-    /// A view of all layers of the image.
+    /// Where the colour goes.
+    pub(crate) color: EyeImages,
+    /// A view of all layers of the colour, for frames of one eye pass.
     pub(crate) view: vk::ImageView,
     /// Where the depth goes, if the caller wants it; in the layout of a depth attachment afterwards.
-    pub(crate) depth: Option<vk::Image>,
+    pub(crate) depth: Option<EyeImages>,
     /// Whether the colour is copied to the host.
     pub(crate) is_copied: bool,
 }
@@ -45,13 +44,13 @@ pub(crate) struct Target {
 /// What a frame is drawn into.
 #[derive(Debug, Clone, Copy)]
 struct Output {
-    image: vk::Image,
-    depth: Option<vk::Image>,
+    color: EyeImages,
+    depth: Option<EyeImages>,
     /// What each eye pass draws into.
     eyes: [EyeTarget; 2],
-    /// Stage that used the image last, or that waits for it.
+    /// Stage that used the colour last, or that waits for it.
     before: Stage,
-    /// How the image is used next.
+    /// How the colour is used next.
     after: ImageUse,
 }
 
@@ -244,7 +243,8 @@ impl Renderer {
         }
         let missing = || Error::NoBuffer { shader: "draw", binding: "offscreen" };
         let target = self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
-        let target = Target { image: target.0, view: target.1, depth: None, is_copied };
+        let color = EyeImages::layered(target.0);
+        let target = Target { color, view: target.1, depth: None, is_copied };
         let output = self.output(&target, Stage::COPY, ImageUse::COPY_SOURCE)?;
         let readback = self.offscreen.as_ref().map(|(_, readback)| readback).filter(|_| target.is_copied);
         let frame = self.frame(view, crowd)?;
@@ -252,7 +252,8 @@ impl Renderer {
         self.submitter.submit(|commands| {
             self.record(commands, &frame, &output)?;
             if let Some(readback) = readback {
-                readback.copy(commands.raw(), commands.buffer, target.image, vk::ImageAspectFlags::COLOR);
+                let (images, aspect) = (target.color.each(), vk::ImageAspectFlags::COLOR);
+                readback.copy(commands.raw(), commands.buffer, images, aspect);
             }
             Ok(())
         })?;
@@ -283,9 +284,9 @@ impl Renderer {
             before(commands.buffer)?;
             self.record(commands, &frame, &output)?;
             if let Some(readback) = readback {
-                let (image, aspect) = (target.image, vk::ImageAspectFlags::COLOR);
-                readback.copy(commands.raw(), commands.buffer, image, aspect);
-                commands.transition(&[Transition { image, aspect, from: copied, to: drawn }]);
+                let aspect = vk::ImageAspectFlags::COLOR;
+                readback.copy(commands.raw(), commands.buffer, target.color.each(), aspect);
+                commands.transition(&target.color.transitions(aspect, copied, drawn));
             }
             Ok(())
         })?;
@@ -302,17 +303,17 @@ impl Renderer {
 
     /// What each eye pass draws into, of the images of a target.
     fn output(&mut self, target: &Target, before: Stage, after: ImageUse) -> Result<Output, Error> {
-        let Target { image, view, depth, .. } = *target;
+        let Target { color, view, depth, .. } = *target;
         let colors = match eye_passes(&self.settings) {
             1 => [view; 2],
-            _ => self.eye_views.of(image, self.format.color, &self.settings)?,
+            _ => self.eye_views.of(color, self.format.color, &self.settings)?,
         };
         let depths = match depth {
             Some(depth) => self.eye_views.of(depth, DEPTH_FORMAT, &self.settings)?.map(Some),
             None => [None; 2],
         };
         let eyes = [0, 1].map(|eye| EyeTarget { color: colors[eye], depth: depths[eye] });
-        Ok(Output { image, depth, eyes, before, after })
+        Ok(Output { color, depth, eyes, before, after })
     }
 
     /// The first eye pass of a frame.
@@ -360,9 +361,9 @@ impl Renderer {
         });
         let drawn = ImageUse::COLOR_WRITTEN;
         let stages = output.before | drawn.stages;
-        let (image, aspect) = (output.image, vk::ImageAspectFlags::COLOR);
+        let aspect = vk::ImageAspectFlags::COLOR;
         let from = ImageUse { stages, layout: vk::ImageLayout::UNDEFINED, ..drawn };
-        commands.transition(&[Transition { image, aspect, from, to: ImageUse::COLOR_ATTACHMENT }]);
+        commands.transition(&output.color.transitions(aspect, from, ImageUse::COLOR_ATTACHMENT));
         if let Some(depth) = output.depth {
             begin_depth_target(commands, depth);
         }
@@ -370,7 +371,7 @@ impl Renderer {
             let frame = Frame { eye_pass, ..*frame };
             commands.labelled(c"gaitway.frame", || self.record_eye_pass(commands, &frame, target))?;
         }
-        commands.transition(&[Transition { image, aspect, from: drawn, to: output.after }]);
+        commands.transition(&output.color.transitions(aspect, drawn, output.after));
         let [from, to] = frame::AFTER;
         commands.barrier(from, to);
         Ok(())

@@ -128,6 +128,55 @@ impl GpuImage {
     }
 }
 
+/// Images of both eyes: layers of one image, or an image of one layer for each.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct EyeImages([vk::Image; 2]);
+
+impl EyeImages {
+    /// The layers of one image, as many as there are eyes.
+    pub(crate) const fn layered(image: vk::Image) -> Self {
+        Self([image; 2])
+    }
+
+    /// The left eye's image and the right one's, of one layer each. Frames draw one eye after the other into them.
+    #[cfg(feature = "xr")]
+    pub(crate) const fn single(images: [vk::Image; 2]) -> Self {
+        Self(images)
+    }
+
+    /// The image in whose first layer the left eye sees.
+    #[cfg(feature = "xr")]
+    pub(crate) const fn left(self) -> vk::Image {
+        self.0[0]
+    }
+
+    /// The images, each once.
+    pub(crate) fn each(&self) -> &[vk::Image] {
+        let [left, right] = self.0;
+        if left == right { &self.0[..1] } else { &self.0 }
+    }
+
+    /// An eye's image, and its layer in it.
+    pub(super) fn of_eye(self, eye: u32) -> (vk::Image, u32) {
+        let [left, right] = self.0;
+        match eye {
+            0 => (left, 0),
+            _ if left == right => (right, eye),
+            _ => (right, 0),
+        }
+    }
+
+    /// A change of the layout of all of them.
+    pub(super) fn transitions(
+        &self,
+        aspect: vk::ImageAspectFlags,
+        from: ImageUse,
+        to: ImageUse,
+    ) -> Vec<Transition> {
+        self.each().iter().map(|&image| Transition { image, aspect, from, to }).collect()
+    }
+}
+
 /// A view of one layer of an image. The caller destroys it.
 pub(crate) fn layer_view(
     device: &Device,
@@ -189,30 +238,35 @@ impl Readback {
         self.size
     }
 
-    /// Records the copy of an image of this size and number of layers, which is in the layout of a transfer's source at
-    /// the stage of copies. Once the submission was waited for, [`Readback::bytes`] has it.
+    /// Records the copy of images of this size, which have this number of layers together. They are in the layout of a
+    /// transfer's source at the stage of copies. Once the submission was waited for, [`Readback::bytes`] has them.
     pub(crate) fn copy(
         &self,
         raw: &ash::Device,
         commands: vk::CommandBuffer,
-        image: vk::Image,
+        images: &[vk::Image],
         aspect: vk::ImageAspectFlags,
     ) {
         let [width, height] = self.size;
-        let layers =
-            vk::ImageSubresourceLayers { aspect_mask: aspect, layer_count: self.layers, ..first_layer() };
-        let region = [vk::BufferImageCopy::default()
-            .image_extent(vk::Extent3D { width, height, depth: 1 })
-            .image_subresource(layers)];
+        let layer_count = self.layers / u32::try_from(images.len()).unwrap_or(1).max(1);
+        let layers = vk::ImageSubresourceLayers { aspect_mask: aspect, layer_count, ..first_layer() };
+        let bytes = u64::from(width) * u64::from(height) * 4 * u64::from(layer_count);
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::COPY)
             .src_access_mask(vk::AccessFlags2::TRANSFER_WRITE)
             .dst_stage_mask(vk::PipelineStageFlags2::HOST)
             .dst_access_mask(vk::AccessFlags2::HOST_READ)];
         let layout = vk::ImageLayout::TRANSFER_SRC_OPTIMAL;
-        // SAFETY: the image is in that layout; the buffer has room for all layers; recording has begun.
+        for (place, &image) in (0..).zip(images) {
+            let region = [vk::BufferImageCopy::default()
+                .buffer_offset(place * bytes)
+                .image_extent(vk::Extent3D { width, height, depth: 1 })
+                .image_subresource(layers)];
+            // SAFETY: the image is in that layout; the buffer has room for all layers; recording has begun.
+            unsafe { raw.cmd_copy_image_to_buffer(commands, image, layout, self.buffer.raw, &region) };
+        }
+        // SAFETY: recording has begun.
         unsafe {
-            raw.cmd_copy_image_to_buffer(commands, image, layout, self.buffer.raw, &region);
             raw.cmd_pipeline_barrier2(commands, &vk::DependencyInfo::default().memory_barriers(&barrier));
         }
     }

@@ -5,7 +5,8 @@ use super::surface::{Slot, Surface};
 use crate::gpu::{self, Buffer, Device, Memory, call};
 use crate::picture::Image;
 use crate::render::{
-    COLOR_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Target, Transition, corners, first_layer,
+    COLOR_FORMAT, EyeImages, GpuImage, ImageSpec, ImageUse, Readback, Target, Transition, corners,
+    first_layer,
 };
 use ash::vk;
 use egui_ash_renderer::allocator::DefaultAllocator;
@@ -122,7 +123,7 @@ impl Canvas {
 
     /// What the frame is drawn into; copied to the host if that is wanted.
     pub(super) const fn target(&self, is_copied: bool) -> Target {
-        Target { image: self.image.raw, view: self.image.view, depth: None, is_copied }
+        Target { color: EyeImages::layered(self.image.raw), view: self.image.view, depth: None, is_copied }
     }
 
     /// Draws the panel over the frame and shows both in the window, if it takes an image just now. Returns a copy if that is
@@ -147,7 +148,7 @@ impl Canvas {
         self.transition(self.image.raw, DRAWN, READ);
         if let Some(readback) = self.readback.as_ref().filter(|_| is_wanted) {
             let aspect = vk::ImageAspectFlags::COLOR;
-            readback.copy(&self.device.raw, self.commands, self.image.raw, aspect);
+            readback.copy(&self.device.raw, self.commands, &[self.image.raw], aspect);
         }
         if let Some(slot) = &slot {
             self.copy_to(slot);

@@ -1,5 +1,7 @@
 //! What can go wrong with the headset.
 
+use std::env::consts::OS;
+
 /// The headset cannot be used, or not any more.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -71,18 +73,9 @@ impl Error {
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {
-            Self::NoLoader(_) => Some(
-                "Debian/Ubuntu: apt install libopenxr-loader1; Fedora: dnf install openxr-libs; Arch: pacman -S openxr; \
-                 SteamVR, Meta and WiVRn bring their own",
-            ),
-            Self::NoRuntime(_) => Some(
-                "start a runtime (SteamVR, WiVRn, Meta) and make it the active one, or XR_RUNTIME_JSON names its \
-                 manifest; Debian/Ubuntu: apt install libopenxr1-monado monado-service; without a headset: \
-                 scripts/setup --xr, and prefix commands with scripts/gpu-env",
-            ),
-            Self::NoService(_) => Some(
-                "start the runtime first (Monado: monado-service, of the Debian package of that name), then try again",
-            ),
+            Self::NoLoader(_) => Some(loader_hint(OS)),
+            Self::NoRuntime(_) => Some(runtime_hint(OS)),
+            Self::NoService(_) => Some(service_hint(OS)),
             Self::Silent => Some("end the runtime's service and start it again"),
             Self::NoHeadset(_) => Some("connect the headset and wake it up, then try again"),
             _ => None,
@@ -92,6 +85,46 @@ impl Error {
     /// Whether trying again later may help.
     pub fn is_passing(&self) -> bool {
         matches!(self, Self::Lost(_) | Self::NoService(_) | Self::Silent | Self::NoHeadset(_))
+    }
+}
+
+/// What to do without a loader on this system.
+fn loader_hint(os: &str) -> &'static str {
+    match os {
+        "linux" => {
+            "the loader is a package of its own, whatever the headset: Debian/Ubuntu: apt install libopenxr-loader1; \
+             Fedora: dnf install openxr-libs; Arch: pacman -S openxr"
+        }
+        "windows" => "the loader is a part of this program: build it again, with CMake installed",
+        _ => {
+            "build the OpenXR loader (the OpenXR-SDK of Khronos) and put it where the system looks for libraries; \
+             headsets are known to have runtimes on Linux and Windows"
+        }
+    }
+}
+
+/// What to do without a runtime on this system.
+fn runtime_hint(os: &str) -> &'static str {
+    match os {
+        "windows" => {
+            "install the headset's software (SteamVR, Meta Quest Link, Virtual Desktop, Varjo Base, PICO Connect) and \
+             make it the active OpenXR runtime in its settings, or XR_RUNTIME_JSON names its manifest"
+        }
+        _ => {
+            "start a runtime (SteamVR, WiVRn, Monado) and make it the active one, or XR_RUNTIME_JSON names its \
+             manifest; Debian/Ubuntu: apt install libopenxr1-monado monado-service; without a headset: \
+             scripts/setup --xr, and prefix commands with scripts/gpu-env"
+        }
+    }
+}
+
+/// What to do on this system with a runtime that does not answer.
+fn service_hint(os: &str) -> &'static str {
+    match os {
+        "windows" => "start the headset's software first, then try again",
+        _ => {
+            "start the runtime first (Monado: monado-service, of the Debian package of that name), then try again"
+        }
     }
 }
 
@@ -112,5 +145,22 @@ pub(super) fn check(name: &'static str, result: openxr::sys::Result) -> Result<(
         openxr::sys::Result::SESSION_LOSS_PENDING => Err(Error::Lost(Loss::Session)),
         result if result.into_raw() >= 0 => Ok(()),
         result => Err(call(name)(result)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hints_name_what_the_system_has() {
+        for hint in [loader_hint, runtime_hint, service_hint] {
+            assert!(!["apt ", "Debian", "monado"].iter().any(|word| hint("windows").contains(word)));
+            assert_ne!(hint("linux"), hint("windows"));
+        }
+        assert!(loader_hint("linux").contains("libopenxr-loader1"));
+        assert!(loader_hint("windows").contains("part of this program"));
+        assert!(loader_hint("macos").contains("OpenXR-SDK"));
+        assert!(runtime_hint("windows").contains("SteamVR"));
     }
 }

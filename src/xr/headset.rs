@@ -10,17 +10,19 @@ use super::pace::{FrameTimes, Governor};
 use super::plan::{Plan, Shot};
 use super::recording::{UserState, numbers};
 use super::rig::{Rig, Terrain};
-use super::session::{Event, Eyes, Frame, Session, State};
+use super::session::{Eyes, Frame, Session, blend_name};
 use super::shared::Shared;
 use super::shown::{Crowd, Shown};
+use super::state::{Event, State};
 use super::surroundings::Surroundings;
 use super::views::Pose;
 use super::watch::Watch;
 use super::{Error, views};
 use crate::picture::Image;
-use crate::render::{DrawTimes, Hand, HandKind, Settings, Show, Target, User};
+use crate::render::{DrawTimes, EyeImages, Hand, HandKind, Settings, Show, Target, User};
 use crate::stop;
 use glam::{Vec2, Vec3};
+use openxr::EnvironmentBlendMode as BlendMode;
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -142,13 +144,14 @@ impl<'a> Headset<'a> {
         let session = Session::new(&runtime, &device, self.plan.eye_size)?;
         self.shared.heartbeat();
         let [width, height] = session.size();
-        let settings = Settings { width, height, eyes: 2, ..self.world.settings };
+        let settings = Settings { width, height, eyes: 2, stereo: session.stereo(), ..self.world.settings };
         let Surroundings { store, meshes, scenery, gaze, .. } = &self.world;
         let mut show = Show::on_device(&device, store, meshes, scenery, settings, session.format())?;
         show.set_gaze(gaze);
         self.outcome.runtime = Some(runtime.info().clone());
         self.outcome.device = show.device();
         self.outcome.takes_depth = session.takes_depth();
+        self.report_blend(session.blend());
         self.outcome.sessions += 1;
         let mut has_requested_exit = false;
         let mut running = Running { clock: Clock::default(), miniature: Miniature::default(), show, session };
@@ -196,6 +199,15 @@ impl<'a> Headset<'a> {
         }
         self.outcome.refresh_rate = session.refresh_rate()?;
         Ok(())
+    }
+
+    /// Reports, once, a display that one can see through.
+    fn report_blend(&mut self, mode: BlendMode) {
+        if mode == BlendMode::ADDITIVE && self.outcome.blend_mode != blend_name(mode) {
+            let line = "the headset's display adds its light to the room's: the crowd is see-through";
+            self.shared.leave_message(line.to_owned());
+        }
+        self.outcome.blend_mode = blend_name(mode);
     }
 
     /// Reports that the user sees the crowd: for the first time, or again.
@@ -302,7 +314,7 @@ impl Headset<'_> {
         }
         let is_copied = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
         let image = show.draw_into(&view, middle, times, &Target { is_copied, ..target })?;
-        self.reflect(running, target.image)?;
+        self.reflect(running, target.color)?;
         Ok(image.map(|image| (image, middle)))
     }
 
@@ -322,11 +334,11 @@ impl Headset<'_> {
     }
 
     /// Hands a small copy of the image to the mirror. A copy that fails closes the mirror and never ends the session.
-    fn reflect(&self, running: &mut Running, image: ash::vk::Image) -> Result<(), Error> {
+    fn reflect(&self, running: &mut Running, image: EyeImages) -> Result<(), Error> {
         let Running { show, session, miniature, .. } = running;
         let Some(mirror) = &self.plan.mirror else { return Ok(()) };
         let Some(small) = mirror.wants(session.size(), Instant::now()) else { return Ok(()) };
-        match miniature.copy(show.renderer(), image, small) {
+        match miniature.copy(show.renderer(), image.left(), small) {
             Ok(copy) => mirror.keep(copy, Instant::now()),
             // a device that is lost is the headset's matter; memory that is short is not
             Err(crate::render::Error::Gpu(error @ crate::gpu::Error::Memory { .. })) => {

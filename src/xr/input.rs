@@ -31,41 +31,78 @@ pub(super) struct Input {
     trackers: Option<Trackers>,
 }
 
-/// Interaction profile; then paths of walking stick, turning stick, teleport button, recentre button.
-const PROFILES: [(&str, [&str; 4]); 5] = [
-    (
-        "oculus/touch_controller",
-        [
-            "left/input/thumbstick",
-            "right/input/thumbstick",
-            "right/input/a/click",
-            "left/input/thumbstick/click",
-        ],
-    ),
-    (
-        "valve/index_controller",
-        [
-            "left/input/thumbstick",
-            "right/input/thumbstick",
-            "right/input/a/click",
-            "left/input/thumbstick/click",
-        ],
-    ),
-    (
-        "microsoft/motion_controller",
-        [
-            "left/input/thumbstick",
-            "right/input/thumbstick",
-            "right/input/trackpad/click",
-            "left/input/thumbstick/click",
-        ],
-    ),
+/// Which of our inputs a controller has, below `/user/hand/`.
+#[derive(Debug, Clone, Copy)]
+struct Bindings {
+    /// Sticks or pads that walk and turn.
+    sticks: Option<[&'static str; 2]>,
+    teleport: &'static str,
+    recentre: Option<&'static str>,
+}
+
+/// Sticks on both controllers, and a button A on the right one.
+const STICKS: Bindings = Bindings {
+    sticks: Some(["left/input/thumbstick", "right/input/thumbstick"]),
+    teleport: "right/input/a/click",
+    recentre: Some("left/input/thumbstick/click"),
+};
+
+/// Interaction profiles that every runtime knows.
+const PROFILES: [(&str, Bindings); 5] = [
+    ("oculus/touch_controller", STICKS),
+    ("valve/index_controller", STICKS),
+    ("microsoft/motion_controller", Bindings { teleport: "right/input/trackpad/click", ..STICKS }),
     (
         "htc/vive_controller",
-        ["left/input/trackpad", "right/input/trackpad", "right/input/trigger/click", "left/input/menu/click"],
+        Bindings {
+            sticks: Some(["left/input/trackpad", "right/input/trackpad"]),
+            teleport: "right/input/trigger/click",
+            recentre: Some("left/input/menu/click"),
+        },
     ),
-    ("khr/simple_controller", ["", "", "right/input/select/click", "left/input/menu/click"]),
+    (
+        "khr/simple_controller",
+        Bindings {
+            sticks: None,
+            teleport: "right/input/select/click",
+            recentre: Some("left/input/menu/click"),
+        },
+    ),
 ];
+
+/// Interaction profiles that runtimes know with an extension: PICO's controllers, those of the VIVE Focus 3, those of the
+/// Reverb G2, and bare hands.
+const PICO: [(&str, Bindings); 2] =
+    [("bytedance/pico4_controller", STICKS), ("bytedance/pico_neo3_controller", STICKS)];
+const FOCUS: [(&str, Bindings); 1] = [("htc/vive_focus3_controller", STICKS)];
+const REVERB: [(&str, Bindings); 1] = [("hp/mixed_reality_controller", STICKS)];
+/// A hand that pinches, or whatever else the runtime takes for choosing what it points at, teleports. Nothing else is bound:
+/// hands do much by chance.
+const HANDS: [(&str, Bindings); 1] = [(
+    "ext/hand_interaction_ext",
+    Bindings { sticks: None, teleport: "right/input/aim_activate_ext/value", recentre: None },
+)];
+
+/// The extensions with which runtimes know more profiles.
+pub(super) fn ask_for_profiles(useful: &mut xr::ExtensionSet) {
+    useful.bd_controller_interaction = true;
+    useful.htc_vive_focus3_controller_interaction = true;
+    useful.ext_hp_mixed_reality_controller = true;
+    useful.ext_hand_interaction = true;
+}
+
+/// The profiles that a runtime with these extensions knows.
+fn profiles(known: &xr::InstanceExtensions) -> Vec<(&'static str, Bindings)> {
+    let mut found = PROFILES.to_vec();
+    let mut extend = |is_known: bool, more: &[(&'static str, Bindings)]| {
+        found.extend(more.iter().filter(|_| is_known));
+    };
+    extend(known.bd_controller_interaction.is_some(), &PICO);
+    extend(known.htc_vive_focus3_controller_interaction.is_some(), &FOCUS);
+    extend(known.ext_hp_mixed_reality_controller.is_some(), &REVERB);
+    extend(known.ext_hand_interaction.is_some(), &HANDS);
+    found
+}
 
 impl Input {
     /// Makes the actions and hands them to the session; once per session.
@@ -88,15 +125,19 @@ impl Input {
             set.create_action("aim", "Point", &hands).map_err(call("xrCreateAction"))?;
         let grip: xr::Action<xr::Posef> =
             set.create_action("grip", "Hold", &hands).map_err(call("xrCreateAction"))?;
-        for (profile, [walks, turns, teleports, recentres]) in PROFILES {
+        for (profile, Bindings { sticks, teleport: teleports, recentre: recentres }) in
+            profiles(instance.exts())
+        {
             let mut bindings = Vec::new();
             let hand = |rest: &str| path(&format!("/user/hand/{rest}"));
-            if !walks.is_empty() {
+            if let Some([walks, turns]) = sticks {
                 bindings.push(xr::Binding::new(&walk, hand(walks)?));
                 bindings.push(xr::Binding::new(&turn, hand(turns)?));
             }
             bindings.push(xr::Binding::new(&teleport, hand(teleports)?));
-            bindings.push(xr::Binding::new(&recentre, hand(recentres)?));
+            if let Some(recentres) = recentres {
+                bindings.push(xr::Binding::new(&recentre, hand(recentres)?));
+            }
             bindings.push(xr::Binding::new(&aim, hand("left/input/aim/pose")?));
             bindings.push(xr::Binding::new(&aim, hand("right/input/aim/pose")?));
             bindings.push(xr::Binding::new(&grip, hand("left/input/grip/pose")?));

@@ -63,7 +63,7 @@ impl Miniature {
             }
             commands
                 .transition(&[change(from, source, drawn), change(small.raw, target, ImageUse::COPY_SOURCE)]);
-            readback.copy(commands.raw(), commands.buffer, small.raw, aspect);
+            readback.copy(commands.raw(), commands.buffer, &[small.raw], aspect);
             Ok(())
         })?;
         let image = readback.image();

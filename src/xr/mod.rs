@@ -49,6 +49,7 @@ mod runtime;
 mod session;
 mod shared;
 mod shown;
+mod state;
 mod surroundings;
 mod survey;
 mod swapchain;
@@ -70,7 +71,7 @@ pub use rig::Rig;
 #[doc(hidden)]
 pub use rig::{Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
-pub use session::State;
+pub use state::State;
 pub use survey::{Survey, survey};
 
 /// Silences the OpenXR loader on standard error, since [`Error`] says the same in one line; `XR_LOADER_DEBUG` wins. Call it

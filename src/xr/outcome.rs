@@ -26,6 +26,8 @@ pub struct Outcome {
     pub refresh_rate: Option<f32>,
     /// Refresh rates on offer, Hz.
     pub refresh_rates: Vec<f32>,
+    /// How the display blends frames with the room: `opaque`, `additive` or `alpha-blend`.
+    pub blend_mode: &'static str,
     /// Whether the runtime takes the depth of frames.
     pub takes_depth: bool,
     /// Triangles of the images that the lenses hide and nothing is drawn in, left and right.

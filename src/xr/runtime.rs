@@ -1,6 +1,7 @@
 //! The OpenXR runtime of this machine, and a Vulkan device made through it.
 
 use super::error::{Error, call};
+use super::input::ask_for_profiles;
 use super::watch::DeviceWaits;
 use crate::gpu::instance::{AroundSubmission, Maker};
 use crate::gpu::{self, Device, Validation};
@@ -48,9 +49,7 @@ impl Runtime {
     /// # Errors
     /// Which part is missing: loader, runtime, service, an extension, a headset, or a second eye.
     pub fn open() -> Result<Self, Error> {
-        // SAFETY: loads the system's OpenXR loader, whose initialisers have no requirements on us.
-        let entry = unsafe { xr::Entry::load(&()) }.map_err(|error| Error::NoLoader(error.to_string()))?;
-        Self::through(&entry)
+        Self::through(&loader_of_system()?)
     }
 
     /// Like [`Runtime::open`], through an entry point of the caller, such as one that plants faults.
@@ -70,6 +69,7 @@ impl Runtime {
         useful.khr_composition_layer_depth = true;
         useful.khr_visibility_mask = true;
         useful.ext_hand_tracking = true;
+        ask_for_profiles(&mut useful);
         let wanted = useful.intersection(&known);
         let application = xr::ApplicationInfo {
             application_name: "gaitway",
@@ -130,6 +130,17 @@ impl Runtime {
         let maker = ThroughRuntime { instance, system: self.system, waits };
         Ok(Device::made_by(&maker, &gpu::Wanted::Best, validation)?)
     }
+}
+
+/// The OpenXR loader. On Windows it is a part of this program, since applications bring it there; elsewhere it belongs to the
+/// system.
+fn loader_of_system() -> Result<xr::Entry, Error> {
+    #[cfg(windows)]
+    let entry = xr::Entry::linked(&());
+    #[cfg(not(windows))]
+    // SAFETY: loads the system's OpenXR loader, whose initialisers have no requirements on us.
+    let entry = unsafe { xr::Entry::load(&()) };
+    entry.map_err(|error| Error::NoLoader(error.to_string()))
 }
 
 /// Makes Vulkan's instance and device through the runtime, which adds the extensions that it needs.

@@ -7,63 +7,20 @@ use super::error::{Error, Loss, call, check};
 use super::hidden::Hidden;
 use super::input::Input;
 use super::runtime::{Runtime, STEREO, handle};
-use super::swapchain::Swapchain;
+use super::state::{Event, State};
+use super::swapchain::{EyeChains, ImageKind};
 use super::views::{NEAR, Pose};
 use super::watch::DeviceWaits;
 use crate::gpu::Device;
-use crate::render::{DEPTH_FORMAT, Target};
+use crate::render::{DEPTH_FORMAT, Stereo, Target};
 use ash::vk;
 use openxr as xr;
+use openxr::EnvironmentBlendMode as BlendMode;
 use std::sync::Arc;
 use std::time::Duration;
 
 /// Formats that images may have, best first: all with the sRGB curve, since shaders write linear light.
 const FORMATS: [vk::Format; 2] = [vk::Format::R8G8B8A8_SRGB, vk::Format::B8G8R8A8_SRGB];
-
-/// Where a session stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub enum State {
-    /// Not begun.
-    Idle,
-    /// May begin.
-    Ready,
-    /// Frames are in step, nothing is seen.
-    Synchronized,
-    /// Seen, but another application has the input.
-    Visible,
-    /// Seen, with input.
-    Focused,
-    /// Shall end.
-    Stopping,
-    /// Is over, as requested.
-    Exiting,
-}
-
-impl State {
-    /// Lower-case name.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Idle => "idle",
-            Self::Ready => "ready",
-            Self::Synchronized => "synchronized",
-            Self::Visible => "visible",
-            Self::Focused => "focused",
-            Self::Stopping => "stopping",
-            Self::Exiting => "exiting",
-        }
-    }
-}
-
-/// What happened since the last look.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Event {
-    /// A new state.
-    State(State),
-    /// The user has recentred the view.
-    Recentred,
-    /// The display's refresh rate is another one now, Hz.
-    Rate(f32),
-}
 
 /// A frame that was begun and must be ended.
 #[derive(Debug, Clone, Copy)]
@@ -87,10 +44,10 @@ pub(super) struct Eyes {
 /// A session; dropping it ends it and gives everything back.
 pub(super) struct Session {
     // In the order in which they must go: views of images, swapchains, spaces, the session itself.
-    /// Images of the swapchain to draw into: layer 0 is the left eye, layer 1 the right one.
-    targets: Vec<Target>,
-    color: Swapchain,
-    depth: Option<Swapchain>,
+    /// Views of both layers of the images to draw into, where they have two.
+    views: Vec<(vk::Image, vk::ImageView)>,
+    color: EyeChains,
+    depth: Option<EyeChains>,
     hidden: Hidden,
     room: xr::Space,
     head: xr::Space,
@@ -101,7 +58,7 @@ pub(super) struct Session {
     instance: xr::Instance,
     device: Arc<Device>,
     device_waits: DeviceWaits,
-    blend: xr::EnvironmentBlendMode,
+    blend: BlendMode,
     format: vk::Format,
     state: State,
     is_running: bool,
@@ -157,33 +114,31 @@ impl Session {
     ) -> Result<Self, Error> {
         let instance = runtime.instance.clone();
         let (session, waiter, stream) = create(runtime, device)?;
-        let blend = *instance
+        let lacks =
+            |what: &str| Error::Lacks { runtime: runtime.info().runtime.clone(), what: what.to_owned() };
+        let modes = instance
             .enumerate_environment_blend_modes(runtime.system, STEREO)
-            .map_err(call("xrEnumerateEnvironmentBlendModes"))?
-            .first()
-            .unwrap_or(&xr::EnvironmentBlendMode::OPAQUE);
+            .map_err(call("xrEnumerateEnvironmentBlendModes"))?;
+        let blend = blend(&modes).ok_or_else(|| lacks("an environment blend mode"))?;
         let room = room(&session)?;
         let head = session
             .create_reference_space(xr::ReferenceSpaceType::VIEW, xr::Posef::IDENTITY)
             .map_err(call("xrCreateReferenceSpace"))?;
         let known = session.enumerate_swapchain_formats().map_err(call("xrEnumerateSwapchainFormats"))?;
         let format = FORMATS.into_iter().find(|format| offers(&known, *format));
-        let format = format.ok_or_else(|| Error::Lacks {
-            runtime: runtime.info().runtime.clone(),
-            what: "an sRGB image format of eight bits".to_owned(),
-        })?;
+        let format = format.ok_or_else(|| lacks("an sRGB image format of eight bits"))?;
         let size = size.unwrap_or(runtime.info().eye_size);
         let uses = xr::SwapchainUsageFlags::COLOR_ATTACHMENT | xr::SwapchainUsageFlags::TRANSFER_SRC;
-        let color = Swapchain::new(&session, device, format, size, uses)?;
+        let color = EyeChains::new(&session, device, ImageKind { format, size, uses })?;
         // our depth is of one format, and goes along only where the runtime takes it
         let takes_depth =
             instance.exts().khr_composition_layer_depth.is_some() && offers(&known, DEPTH_FORMAT);
         let uses = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
-        let depth =
-            takes_depth.then(|| Swapchain::new(&session, device, DEPTH_FORMAT, size, uses)).transpose()?;
+        let kind = ImageKind { format: DEPTH_FORMAT, size, uses };
+        let depth = takes_depth.then(|| color.beside(&session, device, kind)).transpose()?;
         let input = Input::new(&instance, runtime.system, &session)?;
         let mut made = Self {
-            targets: Vec::new(),
+            views: Vec::new(),
             color,
             depth,
             hidden: Hidden::default(),
@@ -201,15 +156,16 @@ impl Session {
             state: State::Idle,
             is_running: false,
         };
-        for image in made.color.images().to_vec() {
-            let target = made.target(image)?;
-            made.targets.push(target);
+        for image in made.color.layered().to_vec() {
+            let view = made.view(image)?;
+            made.views.push((image, view));
         }
         made.look_for_hidden()?;
         Ok(made)
     }
 
-    fn target(&self, image: vk::Image) -> Result<Target, Error> {
+    /// A view of both layers of an image.
+    fn view(&self, image: vk::Image) -> Result<vk::ImageView, Error> {
         let create = vk::ImageViewCreateInfo::default()
             .image(image)
             .format(self.format)
@@ -222,20 +178,32 @@ impl Session {
                 layer_count: 2,
             });
         // SAFETY: the image belongs to the swapchain, which outlives the view.
-        let view = unsafe { self.device.raw.create_image_view(&create, None) }
-            .map_err(crate::gpu::call("vkCreateImageView"))?;
-        Ok(Target { image, view, depth: None, is_copied: false })
+        let view = unsafe { self.device.raw.create_image_view(&create, None) };
+        Ok(view.map_err(crate::gpu::call("vkCreateImageView"))?)
     }
 
     /// How long the device and images of the swapchain were waited for so far.
     pub(super) fn waited(&self) -> Duration {
-        let depth = self.depth.as_ref().map_or(Duration::ZERO, |depth| depth.waited);
-        self.color.waited + depth + self.device_waits.sum()
+        let depth = self.depth.as_ref().map_or(Duration::ZERO, EyeChains::waited);
+        self.color.waited() + depth + self.device_waits.sum()
     }
 
     /// Pixels of one eye.
     pub(super) fn size(&self) -> [u32; 2] {
         self.color.size()
+    }
+
+    /// How both eyes are drawn: one pass needs both in one image.
+    pub(super) fn stereo(&self) -> Stereo {
+        match self.color {
+            EyeChains::Layered(_) => Stereo::Auto,
+            EyeChains::Single(_) => Stereo::TwoPasses,
+        }
+    }
+
+    /// How the display blends pictures with the world behind it.
+    pub(super) const fn blend(&self) -> BlendMode {
+        self.blend
     }
 
     /// Whether the runtime takes the depth of frames.
@@ -389,25 +357,19 @@ impl Session {
         }
     }
 
-    /// An image to draw into.
+    /// Images to draw into.
     pub(super) fn acquire(&mut self) -> Result<Target, Error> {
-        let index = self.color.acquire()?;
-        let depth = match &mut self.depth {
-            Some(depth) => {
-                let index = depth.acquire()?;
-                depth.images().get(index).copied()
-            }
-            None => None,
-        };
-        let fault = xr::sys::Result::ERROR_RUNTIME_FAILURE;
-        let target = self.targets.get(index).map(|target| Target { depth, ..*target });
-        target.ok_or(Error::Call { call: "xrAcquireSwapchainImage", result: fault })
+        let color = self.color.acquire()?;
+        let depth = self.depth.as_mut().map(EyeChains::acquire).transpose()?;
+        let view = self.views.iter().find(|(image, _)| color.each() == [*image]);
+        let view = view.map_or(vk::ImageView::null(), |(_, view)| *view);
+        Ok(Target { color, view, depth, is_copied: false })
     }
 
     /// Gives the images back that were acquired last; they must be in the layouts of attachments.
     pub(super) fn release(&mut self) -> Result<(), Error> {
         self.color.release()?;
-        self.depth.as_mut().map_or(Ok(()), Swapchain::release)
+        self.depth.as_mut().map_or(Ok(()), EyeChains::release)
     }
 
     /// Ends the frame: with the image that was drawn for these eyes, or without one.
@@ -428,12 +390,12 @@ impl Session {
         let depth_of =
             |eye: usize| depths.as_ref().map_or(std::ptr::null(), |depths| (&raw const depths[eye]).cast());
         let views = |eyes: &Eyes| {
-            [0, 1].map(|eye: u8| xr::sys::CompositionLayerProjectionView {
+            [0, 1].map(|eye: usize| xr::sys::CompositionLayerProjectionView {
                 ty: xr::sys::CompositionLayerProjectionView::TYPE,
-                next: depth_of(usize::from(eye)),
-                pose: eyes.views[usize::from(eye)].pose,
-                fov: eyes.views[usize::from(eye)].fov,
-                sub_image: self.color.of_eye(u32::from(eye)),
+                next: depth_of(eye),
+                pose: eyes.views[eye].pose,
+                fov: eyes.views[eye].fov,
+                sub_image: self.color.of_eye(eye),
             })
         };
         let views = eyes.map(views);
@@ -459,6 +421,23 @@ impl Session {
     }
 }
 
+/// The blend mode of frames among those that the runtime offers, best first: opaque, or what the runtime likes best. A
+/// display that one can see through has no opaque one.
+fn blend(offered: &[BlendMode]) -> Option<BlendMode> {
+    let opaque = BlendMode::OPAQUE;
+    if offered.contains(&opaque) { Some(opaque) } else { offered.first().copied() }
+}
+
+/// Lower-case name of a blend mode.
+pub(super) const fn blend_name(mode: BlendMode) -> &'static str {
+    match mode {
+        BlendMode::OPAQUE => "opaque",
+        BlendMode::ADDITIVE => "additive",
+        BlendMode::ALPHA_BLEND => "alpha-blend",
+        _ => "unknown",
+    }
+}
+
 /// The space in which the user walks: the floor under them if the runtime knows it.
 fn room(session: &xr::Session<xr::Vulkan>) -> Result<xr::Space, Error> {
     let known = session.enumerate_reference_spaces().map_err(call("xrEnumerateReferenceSpaces"))?;
@@ -476,9 +455,23 @@ impl Drop for Session {
         // SAFETY: nothing is being drawn: every submission was waited for. Views go before their images.
         unsafe {
             let _ = self.device.raw.device_wait_idle();
-            for target in self.targets.drain(..) {
-                self.device.raw.destroy_image_view(target.view, None);
+            for (_, view) in self.views.drain(..) {
+                self.device.raw.destroy_image_view(view, None);
             }
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frames_are_opaque_wherever_the_runtime_has_that() {
+        const OPAQUE: BlendMode = BlendMode::OPAQUE;
+        const ADDITIVE: BlendMode = BlendMode::ADDITIVE;
+        assert_eq!(blend(&[BlendMode::ALPHA_BLEND, ADDITIVE, OPAQUE]), Some(OPAQUE));
+        assert_eq!(blend(&[ADDITIVE, BlendMode::ALPHA_BLEND]), Some(ADDITIVE));
+        assert_eq!(blend(&[]), None);
     }
 }

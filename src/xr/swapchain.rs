@@ -1,10 +1,13 @@
 //! Images that are shared with the runtime: drawn into here, shown there.
 //!
+//! Both eyes share one swapchain of two layers, so that one pass can draw them. A runtime that has none of two layers gets a
+//! swapchain for each eye.
 //! Where the safe wrapper loses a success code that matters (a timeout) the raw call is made instead.
 
 use super::error::{Error, call, check};
 use super::watch::Watch;
 use crate::gpu::Device;
+use crate::render::EyeImages;
 use ash::vk::{self, Handle as _};
 use openxr as xr;
 use std::sync::Arc;
@@ -13,25 +16,134 @@ use std::time::Duration;
 /// Longest wait for an image. The runtime's compositor gives one back every few periods.
 const IMAGE_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Images of one layer per eye.
+/// What images are to be.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ImageKind {
+    pub(super) format: vk::Format,
+    /// Pixels of one eye.
+    pub(super) size: [u32; 2],
+    /// Uses beside being sampled by the compositor.
+    pub(super) uses: xr::SwapchainUsageFlags,
+}
+
+/// The images of both eyes.
+pub(super) enum EyeChains {
+    /// Two layers of one swapchain.
+    Layered(Swapchain),
+    /// A swapchain for each eye.
+    Single([Swapchain; 2]),
+}
+
+impl EyeChains {
+    /// Makes layered images, or single ones where the runtime refuses those.
+    pub(super) fn new(
+        session: &xr::Session<xr::Vulkan>,
+        device: &Arc<Device>,
+        kind: ImageKind,
+    ) -> Result<Self, Error> {
+        match Swapchain::new(session, device, kind, 2) {
+            Ok(chain) => Ok(Self::Layered(chain)),
+            Err(Error::Call { .. }) => Self::single(session, device, kind),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// Makes images of another kind, layered or single as these are.
+    pub(super) fn beside(
+        &self,
+        session: &xr::Session<xr::Vulkan>,
+        device: &Arc<Device>,
+        kind: ImageKind,
+    ) -> Result<Self, Error> {
+        match self {
+            Self::Layered(_) => Swapchain::new(session, device, kind, 2).map(Self::Layered),
+            Self::Single(_) => Self::single(session, device, kind),
+        }
+    }
+
+    fn single(
+        session: &xr::Session<xr::Vulkan>,
+        device: &Arc<Device>,
+        kind: ImageKind,
+    ) -> Result<Self, Error> {
+        let one = || Swapchain::new(session, device, kind, 1);
+        Ok(Self::Single([one()?, one()?]))
+    }
+
+    /// The images of two layers: none where each eye has its own.
+    pub(super) fn layered(&self) -> &[vk::Image] {
+        match self {
+            Self::Layered(chain) => &chain.images,
+            Self::Single(_) => &[],
+        }
+    }
+
+    /// Pixels of one eye.
+    pub(super) fn size(&self) -> [u32; 2] {
+        let (Self::Layered(chain) | Self::Single([chain, _])) = self;
+        chain.size
+    }
+
+    /// How long images were waited for.
+    pub(super) fn waited(&self) -> Duration {
+        match self {
+            Self::Layered(chain) => chain.waited,
+            Self::Single([left, right]) => left.waited + right.waited,
+        }
+    }
+
+    /// Images to draw into. No others are held: every `acquire` is followed by `release`, or the session is given up.
+    pub(super) fn acquire(&mut self) -> Result<EyeImages, Error> {
+        Ok(match self {
+            Self::Layered(chain) => EyeImages::layered(chain.acquire()?),
+            Self::Single([left, right]) => EyeImages::single([left.acquire()?, right.acquire()?]),
+        })
+    }
+
+    /// Gives the images back that were acquired last; they must be in the layout of an attachment.
+    pub(super) fn release(&mut self) -> Result<(), Error> {
+        match self {
+            Self::Layered(chain) => chain.release(),
+            Self::Single(chains) => chains.iter_mut().try_for_each(Swapchain::release),
+        }
+    }
+
+    /// An eye's part of the images that were released last.
+    pub(super) fn of_eye(&self, eye: usize) -> xr::sys::SwapchainSubImage {
+        let [width, height] = self.size().map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+        let (chain, layer) = match self {
+            Self::Layered(chain) => (chain, u32::from(eye != 0)),
+            Self::Single([left, right]) => (if eye == 0 { left } else { right }, 0),
+        };
+        xr::sys::SwapchainSubImage {
+            swapchain: chain.chain.as_raw(),
+            image_rect: xr::Rect2Di {
+                offset: xr::Offset2Di { x: 0, y: 0 },
+                extent: xr::Extent2Di { width, height },
+            },
+            image_array_index: layer,
+        }
+    }
+}
+
+/// One swapchain.
 pub(super) struct Swapchain {
     chain: xr::Swapchain<xr::Vulkan>,
     images: Vec<vk::Image>,
     size: [u32; 2],
     device: Arc<Device>,
     /// How long images were waited for.
-    pub(super) waited: Duration,
+    waited: Duration,
 }
 
 impl Swapchain {
-    /// Makes images of a format, `size` pixels for each eye, for these uses beside being sampled by the compositor.
-    pub(super) fn new(
+    fn new(
         session: &xr::Session<xr::Vulkan>,
         device: &Arc<Device>,
-        format: vk::Format,
-        size: [u32; 2],
-        uses: xr::SwapchainUsageFlags,
+        kind: ImageKind,
+        layers: u32,
     ) -> Result<Self, Error> {
+        let ImageKind { format, size, uses } = kind;
         let chain = {
             let _queue = device.hold_queue();
             session
@@ -43,7 +155,7 @@ impl Swapchain {
                     width: size[0],
                     height: size[1],
                     face_count: 1,
-                    array_size: 2,
+                    array_size: layers,
                     mip_count: 1,
                 })
                 .map_err(call("xrCreateSwapchain"))?
@@ -53,19 +165,7 @@ impl Swapchain {
         Ok(Self { chain, images, size, device: device.clone(), waited: Duration::ZERO })
     }
 
-    /// The images.
-    pub(super) fn images(&self) -> &[vk::Image] {
-        &self.images
-    }
-
-    /// Pixels of one eye.
-    pub(super) fn size(&self) -> [u32; 2] {
-        self.size
-    }
-
-    /// Number of an image to draw into. No image of it is held: every `acquire` is followed by `release`, or the session is
-    /// given up.
-    pub(super) fn acquire(&mut self) -> Result<usize, Error> {
+    fn acquire(&mut self) -> Result<vk::Image, Error> {
         let _queue = self.device.hold_queue();
         let raw = self.chain.as_raw();
         let fp = self.chain.instance().fp();
@@ -85,30 +185,15 @@ impl Swapchain {
             check("xrWaitSwapchainImage", (fp.wait_swapchain_image)(raw, &raw const wait))?;
             self.waited += watch.idle();
         }
-        let index = index as usize;
         let fault = xr::sys::Result::ERROR_RUNTIME_FAILURE;
-        let is_known = index < self.images.len();
-        is_known.then_some(index).ok_or(Error::Call { call: "xrAcquireSwapchainImage", result: fault })
+        let image = self.images.get(index as usize).copied();
+        image.ok_or(Error::Call { call: "xrAcquireSwapchainImage", result: fault })
     }
 
-    /// Gives the image back that was acquired last; it must be in the layout of an attachment.
-    pub(super) fn release(&mut self) -> Result<(), Error> {
+    fn release(&mut self) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
         let release = self.chain.instance().fp().release_swapchain_image;
         // SAFETY: an image was acquired and waited for, and the device has finished with it.
         check("xrReleaseSwapchainImage", unsafe { release(self.chain.as_raw(), std::ptr::null()) })
-    }
-
-    /// An eye's part of the image that was released last.
-    pub(super) fn of_eye(&self, eye: u32) -> xr::sys::SwapchainSubImage {
-        let [width, height] = self.size.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
-        xr::sys::SwapchainSubImage {
-            swapchain: self.chain.as_raw(),
-            image_rect: xr::Rect2Di {
-                offset: xr::Offset2Di { x: 0, y: 0 },
-                extent: xr::Extent2Di { width, height },
-            },
-            image_array_index: eye,
-        }
     }
 }

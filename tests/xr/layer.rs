@@ -3,8 +3,8 @@
 //! Compiled a second time, by [`super::service::layer`], as a library that the OpenXR loader puts between the program and
 //! the runtime: the program under test is the one that users run. `GAITWAY_FAULT=NAME@N` strikes at the N-th call of the
 //! function concerned, `NAME@N+` at that one and all later ones. It also watches the frames: what their times and poses are
-//! (`GAITWAY_FRAMES`, see [`Watched`]) and what goes along with the first picture (`GAITWAY_SEEN`). Interface: "OpenXR Loader - Design and Operation", API
-//! layer negotiation.
+//! (`GAITWAY_FRAMES`), what goes along with the first picture (`GAITWAY_SEEN`) and which inputs are bound
+//! (`GAITWAY_SUGGESTED`). Interface: "OpenXR Loader - Design and Operation", API layer negotiation.
 #![allow(
     unsafe_code,
     non_snake_case,
@@ -16,10 +16,16 @@
     reason = "the C interface of a loader, which the loader calls as its specification says"
 )]
 
+#[path = "layer/fakes.rs"]
+mod fakes;
+#[path = "layer/frames.rs"]
+mod frames;
+
+use frames::{EndInfo, FrameState, Located, look_at, watch};
 use std::ffi::{CStr, c_char, c_void};
 use std::mem::transmute;
+use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, AtomicU64, Ordering};
-use std::sync::{Mutex, OnceLock, PoisonError};
 
 type Code = i32;
 type Function = unsafe extern "system" fn();
@@ -32,6 +38,7 @@ type Plain = unsafe extern "system" fn(u64, *const c_void, *mut c_void) -> Code;
 const TIMEOUT_EXPIRED: Code = 1;
 const LOSS_PENDING: Code = 3;
 const ERROR_RUNTIME_FAILURE: Code = -2;
+const ERROR_FEATURE_UNSUPPORTED: Code = -8;
 const ERROR_INSTANCE_LOST: Code = -13;
 const ERROR_SESSION_LOST: Code = -17;
 
@@ -89,8 +96,6 @@ static END_FRAME: Behind = Behind::new();
 static WAIT_IMAGE: Behind = Behind::new();
 static LOCATE_VIEWS: Behind = Behind::new();
 static REQUEST_EXIT: Behind = Behind::new();
-static MASK: Behind = Behind::new();
-static FORMATS: Behind = Behind::new();
 /// The session, as passed to xrEndFrame.
 static SESSION: AtomicU64 = AtomicU64::new(0);
 
@@ -156,13 +161,14 @@ unsafe extern "system" fn get_proc(instance: u64, name: *const c_char, out: *mut
             b"xrEndFrame" => (&END_FRAME, end_frame as *const c_void),
             b"xrWaitSwapchainImage" => (&WAIT_IMAGE, wait_image as *const c_void),
             b"xrLocateViews" => (&LOCATE_VIEWS, locate_views as *const c_void),
-            b"xrGetVisibilityMaskKHR" => (&MASK, mask as *const c_void),
-            b"xrEnumerateSwapchainFormats" => (&FORMATS, formats as *const c_void),
             b"xrRequestExitSession" => {
                 REQUEST_EXIT.0.store(found as *mut c_void, Ordering::Release);
                 return code;
             }
-            _ => return code,
+            name => match fakes::ours(name) {
+                Some(faked) => faked,
+                None => return code,
+            },
         };
         behind.0.store(found as *mut c_void, Ordering::Release);
         *out = Some(transmute::<*const c_void, Function>(ours));
@@ -233,229 +239,20 @@ unsafe extern "system" fn begin_frame(session: u64, info: *const c_void) -> Code
     unsafe { BEGIN_FRAME.function::<unsafe extern "system" fn(u64, *const c_void) -> Code>()(session, info) }
 }
 
-unsafe extern "system" fn end_frame(session: u64, info: *const c_void) -> Code {
+unsafe extern "system" fn end_frame(session: u64, info: *const EndInfo) -> Code {
     SESSION.store(session, Ordering::Relaxed);
     unsafe {
-        look_at(info.cast());
-        watch(|watched| watched.ends(&*info.cast()));
-        let code =
-            END_FRAME.function::<unsafe extern "system" fn(u64, *const c_void) -> Code>()(session, info);
+        look_at(info);
+        watch(|watched| watched.ends(&*info));
+        // what a faked display is shown, Monado shows as its own kind does
+        let shown = if fault().0 == "no-opaque" { (*info).blended(fakes::OPAQUE) } else { *info };
+        type End = unsafe extern "system" fn(u64, *const EndInfo) -> Code;
+        let code = END_FRAME.function::<End>()(session, &raw const shown);
         match code {
             0 if strikes("loss-pending-at-end") => LOSS_PENDING,
             0 if strikes("instance-lost-at-end") => ERROR_INSTANCE_LOST,
             code => code,
         }
-    }
-}
-
-/// What the frames of a session say of time and place. One line to the file that `GAITWAY_FRAMES` names with each picture:
-/// how many there were, how many different poses their left eyes had, and the first fault.
-#[derive(Default)]
-struct Watched {
-    /// What xrWaitFrame predicted last, ns.
-    display: i64,
-    /// Display time, space, and pose and field of view of each eye, as xrLocateViews gave them last.
-    views: Option<(i64, u64, Vec<[u32; 11]>)>,
-    pictures: u32,
-    poses: std::collections::BTreeSet<[u32; 11]>,
-    fault: Option<String>,
-}
-
-/// Pose and field of view, bit for bit.
-fn bits(pose: &[f32; 7], fov: &[f32; 4]) -> [u32; 11] {
-    std::array::from_fn(|i| if i < 7 { pose[i].to_bits() } else { fov[i - 7].to_bits() })
-}
-
-impl Watched {
-    fn wrong(&mut self, what: String) {
-        self.fault.get_or_insert(what);
-    }
-
-    fn located(&mut self, info: &LocateInfo, views: &[Located]) {
-        if info.time != self.display {
-            self.wrong(format!("views located for {} ns, display predicted for {}", info.time, self.display));
-        }
-        self.views =
-            Some((info.time, info.space, views.iter().map(|view| bits(&view.pose, &view.fov)).collect()));
-    }
-
-    unsafe fn ends(&mut self, info: &EndInfo) {
-        if info.time != self.display {
-            self.wrong(format!("frame ends for {} ns, display predicted for {}", info.time, self.display));
-        }
-        for layer in 0..info.count as usize {
-            let layer = unsafe { &**info.layers.add(layer) };
-            if layer.kind != PROJECTION {
-                continue;
-            }
-            let views = unsafe { std::slice::from_raw_parts(layer.views, layer.count as usize) };
-            let shown: Vec<[u32; 11]> = views.iter().map(|view| bits(&view.pose, &view.fov)).collect();
-            if self.views.as_ref() != Some(&(info.time, layer.space, shown.clone())) {
-                self.wrong(format!("picture {} is of other views than were located for it", self.pictures));
-            }
-            self.pictures += 1;
-            self.poses.extend(shown.first());
-        }
-        let fault = self.fault.as_deref().unwrap_or("none");
-        let told = format!("{} pictures, {} poses, fault: {fault}\n", self.pictures, self.poses.len());
-        if let Some(file) = std::env::var_os("GAITWAY_FRAMES") {
-            let _ = std::fs::write(file, told);
-        }
-    }
-}
-
-fn watch(look: impl FnOnce(&mut Watched)) {
-    static WATCHED: Mutex<Option<Watched>> = Mutex::new(None);
-    look(WATCHED.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_default());
-}
-
-#[repr(C)]
-struct FrameState {
-    kind: u32,
-    next: *const c_void,
-    display: i64,
-}
-
-#[repr(C)]
-struct LocateInfo {
-    kind: u32,
-    next: *const c_void,
-    configuration: u32,
-    time: i64,
-    space: u64,
-}
-
-#[repr(C)]
-struct Located {
-    kind: u32,
-    next: *const c_void,
-    pose: [f32; 7],
-    fov: [f32; 4],
-}
-
-#[repr(C)]
-struct EndInfo {
-    kind: u32,
-    next: *const c_void,
-    time: i64,
-    blend: u32,
-    count: u32,
-    layers: *const *const Projection,
-}
-
-#[repr(C)]
-struct Projection {
-    kind: u32,
-    next: *const c_void,
-    flags: u64,
-    space: u64,
-    count: u32,
-    views: *const View,
-}
-
-#[repr(C)]
-struct SubImage {
-    swapchain: u64,
-    rect: [i32; 4],
-    layer: u32,
-}
-
-#[repr(C)]
-struct View {
-    kind: u32,
-    next: *const Depth,
-    pose: [f32; 7],
-    fov: [f32; 4],
-    image: SubImage,
-}
-
-#[repr(C)]
-struct Depth {
-    kind: u32,
-    next: *const c_void,
-    image: SubImage,
-    min: f32,
-    max: f32,
-    near: f32,
-    far: f32,
-}
-
-/// Type numbers of the layers, as in `openxr.h`.
-const PROJECTION: u32 = 35;
-const DEPTH: u32 = 1_000_010_000;
-
-/// Writes what the first frame with a picture says of its depth into the file that `GAITWAY_SEEN` names.
-unsafe fn look_at(info: *const EndInfo) {
-    static LOOKED: AtomicU64 = AtomicU64::new(0);
-    let Some(file) = std::env::var_os("GAITWAY_SEEN") else { return };
-    unsafe {
-        if (*info).count == 0 || LOOKED.swap(1, Ordering::Relaxed) != 0 {
-            return;
-        }
-        let layer = *(*info).layers;
-        let mut text = String::new();
-        for view in (0..(*layer).count as usize).filter(|_| (*layer).kind == PROJECTION) {
-            let depth = (*(*layer).views.add(view)).next;
-            if depth.is_null() || (*depth).kind != DEPTH {
-                text += "no depth\n";
-                continue;
-            }
-            let Depth { image, min, max, near, far, .. } = &*depth;
-            let [_, _, width, height] = image.rect;
-            text += &format!("depth {min} {max} {near} {far} of layer {}, {width}x{height}\n", image.layer);
-        }
-        let _ = std::fs::write(file, text);
-    }
-}
-
-#[repr(C)]
-struct MaskInfo {
-    kind: u32,
-    next: *const c_void,
-    vertex_capacity: u32,
-    vertex_count: u32,
-    vertices: *mut [f32; 2],
-    index_capacity: u32,
-    index_count: u32,
-    indices: *mut u32,
-}
-
-/// A mask of one triangle that hides the outer part of each eye's picture, from half a metre beside the middle of a plane one
-/// metre away.
-unsafe extern "system" fn mask(session: u64, views: u32, eye: u32, kind: u32, info: *mut MaskInfo) -> Code {
-    type Get = unsafe extern "system" fn(u64, u32, u32, u32, *mut MaskInfo) -> Code;
-    if !strikes("mask") {
-        return unsafe { MASK.function::<Get>()(session, views, eye, kind, info) };
-    }
-    let side = if eye == 0 { -1.0 } else { 1.0 };
-    let corners = [[0.5 * side, 9.0], [0.5 * side, -9.0], [9.0 * side, 0.0]];
-    unsafe {
-        ((*info).vertex_count, (*info).index_count) = (3, 3);
-        if (*info).vertex_capacity >= 3 && (*info).index_capacity >= 3 {
-            for (index, corner) in corners.into_iter().enumerate() {
-                (*info).vertices.add(index).write(corner);
-                (*info).indices.add(index).write(index as u32);
-            }
-        }
-    }
-    0
-}
-
-/// Without the format of our depth.
-unsafe extern "system" fn formats(session: u64, capacity: u32, count: *mut u32, found: *mut i64) -> Code {
-    type Enumerate = unsafe extern "system" fn(u64, u32, *mut u32, *mut i64) -> Code;
-    const D32: i64 = 126;
-    unsafe {
-        let code = FORMATS.function::<Enumerate>()(session, capacity, count, found);
-        if strikes("no-depth-format") && code == 0 && capacity > 0 {
-            for index in 0..*count as usize {
-                let format = found.add(index);
-                if *format == D32 {
-                    *format = 0;
-                }
-            }
-        }
-        code
     }
 }
 

@@ -27,6 +27,7 @@ mod lens;
 mod mirror;
 mod presented;
 mod recording;
+mod runtimes;
 mod service;
 mod session;
 mod smooth;

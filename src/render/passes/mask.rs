@@ -62,7 +62,7 @@ impl MaskPass {
 mod tests {
     use super::super::super::attachments::DEPTH_TARGET;
     use super::super::super::target::{
-        COLOR_FORMAT, DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Readback, Transition,
+        COLOR_FORMAT, DEPTH_FORMAT, EyeImages, GpuImage, ImageSpec, ImageUse, Readback,
     };
     use super::super::super::{Camera, Renderer, Settings, Stereo, Surface, Target, View};
     use super::*;
@@ -72,13 +72,25 @@ mod tests {
 
     const SIDE: u32 = 64;
 
-    fn image(device: &Arc<Device>, format: vk::Format, usage: vk::ImageUsageFlags) -> GpuImage {
-        let spec = ImageSpec { layers: 2, usage, ..ImageSpec::flat("test", [SIDE; 2], format) };
-        GpuImage::readable(device, spec).unwrap()
+    /// One image of two layers, or two of one.
+    fn images(device: &Arc<Device>, format: vk::Format, layers: u32) -> Vec<GpuImage> {
+        let usage = match format {
+            DEPTH_FORMAT => vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT,
+            _ => vk::ImageUsageFlags::COLOR_ATTACHMENT,
+        };
+        let spec = ImageSpec { layers, usage, ..ImageSpec::flat("test", [SIDE; 2], format) };
+        (0..2 / layers).map(|_| GpuImage::readable(device, spec).unwrap()).collect()
+    }
+
+    fn of_eyes(images: &[GpuImage]) -> EyeImages {
+        match images {
+            [left, right] => EyeImages::single([left.raw, right.raw]),
+            images => EyeImages::layered(images[0].raw),
+        }
     }
 
     /// Depths of both eyes' frames, row after row.
-    fn depths(renderer: &Renderer, depth: &GpuImage) -> Vec<f32> {
+    fn depths(renderer: &Renderer, depth: EyeImages) -> Vec<f32> {
         let submitter = renderer.submitter();
         let readback = Readback::new(submitter.device(), "test", [SIDE, SIDE], 2).unwrap();
         submitter
@@ -89,9 +101,8 @@ mod tests {
                     layout: DEPTH_TARGET,
                 };
                 let aspect = vk::ImageAspectFlags::DEPTH;
-                let ready = Transition { image: depth.raw, aspect, from: written, to: ImageUse::COPY_SOURCE };
-                commands.transition(&[ready]);
-                readback.copy(commands.raw(), commands.buffer, depth.raw, aspect);
+                commands.transition(&depth.transitions(aspect, written, ImageUse::COPY_SOURCE));
+                readback.copy(commands.raw(), commands.buffer, depth.each(), aspect);
                 Ok(())
             })
             .unwrap();
@@ -106,10 +117,13 @@ mod tests {
         let camera = Camera::look_at(Vec3::new(0.0, 0.0, 4.0), Vec3::ZERO, Vec3::Y);
         let view = View { eye_count: 2, ..View::mono(&camera, SIDE, SIDE) };
         let near = view.clip_from_world[0].project_point3(Vec3::ZERO).z;
-        let color = image(&device, COLOR_FORMAT, vk::ImageUsageFlags::COLOR_ATTACHMENT);
-        let depth = image(&device, DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT);
+        let two = Stereo::TwoPasses;
+        let mut pictures = Vec::new();
         // (not of four samples in two passes: lavapipe 25.0 resolves depth into the first layer, whatever the view's)
-        for (samples, stereo) in [(4, Stereo::Auto), (1, Stereo::Auto), (1, Stereo::TwoPasses)] {
+        for (samples, stereo, layers) in
+            [(4, Stereo::Auto, 2), (1, Stereo::Auto, 2), (1, two, 2), (4, two, 1), (1, two, 1)]
+        {
+            let [color, depth] = [COLOR_FORMAT, DEPTH_FORMAT].map(|format| images(&device, format, layers));
             let settings =
                 Settings { samples, stereo, eyes: 2, shadow_size: 0, ..Settings::sized(SIDE, SIDE) };
             let mut renderer = Renderer::new(&device, settings).unwrap();
@@ -126,12 +140,14 @@ mod tests {
             let left = triangle([[0.0, -9.0], [0.0, 9.0], [-20.0, 0.0]]);
             let right = triangle([[-9.0, 0.0], [9.0, 0.0], [0.0, 20.0]]);
             renderer.set_mask(&[left, right].concat()).unwrap();
-            let target =
-                Target { image: color.raw, view: color.view, depth: Some(depth.raw), is_copied: false };
-            renderer.draw_into(&view, None, &target, |_| Ok(())).unwrap();
-            let depths = depths(&renderer, &depth);
+            let depths_of = of_eyes(&depth);
+            let (eyes, view_of_all) = (of_eyes(&color), color[0].view);
+            let target = Target { color: eyes, view: view_of_all, depth: Some(depths_of), is_copied: true };
+            let picture = renderer.draw_into(&view, None, &target, |_| Ok(())).unwrap();
+            pictures.push((samples, picture.unwrap()));
+            let depths = depths(&renderer, depths_of);
             let at = |eye: u32, x: u32, y: u32| depths[((eye * SIDE + y) * SIDE + x) as usize];
-            let case = format!("{samples} samples, {stereo:?}");
+            let case = format!("{samples} samples, {stereo:?}, {layers} layers");
             for x in [2, 20] {
                 assert_eq!([at(0, x, 3), at(0, x, 60)], [1.0; 2], "{case}: hidden from the left eye");
             }
@@ -139,7 +155,11 @@ mod tests {
             assert!((at(0, 44, 50) - near).abs() < 1e-4 * near, "{case}: {} for {near}", at(0, 44, 50));
             assert_eq!([at(1, 44, 50), at(1, 10, 50)], [1.0; 2], "{case}: hidden from the right eye");
         }
-        drop((color, depth, device));
+        for (samples, picture) in &pictures {
+            let same = pictures.iter().filter(|(other, _)| other == samples);
+            assert!(same.clone().count() > 1 && same.clone().all(|(_, other)| other == picture), "{samples}");
+        }
+        drop(device);
         for_tests::assert_silent();
     }
 }
