@@ -43,7 +43,7 @@ pub(super) struct Arguments {
     /// End after this time [default: when the headset's runtime ends it]
     #[arg(long)]
     seconds: Option<f64>,
-    /// Pixels of one eye [default: as the runtime recommends]
+    /// Pixels of one eye, always [default: as the runtime recommends, fewer where the device is too slow]
     #[arg(long, value_name = "WxH", value_parser = size)]
     eye_size: Option<(u32, u32)>,
     /// Ask for this refresh rate of the display, Hz, or the nearest there is [default: the runtime's]
@@ -104,7 +104,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             failed(format!("--shots {}: {error}", folder.display()), "choose a folder that can be written to")
         })?;
     }
-    let builder = arguments.scene.builder()?.change(|scenario| scenario.put_in(User::default()));
+    let builder = arguments.scene.builder()?.change(|scenario| scenario.put_in(User::default())).gives_way();
     let scene = build(builder, arguments.scene.library.as_deref())?;
     if let Some(path) = &arguments.replay {
         return replay(arguments, &scene, path);
@@ -374,10 +374,12 @@ fn print(outcome: &Outcome, device: &str) {
         say(&format!("{name}  p50 {:.2}  p95 {:.2}  p99 {:.2} ms", p.p50, p.p95, p.p99));
     };
     line("drawing  ", &frames.work_ms);
+    line("device   ", &frames.device_ms);
     line("host     ", &frames.host_ms);
     line("its CPU  ", &frames.host_cpu_ms);
     line("wake-ups ", &frames.wake_ms);
-    say(&format!("quality    {:.0} % at least", outcome.least_quality * 100.0));
+    let [quality, resolution] = [outcome.least_quality, outcome.least_resolution].map(|share| share * 100.0);
+    say(&format!("quality    {quality:.0} % at least, in {resolution:.0} % of the width and height"));
     say(&format!("sessions   {} ({})", outcome.sessions, outcome.states.join(", ")));
     for loss in &outcome.losses {
         let Outage { reason, seconds, steps } = loss;

@@ -3,6 +3,7 @@
 use super::arithmetic::{self, Arithmetic, Part, Setting};
 use super::cache::PipelineCache;
 use super::instance::{AroundSubmission, DeviceInfo, DriverId, Instance, Maker, Own};
+use super::open::{Opened, Priority, draws_every_view};
 use super::validation::Validation;
 use super::wanted::Wanted;
 use super::{Error, call};
@@ -39,7 +40,12 @@ pub struct Device {
     /// The arithmetic of its kernels, once it is settled.
     pub(super) arithmetic: OnceLock<Arithmetic>,
     info: DeviceInfo,
-    /// Runs around every submission that [`Device::submit_and_wait`] waits for.
+    validation: Validation,
+    /// The priority that was asked for.
+    priority: Priority,
+    /// Whether the driver gave a low one.
+    pub(super) has_low_priority: bool,
+    /// Runs around every wait for a submission.
     around_submission: Option<AroundSubmission>,
 }
 
@@ -58,14 +64,6 @@ impl Device {
         Self::made_by(&Own, &Wanted::of(wanted), validation)
     }
 
-    /// Opens the best device that is no software.
-    ///
-    /// # Errors
-    /// As of [`Device::open`], and where every device is software.
-    pub fn open_hardware(validation: Validation) -> Result<Arc<Self>, Error> {
-        Self::made_by(&Own, &Wanted::Hardware, validation)
-    }
-
     /// Like [`Device::open`], whatever option and environment say of the arithmetic.
     ///
     /// # Errors
@@ -75,7 +73,15 @@ impl Device {
         validation: Validation,
         setting: Setting,
     ) -> Result<Arc<Self>, Error> {
-        Self::made_with(&Own, &Wanted::of(wanted), validation, setting)
+        Self::made_with(&Own, &Wanted::of(wanted), validation, setting, Priority::Normal)
+    }
+
+    /// Opens a device whose work has some priority.
+    ///
+    /// # Errors
+    /// As of [`Device::open`], and where every device is software but none is to be.
+    pub fn open_at(wanted: &Wanted, validation: Validation, priority: Priority) -> Result<Arc<Self>, Error> {
+        Self::made_at(&Own, wanted, validation, priority)
     }
 
     /// Like [`Device::open`], but `maker` makes instance and device and may choose the physical device.
@@ -84,7 +90,25 @@ impl Device {
         wanted: &Wanted,
         validation: Validation,
     ) -> Result<Arc<Self>, Error> {
-        Self::made_with(maker, wanted, validation, Setting::of_process()?)
+        Self::made_at(maker, wanted, validation, Priority::Normal)
+    }
+
+    pub(super) fn made_at(
+        maker: &dyn Maker,
+        wanted: &Wanted,
+        validation: Validation,
+        priority: Priority,
+    ) -> Result<Arc<Self>, Error> {
+        Self::made_with(maker, wanted, validation, Setting::of_process()?, priority)
+    }
+
+    /// The same physical device, opened again in the same way, after this one was lost.
+    ///
+    /// # Errors
+    /// As of [`Device::open`].
+    pub fn reopen(&self) -> Result<Arc<Self>, Error> {
+        let Self { info, validation, setting, priority, .. } = self;
+        Self::made_with(&Own, &Wanted::Number(info.index), *validation, setting.clone(), *priority)
     }
 
     fn made_with(
@@ -92,6 +116,7 @@ impl Device {
         wanted: &Wanted,
         validation: Validation,
         setting: Setting,
+        priority: Priority,
     ) -> Result<Arc<Self>, Error> {
         let instance = Instance::new(validation, maker)?;
         let mut devices = instance.devices()?;
@@ -122,7 +147,8 @@ impl Device {
             return Err(Error::NoDevice { wanted: wanted.clone(), found });
         };
         let family = instance.family(physical).unwrap_or(0);
-        let (raw, multiview) = open_device(maker, &instance, physical, family)?;
+        let Opened { raw, multiview, has_low_priority } =
+            Opened::new(maker, &instance, physical, family, priority)?;
         // SAFETY: the queue was asked for when the device was made; the device came from the instance.
         let (queue, properties, memory) = unsafe {
             (
@@ -166,6 +192,9 @@ impl Device {
             arithmetic: OnceLock::new(),
             info,
             raw,
+            validation,
+            priority,
+            has_low_priority,
             around_submission: maker.around_submission(),
             instance,
         }))
@@ -181,12 +210,13 @@ impl Device {
         Arithmetic::new(careful, self.float_modes.clone(), self.setting.faults.clone())
     }
 
-    /// Name and driver in one line, with the arithmetic where it is known not to be the device's own.
+    /// Name and driver in one line, with a low priority, and with the arithmetic where it is known not to be the device's own.
     pub fn describe(&self) -> String {
         let Self { info: DeviceInfo { name, driver, .. }, arithmetic, .. } = self;
+        let priority = if self.has_low_priority { ", low priority" } else { "" };
         match arithmetic.get().filter(|arithmetic| !arithmetic.careful().is_empty()) {
-            Some(careful) => format!("{name} [{driver}], arithmetic {careful}"),
-            None => format!("{name} [{driver}]"),
+            Some(careful) => format!("{name} [{driver}]{priority}, arithmetic {careful}"),
+            None => format!("{name} [{driver}]{priority}"),
         }
     }
 
@@ -213,17 +243,44 @@ impl Device {
     /// Submits one command buffer and waits until the device has done it.
     pub(crate) fn submit_and_wait(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
         let queue = self.hold_queue();
+        self.around(|| self.submit_to(*queue, commands, fence).and_then(|()| self.wait(fence)))
+    }
+
+    /// Submits one command buffer, which [`Device::finish`] waits for.
+    pub(crate) fn submit(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
+        let queue = self.hold_queue();
+        self.submit_to(*queue, commands, fence)
+    }
+
+    /// Waits until the device has done the submission of this fence. Afterwards, what the submission uses may be dropped,
+    /// also after an error.
+    pub(crate) fn finish(&self, fence: vk::Fence) -> Result<(), Error> {
+        self.around(|| {
+            until_over(
+                || self.wait_once(fence),
+                || {
+                    let _queue = self.hold_queue();
+                    self.wait_idle()
+                },
+            )
+        })
+    }
+
+    /// Runs what waits for the device.
+    fn around(&self, mut wait: impl FnMut() -> Result<(), Error>) -> Result<(), Error> {
+        let Some(around) = &self.around_submission else { return wait() };
         let mut outcome = Ok(());
-        let mut submit = || outcome = self.submit(*queue, commands, fence).and_then(|()| self.wait(fence));
-        match &self.around_submission {
-            Some(around) => around(&mut submit),
-            None => submit(),
-        }
+        around(&mut || outcome = wait());
         outcome
     }
 
     /// Submits one command buffer to the queue, which the caller holds.
-    fn submit(&self, queue: vk::Queue, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
+    fn submit_to(
+        &self,
+        queue: vk::Queue,
+        commands: vk::CommandBuffer,
+        fence: vk::Fence,
+    ) -> Result<(), Error> {
         let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
         self.reset(fence)?;
@@ -241,13 +298,18 @@ impl Device {
     /// Waits for the fence of a submission, whose queue the caller holds. Afterwards, what the submission uses may be dropped,
     /// also after an error.
     pub(crate) fn wait(&self, fence: vk::Fence) -> Result<(), Error> {
-        let fences = [fence];
-        until_over(
-            // SAFETY: the fence is of this device and has been handed to a submission.
-            || unsafe { self.raw.wait_for_fences(&fences, true, u64::MAX) },
-            // SAFETY: the caller holds the only queue of the device.
-            || unsafe { self.raw.device_wait_idle() },
-        )
+        until_over(|| self.wait_once(fence), || self.wait_idle())
+    }
+
+    fn wait_once(&self, fence: vk::Fence) -> Result<(), vk::Result> {
+        // SAFETY: the fence is of this device and has been handed to a submission.
+        unsafe { self.raw.wait_for_fences(&[fence], true, u64::MAX) }
+    }
+
+    /// Waits for all work of the device, whose queue the caller holds.
+    fn wait_idle(&self) -> Result<(), vk::Result> {
+        // SAFETY: the caller holds the only queue of the device.
+        unsafe { self.raw.device_wait_idle() }
     }
 }
 
@@ -269,75 +331,12 @@ fn until_over(
     }
 }
 
-fn open_device(
-    maker: &dyn Maker,
-    instance: &Instance,
-    physical: vk::PhysicalDevice,
-    family: u32,
-) -> Result<(ash::Device, bool), Error> {
-    // SAFETY: the device came from this instance.
-    let known = unsafe { instance.raw.get_physical_device_features(physical) };
-    let features = vk::PhysicalDeviceFeatures {
-        robust_buffer_access: known.robust_buffer_access,
-        vertex_pipeline_stores_and_atomics: known.vertex_pipeline_stores_and_atomics,
-        fragment_stores_and_atomics: known.fragment_stores_and_atomics,
-        ..Default::default()
-    };
-    let mut v11 = vk::PhysicalDeviceVulkan11Features::default();
-    let mut v12 = vk::PhysicalDeviceVulkan12Features::default();
-    // SAFETY: the device has Vulkan 1.3, so these structures are known to it.
-    unsafe {
-        let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v12);
-        instance.raw.get_physical_device_features2(physical, &mut all);
-    }
-    // One structure a feature: a maker may chain its own (timeline semaphores), and Vulkan allows no feature twice.
-    let mut multiview = vk::PhysicalDeviceMultiviewFeatures::default().multiview(v11.multiview == vk::TRUE);
-    // timeline semaphores, addresses and the memory model are what GPU-assisted validation instruments with
-    let mut timeline = vk::PhysicalDeviceTimelineSemaphoreFeatures::default()
-        .timeline_semaphore(v12.timeline_semaphore == vk::TRUE);
-    let mut memory_model = vk::PhysicalDeviceVulkanMemoryModelFeatures::default()
-        .vulkan_memory_model(v12.vulkan_memory_model == vk::TRUE)
-        .vulkan_memory_model_device_scope(v12.vulkan_memory_model_device_scope == vk::TRUE);
-    let mut addresses = vk::PhysicalDeviceBufferDeviceAddressFeatures::default()
-        .buffer_device_address(v12.buffer_device_address == vk::TRUE);
-    let mut query_reset = vk::PhysicalDeviceHostQueryResetFeatures::default()
-        .host_query_reset(v12.host_query_reset == vk::TRUE);
-    let mut synchronization = vk::PhysicalDeviceSynchronization2Features::default().synchronization2(true);
-    let mut rendering = vk::PhysicalDeviceDynamicRenderingFeatures::default().dynamic_rendering(true);
-    let priorities = [1.0];
-    let queues =
-        [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
-    let create = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_features(&features)
-        .push_next(&mut multiview)
-        .push_next(&mut timeline)
-        .push_next(&mut memory_model)
-        .push_next(&mut addresses)
-        .push_next(&mut query_reset)
-        .push_next(&mut synchronization)
-        .push_next(&mut rendering);
-    // SAFETY: all pointers in `create` live until the call returns; every feature asked for is there; the handle is
-    // that of the device just made.
-    unsafe {
-        let raw = maker.device(&instance.entry, &instance.raw, physical, &create)?;
-        Ok((ash::Device::load(instance.raw.fp_v1_0(), raw), v11.multiview == vk::TRUE))
-    }
-}
-
 /// How much memory is taken from the driver at a time: usually 256 MiB of the device's and 64 MiB of the host's, but at most a
 /// sixteenth of the largest heap, so that little memory has room for more than one buffer.
 fn block_sizes(memory: &vk::PhysicalDeviceMemoryProperties) -> AllocationSizes {
     let largest = memory.memory_heaps_as_slice().iter().map(|heap| heap.size).max().unwrap_or(0);
     let at_most = |mib: u64| (mib << 20).min(largest / 16);
     AllocationSizes::new(at_most(256), at_most(64))
-}
-
-/// Whether a driver that has multiview draws it right: lavapipe of Mesa 22.3 claims it and draws one view wrong.
-fn draws_every_view(driver: &str) -> bool {
-    let lavapipe = driver.strip_prefix("llvmpipe Mesa ");
-    let major = lavapipe.and_then(|version| version.split('.').next()?.parse::<u32>().ok());
-    major.is_none_or(|major| major >= 23)
 }
 
 impl Drop for Device {
@@ -408,13 +407,5 @@ mod tests {
         }
         drop(device);
         for_tests::assert_silent(); // which says what is wrong with fences
-    }
-
-    #[test]
-    fn only_an_old_lavapipe_is_not_trusted_with_multiview() {
-        assert!(!draws_every_view("llvmpipe Mesa 22.3.6 (LLVM 15.0.6)"));
-        for driver in ["llvmpipe Mesa 25.0.7-2+deb13u1 (LLVM 19.1.7)", "NVIDIA 570.1", "llvmpipe Mesa", ""] {
-            assert!(draws_every_view(driver), "{driver}");
-        }
     }
 }

@@ -3,9 +3,10 @@
 mod embed;
 mod encode;
 
+use self::embed::Embedded;
 use super::pipeline::{self, Pipeline};
 use super::plan::Op;
-use super::{Buffer, Device, Error, Memory, call};
+use super::{Buffer, Device, Error, FRAMES_IN_FLIGHT, Memory, call};
 use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
@@ -41,10 +42,8 @@ pub struct Engine {
     queries: vk::QueryPool,
     /// Staging memory: to the device, and from it. The two want different kinds.
     staging: [Option<Buffer>; 2],
-    /// What the next [`Engine::encode`] copies to the device first.
-    brought: Vec<Copy>,
-    /// What the next [`Engine::encode`] copies to the host at its end.
-    reported: Vec<Copy>,
+    /// What the submissions of the caller bring and report: [`Engine::encode`].
+    embedded: [Embedded; FRAMES_IN_FLIGHT],
 }
 
 impl std::fmt::Debug for Engine {
@@ -82,8 +81,7 @@ impl Engine {
             fence: vk::Fence::null(),
             queries: vk::QueryPool::null(),
             staging: [None, None],
-            brought: Vec::new(),
-            reported: Vec::new(),
+            embedded: Default::default(),
         };
         engine.make_commands(kernels.iter().map(|kernel| kernel.kernel().phases.len()).sum())?;
         for kernel in kernels.iter().map(|kernel| kernel.kernel()) {
@@ -211,21 +209,10 @@ impl Engine {
     /// # Errors
     /// When a buffer of the store is longer than it was when it was made, a call fails or memory for staging is short.
     pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
-        self.bring_to_device()?; // staging memory is wanted for something else
-        let copies = self.fill(store, ids)?;
-        self.copy(&copies, true)
-    }
-
-    /// Puts contents of buffers into staging memory.
-    fn fill(&mut self, store: &Store, ids: &[BufferId]) -> Result<Vec<Copy>, Error> {
-        let ids = self.present(ids);
-        let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Upload)?;
-        if let [Some(staging), _] = &mut self.staging {
-            for (id, offset, length) in &copies {
-                staging.bytes_mut()[*offset..offset + length].copy_from_slice(store.bytes(*id));
-            }
-        }
-        Ok(copies)
+        self.bring_to_device()?; // what was brought before is older
+        let copies = self.layout(ids, store)?;
+        fill(&self.device, &mut self.staging[0], &copies, store)?;
+        self.copy(self.staging[0].as_ref(), &copies, true)
     }
 
     /// Copies buffers from the device to the host; the store's buffers keep their lengths.
@@ -233,13 +220,11 @@ impl Engine {
     /// # Errors
     /// When a buffer of the store is longer than the device's, a call fails or memory for staging is short.
     pub fn download(&mut self, store: &mut Store, ids: &[BufferId]) -> Result<(), Error> {
-        let ids = self.present(ids);
-        let copies = self.stage(&ids, |id| store.bytes(id).len(), Memory::Readback)?;
-        self.copy(&copies, false)?;
-        if let [_, Some(staging)] = &self.staging {
-            for (id, offset, length) in copies {
-                store.bytes_mut(id).copy_from_slice(&staging.bytes()[offset..offset + length]);
-            }
+        let copies = self.layout(ids, store)?;
+        stage(&self.device, &mut self.staging[1], &copies, Memory::Readback)?;
+        self.copy(self.staging[1].as_ref(), &copies, false)?;
+        if let Some(staging) = &self.staging[1] {
+            read(staging, &copies, store);
         }
         Ok(())
     }
@@ -258,40 +243,26 @@ impl Engine {
         ids.iter().copied().filter(|id| self.buffers[*id as usize].is_some()).collect()
     }
 
-    /// Lays the buffers out one after another in a staging buffer, which is kept for the next time if it is small.
-    fn stage(
-        &mut self,
-        ids: &[BufferId],
-        length: impl Fn(BufferId) -> usize,
-        memory: Memory,
-    ) -> Result<Vec<Copy>, Error> {
+    /// Places of buffers' contents, as long as in `store`, one after another in staging memory.
+    fn layout(&self, ids: &[BufferId], store: &Store) -> Result<Vec<Copy>, Error> {
+        let ids = self.present(ids);
         let mut end = 0;
         let mut copies = Vec::with_capacity(ids.len());
-        for &id in ids {
-            let length = length(id);
+        for id in ids {
+            let length = store.bytes(id).len();
             self.fits(id, length)?;
             if length > 0 {
                 copies.push((id, end, length));
                 end += length.next_multiple_of(16);
             }
         }
-        let staging = &mut self.staging[usize::from(memory == Memory::Readback)];
-        let end = end as u64;
-        if staging.as_ref().is_none_or(|kept| kept.size() < end || kept.size() > STAGING_KEPT.max(end)) {
-            *staging = None; // before the new one is made, so that there is room
-            if end > 0 {
-                *staging = Some(Buffer::new(&self.device, "staging", end, memory)?);
-            }
-        }
         Ok(copies)
     }
 
-    fn copy(&mut self, copies: &[Copy], to_device: bool) -> Result<(), Error> {
-        if copies.is_empty() {
-            return Ok(());
-        }
+    fn copy(&self, staging: Option<&Buffer>, copies: &[Copy], to_device: bool) -> Result<(), Error> {
+        let Some(staging) = staging.filter(|_| !copies.is_empty()) else { return Ok(()) };
         self.record(|engine, _, commands| {
-            engine.encode_copies(commands, copies, to_device);
+            engine.encode_copies(commands, staging, copies, to_device);
             Ok(())
         })
     }
@@ -384,8 +355,53 @@ impl Engine {
     }
 }
 
+/// Makes room for copies in a staging buffer, which is kept for the next time if it is small.
+fn stage(
+    device: &Arc<Device>,
+    staging: &mut Option<Buffer>,
+    copies: &[Copy],
+    memory: Memory,
+) -> Result<(), Error> {
+    let end = copies.last().map_or(0, |(_, offset, length)| (offset + length) as u64);
+    if staging.as_ref().is_none_or(|kept| kept.size() < end || kept.size() > STAGING_KEPT.max(end)) {
+        *staging = None; // before the new one is made, so that there is room
+        if end > 0 {
+            *staging = Some(Buffer::new(device, "staging", end, memory)?);
+        }
+    }
+    Ok(())
+}
+
+/// Puts contents of buffers into staging memory.
+fn fill(
+    device: &Arc<Device>,
+    staging: &mut Option<Buffer>,
+    copies: &[Copy],
+    store: &Store,
+) -> Result<(), Error> {
+    stage(device, staging, copies, Memory::Upload)?;
+    if let Some(staging) = staging {
+        for (id, offset, length) in copies {
+            staging.bytes_mut()[*offset..offset + length].copy_from_slice(store.bytes(*id));
+        }
+    }
+    Ok(())
+}
+
+/// Copies contents of staging memory into `store`, whose buffers are as long as when they were laid out.
+fn read(staging: &Buffer, copies: &[Copy], store: &mut Store) {
+    for (id, offset, length) in copies {
+        let bytes = staging.bytes().get(*offset..offset + length);
+        if let (Some(bytes), to) = (bytes, store.bytes_mut(*id))
+            && bytes.len() == to.len()
+        {
+            to.copy_from_slice(bytes);
+        }
+    }
+}
+
 /// Ticks between two timestamps of so many bits, which begin anew at 0 behind their end.
-fn ticks([begin, end]: [u64; 2], bits: u32) -> u64 {
+pub(crate) fn ticks([begin, end]: [u64; 2], bits: u32) -> u64 {
     let most = u64::MAX >> 64_u32.saturating_sub(bits).min(63);
     let ticks = end.wrapping_sub(begin) & most;
     if ticks > most / 2 { 0 } else { ticks } // a clock that went back

@@ -129,6 +129,13 @@ pub enum Error {
 }
 
 impl Error {
+    /// Whether the device is lost: a new one may work.
+    pub fn is_device_lost(&self) -> bool {
+        let lost = ash::vk::Result::ERROR_DEVICE_LOST;
+        matches!(self, Self::DeviceLost { .. })
+            || matches!(self, Self::Call { result, .. } if *result == lost)
+    }
+
     /// What the user can do about it.
     pub fn hint(&self) -> Option<&'static str> {
         match self {

@@ -75,7 +75,7 @@ impl DriverId {
     }
 }
 
-/// Runs around a submission. It calls its argument once, which submits and waits.
+/// Runs around a wait for a submission. It calls its argument once, which waits and may submit before.
 pub(crate) type AroundSubmission = Box<dyn Fn(&mut dyn FnMut()) + Send + Sync>;
 
 /// Makes the Vulkan instance and device, and may add what its own library needs of them.
@@ -104,7 +104,7 @@ pub(crate) trait Maker {
         None
     }
 
-    /// What runs around the submissions of the device, such as a timer.
+    /// What runs around the waits for submissions of the device, such as a timer.
     fn around_submission(&self) -> Option<AroundSubmission> {
         None
     }

@@ -27,19 +27,25 @@ mod error;
 #[path = "../../tests/common/gpu.rs"]
 pub(crate) mod for_tests;
 pub(crate) mod instance;
+mod open;
 mod pipeline;
 pub mod plan;
 mod probe;
 mod validation;
 mod wanted;
 
+/// Frames that may be under way at a time: the device draws one while the host records the next.
+pub(crate) const FRAMES_IN_FLIGHT: usize = 2;
+
 pub use buffer::{Buffer, Memory};
 pub use cache::CACHE_VARIABLE;
 pub use device::Device;
+pub(crate) use engine::ticks;
 pub use engine::{DispatchTime, Engine};
 pub use error::Error;
 pub(crate) use error::call;
 pub use instance::{DeviceInfo, DeviceKind, list};
+pub use open::Priority;
 pub use probe::Probe;
 pub use validation::{Validation, validation_messages};
 pub use wanted::{DEVICE_VARIABLE, Wanted};

@@ -18,7 +18,9 @@ pub(super) struct Attachments {
     pub(super) depth: GpuImage,
     /// Whether shaders can read the samples of the depth.
     pub(super) is_depth_read: bool,
-    area: vk::Rect2D,
+    /// Columns and rows.
+    #[cfg(feature = "xr")]
+    pub(super) size: [u32; 2],
     view_mask: u32,
 }
 
@@ -91,7 +93,14 @@ impl Attachments {
         let read = if is_depth_read { vk::ImageUsageFlags::SAMPLED } else { vk::ImageUsageFlags::empty() };
         let depth = image("depth", DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | read)?;
         let view_mask = view_mask(settings);
-        Ok(Self { multisampled, depth, is_depth_read, area: area(width, height), view_mask })
+        Ok(Self {
+            multisampled,
+            depth,
+            is_depth_read,
+            #[cfg(feature = "xr")]
+            size: [width, height],
+            view_mask,
+        })
     }
 
     pub(super) fn is_multisampled(&self) -> bool {
@@ -119,8 +128,15 @@ impl Attachments {
         commands.transition(&before);
     }
 
-    /// Records the draws of a part of an eye pass.
-    pub(super) fn part(&self, commands: &Commands<'_>, target: EyeTarget, part: Part, draw: impl FnOnce()) {
+    /// Records the draws of a part of an eye pass, into this area of the images.
+    pub(super) fn part(
+        &self,
+        commands: &Commands<'_>,
+        target: EyeTarget,
+        area: vk::Rect2D,
+        part: Part,
+        draw: impl FnOnce(),
+    ) {
         let load = if part.is_first { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
         let clear = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0, 0.0, 0.0, 1.0] } };
         let mut color = vk::RenderingAttachmentInfo::default()
@@ -147,7 +163,7 @@ impl Attachments {
             depth = self.keep_depth(depth, view);
         }
         let rendering = vk::RenderingInfo::default()
-            .render_area(self.area)
+            .render_area(area)
             .layer_count(1)
             .view_mask(self.view_mask)
             .color_attachments(&colors)
@@ -174,16 +190,28 @@ impl Attachments {
 /// The layout of the caller's image for depth, during a frame and afterwards.
 pub(super) const DEPTH_TARGET: Layout = Layout::DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
 
+/// The caller's images for depth, while they are written. Resolving depth counts as writing colour.
+const DEPTH_TARGET_WRITTEN: ImageUse = ImageUse {
+    stages: Stage::from_raw(
+        ImageUse::DEPTH_ATTACHMENT.stages.as_raw() | Stage::COLOR_ATTACHMENT_OUTPUT.as_raw(),
+    ),
+    access: Access::from_raw(
+        ImageUse::DEPTH_ATTACHMENT.access.as_raw() | Access::COLOR_ATTACHMENT_WRITE.as_raw(),
+    ),
+    layout: DEPTH_TARGET,
+};
+
 /// Makes the caller's images for depth ready to be written.
 pub(super) fn begin_depth_target(commands: &Commands<'_>, images: EyeImages) {
-    // resolving depth counts as writing colour
-    let stages = Stage::EARLY_FRAGMENT_TESTS | Stage::LATE_FRAGMENT_TESTS | Stage::COLOR_ATTACHMENT_OUTPUT;
-    let access = Access::DEPTH_STENCIL_ATTACHMENT_READ
-        | Access::DEPTH_STENCIL_ATTACHMENT_WRITE
-        | Access::COLOR_ATTACHMENT_WRITE;
-    let from = ImageUse { stages, access: Access::NONE, layout: Layout::UNDEFINED };
-    let to = ImageUse { stages, access, layout: DEPTH_TARGET };
-    commands.transition(&images.transitions(vk::ImageAspectFlags::DEPTH, from, to));
+    let unused = ImageUse::discarded(DEPTH_TARGET_WRITTEN.stages);
+    commands.transition(&images.transitions(vk::ImageAspectFlags::DEPTH, unused, DEPTH_TARGET_WRITTEN));
+}
+
+/// Hands the caller's images for depth over as depth attachments that were written: a runtime that takes them next knows
+/// nothing of resolving.
+pub(super) fn end_depth_target(commands: &Commands<'_>, images: EyeImages) {
+    let written = ImageUse { layout: DEPTH_TARGET, ..ImageUse::DEPTH_ATTACHMENT };
+    commands.transition(&images.transitions(vk::ImageAspectFlags::DEPTH, DEPTH_TARGET_WRITTEN, written));
 }
 
 /// A depth attachment cleared to the farthest depth.

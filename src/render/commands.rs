@@ -1,7 +1,7 @@
 //! Recording and submitting command buffers.
 
 use super::Error;
-use super::pipelines::Program;
+use super::pipelines::{Program, SetIndex};
 use super::target::Transition;
 use crate::gpu::{self, Buffer, Device, Memory, call};
 use ash::vk;
@@ -14,6 +14,31 @@ use vk::{AccessFlags2 as Access, PipelineStageFlags2 as Stage};
 pub(crate) struct Commands<'a> {
     device: &'a Device,
     pub(crate) buffer: vk::CommandBuffer,
+    /// The frame in flight that they are of: its descriptor sets are bound.
+    slot: usize,
+}
+
+impl<'a> Commands<'a> {
+    /// Begins to record. The command buffer is not in use.
+    pub(super) fn begin(device: &'a Device, buffer: vk::CommandBuffer, slot: usize) -> Result<Self, Error> {
+        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        // SAFETY: the caller's promise: the command buffer is not in use.
+        unsafe { device.raw.begin_command_buffer(buffer, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
+        Ok(Self { device, buffer, slot })
+    }
+
+    /// Ends recording.
+    pub(super) fn end(self) -> Result<(), Error> {
+        // SAFETY: recording has begun.
+        Ok(unsafe { self.raw().end_command_buffer(self.buffer) }.map_err(call("vkEndCommandBuffer"))?)
+    }
+
+    /// Ends recording what is not submitted.
+    pub(super) fn discard(self) {
+        let none = vk::CommandBufferResetFlags::empty();
+        // SAFETY: nothing was submitted; what cannot be reset cannot be begun again, and that is an error.
+        let _ = unsafe { self.raw().reset_command_buffer(self.buffer, none) };
+    }
 }
 
 impl Commands<'_> {
@@ -81,7 +106,7 @@ impl Commands<'_> {
     /// Binds a pipeline of a program and the program's descriptor set of an eye pass.
     pub(super) fn use_program(&self, program: &Program, pipeline: vk::Pipeline, eye_pass: usize) {
         let point = vk::PipelineBindPoint::GRAPHICS;
-        let sets = [program.set(eye_pass)];
+        let sets = [program.set(SetIndex { slot: self.slot, eye_pass })];
         // SAFETY: the pipeline and the set were made with the program's layout; recording has begun.
         unsafe {
             self.raw().cmd_bind_pipeline(self.buffer, point, pipeline);
@@ -97,7 +122,7 @@ impl Commands<'_> {
     }
 }
 
-/// A command buffer that is recorded, submitted and waited for, again and again.
+/// A command buffer that is recorded, submitted and waited for, again and again: for all but frames.
 pub(crate) struct Submitter {
     device: Arc<Device>,
     pool: vk::CommandPool,
@@ -140,13 +165,10 @@ impl Submitter {
         &self,
         record: impl FnOnce(&Commands<'_>) -> Result<(), Error>,
     ) -> Result<(), Error> {
-        let raw = &self.device.raw;
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: every submission is waited for, so the command buffer is not in use.
-        unsafe { raw.begin_command_buffer(self.commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
-        record(&Commands { device: &self.device, buffer: self.commands })?;
-        // SAFETY: recording has begun.
-        unsafe { raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
+        // every submission is waited for, so the command buffer is not in use
+        let commands = Commands::begin(&self.device, self.commands, 0)?;
+        record(&commands).inspect_err(|_| commands.discard())?;
+        commands.end()?;
         Ok(self.device.submit_and_wait(self.commands, self.fence)?)
     }
 

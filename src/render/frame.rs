@@ -1,5 +1,6 @@
 //! What the passes of a frame share: the view, the crowd, and the resources that several shaders bind.
 
+use super::attachments::area;
 use super::camera::View;
 use super::meshes::DrawnCrowd;
 use super::passes::ShadowPass;
@@ -20,6 +21,13 @@ pub(super) struct Frame<'a> {
     pub(super) crowd: Option<DrawnCrowd<'a>>,
     /// Number of the eye pass.
     pub(super) eye_pass: usize,
+}
+
+impl Frame<'_> {
+    /// The part of the images that is drawn.
+    pub(super) fn area(&self) -> vk::Rect2D {
+        area(self.settings.width, self.settings.height)
+    }
 }
 
 /// Resources that the shaders of several passes bind.

@@ -1,14 +1,22 @@
 //! Frames of a crowd that is simulated elsewhere. Its snapshots come to the device that draws; a frame is one submission,
-//! from the newest snapshot to the last pixel.
+//! from the newest snapshot to the last pixel. The device draws a frame while the host prepares the next one.
 
+use super::commands::Commands;
 use super::show::{READ, animation, check, kernels, no_failures, surface};
-use super::{CrowdBuffers, Error, Image, Renderer, Settings, Show, Target, View};
-use crate::gpu::{Device, Engine};
-use crate::kernels::{BufferId, Store};
+use super::target::{EyeImages, GpuImage, ImageSpec};
+use super::{
+    CrowdBuffers, Error, Hand, HandKind, Image, Renderer, Settings, Show, Target, Teleport, User, View,
+};
+use crate::gpu::plan::Op;
+use crate::gpu::{Device, Engine, FRAMES_IN_FLIGHT};
+use crate::kernels::{Access, BufferId, Store};
 use crate::scenario::EnvironmentMesh;
 use crate::sim::bodies::MeshBuffers;
-use glam::Vec3;
+use ash::vk;
+use glam::{Quat, Vec3};
+use std::collections::BTreeSet;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// The times of a frame.
 #[derive(Debug, Clone, Copy)]
@@ -27,7 +35,7 @@ impl Show {
         meshes: &MeshBuffers,
         scenery: &EnvironmentMesh,
         settings: Settings,
-        format: ash::vk::Format,
+        format: vk::Format,
     ) -> Result<Self, crate::Error> {
         let animator = Engine::new(device, store, &kernels(store))?;
         let mut renderer = Renderer::with_format(device, settings, format)?;
@@ -56,54 +64,135 @@ impl Show {
 
     /// Takes a snapshot of the crowd at its `time`, s, unless it has that one already. Snapshots are numbered from 1.
     pub(crate) fn take(&mut self, snapshot: &Store, number: u64, time: f64) -> Result<(), crate::Error> {
+        self.make_room()?; // the snapshot goes into memory of the next frame's slot
         if let Some(animator) = self.animator.as_mut().filter(|_| self.taken != number) {
             // what is empty stays as it is: the heights of people on even ground, and feelings that do not change
             let [position, stance, phase, elevation] = READ;
             let felt = [BufferId::GaitWeights, BufferId::Appearance];
-            animator.bring(snapshot, &[position, stance, phase, elevation, felt[0], felt[1]])?;
+            let slot = self.renderer.slot();
+            animator.bring(slot, snapshot, &[position, stance, phase, elevation, felt[0], felt[1]])?;
             self.taken = number;
             self.kept.keep(time);
         }
         Ok(())
     }
 
-    /// Draws the crowd at a time between the snapshots taken last into images of the caller; returns the copy that `target`
-    /// asks for.
-    pub(crate) fn draw_into(
+    /// Draws a frame that is shown nowhere, with everything that frames may have: drivers compile a pipeline when it is first
+    /// drawn with, which may take seconds. The show is then as it was before. `store` is the crowd's start; `hides` says
+    /// whether lenses hide a part of the images.
+    pub(crate) fn warm_up(&mut self, store: &Store, view: &View, hides: bool) -> Result<(), crate::Error> {
+        let Settings { width, height, eyes, .. } = *self.renderer.settings();
+        let format = self.renderer.format.color;
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let spec =
+            ImageSpec { layers: eyes, usage, ..ImageSpec::flat("first frame", [width, height], format) };
+        let color = GpuImage::new(self.renderer.device(), spec)?;
+        let images = EyeImages::layered(color.raw);
+        let target = Target { color: images, view: color.view, depth: None, is_copied: false };
+        let before = (self.frame, self.time, self.kept);
+        self.renderer.set_user(everything(view));
+        if hides {
+            self.renderer.set_mask(&[[0.0, 0.0, 1.0, 1.0]; 6])?; // a triangle without an area for each eye
+        }
+        self.take(&Self::snapshot(store), u64::MAX, 0.0)?;
+        let now = DrawTimes { shown: 0.0, seconds: 0.0 };
+        let drawn =
+            self.submit(view, view.center(), now, &target, |_| Ok(())).and_then(|()| self.finish(false));
+        self.renderer.forget_images();
+        drawn?;
+        self.renderer.set_user(User::default());
+        (self.frame, self.time, self.kept) = before;
+        self.taken = 0;
+        let Some(animator) = &mut self.animator else { return Ok(()) };
+        let phases = kernels(store).into_iter().flat_map(|kernel| kernel.kernel().phases);
+        let bindings = phases.flat_map(|phase| phase.entry().bindings);
+        let written: BTreeSet<BufferId> = bindings
+            .filter(|binding| binding.access == Access::Write)
+            .map(|binding| binding.buffer)
+            .collect();
+        Ok(animator.upload(store, &written.into_iter().collect::<Vec<_>>())?)
+    }
+
+    /// Waits until there is room for another frame: until the device has drawn the frame before last. Returns how long that
+    /// took it; none where there was no such frame, or it cannot be known.
+    pub(crate) fn make_room(&mut self) -> Result<Option<Duration>, crate::Error> {
+        let slot = self.renderer.slot();
+        let ops = std::mem::take(&mut self.in_flight[slot]);
+        let took = self.renderer.make_room().map_err(named(&ops))?;
+        self.check_frame(slot, &ops)?;
+        Ok(took)
+    }
+
+    /// Has the device draw the crowd at a time between the snapshots taken last into images of the caller, and does not wait for
+    /// it. What `after` records comes last in the same submission.
+    pub(crate) fn submit(
         &mut self,
         view: &View,
         user_eyes: Vec3,
         times: DrawTimes,
         target: &Target,
-    ) -> Result<Option<Image>, crate::Error> {
+        after: impl FnOnce(&Commands<'_>) -> Result<(), Error>,
+    ) -> Result<(), crate::Error> {
+        self.make_room()?;
         let DrawTimes { shown, seconds } = times;
         let time = self.time.unwrap_or(0.0) + f64::from(seconds);
         self.time = Some(time);
         let frame = self.frame_of(view, Some(user_eyes), seconds, time);
         let between = self.kept.between(shown, frame.agent_count);
-        let Some(animator) = &mut self.animator else { return Ok(None) };
+        let slot = self.renderer.slot();
+        let Some(animator) = &mut self.animator else { return Ok(()) };
         let (ops, contents) = animation(frame, between);
-        let mut words = no_failures();
-        animator.want_report(&words, &[BufferId::Failure])?;
+        animator.want_report(slot, &no_failures(), &[BufferId::Failure])?;
         let crowd = CrowdBuffers::of(animator)?;
-        let before = |commands| Ok(animator.encode(commands, &ops, contents)?);
-        let drawn = self.renderer.draw_into(view, Some(&crowd), target, before);
-        let image = drawn.map_err(|error| match error {
-            Error::Gpu(error) => Error::Gpu(Engine::named(error, &ops)),
-            other => other,
-        })?;
-        animator.encoded();
-        animator.report(&mut words);
-        check(&words)?;
+        let before = |commands| Ok(animator.encode(slot, commands, &ops, contents)?);
+        let submitted = self.renderer.submit_into(view, Some(&crowd), target, before, after);
+        submitted.map_err(named(&ops))?;
+        animator.encoded(slot);
+        self.in_flight[slot] = ops;
+        Ok(())
+    }
+
+    /// Waits for all frames. Returns the copy of the newest if that is wanted, and it was copied.
+    pub(crate) fn finish(&mut self, is_wanted: bool) -> Result<Option<Image>, crate::Error> {
+        let frames = std::mem::take(&mut self.in_flight);
+        let newest = frames[(self.renderer.slot() + FRAMES_IN_FLIGHT - 1) % FRAMES_IN_FLIGHT].as_slice();
+        let image = self.renderer.finish(is_wanted).map_err(named(newest))?;
+        for (slot, ops) in frames.iter().enumerate() {
+            self.check_frame(slot, ops)?;
+        }
         Ok(image)
+    }
+
+    /// Reads the failure words of a frame that was waited for.
+    fn check_frame(&self, slot: usize, ops: &[Op]) -> Result<(), crate::Error> {
+        let Some(animator) = self.animator.as_ref().filter(|_| !ops.is_empty()) else { return Ok(()) };
+        let mut words = no_failures();
+        animator.report(slot, &mut words);
+        check(&words)
+    }
+}
+
+/// All that frames may show of a user.
+fn everything(view: &View) -> User {
+    let place = view.center();
+    let hand = Hand { place, turn: Quat::IDENTITY, kind: HandKind::Controller };
+    let teleport = Teleport { from: place, to: place - Vec3::Y, is_allowed: true };
+    User { hands: [Some(hand); 2], joints: [None; 2], teleport: Some(teleport), vignette: 1.0 }
+}
+
+/// An error of a frame with these operations.
+fn named(ops: &[Op]) -> impl FnOnce(Error) -> Error + '_ {
+    move |error| match error {
+        Error::Gpu(error) => Error::Gpu(Engine::named(error, ops)),
+        other => other,
     }
 }
 
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 mod tests {
-    use super::super::target::{COLOR_FORMAT, EyeImages, GpuImage, ImageSpec};
-    use super::super::{Camera, View};
+    use super::super::Camera;
+    use super::super::target::COLOR_FORMAT;
     use super::*;
     use crate::avatar::{self, Sex};
     use crate::gpu::instance::{AroundSubmission, Maker, Own};
@@ -112,7 +201,6 @@ mod tests {
     use crate::scenario::{Scenario, populate_from};
     use crate::sim::snapshots::make_room;
     use crate::sim::{AvatarSet, bodies, setup};
-    use ash::vk;
     use std::sync::atomic::{AtomicU32, Ordering};
 
     const SIDE: u32 = 64;
@@ -158,8 +246,12 @@ mod tests {
     }
 
     fn image(device: &Arc<Device>) -> GpuImage {
+        image_of(device, SIDE)
+    }
+
+    fn image_of(device: &Arc<Device>, side: u32) -> GpuImage {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let spec = ImageSpec { layers: 2, usage, ..ImageSpec::flat("test", [SIDE; 2], COLOR_FORMAT) };
+        let spec = ImageSpec { layers: 2, usage, ..ImageSpec::flat("test", [side; 2], COLOR_FORMAT) };
         GpuImage::readable(device, spec).unwrap()
     }
 
@@ -203,7 +295,8 @@ mod tests {
                 let before = counter.submissions.load(Ordering::Relaxed);
                 show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), bytes, "{agents}, {number}");
-                let drawn = show.draw_into(&view, Vec3::Y, TIMES, &target(&image, true)).unwrap();
+                show.submit(&view, Vec3::Y, TIMES, &target(&image, true), |_| Ok(())).unwrap();
+                let drawn = show.finish(true).unwrap();
                 let after = counter.submissions.load(Ordering::Relaxed);
                 assert_eq!(after - before, 1, "{agents}, {number}");
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), 0);
@@ -232,7 +325,108 @@ mod tests {
         store.failure[crate::kernels::KernelId::Cull as usize] = 7;
         let settings = Settings { eyes: 2, ..Settings::sized(SIDE, SIDE) };
         let mut show = Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
-        let error = show.draw_into(&view, Vec3::Y, TIMES, &target(&image, false)).unwrap_err();
+        show.submit(&view, Vec3::Y, TIMES, &target(&image, false), |_| Ok(())).unwrap();
+        let error = show.finish(false).unwrap_err();
         assert!(error.to_string().contains("cull") && error.to_string().contains('7'), "{error}");
+    }
+
+    /// A show of a crowd, and that crowd as it is in one step after the other.
+    fn walking(device: &Arc<Device>, agents: u32, side: u32) -> (Show, Store, Vec<Store>) {
+        let (store, meshes, scenery) = crowd(agents);
+        let settings = Settings { eyes: 2, ..Settings::sized(side, side) };
+        let show = Show::on_device(device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
+        let moved = |step: u8| {
+            let mut moved = Show::snapshot(&store);
+            moved.position.iter_mut().for_each(|place| place[0] += 0.2 * f32::from(step));
+            moved
+        };
+        let steps = (0..6).map(moved).collect();
+        (show, store, steps)
+    }
+
+    fn view_of(side: u32) -> View {
+        let camera = Camera::look_at(Vec3::new(0.0, 1.7, 9.0), Vec3::new(0.0, 1.2, 0.0), Vec3::Y);
+        View { eye_count: 2, ..View::mono(&camera, side, side) }
+    }
+
+    /// The last picture of a crowd that walks. `waits` for each frame, or lets them overlap.
+    fn last_picture(device: &Arc<Device>, image: &GpuImage, waits: bool, warms_up: bool) -> Image {
+        let (mut show, store, steps) = walking(device, 200, SIDE);
+        let view = view_of(SIDE);
+        if warms_up {
+            show.warm_up(&store, &view, true).unwrap();
+        }
+        for (number, step) in (1_u32..).zip(&steps) {
+            let now = 0.03 * f64::from(number);
+            show.take(step, number.into(), now).unwrap();
+            let times = DrawTimes { shown: now - 0.02, seconds: 0.03 };
+            show.submit(&view, Vec3::Y, times, &target(image, true), |_| Ok(())).unwrap();
+            if waits {
+                show.finish(false).unwrap();
+            }
+        }
+        show.finish(true).unwrap().unwrap()
+    }
+
+    #[test]
+    fn frames_that_overlap_show_what_frames_one_after_the_other_show() {
+        let Some(device) = for_tests::device() else { return };
+        let image = image(&device);
+        let [apart, overlapping, warmed_up] = [(true, false), (false, false), (false, true)]
+            .map(|(waits, warms_up)| last_picture(&device, &image, waits, warms_up));
+        assert!(apart == overlapping, "what overlaps is mixed up");
+        assert!(apart == warmed_up, "the picture that nobody saw has left something");
+        drop((image, device));
+        for_tests::assert_silent();
+    }
+
+    #[test]
+    fn the_host_waits_for_the_frame_before_last_and_for_no_other() {
+        let Some(device) = for_tests::device() else { return };
+        let (mut show, _, steps) = walking(&device, 100, SIDE);
+        let (view, image) = (view_of(SIDE), image(&device));
+        let in_flight = |show: &Show| show.renderer.flights.count();
+        let submit = |show: &mut Show, number: u8| {
+            show.take(&steps[usize::from(number)], number.into(), 0.03 * f64::from(number)).unwrap();
+            show.submit(&view, Vec3::Y, TIMES, &target(&image, false), |_| Ok(())).unwrap();
+        };
+        assert_eq!(show.make_room().unwrap(), None, "there was no frame");
+        submit(&mut show, 1);
+        assert_eq!(in_flight(&show), 1);
+        assert_eq!(show.make_room().unwrap(), None, "there is room for a second one");
+        submit(&mut show, 2);
+        assert_eq!(in_flight(&show), 2);
+        let took = show.make_room().unwrap();
+        assert!(took.is_some_and(|took| took > Duration::from_micros(100)), "{took:?}");
+        assert_eq!((in_flight(&show), show.make_room().unwrap()), (1, None), "the first was waited for");
+        submit(&mut show, 3);
+        submit(&mut show, 4);
+        assert_eq!(in_flight(&show), 2, "room is made by whoever needs it");
+        show.finish(false).unwrap();
+        assert_eq!(in_flight(&show), 0);
+        submit(&mut show, 5);
+        drop((show, image, device)); // which waits
+        for_tests::assert_silent();
+    }
+
+    #[test]
+    fn a_part_of_an_image_shows_what_a_small_image_shows() {
+        const LARGE: u32 = 101;
+        let Some(device) = for_tests::device() else { return };
+        let view = view_of(SIDE);
+        // enough people that those who are hidden are left out
+        let picture = |side: u32| {
+            let (mut show, _, steps) = walking(&device, 1200, side);
+            let image = image_of(&device, side);
+            show.renderer().set_drawn_size([SIDE; 2]);
+            show.take(&steps[0], 1, 0.03).unwrap();
+            show.submit(&view, Vec3::Y, TIMES, &target(&image, true), |_| Ok(())).unwrap();
+            show.finish(true).unwrap().unwrap()
+        };
+        let (small, part) = (picture(SIDE), picture(LARGE));
+        assert_eq!([small.width, small.height], [2 * SIDE, SIDE]);
+        assert!(small == part, "the part shows something else");
+        drop(device);
+        for_tests::assert_silent();
     }
 }

@@ -36,6 +36,7 @@ mod crowd;
 mod error;
 #[cfg(feature = "xr")]
 mod faces;
+mod flight;
 mod frame;
 #[cfg(feature = "xr")]
 mod live;
@@ -45,6 +46,7 @@ mod pipelines;
 mod renderer;
 mod settings;
 pub mod show;
+mod submit;
 mod sun;
 mod surface;
 mod target;
@@ -55,6 +57,8 @@ pub use crate::picture::Image;
 pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;
 pub use camera::{Camera, View};
+#[cfg(feature = "xr")]
+pub(crate) use commands::Commands;
 pub use crowd::CrowdBuffers;
 pub use error::Error;
 #[cfg(feature = "xr")]
@@ -62,10 +66,10 @@ pub use faces::Face;
 #[cfg(feature = "xr")]
 pub(crate) use live::DrawTimes;
 pub use renderer::Renderer;
-#[cfg(any(feature = "xr", feature = "view"))]
-pub(crate) use renderer::Target;
 pub use settings::{Markers, Settings, Stereo};
 pub use show::Show;
+#[cfg(any(feature = "xr", feature = "view"))]
+pub(crate) use submit::Target;
 pub use surface::Surface;
 #[cfg(feature = "xr")]
 pub(crate) use target::DEPTH_FORMAT;

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::target::{DEPTH_FORMAT, Format};
-use crate::gpu::{self, Device, call};
+use crate::gpu::{self, Device, FRAMES_IN_FLIGHT, call};
 use crate::kernels::{DrawBindingKind, DrawShader};
 use ash::vk;
 use std::ffi::CString;
@@ -88,7 +88,15 @@ impl Setup<'_> {
     }
 }
 
-/// A draw shader with its layout and a descriptor set for every eye pass.
+/// Which of a program's descriptor sets: that of an eye pass of a frame in flight.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SetIndex {
+    /// The slot of the frame.
+    pub(crate) slot: usize,
+    pub(crate) eye_pass: usize,
+}
+
+/// A draw shader with its layout, and a descriptor set for every eye pass of every frame in flight.
 pub(crate) struct Program {
     device: Arc<Device>,
     shader: &'static DrawShader,
@@ -133,7 +141,7 @@ impl Program {
         shader: &'static DrawShader,
         eye_passes: u32,
     ) -> Result<Self, Error> {
-        let count = eye_passes.max(1);
+        let count = eye_passes.max(1) * u32::try_from(FRAMES_IN_FLIGHT).unwrap_or(1);
         let mut program = Self {
             device: device.clone(),
             shader,
@@ -191,16 +199,17 @@ impl Program {
     }
 
     /// The descriptor set of an eye pass.
-    pub(crate) fn set(&self, eye_pass: usize) -> vk::DescriptorSet {
-        self.sets.get(eye_pass).copied().unwrap_or_default()
+    pub(crate) fn set(&self, SetIndex { slot, eye_pass }: SetIndex) -> vk::DescriptorSet {
+        let eye_passes = self.sets.len() / FRAMES_IN_FLIGHT;
+        self.sets.get(slot * eye_passes + eye_pass).copied().unwrap_or_default()
     }
 
     /// Fills every binding of an eye pass with what `resource` gives for its name.
     ///
-    /// The set must not be in use: every submission of the renderer is waited for.
+    /// The set must not be in use: the frame that had its slot was waited for.
     pub(crate) fn bind(
         &self,
-        eye_pass: usize,
+        index: SetIndex,
         resource: impl Fn(&str) -> Option<Resource>,
     ) -> Result<(), Error> {
         for binding in self.shader.bindings {
@@ -208,7 +217,7 @@ impl Program {
                 return Err(Error::NoBuffer { shader: self.shader.name, binding: binding.name });
             };
             let write = vk::WriteDescriptorSet::default()
-                .dst_set(self.set(eye_pass))
+                .dst_set(self.set(index))
                 .dst_binding(binding.index)
                 .descriptor_type(descriptor_type(binding.kind));
             let (buffer, image);

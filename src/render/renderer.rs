@@ -1,12 +1,15 @@
 //! The renderer: what is drawn, into what, in which order.
 
+use super::Error;
 use super::atmosphere::Atmosphere;
 use super::attachments::{
-    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, eye_passes, samples, stereo, view_mask,
+    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, end_depth_target, eye_passes, samples,
+    stereo, view_mask,
 };
 use super::camera::View;
 use super::commands::{Commands, Submitter};
 use super::crowd::CrowdBuffers;
+use super::flight::Flights;
 use super::frame::{self, Frame, Shared};
 use super::meshes::{CrowdMeshes, DrawnCrowd, FarLod};
 use super::pack::MeshBuffers;
@@ -16,43 +19,16 @@ use super::passes::{
     CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass, ShadowPass,
     SkyPass, UserPass,
 };
-use super::pipelines::Setup;
+use super::pipelines::{SetIndex, Setup};
 use super::settings::{Markers, Settings};
+use super::submit::Output;
 use super::surface::Surface;
-use super::target::{COLOR_FORMAT, DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Readback};
+use super::target::{COLOR_FORMAT, Format, GpuImage, ImageUse, Readback};
 use super::uniforms::ViewBuffers;
 use super::user::User;
-use super::{Error, Image};
 use crate::gpu::Device;
 use ash::vk;
 use std::sync::Arc;
-use vk::PipelineStageFlags2 as Stage;
-
-/// Images of the caller that a frame is drawn into.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Target {
-    /// Where the colour goes.
-    pub(crate) color: EyeImages,
-    /// A view of all layers of the colour, for frames of one eye pass.
-    pub(crate) view: vk::ImageView,
-    /// Where the depth goes, if the caller wants it; in the layout of a depth attachment afterwards.
-    pub(crate) depth: Option<EyeImages>,
-    /// Whether the colour is copied to the host.
-    pub(crate) is_copied: bool,
-}
-
-/// What a frame is drawn into.
-#[derive(Debug, Clone, Copy)]
-struct Output {
-    color: EyeImages,
-    depth: Option<EyeImages>,
-    /// What each eye pass draws into.
-    eyes: [EyeTarget; 2],
-    /// Stage that used the colour last, or that waits for it.
-    before: Stage,
-    /// How the colour is used next.
-    after: ImageUse,
-}
 
 /// Draws a crowd and its environment.
 pub struct Renderer {
@@ -68,18 +44,20 @@ pub struct Renderer {
     far: FarPass,
     sky: SkyPass,
     markers: MarkerPass,
-    meshes: Option<CrowdMeshes>,
+    pub(super) meshes: Option<CrowdMeshes>,
     uniforms: ViewBuffers,
     attachments: Attachments,
-    eye_views: EyeViews,
+    pub(super) eye_views: EyeViews,
     /// The image of [`Renderer::draw`] and where the host reads it; made when first needed.
-    offscreen: Option<(GpuImage, Readback)>,
+    pub(super) offscreen: Option<(GpuImage, Readback)>,
     /// Where the host reads frames that were drawn into images of the caller; made when first needed.
     #[cfg(any(feature = "xr", feature = "view"))]
-    copy: Option<Readback>,
-    format: Format,
-    settings: Settings,
+    pub(super) copy: Option<Readback>,
+    pub(super) format: Format,
+    pub(super) settings: Settings,
     submitter: Submitter,
+    /// Frames that the device may still draw; `drop` waits for them before anything else goes.
+    pub(super) flights: Flights,
 }
 
 impl std::fmt::Debug for Renderer {
@@ -136,6 +114,7 @@ impl Renderer {
             format,
             settings,
             submitter: Submitter::new(device)?,
+            flights: Flights::new(device)?,
         })
     }
 
@@ -150,8 +129,8 @@ impl Renderer {
     }
 
     /// Submits commands to the device that draws.
-    #[cfg(feature = "xr")]
-    pub(crate) fn submitter(&self) -> &Submitter {
+    #[cfg(all(test, feature = "xr"))]
+    pub(super) fn submitter(&self) -> &Submitter {
         &self.submitter
     }
 
@@ -165,6 +144,12 @@ impl Renderer {
         self.settings.markers = markers;
     }
 
+    /// Forgets the caller's images that were drawn into. They are going, and were waited for.
+    #[cfg(feature = "xr")]
+    pub(super) fn forget_images(&mut self) {
+        self.eye_views.clear();
+    }
+
     /// Shows these hands, this aim and this vignette from the next frame on.
     pub fn set_user(&mut self, user: User) {
         self.user.set(user);
@@ -175,6 +160,7 @@ impl Renderer {
     /// # Errors
     /// When the size is beyond the device or memory is short; the old size stays then.
     pub fn resize(&mut self, width: u32, height: u32) -> Result<(), Error> {
+        self.flights.wait_all()?;
         let settings = Settings { width, height, ..self.settings };
         let attachments = Attachments::new(self.device(), &settings, self.format)?;
         self.occlusion = OcclusionPass::new(self.device(), &settings, &attachments)?;
@@ -189,11 +175,21 @@ impl Renderer {
         Ok(())
     }
 
+    /// Draws frames of this size from now on, at most of that which the renderer was made for or changed to: into the first rows
+    /// and columns of images that are as large as that.
+    #[cfg(feature = "xr")]
+    pub(crate) fn set_drawn_size(&mut self, [width, height]: [u32; 2]) {
+        let [most_columns, most_rows] = self.attachments.size;
+        self.settings.width = width.clamp(1, most_columns);
+        self.settings.height = height.clamp(1, most_rows);
+    }
+
     /// Replaces the environment; no surfaces, no environment.
     ///
     /// # Errors
     /// When a surface's lists do not fit together, it is larger than the device can bind, or memory is short.
     pub fn set_environment(&mut self, surfaces: &[Surface<'_>]) -> Result<(), Error> {
+        self.flights.wait_all()?;
         self.environment.set(&self.submitter, surfaces)
     }
 
@@ -203,6 +199,7 @@ impl Renderer {
     /// # Errors
     /// When memory is short.
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
+        self.flights.wait_all()?;
         let made = CrowdMeshes::new(&self.submitter, meshes)?;
         self.outsiders.set(&self.submitter, &meshes.outsiders)?;
         self.meshes = Some(made);
@@ -216,137 +213,55 @@ impl Renderer {
     /// When memory is short.
     #[cfg(feature = "xr")]
     pub(crate) fn set_mask(&mut self, corners: &[[f32; 4]]) -> Result<(), Error> {
-        self.mask = None;
-        let setup = setup(self.submitter.device(), self.format, &self.settings);
-        self.mask = MaskPass::new(&setup, &self.submitter, corners)?;
-        Ok(())
-    }
-
-    /// Draws a frame and copies it to the host; with two eyes, the left one stands left of the right one.
-    ///
-    /// # Errors
-    /// When a crowd buffer is too short, memory is short or a call fails.
-    pub fn draw(&mut self, view: &View, crowd: Option<&CrowdBuffers<'_>>) -> Result<Image, Error> {
-        let image = self.draw_offscreen(view, crowd, true)?;
-        image.ok_or(Error::NoBuffer { shader: "draw", binding: "offscreen" })
-    }
-
-    /// Like [`Renderer::draw`]; the image is copied to the host only if that is wanted.
-    pub(crate) fn draw_offscreen(
-        &mut self,
-        view: &View,
-        crowd: Option<&CrowdBuffers<'_>>,
-        is_copied: bool,
-    ) -> Result<Option<Image>, Error> {
-        if self.offscreen.is_none() {
-            self.offscreen = Some(self.make_offscreen()?);
+        self.flights.wait_all()?;
+        if self.mask.is_none() {
+            let setup = setup(self.submitter.device(), self.format, &self.settings);
+            self.mask = Some(MaskPass::new(&setup)?);
         }
-        let missing = || Error::NoBuffer { shader: "draw", binding: "offscreen" };
-        let target = self.offscreen.as_ref().map(|(image, _)| (image.raw, image.view)).ok_or_else(missing)?;
-        let color = EyeImages::layered(target.0);
-        let target = Target { color, view: target.1, depth: None, is_copied };
-        let output = self.output(&target, Stage::COPY, ImageUse::COPY_SOURCE)?;
-        let readback = self.offscreen.as_ref().map(|(_, readback)| readback).filter(|_| target.is_copied);
-        let frame = self.frame(view, crowd)?;
-        self.bind(&frame)?;
-        self.submitter.submit(|commands| {
-            self.record(commands, &frame, &output)?;
-            if let Some(readback) = readback {
-                let (images, aspect) = (target.color.each(), vk::ImageAspectFlags::COLOR);
-                readback.copy(commands.raw(), commands.buffer, images, aspect);
-            }
-            Ok(())
-        })?;
-        Ok(readback.map(|readback| self.assemble(readback.bytes())))
-    }
-
-    /// Draws into images of the caller. The colour is left in the layout of a colour attachment, and copied to the host if
-    /// that is wanted. What `before` records comes first, in the same submission.
-    #[cfg(any(feature = "xr", feature = "view"))]
-    pub(crate) fn draw_into(
-        &mut self,
-        view: &View,
-        crowd: Option<&CrowdBuffers<'_>>,
-        target: &Target,
-        before: impl FnOnce(vk::CommandBuffer) -> Result<(), Error>,
-    ) -> Result<Option<Image>, Error> {
-        let Settings { width, height, eyes, .. } = self.settings;
-        if target.is_copied && self.copy.is_none() {
-            self.copy = Some(Readback::new(self.device(), "frame readback", [width, height], eyes)?);
-        }
-        let (drawn, copied) = (ImageUse::COLOR_WRITTEN, ImageUse::COPY_SOURCE);
-        let after = if target.is_copied { copied } else { drawn };
-        let output = self.output(target, Stage::COLOR_ATTACHMENT_OUTPUT, after)?;
-        let readback = self.copy.as_ref().filter(|_| target.is_copied);
-        let frame = self.frame(view, crowd)?;
-        self.bind(&frame)?;
-        self.submitter.submit(|commands| {
-            before(commands.buffer)?;
-            self.record(commands, &frame, &output)?;
-            if let Some(readback) = readback {
-                let aspect = vk::ImageAspectFlags::COLOR;
-                readback.copy(commands.raw(), commands.buffer, target.color.each(), aspect);
-                commands.transition(&target.color.transitions(aspect, copied, drawn));
-            }
-            Ok(())
-        })?;
-        Ok(readback.map(|readback| self.assemble(readback.bytes())))
-    }
-
-    fn make_offscreen(&self) -> Result<(GpuImage, Readback), Error> {
-        let Settings { width, height, eyes, .. } = self.settings;
-        let (size, usage) = ([width, height], vk::ImageUsageFlags::COLOR_ATTACHMENT);
-        let spec = ImageSpec { layers: eyes, usage, ..ImageSpec::flat("offscreen", size, self.format.color) };
-        let image = GpuImage::readable(self.device(), spec)?;
-        Ok((image, Readback::new(self.device(), "offscreen readback", size, eyes)?))
-    }
-
-    /// What each eye pass draws into, of the images of a target.
-    fn output(&mut self, target: &Target, before: Stage, after: ImageUse) -> Result<Output, Error> {
-        let Target { color, view, depth, .. } = *target;
-        let colors = match eye_passes(&self.settings) {
-            1 => [view; 2],
-            _ => self.eye_views.of(color, self.format.color, &self.settings)?,
-        };
-        let depths = match depth {
-            Some(depth) => self.eye_views.of(depth, DEPTH_FORMAT, &self.settings)?.map(Some),
-            None => [None; 2],
-        };
-        let eyes = [0, 1].map(|eye| EyeTarget { color: colors[eye], depth: depths[eye] });
-        Ok(Output { color, depth, eyes, before, after })
+        self.mask.as_mut().map_or(Ok(()), |mask| mask.set(&self.submitter, corners))
     }
 
     /// The first eye pass of a frame.
-    fn frame<'a>(&'a self, view: &'a View, crowd: Option<&'a CrowdBuffers<'a>>) -> Result<Frame<'a>, Error> {
+    pub(super) fn frame<'a>(
+        &'a self,
+        view: &'a View,
+        crowd: Option<&'a CrowdBuffers<'a>>,
+    ) -> Result<Frame<'a>, Error> {
         let crowd = crowd.zip(self.meshes.as_ref());
         let crowd = crowd.map(|(buffers, meshes)| DrawnCrowd::new(buffers, meshes)).transpose()?;
         Ok(Frame { view, settings: &self.settings, crowd, eye_pass: 0 })
     }
 
-    /// Fills the descriptor sets. They must not be in use by the device.
-    fn bind(&self, frame: &Frame<'_>) -> Result<(), Error> {
+    /// Fills the descriptor sets of a slot, whose frame was waited for.
+    pub(super) fn bind(&self, slot: usize, frame: &Frame<'_>) -> Result<(), Error> {
         if let Some(occlusion) = &self.occlusion {
-            occlusion.bind(frame)?;
+            occlusion.bind(slot, frame)?;
         }
         for (eye_pass, view) in self.uniforms.iter() {
             let shared = Shared { view, shadow: &self.shadow, crowd: frame.crowd };
+            let index = SetIndex { slot, eye_pass };
             #[cfg(feature = "xr")]
             if let Some(mask) = &self.mask {
-                mask.bind(eye_pass)?;
+                mask.bind(index)?;
             }
-            self.user.bind(eye_pass, &shared)?;
-            self.crowd.bind(eye_pass, &shared)?;
-            self.outsiders.bind(eye_pass, &shared)?;
-            self.environment.bind(eye_pass, &shared)?;
-            self.far.bind(eye_pass, &shared)?;
-            self.sky.bind(eye_pass, &shared)?;
-            self.markers.bind(&Frame { eye_pass, ..*frame }, &shared)?;
+            self.user.bind(index, &shared)?;
+            self.crowd.bind(index, &shared)?;
+            self.outsiders.bind(index, &shared)?;
+            self.environment.bind(index, &shared)?;
+            self.far.bind(index, &shared)?;
+            self.sky.bind(index, &shared)?;
+            self.markers.bind(index, frame, &shared)?;
         }
         Ok(())
     }
 
     /// Records a frame. [`Renderer::bind`] stands before it, with the same frame.
-    fn record(&self, commands: &Commands<'_>, frame: &Frame<'_>, output: &Output) -> Result<(), Error> {
+    pub(super) fn record(
+        &self,
+        commands: &Commands<'_>,
+        frame: &Frame<'_>,
+        output: &Output,
+    ) -> Result<(), Error> {
         let [from, to] = frame::BEFORE;
         commands.barrier(from, to);
         self.uniforms.update(commands, &frame.uniforms(self.shadow.size()));
@@ -372,6 +287,9 @@ impl Renderer {
             commands.labelled(c"gaitway.frame", || self.record_eye_pass(commands, &frame, target))?;
         }
         commands.transition(&output.color.transitions(aspect, drawn, output.after));
+        if let Some(depth) = output.depth {
+            end_depth_target(commands, depth);
+        }
         let [from, to] = frame::AFTER;
         commands.barrier(from, to);
         Ok(())
@@ -402,7 +320,8 @@ impl Renderer {
             self.user.record_overlays(commands, eye_pass);
         };
         let part = |is_first, is_last, draw: &dyn Fn()| {
-            self.attachments.part(commands, target, Part { is_first, is_last }, draw);
+            let part = Part { is_first, is_last };
+            self.attachments.part(commands, target, frame.area(), part, draw);
         };
         let Some(test) = self.occlusion_test(frame, target) else {
             part(true, true, &|| {
@@ -429,24 +348,12 @@ impl Renderer {
         let keeps_depth = target.depth.is_none() || self.attachments.is_multisampled();
         self.occlusion.as_ref()?.test(frame, &self.attachments, keeps_depth)
     }
+}
 
-    /// Puts the eyes' images side by side.
-    fn assemble(&self, bytes: &[u8]) -> Image {
-        let Settings { width, height, eyes, .. } = self.settings;
-        let one = width as usize * height as usize * 4;
-        let mut eye_images = bytes.chunks_exact(one).take(eyes as usize).map(|pixels| Image {
-            width,
-            height,
-            pixels: pixels.to_vec(),
-        });
-        if eyes == 1 {
-            return eye_images.next().unwrap_or_else(|| Image::filled(width, height, [0; 4]));
-        }
-        let mut both = Image::filled(width * eyes, height, [0; 4]);
-        for (eye, image) in (0_u32..).zip(eye_images) {
-            both.blit(&image, eye * width, 0);
-        }
-        both
+impl Drop for Renderer {
+    fn drop(&mut self) {
+        // what frames in flight use goes after them; on a lost device nothing is in use
+        let _ = self.flights.wait_all();
     }
 }
 

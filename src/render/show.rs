@@ -6,6 +6,8 @@
 #[cfg(feature = "view")]
 use super::Target;
 use super::{CrowdBuffers, Image, Renderer, Settings, Surface, View};
+#[cfg(feature = "xr")]
+use crate::gpu::FRAMES_IN_FLIGHT;
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Validation};
 use crate::kernels::layout::{BetweenUniforms, FrameUniforms};
@@ -37,24 +39,28 @@ pub(super) const READ: [BufferId; 4] =
 /// Draws a simulation.
 #[derive(Debug)]
 pub struct Show {
+    /// Goes first: it waits for frames that the device still draws from the animator's buffers.
     pub(super) renderer: Renderer,
     /// Animates a crowd that is simulated on the CPU.
     pub(super) animator: Option<Engine>,
     /// What does not depend on the camera.
-    frame: FrameUniforms,
+    pub(super) frame: FrameUniforms,
     pub(super) time: Option<f64>,
     /// Number of the snapshot that the animator has.
     #[cfg(feature = "xr")]
     pub(super) taken: u64,
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(super) kept: KeptSnapshots,
+    /// The kernels of the frames that were not waited for yet, by slot.
+    #[cfg(feature = "xr")]
+    pub(super) in_flight: [Vec<Op>; FRAMES_IN_FLIGHT],
     /// How long the animator's kernels ran since they were last asked for, if they are timed.
     times: Option<Vec<(Phase, f64)>>,
 }
 
 /// The two snapshots between which frames lie.
 #[cfg(any(feature = "xr", feature = "view"))]
-#[derive(Debug, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub(super) struct KeptSnapshots {
     times: Snapshots,
     /// The slot in which the next frame keeps the newest snapshot.
@@ -175,6 +181,8 @@ impl Show {
             taken: 0,
             #[cfg(any(feature = "xr", feature = "view"))]
             kept: KeptSnapshots { has_room: !store.snapshots.is_empty(), ..KeptSnapshots::default() },
+            #[cfg(feature = "xr")]
+            in_flight: Default::default(),
             times: None,
         }
     }
@@ -263,7 +271,7 @@ impl Show {
         self.prepare_between(simulation, view, Some(user_eyes), between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
-        let image = self.renderer.draw_into(view, crowd.as_ref(), target, |_| Ok(()))?;
+        let image = self.renderer.draw_into(view, crowd.as_ref(), target)?;
         if let Some((between, _)) = between.filter(|_| self.animator.is_none()) {
             simulation.restore(between)?;
         }

@@ -233,7 +233,7 @@ impl Readback {
         Ok(Self { buffer: Buffer::new(device, name, bytes, Memory::Readback)?, size, layers })
     }
 
-    #[cfg(feature = "xr")]
+    #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) const fn size(&self) -> [u32; 2] {
         self.size
     }

@@ -38,6 +38,7 @@ pub struct SceneBuilder {
     replay: Option<Replay>,
     backend: Backend,
     device: Option<String>,
+    gives_way: bool,
 }
 
 impl SceneBuilder {
@@ -51,6 +52,7 @@ impl SceneBuilder {
             replay: None,
             backend: Backend::default(),
             device: None,
+            gives_way: false,
         }
     }
 
@@ -157,6 +159,14 @@ impl SceneBuilder {
         self
     }
 
+    /// Lets the simulation's work on a GPU give way to that of others, such as the frames of a headset: it has a lower priority
+    /// where the driver has priorities.
+    #[must_use]
+    pub const fn gives_way(mut self) -> Self {
+        self.gives_way = true;
+        self
+    }
+
     /// The scene, checked and populated.
     ///
     /// A library of nothing but unlabelled gaits is walked as the baseline, unless a condition is chosen.
@@ -165,7 +175,8 @@ impl SceneBuilder {
     /// [`crate::scenario::Error`] with key, value and range for what is wrong in the scenario or does not fit its place;
     /// [`super::Error`] for avatars and rig maps that do not exist; when a gait cannot drive an avatar.
     pub fn build(self) -> Result<Scene, crate::Error> {
-        let Self { mut scenario, folder, condition, library, rig_maps, mut replay, backend, device } = self;
+        let Self { mut scenario, folder, condition, library, rig_maps, mut replay, .. } = self;
+        let (backend, device, gives_way) = (self.backend, self.device, self.gives_way);
         scenario.validate()?;
         scenario.condition = condition.unwrap_or(scenario.condition);
         let is_own = library.is_some();
@@ -188,7 +199,7 @@ impl SceneBuilder {
         let avatars = avatars_of(&scenario, folder, &rig_maps)?;
         let cast = AvatarSet::new(library.gaits(), avatars)?.with_outsiders(outsiders);
         let geometry = scenario.geometry();
-        Ok(Scene { scenario, geometry, crowd, cast, replay, backend, device, is_unlabelled })
+        Ok(Scene { scenario, geometry, crowd, cast, replay, backend, device, gives_way, is_unlabelled })
     }
 
     /// The crowd in motion.

@@ -54,6 +54,8 @@ pub struct Scene {
     pub backend: Backend,
     /// The Vulkan device, by a part of its name or by its number; none: `GAITWAY_DEVICE`, or the best.
     pub device: Option<String>,
+    /// Whether the simulation's work on a GPU gives way to that of others: [`SceneBuilder::gives_way`].
+    pub gives_way: bool,
     /// Whether the chosen library has no label, so that all walk as the baseline.
     pub is_unlabelled: bool,
 }
@@ -88,6 +90,7 @@ impl Scene {
             replay: None,
             backend: Backend::default(),
             device: None,
+            gives_way: false,
             is_unlabelled: false,
         }
     }
@@ -116,7 +119,8 @@ impl Scene {
     }
 
     fn simulate(&self, start: Start) -> Result<Simulation, crate::Error> {
-        let simulation = Simulation::from_store(start.store, self.backend, self.device.as_deref())?;
+        let Self { backend, device, gives_way, .. } = self;
+        let simulation = Simulation::from_store_beside(start.store, *backend, device.as_deref(), *gives_way)?;
         Ok(self.introduce(simulation, start.ways))
     }
 

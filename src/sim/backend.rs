@@ -6,7 +6,7 @@ use super::Error;
 #[cfg(feature = "vulkan")]
 use super::order;
 #[cfg(feature = "vulkan")]
-use crate::gpu::{Device, Engine, Validation};
+use crate::gpu::{Device, Engine, Priority, Validation, Wanted};
 use crate::kernels::{BufferId, Op, Phase, Store};
 use crate::reference;
 #[cfg(feature = "vulkan")]
@@ -31,7 +31,7 @@ impl Backend {
     /// environment variable `GAITWAY_DEVICE`.
     pub fn falls_back(self, device: Option<&str>) -> bool {
         #[cfg(feature = "vulkan")]
-        let is_named = crate::gpu::Wanted::of(device) != crate::gpu::Wanted::Best;
+        let is_named = Wanted::of(device) != Wanted::Best;
         #[cfg(not(feature = "vulkan"))]
         let is_named =
             device.is_some() || std::env::var_os("GAITWAY_DEVICE").is_some_and(|name| !name.is_empty());
@@ -41,12 +41,14 @@ impl Backend {
     /// Opens the Vulkan device for it; the backend is not the CPU.
     #[cfg(feature = "vulkan")]
     pub(crate) fn open(self, device: Option<&str>) -> Result<Arc<Device>, crate::gpu::Error> {
-        let validation = Validation::from_environment()?;
-        if self.falls_back(device) {
-            Device::open_hardware(validation)
-        } else {
-            Device::open(device, validation)
-        }
+        self.open_at(device, Priority::Normal)
+    }
+
+    /// The same with work of some priority.
+    #[cfg(feature = "vulkan")]
+    fn open_at(self, device: Option<&str>, priority: Priority) -> Result<Arc<Device>, crate::gpu::Error> {
+        let wanted = if self.falls_back(device) { Wanted::Hardware } else { Wanted::of(device) };
+        Device::open_at(&wanted, Validation::from_environment()?, priority)
     }
 }
 
@@ -61,18 +63,22 @@ pub(super) enum Machine {
 }
 
 impl Machine {
-    /// Opens what is asked for, with the buffers of `store`; and why the CPU is used although Vulkan was tried.
+    /// Opens what is asked for, with the buffers of `store`; and why the CPU is used although Vulkan was tried. `gives_way` to
+    /// other devices on the same GPU.
     #[cfg(feature = "vulkan")]
     pub(super) fn open(
         store: &Store,
         backend: Backend,
         device: Option<&str>,
+        gives_way: bool,
     ) -> Result<(Self, Option<String>), crate::Error> {
         if backend == Backend::Cpu {
             return Ok((Self::Cpu, None));
         }
-        let opened =
-            backend.open(device).and_then(|device| Engine::new(&device, store, &order::kernels(store)));
+        let priority = if gives_way { Priority::Low } else { Priority::Normal };
+        let opened = backend
+            .open_at(device, priority)
+            .and_then(|device| Engine::new(&device, store, &order::kernels(store)));
         match opened {
             Ok(engine) => Ok((Self::Vulkan(Box::new(engine)), None)),
             Err(error) if backend.falls_back(device) => Ok((Self::Cpu, Some(error.to_string()))),
@@ -86,6 +92,7 @@ impl Machine {
         _: &Store,
         backend: Backend,
         device: Option<&str>,
+        _: bool,
     ) -> Result<(Self, Option<String>), crate::Error> {
         if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
             return Err(Error::NoVulkan.into());
@@ -101,6 +108,22 @@ impl Machine {
         kernels: &[crate::kernels::KernelId],
     ) -> Result<Self, crate::Error> {
         Ok(Self::Vulkan(Box::new(Engine::new(device, store, kernels)?)))
+    }
+
+    /// Opens the device anew, with the buffers of `store`; on the CPU there is nothing to be lost.
+    pub(super) fn renew(&mut self, store: &Store) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => _ = store,
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => {
+                let lost = engine.device().clone();
+                *self = Self::Cpu; // the lost engine goes before the new one comes
+                let device = lost.reopen()?;
+                drop(lost);
+                *self = Self::on(&device, store, &order::kernels(store))?;
+            }
+        }
+        Ok(())
     }
 
     /// Whether the state is elsewhere than in the store after a run.

@@ -42,6 +42,7 @@ mod optional;
 #[doc(hidden)]
 pub mod order;
 mod people;
+mod renew;
 #[doc(hidden)]
 pub mod setup;
 #[doc(hidden)]
@@ -94,6 +95,10 @@ pub struct Simulation {
     store: Store,
     /// Whether `store` holds the present state (the device may be ahead).
     is_current: bool,
+    /// The number of steps after which the crowd was as `store` has it.
+    stored_step: u32,
+    /// Whether the host keeps all that a new device would need.
+    is_renewable: bool,
     /// Whether `store.lead` is newer than the device's.
     is_led_anew: bool,
     machine: Machine,
@@ -140,13 +145,19 @@ impl Simulation {
     ///
     /// # Errors
     /// When a Vulkan device is demanded but cannot be used.
-    pub fn from_store(
+    pub fn from_store(store: Store, backend: Backend, device: Option<&str>) -> Result<Self, crate::Error> {
+        Self::from_store_beside(store, backend, device, false)
+    }
+
+    /// The same with work that `gives_way` to that of others on the same GPU.
+    pub(crate) fn from_store_beside(
         mut store: Store,
         backend: Backend,
         device: Option<&str>,
+        gives_way: bool,
     ) -> Result<Self, crate::Error> {
         find_alike(&mut store);
-        let (machine, fallback) = Machine::open(&store, backend, device)?;
+        let (machine, fallback) = Machine::open(&store, backend, device, gives_way)?;
         let mut new = Self { fallback, ..Self::on(machine, store) };
         new.solve_ways()?;
         Ok(new)
@@ -155,8 +166,10 @@ impl Simulation {
     /// A simulation whose flow fields are not solved yet.
     fn on(machine: Machine, store: Store) -> Self {
         Self {
+            stored_step: store.step.step_index,
             store,
             is_current: true,
+            is_renewable: false,
             is_led_anew: false,
             machine,
             fallback: None,
@@ -306,6 +319,9 @@ impl Simulation {
             left -= batch;
         }
         self.is_current = !self.machine.is_ahead();
+        if self.is_current {
+            self.stored_step = self.steps_done();
+        }
         self.check()
     }
 
@@ -343,10 +359,10 @@ impl Simulation {
     /// When the device fails.
     pub fn state(&mut self) -> Result<&Store, crate::Error> {
         if !self.is_current {
-            self.machine.fetch(&mut self.store, &STATE)?;
-            if self.store.step.feels != 0 {
-                self.machine.fetch(&mut self.store, &FELT)?;
-            }
+            let felt: &[BufferId] = if self.store.step.feels != 0 { &FELT } else { &[] };
+            // at once: a device that is lost meanwhile leaves the state of one step
+            self.machine.fetch(&mut self.store, &[&STATE, felt].concat())?;
+            self.stored_step = self.steps_done();
         }
         self.is_current = true;
         Ok(&self.store)

@@ -96,7 +96,8 @@ impl Simulation {
                 }
             }
         }
-        self.solve(&order::flow_end(&grid), &[])
+        self.solve(&order::flow_end(&grid), &[])?;
+        self.keep_ways()
     }
 
     /// Runs dispatches of the solver, which no times are taken of, and brings buffers into the store.

@@ -56,6 +56,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let time_step = f64::from(simulation.store().step.time_step);
+    simulation.make_renewable()?;
     let world = Surroundings::of(scene, simulation.store().clone(), meshes);
     let Stand { position: place, elevation, .. } = world.start;
     let user = UserState { place, elevation, ..UserState::default() };
@@ -63,13 +64,14 @@ pub fn run(
     let (seconds, mirror) = (plan.seconds, plan.mirror.clone());
     let headset = spawn(&shared, world, plan)?;
     let (mut clock, mut watchdog) = (StepClock::new(time_step), Watchdog::default());
+    let mut crowd = Crowd { simulation, device_losses: 0 };
     while !headset.is_finished() {
         let now = shared.elapsed();
         let messages = shared.take_messages().into_iter();
         messages
             .chain(mirror.as_ref().and_then(|mirror| mirror.take_message()))
             .for_each(|line| observer.note(&line));
-        if let Some(line) = watchdog.watch(shared.silence(now)) {
+        if let Some(line) = watchdog.watch(shared.silence(now), shared.is_calling()) {
             observer.note(line);
         }
         if stop::asked() || seconds.is_some_and(|seconds| now.as_secs_f64() >= seconds) {
@@ -79,14 +81,20 @@ pub fn run(
             break;
         }
         if clock.begin(now.as_secs_f64()) {
-            step(simulation, &shared, &mut clock, observer)?;
+            step(&mut crowd, &shared, &mut clock, observer)?;
         } else {
             thread::sleep(PAUSE);
         }
     }
     shared.take_messages().iter().for_each(|line| observer.note(line));
-    let outcome = join(headset)?;
-    Ok(Outcome { steps: clock.steps(), seconds: clock.began(), time_lost: clock.lost(), ..outcome })
+    let outcome = join(headset, shared.is_calling())?;
+    Ok(Outcome {
+        steps: clock.steps(),
+        seconds: clock.began(),
+        time_lost: clock.lost(),
+        device_losses: crowd.device_losses,
+        ..outcome
+    })
 }
 
 /// Starts the headset's thread.
@@ -99,16 +107,46 @@ fn spawn(shared: &Arc<Shared>, world: Surroundings, plan: Plan) -> Result<Headse
     })
 }
 
+/// The crowd, and how often its device was lost.
+struct Crowd<'a> {
+    simulation: &'a mut Simulation,
+    device_losses: u32,
+}
+
+impl Crowd<'_> {
+    /// Steps the crowd once around a user. A device that is lost for the first time is opened anew, and the crowd takes the
+    /// step there.
+    fn step(&mut self, user: &UserState, observer: &mut dyn Observer) -> Result<(), crate::Error> {
+        match self.step_once(user) {
+            Err(crate::Error::Gpu(error)) if error.is_device_lost() && self.device_losses == 0 => {
+                self.device_losses += 1;
+                observer.note(&format!("the crowd's device is opened anew: {error}"));
+                self.simulation.renew()?;
+                self.step_once(user)
+            }
+            stepped => stepped,
+        }
+    }
+
+    /// Steps the crowd once, and reads its state.
+    fn step_once(&mut self, user: &UserState) -> Result<(), crate::Error> {
+        let Self { simulation, .. } = self;
+        simulation.set_user(user.place, user.elevation, user.velocity);
+        simulation.step(1)?;
+        simulation.state().map(drop)
+    }
+}
+
 /// Steps the crowd once, around the user as they are now, and hands its snapshot to the headset's thread.
 fn step(
-    simulation: &mut Simulation,
+    crowd: &mut Crowd<'_>,
     shared: &Shared,
     clock: &mut StepClock,
     observer: &mut dyn Observer,
 ) -> Result<(), crate::Error> {
     let user = shared.user();
-    simulation.set_user(user.place, user.elevation, user.velocity);
-    let done = simulation.step(1).and_then(|()| observer.step(&user, simulation.state()?));
+    let stepped = crowd.step(&user, observer);
+    let done = stepped.and_then(|()| observer.step(&user, crowd.simulation.state()?));
     if done.is_err() {
         // the headset's thread ends its session, as far as the runtime lets it
         shared.request_stop();
@@ -116,16 +154,18 @@ fn step(
         return done;
     }
     let due = clock.end();
-    let store = Arc::new(Show::snapshot(simulation.state()?));
+    let store = Arc::new(Show::snapshot(crowd.simulation.state()?));
     let (number, late) = (u64::from(clock.steps()) + 1, (shared.now() - due).max(0.0));
     shared.set_snapshot(CrowdSnapshot { store, number, due, late });
     Ok(())
 }
 
-/// What came of the headset's thread. One that hangs in a call of the runtime is left behind: only the runtime can end it.
-fn join(headset: HeadsetThread) -> Result<Outcome, crate::Error> {
+/// What came of the headset's thread. One that hangs, mostly in a call of the runtime, is left behind: only the runtime can
+/// end it.
+fn join(headset: HeadsetThread, is_calling: bool) -> Result<Outcome, crate::Error> {
     if !headset.is_finished() {
-        let ended = "the OpenXR runtime did not answer any more".to_owned();
+        let silent = if is_calling { "the OpenXR runtime" } else { "the graphics device" };
+        let ended = format!("{silent} did not answer any more");
         return Ok(Outcome { hung: true, ended, ..Outcome::default() });
     }
     headset.join().unwrap_or_else(|_| {
@@ -147,14 +187,14 @@ mod tests {
         while !panicked.is_finished() {
             thread::sleep(PAUSE);
         }
-        assert!(join(panicked).unwrap_err().to_string().contains("panicked"));
+        assert!(join(panicked, false).unwrap_err().to_string().contains("panicked"));
         let (release, wait) = std::sync::mpsc::channel::<()>();
         let hangs: HeadsetThread = thread::spawn(move || {
             let _ = wait.recv();
             Ok(Outcome::default())
         });
-        let outcome = join(hangs).unwrap();
-        assert!(outcome.hung && outcome.ended.contains("did not answer"));
+        let outcome = join(hangs, true).unwrap();
+        assert!(outcome.hung && outcome.ended.contains("runtime did not answer"));
         drop(release);
     }
 }

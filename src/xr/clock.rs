@@ -56,33 +56,46 @@ impl StepClock {
     }
 }
 
+/// Why the headset's thread is silent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Silence {
+    /// A call of the runtime is under way.
+    Runtime,
+    /// The thread works: the graphics device draws or compiles.
+    Device,
+}
+
 /// Watches the heartbeats of the headset's thread.
 #[derive(Debug, Default)]
 pub(super) struct Watchdog {
-    is_silent: bool,
+    silent: Option<Silence>,
     /// When the thread was first known to have been asked to end, since the beginning.
     stopping: Option<Duration>,
 }
 
 impl Watchdog {
-    /// Takes the time since the last heartbeat. Returns a message when the thread falls silent or answers again.
-    pub(super) fn watch(&mut self, silence: Duration) -> Option<&'static str> {
-        let is_silent = silence > SILENCE;
-        if is_silent == self.is_silent {
-            return None;
+    /// Takes the time since the last heartbeat, and whether a call of the runtime is under way. Returns a message when the thread
+    /// falls silent or answers again. Only a runtime that is being asked is said not to answer.
+    pub(super) fn watch(&mut self, silence: Duration, is_calling: bool) -> Option<&'static str> {
+        let now = (silence > SILENCE).then_some(if is_calling { Silence::Runtime } else { Silence::Device });
+        let before = std::mem::replace(&mut self.silent, now);
+        match (before, now) {
+            _ if before == now => None,
+            (_, Some(Silence::Runtime)) => {
+                Some("the OpenXR runtime does not answer; the crowd goes on without it")
+            }
+            (_, Some(Silence::Device)) => {
+                Some("the graphics device takes its time, perhaps to compile; the crowd goes on")
+            }
+            (Some(Silence::Runtime), None) => Some("the OpenXR runtime answers again"),
+            (_, None) => Some("the graphics device draws again"),
         }
-        self.is_silent = is_silent;
-        Some(if is_silent {
-            "the OpenXR runtime does not answer; the crowd goes on without it"
-        } else {
-            "the OpenXR runtime answers again"
-        })
     }
 
     /// Whether a thread that was asked to end is given up at `now`: it has had its time and is silent.
     pub(super) fn gives_up(&mut self, now: Duration) -> bool {
         let since = *self.stopping.get_or_insert(now);
-        now.saturating_sub(since) > FAREWELL && self.is_silent
+        now.saturating_sub(since) > FAREWELL && self.silent.is_some()
     }
 }
 
@@ -111,15 +124,28 @@ mod tests {
     fn silence_is_reported_once_and_only_a_silent_thread_is_given_up() {
         let (short, long) = (Duration::from_millis(100), SILENCE + Duration::from_millis(1));
         let mut watchdog = Watchdog::default();
-        assert_eq!(watchdog.watch(short), None);
-        assert!(watchdog.watch(long).is_some_and(|line| line.contains("does not answer")));
-        assert_eq!(watchdog.watch(long), None);
-        assert!(watchdog.watch(short).is_some_and(|line| line.contains("answers again")));
+        assert_eq!(watchdog.watch(short, true), None);
+        assert!(watchdog.watch(long, true).is_some_and(|line| line.contains("does not answer")));
+        assert_eq!(watchdog.watch(long, true), None);
+        assert!(watchdog.watch(short, false).is_some_and(|line| line.contains("answers again")));
         let asked = Duration::from_secs(60);
         assert!(!watchdog.gives_up(asked));
         assert!(!watchdog.gives_up(asked + 2 * FAREWELL), "it still answers");
-        assert!(watchdog.watch(long).is_some());
+        assert!(watchdog.watch(long, true).is_some());
         assert!(watchdog.gives_up(asked + 2 * FAREWELL));
-        assert!(!Watchdog { is_silent: true, stopping: Some(asked) }.gives_up(asked + FAREWELL));
+        let silent = Watchdog { silent: Some(Silence::Device), stopping: Some(asked) };
+        assert!(!{ silent }.gives_up(asked + FAREWELL));
+    }
+
+    #[test]
+    fn a_runtime_that_is_not_asked_is_not_said_to_be_silent() {
+        let (short, long) = (Duration::from_millis(100), SILENCE + Duration::from_millis(1));
+        let mut watchdog = Watchdog::default();
+        let said = |line: Option<&str>, words: &str| line.is_some_and(|line| line.contains(words));
+        assert!(said(watchdog.watch(long, false), "graphics device"));
+        assert_eq!(watchdog.watch(long, false), None);
+        assert!(said(watchdog.watch(long, true), "does not answer"), "then it is asked, and hangs");
+        assert!(said(watchdog.watch(long, false), "graphics device"));
+        assert!(said(watchdog.watch(short, false), "again"));
     }
 }

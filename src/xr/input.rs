@@ -3,6 +3,7 @@
 use super::error::{Error, call};
 use super::joints::{Seen, Trackers};
 use super::rig::Walk;
+use super::runtime::Runtime;
 use super::views::Pose;
 use glam::Vec2;
 use openxr as xr;
@@ -92,25 +93,22 @@ pub(super) fn ask_for_profiles(useful: &mut xr::ExtensionSet) {
 }
 
 /// The profiles that a runtime with these extensions knows.
-fn profiles(known: &xr::InstanceExtensions) -> Vec<(&'static str, Bindings)> {
+fn profiles(known: &xr::ExtensionSet) -> Vec<(&'static str, Bindings)> {
     let mut found = PROFILES.to_vec();
     let mut extend = |is_known: bool, more: &[(&'static str, Bindings)]| {
         found.extend(more.iter().filter(|_| is_known));
     };
-    extend(known.bd_controller_interaction.is_some(), &PICO);
-    extend(known.htc_vive_focus3_controller_interaction.is_some(), &FOCUS);
-    extend(known.ext_hp_mixed_reality_controller.is_some(), &REVERB);
-    extend(known.ext_hand_interaction.is_some(), &HANDS);
+    extend(known.bd_controller_interaction, &PICO);
+    extend(known.htc_vive_focus3_controller_interaction, &FOCUS);
+    extend(known.ext_hp_mixed_reality_controller, &REVERB);
+    extend(known.ext_hand_interaction, &HANDS);
     found
 }
 
 impl Input {
     /// Makes the actions and hands them to the session; once per session.
-    pub(super) fn new(
-        instance: &xr::Instance,
-        system: xr::SystemId,
-        session: &xr::Session<xr::Vulkan>,
-    ) -> Result<Self, Error> {
+    pub(super) fn new(runtime: &Runtime, session: &xr::Session<xr::Vulkan>) -> Result<Self, Error> {
+        let Runtime { instance, system, .. } = runtime;
         let path = |text: &str| instance.string_to_path(text).map_err(call("xrStringToPath"));
         let set = instance
             .create_action_set("walk", "Walking through the crowd", 0)
@@ -126,7 +124,7 @@ impl Input {
         let grip: xr::Action<xr::Posef> =
             set.create_action("grip", "Hold", &hands).map_err(call("xrCreateAction"))?;
         for (profile, Bindings { sticks, teleport: teleports, recentre: recentres }) in
-            profiles(instance.exts())
+            profiles(&runtime.extensions)
         {
             let mut bindings = Vec::new();
             let hand = |rest: &str| path(&format!("/user/hand/{rest}"));
@@ -152,7 +150,7 @@ impl Input {
         };
         let both = |action| Ok::<_, Error>([space(action, hands[0])?, space(action, hands[1])?]);
         let spaces = [both(&aim)?, both(&grip)?];
-        let trackers = Trackers::new(instance, system, session)?;
+        let trackers = Trackers::new(instance, *system, session)?;
         Ok(Self { set, walk, turn, teleport, recentre, spaces, trackers })
     }
 
@@ -191,5 +189,37 @@ impl Input {
             *hand = hand.or(seen.map(|seen| seen.palm));
         }
         Ok(Reading { walk, hands, grips, seen })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_profile_is_suggested_where_its_extension_is_there() {
+        let names = |known: &xr::ExtensionSet| -> Vec<&str> {
+            profiles(known).into_iter().map(|(name, _)| name).collect()
+        };
+        let core = names(&xr::ExtensionSet::default());
+        assert_eq!(core, PROFILES.map(|(name, _)| name));
+        type Choose = fn(&mut xr::ExtensionSet);
+        let extensions: [(Choose, &[&str]); 4] = [
+            (
+                |known| known.bd_controller_interaction = true,
+                &["bytedance/pico4_controller", "bytedance/pico_neo3_controller"],
+            ),
+            (|known| known.htc_vive_focus3_controller_interaction = true, &["htc/vive_focus3_controller"]),
+            (|known| known.ext_hp_mixed_reality_controller = true, &["hp/mixed_reality_controller"]),
+            (|known| known.ext_hand_interaction = true, &["ext/hand_interaction_ext"]),
+        ];
+        let mut all = xr::ExtensionSet::default();
+        ask_for_profiles(&mut all);
+        for (choose, more) in extensions {
+            let mut known = xr::ExtensionSet::default();
+            choose(&mut known);
+            assert_eq!(names(&known)[core.len()..], *more);
+            assert!(more.iter().all(|name| names(&all).contains(name)), "{more:?} is asked for");
+        }
     }
 }

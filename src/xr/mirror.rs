@@ -23,7 +23,8 @@ pub struct Mirror {
 #[derive(Debug, Default)]
 struct Latest {
     image: Option<Image>,
-    kept: Option<Instant>,
+    /// When a copy was wanted last.
+    wanted: Option<Instant>,
     message: Option<String>,
 }
 
@@ -56,21 +57,23 @@ impl Mirror {
         lock(&self.latest).message.take()
     }
 
-    /// Pixels of the copy that is due at `now` of an eye's image of this size, if one is.
+    /// Pixels of the copy that is due at `now` of an eye's image of this size, if one is. The next is due a while later.
     pub(super) fn wants(&self, [width, height]: [u32; 2], now: Instant) -> Option<[u32; 2]> {
-        let kept = lock(&self.latest).kept;
-        let is_due = kept.is_none_or(|kept| now.saturating_duration_since(kept) >= PAUSE);
+        let mut latest = lock(&self.latest);
+        let is_due = latest.wanted.is_none_or(|wanted| now.saturating_duration_since(wanted) >= PAUSE);
+        if !self.is_open() || !is_due || height == 0 {
+            return None;
+        }
+        latest.wanted = Some(now);
         let rows = self.rows.min(height);
-        (self.is_open() && is_due && height > 0).then(|| [(width * rows).div_ceil(height).max(1), rows])
+        Some([(width * rows).div_ceil(height).max(1), rows])
     }
 
     /// Puts a copy here.
-    pub(super) fn keep(&self, image: Image, now: Instant) {
-        let mut latest = lock(&self.latest);
+    pub(super) fn keep(&self, image: Image) {
         if self.is_open() {
-            latest.image = Some(image);
+            lock(&self.latest).image = Some(image);
         }
-        latest.kept = Some(now);
     }
 }
 
@@ -84,14 +87,13 @@ mod tests {
         let mirror = Mirror::new(600);
         let now = Instant::now();
         assert_eq!(mirror.wants([2064, 2208], now), Some([561, 600]));
-        assert_eq!(mirror.wants([320, 240], now), Some([320, 240]));
-        mirror.keep(Image::filled(2, 2, [1; 4]), now);
         assert_eq!(mirror.wants([320, 240], now + PAUSE / 2), None);
-        assert!(mirror.wants([320, 240], now + PAUSE).is_some());
+        assert_eq!(mirror.wants([320, 240], now + PAUSE), Some([320, 240]));
+        mirror.keep(Image::filled(2, 2, [1; 4]));
         assert_eq!(mirror.take().unwrap().width, 2);
         assert!(mirror.take().is_none());
         mirror.close(Some("the window is gone".to_owned()));
-        mirror.keep(Image::filled(2, 2, [1; 4]), now);
+        mirror.keep(Image::filled(2, 2, [1; 4]));
         assert!(mirror.take().is_none() && mirror.wants([320, 240], now + 9 * PAUSE).is_none());
         assert_eq!(
             (mirror.take_message(), mirror.take_message()),

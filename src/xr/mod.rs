@@ -34,6 +34,7 @@
 mod app;
 mod clock;
 mod error;
+mod frames;
 mod headset;
 mod hidden;
 mod input;

@@ -42,8 +42,12 @@ pub struct Outcome {
     pub states: Vec<&'static str>,
     /// Least quality that the governor chose, 0 to 1.
     pub least_quality: f32,
+    /// Least share of the width and height of the images that it had drawn, 0 to 1.
+    pub least_resolution: f32,
     /// Steps of the crowd.
     pub steps: u32,
+    /// How often the crowd's device was lost and opened anew.
+    pub device_losses: u32,
     /// When the last step began, s after the first.
     pub seconds: f64,
     /// Time that the crowd was not stepped for because its steps took too long, s.
@@ -52,6 +56,6 @@ pub struct Outcome {
     pub mirrored: u64,
     /// Why it ended, in one line.
     pub ended: String,
-    /// Whether the runtime had stopped answering at the end.
+    /// Whether the runtime, or the graphics device, had stopped answering at the end.
     pub hung: bool,
 }

@@ -9,8 +9,10 @@ const KEPT: usize = 650_000;
 /// The record of a session's frames.
 #[derive(Debug, Clone, Default)]
 pub struct FrameTimes {
-    /// Time from acquiring an image to handing it over, ms, per drawn frame.
+    /// Time from acquiring an image to handing it over, and of the device on it, ms, per drawn frame.
     work: Vec<f32>,
+    /// The device's share of a frame, ms, where it is known.
+    device: Vec<f32>,
     /// The host's own share of a frame by the clock, ms.
     host: Vec<f32>,
     /// Processor time of the frame's thread in it, ms.
@@ -55,8 +57,12 @@ pub struct FrameSummary {
     pub empty: u64,
     /// Periods of the display for which no frame was ready.
     pub missed: u64,
-    /// Time from acquiring an image to handing it over, ms.
+    /// Time from acquiring an image to handing it over, and of the device on it, ms. The device draws one frame while the
+    /// host prepares the next, so that frames come as fast as the slower of the two.
     pub work_ms: Percentiles,
+    /// Time of the device on a frame, from the newest snapshot to the last pixel, ms; 0 where the device has no timestamps
+    /// and is never waited for.
+    pub device_ms: Percentiles,
     /// Time of the host in a frame from the wake-up on, ms: input, the crowd's snapshot, recording, submitting, handing over.
     /// Waits for the device and for images do not count.
     pub host_ms: Percentiles,
@@ -68,9 +74,16 @@ pub struct FrameSummary {
 }
 
 impl FrameTimes {
-    /// Records a frame with an image: its work, and the periods of the display since the frame before.
-    pub fn drew(&mut self, work: Duration, periods: u64) {
-        push(&mut self.work, work);
+    /// Records what a frame with an image took: from acquiring the image to handing it over, and the device, if that is known.
+    pub fn worked(&mut self, handed_over: Duration, device: Option<Duration>) {
+        push(&mut self.work, handed_over + device.unwrap_or_default());
+        if let Some(device) = device {
+            push(&mut self.device, device);
+        }
+    }
+
+    /// Records that a frame with an image was handed over, so many periods of the display after the frame before.
+    pub fn drew(&mut self, periods: u64) {
         self.drawn += 1;
         self.missed += periods.saturating_sub(1);
     }
@@ -100,6 +113,7 @@ impl FrameTimes {
             empty: self.empty,
             missed: self.missed,
             work_ms: Percentiles::of(&self.work),
+            device_ms: Percentiles::of(&self.device),
             host_ms: Percentiles::of(&self.host),
             host_cpu_ms: Percentiles::of(&self.cpu),
             wake_ms: Percentiles::of(&self.wake),
@@ -119,9 +133,17 @@ const BUDGET: f32 = 0.75;
 const ROOMY: f32 = 0.7;
 /// Least quality: what is near stays fine.
 const LEAST: f32 = 0.15;
+/// Below this quality frames have fewer pixels, too.
+const SHARP: f32 = 0.6;
+/// Least share of the width and height of an image that is drawn.
+const LEAST_RESOLUTION: f32 = 0.6;
+/// Steps of that share: the image's grain changes seldom.
+const RESOLUTIONS: f32 = 16.0;
+/// Sides of drawn images are multiples of so many pixels, unless all of an image is drawn.
+const PIXELS: f32 = 8.0;
 
-/// Decides how much is drawn so that frames are ready in time: levels of detail come nearer and far people go before a
-/// frame is dropped.
+/// Decides how much is drawn so that frames are ready in time: levels of detail come nearer, far people go and pixels become
+/// fewer before a frame is dropped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Governor {
     quality: f32,
@@ -157,6 +179,27 @@ impl Governor {
     /// How much may be drawn, 0 to 1: scales the distances of the levels of detail and of drawing at all.
     pub fn quality(&self) -> f32 {
         self.quality
+    }
+
+    /// Share of the width and height of the images that is drawn. Levels of detail and far people go first: fewer pixels are
+    /// seen everywhere.
+    pub fn resolution(&self) -> f32 {
+        let dull = ((SHARP - self.quality) / (SHARP - LEAST)).clamp(0.0, 1.0);
+        let share = 1.0 - dull * (1.0 - LEAST_RESOLUTION);
+        (share * RESOLUTIONS).round() / RESOLUTIONS
+    }
+
+    /// Pixels that are drawn of an eye's image of this size.
+    pub fn size(&self, full: [u32; 2]) -> [u32; 2] {
+        let share = self.resolution();
+        #[allow(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            clippy::cast_precision_loss,
+            reason = "sides of images are far below 2^24"
+        )]
+        let drawn = |side: u32| ((side as f32 * share / PIXELS).ceil() * PIXELS) as u32;
+        if share < 1.0 { full.map(|side| drawn(side).min(side)) } else { full }
     }
 
     /// Level distances `[first, second, farthest]`, m, for these at full quality.
@@ -202,6 +245,24 @@ mod tests {
     }
 
     #[test]
+    fn pixels_go_after_far_people_and_never_all_of_them() {
+        let at = |quality| Governor { quality, load: 0.0 };
+        for quality in [1.0, 0.8, SHARP] {
+            assert_eq!(at(quality).size([1832, 1921]), [1832, 1921]);
+        }
+        let mut before = 1.0;
+        for percent in (15_u8..60).rev() {
+            let governor = at(f32::from(percent) * 0.01);
+            let (share, [width, height]) = (governor.resolution(), governor.size([1832, 1921]));
+            assert!(share <= before && before - share <= 1.0 / RESOLUTIONS, "{percent} %: {share}");
+            assert!(width <= 1832 && height <= 1921 && width % 8 == 0, "{percent} %: {width}x{height}");
+            before = share;
+        }
+        assert!((before - LEAST_RESOLUTION).abs() < 0.5 / RESOLUTIONS, "{before}");
+        assert_eq!(at(LEAST).size([3, 1]), [3, 1]);
+    }
+
+    #[test]
     fn one_hitch_does_not_empty_the_scene() {
         let mut governor = Governor::default();
         governor.frame(Duration::from_millis(200), PERIOD);
@@ -214,11 +275,14 @@ mod tests {
     fn percentiles_are_those_of_the_textbook() {
         let mut times = FrameTimes::default();
         for ms in 1..=100 {
-            times.drew(Duration::from_millis(ms), if ms == 50 { 3 } else { 1 });
+            let device = (ms % 2 == 0).then(|| Duration::from_millis(ms / 2));
+            times.worked(Duration::from_millis(ms) - device.unwrap_or_default(), device);
+            times.drew(if ms == 50 { 3 } else { 1 });
         }
         let summary = times.summary();
         assert_eq!((summary.drawn, summary.missed), (100, 2));
         assert_eq!(summary.work_ms, Percentiles { p50: 50.0, p95: 95.0, p99: 99.0 });
+        assert_eq!(summary.device_ms, Percentiles { p50: 25.0, p95: 48.0, p99: 50.0 });
         assert_eq!(FrameTimes::default().summary(), FrameSummary::default());
     }
 }

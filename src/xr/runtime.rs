@@ -17,6 +17,8 @@ pub(super) const STEREO: xr::ViewConfigurationType = xr::ViewConfigurationType::
 pub struct Runtime {
     pub(super) instance: xr::Instance,
     pub(super) system: xr::SystemId,
+    /// The extensions in use.
+    pub(super) extensions: xr::ExtensionSet,
     /// How long the submissions of its devices were waited for.
     pub(super) waits: DeviceWaits,
     info: RuntimeInfo,
@@ -109,7 +111,7 @@ impl Runtime {
         };
         let (extensions, absent) = (names(&wanted), names(&useful.difference(&known)));
         let info = RuntimeInfo { runtime, headset, eye_size, extensions, absent };
-        Ok(Self { instance, system, waits: DeviceWaits::default(), info })
+        Ok(Self { instance, system, extensions: wanted, waits: DeviceWaits::default(), info })
     }
 
     /// Names, sizes and extensions.

@@ -136,7 +136,7 @@ impl Session {
         let uses = xr::SwapchainUsageFlags::DEPTH_STENCIL_ATTACHMENT;
         let kind = ImageKind { format: DEPTH_FORMAT, size, uses };
         let depth = takes_depth.then(|| color.beside(&session, device, kind)).transpose()?;
-        let input = Input::new(&instance, runtime.system, &session)?;
+        let input = Input::new(runtime, &session)?;
         let mut made = Self {
             views: Vec::new(),
             color,
@@ -372,15 +372,15 @@ impl Session {
         self.depth.as_mut().map_or(Ok(()), EyeChains::release)
     }
 
-    /// Ends the frame: with the image that was drawn for these eyes, or without one.
-    pub(super) fn end(&mut self, frame: Frame, eyes: Option<&Eyes>) -> Result<(), Error> {
+    /// Ends the frame: with the image that is drawn for these eyes, in its first rows and columns, or without one.
+    pub(super) fn end(&mut self, frame: Frame, drawn: Option<(&Eyes, [u32; 2])>) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
         // depth is reversed and has no end: 0 is infinitely far, 1 as near as is drawn
-        let depths = self.depth.as_ref().map(|depth| {
+        let depths = self.depth.as_ref().zip(drawn).map(|(depth, (_, size))| {
             [0, 1].map(|eye| xr::sys::CompositionLayerDepthInfoKHR {
                 ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
                 next: std::ptr::null(),
-                sub_image: depth.of_eye(eye),
+                sub_image: depth.of_eye(eye, size),
                 min_depth: 0.0,
                 max_depth: 1.0,
                 near_z: f32::INFINITY,
@@ -389,16 +389,16 @@ impl Session {
         });
         let depth_of =
             |eye: usize| depths.as_ref().map_or(std::ptr::null(), |depths| (&raw const depths[eye]).cast());
-        let views = |eyes: &Eyes| {
+        let views = |(eyes, size): (&Eyes, [u32; 2])| {
             [0, 1].map(|eye: usize| xr::sys::CompositionLayerProjectionView {
                 ty: xr::sys::CompositionLayerProjectionView::TYPE,
                 next: depth_of(eye),
                 pose: eyes.views[eye].pose,
                 fov: eyes.views[eye].fov,
-                sub_image: self.color.of_eye(eye),
+                sub_image: self.color.of_eye(eye, size),
             })
         };
-        let views = eyes.map(views);
+        let views = drawn.map(views);
         let layer = views.as_ref().map(|views| xr::sys::CompositionLayerProjection {
             ty: xr::sys::CompositionLayerProjection::TYPE,
             next: std::ptr::null(),

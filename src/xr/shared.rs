@@ -49,6 +49,8 @@ pub(super) struct Shared {
     user: Mutex<SeenUser>,
     /// Milliseconds since the beginning at the last heartbeat.
     beat: AtomicU64,
+    /// Whether a call of the runtime is under way.
+    is_calling: AtomicBool,
     begin: Instant,
     stop: AtomicBool,
     messages: Mutex<Vec<String>>,
@@ -63,6 +65,7 @@ impl Shared {
             snapshot: Mutex::new(first),
             user: Mutex::new(SeenUser { state: user, seen: None }),
             beat: AtomicU64::new(0),
+            is_calling: AtomicBool::new(false),
             begin: Instant::now(),
             stop: AtomicBool::new(false),
             messages: Mutex::new(Vec::new()),
@@ -83,6 +86,21 @@ impl Shared {
     pub(super) fn heartbeat(&self) {
         let now = u64::try_from(self.elapsed().as_millis()).unwrap_or(u64::MAX);
         self.beat.store(now, Ordering::Relaxed);
+    }
+
+    /// Makes calls of the runtime, which may hang.
+    pub(super) fn call<T>(&self, calls: impl FnOnce() -> T) -> T {
+        self.heartbeat();
+        self.is_calling.store(true, Ordering::Relaxed);
+        let answer = calls();
+        self.is_calling.store(false, Ordering::Relaxed);
+        self.heartbeat();
+        answer
+    }
+
+    /// Whether the headset's thread waits for an answer of the runtime.
+    pub(super) fn is_calling(&self) -> bool {
+        self.is_calling.load(Ordering::Relaxed)
     }
 
     /// Time since the last heartbeat at `now` since the beginning.
@@ -167,6 +185,7 @@ mod tests {
         std::thread::sleep(Duration::from_millis(2));
         shared.heartbeat();
         assert!(shared.silence(long) < long && shared.silence(Duration::ZERO).is_zero());
+        assert!(!shared.is_calling() && shared.call(|| shared.is_calling()) && !shared.is_calling());
         assert!(!shared.stop_requested());
         shared.request_stop();
         assert!(shared.stop_requested());

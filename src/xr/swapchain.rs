@@ -108,9 +108,9 @@ impl EyeChains {
         }
     }
 
-    /// An eye's part of the images that were released last.
-    pub(super) fn of_eye(&self, eye: usize) -> xr::sys::SwapchainSubImage {
-        let [width, height] = self.size().map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+    /// An eye's part of the images that were released last, of which so many pixels were drawn.
+    pub(super) fn of_eye(&self, eye: usize, drawn: [u32; 2]) -> xr::sys::SwapchainSubImage {
+        let [width, height] = drawn.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
         let (chain, layer) = match self {
             Self::Layered(chain) => (chain, u32::from(eye != 0)),
             Self::Single([left, right]) => (if eye == 0 { left } else { right }, 0),

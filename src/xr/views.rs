@@ -59,6 +59,13 @@ pub(super) fn view(eyes: [(Pose, xr::Fovf); 2], world_from_room: Pose) -> View {
     }
 }
 
+/// Both eyes of a user who has just come into a room that stands at `world_from_room`: a grown-up at its middle.
+pub(super) fn at_start(world_from_room: Pose) -> View {
+    const FOV: xr::Fovf = xr::Fovf { angle_left: -0.8, angle_right: 0.8, angle_up: 0.8, angle_down: -0.8 };
+    let eye = |x: f32| (Pose { rotation: Quat::IDENTITY, position: Vec3::new(x, 1.6, 0.0) }, FOV);
+    view([eye(-0.032), eye(0.032)], world_from_room)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -28,6 +28,8 @@ mod journeys;
 mod lead;
 mod outsiders;
 mod people;
+#[cfg(feature = "vulkan")]
+mod renew;
 mod rvo2;
 mod rvo_2008;
 #[cfg(feature = "vulkan")]

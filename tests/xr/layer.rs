@@ -4,7 +4,7 @@
 //! the runtime: the program under test is the one that users run. `GAITWAY_FAULT=NAME@N` strikes at the N-th call of the
 //! function concerned, `NAME@N+` at that one and all later ones. It also watches the frames: what their times and poses are
 //! (`GAITWAY_FRAMES`), what goes along with the first picture (`GAITWAY_SEEN`) and which inputs are bound
-//! (`GAITWAY_SUGGESTED`). Interface: "OpenXR Loader - Design and Operation", API layer negotiation.
+//! (`GAITWAY_SUGGESTED`), and when the device has drawn what is handed over (`GAITWAY_HANDED_OVER`). Interface: "OpenXR Loader - Design and Operation", API layer negotiation.
 #![allow(
     unsafe_code,
     non_snake_case,
@@ -20,6 +20,8 @@
 mod fakes;
 #[path = "layer/frames.rs"]
 mod frames;
+#[path = "layer/queue.rs"]
+mod queue;
 
 use frames::{EndInfo, FrameState, Located, look_at, watch};
 use std::ffi::{CStr, c_char, c_void};
@@ -160,6 +162,7 @@ unsafe extern "system" fn get_proc(instance: u64, name: *const c_char, out: *mut
             b"xrBeginFrame" => (&BEGIN_FRAME, begin_frame as *const c_void),
             b"xrEndFrame" => (&END_FRAME, end_frame as *const c_void),
             b"xrWaitSwapchainImage" => (&WAIT_IMAGE, wait_image as *const c_void),
+            b"xrCreateSession" => (&queue::CREATE_SESSION, queue::create_session as *const c_void),
             b"xrLocateViews" => (&LOCATE_VIEWS, locate_views as *const c_void),
             b"xrRequestExitSession" => {
                 REQUEST_EXIT.0.store(found as *mut c_void, Ordering::Release);
@@ -243,6 +246,9 @@ unsafe extern "system" fn end_frame(session: u64, info: *const EndInfo) -> Code 
     SESSION.store(session, Ordering::Relaxed);
     unsafe {
         look_at(info);
+        if (*info).has_picture() {
+            queue::look();
+        }
         watch(|watched| watched.ends(&*info));
         // what a faked display is shown, Monado shows as its own kind does
         let shown = if fault().0 == "no-opaque" { (*info).blended(fakes::OPAQUE) } else { *info };

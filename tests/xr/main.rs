@@ -18,6 +18,7 @@ mod device;
 mod devices;
 mod endurance;
 mod faults;
+mod flight;
 mod focus;
 mod gaze;
 mod hands;

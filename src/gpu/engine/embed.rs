@@ -1,79 +1,107 @@
 //! Kernels as a part of the caller's submission, so that a frame and the kernels before it are one submission.
 //!
 //! [`Engine::bring`] and [`Engine::want_report`] choose the contents that go to the device first and come back last.
-//! [`Engine::encode`] records everything. [`Engine::encoded`] and [`Engine::report`] follow the wait.
+//! [`Engine::encode`] records everything. [`Engine::encoded`] follows the submission, [`Engine::report`] the wait for it.
+//!
+//! Submissions may overlap with what the host does for the next one. Each has a slot with memory of its own, and a slot is
+//! used again when its submission was waited for.
 #![allow(dead_code, reason = "some builds have no caller that submits kernels itself")]
 
 use super::super::plan::Op;
-use super::super::{Error, Memory};
-use super::Engine;
+use super::super::{Buffer, Error, Memory};
+use super::{Copy, Engine, fill, read, stage};
 use crate::kernels::{BufferId, Store};
 use ash::vk;
 
+/// What one submission of the caller copies.
+#[derive(Default)]
+pub(super) struct Embedded {
+    /// Staging memory: to the device, and from it.
+    staging: [Option<Buffer>; 2],
+    /// What the next [`Engine::encode`] copies to the device first.
+    brought: Vec<Copy>,
+    /// What it copies to the host at its end.
+    reported: Vec<Copy>,
+}
+
 impl Engine {
-    /// Puts contents of buffers into staging memory, from where [`Engine::encode`] copies them. Contents of an earlier call
-    /// that no [`Engine::encode`] has copied are copied now.
+    /// Puts contents of buffers into a slot's staging memory, from where [`Engine::encode`] copies them. Contents of an earlier
+    /// call that no [`Engine::encode`] has copied are copied now.
     ///
     /// # Errors
     /// When a call fails or memory for staging is short.
-    pub(crate) fn bring(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+    pub(crate) fn bring(&mut self, slot: usize, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
         self.bring_to_device()?;
-        self.brought = self.fill(store, ids)?;
+        let copies = self.layout(ids, store)?;
+        let embedded = &mut self.embedded[slot];
+        fill(&self.device, &mut embedded.staging[0], &copies, store)?;
+        embedded.brought = copies;
+        Ok(())
+    }
+
+    /// Copies the contents that wait for [`Engine::encode`] to the device, in a submission of their own.
+    pub(super) fn bring_to_device(&mut self) -> Result<(), Error> {
+        for slot in 0..self.embedded.len() {
+            let brought = std::mem::take(&mut self.embedded[slot].brought);
+            self.copy(self.embedded[slot].staging[0].as_ref(), &brought, true)?;
+        }
         Ok(())
     }
 
     /// Bytes that the next [`Engine::encode`] brings.
     #[cfg(test)]
     pub(crate) fn brought_bytes(&self) -> usize {
-        self.brought.iter().map(|(_, _, length)| length).sum()
+        self.embedded.iter().flat_map(|embedded| &embedded.brought).map(|(_, _, length)| length).sum()
     }
 
-    /// Chooses buffers whose contents, as long as in `store`, the next [`Engine::encode`] copies to the host at its end.
+    /// Chooses buffers whose contents, as long as in `store`, the next [`Engine::encode`] of the slot copies to the host at its
+    /// end.
     ///
     /// # Errors
     /// When memory for staging is short.
-    pub(crate) fn want_report(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
-        let ids = self.present(ids);
-        self.reported = self.stage(&ids, |id| store.bytes(id).len(), Memory::Readback)?;
+    pub(crate) fn want_report(&mut self, slot: usize, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
+        let copies = self.layout(ids, store)?;
+        let embedded = &mut self.embedded[slot];
+        stage(&self.device, &mut embedded.staging[1], &copies, Memory::Readback)?;
+        embedded.reported = copies;
         Ok(())
     }
 
-    /// Copies the chosen contents into `store`, as the last submission left them.
-    pub(crate) fn report(&self, store: &mut Store) {
-        if let [_, Some(staging)] = &self.staging {
-            for (id, offset, length) in &self.reported {
-                let bytes = staging.bytes().get(*offset..offset + length);
-                if let (Some(bytes), to) = (bytes, store.bytes_mut(*id))
-                    && bytes.len() == to.len()
-                {
-                    to.copy_from_slice(bytes);
-                }
-            }
+    /// Copies the chosen contents into `store`, as the slot's last submission left them.
+    pub(crate) fn report(&self, slot: usize, store: &mut Store) {
+        let Embedded { staging, reported, .. } = &self.embedded[slot];
+        if let [_, Some(staging)] = staging {
+            read(staging, reported, store);
         }
     }
 
-    /// Records what [`Engine::run`] would submit into the caller's command buffer. The caller submits it to the device's
-    /// queue, waits, and calls [`Engine::encoded`]. Draws that follow in the command buffer find everything in place.
+    /// Records what [`Engine::run`] would submit into the caller's command buffer, with what was chosen for this slot. The caller
+    /// submits it to the device's queue and calls [`Engine::encoded`]. Draws that follow in the command buffer find
+    /// everything in place.
     ///
     /// # Errors
     /// As of [`Engine::run`], without what only a submission meets.
     pub(crate) fn encode(
         &self,
+        slot: usize,
         commands: vk::CommandBuffer,
         ops: &[Op],
         contents: impl Fn(usize, BufferId) -> Vec<u8>,
     ) -> Result<(), Error> {
-        if !self.brought.is_empty() {
-            self.encode_copies(commands, &self.brought, true);
+        let Embedded { staging: [up, down], brought, reported } = &self.embedded[slot];
+        if let Some(staging) = up.as_ref().filter(|_| !brought.is_empty()) {
+            self.encode_copies(commands, staging, brought, true);
             self.barrier(commands);
         }
         self.encode_ops(commands, ops, &contents, false)?;
-        self.encode_copies(commands, &self.reported, false);
+        if let Some(staging) = down.as_ref().filter(|_| !reported.is_empty()) {
+            self.encode_copies(commands, staging, reported, false);
+        }
         Ok(())
     }
 
-    /// Notes that the commands of [`Engine::encode`] are done.
-    pub(crate) fn encoded(&mut self) {
-        self.brought.clear();
+    /// Notes that the commands of [`Engine::encode`] were submitted.
+    pub(crate) fn encoded(&mut self, slot: usize) {
+        self.embedded[slot].brought.clear();
     }
 }

@@ -14,12 +14,6 @@ const MOST_UPDATED: usize = 65_536;
 const ARGUMENTS: u64 = 12;
 
 impl Engine {
-    /// Copies the contents that wait for [`Engine::encode`] to the device, in a submission of their own.
-    pub(super) fn bring_to_device(&mut self) -> Result<(), Error> {
-        let brought = std::mem::take(&mut self.brought);
-        self.copy(&brought, true)
-    }
-
     /// The error of a submission with these operations: a lost device says what it was doing.
     pub(crate) fn named(error: Error, ops: &[Op]) -> Error {
         match error {
@@ -38,11 +32,13 @@ impl Engine {
     }
 
     /// Records copies between staging memory and buffers.
-    pub(super) fn encode_copies(&self, commands: vk::CommandBuffer, copies: &[Copy], to_device: bool) {
-        let Some(staging) = self.staging[usize::from(!to_device)].as_ref().filter(|_| !copies.is_empty())
-        else {
-            return;
-        };
+    pub(super) fn encode_copies(
+        &self,
+        commands: vk::CommandBuffer,
+        staging: &Buffer,
+        copies: &[Copy],
+        to_device: bool,
+    ) {
         let raw = &self.device.raw;
         for (id, offset, length) in copies {
             let Some(buffer) = self.buffers[*id as usize].as_ref() else { continue };

@@ -4,7 +4,7 @@ use super::super::Error;
 use super::super::commands::Commands;
 use super::super::frame::{Frame, Shared};
 use super::super::meshes::DrawList;
-use super::super::pipelines::{PipelineSpec, Program, Setup};
+use super::super::pipelines::{PipelineSpec, Program, SetIndex, Setup};
 use crate::kernels::draw;
 use ash::vk;
 
@@ -27,11 +27,11 @@ impl CrowdPass {
         Ok(Self { program, near, solid, shadow })
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
         if shared.crowd.is_none() {
             return Ok(());
         }
-        self.program.bind(eye_pass, |name| shared.find(name))
+        self.program.bind(index, |name| shared.find(name))
     }
 
     pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {

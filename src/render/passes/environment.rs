@@ -3,7 +3,7 @@
 use super::super::Error;
 use super::super::commands::{Commands, Submitter};
 use super::super::frame::Shared;
-use super::super::pipelines::{Program, Resource, Setup};
+use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::surface::{self, Surface};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
@@ -50,9 +50,9 @@ impl EnvironmentPass {
         Ok(())
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
         let Some(mesh) = &self.mesh else { return Ok(()) };
-        self.program.bind(eye_pass, |name| match name {
+        self.program.bind(index, |name| match name {
             "environment" => Some(Resource::Buffer(mesh.vertices.raw)),
             name => shared.find(name),
         })

@@ -4,7 +4,7 @@ use super::super::Error;
 use super::super::commands::Commands;
 use super::super::frame::{Frame, Shared};
 use super::super::meshes::{DrawList, FarLod};
-use super::super::pipelines::{Program, Setup};
+use super::super::pipelines::{Program, SetIndex, Setup};
 use crate::kernels::draw;
 use ash::vk;
 use std::ops::Range;
@@ -24,11 +24,11 @@ impl FarPass {
         Ok(Self { program, solid, shadow })
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
         if shared.crowd.is_none() {
             return Ok(());
         }
-        self.program.bind(eye_pass, |name| shared.find(name))
+        self.program.bind(index, |name| shared.find(name))
     }
 
     /// Draws both levels without an occlusion test.

@@ -3,7 +3,7 @@
 use super::super::Error;
 use super::super::commands::Commands;
 use super::super::frame::{Frame, Shared};
-use super::super::pipelines::{Program, Setup};
+use super::super::pipelines::{Program, SetIndex, Setup};
 use crate::kernels::draw;
 use ash::vk;
 
@@ -21,11 +21,16 @@ impl MarkerPass {
         Ok(Self { program, pipeline })
     }
 
-    pub(in super::super) fn bind(&self, frame: &Frame<'_>, shared: &Shared<'_>) -> Result<(), Error> {
+    pub(in super::super) fn bind(
+        &self,
+        index: SetIndex,
+        frame: &Frame<'_>,
+        shared: &Shared<'_>,
+    ) -> Result<(), Error> {
         if frame.crowd.is_none() || frame.settings.markers.is_none() {
             return Ok(());
         }
-        self.program.bind(frame.eye_pass, |name| shared.find(name))
+        self.program.bind(index, |name| shared.find(name))
     }
 
     pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {

@@ -2,7 +2,7 @@
 
 use super::super::Error;
 use super::super::commands::{Commands, Submitter};
-use super::super::pipelines::{PipelineSpec, Program, Resource, Setup};
+use super::super::pipelines::{PipelineSpec, Program, Resource, SetIndex, Setup};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
 use ash::vk;
@@ -11,42 +11,50 @@ use ash::vk;
 pub(in super::super) struct MaskPass {
     program: Program,
     pipeline: vk::Pipeline,
+    /// None without a triangle.
+    triangles: Option<Triangles>,
+}
+
+struct Triangles {
     corners: Buffer,
     /// Corners of one eye.
     count: u32,
 }
 
 impl MaskPass {
-    /// A mask of these triangles, black and nearest of all: corners in clip space, the left eye's, then as many of the right
-    /// one's. None without a triangle.
-    pub(in super::super) fn new(
-        setup: &Setup<'_>,
-        submitter: &Submitter,
-        corners: &[[f32; 4]],
-    ) -> Result<Option<Self>, Error> {
-        let count = u32::try_from(corners.len() / 6 * 3).unwrap_or(0);
-        if count == 0 {
-            return Ok(None);
-        }
+    pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::MASK)?;
         let over_all = setup.flat("mask_vertex", "mask_fragment", vk::CompareOp::ALWAYS);
         let pipeline = program.pipeline(&PipelineSpec { write_depth: true, ..over_all })?;
-        let used = &corners[..2 * count as usize];
-        let corners = submitter.upload("mask", bytemuck::cast_slice(used))?;
-        Ok(Some(Self { program, pipeline, corners, count }))
+        Ok(Self { program, pipeline, triangles: None })
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize) -> Result<(), Error> {
-        let corners = Resource::Buffer(self.corners.raw);
-        self.program.bind(eye_pass, |name| (name == "mask").then_some(corners))
+    /// Covers these triangles, black and nearest of all: corners in clip space, the left eye's, then as many of the right
+    /// one's.
+    pub(in super::super) fn set(&mut self, submitter: &Submitter, corners: &[[f32; 4]]) -> Result<(), Error> {
+        self.triangles = None;
+        let count = u32::try_from(corners.len() / 6 * 3).unwrap_or(0);
+        if count > 0 {
+            let used = &corners[..2 * count as usize];
+            let corners = submitter.upload("mask", bytemuck::cast_slice(used))?;
+            self.triangles = Some(Triangles { corners, count });
+        }
+        Ok(())
+    }
+
+    pub(in super::super) fn bind(&self, index: SetIndex) -> Result<(), Error> {
+        let Some(triangles) = &self.triangles else { return Ok(()) };
+        let corners = Resource::Buffer(triangles.corners.raw);
+        self.program.bind(index, |name| (name == "mask").then_some(corners))
     }
 
     pub(in super::super) fn record(&self, commands: &Commands<'_>, eye_pass: usize) {
-        let first = u32::try_from(eye_pass).unwrap_or(0) * self.count;
+        let Some(Triangles { count, .. }) = self.triangles else { return };
+        let first = u32::try_from(eye_pass).unwrap_or(0) * count;
         commands.labelled(c"gaitway.mask", || {
             commands.use_program(&self.program, self.pipeline, eye_pass);
             // SAFETY: rendering has begun; the buffer has the corners of both eyes.
-            unsafe { commands.raw().cmd_draw(commands.buffer, self.count, 1, first, 0) };
+            unsafe { commands.raw().cmd_draw(commands.buffer, count, 1, first, 0) };
         });
     }
 }
@@ -143,7 +151,7 @@ mod tests {
             let depths_of = of_eyes(&depth);
             let (eyes, view_of_all) = (of_eyes(&color), color[0].view);
             let target = Target { color: eyes, view: view_of_all, depth: Some(depths_of), is_copied: true };
-            let picture = renderer.draw_into(&view, None, &target, |_| Ok(())).unwrap();
+            let picture = renderer.draw_into(&view, None, &target).unwrap();
             pictures.push((samples, picture.unwrap()));
             let depths = depths(&renderer, depths_of);
             let at = |eye: u32, x: u32, y: u32| depths[((eye * SIDE + y) * SIDE + x) as usize];

@@ -15,7 +15,7 @@ use super::super::attachments::{Attachments, area, layers};
 use super::super::commands::Commands;
 use super::super::frame::{Frame, SHADERS};
 use super::super::meshes::FarLod;
-use super::super::pipelines::{PipelineSpec, Program, Resource};
+use super::super::pipelines::{PipelineSpec, Program, Resource, SetIndex};
 use super::super::settings::Settings;
 use super::super::target::{DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Transition, layer_view};
 use crate::gpu::plan::Op;
@@ -47,6 +47,7 @@ pub(in super::super) struct OcclusionPass {
     tiles: GpuImage,
     tile_views: Vec<vk::ImageView>,
     depth_views: Vec<vk::ImageView>,
+    /// Of whole images.
     tiling: Tiling,
 }
 
@@ -69,6 +70,15 @@ fn tiling(width: u32, height: u32) -> Tiling {
         }
     }
     Tiling { sides: [across, down], columns: width.div_ceil(across), rows: height.div_ceil(down) }
+}
+
+impl Tiling {
+    /// The same tiles of an image that is no larger.
+    fn of(self, settings: &Settings) -> Self {
+        let [across, down] = self.sides;
+        let (columns, rows) = (settings.width.div_ceil(across), settings.height.div_ceil(down));
+        Self { columns: columns.min(self.columns), rows: rows.min(self.rows), ..self }
+    }
 }
 
 impl OcclusionPass {
@@ -126,14 +136,14 @@ impl OcclusionPass {
         Ok(Some(made))
     }
 
-    /// Fills the descriptor sets, one for each layer of the depth.
-    pub(in super::super) fn bind(&self, frame: &Frame<'_>) -> Result<(), Error> {
+    /// Fills the descriptor sets of a frame in flight, one for each layer of the depth.
+    pub(in super::super) fn bind(&self, slot: usize, frame: &Frame<'_>) -> Result<(), Error> {
         let Some(engine) = frame.crowd.and_then(|crowd| crowd.buffers.engine) else { return Ok(()) };
         if engine.buffer(BufferId::Wanted).is_none() {
             return Ok(()); // an engine of other kernels: nothing is left out
         }
-        for (layer, view) in self.depth_views.iter().enumerate() {
-            self.program.bind(layer, |name| match name {
+        for (eye_pass, view) in self.depth_views.iter().enumerate() {
+            self.program.bind(SetIndex { slot, eye_pass }, |name| match name {
                 "picture_depth" => Some(Resource::Texture(*view, Layout::SHADER_READ_ONLY_OPTIMAL)),
                 _ => engine.buffer(BufferId::Wanted).map(|buffer| Resource::Buffer(buffer.raw)),
             })?;
@@ -187,7 +197,7 @@ impl OcclusionPass {
             let eye = if eyes > 1 { eye } else { frame.eye_pass };
             view.clip_from_world[if view.eye_count == 2 { eye } else { 0 }].to_cols_array_2d()
         };
-        let tiling = self.tiling;
+        let tiling = self.tiling.of(frame.settings);
         let meshes = frame.crowd.map(|crowd| crowd.meshes);
         let buckets = meshes.map_or(0..0, |meshes| meshes.far_buckets(lod));
         let mut bounds = [[[0.0; 4]; 2]; 32];
@@ -214,13 +224,13 @@ impl OcclusionPass {
     }
 
     /// Draws the farthest depths of the tiles of one layer.
-    fn draw_tiles(&self, commands: &Commands<'_>, layer: u32, view: vk::ImageView) {
+    fn draw_tiles(&self, commands: &Commands<'_>, tiling: Tiling, layer: u32, view: vk::ImageView) {
         let targets = [vk::RenderingAttachmentInfo::default()
             .image_view(view)
             .image_layout(Layout::COLOR_ATTACHMENT_OPTIMAL)
             .load_op(vk::AttachmentLoadOp::DONT_CARE)
             .store_op(vk::AttachmentStoreOp::STORE)];
-        let Tiling { sides, columns, rows } = self.tiling;
+        let Tiling { sides, columns, rows } = tiling;
         let rendering = vk::RenderingInfo::default()
             .render_area(area(columns, rows))
             .layer_count(1)
@@ -268,7 +278,7 @@ impl OcclusionTest<'_> {
             (Stage::COMPUTE_SHADER, Access::SHADER_STORAGE_WRITE),
             (SHADERS, Access::SHADER_STORAGE_READ),
         );
-        self.find_farthest(commands);
+        self.find_farthest(commands, self.pass.tiling.of(frame.settings));
         // `occlude` may overwrite what the tiles' shader has read
         commands.barrier((SHADERS, Access::NONE), next);
         let ops: Vec<Op> = order::occlusion_dispatches(self.agents).into_iter().map(Op::Dispatch).collect();
@@ -280,7 +290,7 @@ impl OcclusionTest<'_> {
     }
 
     /// Fills the buffer `tile_depth` from the depth drawn so far. The depth is an attachment before and afterwards.
-    fn find_farthest(&self, commands: &Commands<'_>) {
+    fn find_farthest(&self, commands: &Commands<'_>, tiling: Tiling) {
         let Some(farthest) = self.engine.buffer(BufferId::TileDepth) else { return };
         let depth = |from, to| Transition {
             image: self.attachments.depth.raw,
@@ -288,14 +298,14 @@ impl OcclusionTest<'_> {
             from,
             to,
         };
-        let OcclusionPass { tiles: image, tile_views, tiling, .. } = self.pass;
+        let OcclusionPass { tiles: image, tile_views, .. } = self.pass;
         let tiles = |from, to| Transition { image: image.raw, aspect: vk::ImageAspectFlags::COLOR, from, to };
         let unused = ImageUse::discarded(Stage::COPY | Stage::COLOR_ATTACHMENT_OUTPUT);
         let (attachment, drawn, copied) =
             (ImageUse::DEPTH_ATTACHMENT, ImageUse::COLOR_WRITTEN, ImageUse::COPY_SOURCE);
         commands.transition(&[depth(attachment, ImageUse::SAMPLED), tiles(unused, drawn)]);
         for (layer, view) in (0..).zip(tile_views) {
-            self.pass.draw_tiles(commands, layer, *view);
+            self.pass.draw_tiles(commands, tiling, layer, *view);
         }
         commands.transition(&[depth(ImageUse::SAMPLED, attachment), tiles(drawn, copied)]);
         let region = [vk::BufferImageCopy::default()

@@ -4,7 +4,7 @@ use super::super::Error;
 use super::super::commands::{Commands, Submitter};
 use super::super::frame::{Frame, Shared};
 use super::super::pack::OutsiderMesh;
-use super::super::pipelines::{Program, Resource, Setup};
+use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::surface::{self, Surface};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
@@ -83,9 +83,9 @@ impl OutsiderPass {
         Ok(())
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
         let (Some(models), Some(_)) = (&self.models, shared.crowd) else { return Ok(()) };
-        self.program.bind(eye_pass, |name| match name {
+        self.program.bind(index, |name| match name {
             "outsiders" => Some(Resource::Buffer(models.vertices.raw)),
             name => shared.find(name),
         })

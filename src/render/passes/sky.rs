@@ -3,7 +3,7 @@
 use super::super::Error;
 use super::super::commands::Commands;
 use super::super::frame::Shared;
-use super::super::pipelines::{Program, Setup};
+use super::super::pipelines::{Program, SetIndex, Setup};
 use crate::kernels::draw;
 use ash::vk;
 
@@ -21,8 +21,8 @@ impl SkyPass {
         Ok(Self { program, pipeline })
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
-        self.program.bind(eye_pass, |name| shared.find(name))
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
+        self.program.bind(index, |name| shared.find(name))
     }
 
     pub(in super::super) fn record(&self, commands: &Commands<'_>, eye_pass: usize) {

@@ -2,7 +2,7 @@
 
 use super::super::commands::Commands;
 use super::super::frame::Shared;
-use super::super::pipelines::{Program, Resource, Setup};
+use super::super::pipelines::{Program, Resource, SetIndex, Setup};
 use super::super::user::SOLID_VERTICES;
 use super::super::{Error, User};
 use crate::gpu::{Buffer, Memory};
@@ -36,8 +36,8 @@ impl UserPass {
         self.user = user;
     }
 
-    pub(in super::super) fn bind(&self, eye_pass: usize, shared: &Shared<'_>) -> Result<(), Error> {
-        self.program.bind(eye_pass, |name| match name {
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
+        self.program.bind(index, |name| match name {
             "user" => Some(Resource::Buffer(self.uniforms.raw)),
             name => shared.find(name),
         })

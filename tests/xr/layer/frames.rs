@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Mutex, PoisonError};
 
 /// What the frames of a session say of time and place. One line to the file that `GAITWAY_FRAMES` names with each picture:
-/// how many there were, how many different poses their left eyes had, and the first fault.
+/// how many there were, how many different poses their left eyes had, the fewest columns of one, and the first fault.
 #[derive(Default)]
 pub(super) struct Watched {
     /// What xrWaitFrame predicted last, ns.
@@ -14,6 +14,7 @@ pub(super) struct Watched {
     views: Option<(i64, u64, Vec<[u32; 11]>)>,
     pictures: u32,
     poses: std::collections::BTreeSet<[u32; 11]>,
+    columns: Option<i32>,
     fault: Option<String>,
 }
 
@@ -49,11 +50,14 @@ impl Watched {
             if self.views.as_ref() != Some(&(info.time, layer.space, shown.clone())) {
                 self.wrong(format!("picture {} is of other views than were located for it", self.pictures));
             }
+            let columns = views.iter().map(|view| view.image.rect[2]).min();
+            self.columns = self.columns.into_iter().chain(columns).min();
             self.pictures += 1;
             self.poses.extend(shown.first());
         }
         let fault = self.fault.as_deref().unwrap_or("none");
-        let told = format!("{} pictures, {} poses, fault: {fault}\n", self.pictures, self.poses.len());
+        let (pictures, poses, columns) = (self.pictures, self.poses.len(), self.columns.unwrap_or_default());
+        let told = format!("{pictures} pictures, {poses} poses, {columns} columns, fault: {fault}\n");
         if let Some(file) = std::env::var_os("GAITWAY_FRAMES") {
             let _ = std::fs::write(file, told);
         }
@@ -101,6 +105,10 @@ pub(super) struct EndInfo {
 }
 
 impl EndInfo {
+    pub(super) fn has_picture(&self) -> bool {
+        self.count > 0
+    }
+
     pub(super) fn blended(&self, blend: u32) -> Self {
         Self { blend, ..*self }
     }
