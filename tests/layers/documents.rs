@@ -92,3 +92,24 @@ fn every_listed_error_can_be_planted_where_the_list_says() {
     assert_eq!(misplaced(&moved, |_| "y > x".into()), ["moved: stands 0 times in a.rs"]);
     assert_eq!(misplaced(&moved, |_| "x < y, x < y".into()), ["moved: stands 2 times in a.rs"]);
 }
+
+/// The tests that `scripts/test --quick` leaves out by name.
+fn left_out(script: &str) -> Vec<&str> {
+    let list = script.split("\nlong_tests=(").nth(1).and_then(|rest| rest.split(')').next());
+    list.into_iter().flat_map(str::split_whitespace).collect()
+}
+
+#[test]
+fn the_tests_that_a_quick_run_leaves_out_are_there() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let script = fs::read_to_string(root.join("scripts/test")).expect("a script of the repository");
+    let mut files = Vec::new();
+    super::rust_files(&root.join("tests"), &mut files).expect("a folder of the repository");
+    let all: String = files.iter().filter_map(|file| fs::read_to_string(file).ok()).collect();
+    let names = left_out(&script);
+    assert!(names.len() > 5, "{names:?}");
+    for name in names {
+        assert!(all.contains(&format!("fn {name}()")), "no test is called {name}");
+    }
+    assert_eq!(left_out("a\nlong_tests=(\n  one\n  two\n)\n"), ["one", "two"]);
+}
