@@ -30,7 +30,7 @@ impl Place {
     /// A command whose cache is here.
     fn command(&self, arguments: &[&str], cache: &Path) -> Command {
         let mut command = program();
-        device::on(&mut command, DRIVER).args(arguments).args(["--backend", "vulkan", "--json"]);
+        device::on(&mut command, DRIVER).args(arguments).args(["--backend", "vulkan", "--json", "--quiet"]);
         command.env("GAITWAY_PIPELINE_CACHE", cache).env(device::layer::pipelines::LOG, self.log());
         command
     }
