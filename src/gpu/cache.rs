@@ -10,7 +10,7 @@ use ash::vk;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The environment variable that names the folder of the files, or says [`OFF`].
+/// The environment variable that names the folder of the files, or says `off`.
 pub const CACHE_VARIABLE: &str = "GAITWAY_PIPELINE_CACHE";
 /// Its value for no file.
 const OFF: &str = "off";
