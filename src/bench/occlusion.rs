@@ -9,7 +9,7 @@ use super::crowds::{EYE_HEIGHT, dressed};
 use super::runs::{RUNS, Row, WARM_UP};
 use super::stereo::{BEFORE, EYE, FIELD, INTERPUPILLARY, ground};
 use crate::render::camera::{Camera, View};
-use crate::render::{Settings, Show};
+use crate::render::{Occlusion, Settings, Show};
 use crate::sim::{Backend, Simulation};
 use glam::Vec3;
 use std::time::Instant;
@@ -40,7 +40,7 @@ pub(super) fn occlusion(
         let settings = Settings { eyes: 2, occlusion, ..Settings::sized(EYE.0, EYE.1) };
         Show::new(&mut simulation, &meshes, &scenery, settings, device)
     };
-    let mut shows = [show(false)?, show(true)?];
+    let mut shows = [show(Occlusion::Off)?, show(Occlusion::On)?];
     let mut times = vec![[Vec::new(), Vec::new()]; views.len()];
     let (begin, (fewest, most, budget)) = (Instant::now(), RUNS);
     let mut round = 0;

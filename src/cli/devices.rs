@@ -24,6 +24,8 @@ struct Row {
     kind: &'static str,
     api: String,
     driver: String,
+    /// Whether it draws images tile by tile in memory of its own.
+    tiler: bool,
     usable: bool,
     reason: Option<String>,
 }
@@ -140,7 +142,7 @@ impl Row {
         vec![
             format!("{}{mark}", self.index),
             self.name.clone(),
-            self.kind.to_owned(),
+            if self.tiler { format!("{}, tiler", self.kind) } else { self.kind.to_owned() },
             self.api.clone(),
             self.driver.clone(),
             self.reason.as_ref().map_or("yes".to_owned(), |reason| format!("no: {reason}")),
@@ -182,6 +184,7 @@ fn list() -> List {
         kind: info.kind.name(),
         api: info.api,
         driver: info.driver,
+        tiler: info.is_tiler,
         usable: info.unusable.is_none(),
         reason: info.unusable,
     });

@@ -240,6 +240,18 @@ impl Device {
         unsafe { self.instance.raw.get_physical_device_format_properties(self.physical, format) }
     }
 
+    /// The type, among those of these bits, of memory that the device takes only when its tiles do not suffice. Only transient
+    /// attachments are bound to it, and only tilers have it.
+    pub(crate) fn lazy_memory(&self, types: u32) -> Option<u32> {
+        // SAFETY: the physical device came from this instance.
+        let memory = unsafe { self.instance.raw.get_physical_device_memory_properties(self.physical) };
+        let is_lazy = |index: &u32| {
+            let flags = memory.memory_types[*index as usize].property_flags;
+            types & (1 << index) != 0 && flags.contains(vk::MemoryPropertyFlags::LAZILY_ALLOCATED)
+        };
+        (0..memory.memory_type_count).find(is_lazy)
+    }
+
     /// Submits one command buffer and waits until the device has done it.
     pub(crate) fn submit_and_wait(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
         let queue = self.hold_queue();

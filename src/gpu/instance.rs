@@ -1,5 +1,6 @@
 //! The Vulkan instance and the devices that the machine has.
 
+use super::drivers::is_tiler;
 use super::validation::{LAYER, Validation, bool_setting, messenger_info};
 use super::{Error, call};
 use crate::kernels::NEEDS;
@@ -47,6 +48,8 @@ pub struct DeviceInfo {
     pub api: String,
     /// Driver name and version, where the driver reports them.
     pub driver: String,
+    /// Whether it draws images tile by tile in memory of its own, as GPUs of phones do.
+    pub is_tiler: bool,
     /// Why gaitway cannot use it, if it cannot.
     pub unusable: Option<String>,
 }
@@ -284,6 +287,7 @@ impl Instance {
             )
             .trim()
             .to_owned(),
+            is_tiler: is_tiler(driver.driver_id, properties.vendor_id),
             unusable: self.missing(device, api, &properties.limits),
         }
     }

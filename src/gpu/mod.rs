@@ -21,6 +21,7 @@ pub mod arithmetic;
 mod buffer;
 mod cache;
 mod device;
+mod drivers;
 mod engine;
 mod error;
 #[cfg(test)]

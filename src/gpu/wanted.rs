@@ -75,6 +75,7 @@ mod tests {
             kind,
             api: "1.3.0".to_owned(),
             driver: String::new(),
+            is_tiler: false,
             unusable: unusable.map(str::to_owned),
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Error;
 use super::commands::Commands;
-use super::settings::{Settings, Stereo};
+use super::settings::{Occlusion, Settings, Stereo};
 use super::target::{
     DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
 };
@@ -54,6 +54,11 @@ pub(super) fn stereo(device: &Device, settings: &Settings) -> Stereo {
     }
 }
 
+/// Whether a device leaves hidden agents out: never [`Occlusion::Auto`].
+pub(super) fn occlusion(device: &Device, settings: &Settings) -> Occlusion {
+    settings.occlusion.settled(device.info().is_tiler)
+}
+
 /// Eye passes of a frame.
 pub(super) fn eye_passes(settings: &Settings) -> u32 {
     if settings.stereo == Stereo::TwoPasses { settings.eyes } else { 1 }
@@ -81,7 +86,16 @@ impl Attachments {
             return Err(Error::Size { width, height, limit });
         }
         let (layers, samples) = (layers(settings), format.samples);
+        let is_depth_read =
+            settings.occlusion == Occlusion::On && limits.sampled_image_depth_sample_counts.contains(samples);
+        // what is drawn in one part needs to exist in a tiler's tiles only
+        let own = if is_depth_read {
+            vk::ImageUsageFlags::empty()
+        } else {
+            vk::ImageUsageFlags::TRANSIENT_ATTACHMENT
+        };
         let image = |name, format, usage| {
+            let usage = usage | own;
             let extent = vk::Extent2D { width, height };
             GpuImage::new(device, ImageSpec { name, extent, layers, format, samples, usage })
         };
@@ -89,7 +103,6 @@ impl Attachments {
             .is_multisampled()
             .then(|| image("multisampled colour", format.color, vk::ImageUsageFlags::COLOR_ATTACHMENT))
             .transpose()?;
-        let is_depth_read = settings.occlusion && limits.sampled_image_depth_sample_counts.contains(samples);
         let read = if is_depth_read { vk::ImageUsageFlags::SAMPLED } else { vk::ImageUsageFlags::empty() };
         let depth = image("depth", DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | read)?;
         let view_mask = view_mask(settings);

@@ -66,7 +66,7 @@ pub use faces::Face;
 #[cfg(feature = "xr")]
 pub(crate) use live::DrawTimes;
 pub use renderer::Renderer;
-pub use settings::{Markers, Settings, Stereo};
+pub use settings::{Markers, Occlusion, Settings, Stereo};
 pub use show::Show;
 #[cfg(any(feature = "xr", feature = "view"))]
 pub(crate) use submit::Target;

@@ -3,8 +3,8 @@
 use super::Error;
 use super::atmosphere::Atmosphere;
 use super::attachments::{
-    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, end_depth_target, eye_passes, samples,
-    stereo, view_mask,
+    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, end_depth_target, eye_passes, occlusion,
+    samples, stereo, view_mask,
 };
 use super::camera::View;
 use super::commands::{Commands, Submitter};
@@ -86,6 +86,7 @@ impl Renderer {
         let settings = Settings {
             eyes: settings.eyes.clamp(1, 2),
             stereo: stereo(device, &settings),
+            occlusion: occlusion(device, &settings),
             samples: format.samples.as_raw(),
             shadow_size: settings.shadow_size.min(largest),
             ..settings

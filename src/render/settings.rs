@@ -41,6 +41,30 @@ pub enum Stereo {
     TwoPasses,
 }
 
+/// Whether agents that are hidden behind others or behind buildings are left out. The images are the same.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Occlusion {
+    /// On, but off on a tiler ([`crate::gpu::DeviceInfo::is_tiler`]): depth is read while an image is half drawn, and a tiler has
+    /// to write out all of its tiles for that.
+    #[default]
+    Auto,
+    /// Left out, unless the device cannot read depth.
+    On,
+    /// Drawn.
+    Off,
+}
+
+impl Occlusion {
+    /// What is done on a tiler, or another device: never `Auto`.
+    pub(super) fn settled(self, is_tiler: bool) -> Self {
+        match self {
+            Self::Off => Self::Off,
+            Self::Auto if is_tiler => Self::Off,
+            Self::Auto | Self::On => Self::On,
+        }
+    }
+}
+
 /// How frames are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -54,8 +78,8 @@ pub struct Settings {
     pub eyes: u32,
     /// How both are drawn.
     pub stereo: Stereo,
-    /// Whether agents that are hidden behind others or behind buildings are left out. The image is the same.
-    pub occlusion: bool,
+    /// Whether hidden agents are left out.
+    pub occlusion: Occlusion,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,
     /// Sun, sky and haze.
@@ -72,7 +96,7 @@ impl Default for Settings {
             samples: 4,
             eyes: 1,
             stereo: Stereo::Auto,
-            occlusion: true,
+            occlusion: Occlusion::Auto,
             shadow_size: 2048,
             atmosphere: Atmosphere::DAY,
             markers: None,
@@ -84,5 +108,18 @@ impl Settings {
     /// The defaults in another size.
     pub fn sized(width: u32, height: u32) -> Self {
         Self { width, height, ..Self::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn hidden_people_are_drawn_on_a_tiler_unless_they_are_asked_to_be_left_out() {
+        use Occlusion::{Auto, Off, On};
+        let settled = |is_tiler| [Auto, On, Off].map(|wanted| wanted.settled(is_tiler));
+        assert_eq!(settled(false), [On, On, Off]);
+        assert_eq!(settled(true), [Off, On, Off]);
     }
 }

@@ -43,6 +43,8 @@ pub(crate) struct GpuImage {
     pub(crate) raw: vk::Image,
     pub(crate) view: vk::ImageView,
     allocation: Option<Allocation>,
+    /// Memory of its own that the device takes only when its tiles do not suffice; null for all but a tiler's attachments.
+    lazy: vk::DeviceMemory,
 }
 
 /// The aspect of a format among those used here.
@@ -89,30 +91,14 @@ impl GpuImage {
             .usage(spec.usage);
         // SAFETY: the create-info is complete; size and samples were checked against the device's limits.
         let raw = unsafe { device.raw.create_image(&create, None) }.map_err(call("vkCreateImage"))?;
-        let mut image = Self { device: device.clone(), raw, view: vk::ImageView::null(), allocation: None };
+        let (view, lazy) = (vk::ImageView::null(), vk::DeviceMemory::null());
+        let mut image = Self { device: device.clone(), raw, view, allocation: None, lazy };
         device.name(raw, spec.name);
         // SAFETY: the image was made by this device.
         let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
-        let allocation = device
-            .allocator
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .allocate(&AllocationCreateDesc {
-                name: spec.name,
-                requirements,
-                location: MemoryLocation::GpuOnly,
-                linear: false,
-                allocation_scheme: AllocationScheme::DedicatedImage(raw),
-            })
-            .map_err(|error| gpu::Error::Memory {
-                name: spec.name.to_owned(),
-                bytes: requirements.size,
-                reason: error.to_string(),
-            })?;
+        let (memory, offset) = image.allocate(spec, requirements)?;
         // SAFETY: the memory was allocated for this image and is bound once.
-        let bound = unsafe { device.raw.bind_image_memory(raw, allocation.memory(), allocation.offset()) };
-        image.allocation = Some(allocation);
-        bound.map_err(call("vkBindImageMemory"))?;
+        unsafe { device.raw.bind_image_memory(raw, memory, offset) }.map_err(call("vkBindImageMemory"))?;
         let view_type =
             if spec.layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
         let create = vk::ImageViewCreateInfo::default()
@@ -125,6 +111,48 @@ impl GpuImage {
             unsafe { device.raw.create_image_view(&create, None) }.map_err(call("vkCreateImageView"))?;
         device.name(image.view, spec.name);
         Ok(image)
+    }
+
+    /// Memory for the image, and the place in it. The allocator never takes memory that a device takes lazily.
+    fn allocate(
+        &mut self,
+        spec: ImageSpec<'_>,
+        requirements: vk::MemoryRequirements,
+    ) -> Result<(vk::DeviceMemory, u64), Error> {
+        let device = &self.device;
+        let failed = |reason: String| gpu::Error::Memory {
+            name: spec.name.to_owned(),
+            bytes: requirements.size,
+            reason,
+        };
+        let is_transient = spec.usage.contains(vk::ImageUsageFlags::TRANSIENT_ATTACHMENT);
+        let lazy = is_transient.then(|| device.lazy_memory(requirements.memory_type_bits)).flatten();
+        if let Some(memory_type) = lazy {
+            let mut own = vk::MemoryDedicatedAllocateInfo::default().image(self.raw);
+            let create = vk::MemoryAllocateInfo::default()
+                .allocation_size(requirements.size)
+                .memory_type_index(memory_type)
+                .push_next(&mut own);
+            // SAFETY: the create-info is complete; `Drop` frees the memory.
+            let made = unsafe { device.raw.allocate_memory(&create, None) };
+            self.lazy = made.map_err(|result| failed(result.to_string()))?;
+            return Ok((self.lazy, 0));
+        }
+        let mut allocator = device.allocator.lock().unwrap_or_else(PoisonError::into_inner);
+        let allocation = allocator
+            .allocate(&AllocationCreateDesc {
+                name: spec.name,
+                requirements,
+                location: MemoryLocation::GpuOnly,
+                linear: false,
+                allocation_scheme: AllocationScheme::DedicatedImage(self.raw),
+            })
+            .map_err(|error| failed(error.to_string()))?;
+        drop(allocator);
+        // SAFETY: the allocation is alive; its memory is used for this image alone.
+        let place = unsafe { (allocation.memory(), allocation.offset()) };
+        self.allocation = Some(allocation);
+        Ok(place)
     }
 }
 
@@ -294,6 +322,7 @@ impl Drop for GpuImage {
         unsafe {
             self.device.raw.destroy_image_view(self.view, None);
             self.device.raw.destroy_image(self.raw, None);
+            self.device.raw.free_memory(self.lazy, None);
         }
         if let Some(allocation) = self.allocation.take() {
             let mut allocator = self.device.allocator.lock().unwrap_or_else(PoisonError::into_inner);

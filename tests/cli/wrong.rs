@@ -90,6 +90,32 @@ fn a_picture_is_the_same_on_every_kind_of_device() {
 }
 
 #[test]
+fn a_tiler_is_known_by_its_driver() {
+    if !has_vulkan() {
+        return;
+    }
+    let is_tiler = |kind| json_on(kind, &["devices", "--json"])["devices"][0]["tiler"].as_bool();
+    assert_eq!(["", "tiler"].map(is_tiler), [Some(false), Some(true)]);
+    assert!(good_on("tiler", &["devices"]).contains(", tiler"));
+}
+
+/// Depth and samples of a picture of 1920 by 1080 pixels take 66 MB, but nothing where tiles suffice for them.
+#[test]
+fn attachments_of_a_tiler_take_no_memory() {
+    if !has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("p.png");
+    let large = ["render", "crossing", "--size", "1920x1080", "--at", "0", "--force", "--out"];
+    let large = [&large[..], &[path.to_str().unwrap()]].concat();
+    good_on("memory@96,tiler", &large);
+    let output = on("memory@96", &large);
+    let error = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && error.contains("error: cannot allocate"), "{error}");
+}
+
+#[test]
 fn kernels_are_timed_without_timestamps() {
     if !has_vulkan() {
         return;

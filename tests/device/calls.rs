@@ -4,8 +4,9 @@ use super::pipelines::pipelines;
 use super::profile::Profile;
 use super::vulkan::{
     CacheCreate, Chained, Code, ComputeCreate, DEVICE_LOST, Dispatchable, Features, Function, GraphicsCreate,
-    INITIALIZATION_FAILED, ImageFormat, ImageFormatInfo, MEMORY_MAP_FAILED, Memory, MemoryAllocate,
-    MemoryRequirements, ModuleCreate, OUT_OF_DEVICE_MEMORY, Object, Properties, QueueFamily, SUCCESS, Second,
+    INITIALIZATION_FAILED, ImageCreate, ImageFormat, ImageFormatInfo, MEMORY_MAP_FAILED, Memory,
+    MemoryAllocate, MemoryRequirements, ModuleCreate, Needing, OUT_OF_DEVICE_MEMORY, Object, Properties,
+    QueueFamily, SUCCESS, Second,
 };
 use super::{is_lost, is_lost_at_submission, known, next};
 use std::ffi::{CStr, c_void};
@@ -13,6 +14,8 @@ use std::mem::transmute;
 use std::slice;
 
 type Pointer = *const c_void;
+/// `VK_IMAGE_USAGE_TRANSIENT_ATTACHMENT_BIT`.
+const TRANSIENT: u32 = 64;
 
 /// Our function of a name, if the layer changes what it does.
 pub(super) fn find(name: &CStr) -> Option<Function> {
@@ -44,6 +47,7 @@ pub(super) fn find(name: &CStr) -> Option<Function> {
         "vkGetBufferMemoryRequirements2" | "vkGetBufferMemoryRequirements2KHR" => buffer_needs_2 as *const (),
         "vkGetImageMemoryRequirements" => image_needs as *const (),
         "vkGetImageMemoryRequirements2" | "vkGetImageMemoryRequirements2KHR" => image_needs_2 as *const (),
+        "vkCreateImage" => create_image as *const (),
         "vkAllocateMemory" => allocate as *const (),
         "vkFreeMemory" => free as *const (),
         "vkMapMemory" => map as *const (),
@@ -81,7 +85,7 @@ macro_rules! queries {
             unsafe {
                 let Some(next) = next::<Query>(physical, $second_name) else { return };
                 next(physical, out);
-                Profile::of_process().chained_features((&raw mut (*out).chained).cast::<Chained>());
+                Profile::of_process().chained((&raw mut (*out).chained).cast::<Chained>());
                 $change(Profile::of_process(), &mut (*out).inner);
             }
         }
@@ -155,13 +159,15 @@ unsafe extern "system" fn image_format_2(
 
 /// What memory a buffer or an image needs: of an object, or of a structure that names it.
 macro_rules! needs {
-    ($($function:ident $name:literal, $object:ty, $out:ty, $types:expr, $is_image:literal;)+) => {$(
+    ($($function:ident $name:literal, $object:ty, $own:expr, $out:ty, $types:expr, $is_image:literal;)+) => {$(
         unsafe extern "system" fn $function(device: Dispatchable, object: $object, out: *mut $out) {
             type Query = unsafe extern "system" fn(Dispatchable, $object, *mut $out);
             unsafe {
                 let Some(next) = next::<Query>(device, $name) else { return };
                 next(device, object, out);
-                Profile::of_process().memory_types($types(&mut *out), $is_image);
+                let own: Object = $own(object);
+                let is_transient = $is_image && known(|known| known.transient.contains(&own));
+                Profile::of_process().memory_types($types(&mut *out), $is_image, is_transient);
             }
         }
     )+};
@@ -175,11 +181,37 @@ fn types_2(needs: &mut Second<MemoryRequirements>) -> &mut u32 {
     &mut needs.inner.types
 }
 
+unsafe fn object_of(needing: *const Needing) -> Object {
+    unsafe { (*needing).object }
+}
+
 needs! {
-    buffer_needs c"vkGetBufferMemoryRequirements", Object, MemoryRequirements, types, false;
-    buffer_needs_2 c"vkGetBufferMemoryRequirements2", Pointer, Second<MemoryRequirements>, types_2, false;
-    image_needs c"vkGetImageMemoryRequirements", Object, MemoryRequirements, types, true;
-    image_needs_2 c"vkGetImageMemoryRequirements2", Pointer, Second<MemoryRequirements>, types_2, true;
+    buffer_needs c"vkGetBufferMemoryRequirements", Object, std::convert::identity, MemoryRequirements, types, false;
+    buffer_needs_2 c"vkGetBufferMemoryRequirements2", *const Needing, object_of, Second<MemoryRequirements>, types_2, false;
+    image_needs c"vkGetImageMemoryRequirements", Object, std::convert::identity, MemoryRequirements, types, true;
+    image_needs_2 c"vkGetImageMemoryRequirements2", *const Needing, object_of, Second<MemoryRequirements>, types_2, true;
+}
+
+unsafe extern "system" fn create_image(
+    device: Dispatchable,
+    create: *const ImageCreate,
+    allocator: Pointer,
+    out: *mut Object,
+) -> Code {
+    unsafe {
+        let Some(next) = next::<Create<ImageCreate>>(device, c"vkCreateImage") else {
+            return INITIALIZATION_FAILED;
+        };
+        let code = next(device, create, allocator, out);
+        if code == SUCCESS {
+            // a handle may be that of an image that is gone
+            known(|known| match (*create).usage & TRANSIENT {
+                0 => known.transient.remove(&*out),
+                _ => known.transient.insert(*out),
+            });
+        }
+        code
+    }
 }
 
 unsafe extern "system" fn allocate(
@@ -193,16 +225,16 @@ unsafe extern "system" fn allocate(
     let profile = Profile::of_process();
     unsafe {
         let Some(next) = next::<Allocate>(device, c"vkAllocateMemory") else { return INITIALIZATION_FAILED };
-        let wanted = (*info).size;
+        let taken = if profile.is_lazy((*info).memory_type) { 0 } else { (*info).size };
         let in_use: u64 = known(|known| known.memory.values().map(|(size, _)| size).sum());
-        if profile.memory.is_some_and(|most| in_use + wanted > most) {
+        if profile.memory.is_some_and(|most| in_use + taken > most) {
             return OUT_OF_DEVICE_MEMORY;
         }
         let own = MemoryAllocate { memory_type: profile.own_memory_type((*info).memory_type), ..*info };
         let code = next(device, &raw const own, allocator, out);
         if code == SUCCESS {
             let is_hidden = profile.is_hidden((*info).memory_type);
-            known(|known| known.memory.insert(*out, (wanted, is_hidden)));
+            known(|known| known.memory.insert(*out, (taken, is_hidden)));
         }
         code
     }

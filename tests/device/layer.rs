@@ -43,10 +43,16 @@ struct Known {
     lost: BTreeSet<usize>,
     /// Memory: its size, bytes, and whether the host must not see it.
     memory: BTreeMap<Object, (u64, bool)>,
+    /// Images that are transient attachments.
+    transient: BTreeSet<Object>,
 }
 
-static KNOWN: Mutex<Known> =
-    Mutex::new(Known { behind: BTreeMap::new(), lost: BTreeSet::new(), memory: BTreeMap::new() });
+static KNOWN: Mutex<Known> = Mutex::new(Known {
+    behind: BTreeMap::new(),
+    lost: BTreeSet::new(),
+    memory: BTreeMap::new(),
+    transient: BTreeSet::new(),
+});
 /// Submissions of the process.
 static SUBMISSIONS: AtomicU64 = AtomicU64::new(0);
 

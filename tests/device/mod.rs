@@ -18,8 +18,10 @@ pub(crate) const PHONE: &str = "android-15,no-timestamps,no-depth-reads";
 pub(crate) const LEAST: &str = "vulkan-minimum,no-multiview";
 /// A discrete card's memory.
 pub(crate) const CARD: &str = "discrete";
+/// A headset's own GPU.
+pub(crate) const HEADSET: &str = "android-15,tiler";
 /// All kinds of devices on which everything must work as it does elsewhere.
-pub(crate) const KINDS: [&str; 3] = [PHONE, LEAST, CARD];
+pub(crate) const KINDS: [&str; 4] = [PHONE, LEAST, CARD, HEADSET];
 
 const NAME: &str = "VK_LAYER_GAITWAY_wrong_device";
 const KHRONOS: &str = "VK_LAYER_KHRONOS_validation";

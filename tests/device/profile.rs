@@ -2,7 +2,8 @@
 
 use super::vulkan::{Chained, Features, ImageFormat, Limits, Memory, MemoryHeap, MemoryType};
 use super::vulkan::{
-    MULTIVIEW_FEATURES, MultiviewFeatures, ROBUST_BUFFER_ACCESS, VULKAN_11_FEATURES, Vulkan11Features,
+    DRIVER_PROPERTIES, Driver, MULTIVIEW_FEATURES, MultiviewFeatures, ROBUST_BUFFER_ACCESS,
+    VULKAN_11_FEATURES, VULKAN_12_PROPERTIES, Vulkan11Features,
 };
 use std::sync::OnceLock;
 
@@ -13,6 +14,9 @@ pub(crate) const VARIABLE: &str = "GAITWAY_WRONG_DEVICE";
 const DEVICE_LOCAL: u32 = 1;
 const HOST: u32 = 2 | 4; // visible and coherent
 const CACHED: u32 = 8;
+const LAZY: u32 = 16;
+/// `VK_DRIVER_ID_MESA_TURNIP`.
+const TURNIP: u32 = 18;
 /// `VK_SAMPLE_COUNT_1_BIT`, and with `..._4_BIT`: what every device has.
 const ONE_SAMPLE: u32 = 1;
 const ONE_OR_FOUR: u32 = 1 | 4;
@@ -40,6 +44,8 @@ pub(crate) struct Profile {
     pub(crate) no_depth_reads: bool,
     /// `pipelines`: the driver hands out compiled pipelines and takes them back.
     pub(crate) pipelines: bool,
+    /// `tiler`: a tiler's driver, and memory for attachments that is taken lazily, which is never here.
+    pub(crate) tiler: bool,
     /// `memory@MIB`: so much memory on the device, bytes.
     pub(crate) memory: Option<u64>,
     /// `lost@N`: the device that makes the N-th submission of the process is lost with it.
@@ -71,6 +77,7 @@ impl Profile {
             "no-timestamps" => &mut self.no_timestamps,
             "no-depth-reads" => &mut self.no_depth_reads,
             "pipelines" => &mut self.pipelines,
+            "tiler" => &mut self.tiler,
             _ => return None,
         })
     }
@@ -112,8 +119,15 @@ impl Profile {
 
     /// # Safety
     /// A chain of structures as Vulkan declares them.
-    pub(crate) unsafe fn chained_features(&self, mut chained: *mut Chained) {
+    pub(crate) unsafe fn chained(&self, mut chained: *mut Chained) {
         while let Some(structure) = unsafe { chained.as_mut() } {
+            let driver = match self {
+                Self { tiler: true, .. } => Some(TURNIP),
+                _ => None,
+            };
+            if let (DRIVER_PROPERTIES | VULKAN_12_PROPERTIES, Some(id)) = (structure.kind, driver) {
+                unsafe { (*chained.cast::<Driver>()).id = id };
+            }
             if self.no_multiview {
                 match structure.kind {
                     VULKAN_11_FEATURES => unsafe { (*chained.cast::<Vulkan11Features>()).multiview = [0; 3] },
@@ -138,6 +152,10 @@ impl Profile {
             }
             (memory.heap_count, memory.type_count) = (3, 4);
         }
+        if let Some(index) = self.lazy_type() {
+            memory.types[index as usize] = MemoryType { flags: DEVICE_LOCAL | LAZY, heap: 0 };
+            memory.type_count = index + 1;
+        }
         if let Some(bytes) = self.memory {
             for heap in &mut memory.heaps[..memory.heap_count as usize] {
                 heap.size = heap.size.min(bytes);
@@ -146,20 +164,33 @@ impl Profile {
     }
 
     /// The memory types that something may be bound to.
-    pub(crate) fn memory_types(&self, types: &mut u32, is_image: bool) {
+    pub(crate) fn memory_types(&self, types: &mut u32, is_image: bool, is_transient: bool) {
         if self.discrete {
             *types = if is_image { 0b0001 } else { 0b1111 };
         }
+        if let Some(index) = self.lazy_type().filter(|_| is_transient) {
+            *types |= 1 << index;
+        }
+    }
+
+    /// The type of memory that is taken lazily: behind lavapipe's only one, or a card's.
+    fn lazy_type(&self) -> Option<u32> {
+        self.tiler.then_some(if self.discrete { 4 } else { 1 })
+    }
+
+    /// Whether memory of this type is taken lazily: tiles suffice, so that it is never taken.
+    pub(crate) fn is_lazy(&self, index: u32) -> bool {
+        self.lazy_type() == Some(index)
     }
 
     /// The driver's own memory type for an emulated one: lavapipe has only one.
     pub(crate) fn own_memory_type(&self, index: u32) -> u32 {
-        if self.discrete { 0 } else { index }
+        if self.discrete || self.is_lazy(index) { 0 } else { index }
     }
 
     /// Whether the host must not see memory of this type.
     pub(crate) fn is_hidden(&self, index: u32) -> bool {
-        self.discrete && index == 0
+        self.is_lazy(index) || (self.discrete && index == 0)
     }
 
     pub(crate) fn image(&self, format: u32, usage: u32, found: &mut ImageFormat) {

@@ -2,9 +2,9 @@
 
 use super::layer::profile::Profile;
 use super::layer::vulkan::{
-    CacheCreate, ComputeCreate, Features, GraphicsCreate, ImageFormat, ImageFormatInfo, Limits, Memory,
-    MemoryAllocate, MemoryRequirements, ModuleCreate, MultiviewFeatures, Properties, QueueFamily, Second,
-    Stage, Vulkan11Features,
+    CacheCreate, ComputeCreate, Driver, Features, GraphicsCreate, ImageCreate, ImageFormat, ImageFormatInfo,
+    Limits, Memory, MemoryAllocate, MemoryRequirements, ModuleCreate, MultiviewFeatures, Needing, Properties,
+    QueueFamily, Second, Stage, Vulkan11Features,
 };
 use ash::vk;
 use std::mem::{offset_of, size_of};
@@ -36,6 +36,8 @@ fn the_layers_structures_are_those_of_vulkan() {
         (size_of::<MemoryAllocate>(), size_of::<vk::MemoryAllocateInfo<'_>>()),
         (size_of::<ImageFormat>(), size_of::<vk::ImageFormatProperties>()),
         (size_of::<ImageFormatInfo>(), size_of::<vk::PhysicalDeviceImageFormatInfo2<'_>>()),
+        (size_of::<Needing>(), size_of::<vk::ImageMemoryRequirementsInfo2<'_>>()),
+        (size_of::<Needing>(), size_of::<vk::BufferMemoryRequirementsInfo2<'_>>()),
         (size_of::<ModuleCreate>(), size_of::<vk::ShaderModuleCreateInfo<'_>>()),
         (size_of::<CacheCreate>(), size_of::<vk::PipelineCacheCreateInfo<'_>>()),
         (size_of::<Stage>(), size_of::<vk::PipelineShaderStageCreateInfo<'_>>()),
@@ -83,6 +85,10 @@ fn the_layers_structures_are_those_of_vulkan() {
     same!(MemoryAllocate, vk::MemoryAllocateInfo<'_>: size 0, allocation_size; memory_type 0, memory_type_index;);
     same!(ImageFormat, vk::ImageFormatProperties: samples 0, sample_counts;);
     same!(ImageFormatInfo, vk::PhysicalDeviceImageFormatInfo2<'_>: format 0, format; usage 0, usage;);
+    same!(ImageCreate, vk::ImageCreateInfo<'_>: format 0, format; samples 0, samples; usage 0, usage;);
+    same!(Needing, vk::ImageMemoryRequirementsInfo2<'_>: object 0, image;);
+    same!(Driver, vk::PhysicalDeviceDriverProperties<'_>: id 0, driver_id;);
+    same!(Driver, vk::PhysicalDeviceVulkan12Properties<'_>: id 0, driver_id;);
     same!(ModuleCreate, vk::ShaderModuleCreateInfo<'_>: size 0, code_size; code 0, p_code;);
     same!(CacheCreate, vk::PipelineCacheCreateInfo<'_>: size 0, initial_data_size; data 0, p_initial_data;);
     same!(Stage, vk::PipelineShaderStageCreateInfo<'_>: module 0, module; name 0, p_name;);

@@ -24,6 +24,9 @@ pub const LOADER_CREATE_INFO: [u32; 2] = [47, 48];
 /// `VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_FEATURES`, and the same of multiview alone.
 pub const VULKAN_11_FEATURES: u32 = 49;
 pub const MULTIVIEW_FEATURES: u32 = 1_000_053_001;
+/// `VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES`, and the same of the driver alone.
+pub const VULKAN_12_PROPERTIES: u32 = 52;
+pub const DRIVER_PROPERTIES: u32 = 1_000_196_000;
 /// What the loader tells a layer about the next one (`VK_LAYER_LINK_INFO`).
 pub const LINK: u32 = 0;
 
@@ -142,6 +145,13 @@ pub struct Vulkan11Features {
     pub multiview: [u32; 3],
 }
 
+/// The start of `VkPhysicalDeviceDriverProperties`, which is that of `VkPhysicalDeviceVulkan12Properties`, too.
+#[repr(C)]
+pub struct Driver {
+    pub chained: Chained,
+    pub id: u32,
+}
+
 #[repr(C)]
 pub struct QueueFamily {
     pub flags: u32,
@@ -170,6 +180,27 @@ pub struct Memory {
     pub types: [MemoryType; 32],
     pub heap_count: u32,
     pub heaps: [MemoryHeap; 16],
+}
+
+/// The start of `VkImageCreateInfo`, up to its usage.
+#[repr(C)]
+pub struct ImageCreate {
+    pub chained: Chained,
+    pub flags: u32,
+    pub kind: u32,
+    pub format: u32,
+    pub extent: [u32; 3],
+    pub levels_and_layers: [u32; 2],
+    pub samples: u32,
+    pub tiling: u32,
+    pub usage: u32,
+}
+
+/// `VkImageMemoryRequirementsInfo2` and `VkBufferMemoryRequirementsInfo2`.
+#[repr(C)]
+pub struct Needing {
+    pub chained: Chained,
+    pub object: Object,
 }
 
 #[repr(C)]

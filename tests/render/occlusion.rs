@@ -7,7 +7,7 @@ use gaitway::kernels::{BufferId, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::exact::{hash_u32, unit_f32};
 use gaitway::render::camera::{Camera, View};
-use gaitway::render::{Image, Settings, Show, Stereo};
+use gaitway::render::{Image, Occlusion, Settings, Show, Stereo};
 use gaitway::scenario::{EnvironmentMesh, Scenario, populate_from};
 use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
 use gaitway::verify::cases::crossing::crossing;
@@ -95,7 +95,7 @@ struct Pair([Box<Crowd>; 2]);
 
 impl Pair {
     fn new(place: Place, agents: u32, settings: Settings, shrink: f32) -> Option<Self> {
-        let all = crowd(place, agents, Settings { occlusion: false, ..settings }, shrink)?;
+        let all = crowd(place, agents, Settings { occlusion: Occlusion::Off, ..settings }, shrink)?;
         Some(Self([Box::new(all), Box::new(crowd(place, agents, settings, shrink)?)]))
     }
 

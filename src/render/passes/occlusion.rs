@@ -16,7 +16,7 @@ use super::super::commands::Commands;
 use super::super::frame::{Frame, SHADERS};
 use super::super::meshes::FarLod;
 use super::super::pipelines::{PipelineSpec, Program, Resource, SetIndex};
-use super::super::settings::Settings;
+use super::super::settings::{Occlusion, Settings};
 use super::super::target::{DEPTH_FORMAT, GpuImage, ImageSpec, ImageUse, Transition, layer_view};
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine};
@@ -88,7 +88,7 @@ impl OcclusionPass {
         settings: &Settings,
         attachments: &Attachments,
     ) -> Result<Option<Self>, Error> {
-        if !settings.occlusion || !attachments.is_depth_read {
+        if settings.occlusion != Occlusion::On || !attachments.is_depth_read {
             return Ok(None);
         }
         let tiling = tiling(settings.width, settings.height);
