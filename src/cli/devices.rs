@@ -26,6 +26,8 @@ struct Row {
     driver: String,
     /// Whether it draws images tile by tile in memory of its own.
     tiler: bool,
+    /// Whether crowds are drawn by arguments that stay on the device, unless `GAITWAY_DRAWS` says otherwise.
+    indirect_draws: bool,
     usable: bool,
     reason: Option<String>,
 }
@@ -185,6 +187,7 @@ fn list() -> List {
         api: info.api,
         driver: info.driver,
         tiler: info.is_tiler,
+        indirect_draws: info.draws_indirectly,
         usable: info.unusable.is_none(),
         reason: info.unusable,
     });

@@ -53,7 +53,7 @@ use std::process::ExitCode;
     after_help = "Examples:\n  gaitway simulate crossing --agents 2000 --seconds 10\n  gaitway render garden \
                   --camera eyes --out garden.png\n  gaitway verify --quick\n\nThe scenes are crossing, garden, \
                   parking and scifi, or a TOML file.\nEnvironment: GAITWAY_DEVICE names the Vulkan device, \
-                  GAITWAY_ARITHMETIC=native|careful says how it computes, GAITWAY_PIPELINE_CACHE names another folder for compiled \
+                  GAITWAY_ARITHMETIC=native|careful says how it computes, GAITWAY_DRAWS=direct draws people where the driver shows none, GAITWAY_PIPELINE_CACHE names another folder for compiled \
                   pipelines or says off, GAITWAY_VALIDATION=core|sync|gpu-av turns the validation layer on.\nExit codes: 0 done; 1 it went \
                   wrong while doing, or a test failed; 2 the command line is wrong: an unknown option or name, a value \
                   out of range; 130 interrupted by Ctrl-C.\nFiles that exist are kept unless --force is given."
@@ -217,6 +217,7 @@ fn check_environment() -> Result<(), Error> {
     #[cfg(feature = "vulkan")]
     crate::gpu::Validation::from_environment()
         .and_then(|_| crate::gpu::arithmetic::Setting::of_process())
+        .and_then(|_| crate::gpu::Draws::of_process())
         .map_err(|error| usage(error.to_string(), "or leave it out"))?;
     Ok(())
 }

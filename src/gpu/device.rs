@@ -2,6 +2,7 @@
 
 use super::arithmetic::{self, Arithmetic, Part, Setting};
 use super::cache::PipelineCache;
+use super::drivers::Draws;
 use super::instance::{AroundSubmission, DeviceInfo, DriverId, Instance, Maker, Own};
 use super::open::{Opened, Priority, draws_every_view};
 use super::validation::Validation;
@@ -33,6 +34,8 @@ pub struct Device {
     pub(crate) cache: PipelineCache,
     /// Whether one pass can draw both eyes.
     pub(crate) multiview: bool,
+    /// How crowds are drawn where no setting says it: never [`Draws::Auto`].
+    pub(crate) draws: Draws,
     /// How its kernels are to be computed.
     pub(super) setting: Setting,
     /// What may be declared of its floats.
@@ -118,6 +121,7 @@ impl Device {
         setting: Setting,
         priority: Priority,
     ) -> Result<Arc<Self>, Error> {
+        let draws = Draws::of_process()?;
         let instance = Instance::new(validation, maker)?;
         let mut devices = instance.devices()?;
         let chosen = maker.physical_device(instance.raw.handle())?;
@@ -187,6 +191,7 @@ impl Device {
                 PipelineCache::none(driver)
             },
             multiview: multiview && draws_every_view(&info.driver),
+            draws: draws.or(if info.draws_indirectly { Draws::Indirect } else { Draws::Direct }),
             setting,
             float_modes: arithmetic::float_modes(&instance.raw, physical),
             arithmetic: OnceLock::new(),

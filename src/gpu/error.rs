@@ -1,6 +1,7 @@
 //! What can go wrong with Vulkan.
 
 use super::arithmetic;
+use super::drivers::Draws;
 use super::validation::Validation;
 use super::wanted::Wanted;
 
@@ -33,6 +34,9 @@ pub enum Error {
     /// `GAITWAY_ARITHMETIC` has a value that is none.
     #[error("{name}={0}: must be auto, native or careful", name = arithmetic::Wanted::VARIABLE)]
     UnknownArithmetic(String),
+    /// `GAITWAY_DRAWS` has a value that is none.
+    #[error("{name}={0}: must be auto, indirect or direct", name = Draws::VARIABLE)]
+    UnknownDraws(String),
     /// `GAITWAY_WRONG_ARITHMETIC`, which is for tests, has a value that is none.
     #[error("{name}={0}: must be by-1, by-3, slip, zeros or flush", name = arithmetic::Fault::VARIABLE)]
     UnknownFault(String),

@@ -1,6 +1,6 @@
 //! The Vulkan instance and the devices that the machine has.
 
-use super::drivers::is_tiler;
+use super::drivers::{draws_indirectly, is_tiler};
 use super::validation::{LAYER, Validation, bool_setting, messenger_info};
 use super::{Error, call};
 use crate::kernels::NEEDS;
@@ -50,6 +50,8 @@ pub struct DeviceInfo {
     pub driver: String,
     /// Whether it draws images tile by tile in memory of its own, as GPUs of phones do.
     pub is_tiler: bool,
+    /// Whether its indexed indirect draws draw something, as far as is known.
+    pub draws_indirectly: bool,
     /// Why gaitway cannot use it, if it cannot.
     pub unusable: Option<String>,
 }
@@ -288,6 +290,7 @@ impl Instance {
             .trim()
             .to_owned(),
             is_tiler: is_tiler(driver.driver_id, properties.vendor_id),
+            draws_indirectly: draws_indirectly(driver.driver_id),
             unusable: self.missing(device, api, &properties.limits),
         }
     }

@@ -41,6 +41,7 @@ pub(crate) const FRAMES_IN_FLIGHT: usize = 2;
 pub use buffer::{Buffer, Memory};
 pub use cache::CACHE_VARIABLE;
 pub use device::Device;
+pub use drivers::Draws;
 pub(crate) use engine::ticks;
 pub use engine::{DispatchTime, Engine};
 pub use error::Error;

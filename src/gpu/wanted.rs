@@ -76,6 +76,7 @@ mod tests {
             api: "1.3.0".to_owned(),
             driver: String::new(),
             is_tiler: false,
+            draws_indirectly: true,
             unusable: unusable.map(str::to_owned),
         }
     }

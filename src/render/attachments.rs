@@ -6,7 +6,7 @@ use super::settings::{Occlusion, Settings, Stereo};
 use super::target::{
     DEPTH_FORMAT, EyeImages, Format, GpuImage, ImageSpec, ImageUse, Transition, aspect_of, layer_view, whole,
 };
-use crate::gpu::{Device, call};
+use crate::gpu::{Device, Draws, call};
 use ash::vk;
 use std::sync::Arc;
 use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
@@ -54,9 +54,14 @@ pub(super) fn stereo(device: &Device, settings: &Settings) -> Stereo {
     }
 }
 
+/// Where the arguments of draws come from on a device: never [`Draws::Auto`].
+pub(super) fn draws(device: &Device, settings: &Settings) -> Draws {
+    settings.draws.or(device.draws)
+}
+
 /// Whether a device leaves hidden agents out: never [`Occlusion::Auto`].
 pub(super) fn occlusion(device: &Device, settings: &Settings) -> Occlusion {
-    settings.occlusion.settled(device.info().is_tiler)
+    settings.occlusion.settled(device.info().is_tiler, draws(device, settings))
 }
 
 /// Eye passes of a frame.

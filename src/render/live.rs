@@ -191,8 +191,8 @@ fn named(ops: &[Op]) -> impl FnOnce(Error) -> Error + '_ {
 #[cfg(test)]
 #[allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 mod tests {
-    use super::super::Camera;
     use super::super::target::COLOR_FORMAT;
+    use super::super::{Camera, Draws};
     use super::*;
     use crate::avatar::{self, Sex};
     use crate::gpu::instance::{AroundSubmission, Maker, Own};
@@ -286,7 +286,7 @@ mod tests {
         let view = View { eye_count: 2, ..View::mono(&camera, SIDE, SIDE) };
         for agents in [30, 300] {
             let (mut store, meshes, scenery) = crowd(agents);
-            let settings = Settings { eyes: 2, ..Settings::sized(SIDE, SIDE) };
+            let settings = Settings { eyes: 2, draws: Draws::Indirect, ..Settings::sized(SIDE, SIDE) };
             let mut show =
                 Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
             let mut pictures = Vec::new();
@@ -332,8 +332,12 @@ mod tests {
 
     /// A show of a crowd, and that crowd as it is in one step after the other.
     fn walking(device: &Arc<Device>, agents: u32, side: u32) -> (Show, Store, Vec<Store>) {
+        walking_as(device, agents, Settings::sized(side, side))
+    }
+
+    fn walking_as(device: &Arc<Device>, agents: u32, settings: Settings) -> (Show, Store, Vec<Store>) {
         let (store, meshes, scenery) = crowd(agents);
-        let settings = Settings { eyes: 2, ..Settings::sized(side, side) };
+        let settings = Settings { eyes: 2, ..settings };
         let show = Show::on_device(device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
         let moved = |step: u8| {
             let mut moved = Show::snapshot(&store);
@@ -351,7 +355,15 @@ mod tests {
 
     /// The last picture of a crowd that walks. `waits` for each frame, or lets them overlap.
     fn last_picture(device: &Arc<Device>, image: &GpuImage, waits: bool, warms_up: bool) -> Image {
-        let (mut show, store, steps) = walking(device, 200, SIDE);
+        last_picture_of(walking(device, 200, SIDE), image, waits, warms_up)
+    }
+
+    fn last_picture_of(
+        (mut show, store, steps): (Show, Store, Vec<Store>),
+        image: &GpuImage,
+        waits: bool,
+        warms_up: bool,
+    ) -> Image {
         let view = view_of(SIDE);
         if warms_up {
             show.warm_up(&store, &view, true).unwrap();
@@ -376,6 +388,19 @@ mod tests {
             .map(|(waits, warms_up)| last_picture(&device, &image, waits, warms_up));
         assert!(apart == overlapping, "what overlaps is mixed up");
         assert!(apart == warmed_up, "the picture that nobody saw has left something");
+        drop((image, device));
+        for_tests::assert_silent();
+    }
+
+    #[test]
+    fn frames_that_are_drawn_directly_show_what_others_show() {
+        let Some(device) = for_tests::device() else { return };
+        let image = image(&device);
+        let [indirect, direct] = [Draws::Indirect, Draws::Direct].map(|draws| {
+            let settings = Settings { draws, ..Settings::sized(SIDE, SIDE) };
+            last_picture_of(walking_as(&device, 200, settings), &image, false, true)
+        });
+        assert!(indirect == direct, "people are missing, or elsewhere");
         drop((image, device));
         for_tests::assert_silent();
     }

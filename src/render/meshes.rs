@@ -3,6 +3,7 @@
 use super::Error;
 use super::commands::{Commands, Submitter};
 use super::crowd::CrowdBuffers;
+use super::direct::KnownDraws;
 use super::pack::MeshBuffers;
 use super::pipelines::Program;
 use crate::gpu::Buffer;
@@ -11,7 +12,7 @@ use ash::vk;
 use std::ops::Range;
 
 /// Bytes of a `VkDrawIndexedIndirectCommand`.
-const DRAW_ARGS_STRIDE: u32 = 20;
+pub(super) const DRAW_ARGS_STRIDE: u32 = 20;
 
 /// The crowd's meshes.
 #[derive(Debug)]
@@ -85,6 +86,8 @@ impl CrowdMeshes {
 pub(super) struct DrawnCrowd<'a> {
     pub(super) buffers: &'a CrowdBuffers<'a>,
     pub(super) meshes: &'a CrowdMeshes,
+    /// The arguments of its draws, where the host knows them.
+    pub(super) known: Option<&'a KnownDraws>,
 }
 
 impl<'a> DrawnCrowd<'a> {
@@ -92,7 +95,7 @@ impl<'a> DrawnCrowd<'a> {
     /// When a buffer is too short for the meshes.
     pub(super) fn new(buffers: &'a CrowdBuffers<'a>, meshes: &'a CrowdMeshes) -> Result<Self, Error> {
         buffers.check(meshes.bucket_count + meshes.far_count)?;
-        Ok(Self { buffers, meshes })
+        Ok(Self { buffers, meshes, known: None })
     }
 
     /// Draws as many instances of a bucket as the kernels say.
@@ -106,7 +109,7 @@ impl<'a> DrawnCrowd<'a> {
         bucket: u32,
         list: DrawList,
     ) {
-        let Self { buffers, meshes } = self;
+        let Self { buffers, meshes, known } = self;
         let (arguments, place, number) = match list {
             DrawList::Seen => (buffers.draw_args, bucket, bucket),
             DrawList::Unoccluded => (buffers.shown_args(), bucket, bucket | SIFTED),
@@ -114,6 +117,10 @@ impl<'a> DrawnCrowd<'a> {
         };
         let offset = u64::from(place) * u64::from(DRAW_ARGS_STRIDE);
         commands.push(program, &number.to_ne_bytes());
+        if let Some(known) = known.filter(|_| list != DrawList::Unoccluded) {
+            // SAFETY: the caller's promise.
+            return unsafe { known.draw(commands, place) };
+        }
         // SAFETY: the caller's promise; `DrawnCrowd::new` has compared the buffers with the number of buckets, and the
         // kernel copied what the arguments ask for from the table of the meshes.
         unsafe {

@@ -33,6 +33,7 @@ mod attachments;
 pub mod camera;
 mod commands;
 mod crowd;
+mod direct;
 mod error;
 #[cfg(feature = "xr")]
 mod faces;
@@ -53,6 +54,7 @@ mod target;
 mod uniforms;
 mod user;
 
+pub use crate::gpu::Draws;
 pub use crate::picture::Image;
 pub use crate::sim::bodies as pack;
 pub use atmosphere::Atmosphere;

@@ -3,12 +3,13 @@
 use super::Error;
 use super::atmosphere::Atmosphere;
 use super::attachments::{
-    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, end_depth_target, eye_passes, occlusion,
-    samples, stereo, view_mask,
+    Attachments, EyeTarget, EyeViews, Part, begin_depth_target, draws, end_depth_target, eye_passes,
+    occlusion, samples, stereo, view_mask,
 };
 use super::camera::View;
 use super::commands::{Commands, Submitter};
 use super::crowd::CrowdBuffers;
+use super::direct::DirectDraws;
 use super::flight::Flights;
 use super::frame::{self, Frame, Shared};
 use super::meshes::{CrowdMeshes, DrawnCrowd, FarLod};
@@ -26,7 +27,7 @@ use super::surface::Surface;
 use super::target::{COLOR_FORMAT, Format, GpuImage, ImageUse, Readback};
 use super::uniforms::ViewBuffers;
 use super::user::User;
-use crate::gpu::Device;
+use crate::gpu::{Device, Draws};
 use ash::vk;
 use std::sync::Arc;
 
@@ -45,6 +46,8 @@ pub struct Renderer {
     sky: SkyPass,
     markers: MarkerPass,
     pub(super) meshes: Option<CrowdMeshes>,
+    /// How the crowd is drawn directly, where it is.
+    pub(super) direct: Option<DirectDraws>,
     uniforms: ViewBuffers,
     attachments: Attachments,
     pub(super) eye_views: EyeViews,
@@ -87,6 +90,7 @@ impl Renderer {
             eyes: settings.eyes.clamp(1, 2),
             stereo: stereo(device, &settings),
             occlusion: occlusion(device, &settings),
+            draws: draws(device, &settings),
             samples: format.samples.as_raw(),
             shadow_size: settings.shadow_size.min(largest),
             ..settings
@@ -106,6 +110,7 @@ impl Renderer {
             sky: SkyPass::new(&setup)?,
             markers: MarkerPass::new(&setup)?,
             meshes: None,
+            direct: None,
             uniforms: ViewBuffers::new(device, eye_passes(&settings))?,
             attachments,
             eye_views: EyeViews::new(device),
@@ -130,7 +135,6 @@ impl Renderer {
     }
 
     /// Submits commands to the device that draws.
-    #[cfg(all(test, feature = "xr"))]
     pub(super) fn submitter(&self) -> &Submitter {
         &self.submitter
     }
@@ -202,6 +206,9 @@ impl Renderer {
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
         self.flights.wait_all()?;
         let made = CrowdMeshes::new(&self.submitter, meshes)?;
+        let is_direct = self.settings.draws == Draws::Direct;
+        let buckets = made.bucket_count + made.far_count;
+        self.direct = is_direct.then(|| DirectDraws::new(self.device(), buckets)).transpose()?;
         self.outsiders.set(&self.submitter, &meshes.outsiders)?;
         self.meshes = Some(made);
         Ok(())

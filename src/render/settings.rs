@@ -1,6 +1,6 @@
 //! How frames are drawn.
 
-use super::Atmosphere;
+use super::{Atmosphere, Draws};
 use glam::Vec3;
 
 /// Rings on the ground under the agents in the colour of their emotion.
@@ -48,17 +48,19 @@ pub enum Occlusion {
     /// to write out all of its tiles for that.
     #[default]
     Auto,
-    /// Left out, unless the device cannot read depth.
+    /// Left out, unless the device cannot read depth or draws directly ([`Draws::Direct`]).
     On,
     /// Drawn.
     Off,
 }
 
 impl Occlusion {
-    /// What is done on a tiler, or another device: never `Auto`.
-    pub(super) fn settled(self, is_tiler: bool) -> Self {
+    /// What is done on a tiler, or another device, that draws in this way: never `Auto`. With direct draws the host would have to
+    /// wait in the middle of an image for how many agents are left.
+    pub(super) fn settled(self, is_tiler: bool, draws: Draws) -> Self {
         match self {
             Self::Off => Self::Off,
+            _ if draws == Draws::Direct => Self::Off,
             Self::Auto if is_tiler => Self::Off,
             Self::Auto | Self::On => Self::On,
         }
@@ -80,6 +82,8 @@ pub struct Settings {
     pub stereo: Stereo,
     /// Whether hidden agents are left out.
     pub occlusion: Occlusion,
+    /// Where the arguments of the crowd's draws come from.
+    pub draws: Draws,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,
     /// Sun, sky and haze.
@@ -97,6 +101,7 @@ impl Default for Settings {
             eyes: 1,
             stereo: Stereo::Auto,
             occlusion: Occlusion::Auto,
+            draws: Draws::Auto,
             shadow_size: 2048,
             atmosphere: Atmosphere::DAY,
             markers: None,
@@ -118,8 +123,11 @@ mod tests {
     #[test]
     fn hidden_people_are_drawn_on_a_tiler_unless_they_are_asked_to_be_left_out() {
         use Occlusion::{Auto, Off, On};
-        let settled = |is_tiler| [Auto, On, Off].map(|wanted| wanted.settled(is_tiler));
-        assert_eq!(settled(false), [On, On, Off]);
-        assert_eq!(settled(true), [Off, On, Off]);
+        let settled = |is_tiler, draws| [Auto, On, Off].map(|wanted| wanted.settled(is_tiler, draws));
+        assert_eq!(settled(false, Draws::Indirect), [On, On, Off]);
+        assert_eq!(settled(true, Draws::Indirect), [Off, On, Off]);
+        for is_tiler in [false, true] {
+            assert_eq!(settled(is_tiler, Draws::Direct), [Off; 3]);
+        }
     }
 }

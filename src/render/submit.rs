@@ -5,6 +5,7 @@ use super::camera::View;
 use super::commands::Commands;
 use super::crowd::CrowdBuffers;
 use super::frame::Frame;
+use super::meshes::DrawnCrowd;
 use super::renderer::Renderer;
 use super::settings::Settings;
 use super::target::{DEPTH_FORMAT, EyeImages, GpuImage, ImageSpec, ImageUse, Readback};
@@ -94,7 +95,8 @@ impl Renderer {
 
     /// Has the device draw into images of the caller, and does not wait for it. The colour is left in the layout of a colour
     /// attachment, and copied to where [`Renderer::finish`] finds it if that is wanted. What `before` records comes first in
-    /// the same submission, what `after` records last.
+    /// the same submission, what `after` records last. With direct draws, what `before` records is a submission that is waited
+    /// for.
     #[cfg(any(feature = "xr", feature = "view"))]
     pub(crate) fn submit_into(
         &mut self,
@@ -145,7 +147,7 @@ impl Renderer {
         self.flights.next()
     }
 
-    /// Submits a frame, and what comes before and after it.
+    /// Submits a frame, and what comes before and after it. With direct draws, what comes before is waited for.
     fn submit(
         &self,
         frame: &Frame<'_>,
@@ -156,9 +158,17 @@ impl Renderer {
         let slot = self.flights.next();
         self.flights.wait(slot)?;
         self.bind(slot, frame)?;
+        let Some((direct, crowd)) = self.direct.as_ref().zip(frame.crowd) else {
+            return self.flights.submit(|commands| {
+                before(commands.buffer)?;
+                self.record(commands, frame, output)?;
+                after(commands)
+            });
+        };
+        let known = direct.read(self.submitter(), &crowd, before)?;
+        let frame = Frame { crowd: Some(DrawnCrowd { known: Some(&known), ..crowd }), ..*frame };
         self.flights.submit(|commands| {
-            before(commands.buffer)?;
-            self.record(commands, frame, output)?;
+            self.record(commands, &frame, output)?;
             after(commands)
         })
     }

@@ -27,6 +27,7 @@ fn the_environment_is_checked_whatever_is_done() {
     for (variable, names) in [
         ("GAITWAY_VALIDATION", "off, core, sync, gpu-av"),
         ("GAITWAY_ARITHMETIC", "auto, native or careful"),
+        ("GAITWAY_DRAWS", "auto, indirect or direct"),
         ("GAITWAY_WRONG_ARITHMETIC", "by-1, by-3, slip, zeros or flush"),
     ] {
         let output = program().arg("devices").env(variable, "nosuch").output().unwrap();

@@ -90,12 +90,38 @@ fn a_picture_is_the_same_on_every_kind_of_device() {
 }
 
 #[test]
+fn people_are_drawn_directly_where_indirect_draws_draw_nothing() {
+    if !has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |kind: &str, draws: &str| {
+        let path = folder.path().join(format!("{kind}-{draws}.png"));
+        let out = path.to_str().unwrap();
+        let crowd = ["render", "crossing", "--agents", "1200", "--size", "256x144", "--out", out];
+        let output =
+            device::on(&mut program(), kind).args(crowd).env("GAITWAY_DRAWS", draws).output().unwrap();
+        assert!(output.status.success(), "{kind}, {draws}: {}", String::from_utf8_lossy(&output.stderr));
+        std::fs::read(path).unwrap()
+    };
+    let usual = picture("", "indirect");
+    assert!(picture("", "direct") == usual);
+    for kind in ["no-indirect-draws", "adreno"] {
+        assert!(picture(kind, "direct") == usual, "{kind}");
+        assert!(picture(kind, "indirect") != usual, "{kind} draws all the same");
+    }
+}
+
+#[test]
 fn a_tiler_is_known_by_its_driver() {
     if !has_vulkan() {
         return;
     }
-    let is_tiler = |kind| json_on(kind, &["devices", "--json"])["devices"][0]["tiler"].as_bool();
-    assert_eq!(["", "tiler"].map(is_tiler), [Some(false), Some(true)]);
+    let facts = |kind| {
+        let list = json_on(kind, &["devices", "--json"]);
+        ["tiler", "indirect_draws"].map(|name| list["devices"][0][name].as_bool().unwrap())
+    };
+    assert_eq!(["", "tiler", "adreno"].map(facts), [[false, true], [true, true], [true, false]]);
     assert!(good_on("tiler", &["devices"]).contains(", tiler"));
 }
 

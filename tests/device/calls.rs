@@ -48,6 +48,9 @@ pub(super) fn find(name: &CStr) -> Option<Function> {
         "vkGetImageMemoryRequirements" => image_needs as *const (),
         "vkGetImageMemoryRequirements2" | "vkGetImageMemoryRequirements2KHR" => image_needs_2 as *const (),
         "vkCreateImage" => create_image as *const (),
+        "vkCmdDrawIndexedIndirect" if Profile::of_process().draws_nothing_indirectly() => {
+            draw_nothing as *const ()
+        }
         "vkAllocateMemory" => allocate as *const (),
         "vkFreeMemory" => free as *const (),
         "vkMapMemory" => map as *const (),
@@ -213,6 +216,9 @@ unsafe extern "system" fn create_image(
         code
     }
 }
+
+/// Draws nothing and says nothing.
+unsafe extern "system" fn draw_nothing(_: Dispatchable, _: Object, _: u64, _: u32, _: u32) {}
 
 unsafe extern "system" fn allocate(
     device: Dispatchable,

@@ -18,8 +18,8 @@ pub(crate) const PHONE: &str = "android-15,no-timestamps,no-depth-reads";
 pub(crate) const LEAST: &str = "vulkan-minimum,no-multiview";
 /// A discrete card's memory.
 pub(crate) const CARD: &str = "discrete";
-/// A headset's own GPU.
-pub(crate) const HEADSET: &str = "android-15,tiler";
+/// A headset's own GPU: a tiler that draws nothing by indexed indirect draws.
+pub(crate) const HEADSET: &str = "android-15,adreno";
 /// All kinds of devices on which everything must work as it does elsewhere.
 pub(crate) const KINDS: [&str; 4] = [PHONE, LEAST, CARD, HEADSET];
 

@@ -15,7 +15,8 @@ const DEVICE_LOCAL: u32 = 1;
 const HOST: u32 = 2 | 4; // visible and coherent
 const CACHED: u32 = 8;
 const LAZY: u32 = 16;
-/// `VK_DRIVER_ID_MESA_TURNIP`.
+/// `VK_DRIVER_ID_QUALCOMM_PROPRIETARY`, `VK_DRIVER_ID_MESA_TURNIP`.
+const QUALCOMM: u32 = 8;
 const TURNIP: u32 = 18;
 /// `VK_SAMPLE_COUNT_1_BIT`, and with `..._4_BIT`: what every device has.
 const ONE_SAMPLE: u32 = 1;
@@ -46,6 +47,10 @@ pub(crate) struct Profile {
     pub(crate) pipelines: bool,
     /// `tiler`: a tiler's driver, and memory for attachments that is taken lazily, which is never here.
     pub(crate) tiler: bool,
+    /// `adreno`: the same with Qualcomm's own driver, whose indexed indirect draws draw nothing.
+    pub(crate) adreno: bool,
+    /// `no-indirect-draws`: indexed indirect draws draw nothing.
+    pub(crate) no_indirect_draws: bool,
     /// `memory@MIB`: so much memory on the device, bytes.
     pub(crate) memory: Option<u64>,
     /// `lost@N`: the device that makes the N-th submission of the process is lost with it.
@@ -78,6 +83,8 @@ impl Profile {
             "no-depth-reads" => &mut self.no_depth_reads,
             "pipelines" => &mut self.pipelines,
             "tiler" => &mut self.tiler,
+            "adreno" => &mut self.adreno,
+            "no-indirect-draws" => &mut self.no_indirect_draws,
             _ => return None,
         })
     }
@@ -122,6 +129,7 @@ impl Profile {
     pub(crate) unsafe fn chained(&self, mut chained: *mut Chained) {
         while let Some(structure) = unsafe { chained.as_mut() } {
             let driver = match self {
+                Self { adreno: true, .. } => Some(QUALCOMM),
                 Self { tiler: true, .. } => Some(TURNIP),
                 _ => None,
             };
@@ -175,12 +183,17 @@ impl Profile {
 
     /// The type of memory that is taken lazily: behind lavapipe's only one, or a card's.
     fn lazy_type(&self) -> Option<u32> {
-        self.tiler.then_some(if self.discrete { 4 } else { 1 })
+        (self.tiler || self.adreno).then_some(if self.discrete { 4 } else { 1 })
     }
 
     /// Whether memory of this type is taken lazily: tiles suffice, so that it is never taken.
     pub(crate) fn is_lazy(&self, index: u32) -> bool {
         self.lazy_type() == Some(index)
+    }
+
+    /// Whether indexed indirect draws draw nothing.
+    pub(crate) fn draws_nothing_indirectly(&self) -> bool {
+        self.adreno || self.no_indirect_draws
     }
 
     /// The driver's own memory type for an emulated one: lavapipe has only one.

@@ -20,6 +20,11 @@ const H: u32 = 270;
 
 /// The crossing with so many people on the device, and what draws it; none without a device.
 fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
+    crossing_as(agents, Settings::sized(W, H))
+}
+
+/// The same, drawn in another way.
+pub(super) fn crossing_as(agents: u32, settings: Settings) -> Option<(Simulation, Show, Vec3)> {
     let library = GaitLibrary::built_in().unwrap();
     let scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
     let crowd = populate_from(&scenario, &library).unwrap();
@@ -29,7 +34,6 @@ fn crossing(agents: u32) -> Option<(Simulation, Show, Vec3)> {
     let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
     let mut simulation = gpu::on_device(Simulation::from_store(store, Backend::Vulkan, None))?;
     let scenery = geometry.scenery();
-    let settings = Settings::sized(W, H);
     let show = Show::new(&mut simulation, &meshes, &scenery, settings, None).unwrap();
     let user = gaitway::ground::world_from_ground(geometry.focus, 1.7);
     Some((simulation, show, user))

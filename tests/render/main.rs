@@ -15,6 +15,7 @@
 mod common;
 
 mod bodies;
+mod direct;
 mod far;
 mod moments;
 mod occlusion;
