@@ -32,8 +32,8 @@ const CLASSES: [(&str, Amounts); 4] = [
 
 /// What is given up knowingly: class, quantity, and the most that shaders may need all the same.
 const GIVEN_UP: [(&str, &str, u32); 1] =
-    // kernels bind eight; every device with Vulkan 1.3 that is known gives at least twelve
-    [("the Vulkan minimum", "storage buffers of a stage", 8)];
+    // kernels bind twelve; every device with Vulkan 1.3 that is known gives as many
+    [("the Vulkan minimum", "storage buffers of a stage", 12)];
 
 /// Compares every shader with every class, and writes what the most demanding ones need as `NEEDS`.
 pub(crate) fn write(

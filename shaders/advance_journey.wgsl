@@ -1,14 +1,21 @@
-// uses: step, exact, absent, stages, climb, agent
-// Advances the journey of each agent: tests whether its present stage is done, goes on to the next, and sets its aim.
-// An agent that enters an exit is absent from this step on. The kernel runs first, so that the grid holds no such agent.
+// uses: step, exact, absent, stages, climb, agent, prefer, cells
+// Advances the journey of each agent: tests whether its present stage is done, goes on to the next, and aims at it. The aim gives
+// the velocity that the agent wants before avoidance. The agent joins the list of its cell.
+// An agent that enters an exit is absent from this step on, and on no list. cells must be zero before (integrate leaves it so).
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> stages: array<Stage>;             // [stage]
 @group(0) @binding(2) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
 @group(0) @binding(3) var<storage, read_write> route: array<Route>;        // [agent]
 @group(0) @binding(4) var<storage, read_write> stage_progress: array<u32>; // [agent] 0, or in a waiting area or the last goal: step of arrival + 1; in a queue: ticket + 1
-@group(0) @binding(5) var<storage, read_write> aim: array<Aim>;            // [agent]
-@group(0) @binding(6) var<storage, read_write> queues: array<atomic<u32>>; // [queue][8] see queue.wgsl
-@group(0) @binding(7) var<storage, read> elevation: array<f32>;            // [agent] m
+@group(0) @binding(5) var<storage, read_write> queues: array<atomic<u32>>; // [queue][8] see queue.wgsl
+@group(0) @binding(6) var<storage, read> elevation: array<f32>;            // [agent] m
+@group(0) @binding(7) var<storage, read> body: array<Body>;                // [agent]
+@group(0) @binding(8) var<uniform> flow_grid: FlowUniforms;
+@group(0) @binding(9) var<storage, read> flow_way: array<u32>;             // [field][cell] see way.wgsl
+@group(0) @binding(10) var<storage, read> floors: array<vec4<f32>>;        // [floor][9] see floors.wgsl
+@group(0) @binding(11) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(12) var<storage, read_write> cells: array<atomic<u32>>; // [cell][2] see cells.wgsl
+@group(0) @binding(13) var<storage, read_write> next_in_cell: array<u32>;  // [agent]
 
 // A place in a region counts as taken within this distance, m,
 const STANDING: f32 = 0.3;
@@ -23,32 +30,47 @@ const AT_COUNTER: f32 = 0.25;
 @compute @workgroup_size(64)
 fn advance_journey(@builtin(global_invocation_id) id: vec3<u32>) {
     let agent = id.x;
-    if agent >= step.agent_count || is_absent(position[agent]) {
+    if agent >= step.agent_count {
         return;
     }
     let at = position[agent];
+    if is_absent(at) || leaves(agent, at) {
+        preferred_velocity[agent] = vec2<f32>(0.0, 0.0);
+        return;
+    }
+    let way = route[agent];
+    let length = route_length(way);
+    let is_last = !route_loops(way) && way.next + 1u >= length;
+    let goal = aim_at(agent, way.first + min(way.next, length - 1u), at, is_last);
+    preferred_velocity[agent] = wanted_velocity(agent, at, goal);
+    let words = cell_words(at);
+    atomicAdd(&cells[words], 1u);
+    next_in_cell[agent] = atomicExchange(&cells[words + 1u], agent + 1u);
+}
+
+// Goes on to the next stage if the present one is done. Whether that was an exit.
+fn leaves(agent: u32, at: vec2<f32>) -> bool {
     var way = route[agent];
     let length = route_length(way);
-    let loops = route_loops(way);
-    var stage = way.first + min(way.next, length - 1u);
-    if way.next < length && is_done(agent, stage, at) {
-        way.next += 1u;
-        if way.next == length {
-            way.arrivals += 1u;
-            if loops {
-                way.next = 0u;
-            }
-        }
-        route[agent] = way;
-        let stays = way.next == length && stages[stage].kind == GOAL;
-        stage_progress[agent] = select(0u, step.step_index + 1u, stays);
-        if stages[stage].kind == EXIT {
-            position[agent] = vec2<f32>(ABSENT, ABSENT);
-            return;
-        }
-        stage = way.first + min(way.next, length - 1u);
+    let stage = way.first + min(way.next, length - 1u);
+    if way.next >= length || !is_done(agent, stage, at) {
+        return false;
     }
-    aim[agent] = aim_at(agent, stage, at, !loops && way.next + 1u >= length);
+    way.next += 1u;
+    if way.next == length {
+        way.arrivals += 1u;
+        if route_loops(way) {
+            way.next = 0u;
+        }
+    }
+    route[agent] = way;
+    let stays = way.next == length && stages[stage].kind == GOAL;
+    stage_progress[agent] = select(0u, step.step_index + 1u, stays);
+    let is_out = stages[stage].kind == EXIT;
+    if is_out {
+        position[agent] = vec2<f32>(ABSENT, ABSENT);
+    }
+    return is_out;
 }
 
 // Whether the agent is on the floor of a stage.

@@ -1,70 +1,65 @@
-// uses: step, scan
-// Exclusive prefix sum of cell_counts into cell_start. A group is LANES cells. The phases, in this order:
-//   sum (cell):        adds up each group into group_sums,
-//   groups (one group): turns group_sums into their exclusive prefix sum and writes the total behind the last cell; it
-//                      empties the list of unsolved agents, too,
-//   cells (cell):      writes cell_start and clears cell_counts, which grid_scatter uses next.
-
+// uses: step, scan, cells
+// Where each cell's agents begin among all, in cell order. Each group counts the agents before each of its cells within the
+// group, some in each lane. The group that is done last counts the agents before each group, and all; it empties the list of unsolved agents,
+// too. `grid_scatter` adds the two counts up.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read_write> cell_counts: array<u32>; // [cell]
-@group(0) @binding(2) var<storage, read_write> group_sums: array<u32>;  // [cell / LANES, rounded up]
-@group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;  // [cell + 1]
-@group(0) @binding(4) var<storage, read_write> unsolved: array<u32>;    // see velocity_orca
+@group(0) @binding(1) var<storage, read> cells: array<u32>;                    // [cell][2] see cells.wgsl
+@group(0) @binding(2) var<storage, read_write> cell_start: array<atomic<u32>>; // see cells.wgsl
+@group(0) @binding(3) var<storage, read_write> unsolved: array<u32>;           // see velocity_orca
 
-fn count_of(cell: u32) -> u32 {
-    if cell < step.cell_count {
-        return cell_counts[cell];
-    }
-    return 0u;
-}
+var<workgroup> groups_left: u32; // to be summed up by this workgroup: all, or none
 
 @compute @workgroup_size(LANES)
-fn grid_scan_sum(
+fn grid_scan(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(local_invocation_index) lane: u32,
     @builtin(workgroup_id) group: vec3<u32>,
 ) {
-    let sums = scan(lane, count_of(id.x));
-    if lane == 0u {
-        group_sums[group.x] = sums.total;
+    let groups = (step.cell_count + GROUP_CELLS - 1u) / GROUP_CELLS;
+    let first_cell = id.x * LANE_CELLS;
+    let end_cell = min(first_cell + LANE_CELLS, step.cell_count);
+    var agents = 0u;
+    for (var cell = first_cell; cell < end_cell; cell++) {
+        agents += cells[CELL_WORDS * cell];
     }
-}
-
-@compute @workgroup_size(LANES)
-fn grid_scan_groups(@builtin(local_invocation_index) lane: u32) {
-    let groups = (step.cell_count + LANES - 1u) / LANES;
+    let own = scan(lane, agents);
+    var before = own.before;
+    for (var cell = first_cell; cell < end_cell; cell++) {
+        atomicStore(&cell_start[in_group(cell)], before);
+        before += cells[CELL_WORDS * cell];
+    }
+    if lane == 0u {
+        groups_left = 0u;
+        if group.x < groups {
+            atomicStore(&cell_start[in_groups(group.x)], own.total);
+        }
+    }
+    storageBarrier(); // whoever sees that this group is done sees its sum
+    if lane == 0u && group.x < groups && atomicAdd(&cell_start[in_groups(groups)], 1u) == groups - 1u {
+        groups_left = groups;
+    }
+    storageBarrier();
+    let left = workgroupUniformLoad(&groups_left);
     var total = 0u;
-    for (var first = 0u; first < groups; first += LANES) {
-        let group = first + lane;
+    for (var first = 0u; first < left; first += LANES) {
+        let one = first + lane;
         var sum = 0u;
-        if group < groups {
-            sum = group_sums[group];
+        if one < left {
+            sum = atomicLoad(&cell_start[in_groups(one)]);
         }
-        let sums = scan(lane, sum);
-        if group < groups {
-            group_sums[group] = total + sums.before;
+        let whole = scan(lane, sum);
+        if one < left {
+            atomicStore(&cell_start[in_groups(one)], total + whole.before);
         }
-        total += sums.total;
+        total += whole.total;
     }
-    if lane == 0u {
-        cell_start[step.cell_count] = total;
+    if lane == 0u && left > 0u {
+        atomicStore(&cell_start[in_groups(groups)], 0u);
+        atomicStore(&cell_start[step.cell_count], total);
         // no agent has to try again yet
         unsolved[0] = 0u;
         unsolved[1] = 1u;
         unsolved[2] = 1u;
         unsolved[3] = 0u;
-    }
-}
-
-@compute @workgroup_size(LANES)
-fn grid_scan_cells(
-    @builtin(global_invocation_id) id: vec3<u32>,
-    @builtin(local_invocation_index) lane: u32,
-    @builtin(workgroup_id) group: vec3<u32>,
-) {
-    let sums = scan(lane, count_of(id.x));
-    if id.x < step.cell_count {
-        cell_start[id.x] = group_sums[group.x] + sums.before;
-        cell_counts[id.x] = 0u;
     }
 }

@@ -1,62 +1,67 @@
-// uses: step, grid, absent
-// Puts the agents in cell order, within a cell by id, so that the order does not depend on which thread came first.
-// Absent agents have no slot; as many slots at the end are empty. The phases, in this order:
-//   place (agent): takes the next free place of its cell (any order),
-//   sort (cell):   sorts its agents by id and clears its count.
+// uses: step, cells, contents, absent, agent
+// Puts the agents in cell order, within a cell by id, so that the order does not depend on which thread came first: an agent's
+// slot is the first one of its cell, plus as many as agents of lower ids are there. Copies what neighbours read of each agent
+// to its slot, so that what is read together lies together. Absent agents have no slot; as many slots at the end are empty.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> cell_start: array<u32>;                // [cell + 1]
-@group(0) @binding(2) var<storage, read_write> cell_counts: array<atomic<u32>>; // [cell], zero before and after
-@group(0) @binding(3) var<storage, read_write> slot_agent: array<u32>;          // [slot]
-@group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;            // [agent] m
-@group(0) @binding(5) var<storage, read_write> agent_slot: array<u32>;          // [agent] NOBODY if absent
+@group(0) @binding(1) var<storage, read> cells: array<u32>;                 // [cell][2] see cells.wgsl
+@group(0) @binding(2) var<storage, read> next_in_cell: array<u32>;          // [agent] see cells.wgsl
+@group(0) @binding(3) var<storage, read_write> cell_start: array<u32>;      // see cells.wgsl
+@group(0) @binding(4) var<storage, read> position: array<vec2<f32>>;        // [agent] m
+@group(0) @binding(5) var<storage, read> velocity: array<vec2<f32>>;        // [agent] m/s
+@group(0) @binding(6) var<storage, read> body: array<Body>;                 // [agent]
+@group(0) @binding(7) var<storage, read> avoidance: array<Avoidance>;       // [agent]
+@group(0) @binding(8) var<storage, read> elevation: array<f32>;             // [agent] m
+@group(0) @binding(9) var<storage, read_write> slot_motion: array<SlotMotion>;        // [slot]
+@group(0) @binding(10) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(11) var<storage, read_write> agent_slot: array<u32>;     // [agent] NOBODY if absent
 
 @compute @workgroup_size(64)
-fn grid_scatter_place(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x >= step.agent_count {
+fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
+    let agent = id.x; // and the number of a cell, and of a slot
+    if agent < step.cell_count {
+        cell_start[agent] = start_of(agent);
+    }
+    if agent >= step.agent_count {
         return;
     }
-    if is_absent(position[id.x]) {
-        agent_slot[id.x] = NOBODY;
+    if agent >= cell_start[step.cell_count] {
+        slot_avoidance[agent] = SlotAvoidance(NOBODY, 0.0, 0.0, 0u);
+    }
+    let at = position[agent];
+    if is_absent(at) {
+        agent_slot[agent] = NOBODY;
         return;
     }
-    let at = grid_cell(position[id.x], step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    let cell = u32(at.y) * step.grid_columns + u32(at.x);
-    slot_agent[cell_start[cell] + atomicAdd(&cell_counts[cell], 1u)] = id.x;
+    let cell = cell_at(at);
+    var slot = start_of(cell);
+    var other = cells[CELL_WORDS * cell + 1u];
+    while other > 0u {
+        slot += u32(other <= agent); // other is an id plus 1
+        other = next_in_cell[other - 1u];
+    }
+    agent_slot[agent] = slot;
+    pack(agent, at, slot);
 }
 
-@compute @workgroup_size(64)
-fn grid_scatter_sort(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x < step.agent_count && id.x >= cell_start[step.cell_count] {
-        slot_agent[id.x] = NOBODY;
+// The slot of a cell's first agent.
+fn start_of(cell: u32) -> u32 {
+    return cell_start[in_group(cell)] + cell_start[in_groups(cell / GROUP_CELLS)];
+}
+
+fn pack(agent: u32, at: vec2<f32>, slot: u32) {
+    var own = avoidance[0];
+    if (contents & UNLIKE) != 0u {
+        own = avoidance[agent];
     }
-    if id.x >= step.cell_count {
-        return;
+    // other agents keep their distance from an agent led from outside, and it avoids none of them
+    let is_led = own.priority >= LED;
+    let comfort = select(0.0, own.inverse_time_horizon, is_led);
+    let limits = u32(own.neighbour_cap) | select(0u, LED_BIT, is_led);
+    slot_avoidance[slot] = SlotAvoidance(agent, own.inverse_time_horizon, own.neighbour_distance, limits);
+    var height = 0.0;
+    if (contents & (STOREYS | WALLS)) != 0u { // some walls stand at some heights only
+        height = elevation[agent];
     }
-    let first = cell_start[id.x];
-    let end = cell_start[id.x + 1u];
-    // Shell's sort: a cell holds a handful, but one at the border may hold hundreds, and a driver may allow an
-    // invocation no more than 65,535 turns of its loops.
-    var gap = 1u;
-    while gap < (end - first) / 3u {
-        gap = gap * 3u + 1u;
-    }
-    for (; gap > 0u; gap /= 3u) {
-        for (var i = first + gap; i < end; i++) {
-            let agent = slot_agent[i];
-            var hole = i;
-            while hole >= first + gap {
-                let before = slot_agent[hole - gap];
-                if before <= agent {
-                    break;
-                }
-                slot_agent[hole] = before;
-                hole -= gap;
-            }
-            slot_agent[hole] = agent;
-        }
-    }
-    for (var slot = first; slot < end; slot++) {
-        agent_slot[slot_agent[slot]] = slot;
-    }
-    atomicStore(&cell_counts[id.x], 0u);
+    let size = body[agent];
+    slot_motion[slot] = SlotMotion(at, velocity[agent], size.radius + comfort, size.max_speed, own.priority, height);
 }

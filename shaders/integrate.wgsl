@@ -1,7 +1,8 @@
-// uses: step, exact, absent, agent
+// uses: step, exact, absent, agent, cells
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
+// The kernel runs last: it empties the cells for the next step, and counts the step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
 @group(0) @binding(2) var<storage, read> agent_slot: array<u32>;            // [agent]
@@ -11,6 +12,8 @@
 @group(0) @binding(6) var<storage, read_write> stance: array<Stance>;       // [agent]
 @group(0) @binding(7) var<storage, read_write> phase: array<u32>;           // [agent] the whole range is one stride
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] first agent that failed
+@group(0) @binding(9) var<storage, read_write> cells: array<u32>;           // [cell][2] see cells.wgsl
+@group(0) @binding(10) var<storage, read_write> step_count: array<u32>;     // [1] steps done
 
 const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 // How fast a body turns to where it goes, share of the difference a second.
@@ -18,7 +21,14 @@ const FOLLOW: f32 = 6.0;
 
 @compute @workgroup_size(64)
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
-    let agent = id.x;
+    let agent = id.x; // and the number of a cell
+    if agent == 0u {
+        step_count[0] = step.step_index + 1u;
+    }
+    if agent < step.cell_count {
+        cells[CELL_WORDS * agent] = 0u;
+        cells[CELL_WORDS * agent + 1u] = 0u;
+    }
     if agent >= step.agent_count {
         return;
     }

@@ -207,16 +207,20 @@ fn whole_step(
 ) -> Result<(Row, Quality, Simulation), crate::Error> {
     let mut simulation = Simulation::from_store(crossing(agents, SPACING), backend, device)?;
     simulation.step(1)?;
+    simulation.finish()?;
     let begin = Instant::now();
     simulation.step(1)?;
+    simulation.finish()?;
     // a batch of about 50 ms
     let batch = (0.05 / begin.elapsed().as_secs_f64().max(1e-6)).clamp(1.0, 64.0);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 64")]
     let batch = batch as u32;
     simulation.step(batch)?;
+    simulation.finish()?;
     let times = repeat(|| {
         let begin = Instant::now();
         simulation.step(batch)?;
+        simulation.finish()?;
         Ok(begin.elapsed().as_secs_f64() * 1e3 / f64::from(batch))
     })?;
     let quality = quality_of("step", agents, &mut simulation)?;

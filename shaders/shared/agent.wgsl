@@ -76,13 +76,6 @@ fn route_loops(route: Route) -> bool {
     return (route.length_and_loops >> 31u) == 1u;
 }
 
-// Buffer `aim`: what an agent walks to.
-struct Aim {
-    place: vec2<f32>, // m
-    how: f32,         // PASS, STOP, or above 0 the distance within which it stands, m (stages.wgsl)
-    field: f32,       // number of the flow field that leads there, or -1
-}
-
 // Buffer `slot_avoidance`: what searches for neighbours read.
 struct SlotAvoidance {
     agent: u32,                // NOBODY: the slot is empty

@@ -49,6 +49,7 @@ pub(super) fn models(
             for (simulation, times) in walked.iter_mut().zip(&mut times) {
                 let begin = Instant::now();
                 simulation.step(BATCH)?;
+                simulation.finish()?;
                 times.push(begin.elapsed().as_secs_f64() * 1e3 / f64::from(BATCH));
             }
         }

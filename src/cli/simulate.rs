@@ -295,7 +295,7 @@ pub(super) fn simulate(
         let frame = recording.as_ref().map_or(u32::MAX, |recording| to_next(recording.every));
         let count = to_next(sampling).min(frame).min(steps - done);
         let step_begin = Instant::now();
-        match scene.step(simulation, count) {
+        match scene.step(simulation, count).and_then(|()| simulation.finish()) {
             Err(Error::Sim(error @ sim::Error::Failure { .. })) => failure = Some(error.to_string()),
             other => other?,
         }

@@ -260,11 +260,11 @@ impl Device {
     /// Submits one command buffer and waits until the device has done it.
     pub(crate) fn submit_and_wait(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
         let queue = self.hold_queue();
-        self.around(|| self.submit_to(*queue, commands, fence).and_then(|()| self.wait(fence)))
+        self.around(|| self.submit_to(*queue, &[commands], fence).and_then(|()| self.wait(fence)))
     }
 
-    /// Submits one command buffer, which [`Device::finish`] waits for.
-    pub(crate) fn submit(&self, commands: vk::CommandBuffer, fence: vk::Fence) -> Result<(), Error> {
+    /// Submits command buffers, which [`Device::finish`] waits for.
+    pub(crate) fn submit(&self, commands: &[vk::CommandBuffer], fence: vk::Fence) -> Result<(), Error> {
         let queue = self.hold_queue();
         self.submit_to(*queue, commands, fence)
     }
@@ -291,17 +291,18 @@ impl Device {
         outcome
     }
 
-    /// Submits one command buffer to the queue, which the caller holds.
+    /// Submits command buffers to the queue, which the caller holds.
     fn submit_to(
         &self,
         queue: vk::Queue,
-        commands: vk::CommandBuffer,
+        commands: &[vk::CommandBuffer],
         fence: vk::Fence,
     ) -> Result<(), Error> {
-        let infos = [vk::CommandBufferSubmitInfo::default().command_buffer(commands)];
+        let info = |one: &vk::CommandBuffer| vk::CommandBufferSubmitInfo::default().command_buffer(*one);
+        let infos: Vec<_> = commands.iter().map(info).collect();
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&infos)];
         self.reset(fence)?;
-        // SAFETY: the command buffer is recorded and not in use, the fence is unsignalled, the queue is locked.
+        // SAFETY: the command buffers are recorded and may be submitted again, the fence is unsignalled, the queue is locked.
         unsafe { self.raw.queue_submit2(queue, &submit, fence) }.map_err(call("vkQueueSubmit2"))
     }
 

@@ -2,12 +2,14 @@
 
 mod embed;
 mod encode;
+mod repeat;
 
 use self::embed::Embedded;
+use self::repeat::Repeated;
 use super::pipeline::{self, Pipeline};
 use super::plan::Op;
 use super::{Buffer, Device, Error, FRAMES_IN_FLIGHT, Memory, call};
-use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, NEEDS, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
 use std::time::Instant;
@@ -44,6 +46,8 @@ pub struct Engine {
     staging: [Option<Buffer>; 2],
     /// What the submissions of the caller bring and report: [`Engine::encode`].
     embedded: [Embedded; FRAMES_IN_FLIGHT],
+    /// What is submitted again and again: [`Engine::repeat`].
+    repeated: Repeated,
 }
 
 impl std::fmt::Debug for Engine {
@@ -82,6 +86,7 @@ impl Engine {
             queries: vk::QueryPool::null(),
             staging: [None, None],
             embedded: Default::default(),
+            repeated: Repeated::default(),
         };
         engine.make_commands(kernels.iter().map(|kernel| kernel.kernel().phases.len()).sum())?;
         for kernel in kernels.iter().map(|kernel| kernel.kernel()) {
@@ -119,10 +124,10 @@ impl Engine {
         let sizes = [
             vk::DescriptorPoolSize::default()
                 .ty(vk::DescriptorType::STORAGE_BUFFER)
-                .descriptor_count(8 * count),
+                .descriptor_count(NEEDS.storage_buffers * count),
             vk::DescriptorPoolSize::default()
                 .ty(vk::DescriptorType::UNIFORM_BUFFER)
-                .descriptor_count(2 * count),
+                .descriptor_count(NEEDS.uniform_buffers * count),
         ];
         let descriptors = vk::DescriptorPoolCreateInfo::default().max_sets(count).pool_sizes(&sizes);
         let pool = vk::CommandPoolCreateInfo::default()
@@ -149,7 +154,7 @@ impl Engine {
                 raw.create_fence(&vk::FenceCreateInfo::default(), None).map_err(call("vkCreateFence"))?;
             self.queries = raw.create_query_pool(&queries, None).map_err(call("vkCreateQueryPool"))?;
         }
-        Ok(())
+        self.make_repeated()
     }
 
     /// Makes buffers that no kernel of this engine binds, for group counts of its dispatches, as long as in `store`.
@@ -188,6 +193,7 @@ impl Engine {
             let bytes = store.bytes(id).len() as u64;
             let fits = self.buffer(id).is_some_and(|buffer| buffer.size() == Buffer::rounded(bytes));
             if !fits {
+                self.forget_repeated()?;
                 self.buffers[id as usize] = None;
                 self.make_buffer(id, bytes)?;
                 made.push(id);
@@ -261,30 +267,42 @@ impl Engine {
 
     fn copy(&self, staging: Option<&Buffer>, copies: &[Copy], to_device: bool) -> Result<(), Error> {
         let Some(staging) = staging.filter(|_| !copies.is_empty()) else { return Ok(()) };
-        self.record(|engine, _, commands| {
+        self.record(|engine, commands| {
             engine.encode_copies(commands, staging, copies, to_device);
             Ok(())
         })
     }
 
     /// Records, submits and waits.
-    fn record(
+    fn record(&self, body: impl FnOnce(&Self, vk::CommandBuffer) -> Result<(), Error>) -> Result<(), Error> {
+        let flags = vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT;
+        self.record_to(self.commands, flags, |engine| body(engine, self.commands))?;
+        let outcome = self.device.submit_and_wait(self.commands, self.fence);
+        outcome.map_err(|error| match self.under_way() {
+            [] => error,
+            ops => Self::named(error, ops),
+        })
+    }
+
+    /// Records into a command buffer that is not in use.
+    fn record_to(
         &self,
-        body: impl FnOnce(&Self, &ash::Device, vk::CommandBuffer) -> Result<(), Error>,
+        commands: vk::CommandBuffer,
+        flags: vk::CommandBufferUsageFlags,
+        body: impl FnOnce(&Self) -> Result<(), Error>,
     ) -> Result<(), Error> {
         let raw = &self.device.raw;
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
-        // SAFETY: every submission is waited for, so the command buffer is not in use.
-        unsafe { raw.begin_command_buffer(self.commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
-        if let Err(error) = body(self, raw, self.commands) {
+        let begin = vk::CommandBufferBeginInfo::default().flags(flags);
+        // SAFETY: every submission of the command buffer was waited for.
+        unsafe { raw.begin_command_buffer(commands, &begin) }.map_err(call("vkBeginCommandBuffer"))?;
+        if let Err(error) = body(self) {
             let none = vk::CommandBufferResetFlags::empty();
             // SAFETY: what was recorded was not submitted; what cannot be reset cannot be begun again, and that is an error.
-            let _ = unsafe { raw.reset_command_buffer(self.commands, none) };
+            let _ = unsafe { raw.reset_command_buffer(commands, none) };
             return Err(error);
         }
         // SAFETY: recording has begun.
-        unsafe { raw.end_command_buffer(self.commands) }.map_err(call("vkEndCommandBuffer"))?;
-        self.device.submit_and_wait(self.commands, self.fence)
+        unsafe { raw.end_command_buffer(commands) }.map_err(call("vkEndCommandBuffer"))
     }
 
     /// Runs the operations in order, barriers between them where their buffers demand it.
@@ -305,7 +323,7 @@ impl Engine {
         if timed && self.device.timestamp_bits == 0 {
             return self.run_by_the_clock(ops, contents);
         }
-        let outcome = self.record(|engine, _, commands| engine.encode_ops(commands, ops, &contents, timed));
+        let outcome = self.record(|engine, commands| engine.encode_ops(commands, ops, &contents, timed));
         outcome.map_err(|error| Self::named(error, ops))?;
         if timed { self.times(ops) } else { Ok(Vec::new()) }
     }
@@ -321,7 +339,7 @@ impl Engine {
             let begin = Instant::now();
             let (one, its_contents) = (std::slice::from_ref(op), |_, id| contents(index, id));
             let outcome =
-                self.record(|engine, _, commands| engine.encode_ops(commands, one, &its_contents, false));
+                self.record(|engine, commands| engine.encode_ops(commands, one, &its_contents, false));
             outcome.map_err(|error| Self::named(error, one))?;
             if let Op::Dispatch(dispatch) = op {
                 let milliseconds = begin.elapsed().as_secs_f64() * 1e3;
@@ -334,7 +352,7 @@ impl Engine {
     fn times(&self, ops: &[Op]) -> Result<Vec<DispatchTime>, Error> {
         let dispatches = ops.iter().filter_map(|op| match op {
             Op::Dispatch(dispatch) => Some(*dispatch),
-            Op::Set(_) => None,
+            Op::Set(_) | Op::CountStep => None,
         });
         let dispatches: Vec<_> = dispatches.collect();
         let mut stamps = vec![0_u64; dispatches.len() * 2];
@@ -409,6 +427,7 @@ pub(crate) fn ticks([begin, end]: [u64; 2], bits: u32) -> u64 {
 
 impl Drop for Engine {
     fn drop(&mut self) {
+        self.drop_repeated();
         let raw = &self.device.raw;
         // SAFETY: every submission was waited for; null handles are ignored by Vulkan.
         unsafe {

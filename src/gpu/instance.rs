@@ -402,7 +402,7 @@ mod tests {
         };
         assert_eq!(short(&enough), None, "Android 15");
         let few = vk::PhysicalDeviceLimits { max_per_stage_descriptor_storage_buffers: 4, ..enough };
-        assert_eq!(short(&few).unwrap(), "has 4 storage buffers of a stage, needs 8");
+        assert_eq!(short(&few).unwrap(), "has 4 storage buffers of a stage, needs 12");
         let small = vk::PhysicalDeviceLimits { max_compute_work_group_invocations: 32, ..enough };
         assert!(short(&small).unwrap().starts_with("has 32 invocations of a workgroup, needs "));
     }

@@ -41,6 +41,7 @@ impl Hazards {
 fn touched(op: Op) -> (Vec<BufferId>, Vec<BufferId>) {
     match op {
         Op::Set(buffer) => (Vec::new(), vec![buffer]),
+        Op::CountStep => (vec![BufferId::StepCount], vec![BufferId::Step]),
         Op::Dispatch(dispatch) => {
             let entry = dispatch.phase.entry();
             let of = |write: bool| {
@@ -77,6 +78,7 @@ pub fn text(commands: &[Command]) -> String {
         let _ = match command {
             Command::Barrier => writeln!(text, "barrier"),
             Command::Op(_, Op::Set(buffer)) => writeln!(text, "set {}", buffer.name()),
+            Command::Op(_, Op::CountStep) => writeln!(text, "count step"),
             Command::Op(_, Op::Dispatch(dispatch)) => {
                 let entry = dispatch.phase.entry();
                 match &entry.immediate {
@@ -101,14 +103,14 @@ mod tests {
     fn a_barrier_stands_wherever_a_pass_meets_what_another_wrote() {
         let dispatch = |phase| Op::Dispatch(Dispatch::of(phase, 1));
         let ops = [
-            Op::Set(BufferId::Step),
-            dispatch(Phase::GridCount),
-            dispatch(Phase::GridScanSum),
-            dispatch(Phase::GridScanGroups),
+            Op::CountStep,
+            dispatch(Phase::AdvanceJourney),
+            dispatch(Phase::GridScan),
+            dispatch(Phase::GridScatter),
         ];
         assert_eq!(
             text(&plan(&ops)),
-            "set step\nbarrier\ngrid_count\nbarrier\ngrid_scan.sum\nbarrier\ngrid_scan.groups\n"
+            "count step\nbarrier\nadvance_journey\nbarrier\ngrid_scan\nbarrier\ngrid_scatter contents none\n"
         );
     }
 

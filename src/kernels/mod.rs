@@ -187,6 +187,8 @@ pub struct Needs {
 pub enum Op {
     /// Overwrite a uniform buffer with the contents given for this place in the list.
     Set(BufferId),
+    /// Take the number of the step from `step_count`, where `integrate` counts the steps, into `step`.
+    CountStep,
     /// Run a kernel.
     Dispatch(Dispatch),
 }
@@ -271,8 +273,8 @@ mod tests {
         assert_eq!(Phase::FlowSweep.entry().label, "flow.sweep");
         // a phase binds what it uses, not what its kernel does
         let binds = |phase: Phase, buffer| phase.entry().bindings.iter().any(|b| b.buffer == buffer);
-        assert!(binds(Phase::GridScanGroups, BufferId::Unsolved));
-        assert!(!binds(Phase::GridScanSum, BufferId::Unsolved));
+        assert!(binds(Phase::CompactArguments, BufferId::DispatchArgs));
+        assert!(!binds(Phase::CompactCount, BufferId::DispatchArgs));
     }
 
     #[test]
@@ -280,8 +282,8 @@ mod tests {
         let text = |phase: Phase, value| phase.entry().immediate.as_ref().map(|i| i.text(value));
         assert_eq!(text(Phase::Skin, 3).as_deref(), Some("avatar 3"));
         let some = shared::contents::WALLS | shared::contents::GROUPS;
-        assert_eq!(text(Phase::GridPack, some).as_deref(), Some("contents walls+groups"));
-        assert_eq!(text(Phase::GridPack, 0).as_deref(), Some("contents none"));
+        assert_eq!(text(Phase::GridScatter, some).as_deref(), Some("contents walls+groups"));
+        assert_eq!(text(Phase::GridScatter, 0).as_deref(), Some("contents none"));
         assert_eq!(text(Phase::Integrate, 0), None);
     }
 

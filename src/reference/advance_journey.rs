@@ -1,53 +1,56 @@
 //! Where each agent is on its journey.
 
 use super::exact::{dot2, greater};
-use super::shared::is_absent;
+use super::prefer::{Aim, Wishes};
+use super::shared::{is_absent, join_cells};
 use super::stages::{in_region, nearest_place, own_place};
 use crate::kernels::advance_journey::{AT_COUNTER, IN_LINE, PATIENCE, STANDING, Slices, TRYING};
-use crate::kernels::layout::{Aim, Stage};
+use crate::kernels::layout::{Route, Stage};
 use crate::kernels::shared::absent::ABSENT;
 use crate::kernels::shared::climb::STEP;
+use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::shared::stages::{EXIT, GOAL, PASS, QUEUE, STOP, WAITING, WAYPOINT};
 use rayon::prelude::*;
+
+/// Agents whose flow fields are read together.
+const CHUNK: usize = 32;
 
 /// Twin of `shaders/advance_journey.wgsl`.
 pub fn advance_journey(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let lines: &[u32] = b.queues;
     let stages = Stages { lines, now: b.step.step_index, time_step: b.step.time_step, stages: b.stages };
-    let elevation = b.elevation;
-    let state = b.position[..agents].par_iter_mut().zip(&mut b.route[..agents]);
-    let state = state.zip(&mut b.stage_progress[..agents]).zip(&mut b.aim[..agents]);
-    let state = state.enumerate().with_min_len(1024);
-    let signs = state.filter_map(|(agent, (((position, way), progress), aim))| {
-        if is_absent(*position) {
-            return None;
-        }
-        let at = *position;
-        let (length, loops) = (way.length(), way.loops());
-        let mut stage = way.first + way.next.min(length - 1);
-        let height = elevation[agent];
-        if way.next < length && stages.is_done(stage, at, height, progress) {
-            way.next += 1;
-            if way.next == length {
-                way.arrivals = way.arrivals.wrapping_add(1);
-                if loops {
-                    way.next = 0;
-                }
+    let floors = &b.floors[..b.step.floor_count as usize * FLOOR_STRIDE];
+    let wishes = Wishes {
+        step: b.step,
+        body: b.body,
+        elevation: b.elevation,
+        flow_grid: b.flow_grid,
+        flow_way: b.flow_way,
+        floors,
+    };
+    let state = b.position[..agents].par_chunks_mut(CHUNK).zip(b.route[..agents].par_chunks_mut(CHUNK));
+    let state = state.zip(b.stage_progress[..agents].par_chunks_mut(CHUNK));
+    let state = state.zip(b.preferred_velocity[..agents].par_chunks_mut(CHUNK));
+    let signs = state.enumerate().with_min_len(32).flat_map_iter(|(chunk, (((at, way), progress), preferred))| {
+        let first = CHUNK * chunk;
+        let (mut goals, mut arounds, mut signs) = ([None; CHUNK], [None; CHUNK], Vec::new());
+        for i in 0..at.len() {
+            if is_absent(at[i]) || stages.leaves(wishes.elevation[first + i], &mut at[i], &mut way[i], &mut progress[i]) {
+                continue;
             }
-            let stays = way.next == length && stages.of(stage).kind == GOAL;
-            *progress = if stays { b.step.step_index + 1 } else { 0 };
-            if stages.of(stage).kind == EXIT {
-                *position = [ABSENT, ABSENT];
-                return None;
-            }
-            stage = way.first + way.next.min(length - 1);
+            let is_last = !way[i].loops() && way[i].next + 1 >= way[i].length();
+            let (agent, height) = ((first + i) as u32, wishes.elevation[first + i]);
+            let walker = Walker { agent, at: at[i], height, progress: progress[i], is_last };
+            let goal = stages.goal(&walker, way[i], &mut signs);
+            goals[i] = Some(goal);
+            arounds[i] = wishes.around(first + i, at[i], goal);
         }
-        let is_last = !loops && way.next + 1 >= length;
-        let walker = Walker { agent: agent as u32, at, height, progress: *progress, is_last };
-        let (goal, sign) = stages.aim(&walker, stages.of(stage));
-        *aim = goal;
-        sign.map(|(line, sign)| (agent as u32, line, sign))
+        for (i, preferred) in preferred.iter_mut().enumerate() {
+            let wanted = |goal| wishes.velocity(first + i, at[i], goal, arounds[i]);
+            *preferred = goals[i].map_or([0.0, 0.0], wanted);
+        }
+        signs
     });
     for (agent, line, sign) in signs.collect::<Vec<_>>() {
         match sign {
@@ -55,6 +58,7 @@ pub fn advance_journey(b: Slices<'_>) {
             Sign::Served => b.queues[line + 3] = b.queues[line + 3].max(1),
         }
     }
+    join_cells(b.step, b.position, b.cells, b.next_in_cell);
 }
 
 /// What an agent in or at a line signals, with the first element of the line.
@@ -87,6 +91,36 @@ struct Walker {
 }
 
 impl Stages<'_> {
+    /// Goes on to the next stage if the present one is done. Whether that was an exit.
+    fn leaves(&self, height: f32, at: &mut [f32; 2], way: &mut Route, progress: &mut u32) -> bool {
+        let length = way.length();
+        let stage = way.first + way.next.min(length - 1);
+        if way.next >= length || !self.is_done(stage, *at, height, progress) {
+            return false;
+        }
+        way.next += 1;
+        if way.next == length {
+            way.arrivals = way.arrivals.wrapping_add(1);
+            if way.loops() {
+                way.next = 0;
+            }
+        }
+        let stays = way.next == length && self.of(stage).kind == GOAL;
+        *progress = if stays { self.now + 1 } else { 0 };
+        let is_out = self.of(stage).kind == EXIT;
+        if is_out {
+            *at = [ABSENT, ABSENT];
+        }
+        is_out
+    }
+
+    /// What an agent walks to; it may signal something to its line.
+    fn goal(&self, walker: &Walker, way: Route, signs: &mut Vec<(u32, usize, Sign)>) -> Aim {
+        let (goal, sign) = self.aim(walker, self.of(way.first + way.next.min(way.length() - 1)));
+        signs.extend(sign.map(|(line, sign)| (walker.agent, line, sign)));
+        goal
+    }
+
     fn of(&self, stage: u32) -> &Stage {
         &self.stages[stage as usize]
     }

@@ -12,8 +12,8 @@ pub fn clip_to_walls(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     b.new_velocity[..agents].par_iter_mut().with_min_len(1024).enumerate().for_each(|(slot, velocity)| {
-        let agent = b.slot_agent[slot];
-        if agent == NOBODY || b.avoidance[agent as usize].is_led() || !is_finite2(*velocity) {
+        let own = b.slot_avoidance[slot];
+        if own.agent == NOBODY || own.is_led() || !is_finite2(*velocity) {
             return;
         }
         let own = b.slot_motion[slot];

@@ -1,41 +1,24 @@
-//! Exclusive prefix sum of the cell counts.
+//! Where each cell's agents begin among all.
 
 use crate::kernels::grid_scan::Slices;
-use crate::kernels::shared::scan::index::LANES;
+use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 
-/// Cells of each group.
-fn groups(cells: u32) -> impl ExactSizeIterator<Item = std::ops::Range<usize>> {
-    let cells = cells as usize;
-    (0..cells.div_ceil(LANES)).map(move |group| group * LANES..((group + 1) * LANES).min(cells))
-}
-
-/// Twin of phase `sum` of `shaders/grid_scan.wgsl`.
-pub fn grid_scan_sum(b: Slices<'_>) {
-    for (group, cells) in groups(b.step.cell_count).enumerate() {
-        b.group_sums[group] = b.cell_counts[cells].iter().sum();
-    }
-}
-
-/// Twin of phase `groups` of `shaders/grid_scan.wgsl`.
-pub fn grid_scan_groups(b: Slices<'_>) {
+/// Twin of `shaders/grid_scan.wgsl`.
+pub fn grid_scan(b: Slices<'_>) {
+    let cell_count = b.step.cell_count as usize;
+    let (starts, rest) = b.cell_start.split_at_mut(cell_count + 1);
+    let (in_group, in_groups) = rest.split_at_mut(cell_count);
+    let cells = b.cells[..CELL_WORDS * cell_count].chunks(CELL_WORDS * GROUP_CELLS);
     let mut total = 0;
-    for group in 0..groups(b.step.cell_count).len() {
-        let sum = b.group_sums[group];
-        b.group_sums[group] = total;
-        total += sum;
-    }
-    b.cell_start[b.step.cell_count as usize] = total;
-    b.unsolved[..4].copy_from_slice(&[0, 1, 1, 0]);
-}
-
-/// Twin of phase `cells` of `shaders/grid_scan.wgsl`.
-pub fn grid_scan_cells(b: Slices<'_>) {
-    for (group, cells) in groups(b.step.cell_count).enumerate() {
-        let mut sum = b.group_sums[group];
-        for cell in cells {
-            b.cell_start[cell] = sum;
-            sum += b.cell_counts[cell];
-            b.cell_counts[cell] = 0;
+    for ((cells, in_group), before) in cells.zip(in_group.chunks_mut(GROUP_CELLS)).zip(in_groups) {
+        *before = total;
+        let mut agents = 0;
+        for (cell, before) in cells.chunks_exact(CELL_WORDS).zip(in_group) {
+            *before = agents;
+            agents += cell[0];
         }
+        total += agents;
     }
+    starts[cell_count] = total;
+    b.unsolved[..4].copy_from_slice(&[0, 1, 1, 0]);
 }

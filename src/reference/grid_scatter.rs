@@ -1,29 +1,74 @@
-//! Puts the agents in cell order, within a cell by id.
+//! Puts the agents in cell order, within a cell by id, and copies what neighbours read of each to its slot.
 
 use super::shared::{cell_index, is_absent};
 use crate::kernels::grid_scatter::Slices;
+use crate::kernels::layout::{SlotAvoidance, SlotMotion};
 use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
+use crate::kernels::shared::contents::{STOREYS, UNLIKE, WALLS};
+use crate::kernels::shared::step::LED_BIT;
+use rayon::prelude::*;
 
-/// Twin of phase `place` of `shaders/grid_scatter.wgsl`: in order of id, so the cells come out sorted already.
-pub fn grid_scatter_place(b: Slices<'_>) {
-    for agent in 0..b.step.agent_count as usize {
-        if is_absent(b.position[agent]) {
-            b.agent_slot[agent] = NOBODY;
-            continue;
+/// Twin of `shaders/grid_scatter.wgsl`.
+pub fn grid_scatter(mut b: Slices<'_>) {
+    let (agents, cells) = (b.step.agent_count as usize, b.step.cell_count as usize);
+    let (cell_start, agent_slot) = (std::mem::take(&mut b.cell_start), std::mem::take(&mut b.agent_slot));
+    let (motion, avoidance) = (std::mem::take(&mut b.slot_motion), std::mem::take(&mut b.slot_avoidance));
+    let b = &b;
+    let (starts, rest) = cell_start.split_at_mut(cells + 1);
+    let (in_group, in_groups) = rest.split_at(cells);
+    let start_of = |cell: usize| in_group[cell] + in_groups[cell / GROUP_CELLS];
+    let slots = agent_slot[..agents].par_iter_mut().enumerate().with_min_len(1024);
+    slots.for_each(|(agent, slot)| {
+        *slot = NOBODY;
+        if !is_absent(b.position[agent]) {
+            let cell = cell_index(b.position[agent], b.step);
+            *slot = start_of(cell) + lower_ids(b, cell, agent as u32);
         }
-        let cell = cell_index(b.position[agent], b.step);
-        b.slot_agent[(b.cell_start[cell] + b.cell_counts[cell]) as usize] = agent as u32;
-        b.cell_counts[cell] += 1;
+    });
+    starts[..cells].iter_mut().enumerate().for_each(|(cell, start)| *start = start_of(cell));
+
+    let mut in_order = vec![NOBODY; agents];
+    for (agent, slot) in agent_slot[..agents].iter().enumerate().filter(|(_, slot)| **slot != NOBODY) {
+        in_order[*slot as usize] = agent as u32;
     }
+    let slots = motion.par_iter_mut().zip(avoidance).zip(in_order).with_min_len(1024);
+    slots.for_each(|((motion, avoidance), agent)| {
+        if agent == NOBODY {
+            *avoidance = SlotAvoidance { agent, ..SlotAvoidance::default() };
+        } else {
+            (*motion, *avoidance) = packed(b, agent as usize);
+        }
+    });
 }
 
-/// Twin of phase `sort` of `shaders/grid_scatter.wgsl`.
-pub fn grid_scatter_sort(b: Slices<'_>) {
-    let (agents, cells) = (b.step.agent_count as usize, b.step.cell_count as usize);
-    b.cell_counts[..cells].fill(0);
-    let present = b.cell_start[cells] as usize;
-    b.slot_agent[present..agents].fill(NOBODY);
-    for (slot, agent) in b.slot_agent[..present].iter().enumerate() {
-        b.agent_slot[*agent as usize] = slot as u32;
+/// How many agents of a cell have a lower id.
+fn lower_ids(b: &Slices<'_>, cell: usize, agent: u32) -> u32 {
+    let (mut lower, mut other) = (0, b.cells[CELL_WORDS * cell + 1]);
+    while other > 0 {
+        lower += u32::from(other <= agent); // other is an id plus 1
+        other = b.next_in_cell[other as usize - 1];
     }
+    lower
+}
+
+/// What neighbours read of an agent.
+fn packed(b: &Slices<'_>, agent: usize) -> (SlotMotion, SlotAvoidance) {
+    let own = b.avoidance[if b.contents & UNLIKE == 0 { 0 } else { agent }];
+    let avoidance = SlotAvoidance {
+        agent: agent as u32,
+        inverse_time_horizon: own.inverse_time_horizon,
+        neighbour_distance: own.neighbour_distance,
+        limits: own.neighbour_cap as u32 | if own.is_led() { LED_BIT } else { 0 },
+    };
+    let comfort = if own.is_led() { own.inverse_time_horizon } else { 0.0 };
+    let motion = SlotMotion {
+        position: b.position[agent],
+        velocity: b.velocity[agent],
+        radius: b.body[agent].radius + comfort,
+        max_speed: b.body[agent].max_speed,
+        priority: own.priority,
+        elevation: if b.contents & (STOREYS | WALLS) == 0 { 0.0 } else { b.elevation[agent] },
+    };
+    (motion, avoidance)
 }

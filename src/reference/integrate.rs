@@ -1,15 +1,18 @@
-//! Moves, turns, advances the phase of the walk.
+//! Moves, turns, advances the phase of the walk; empties the cells and counts the step.
 
 use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
 use crate::kernels::KernelId;
 use crate::kernels::integrate::{FOLLOW, Slices, TURNING_SPEED};
 use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
+use crate::kernels::shared::cells::index::CELL_WORDS;
 use rayon::prelude::*;
 
 /// Twin of `shaders/integrate.wgsl`.
 pub fn integrate(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
+    b.cells[..CELL_WORDS * b.step.cell_count as usize].fill(0);
+    b.step_count[0] = b.step.step_index + 1;
     let (step, new_velocity, agent_slot, body) = (b.step, b.new_velocity, b.agent_slot, b.body);
     let state = b.position[..agents].par_iter_mut().zip(&mut b.velocity[..agents]);
     let state = state.zip(&mut b.stance[..agents]).zip(&mut b.phase[..agents]).enumerate().with_min_len(1024);

@@ -22,6 +22,7 @@ pub mod exact;
 pub mod neighbours;
 pub mod orca;
 pub mod precedence;
+pub mod prefer;
 pub mod quaternion;
 pub mod segments;
 pub mod shared;

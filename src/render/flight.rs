@@ -116,7 +116,7 @@ impl Flights {
         record(&commands).inspect_err(|_| commands.discard())?;
         self.stamp(&commands, slot, 1);
         commands.end()?;
-        self.device.submit(flight.commands, flight.fence)?;
+        self.device.submit(&[flight.commands], flight.fence)?;
         flight.submitted.set(Some(Instant::now()));
         self.next.set((slot + 1) % FRAMES_IN_FLIGHT);
         Ok(())

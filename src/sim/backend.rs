@@ -153,6 +153,50 @@ impl Machine {
         Ok(())
     }
 
+    /// Runs the operations of one step so many times. With `is_new` the store's uniforms of a step are new to the device. On a
+    /// device this returns once the steps are submitted, unless their times are taken ([`Self::finish`]).
+    pub(super) fn steps(
+        &mut self,
+        store: &mut Store,
+        is_new: bool,
+        ops: &[Op],
+        count: u32,
+        times: Option<&mut Vec<(Phase, f64)>>,
+    ) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => {
+                let mut times = times;
+                for _ in 0..count {
+                    run_on_cpu(store, ops, |_, _| Vec::new(), times.as_deref_mut());
+                }
+            }
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => {
+                let new = [BufferId::Step, BufferId::StepCount].map(|id| (id, store.bytes(id).to_vec()));
+                let sets = if is_new { new.as_slice() } else { &[] };
+                if times.is_none() {
+                    engine.repeat(sets, ops, count)?;
+                } else {
+                    let set = sets.iter().map(|(id, _)| Op::Set(*id));
+                    let all: Vec<Op> = set.chain(ops.repeat(count as usize)).collect();
+                    let contents = |index: usize, _| sets[index].1.clone();
+                    self.run(store, &all, contents, times)?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Waits until all is done.
+    pub(super) fn finish(&mut self) -> Result<(), crate::Error> {
+        match self {
+            Self::Cpu => {}
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => engine.finish()?,
+        }
+        Ok(())
+    }
+
     /// Brings buffers into the store.
     pub(super) fn fetch(&mut self, store: &mut Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
         match self {
@@ -224,6 +268,7 @@ fn run_on_cpu(
     for (index, op) in ops.iter().enumerate() {
         match *op {
             Op::Set(buffer) => store.bytes_mut(buffer).copy_from_slice(&contents(index, buffer)),
+            Op::CountStep => store.step.step_index = store.step_count[0],
             Op::Dispatch(dispatch) => {
                 let begin = Instant::now();
                 reference::run(dispatch.phase, store, dispatch.immediate);

@@ -99,6 +99,10 @@ pub struct Simulation {
     stored_step: u32,
     /// Whether the host keeps all that a new device would need.
     is_renewable: bool,
+    /// The uniforms of a step as the machine has them.
+    given: Option<StepUniforms>,
+    /// Whether a failure of a kernel was reported.
+    has_failed: bool,
     /// Whether `store.lead` is newer than the device's.
     is_led_anew: bool,
     machine: Machine,
@@ -170,6 +174,8 @@ impl Simulation {
             store,
             is_current: true,
             is_renewable: false,
+            given: None,
+            has_failed: false,
             is_led_anew: false,
             machine,
             fallback: None,
@@ -274,10 +280,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Does `count` steps.
+    /// Does `count` steps. On a Vulkan device this does not wait for them: [`Self::finish`] does, and so does whatever reads the
+    /// state. An error of the device may then come from there.
     ///
     /// # Errors
-    /// When the device fails, or a kernel met values that are not finite ([`Error::Failure`] names the first agent).
+    /// As of [`Self::finish`].
     pub fn step(&mut self, count: u32) -> Result<(), crate::Error> {
         if self.store.step.agent_count == 0 {
             self.store.step.step_index += count;
@@ -307,34 +314,49 @@ impl Simulation {
             self.is_led_anew = false;
         }
         let dispatches = order::step_dispatches(&self.store.step).into_iter().map(Op::Dispatch);
-        let one: Vec<Op> = std::iter::once(Op::Set(BufferId::Step)).chain(dispatches).collect();
+        let one: Vec<Op> = std::iter::once(Op::CountStep).chain(dispatches).collect();
         let mut left = count;
         while left > 0 {
             let batch = left.min(BATCH);
-            let first = self.store.step;
-            let at = |steps| StepUniforms { step_index: first.step_index + steps, ..first };
-            let contents = |index: usize, _| bytemuck::bytes_of(&at((index / one.len()) as u32)).to_vec();
-            self.run(&one.repeat(batch as usize), contents)?;
-            self.store.step = at(batch);
+            let step = self.store.step;
+            let is_new = self.given.replace(step) != Some(step);
+            self.store.step_count[0] = step.step_index;
+            self.machine.steps(&mut self.store, is_new, &one, batch, self.times.as_mut())?;
+            self.store.step = StepUniforms { step_index: step.step_index + batch, ..step };
+            self.given = Some(self.store.step);
             left -= batch;
         }
         self.is_current = !self.machine.is_ahead();
         if self.is_current {
             self.stored_step = self.steps_done();
+            self.check()?;
         }
+        Ok(())
+    }
+
+    /// Waits until all steps are done.
+    ///
+    /// # Errors
+    /// When the device fails, or a kernel met values that are not finite ([`Error::Failure`] names the first agent).
+    pub fn finish(&mut self) -> Result<(), crate::Error> {
+        self.machine.finish()?;
         self.check()
     }
 
     /// Reads the sticky failure words.
     fn check(&mut self) -> Result<(), crate::Error> {
         self.machine.fetch(&mut self.store, &[BufferId::Failure])?;
-        for kernel in KernelId::ALL {
-            let agent = self.store.failure[kernel as usize];
-            if agent != u32::MAX {
-                return Err(Error::Failure { kernel: kernel.kernel().name, agent }.into());
-            }
-        }
-        Ok(())
+        self.failure().map_or(Ok(()), |error| {
+            self.has_failed = true;
+            Err(error.into())
+        })
+    }
+
+    /// The failure of a kernel that the store tells of.
+    fn failure(&self) -> Option<Error> {
+        let failed = |kernel: &KernelId| self.store.failure[*kernel as usize] != u32::MAX;
+        let kernel = KernelId::ALL.into_iter().find(failed)?;
+        Some(Error::Failure { kernel: kernel.kernel().name, agent: self.store.failure[kernel as usize] })
     }
 
     /// Measures how long each phase of the kernels of steps and frames runs, or stops measuring.
@@ -356,7 +378,7 @@ impl Simulation {
     /// The present state; on Vulkan it is read back first if the device is ahead.
     ///
     /// # Errors
-    /// When the device fails.
+    /// As of [`Self::finish`]; a failure of a kernel is told once.
     pub fn state(&mut self) -> Result<&Store, crate::Error> {
         if !self.is_current {
             let felt: &[BufferId] = if self.store.step.feels != 0 { &FELT } else { &[] };
@@ -365,7 +387,10 @@ impl Simulation {
             self.stored_step = self.steps_done();
         }
         self.is_current = true;
-        Ok(&self.store)
+        match self.failure() {
+            Some(error) if !std::mem::replace(&mut self.has_failed, true) => Err(error.into()),
+            _ => Ok(&self.store),
+        }
     }
 
     /// Prepares the bodies that the cameras of the store's `frame` see for drawing (`cull` to `skin`).

@@ -1,6 +1,7 @@
 //! The order of the kernels in one step and in one frame, once, for both backends.
 
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
+use crate::kernels::shared::cells::LANE_CELLS;
 use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::ranks::COLUMNS;
 use crate::kernels::shared::scan::LANES;
@@ -9,7 +10,7 @@ use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
 /// The schedule of one step, from top to bottom: whether a dispatch is due, and the dispatch.
 pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
     let agents = |phase| Dispatch::of(phase, step.agent_count);
-    let cells = |phase| Dispatch::of(phase, step.cell_count);
+    let agents_and_cells = |phase| Dispatch::of(phase, step.cell_count.max(step.agent_count));
     let contents = contents(step);
     let [first, again] = velocity_phases(step.model);
     let (is_led, feels, is_patient) = (step.led_count > 0, step.feels > 0, step.patience > 0.0);
@@ -20,18 +21,12 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
         (step.teleport_count > 0, agents(Phase::Teleport)),
         (true, agents(Phase::AdvanceJourney)),
         (step.queue_count > 0, Dispatch::of(Phase::Queue, step.queue_count)),
-        (true, agents(Phase::GridCount)),
-        (true, cells(Phase::GridScanSum)),
-        (true, Dispatch::of(Phase::GridScanGroups, LANES)),
-        (true, cells(Phase::GridScanCells)),
-        (true, agents(Phase::GridScatterPlace)),
-        (true, Dispatch::of(Phase::GridScatterSort, step.cell_count.max(step.agent_count))),
-        (true, agents(Phase::GridPack).with(contents)),
+        (true, Dispatch::of(Phase::GridScan, step.cell_count.div_ceil(LANE_CELLS))),
+        (true, agents_and_cells(Phase::GridScatter).with(contents)),
         (feels, agents(Phase::EmotionGather)),
         (feels, agents(Phase::EmotionUpdate)),
         (feels, agents(Phase::EmotionApply)),
         (step.source_count > 0, Dispatch::of(Phase::Spawn, step.source_count)),
-        (true, agents(Phase::Prefer)),
         (step.group_count > 0, agents(Phase::GroupCohesion)),
         (step.step_index < step.reaction_steps, agents(Phase::React)),
         (is_led, agents(Phase::LeadAgentsSteer)),
@@ -40,7 +35,7 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
         (true, agents(first).with(contents)),
         (true, Dispatch::new(again, Extent::Indirect(BufferId::Unsolved, 0)).with(contents)),
         (has_walls, agents(Phase::ClipToWalls)),
-        (true, agents(Phase::Integrate)),
+        (true, agents_and_cells(Phase::Integrate)),
         (step.floor_count > 0, agents(Phase::Elevate)),
     ])
 }

@@ -26,6 +26,7 @@ impl Simulation {
     pub fn renew(&mut self) -> Result<(), crate::Error> {
         self.store.step.step_index = self.stored_step;
         self.is_current = true;
+        self.given = None;
         self.machine.renew(&self.store)
     }
 

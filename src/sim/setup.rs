@@ -4,11 +4,11 @@ use super::avatar_set::AvatarSet;
 use super::obstacles::{at_heights, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
 use crate::kernels::layout::{
-    Aim, Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Segment, SlotAvoidance, SlotMotion,
+    Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Segment, SlotAvoidance, SlotMotion,
     Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
-use crate::kernels::shared::scan::index::LANES;
+use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
@@ -170,14 +170,19 @@ pub fn set_floors(store: &mut Store, floors: &Floors) {
     }
 }
 
+/// The lists of the cells, empty, for as many agents.
+pub fn empty_cells(store: &mut Store, agents: usize) {
+    let cells = store.step.cell_count as usize;
+    store.cells = vec![0; CELL_WORDS * cells];
+    store.next_in_cell = vec![0; agents];
+    store.cell_start = vec![0; 2 * cells + 1 + cells.div_ceil(GROUP_CELLS) + 1];
+}
+
 /// Everything that a step writes before it reads, and empty journeys and sources where there are none.
 pub fn scratch(store: &mut Store) {
     let agents = store.step.agent_count as usize;
-    let cells = store.step.cell_count as usize;
-    store.cell_counts = vec![0; cells];
-    store.cell_start = vec![0; cells + 1];
-    store.group_sums = vec![0; cells.div_ceil(LANES)];
-    store.slot_agent = vec![0; agents];
+    empty_cells(store, agents);
+    store.step_count = vec![store.step.step_index];
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];
     store.slot_avoidance = vec![SlotAvoidance::default(); agents];
@@ -187,7 +192,6 @@ pub fn scratch(store: &mut Store) {
     store.preferred_velocity = vec![[0.0; 2]; agents];
     store.floors.resize(store.floors.len().max(1), [0.0; 4]);
     store.companions.resize(agents, [NOBODY; 4]);
-    store.aim = vec![Aim::default(); agents];
     store.stage_progress.resize(agents, 0);
     store.entry.resize(agents, 0);
     store.queues.resize(store.queues.len().max(8), 0);

@@ -2,8 +2,10 @@
 
 use crate::gpu::plan::Op;
 use crate::gpu::{Device, Engine, Error};
+use crate::kernels::shared::cells::index::CELL_WORDS;
 use crate::kernels::{Access, BufferId, Dispatch, Extent, KernelId, Store};
 use crate::reference;
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -32,6 +34,26 @@ fn defined(kernel: KernelId, buffer: BufferId) -> usize {
     }
 }
 
+/// Sorts the lists of the cells, which agents join in the order in which their invocations arrive. A list that does not end, or
+/// leads out of the crowd, stays as it is.
+fn sort_lists(store: &mut Store) {
+    let agents = store.next_in_cell.len();
+    for head in (1..store.cells.len()).step_by(CELL_WORDS) {
+        let next = |link: u32| store.next_in_cell.get((link as usize).wrapping_sub(1)).copied();
+        let links = std::iter::successors(Some(store.cells[head]), |link| next(*link));
+        let mut list: Vec<u32> = links.take_while(|link| *link > 0).take(agents + 1).collect();
+        if list.len() > agents || list.iter().any(|link| *link as usize > agents) {
+            continue;
+        }
+        list.sort_unstable();
+        store.cells[head] = list.first().copied().unwrap_or(0);
+        list.push(0);
+        for pair in list.windows(2) {
+            store.next_in_cell[pair[0] as usize - 1] = pair[1];
+        }
+    }
+}
+
 fn kernels_of(dispatches: &[Dispatch]) -> Vec<KernelId> {
     let set: BTreeSet<_> = dispatches.iter().map(Dispatch::kernel).collect();
     set.into_iter().collect()
@@ -50,7 +72,7 @@ fn arguments_of(dispatches: &[Dispatch]) -> Vec<BufferId> {
 /// Runs `dispatches` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
 ///
 /// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive dispatches
-/// of one kernel are compared after the last (between its phases `grid_scatter` has no defined order).
+/// of one kernel are compared after the last.
 ///
 /// # Errors
 /// When the device fails.
@@ -151,9 +173,14 @@ impl Expected {
         let mut got = self.before.clone();
         engine.download(&mut got, &writes)?;
         tamper(&mut got, &writes);
+        let mut after = Cow::Borrowed(&self.after);
+        if writes.contains(&BufferId::NextInCell) {
+            sort_lists(&mut got);
+            sort_lists(after.to_mut());
+        }
         let mut comparison = Comparison::none(self.kernel);
         for buffer in writes {
-            compare(&mut comparison, buffer, self.after.bytes(buffer), got.bytes(buffer));
+            compare(&mut comparison, buffer, after.bytes(buffer), got.bytes(buffer));
         }
         Ok(comparison)
     }

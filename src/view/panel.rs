@@ -323,7 +323,7 @@ mod tests {
             }
         }
         let mut times = [Times::default(), Times::default()];
-        times[0].take(&[(Phase::Prefer, 1.5)], 1, Duration::from_millis(2));
+        times[0].take(&[(Phase::Integrate, 1.5)], 1, Duration::from_millis(2));
         times[1].take(&[(Phase::Cull, 0.25), (Phase::Skin, 0.5)], 1, Duration::from_millis(8));
         let screen_rect = Some(Rect::from_min_size(Pos2::ZERO, egui::vec2(1280.0, 1200.0)));
         let input = RawInput { screen_rect, events, ..RawInput::default() };
@@ -344,7 +344,7 @@ mod tests {
         assert_eq!([count("25"), count(" %")], [4, 4], "{found:?}");
         assert_eq!(count("step: 2.00 ms, of it kernels 1.50"), 1, "{found:?}");
         assert_eq!(count("picture: 8.00 ms, of it kernels 0.75"), 1, "{found:?}");
-        for kernel in ["prefer 1.50", "cull 0.25", "skin 0.50"] {
+        for kernel in ["integrate 1.50", "cull 0.25", "skin 0.50"] {
             assert_eq!(count(kernel), 1, "{kernel}: {found:?}");
         }
         assert_eq!(controls, self::controls(), "looking changes nothing");

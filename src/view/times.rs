@@ -84,14 +84,17 @@ mod tests {
     #[test]
     fn times_are_means_over_steps_and_begin_at_zero_for_kernels_that_come_later() {
         let mut times = Times::default();
-        times.take(&[(Phase::Prefer, 4.0), (Phase::Prefer, 2.0)], 2, Duration::from_millis(16));
-        times.take(&[(Phase::Prefer, 1.0), (Phase::EmotionUpdate, 9.0)], 1, Duration::from_millis(12));
+        times.take(&[(Phase::Integrate, 4.0), (Phase::Integrate, 2.0)], 2, Duration::from_millis(16));
+        times.take(&[(Phase::Integrate, 1.0), (Phase::EmotionUpdate, 9.0)], 1, Duration::from_millis(12));
         times.take(&[], 0, Duration::from_millis(99));
         let all = times.dearest();
         assert_eq!(all[0].0, "emotion_update");
         assert_eq!(all[0].2, &[0.0, 9.0]);
         assert_eq!(all[1].2, &[3.0, 1.0]);
         let means = times.means();
-        assert_eq!((means.whole, means.kernels["prefer"], means.kernels["emotion_update"]), (10.0, 2.0, 4.5));
+        assert_eq!(
+            (means.whole, means.kernels["integrate"], means.kernels["emotion_update"]),
+            (10.0, 2.0, 4.5)
+        );
     }
 }

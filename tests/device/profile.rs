@@ -33,7 +33,7 @@ const WINDOW: u64 = 256 << 20;
 pub(crate) struct Profile {
     /// `android-15`: the limits that Android 15 demands at least, and no optional feature.
     pub(crate) android: bool,
-    /// `vulkan-minimum`: the limits that Vulkan demands at least, but 8 storage buffers a stage instead of 4.
+    /// `vulkan-minimum`: the limits that Vulkan demands at least, but 12 storage buffers a stage instead of 4.
     pub(crate) minimum: bool,
     /// `discrete`: the memory types of a discrete card.
     pub(crate) discrete: bool,
@@ -105,7 +105,7 @@ impl Profile {
             small(limits, [128, 13, 12, 128, 4, 4, 128]);
         }
         if self.minimum {
-            small(limits, [16, 12, 8, 16, 4, 4, 128]);
+            small(limits, [16, 12, 12, 16, 4, 4, 128]);
         }
         if self.no_timestamps {
             limits.timestamps = 0;

@@ -58,6 +58,6 @@ fn no_kernel_loops_over_a_crowd_and_none_is_dispatched_alone() {
         assert_eq!(loops_over_crowds(line), [line]);
     }
     assert!(loops_over_crowds("for (var first = 0u; first < groups; first += LANES) {").is_empty());
-    let planted = "(true, Dispatch::of(Phase::GridScanGroups, 1)),";
+    let planted = "(true, Dispatch::of(Phase::GridScan, 1)),";
     assert_eq!(lone(planted), [planted]);
 }

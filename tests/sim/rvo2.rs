@@ -153,8 +153,8 @@ fn plain(layout: &Layout, store: &Store) -> Crowd {
 /// The reference's preferred velocities, then one step.
 fn step(store: &mut Store, layout: &Layout) {
     for dispatch in sim::order::step_dispatches(&store.step) {
-        if dispatch.kernel() != KernelId::Prefer {
-            reference::run(dispatch.phase, store, dispatch.immediate);
+        reference::run(dispatch.phase, store, dispatch.immediate);
+        if dispatch.kernel() != KernelId::AdvanceJourney {
             continue;
         }
         for agent in 0..layout.goal.len() {

@@ -8,12 +8,12 @@ use gaitway::verify::cases::{animation, step};
 #[test]
 fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
     let store = step::crowd(100, 1);
-    let one = std::iter::once(Op::Set(BufferId::Step))
+    let one = std::iter::once(Op::CountStep)
         .chain(order::step_dispatches(&store.step).into_iter().map(Op::Dispatch));
     let ops: Vec<_> = one.collect();
     let two: Vec<_> = ops.iter().chain(&ops[..2]).copied().collect();
     let want = "\
-set step
+count step
 barrier
 lead_agents.appear
 barrier
@@ -21,20 +21,9 @@ teleport
 barrier
 advance_journey
 barrier
-grid_count
+grid_scan
 barrier
-grid_scan.sum
-barrier
-grid_scan.groups
-barrier
-grid_scan.cells
-barrier
-grid_scatter.place
-barrier
-grid_scatter.sort
-barrier
-grid_pack contents storeys+unlike+walls+user+groups
-prefer
+grid_scatter contents storeys+unlike+walls+user+groups
 barrier
 group_cohesion
 barrier
@@ -56,7 +45,7 @@ integrate
 barrier
 elevate
 barrier
-set step
+count step
 barrier
 lead_agents.appear
 ";

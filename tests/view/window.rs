@@ -248,7 +248,9 @@ fn times_are_shown_on_both_backends() {
     for backend in ["cpu", "vulkan"] {
         let child = open(&display, &["--seconds", "4", "--backend", backend]);
         let outcome = outcome(&child.wait_with_output().unwrap());
-        for (what, kernels) in [("step_ms", ["prefer", "integrate"]), ("picture_ms", ["cull", "pose"])] {
+        for (what, kernels) in
+            [("step_ms", ["advance_journey", "integrate"]), ("picture_ms", ["cull", "pose"])]
+        {
             let whole = outcome[what]["whole"].as_f64().unwrap();
             let of = |kernel: &str| outcome[what]["kernels"][kernel].as_f64();
             assert!(

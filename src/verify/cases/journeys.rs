@@ -3,7 +3,7 @@
 use super::case::unit;
 use super::step::crowd;
 use crate::kernels::Store;
-use crate::kernels::layout::{Aim, Route, Source, Stage};
+use crate::kernels::layout::{Route, Source, Stage};
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::stages::{EXIT, GOAL, QUEUE, WAITING, WAYPOINT};
 
@@ -25,7 +25,6 @@ pub fn journeys(agents: usize, seed: u32) -> Store {
         store.route[agent] = Route::new(5 * (agent as u32 % 7), 5, loops, next);
         let arrived = u(23) * (store.step.step_index + 2) as f32;
         store.stage_progress[agent] = if u(24) < 0.5 { 0 } else { arrived as u32 };
-        store.aim[agent] = Aim::default();
     }
     sources(&mut store, agents, side, seed);
     queues(&mut store, agents, seed);

@@ -5,12 +5,14 @@ use super::case::{Case, unit};
 use crate::kernels::layout::{Segment, Source};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::{KernelId, Store};
+use crate::reference::shared::join_cells;
 use crate::sim::obstacles::{cell_lists, segments};
 use crate::sim::order;
+use crate::sim::setup::empty_cells;
 
 /// What throngs are tried with: the grid, which sorts them, too.
-const THRONGS: [KernelId; 5] =
-    [KernelId::GridCount, KernelId::GridScan, KernelId::GridScatter, KernelId::GridPack, KernelId::Spawn];
+const THRONGS: [KernelId; 4] =
+    [KernelId::AdvanceJourney, KernelId::GridScan, KernelId::GridScatter, KernelId::Spawn];
 
 /// What [`super::all`] holds of these.
 pub(super) fn cases(size: usize, seed: u32) -> Vec<Case> {
@@ -33,9 +35,10 @@ fn only(what: &str, size: usize, seed: u32, store: Store, kernels: &[KernelId]) 
 
 /// Puts all agents into the grid.
 fn into_grid(store: &mut Store) {
-    use KernelId::{GridCount, GridPack, GridScan, GridScatter};
+    use KernelId::{GridScan, GridScatter};
+    join_cells(&store.step, &store.position, &mut store.cells, &mut store.next_in_cell);
     for dispatch in order::step_dispatches(&store.step) {
-        if matches!(dispatch.kernel(), GridCount | GridScan | GridScatter | GridPack) {
+        if matches!(dispatch.kernel(), GridScan | GridScatter) {
             crate::reference::run(dispatch.phase, store, dispatch.immediate);
         }
     }
@@ -64,7 +67,7 @@ fn walls(agents: usize, seed: u32) -> Store {
         store.position[agent] = [ax + (bx - ax) * at + along_z * away, az + (bz - az) * at - along_x * away];
     }
     into_grid(&mut store);
-    for slot in 0..store.slot_agent.len() {
+    for slot in 0..store.slot_avoidance.len() {
         let u = |lane: u32| unit(seed, slot, 80 + lane);
         let fast = if slot % 11 == 3 { 400.0 } else { 3.0 };
         let (x, z) = ((2.0 * u(0) - 1.0) * fast, (2.0 * u(1) - 1.0) * fast);
@@ -76,7 +79,7 @@ fn walls(agents: usize, seed: u32) -> Store {
             _ => [x, z],
         };
         // nothing may happen in an empty slot, even where its fields are numbers
-        let is_empty = slot >= agents || store.slot_agent[slot] == NOBODY;
+        let is_empty = slot >= agents || store.slot_avoidance[slot].agent == NOBODY;
         if is_empty && agents > 0 {
             store.slot_motion[slot] = store.slot_motion[0];
         }
@@ -130,9 +133,7 @@ fn throngs(seed: u32) -> Store {
         store.position[agent] = if agent < MOST { [2.0, 2.0] } else { [34.0, 2.0] };
     }
     store.avoidance.iter_mut().for_each(|own| own.priority = 0.0); // no agent is led, and keeps more clear
-    store.cell_start = vec![0; 101];
-    store.cell_counts = vec![0; 100];
-    store.group_sums = vec![0; 1];
+    empty_cells(&mut store, 2 * MOST + 1);
     store.sources = vec![one_agent(0, 1, 0), one_agent(1, 1, MOST as u32)];
     store.source_places = vec![[2.0, 3.2], [34.0, 3.2]];
     store

@@ -6,14 +6,13 @@ use crate::kernels::layout::{
 };
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
-use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::flow::{Goal, Settings, lay};
 use crate::sim::obstacles::{at_heights, cell_lists, segments};
 use crate::sim::order;
-use crate::sim::setup::{avoidance, join};
+use crate::sim::setup::{avoidance, empty_cells, join};
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
 /// head-on, on a lattice (equal distances), outside the bounds, at rest, a dense knot, obstacles with convex and
@@ -269,12 +268,9 @@ fn waiting(agent: usize) -> Waiting {
 
 /// Everything a step writes before it reads, with NaN where nothing may read.
 pub(super) fn scratch(store: &mut Store, agents: usize) {
-    let cell_total = store.step.cell_count as usize;
     let spare = agents + 3;
-    store.cell_counts = vec![0; cell_total];
-    store.cell_start = vec![0; cell_total + 1];
-    store.group_sums = vec![0; cell_total.div_ceil(LANES)];
-    store.slot_agent = vec![0; spare];
+    empty_cells(store, spare);
+    store.step_count = vec![0];
     store.agent_slot = vec![0; spare];
     // what is left of another step
     store.unsolved = vec![1_000_000; spare + 4];
@@ -283,7 +279,6 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
-    store.aim = vec![nan(); spare];
     store.stage_progress = vec![0; spare];
     store.entry = vec![0; spare];
     store.queues = vec![0; 8];
