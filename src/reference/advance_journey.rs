@@ -32,26 +32,29 @@ pub fn advance_journey(b: Slices<'_>) {
     let state = b.position[..agents].par_chunks_mut(CHUNK).zip(b.route[..agents].par_chunks_mut(CHUNK));
     let state = state.zip(b.stage_progress[..agents].par_chunks_mut(CHUNK));
     let state = state.zip(b.preferred_velocity[..agents].par_chunks_mut(CHUNK));
-    let signs = state.enumerate().with_min_len(32).flat_map_iter(|(chunk, (((at, way), progress), preferred))| {
-        let first = CHUNK * chunk;
-        let (mut goals, mut arounds, mut signs) = ([None; CHUNK], [None; CHUNK], Vec::new());
-        for i in 0..at.len() {
-            if is_absent(at[i]) || stages.leaves(wishes.elevation[first + i], &mut at[i], &mut way[i], &mut progress[i]) {
-                continue;
+    let signs =
+        state.enumerate().with_min_len(32).flat_map_iter(|(chunk, (((at, way), progress), preferred))| {
+            let first = CHUNK * chunk;
+            let (mut goals, mut arounds, mut signs) = ([None; CHUNK], [None; CHUNK], Vec::new());
+            for i in 0..at.len() {
+                if is_absent(at[i])
+                    || stages.leaves(wishes.elevation[first + i], &mut at[i], &mut way[i], &mut progress[i])
+                {
+                    continue;
+                }
+                let is_last = !way[i].loops() && way[i].next + 1 >= way[i].length();
+                let (agent, height) = ((first + i) as u32, wishes.elevation[first + i]);
+                let walker = Walker { agent, at: at[i], height, progress: progress[i], is_last };
+                let goal = stages.goal(&walker, way[i], &mut signs);
+                goals[i] = Some(goal);
+                arounds[i] = wishes.around(first + i, at[i], goal);
             }
-            let is_last = !way[i].loops() && way[i].next + 1 >= way[i].length();
-            let (agent, height) = ((first + i) as u32, wishes.elevation[first + i]);
-            let walker = Walker { agent, at: at[i], height, progress: progress[i], is_last };
-            let goal = stages.goal(&walker, way[i], &mut signs);
-            goals[i] = Some(goal);
-            arounds[i] = wishes.around(first + i, at[i], goal);
-        }
-        for (i, preferred) in preferred.iter_mut().enumerate() {
-            let wanted = |goal| wishes.velocity(first + i, at[i], goal, arounds[i]);
-            *preferred = goals[i].map_or([0.0, 0.0], wanted);
-        }
-        signs
-    });
+            for (i, preferred) in preferred.iter_mut().enumerate() {
+                let wanted = |goal| wishes.velocity(first + i, at[i], goal, arounds[i]);
+                *preferred = goals[i].map_or([0.0, 0.0], wanted);
+            }
+            signs
+        });
     for (agent, line, sign) in signs.collect::<Vec<_>>() {
         match sign {
             Sign::Joins => b.queues[line] = b.queues[line].min(agent),
