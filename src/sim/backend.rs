@@ -165,6 +165,7 @@ impl Machine {
     ) -> Result<(), crate::Error> {
         match self {
             Self::Cpu => {
+                _ = is_new; // the store is all the memory there is
                 let mut times = times;
                 for _ in 0..count {
                     run_on_cpu(store, ops, |_, _| Vec::new(), times.as_deref_mut());
