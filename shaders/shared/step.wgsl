@@ -53,5 +53,7 @@ struct StepUniforms {
     teleport_count: u32,         // boxes from which agents move to other boxes
     alike: u32,                  // 1: all agents have the avoidance of agent 0
     user_elevation: f32,         // m: height of the floor that the user stands on
+    widest_radius: f32,          // m: of any agent
+    measured: u32,               // 1: steps are measured
     padding: u32,
 }

@@ -6,9 +6,9 @@ use super::scene::{SceneArguments, check_seconds, start};
 use super::usage;
 use crate::export::{Frame, Ground, TrajectoryFormat, TrajectoryWriter, Walkable};
 use crate::replay::Replay;
-use crate::scenario::Clearance;
 use crate::scene::Scene;
 use crate::sim::departures::{Departures, Evacuation};
+use crate::sim::measured::{Extremes, MEASURED};
 use crate::sim::{self, Simulation, measure};
 use crate::{Error, stop};
 use clap::{Args, ValueEnum};
@@ -17,10 +17,8 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Up to this many agents every step is measured.
-const MEASURED_EVERY_STEP: u32 = 10_000;
-/// Steps between two measurements of a larger crowd.
-const SAMPLING: u32 = 15;
+/// Steps that are waited for together.
+const TOGETHER: u32 = 16;
 /// Default simulated time, s.
 const SECONDS: f64 = 10.0;
 /// The same with `--until`, s.
@@ -90,7 +88,7 @@ pub(super) struct Outcome {
     pub(super) seed: u64,
     /// Simulated time, s.
     pub(super) seconds: f64,
-    /// Mean over the people present and the measured steps, m/s; `[[outsiders]]` are not counted.
+    /// Mean over the people present and all steps, m/s; `[[outsiders]]` are not counted.
     pub(super) mean_speed: f32,
     /// Routes and journeys walked to their end.
     pub(super) arrived: u64,
@@ -109,14 +107,12 @@ pub(super) struct Outcome {
     /// With `--until empty`: whether all people left in time.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) emptied: Option<bool>,
-    /// Smallest gap between two discs in any measured step, m; null when no two came near.
+    /// Smallest gap between two discs after any step, m; null when no two came nearer than half a metre.
     pub(super) min_clearance: f32,
-    /// Most pairs that overlapped by more than a tenth of their radii in any measured step.
+    /// Most pairs that overlapped by more than a tenth of their radii after any step.
     pub(super) overlapping_pairs_max: u32,
-    /// Most agents outside the walkable area in any measured step.
+    /// Most agents outside the walkable area after any step.
     pub(super) agents_outside: u32,
-    /// Steps that were measured.
-    pub(super) measured_steps: u32,
     /// Mean weights of happy, angry, sad, neutral at the end, where feelings change.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) mean_feeling: Option<[f32; 4]>,
@@ -229,45 +225,48 @@ impl Recording {
 /// Measures, kept over the steps.
 #[derive(Debug)]
 struct Measures {
-    steps: u32,
-    /// How many of the agents are the crowd's; `[[outsiders]]` follow, and are left out of speeds.
-    people: usize,
-    /// Sum of the speeds of people over the steps, m/s, and of how many.
-    speed: (f64, u64),
     departures: Departures,
-    last: Option<measure::Measures>,
-    min_clearance: f32,
-    overlapping: u32,
-    outside: u32,
+    extremes: Extremes,
+    /// Steps done when the extremes were last asked for.
+    asked: u32,
 }
 
 impl Measures {
-    fn new(scene: &Scene) -> Self {
-        Self {
-            steps: 0,
-            people: scene.crowd.agents.len(),
-            speed: (0.0, 0),
-            departures: Departures::new(&scene.scenario, &scene.crowd),
-            last: None,
-            min_clearance: f32::INFINITY,
-            overlapping: 0,
-            outside: 0,
-        }
+    /// Begins to measure.
+    fn new(scene: &Scene, simulation: &mut Simulation) -> Result<Self, Error> {
+        let mut departures = Departures::new(&scene.scenario, &scene.crowd);
+        departures.observe(simulation.state()?, 0);
+        simulation.measure_steps()?;
+        Ok(Self { departures, extremes: Extremes::NONE, asked: 0 })
     }
 
-    /// Measures the crowd after `done` steps.
-    fn take(&mut self, simulation: &mut Simulation, free: &Clearance, done: u32) -> Result<(), Error> {
-        let store = simulation.state()?;
-        let moment = measure::measures(store);
-        self.steps += 1;
-        let (sum, count) = measure::speeds(store, |agent| agent < self.people);
-        self.speed = (self.speed.0 + sum, self.speed.1 + u64::from(count));
-        self.departures.observe(store, done);
-        self.min_clearance = self.min_clearance.min(moment.min_clearance);
-        self.overlapping = self.overlapping.max(moment.overlapping_pairs);
-        self.outside = self.outside.max(measure::outside(store, |p: Vec2| free.walkable(p)));
-        self.last = Some(moment);
+    /// Takes over what the device found, if it must be before the next steps.
+    fn take(&mut self, simulation: &mut Simulation, done: u32) -> Result<(), Error> {
+        if done - self.asked + TOGETHER > MEASURED {
+            self.extremes = self.extremes.or(simulation.extremes()?);
+            self.asked = done;
+        }
         Ok(())
+    }
+
+    /// Notes who has left.
+    fn see(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+        let seen = simulation.seen()?.to_vec();
+        self.departures.see(&seen, simulation.state()?);
+        Ok(())
+    }
+
+    /// Takes over everything at the end. Returns the mean speed of people, m/s: `[[outsiders]]` follow them, and do not count.
+    fn finish(&mut self, scene: &Scene, simulation: &mut Simulation) -> Result<f32, Error> {
+        self.see(simulation)?;
+        self.extremes = self.extremes.or(simulation.extremes()?);
+        let people = simulation.seen()?.iter().take(scene.crowd.agents.len());
+        let (sum, count) = people.fold((0.0, 0), |(sum, count), own| {
+            (sum + f64::from(own.speed_sum), count + u64::from(own.steps))
+        });
+        #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a speed")]
+        let mean = (sum / count.max(1) as f64) as f32;
+        Ok(mean)
     }
 }
 
@@ -280,10 +279,7 @@ pub(super) fn simulate(
 ) -> Result<Outcome, Error> {
     let begin = Instant::now();
     let agents = scene.agents();
-    let free = Clearance::new(&scene.geometry.bounds, &scene.geometry.obstacles);
-    let sampling = if agents <= MEASURED_EVERY_STEP { 1 } else { SAMPLING };
-    let mut measures = Measures::new(scene);
-    measures.departures.observe(simulation.state()?, 0);
+    let mut measures = Measures::new(scene, simulation)?;
     let mut progress = Progress::new(format!("simulating {} agents", thousands(u64::from(agents))));
     let (mut stepping, mut failure, mut done) = (Duration::ZERO, None, 0);
     if let Some(recording) = &mut recording {
@@ -293,7 +289,9 @@ pub(super) fn simulate(
     while done < steps && failure.is_none() && !stop::asked() {
         let to_next = |every: u32| every - done % every;
         let frame = recording.as_ref().map_or(u32::MAX, |recording| to_next(recording.every));
-        let count = to_next(sampling).min(frame).min(steps - done);
+        // the last frame of a file shows the empty place
+        let together = if until_empty && recording.is_none() { 1 } else { TOGETHER };
+        let count = together.min(frame).min(steps - done);
         let step_begin = Instant::now();
         match scene.step(simulation, count).and_then(|()| simulation.finish()) {
             Err(Error::Sim(error @ sim::Error::Failure { .. })) => failure = Some(error.to_string()),
@@ -301,30 +299,25 @@ pub(super) fn simulate(
         }
         stepping += step_begin.elapsed();
         done += count;
-        if done % sampling == 0 || done == steps {
-            measures.take(simulation, &free, done)?;
-        }
+        measures.take(simulation, done)?;
         let is_frame = recording.as_ref().is_none_or(|recording| done % recording.every == 0);
         if let Some(recording) = recording.as_mut().filter(|_| is_frame) {
             recording.frame(simulation)?;
         }
-        // The last frame of a file shows the empty place.
-        if until_empty && is_frame && measures.departures.remaining() == 0 {
-            break;
+        if until_empty && is_frame {
+            measures.see(simulation)?;
+            if measures.departures.remaining() == 0 {
+                break;
+            }
         }
         progress.at(&format!("step {done} of {steps}"), f64::from(done) / f64::from(steps));
     }
-    if measures.steps == 0 {
-        measures.take(simulation, &free, done)?;
-        measures.steps = 1;
-    }
+    let mean_speed = measures.finish(scene, simulation)?;
+    let last = measure::measures(simulation.state()?);
     let trajectories = recording.map(Recording::finish).transpose()?;
     drop(heed);
     let step_seconds = stepping.as_secs_f64();
     let work = f64::from(agents) * f64::from(done);
-    let (speed, counted) = measures.speed;
-    #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "a speed")]
-    let mean_speed = (speed / counted.max(1) as f64) as f32;
     Ok(Outcome {
         device: simulation.device(),
         arithmetic: simulation.arithmetic()?,
@@ -336,16 +329,15 @@ pub(super) fn simulate(
         mean_speed,
         evacuation: measures.departures.evacuation(),
         emptied: until_empty.then(|| measures.departures.remaining() == 0),
-        arrived: measures.last.map_or(0, |moment| moment.arrived),
-        entered: measures.last.map_or(0, |moment| moment.entered),
-        present: measures.last.map_or(0, |moment| moment.present),
-        left: measures.last.map_or(0, |moment| moment.left),
-        waiting_outside: measures.last.map_or(0, |moment| moment.waiting_outside),
-        never: measures.last.map_or(0, |moment| moment.never),
-        min_clearance: measures.min_clearance,
-        overlapping_pairs_max: measures.overlapping,
-        agents_outside: measures.outside,
-        measured_steps: measures.steps,
+        arrived: last.arrived,
+        entered: last.entered,
+        present: last.present,
+        left: last.left,
+        waiting_outside: last.waiting_outside,
+        never: last.never,
+        min_clearance: measures.extremes.min_clearance,
+        overlapping_pairs_max: measures.extremes.overlapping_pairs,
+        agents_outside: measures.extremes.outside,
         mean_feeling: measure::mean_feeling(simulation.state()?),
         state_hash: format!("{:016x}", measure::state_hash(simulation.state()?)),
         agent_steps_per_second: if step_seconds > 0.0 { work / step_seconds } else { 0.0 },
@@ -379,12 +371,6 @@ pub(super) fn print(outcome: &Outcome) {
     say(&format!("smallest clearance {clearance}"));
     say(&format!("overlapping pairs  {} at most", outcome.overlapping_pairs_max));
     say(&format!("agents outside     {} at most", outcome.agents_outside));
-    if outcome.measured_steps < *steps {
-        say(&format!(
-            "measured           {} of {steps} steps (above {MEASURED_EVERY_STEP} agents a sample)",
-            outcome.measured_steps
-        ));
-    }
     if let Some([happy, angry, sad, neutral]) = outcome.mean_feeling {
         say(&format!(
             "feelings           happy {happy:.3}, angry {angry:.3}, sad {sad:.3}, neutral {neutral:.3} at the end"

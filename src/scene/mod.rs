@@ -18,6 +18,8 @@
 mod avatars;
 mod builder;
 mod error;
+#[cfg(test)]
+mod measured;
 #[cfg(feature = "vulkan")]
 #[allow(clippy::disallowed_methods, reason = "shows crowds, makes none")]
 mod stage;

@@ -3,7 +3,7 @@
 use super::measure::time_of;
 use crate::ground::is_absent;
 use crate::kernels::Store;
-use crate::kernels::layout::Route;
+use crate::kernels::layout::{Route, Seen};
 use crate::scenario::{Crowd, Entry, Scenario, StopKind};
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -94,6 +94,20 @@ impl Departures {
                 _ if is_there => Whereabouts::There,
                 Whereabouts::There => Whereabouts::Gone(now, exit_of(&self.exits, store.route[agent])),
                 other => other,
+            };
+        }
+    }
+
+    /// Notes what was seen of each agent in all steps up to now; `store` is the present state.
+    pub(crate) fn see(&mut self, seen: &[Seen], store: &Store) {
+        for (agent, (state, own)) in self.people.iter_mut().zip(seen).enumerate() {
+            *state = match (own.is_there, own.gone) {
+                (0, 0) => *state,
+                (0, steps) => {
+                    let time = time_of(steps, store.step.time_step);
+                    Whereabouts::Gone(time, exit_of(&self.exits, store.route[agent]))
+                }
+                _ => Whereabouts::There,
             };
         }
     }

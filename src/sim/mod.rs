@@ -36,6 +36,7 @@ mod error;
 #[doc(hidden)]
 pub mod flow;
 pub mod measure;
+pub(crate) mod measured;
 #[doc(hidden)]
 pub mod obstacles;
 mod optional;

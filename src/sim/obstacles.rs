@@ -107,9 +107,75 @@ pub fn cell_lists(segments: &[Segment], step: &StepUniforms, reach: f32) -> Vec<
     out
 }
 
+/// In how many solids the middle of each cell lies. Outside of the bounds counts as one; what stands at some heights only
+/// bounds no area. A middle on an outline lies outside of the solid.
+pub fn cell_depth(segments: &[Segment], step: &StepUniforms) -> Vec<i32> {
+    let size = step.cell_size;
+    let middle = |axis: usize, cell: u32| f64::from(step.grid_origin[axis] + (cell as f32 + 0.5) * size);
+    let bounding = segments.iter().filter(|segment| segment.corners[0].abs() < 0.5 * RAISED);
+    let edges: Vec<([f64; 2], [f64; 2])> =
+        bounding.map(|segment| (segment.a.map(f64::from), segment.b.map(f64::from))).collect();
+    let mut depths = Vec::with_capacity(step.cell_count as usize);
+    for row in 0..step.grid_rows {
+        let z = middle(1, row);
+        // where outlines cross the row of middles, and whether upwards
+        let crossing = edges.iter().filter(|(a, b)| (a[1] <= z) != (b[1] <= z));
+        let crossing = crossing.map(|([ax, az], [bx, bz])| (ax + (z - az) / (bz - az) * (bx - ax), bz > az));
+        let crossing: Vec<(f64, bool)> = crossing.collect();
+        depths.extend((0..step.grid_columns).map(|column| {
+            let x = middle(0, column);
+            let turns =
+                |(at, is_up): &(f64, bool)| if *is_up { i32::from(*at > x) } else { -i32::from(*at >= x) };
+            crossing.iter().map(turns).sum::<i32>()
+        }));
+    }
+    // far away it is solid once for every outline that runs clockwise
+    let far_away = clockwise(&edges);
+    depths.iter_mut().for_each(|depth| *depth += far_away);
+    depths
+}
+
+/// How many outlines run clockwise, of edges that follow one another.
+#[allow(clippy::float_cmp, reason = "an outline ends at the very corner where it began")]
+fn clockwise(edges: &[([f64; 2], [f64; 2])]) -> i32 {
+    let (mut count, mut begin, mut area) = (0, None, 0.0);
+    for (a, b) in edges {
+        let first = *begin.get_or_insert(*a);
+        area += a[0] * b[1] - a[1] * b[0];
+        if *b == first {
+            count += i32::from(area < 0.0);
+            (begin, area) = (None, 0.0);
+        }
+    }
+    count
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_cells_depth_counts_the_solids_around_its_middle() {
+        let step = StepUniforms {
+            grid_columns: 8,
+            grid_rows: 6,
+            cell_count: 48,
+            cell_size: 1.0,
+            ..StepUniforms::default()
+        };
+        let bounds = vec![[1.0, 1.0], [1.0, 5.0], [7.0, 5.0], [7.0, 1.0]];
+        let boxes = |x: f32, z: f32| vec![[x, z], [x + 2.0, z], [x + 2.0, z + 2.0], [x, z + 2.0]];
+        let wall = vec![[1.25, 1.5], [1.25, 4.0]];
+        // the left side of the second runs through middles
+        let outlines = [bounds, boxes(2.0, 2.0), boxes(3.5, 2.0), wall];
+        let depths = cell_depth(&segments(&outlines), &step);
+        let row = |row: usize| &depths[8 * row..][..8];
+        assert_eq!(row(0), [1; 8]);
+        assert_eq!(row(1), [1, 0, 0, 0, 0, 0, 0, 1]);
+        assert_eq!(row(2), [1, 0, 1, 1, 1, 0, 0, 1]);
+        let without = cell_depth(&segments(&outlines[1..2]), &step);
+        assert_eq!(&without[16..24], [0, 0, 1, 1, 0, 0, 0, 0]);
+    }
 
     #[test]
     fn a_counter_clockwise_box_is_open_on_the_outside_with_convex_corners() {

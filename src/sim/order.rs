@@ -37,6 +37,7 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
         (has_walls, agents(Phase::ClipToWalls)),
         (true, agents_and_cells(Phase::Integrate)),
         (step.floor_count > 0, agents(Phase::Elevate)),
+        (step.measured > 0, agents(Phase::Measure)),
     ])
 }
 

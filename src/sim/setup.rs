@@ -1,12 +1,14 @@
 //! The buffers of a simulation at its start.
 
 use super::avatar_set::AvatarSet;
-use super::obstacles::{at_heights, cell_lists, segments};
+use super::obstacles::{at_heights, cell_depth, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
+use crate::ground::is_absent;
 use crate::kernels::layout::{
-    Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Segment, SlotAvoidance, SlotMotion,
+    Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Seen, Segment, SlotAvoidance, SlotMotion,
     Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
+use crate::kernels::measure::index::MEASURED_STEPS;
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::stages;
@@ -136,6 +138,7 @@ pub fn set_raised_obstacles(store: &mut Store, polygons: &[Vec<[f32; 2]>], raise
     }
     store.step.obstacle_count = all.len() as u32;
     store.obstacle_cells = cell_lists(&all, &store.step, fastest);
+    store.cell_depth = cell_depth(&all, &store.step);
     store.obstacles = all;
     if store.obstacles.is_empty() {
         store.obstacles.push(Segment::default());
@@ -178,11 +181,25 @@ pub fn empty_cells(store: &mut Store, agents: usize) {
     store.cell_start = vec![0; 2 * cells + 1 + cells.div_ceil(GROUP_CELLS) + 1];
 }
 
+/// What `measure` finds, with nothing measured yet.
+pub fn nothing_measured(store: &mut Store) {
+    let is_there = |position: &[f32; 2]| u32::from(!is_absent(*position));
+    let unseen = |position| Seen { is_there: is_there(position), ..Seen::default() };
+    store.seen = store.position.iter().map(unseen).collect();
+    store.measured = vec![0; 1 + 2 * MEASURED_STEPS];
+    store.measured[0] = u32::MAX;
+    let radius = |body: &Body| body.radius;
+    let agents = store.step.agent_count as usize;
+    store.step.widest_radius = store.body.iter().take(agents).map(radius).fold(0.0, f32::max);
+    store.cell_depth.resize(store.step.cell_count.max(1) as usize, 0);
+}
+
 /// Everything that a step writes before it reads, and empty journeys and sources where there are none.
 pub fn scratch(store: &mut Store) {
     let agents = store.step.agent_count as usize;
     empty_cells(store, agents);
     store.step_count = vec![store.step.step_index];
+    nothing_measured(store);
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];
     store.slot_avoidance = vec![SlotAvoidance::default(); agents];

@@ -48,7 +48,8 @@ impl Simulation {
         let ways = &self.ways;
         flow::lay_on(&mut self.store, outlines, &ways.floors, &ways.goals, &ways.settings)?;
         setup::set_raised_obstacles(&mut self.store, outlines, &ways.floors.raised);
-        self.machine.replace(&self.store, &[BufferId::Obstacles, BufferId::ObstacleCells])?;
+        let places = [BufferId::Obstacles, BufferId::ObstacleCells, BufferId::CellDepth];
+        self.machine.replace(&self.store, &places)?;
         self.machine.replace(&self.store, &FLOW)?;
         self.solve_ways()
     }

@@ -41,6 +41,8 @@ struct Known {
     behind: BTreeMap<usize, Behind>,
     /// Devices that are lost.
     lost: BTreeSet<usize>,
+    /// The submissions of each device, in the order of their first ones; a device that is gone keeps its place.
+    submissions: Vec<(usize, u64)>,
     /// Memory: its size, bytes, and whether the host must not see it.
     memory: BTreeMap<Object, (u64, bool)>,
     /// Images that are transient attachments.
@@ -50,6 +52,7 @@ struct Known {
 static KNOWN: Mutex<Known> = Mutex::new(Known {
     behind: BTreeMap::new(),
     lost: BTreeSet::new(),
+    submissions: Vec::new(),
     memory: BTreeMap::new(),
     transient: BTreeSet::new(),
 });
@@ -163,6 +166,7 @@ unsafe fn destroy(object: Dispatchable, allocator: *const c_void, name: &CStr) {
         known(|known| {
             known.behind.remove(&key);
             known.lost.remove(&key);
+            known.submissions.iter_mut().filter(|(device, _)| *device == key).for_each(|gone| gone.0 = 0);
         });
     }
 }
@@ -190,10 +194,25 @@ unsafe extern "system" fn get_device_proc(device: Dispatchable, name: *const c_c
 /// Counts a submission; whether the device is lost, from now on or already.
 unsafe fn is_lost_at_submission(queue: Dispatchable) -> bool {
     let submission = SUBMISSIONS.fetch_add(1, Ordering::Relaxed) + 1;
-    if profile::Profile::of_process().lost == Some(submission) {
-        let key = unsafe { key(queue) };
-        known(|known| known.lost.insert(key));
-    }
+    let key = unsafe { key(queue) };
+    let profile = profile::Profile::of_process();
+    known(|known| {
+        let at = known.submissions.iter().position(|(device, _)| *device == key);
+        let at = at.unwrap_or_else(|| {
+            known.submissions.push((key, 0));
+            known.submissions.len() - 1
+        });
+        known.submissions[at].1 += 1;
+        let own = Some(known.submissions[at].1);
+        let is_now = match at {
+            0 => own == profile.first_lost,
+            1 => own == profile.second_lost,
+            _ => false,
+        };
+        if is_now || profile.lost == Some(submission) {
+            known.lost.insert(key);
+        }
+    });
     unsafe { is_lost(queue) }
 }
 

@@ -55,6 +55,10 @@ pub(crate) struct Profile {
     pub(crate) memory: Option<u64>,
     /// `lost@N`: the device that makes the N-th submission of the process is lost with it.
     pub(crate) lost: Option<u64>,
+    /// `first-lost@N`: the first device of the process is lost with its own N-th submission.
+    pub(crate) first_lost: Option<u64>,
+    /// `second-lost@N`: the second one likewise.
+    pub(crate) second_lost: Option<u64>,
 }
 
 impl Profile {
@@ -67,6 +71,8 @@ impl Profile {
                 None => *found.flag(word).ok_or_else(|| format!("{VARIABLE}: there is no {word}"))? = true,
                 Some(("memory", mib)) => found.memory = Some(number(mib)? << 20),
                 Some(("lost", at)) => found.lost = Some(number(at)?),
+                Some(("first-lost", at)) => found.first_lost = Some(number(at)?),
+                Some(("second-lost", at)) => found.second_lost = Some(number(at)?),
                 Some(_) => return Err(format!("{VARIABLE}: there is no {word}")),
             }
         }

@@ -104,7 +104,8 @@ fn what_is_not_known_is_not_emulated_in_silence() {
     for kind in super::KINDS {
         assert_ne!(Profile::parse(kind).unwrap(), Profile::default());
     }
-    for wrong in ["discreet", "lost", "lost@", "memory@much", "discrete@1"] {
+    assert_eq!(Profile::parse("second-lost@20").unwrap().second_lost, Some(20));
+    for wrong in ["discreet", "lost", "lost@", "third-lost@1", "memory@much", "discrete@1"] {
         assert!(Profile::parse(wrong).is_err(), "{wrong}");
     }
 }

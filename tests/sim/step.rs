@@ -45,6 +45,8 @@ integrate
 barrier
 elevate
 barrier
+measure
+barrier
 count step
 barrier
 lead_agents.appear

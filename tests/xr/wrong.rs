@@ -5,6 +5,7 @@
 use super::service::{Live, Service, is_there};
 use super::{device, outcome, states, walked_all_the_time};
 use serde_json::Value;
+use std::time::Duration;
 
 /// A session on a device of this kind, which must end well: its outcome. [`outcome`] asserts that no layer had anything to say.
 fn session(service: &Service, kind: &str) -> Value {
@@ -35,6 +36,35 @@ fn a_session_on_every_kind_of_device_leaves_the_validation_layer_silent() {
         assert!(states(&found).contains(&"focused"), "{kind}: {found}");
         assert!(found["frames"]["drawn"].as_u64() > Some(0), "{kind}: {found}");
     }
+}
+
+/// A session of which a device is lost: what it says then, and its outcome.
+fn after_a_loss(service: &Service, kind: &str, said: &str) -> Value {
+    let run = ["xr", "crossing", "--agents", "200", "--eye-size", "160x160", "--backend", "vulkan", "--json"];
+    let mut command = service.gaitway(&run);
+    device::on_validated(&mut command, kind);
+    let mut live = Live::start(command);
+    live.hear(said);
+    std::thread::sleep(Duration::from_secs(1));
+    let (found, notes) = live.end();
+    assert_eq!(found["hung"].as_bool(), Some(false), "{kind}: {found}\n{notes:#?}");
+    assert_eq!(states(&found).last(), Some(&"exiting"), "{kind}: {found}");
+    walked_all_the_time(&found);
+    found
+}
+
+#[test]
+fn a_device_that_is_lost_in_mid_session_is_opened_anew_and_the_crowd_goes_on() {
+    if !is_there() {
+        return;
+    }
+    let service = Service::start("lost");
+    let found = after_a_loss(&service, "first-lost@90", "the crowd's device is opened anew");
+    assert_eq!((found["device_losses"].as_u64(), found["sessions"].as_u64()), (Some(1), Some(1)), "{found}");
+    let found = after_a_loss(&service, "second-lost@20", "the headset is back after");
+    assert_eq!((found["device_losses"].as_u64(), found["sessions"].as_u64()), (Some(0), Some(2)), "{found}");
+    let again = states(&found).iter().filter(|state| **state == "focused").count();
+    assert_eq!(again, 2, "{found}");
 }
 
 #[test]

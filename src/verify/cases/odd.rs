@@ -134,6 +134,7 @@ fn throngs(seed: u32) -> Store {
     }
     store.avoidance.iter_mut().for_each(|own| own.priority = 0.0); // no agent is led, and keeps more clear
     empty_cells(&mut store, 2 * MOST + 1);
+    store.cell_depth = vec![0; 100];
     store.sources = vec![one_agent(0, 1, 0), one_agent(1, 1, MOST as u32)];
     store.source_places = vec![[2.0, 3.2], [34.0, 3.2]];
     store

@@ -10,9 +10,9 @@ use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::flow::{Goal, Settings, lay};
-use crate::sim::obstacles::{at_heights, cell_lists, segments};
+use crate::sim::obstacles::{at_heights, cell_depth, cell_lists, segments};
 use crate::sim::order;
-use crate::sim::setup::{avoidance, empty_cells, join};
+use crate::sim::setup::{avoidance, empty_cells, join, nothing_measured};
 
 /// A crowd of about one agent per square metre with everything that is hard about crowds in it: agents at one point,
 /// head-on, on a lattice (equal distances), outside the bounds, at rest, a dense knot, obstacles with convex and
@@ -271,6 +271,9 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     let spare = agents + 3;
     empty_cells(store, spare);
     store.step_count = vec![0];
+    store.cell_depth = cell_depth(&store.obstacles, &store.step);
+    nothing_measured(store);
+    store.step.measured = 1;
     store.agent_slot = vec![0; spare];
     // what is left of another step
     store.unsolved = vec![1_000_000; spare + 4];
