@@ -34,7 +34,7 @@ fn grid_scan(
             atomicStore(&cell_start[in_groups(group.x)], own.total);
         }
     }
-    storageBarrier(); // whoever sees that this group is done sees its sum
+    storageBarrier(); // the sum is visible before the group counts as done
     if lane == 0u && group.x < groups && atomicAdd(&cell_start[in_groups(groups)], 1u) == groups - 1u {
         groups_left = groups;
     }

@@ -8,7 +8,7 @@ use crate::kernels::layout::Source;
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.
-pub const OVERLAP: f32 = 0.9;
+pub const OVERLAP: f32 = crate::kernels::measure::OVERLAP;
 
 /// What a crowd looks like at one step.
 #[derive(Debug, Clone, Copy, PartialEq)]
