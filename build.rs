@@ -55,12 +55,14 @@ fn main() -> ExitCode {
 
 fn generate() -> Result<(), String> {
     let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    let spirv = out.join("spirv");
+    let [spirv, libraries] = ["spirv", "operations"].map(|folder| out.join(folder));
     if spirv.exists() {
         // the code of a kernel that is no longer there must not be checked as if it were
         std::fs::remove_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
     }
-    std::fs::create_dir_all(&spirv).map_err(|e| format!("{}: {e}", spirv.display()))?;
+    for folder in [&spirv, &libraries] {
+        std::fs::create_dir_all(folder).map_err(|e| format!("{}: {e}", folder.display()))?;
+    }
     compile::barriers::examples()?;
     let kernels = compile_folder(Path::new("shaders"), &spirv)?;
     let draws = compile_folder(Path::new("shaders/draw"), &spirv)?;
@@ -75,7 +77,7 @@ fn generate() -> Result<(), String> {
     }
     constants::write_shared(&shared, &mut text);
     limits::write(&kernels, &draws, &mut text)?;
-    operations::write(&kernels, &spirv, &mut text)?;
+    operations::write(&kernels, [&spirv, &libraries], &mut text)?;
     text.push_str("/// The draw shaders.\n#[allow(unused_imports, reason = \"empty while there is no draw shader\")]\npub mod draw {\nuse super::*;\n");
     for (source, shader) in &draws {
         draw_shader(source, shader, &mut text)?;
@@ -112,9 +114,7 @@ fn compile_folder(folder: &Path, spirv: &Path) -> Result<Vec<(Source, Shader)>, 
                 for entry in &shader.entries {
                     let one_eye = entry.one_eye.iter().map(|code| (code, ".one_eye"));
                     for (code, which) in [(&entry.spirv, "")].into_iter().chain(one_eye) {
-                        let bytes: Vec<u8> = code.iter().flat_map(|word| word.to_le_bytes()).collect();
-                        let path = spirv.join(format!("{}{which}.spv", entry.name));
-                        std::fs::write(&path, bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+                        write_spirv(spirv, &format!("{}{which}", entry.name), code)?;
                     }
                 }
                 shaders.push((source, shader));
@@ -271,8 +271,19 @@ fn mask(flags: &[bool]) -> u64 {
     flags.iter().take(64).enumerate().fold(0, |mask, (bit, is_set)| mask | u64::from(*is_set) << bit)
 }
 
-pub(crate) fn words(spirv: &[u32]) -> String {
-    spirv.iter().map(|word| format!("{word},")).collect()
+/// Writes a module into a folder, in the byte order of the machine that will run it.
+pub(crate) fn write_spirv(folder: &Path, name: &str, words: &[u32]) -> Result<(), String> {
+    let is_big = std::env::var("CARGO_CFG_TARGET_ENDIAN").is_ok_and(|order| order == "big");
+    let bytes = |word: &u32| if is_big { word.to_be_bytes() } else { word.to_le_bytes() };
+    let path = folder.join(format!("{name}.spv"));
+    std::fs::write(&path, words.iter().flat_map(bytes).collect::<Vec<u8>>())
+        .map_err(|e| format!("{}: {e}", path.display()))
+}
+
+/// A module in Rust: the file of the output folder that [`write_spirv`] wrote. Written as numbers, all modules are 400,000 expressions, which rustc and
+/// clippy take half a minute to look at.
+pub(crate) fn words(file: &str, spirv: &[u32]) -> String {
+    format!("spirv!(\"{file}\", {})", spirv.len())
 }
 
 fn bindings_text(bindings: &[Binding]) -> String {
@@ -304,14 +315,14 @@ fn entry_text(kernel: &str, entry: &Entry, shared: &Shared<'_>) -> String {
     format!(
         "/// Entry point `{name}`.\npub static {upper}: Entry = Entry {{ phase: Phase::{id}, kernel: KernelId::{kernel}, \
          name: \"{name}\", label: \"{label}\", workgroup_size: {size:?}, bindings: &[{bindings}], \
-         immediate: {immediate}, spirv: &[{words}] }};\n",
+         immediate: {immediate}, spirv: {words} }};\n",
         upper = name.to_uppercase(),
         id = camel(name),
         kernel = camel(kernel),
         size = entry.workgroup_size,
         bindings = bindings_text(&entry.bindings),
         immediate = immediate_text(entry, shared),
-        words = words(&entry.spirv),
+        words = words(&format!("spirv/{name}"), &entry.spirv),
     )
 }
 
@@ -383,12 +394,12 @@ fn draw_shader(source: &Source, shader: &Shader, text: &mut String) -> Result<()
         .entries
         .iter()
         .map(|e| {
-            let one_eye =
-                e.one_eye.as_ref().map_or_else(|| "None".to_owned(), |w| format!("Some(&[{}])", words(w)));
+            let name = &e.name;
+            let one_eye = e.one_eye.as_ref().map(|code| words(&format!("spirv/{name}.one_eye"), code));
+            let one_eye = one_eye.map_or_else(|| "None".to_owned(), |words| format!("Some({words})"));
             format!(
-                "DrawEntry {{ name: \"{}\", spirv: &[{}], one_eye: {one_eye} }},",
-                e.name,
-                words(&e.spirv)
+                "DrawEntry {{ name: \"{name}\", spirv: {}, one_eye: {one_eye} }},",
+                words(&format!("spirv/{name}"), &e.spirv)
             )
         })
         .collect();

@@ -17,7 +17,12 @@ const LIBRARIES: [(&str, &str, Option<u32>, &str); 7] = [
 ];
 
 /// Compiles the libraries, writes them for Rust, and links them into every kernel, so that what cannot be linked stops the build.
-pub(crate) fn write(kernels: &[(Source, Shader)], spirv: &Path, text: &mut String) -> Result<(), String> {
+/// They are no modules that a device takes, and have a folder of their own.
+pub(crate) fn write(
+    kernels: &[(Source, Shader)],
+    [spirv, libraries]: [&Path; 2],
+    text: &mut String,
+) -> Result<(), String> {
     text.push_str(
         "/// Libraries of operations, which `kernels::link` puts into kernels.\npub mod operations {\n",
     );
@@ -29,8 +34,10 @@ pub(crate) fn write(kernels: &[(Source, Shader)], spirv: &Path, text: &mut Strin
             source.push_str(&format!("const UNITS: u32 = {units}u;\n"));
         }
         let words = emit::library(&source).map_err(|e| format!("{path}: {e}"))?;
-        let list = crate::words(&words);
-        let _ = write!(text, "/// {doc}\npub static {name}: &[u32] = &[{list}];\n");
+        let file = name.to_lowercase();
+        crate::write_spirv(libraries, &file, &words)?;
+        let list = crate::words(&format!("operations/{file}"), &words);
+        let _ = write!(text, "/// {doc}\npub static {name}: &[u32] = {list};\n");
         compiled.push((name, words));
     }
     text.push_str("}\n");
@@ -47,9 +54,7 @@ pub(crate) fn write(kernels: &[(Source, Shader)], spirv: &Path, text: &mut Strin
             .and_then(|words| link(&words, wrong, &[Divide, Root, InverseRoot]))
             .and_then(|words| link(&words, flush, &[Add, Subtract, Multiply, Divide, Root]))
             .map_err(|error| format!("{}: {error}", entry.name))?;
-        let bytes: Vec<u8> = declare(&careful, &modes).iter().flat_map(|word| word.to_le_bytes()).collect();
-        let path = spirv.join(format!("{}.careful.spv", entry.name));
-        std::fs::write(&path, bytes).map_err(|e| format!("{}: {e}", path.display()))?;
+        crate::write_spirv(spirv, &format!("{}.careful", entry.name), &declare(&careful, &modes))?;
     }
     Ok(())
 }

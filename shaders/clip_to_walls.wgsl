@@ -3,11 +3,12 @@
 // obstacle segment, or nearer to it than GAP. It then loses its component into the wall, twice if need be (a corner). It is
 // zero where that does not help. The way out of a solid stays open. Agents led from outside are exempt.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(3) var<storage, read> obstacles: array<Segment>;            // [segment]
-@group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
+@group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(4) var<storage, read> obstacles: array<Segment>;            // [segment]
+@group(0) @binding(5) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(6) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
 // Least distance of a centre from a wall, m: far below any radius, far above rounding.
 const GAP: f32 = 0.01;
@@ -25,7 +26,7 @@ fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     if own.agent == NOBODY || (own.limits & LED_BIT) != 0u {
         return;
     }
-    let at = slot_motion[slot].position;
+    let at = slot_position[slot];
     let elevation = slot_motion[slot].elevation;
     let wanted = new_velocity[slot];
     if !is_finite2(wanted) {

@@ -12,12 +12,13 @@ const ROWS_BETWEEN: u32 = 4u;     // from one row that has its turn to the next;
 
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;
-@group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;  // [slot]
-@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(4) var<storage, read> cell_start: array<u32>;          // [cell + 1]
-@group(0) @binding(5) var<storage, read> feeling: array<vec4<f32>>;       // [agent] weights of happy, angry, sad, neutral; sum 1
-@group(0) @binding(6) var<storage, read> temperament: array<Temperament>; // [agent]
-@group(0) @binding(7) var<storage, read_write> heard: array<Heard>;       // [agent]
+@group(0) @binding(2) var<storage, read> slot_position: array<vec2<f32>>; // [slot] m
+@group(0) @binding(3) var<storage, read> slot_motion: array<SlotMotion>;  // [slot]
+@group(0) @binding(4) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(5) var<storage, read> cell_start: array<u32>;          // [cell + 1]
+@group(0) @binding(6) var<storage, read> feeling: array<vec4<f32>>;       // [agent] weights of happy, angry, sad, neutral; sum 1
+@group(0) @binding(7) var<storage, read> temperament: array<Temperament>; // [agent]
+@group(0) @binding(8) var<storage, read_write> heard: array<Heard>;       // [agent]
 
 fn units(share: f32) -> u32 {
     return u32(share * SHARE + 0.5);
@@ -34,7 +35,7 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= cell_start[step.cell_count] {
         return;
     }
-    let at = slot_motion[slot].position;
+    let at = slot_position[slot];
     let row = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows).y;
     if step.step_index > 0u && (u32(row) + step.step_index) % ROWS_BETWEEN != 0u {
         return;
@@ -53,7 +54,7 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
             let end = cell_start[first + high.x + 1];
             for (var other = cell_start[first + low.x]; other < end && turns < MOST_TURNS; other++) {
                 turns++;
-                let to = slot_motion[other].position - at;
+                let to = slot_position[other] - at;
                 let distance2 = dot2(to, to);
                 if !(distance2 < reach * reach) || other == slot || count >= MOST_HEARD {
                     continue;

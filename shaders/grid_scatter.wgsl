@@ -11,9 +11,10 @@
 @group(0) @binding(6) var<storage, read> body: array<Body>;                 // [agent]
 @group(0) @binding(7) var<storage, read> avoidance: array<Avoidance>;       // [agent]
 @group(0) @binding(8) var<storage, read> elevation: array<f32>;             // [agent] m
-@group(0) @binding(9) var<storage, read_write> slot_motion: array<SlotMotion>;        // [slot]
-@group(0) @binding(10) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(11) var<storage, read_write> agent_slot: array<u32>;     // [agent] NOBODY if absent
+@group(0) @binding(9) var<storage, read_write> slot_position: array<vec2<f32>>;        // [slot] m
+@group(0) @binding(10) var<storage, read_write> slot_motion: array<SlotMotion>;        // [slot]
+@group(0) @binding(11) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(12) var<storage, read_write> agent_slot: array<u32>;     // [agent] NOBODY if absent
 
 @compute @workgroup_size(64)
 fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -63,5 +64,6 @@ fn pack(agent: u32, at: vec2<f32>, slot: u32) {
         height = elevation[agent];
     }
     let size = body[agent];
-    slot_motion[slot] = SlotMotion(at, velocity[agent], size.radius + comfort, size.max_speed, own.priority, height);
+    slot_position[slot] = at;
+    slot_motion[slot] = SlotMotion(velocity[agent], size.radius + comfort, size.max_speed, own.priority, height);
 }

@@ -8,12 +8,13 @@
 @group(0) @binding(3) var<storage, read> body: array<Body>;                    // [agent]
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;                // [agent] m
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;               // see cells.wgsl
-@group(0) @binding(6) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(7) var<storage, read> obstacles: array<Segment>;            // [segment]
-@group(0) @binding(8) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(9) var<storage, read> cell_depth: array<i32>;               // [cell] solids that its middle lies in
-@group(0) @binding(10) var<storage, read_write> seen: array<Seen>;             // [agent]
-@group(0) @binding(11) var<storage, read_write> measured: array<atomic<u32>>;  // least gap (in_order), then [MEASURED_STEPS] overlapping pairs of a step, then [MEASURED_STEPS] agents outside
+@group(0) @binding(6) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m, at the step's beginning
+@group(0) @binding(7) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(8) var<storage, read> obstacles: array<Segment>;            // [segment]
+@group(0) @binding(9) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(10) var<storage, read> cell_depth: array<i32>;               // [cell] solids that its middle lies in
+@group(0) @binding(11) var<storage, read_write> seen: array<Seen>;             // [agent]
+@group(0) @binding(12) var<storage, read_write> measured: array<atomic<u32>>;  // least gap (in_order), then [MEASURED_STEPS] overlapping pairs of a step, then [MEASURED_STEPS] agents outside
 
 // Steps that the host may leave unread.
 const MEASURED_STEPS: u32 = 1024u;
@@ -62,29 +63,38 @@ fn see(agent: u32) {
     seen[agent] = own;
 }
 
-// The gaps between an agent and those of higher slots.
+// The overlaps of an agent with those of higher slots, and the gaps below the least so far. What that is by now depends on the
+// other invocations; what is found does not: a gap counts if the other came no faster than FASTEST, and then it is in reach.
 fn measure_pairs(slot: u32, agent: u32, number: u32) {
     let at = position[agent];
     let radius = body[agent].radius;
-    let reach = radius + step.widest_radius + NEAR + FASTEST * step.time_step;
+    let known = atomicLoad(&measured[0]);
+    var least = select(NEAR, from_order(known), known < in_order(NEAR));
+    let way = FASTEST * step.time_step;
+    let reach = radius + step.widest_radius + max(least, 0.0) + way;
     let low = grid_cell(at - vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let high = grid_cell(at + vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    var least = NEAR;
     var overlapping = 0u;
     for (var row = u32(low.y); row <= u32(high.y); row++) {
         let end = cell_start[row * step.grid_columns + u32(high.x) + 1u];
         for (var other = max(cell_start[row * step.grid_columns + u32(low.x)], slot + 1u); other < end; other++) {
+            let start = slot_position[other] - at;
+            if dot2(start, start) > reach * reach {
+                continue;
+            }
             let them = slot_avoidance[other].agent;
             let to = position[them] - at;
-            if on_storey(elevation[agent], elevation[them]) {
-                let distance = sqrt(dot2(to, to));
-                let sum = radius + body[them].radius;
-                least = min(least, distance - sum);
+            let distance = sqrt(dot2(to, to));
+            let sum = radius + body[them].radius;
+            let gap = distance - sum;
+            let farthest = sum + max(gap, 0.0) + way;
+            if dot2(start, start) <= farthest * farthest && on_storey(elevation[agent], elevation[them]) {
+                least = min(least, gap);
                 overlapping += u32(distance < OVERLAP * sum);
             }
         }
     }
-    if least < NEAR {
+    if in_order(least) < min(known, in_order(NEAR)) {
         atomicMin(&measured[0], in_order(least));
     }
     if overlapping > 0u {
@@ -96,6 +106,11 @@ fn measure_pairs(slot: u32, agent: u32, number: u32) {
 fn in_order(number: f32) -> u32 {
     let bits = bitcast<u32>(number);
     return select(bits | 0x80000000u, ~bits, (bits >> 31u) == 1u);
+}
+
+// The number of such bits.
+fn from_order(bits: u32) -> f32 {
+    return bitcast<f32>(select(~bits, bits & 0x7fffffffu, (bits >> 31u) == 1u));
 }
 
 // Whether a point lies in something solid. On the way there from the middle of its cell every wall that is crossed leads into

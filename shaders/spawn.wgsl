@@ -7,10 +7,11 @@
 @group(0) @binding(2) var<storage, read> elevation: array<f32>;            // [agent] m
 @group(0) @binding(3) var<storage, read> entry: array<u32>;                // [agent] step from which on it comes in + 1; 0: there from the start
 @group(0) @binding(4) var<storage, read> cell_start: array<u32>;           // [cell + 1]
-@group(0) @binding(5) var<storage, read> slot_motion: array<SlotMotion>;   // [slot]
-@group(0) @binding(6) var<storage, read> source_places: array<vec2<f32>>;  // [place] m, of all sources one after another
-@group(0) @binding(7) var<storage, read_write> sources: array<Source>;     // [source]
-@group(0) @binding(8) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
+@group(0) @binding(5) var<storage, read> slot_position: array<vec2<f32>>;  // [slot] m
+@group(0) @binding(6) var<storage, read> slot_motion: array<SlotMotion>;   // [slot]
+@group(0) @binding(7) var<storage, read> source_places: array<vec2<f32>>;  // [place] m, of all sources one after another
+@group(0) @binding(8) var<storage, read_write> sources: array<Source>;     // [source]
+@group(0) @binding(9) var<storage, read_write> position: array<vec2<f32>>; // [agent] m
 
 // Places tried in one step.
 const TRIES: u32 = 16u;
@@ -64,7 +65,7 @@ fn is_free(place: vec2<f32>, radius: f32, widest: f32, height: f32) -> bool {
         }
         for (var slot = first; slot < end; slot++) {
             let other = slot_motion[slot];
-            if on_storey(other.elevation, height) && is_near(place, other.position, radius + other.radius + GAP) {
+            if on_storey(other.elevation, height) && is_near(place, slot_position[slot], radius + other.radius + GAP) {
                 return false;
             }
         }

@@ -15,9 +15,10 @@
 @group(0) @binding(3) var<storage, read> obstacles: array<Segment>;                  // [segment]
 @group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
-@group(0) @binding(6) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(8) var<storage, read_write> waiting: array<Waiting>;              // [agent]
+@group(0) @binding(6) var<storage, read> slot_position: array<vec2<f32>>;            // [slot] m
+@group(0) @binding(7) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(8) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(9) var<storage, read_write> waiting: array<Waiting>;              // [agent]
 
 // An agent whose wanted speed is below this stands by choice, m/s.
 const STANDING: f32 = 0.1;
@@ -95,7 +96,7 @@ fn take_turns(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
     let turn = step.step_index / max(u32(TURN * step.inverse_time_step), 1u);
     let bits = hash_u32(turn ^ hash_u32(step.seed ^ 0x7475726eu));
     let side = vec2<f32>(unit_f32(bits) - 0.5, unit_f32(hash_u32(bits)) - 0.5);
-    if state.stuck > step.patience && dot2(side, ahead) > 0.0 && is_opposed(slot, own.position, ahead, own.elevation) {
+    if state.stuck > step.patience && dot2(side, ahead) > 0.0 && is_opposed(slot, slot_position[slot], ahead, own.elevation) {
         slot_motion[slot].priority = own.priority + RAISE;
     }
 }
@@ -107,7 +108,7 @@ fn follow_walls(agent: u32, slot: u32, ahead: vec2<f32>, speed: f32) {
         return;
     }
     let own = slot_motion[slot];
-    let at = own.position;
+    let at = slot_position[slot];
     let walls = near_segments(at, CLEAR + own.radius, own.elevation);
     let blocked = way_ahead(walls, at, ahead, THIN * own.radius);
     if !is_following && blocked.rate > 1.0 / (TOUCHED + (1.0 - THIN) * own.radius)
@@ -139,7 +140,7 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
     for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
         let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
-            let to = slot_motion[other].position - at;
+            let to = slot_position[other] - at;
             let apart = abs(slot_motion[other].elevation - elevation);
             let wanted = preferred_velocity[slot_avoidance[other].agent];
             let speed2 = dot2(wanted, wanted);
@@ -160,7 +161,7 @@ fn is_someone_ahead(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) 
     for (var y = max(centre.y - 2, 0); y <= min(centre.y + 2, i32(step.grid_rows) - 1); y++) {
         let end = cell_start[y * columns + min(centre.x + 2, columns - 1) + 1];
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
-            let to = slot_motion[other].position - at;
+            let to = slot_position[other] - at;
             let apart = abs(slot_motion[other].elevation - elevation);
             let distance2 = dot2(to, to);
             let along = dot2(to, ahead);

@@ -10,14 +10,15 @@
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
 // SwiftShader, needs more than 20 GiB to compile it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
-@group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(5) var<storage, read> obstacles: array<Segment>;            // [segment]
-@group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second phase along x, y, z; how many agents it has; their slots
+@group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
+@group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;               // [cell + 1]
+@group(0) @binding(5) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
+@group(0) @binding(7) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second phase along x, y, z; how many agents it has; their slots
 
 // An agent slower than this share of its maximum speed is in a jam.
 const JAM_SPEED: f32 = 0.45;
@@ -48,10 +49,11 @@ fn avoid(entry: u32, again: bool) {
         new_velocity[slot] = wanted;
         return;
     }
+    let at = slot_position[slot];
     let me = slot_motion[slot];
-    var count = quick_neighbours(slot, me.position, own);
+    var count = quick_neighbours(slot, at, own);
     if again && count == UNSURE {
-        count = search(slot, me.position, own);
+        count = search(slot, at, own);
     }
     let is_sure = count != UNSURE;
     count = select(0u, count, is_sure);
@@ -60,14 +62,14 @@ fn avoid(entry: u32, again: bool) {
     }
     var hard = 0u;
     if (contents & WALLS) != 0u {
-        hard = obstacle_lines(me);
+        hard = obstacle_lines(at, me);
     }
     var users = 0u;
     if (contents & USER) != 0u {
-        let to_user = step.user_position - me.position;
+        let to_user = step.user_position - at;
         users = u32(dot2(to_user, to_user) < own.range * own.range && on_storey(me.elevation, step.user_elevation));
     }
-    let others = Others(slot, me, hard, users, users + count);
+    let others = Others(slot, at, me, hard, users, users + count);
     if again {
         // without a shorter horizon the first attempt is all there is
         let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
@@ -123,7 +125,8 @@ fn try_on(others: Others, own_rate: f32, preferred: vec2<f32>, first: u32) -> ve
 // The others that an agent avoids: first the user, if `users` is 1, then those in `found`; `count` with the user.
 struct Others {
     slot: u32,
-    me: SlotMotion, // in that slot
+    at: vec2<f32>,  // of that slot, m
+    me: SlotMotion, // of that slot
     hard: u32,      // lines of obstacles before theirs
     users: u32,
     count: u32,
@@ -137,7 +140,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         let is_user = k < o.users;
         let other = found[max(k, o.users) - o.users];
         let them = slot_motion[other];
-        let their_position = select(them.position, step.user_position, is_user);
+        let their_position = select(slot_position[other], step.user_position, is_user);
         let their_velocity = select(them.velocity, step.user_velocity, is_user);
         let their_radius = select(them.radius, step.user_radius, is_user);
         let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(o.slot, other);
@@ -146,7 +149,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         var pair = Precedence(step.responsibility, o.me.radius + their_radius, false);
         if is_dense && !is_user && abs(higher) < PEERS {
             let their_wish = unit_or(preferred_velocity[slot_avoidance[other].agent], vec2<f32>(0.0, 0.0));
-            let to = their_position - o.me.position;
+            let to = their_position - o.at;
             pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }
         if (contents & UNLIKE) != 0u {
@@ -160,7 +163,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         }
         let line = agent_line(
             o.me.velocity,
-            their_position - o.me.position,
+            their_position - o.at,
             o.me.velocity - their_velocity,
             (pair.radius + step.safety_margin) * select(1.0, SQUEEZE, has_way && is_dense),
             clear,
@@ -177,12 +180,12 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
 }
 
 // Lines of the nearest obstacle segments, by (squared distance, number). Returns how many.
-fn obstacle_lines(me: SlotMotion) -> u32 {
-    let count = near_segments(me.position, step.time_horizon_obstacles * me.max_speed + me.radius, me.elevation);
+fn obstacle_lines(at: vec2<f32>, me: SlotMotion) -> u32 {
+    let count = near_segments(at, step.time_horizon_obstacles * me.max_speed + me.radius, me.elevation);
     var made = 0u;
     for (var i = 0u; i < count; i++) {
         let wall = obstacles[segment_numbers[i]];
-        let line = obstacle_line(made, wall, me.position, me.velocity, me.radius, step.inverse_time_horizon_obstacles);
+        let line = obstacle_line(made, wall, at, me.velocity, me.radius, step.inverse_time_horizon_obstacles);
         if line.is_there {
             lines[made] = line.line;
             made++;

@@ -13,14 +13,15 @@
 // agents are put on a list, and a second phase (again) tries a pattern of velocities for them. Four velocities are looked at
 // together, so that a neighbour is read once for all four.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
-@group(0) @binding(1) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(3) var<storage, read> cell_start: array<u32>;               // [cell + 1]
-@group(0) @binding(4) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(5) var<storage, read> obstacles: array<Segment>;            // [segment]
-@group(0) @binding(6) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(7) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-@group(0) @binding(8) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
+@group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
+@group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;               // [cell + 1]
+@group(0) @binding(5) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
+@group(0) @binding(7) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
 
 // Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better: see
 // reference::velocity_rvo.
@@ -42,6 +43,7 @@ var<private> other_traits: array<vec4<f32>, 11>;
 
 // What an agent looks at.
 struct Walker {
+    at: vec2<f32>,        // m
     motion: SlotMotion,
     preferred: vec2<f32>, // m/s
     most: f32,            // change of velocity in a step, m/s
@@ -83,23 +85,24 @@ fn avoid(slot: u32, again: bool) {
         new_velocity[slot] = preferred;
         return;
     }
+    let at = slot_position[slot];
     let motion = slot_motion[slot];
-    var count = quick_neighbours(slot, motion.position, own);
+    var count = quick_neighbours(slot, at, own);
     if count == UNSURE {
         if !again {
             leave(slot);
             return;
         }
-        count = search(slot, motion.position, own);
+        count = search(slot, at, own);
     }
     // shortened where it is crowded ahead
     if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         preferred = crowded(slot, preferred, own.range, own.cap, count);
     }
-    var me = Walker(motion, preferred, step.max_acceleration * step.time_step, 0u, 0u);
+    var me = Walker(at, motion, preferred, step.max_acceleration * step.time_step, 0u, 0u);
     me.others = look_at_others(slot, me, own, count);
     if (contents & WALLS) != 0u {
-        me.walls = near_segments(motion.position, step.time_horizon_obstacles * motion.max_speed + motion.radius, motion.elevation);
+        me.walls = near_segments(at, step.time_horizon_obstacles * motion.max_speed + motion.radius, motion.elevation);
     }
     let wanted = slowed(reachable(four(preferred), me), me);
     if danger(wanted, me).x <= 0.0 {
@@ -218,7 +221,7 @@ fn danger(v: Four, me: Walker) -> vec4<f32> {
     }
     for (var i = 0u; i < me.walls; i++) {
         let wall = obstacles[segment_numbers[i]];
-        let there = segment_rates(wall.a - me.motion.position, wall.b - me.motion.position, wall.along, v.x, v.y, me.motion.radius, SOONEST);
+        let there = segment_rates(wall.a - me.at, wall.b - me.at, wall.along, v.x, v.y, me.motion.radius, SOONEST);
         worst = max(worst, there - step.inverse_time_horizon_obstacles);
     }
     return step.collision_weight * (worst + SEPARATE * lack);
@@ -227,7 +230,7 @@ fn danger(v: Four, me: Walker) -> vec4<f32> {
 // Notes the user and the neighbours that can matter, nearest first; returns how many. The list leaves out a neighbour that
 // cannot come nearer than its horizon allows, whichever velocity the agent chooses.
 fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
-    let at = me.motion.position;
+    let at = me.at;
     let to_user = step.user_position - at;
     var users = 0u;
     if (contents & USER) != 0u {
@@ -241,7 +244,7 @@ fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
         let is_user = k < users;
         let other = found[max(k, users) - users];
         let them = slot_motion[other];
-        let their_position = select(them.position, step.user_position, is_user);
+        let their_position = select(slot_position[other], step.user_position, is_user);
         let their_velocity = select(them.velocity, step.user_velocity, is_user);
         let is_mate = (contents & GROUPS) != 0u && !is_user && is_with(slot, other);
         var share = step.responsibility;

@@ -84,9 +84,9 @@ struct SlotAvoidance {
     limits: u32,               // neighbour cap, LED_BIT, group << GROUP_SHIFT
 }
 
-// Buffer `slot_motion`: what neighbours read.
+// Buffer `slot_motion`: what an agent reads of the neighbours that it found. Their positions, which it reads of all
+// candidates, are in a buffer of their own, `slot_position`.
 struct SlotMotion {
-    position: vec2<f32>, // m
     velocity: vec2<f32>, // m/s
     radius: f32,         // m, with the comfort distance of an agent led from outside
     max_speed: f32,      // m/s

@@ -1,7 +1,7 @@
 // uses: contents
 // How much slower an agent walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
-// Needs the bindings step, slot_motion, slot_avoidance and preferred_velocity, and the list `found` of
+// Needs the bindings step, slot_position, slot_motion, slot_avoidance and preferred_velocity, and the list `found` of
 // shared/neighbours.wgsl.
 
 // The share of the own person in the density.
@@ -25,7 +25,7 @@ fn has_right_of_way(slot: u32) -> bool {
 // What is left of the velocity `wanted` by the agent in `slot` with `count` neighbours in `found`, of at most `cap` looked for
 // within `range`, m.
 fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> vec2<f32> {
-    let at = slot_motion[slot].position;
+    let at = slot_position[slot];
     let wanted2 = dot2(wanted, wanted);
     if step.crowding <= 0.0 || count == 0u || wanted2 < 1e-8 {
         return wanted;
@@ -34,13 +34,13 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
     var reach2 = reach * reach;
     if count == min(cap, NEIGHBOURS) {
         // there may be more people behind the farthest one, so the density is that of the disc up to it
-        let to = slot_motion[found[count - 1u]].position - at;
+        let to = slot_position[found[count - 1u]] - at;
         reach2 = min(reach2, dot2(to, to));
     }
     reach2 = max(reach2, LEAST_REACH2);
     var people = OWN_SHARE;
     for (var k = 0u; k < count; k++) {
-        let to = slot_motion[found[k]].position - at;
+        let to = slot_position[found[k]] - at;
         let distance2 = dot2(to, to);
         let along = dot2(to, wanted);
         // members of a group walk near one another on purpose

@@ -6,7 +6,7 @@
 // neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
 // every device.
 //
-// Needs the bindings step, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
+// Needs the bindings step, slot_position, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
 const PLACES: u32 = 255u;          // candidates that the low bits can number
 const NO_KEY: u32 = 0xffffffffu;
@@ -138,7 +138,7 @@ fn keys_clear() {
 
 // The key of a candidate; places from `last` on are none.
 fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32) -> u32 {
-    let to = slot_motion[candidate].position - at;
+    let to = slot_position[candidate] - at;
     let distance2 = dot2(to, to);
     var wanted = place < last && candidate != slot && distance2 < range2;
     if (contents & STOREYS) != 0u {
@@ -207,7 +207,7 @@ fn search(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
                     let cell = u32(y * columns + x);
                     let end = cell_start[cell + 1u];
                     for (var other = cell_start[cell]; other < end; other++) {
-                        let to = slot_motion[other].position - at;
+                        let to = slot_position[other] - at;
                         let distance2 = dot2(to, to);
                         if other != slot && distance2 < range * range
                             && ((contents & STOREYS) == 0u || same_storey(other, elevation)) {

@@ -250,6 +250,18 @@ impl DrawShader {
     }
 }
 
+/// A module that build.rs has written, of so many words.
+macro_rules! spirv {
+    ($file:literal, $words:literal) => {
+        &bytemuck::must_cast::<[u8; 4 * $words], [u32; $words]>(*include_bytes!(concat!(
+            env!("OUT_DIR"),
+            "/",
+            $file,
+            ".spv"
+        )))
+    };
+}
+
 include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
 
 #[cfg(test)]

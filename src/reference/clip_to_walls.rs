@@ -16,8 +16,7 @@ pub fn clip_to_walls(b: Slices<'_>) {
         if own.agent == NOBODY || own.is_led() || !is_finite2(*velocity) {
             return;
         }
-        let own = b.slot_motion[slot];
-        *velocity = held(&walls, own.position, own.elevation, *velocity);
+        *velocity = held(&walls, b.slot_position[slot], b.slot_motion[slot].elevation, *velocity);
     });
 }
 

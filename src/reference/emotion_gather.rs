@@ -3,7 +3,7 @@
 use super::exact::{dot2, lesser};
 use super::shared::grid_cell;
 use crate::kernels::emotion_gather::{MOST_HEARD, MOST_TURNS, ROWS_BETWEEN, SHARE, Slices};
-use crate::kernels::layout::{Heard, SlotMotion};
+use crate::kernels::layout::Heard;
 use rayon::prelude::*;
 
 /// Twin of `shaders/emotion_gather.wgsl`.
@@ -11,7 +11,7 @@ pub fn emotion_gather(mut b: Slices<'_>) {
     let heard = std::mem::take(&mut b.heard);
     let b = &b;
     let has_turn = |slot: &usize| {
-        let row = grid_cell(b.slot_motion[*slot].position, b.step)[1] as u32;
+        let row = grid_cell(b.slot_position[*slot], b.step)[1] as u32;
         b.step.step_index == 0 || (row + b.step.step_index).is_multiple_of(ROWS_BETWEEN)
     };
     let present = b.cell_start[b.step.cell_count as usize] as usize;
@@ -38,7 +38,7 @@ fn total(sum: u32) -> f32 {
 
 fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
     let (step, reach) = (b.step, b.mood.radius);
-    let SlotMotion { position: [x, y], elevation, .. } = b.slot_motion[slot];
+    let ([x, y], elevation) = (b.slot_position[slot], b.slot_motion[slot].elevation);
     let agent = b.slot_avoidance[slot].agent as usize;
     let mut sums = [0_u32; 4];
     if !(reach > 0.0 && b.temperament[agent].openness > 0.0) {
@@ -55,13 +55,13 @@ fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
                 break;
             }
             turns += 1;
-            let them = b.slot_motion[other];
-            let to = [them.position[0] - x, them.position[1] - y];
+            let [their_x, their_y] = b.slot_position[other];
+            let to = [their_x - x, their_y - y];
             let distance2 = dot2(to, to);
             if !(distance2 < reach * reach) || other == slot || count >= MOST_HEARD {
                 continue;
             }
-            let apart = (them.elevation - elevation).abs();
+            let apart = (b.slot_motion[other].elevation - elevation).abs();
             if step.storey_height > 0.0 && apart >= step.storey_height {
                 continue;
             }

@@ -13,7 +13,8 @@ use rayon::prelude::*;
 pub fn grid_scatter(mut b: Slices<'_>) {
     let (agents, cells) = (b.step.agent_count as usize, b.step.cell_count as usize);
     let (cell_start, agent_slot) = (std::mem::take(&mut b.cell_start), std::mem::take(&mut b.agent_slot));
-    let (motion, avoidance) = (std::mem::take(&mut b.slot_motion), std::mem::take(&mut b.slot_avoidance));
+    let positions = std::mem::take(&mut b.slot_position);
+    let (motions, avoidances) = (std::mem::take(&mut b.slot_motion), std::mem::take(&mut b.slot_avoidance));
     let b = &b;
     let (starts, rest) = cell_start.split_at_mut(cells + 1);
     let (in_group, in_groups) = rest.split_at(cells);
@@ -32,11 +33,12 @@ pub fn grid_scatter(mut b: Slices<'_>) {
     for (agent, slot) in agent_slot[..agents].iter().enumerate().filter(|(_, slot)| **slot != NOBODY) {
         in_order[*slot as usize] = agent as u32;
     }
-    let slots = motion.par_iter_mut().zip(avoidance).zip(in_order).with_min_len(1024);
-    slots.for_each(|((motion, avoidance), agent)| {
+    let slots = positions.par_iter_mut().zip(motions).zip(avoidances).zip(in_order).with_min_len(1024);
+    slots.for_each(|(((position, motion), avoidance), agent)| {
         if agent == NOBODY {
             *avoidance = SlotAvoidance { agent, ..SlotAvoidance::default() };
         } else {
+            *position = b.position[agent as usize];
             (*motion, *avoidance) = packed(b, agent as usize);
         }
     });
@@ -63,7 +65,6 @@ fn packed(b: &Slices<'_>, agent: usize) -> (SlotMotion, SlotAvoidance) {
     };
     let comfort = if own.is_led() { own.inverse_time_horizon } else { 0.0 };
     let motion = SlotMotion {
-        position: b.position[agent],
         velocity: b.velocity[agent],
         radius: b.body[agent].radius + comfort,
         max_speed: b.body[agent].max_speed,

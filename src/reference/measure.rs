@@ -1,6 +1,6 @@
 //! Measures the crowd after a step.
 
-use super::exact::{det2, dot2, lesser};
+use super::exact::{det2, dot2, greater, lesser};
 use super::shared::{cell_index, grid_cell, is_absent, on_storey};
 use crate::kernels::layout::Seen;
 use crate::kernels::measure::index::MEASURED_STEPS;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// What one agent adds.
 #[derive(Clone, Copy)]
 struct Found {
-    /// Least gap to another of a higher slot, m; `NEAR` for none.
+    /// Least gap to another of a higher slot, m, or the least that was known before.
     least: f32,
     overlapping: u32,
     outside: u32,
@@ -30,7 +30,8 @@ pub fn measure(mut b: Slices<'_>) {
         .with_min_len(1024)
         .for_each(|(agent, seen)| see(b, agent, seen));
 
-    let none = Found { least: NEAR, overlapping: 0, outside: 0 };
+    let known = if measured[0] < in_order(NEAR) { from_order(measured[0]) } else { NEAR };
+    let none = Found { least: known, overlapping: 0, outside: 0 };
     let both = |a: Found, b: Found| Found {
         least: lesser(a.least, b.least),
         overlapping: a.overlapping + b.overlapping,
@@ -41,12 +42,12 @@ pub fn measure(mut b: Slices<'_>) {
     let all = there.map(|(slot, own)| {
         let agent = own.agent as usize;
         let is_out = b.step.obstacle_count > 0 && is_outside(b, b.position[agent]);
-        Found { outside: u32::from(is_out), ..pairs(b, slot, agent) }
+        Found { outside: u32::from(is_out), ..pairs(b, slot, agent, none) }
     });
     let found = all.reduce(|| none, both);
     let number = b.step.step_index as usize % MEASURED_STEPS;
     if found.least < NEAR {
-        measured[0] = measured[0].min(in_order(found.least));
+        measured[0] = in_order(found.least);
     }
     measured[1 + number] += found.overlapping;
     measured[1 + MEASURED_STEPS + number] += found.outside;
@@ -66,23 +67,32 @@ fn see(b: &Slices<'_>, agent: usize, own: &mut Seen) {
     }
 }
 
-/// The gaps between an agent and those of higher slots.
-fn pairs(b: &Slices<'_>, slot: usize, agent: usize) -> Found {
+/// The overlaps of an agent with those of higher slots, and the gaps below the least so far, but for others faster than
+/// [`FASTEST`].
+fn pairs(b: &Slices<'_>, slot: usize, agent: usize, mut found: Found) -> Found {
     let ([x, y], radius) = (b.position[agent], b.body[agent].radius);
-    let reach = radius + b.step.widest_radius + NEAR + FASTEST * b.step.time_step;
+    let way = FASTEST * b.step.time_step;
+    let reach = radius + b.step.widest_radius + greater(found.least, 0.0) + way;
     let low = grid_cell([x - reach, y - reach], b.step);
     let high = grid_cell([x + reach, y + reach], b.step);
-    let mut found = Found { least: NEAR, overlapping: 0, outside: 0 };
     for row in low[1]..=high[1] {
         let first = row * b.step.grid_columns as i32;
         let end = b.cell_start[(first + high[0] + 1) as usize] as usize;
         for other in (b.cell_start[(first + low[0]) as usize] as usize).max(slot + 1)..end {
+            let start = [b.slot_position[other][0] - x, b.slot_position[other][1] - y];
+            if dot2(start, start) > reach * reach {
+                continue;
+            }
             let them = b.slot_avoidance[other].agent as usize;
             let to = [b.position[them][0] - x, b.position[them][1] - y];
-            if on_storey(b.step, b.elevation[agent], b.elevation[them]) {
-                let distance = dot2(to, to).sqrt();
-                let sum = radius + b.body[them].radius;
-                found.least = lesser(found.least, distance - sum);
+            let distance = dot2(to, to).sqrt();
+            let sum = radius + b.body[them].radius;
+            let gap = distance - sum;
+            let farthest = sum + greater(gap, 0.0) + way;
+            if dot2(start, start) <= farthest * farthest
+                && on_storey(b.step, b.elevation[agent], b.elevation[them])
+            {
+                found.least = lesser(found.least, gap);
                 found.overlapping += u32::from(distance < OVERLAP * sum);
             }
         }
@@ -94,6 +104,11 @@ fn pairs(b: &Slices<'_>, slot: usize, agent: usize) -> Found {
 pub fn in_order(number: f32) -> u32 {
     let bits = number.to_bits();
     if bits >> 31 == 1 { !bits } else { bits | 0x8000_0000 }
+}
+
+/// The number of such bits.
+pub fn from_order(bits: u32) -> f32 {
+    f32::from_bits(if bits >> 31 == 1 { bits & 0x7fff_ffff } else { !bits })
 }
 
 /// Whether a point lies in something solid.

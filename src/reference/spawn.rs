@@ -47,7 +47,7 @@ fn is_free(b: &Slices<'_>, place: [f32; 2], radius: f32, widest: f32, height: f3
         for slot in first as usize..end as usize {
             let other = b.slot_motion[slot];
             if on_storey(step, other.elevation, height)
-                && is_near(place, other.position, radius + other.radius + GAP)
+                && is_near(place, b.slot_position[slot], radius + other.radius + GAP)
             {
                 return false;
             }

@@ -36,6 +36,7 @@ fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {
 fn slots<'a>(b: &'a Slices<'_>) -> Slots<'a> {
     Slots {
         step: b.step,
+        slot_position: b.slot_position,
         slot_motion: b.slot_motion,
         slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
@@ -78,8 +79,7 @@ fn take_turns(
     state: &mut Waiting,
 ) -> bool {
     let step = slots.step;
-    let SlotMotion { position, velocity, .. } = slots.slot_motion[slot];
-    let progress = dot2(velocity, ahead);
+    let progress = dot2(slots.slot_motion[slot].velocity, ahead);
     let pace = if progress < PROGRESS * speed { 1.0 } else { -2.0 };
     state.stuck = greater(state.stuck + pace * step.time_step, 0.0);
     if state.side != 0.0 {
@@ -87,7 +87,7 @@ fn take_turns(
     }
     state.stuck > step.patience
         && dot2(turn(step), ahead) > 0.0
-        && is_opposed(slots, preferred, slot, position, ahead)
+        && is_opposed(slots, preferred, slot, slots.slot_position[slot], ahead)
 }
 
 /// The direction in which it follows a wall, if it does.
@@ -100,7 +100,8 @@ fn follow_walls(
     state: &mut Waiting,
 ) -> Option<[f32; 2]> {
     let step = walls.step;
-    let SlotMotion { position, radius, elevation, .. } = slots.slot_motion[slot];
+    let position = slots.slot_position[slot];
+    let SlotMotion { radius, elevation, .. } = slots.slot_motion[slot];
     let is_following = state.side != 0.0;
     if state.stuck <= step.patience && !is_following {
         return None;
@@ -137,7 +138,7 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
     ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
         let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
-            let [x, y] = slots.slot_motion[other].position;
+            let [x, y] = slots.slot_position[other];
             let to = [x - at[0], y - at[1]];
             let wanted = preferred[slots.slot_avoidance[other].agent as usize];
             let (speed2, against) = (dot2(wanted, wanted), -dot2(wanted, ahead));
@@ -166,7 +167,7 @@ fn is_someone_ahead(slots: &Slots<'_>, slot: usize, at: [f32; 2], ahead: [f32; 2
     ((cy - 2).max(0)..=(cy + 2).min(rows - 1)).any(|y| {
         let cell = |x: i32| slots.cell_start[(y * columns + x) as usize] as usize;
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
-            let [x, y] = slots.slot_motion[other].position;
+            let [x, y] = slots.slot_position[other];
             let to = [x - at[0], y - at[1]];
             let (distance2, along) = (dot2(to, to), dot2(to, ahead));
             let is_ahead = along > 0.0 && 4.0 * along * along > distance2;

@@ -24,6 +24,7 @@ pub fn velocity_rvo(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let slots = Slots {
         step: b.step,
+        slot_position: b.slot_position,
         slot_motion: b.slot_motion,
         slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
@@ -87,8 +88,8 @@ struct View {
 impl Neighbourhood<'_> {
     fn new_velocity(&self, slot: usize, own: Seeker, preferred: [f32; 2]) -> [f32; 2] {
         let step = self.slots.step;
-        let SlotMotion { position: at, velocity: present, radius, max_speed, elevation, .. } =
-            self.slots.slot_motion[slot];
+        let at = self.slots.slot_position[slot];
+        let SlotMotion { velocity: present, radius, max_speed, elevation, .. } = self.slots.slot_motion[slot];
         let nearest = self.slots.neighbours(slot, at, own.range, own.cap);
         let mut preferred = preferred;
         if self.contents & CROWDED != 0 && !has_right_of_way(&self.slots, slot) {
@@ -199,47 +200,47 @@ impl Neighbourhood<'_> {
     ) -> ([Other; NEIGHBOURS + 1], usize) {
         let step = self.slots.step;
         let me = self.slots.slot_motion[slot];
-        let ([x, y], [vx, vy], max_speed) = (me.position, me.velocity, me.max_speed);
+        let ([x, y], [vx, vy], max_speed) = (self.slots.slot_position[slot], me.velocity, me.max_speed);
         // an agent above its maximum speed slows down by more than `most`
         let excess = greater(dot2([vx, vy], [vx, vy]).sqrt() - max_speed, 0.0);
         let change = most + excess;
         let mut others = [Other::default(); NEIGHBOURS + 1];
         let mut count = 0;
-        let mut look = |theirs: &SlotMotion, share: f32, side: f32, is_mate: bool| {
-            let has_way = share <= 0.0;
-            let factor = 1.0 / if has_way { 1.0 } else { share };
-            let rate = if has_way { greater(own.rate, RIGHT_OF_WAY) } else { own.rate };
-            // members of a group walk near one another on purpose
-            let rate = if is_mate { greater(rate, TOGETHER) } else { rate };
-            let to = [theirs.position[0] - x, theirs.position[1] - y];
-            let radius = me.radius + theirs.radius + step.safety_margin;
-            let distance = dot2(to, to).sqrt();
-            let [their_vx, their_vy] = theirs.velocity;
-            let offset = [vx * (factor - 1.0) + their_vx, vy * (factor - 1.0) + their_vy];
-            let (mut place, mut apart) = (to, 0.0);
-            if distance < radius {
-                place = unit_or(to, [side, 0.0]);
-                apart = lesser((radius - distance) * step.inverse_time_step, max_speed);
-            } else {
-                let closing = dot2(to, [vx - their_vx, vy - their_vy]) + change * factor * distance;
-                if !(closing > SAFE * rate * (distance - radius) * distance) {
-                    return;
+        let mut look =
+            |[their_x, their_y]: [f32; 2], theirs: &SlotMotion, share: f32, side: f32, is_mate: bool| {
+                let has_way = share <= 0.0;
+                let factor = 1.0 / if has_way { 1.0 } else { share };
+                let rate = if has_way { greater(own.rate, RIGHT_OF_WAY) } else { own.rate };
+                // members of a group walk near one another on purpose
+                let rate = if is_mate { greater(rate, TOGETHER) } else { rate };
+                let to = [their_x - x, their_y - y];
+                let radius = me.radius + theirs.radius + step.safety_margin;
+                let distance = dot2(to, to).sqrt();
+                let [their_vx, their_vy] = theirs.velocity;
+                let offset = [vx * (factor - 1.0) + their_vx, vy * (factor - 1.0) + their_vy];
+                let (mut place, mut apart) = (to, 0.0);
+                if distance < radius {
+                    place = unit_or(to, [side, 0.0]);
+                    apart = lesser((radius - distance) * step.inverse_time_step, max_speed);
+                } else {
+                    let closing = dot2(to, [vx - their_vx, vy - their_vy]) + change * factor * distance;
+                    if !(closing > SAFE * rate * (distance - radius) * distance) {
+                        return;
+                    }
                 }
-            }
-            others[count] = Other { place, offset, factor, radius, apart, rate };
-            count += 1;
-        };
+                others[count] = Other { place, offset, factor, radius, apart, rate };
+                count += 1;
+            };
         let to_user = [step.user_position[0] - x, step.user_position[1] - y];
         let is_near = dot2(to_user, to_user) < own.range * own.range
             && on_storey(step, me.elevation, step.user_elevation);
         if self.contents & USER != 0 && is_near {
             let user = SlotMotion {
-                position: step.user_position,
                 velocity: step.user_velocity,
                 radius: step.user_radius,
                 ..SlotMotion::default()
             };
-            look(&user, 1.0, -1.0, false);
+            look(step.user_position, &user, 1.0, -1.0, false);
         }
         for other in &nearest.slots[..nearest.count] {
             let other = *other as usize;
@@ -252,7 +253,7 @@ impl Neighbourhood<'_> {
                 step.responsibility
             };
             let side = if slot < other { -1.0 } else { 1.0 };
-            look(them, share, side, is_mate);
+            look(self.slots.slot_position[other], them, share, side, is_mate);
         }
         (others, count)
     }

@@ -72,5 +72,8 @@ fn overlaps_and_agents_in_walls_are_found() {
         let [x, z] = store.position[10];
         store.position[11] = [x + 0.1, z];
     });
-    assert!(disturbed.outside == 2 && disturbed.overlapping_pairs >= 2 && disturbed.min_clearance < -0.2, "{disturbed:?}");
+    assert!(
+        disturbed.outside == 2 && disturbed.overlapping_pairs >= 2 && disturbed.min_clearance < -0.2,
+        "{disturbed:?}"
+    );
 }

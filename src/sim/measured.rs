@@ -4,6 +4,7 @@ use super::{Simulation, setup};
 use crate::kernels::BufferId;
 use crate::kernels::layout::Seen;
 use crate::kernels::measure::index::MEASURED_STEPS;
+use crate::reference::measure::from_order;
 
 /// Steps after which [`Simulation::extremes`] must have been asked.
 pub(crate) const MEASURED: u32 = crate::kernels::measure::MEASURED_STEPS;
@@ -56,7 +57,7 @@ impl Simulation {
             None => Extremes::NONE,
             Some((least, counts)) => {
                 let (pairs, outside) = counts.split_at(MEASURED_STEPS);
-                let min_clearance = if *least == u32::MAX { f32::INFINITY } else { in_order(*least) };
+                let min_clearance = if *least == u32::MAX { f32::INFINITY } else { from_order(*least) };
                 let found =
                     Extremes { min_clearance, overlapping_pairs: most(pairs), outside: most(outside) };
                 *least = u32::MAX;
@@ -78,22 +79,17 @@ impl Simulation {
     }
 }
 
-/// The number whose bits stand in the order of the numbers.
-fn in_order(bits: u32) -> f32 {
-    f32::from_bits(if bits >> 31 == 1 { bits & 0x7fff_ffff } else { !bits })
-}
-
 #[cfg(test)]
 #[allow(clippy::unwrap_used, reason = "a test")]
 mod tests {
     use super::*;
-    use crate::reference::measure::in_order as bits_in_order;
+    use crate::reference::measure::in_order;
 
     #[test]
     fn bits_stand_in_the_order_of_their_numbers() {
         let numbers = [-2.5, -0.1, -0.0, 0.0, 1e-30, 0.1, 7.0];
-        assert!(numbers.map(bits_in_order).is_sorted());
-        let back = numbers.map(|number| in_order(bits_in_order(number)).to_bits());
+        assert!(numbers.map(in_order).is_sorted());
+        let back = numbers.map(|number| from_order(in_order(number)).to_bits());
         assert_eq!(back, numbers.map(f32::to_bits));
     }
 }

@@ -203,6 +203,7 @@ pub fn scratch(store: &mut Store) {
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; agents + 4];
     store.slot_avoidance = vec![SlotAvoidance::default(); agents];
+    store.slot_position = vec![[0.0; 2]; agents];
     store.slot_motion = vec![SlotMotion::default(); agents];
     store.new_velocity = vec![[0.0; 2]; agents];
     store.waiting = vec![Waiting::default(); agents];

@@ -81,6 +81,7 @@ fn walls(agents: usize, seed: u32) -> Store {
         // nothing may happen in an empty slot, even where its fields are numbers
         let is_empty = slot >= agents || store.slot_avoidance[slot].agent == NOBODY;
         if is_empty && agents > 0 {
+            store.slot_position[slot] = store.slot_position[0];
             store.slot_motion[slot] = store.slot_motion[0];
         }
     }

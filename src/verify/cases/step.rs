@@ -278,6 +278,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     // what is left of another step
     store.unsolved = vec![1_000_000; spare + 4];
     store.slot_avoidance = vec![SlotAvoidance::default(); spare];
+    store.slot_position = vec![[f32::NAN; 2]; spare];
     store.slot_motion = vec![nan(); spare];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
