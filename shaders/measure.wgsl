@@ -20,8 +20,6 @@
 const MEASURED_STEPS: u32 = 1024u;
 // Gaps are measured up to this, m.
 const NEAR: f32 = 0.5;
-// No agent is faster, m/s: it may be so much farther from its cell than at the step's beginning.
-const FASTEST: f32 = 10.0;
 // Two discs overlap when their centres are nearer than this share of their summed radii.
 const OVERLAP: f32 = 0.9;
 
@@ -64,13 +62,13 @@ fn see(agent: u32) {
 }
 
 // The overlaps of an agent with those of higher slots, and the gaps below the least so far. What that is by now depends on the
-// other invocations; what is found does not: a gap counts if the other came no faster than FASTEST, and then it is in reach.
+// other invocations; what is found does not: a gap counts if the other is not faster than any may be, and then it is in reach.
 fn measure_pairs(slot: u32, agent: u32, number: u32) {
     let at = position[agent];
     let radius = body[agent].radius;
     let known = atomicLoad(&measured[0]);
     var least = select(NEAR, from_order(known), known < in_order(NEAR));
-    let way = FASTEST * step.time_step;
+    let way = step.fastest * step.time_step;
     let reach = radius + step.widest_radius + max(least, 0.0) + way;
     let low = grid_cell(at - vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
     let high = grid_cell(at + vec2<f32>(reach), step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);

@@ -55,5 +55,5 @@ struct StepUniforms {
     user_elevation: f32,         // m: height of the floor that the user stands on
     widest_radius: f32,          // m: of any agent
     measured: u32,               // 1: steps are measured
-    padding: u32,
+    fastest: f32,                // m/s: no agent is faster
 }

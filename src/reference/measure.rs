@@ -4,7 +4,7 @@ use super::exact::{det2, dot2, greater, lesser};
 use super::shared::{cell_index, grid_cell, is_absent, on_storey};
 use crate::kernels::layout::Seen;
 use crate::kernels::measure::index::MEASURED_STEPS;
-use crate::kernels::measure::{FASTEST, NEAR, OVERLAP, Slices};
+use crate::kernels::measure::{NEAR, OVERLAP, Slices};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::orca::RAISED;
 use rayon::prelude::*;
@@ -67,11 +67,11 @@ fn see(b: &Slices<'_>, agent: usize, own: &mut Seen) {
     }
 }
 
-/// The overlaps of an agent with those of higher slots, and the gaps below the least so far, but for others faster than
-/// [`FASTEST`].
+/// The overlaps of an agent with those of higher slots, and the gaps below the least so far, but for others that are faster
+/// than any may be.
 fn pairs(b: &Slices<'_>, slot: usize, agent: usize, mut found: Found) -> Found {
     let ([x, y], radius) = (b.position[agent], b.body[agent].radius);
-    let way = FASTEST * b.step.time_step;
+    let way = b.step.fastest * b.step.time_step;
     let reach = radius + b.step.widest_radius + greater(found.least, 0.0) + way;
     let low = grid_cell([x - reach, y - reach], b.step);
     let high = grid_cell([x + reach, y + reach], b.step);

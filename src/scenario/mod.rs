@@ -52,6 +52,8 @@ pub mod random;
 mod setting;
 
 pub use crate::wkt::Error as WktError;
+#[doc(hidden)]
+pub(crate) use check::external::MAX_EXTERNAL_SPEED;
 pub use error::{BadValue, Error};
 pub use file::{
     Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
@@ -61,7 +63,6 @@ pub use file::{
     SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
-#[doc(hidden)]
 pub use place::{Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, external_bodies};
 #[doc(hidden)]
 pub use polygon::{MAX_COORDINATE, UnionError};

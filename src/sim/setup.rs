@@ -5,8 +5,8 @@ use super::obstacles::{at_heights, cell_depth, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
 use crate::ground::is_absent;
 use crate::kernels::layout::{
-    Appearance, Attention, Avoidance, Body, GazeState, Lead, Route, Seen, Segment, SlotAvoidance, SlotMotion,
-    Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
+    Appearance, Attention, Avoidance, Body, GazeState, Lead, Paces, Route, Seen, Segment, SlotAvoidance,
+    SlotMotion, Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
 use crate::kernels::measure::index::MEASURED_STEPS;
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
@@ -32,6 +32,8 @@ const WALK_SPEED: f32 = 0.12;
 const BLEND_RATE: f32 = 2.5;
 /// Agents that a cell should hold where the crowd is evenly spread: best of four sizes measured on lavapipe.
 const AGENTS_PER_CELL: f32 = 1.2;
+/// No agent is faster than this times its maximum speed. The velocity that violates the least lines may be a little faster.
+const EXCESS: f32 = 1.5;
 /// Most cells of a grid.
 const MAX_CELLS: f32 = 4_000_000.0;
 /// `entry` of agents that never come in.
@@ -188,9 +190,13 @@ pub fn nothing_measured(store: &mut Store) {
     store.seen = store.position.iter().map(unseen).collect();
     store.measured = vec![0; 1 + 2 * MEASURED_STEPS];
     store.measured[0] = u32::MAX;
-    let radius = |body: &Body| body.radius;
-    let agents = store.step.agent_count as usize;
-    store.step.widest_radius = store.body.iter().take(agents).map(radius).fold(0.0, f32::max);
+    let bodies = || store.body.iter().take(store.step.agent_count as usize);
+    let widest = bodies().map(|body| body.radius).fold(0.0, f32::max);
+    let with_feelings = |own: &Paces| own.preferred_speeds.into_iter().fold(own.max_speed, f32::max);
+    let speeds = bodies().map(|body| body.max_speed).chain(store.paces.iter().map(with_feelings));
+    let led = if store.step.led_count > 0 { scenario::MAX_EXTERNAL_SPEED } else { 0.0 };
+    let fastest = speeds.map(|speed| EXCESS * speed).fold(led, f32::max);
+    (store.step.widest_radius, store.step.fastest) = (widest, fastest);
     store.cell_depth.resize(store.step.cell_count.max(1) as usize, 0);
 }
 

@@ -10,7 +10,7 @@ const MAX_OUTSIDERS: usize = 1024;
 /// Most keyframes of a path.
 const MAX_KEYFRAMES: usize = 1024;
 /// Fastest that an external agent may go, m/s.
-const MAX_SPEED: f32 = 60.0;
+pub(crate) const MAX_EXTERNAL_SPEED: f32 = 60.0;
 
 /// Checks radii and paths.
 pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
@@ -63,8 +63,8 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
             }
             if let Some([t, from_x, from_z]) = before {
                 let speed = libm::hypotf(x - from_x, z - from_z) / (time - t);
-                if speed > MAX_SPEED {
-                    let allowed = format!("at most {MAX_SPEED} m/s (this is {speed:.0})");
+                if speed > MAX_EXTERNAL_SPEED {
+                    let allowed = format!("at most {MAX_EXTERNAL_SPEED} m/s (this is {speed:.0})");
                     return Err(wrong(allowed, "give it more time"));
                 }
             }

@@ -1,6 +1,6 @@
 //! Allowed ranges of every value of a scenario, one file a section.
 
-mod external;
+pub(crate) mod external;
 mod feelings;
 mod floors;
 mod gaze;
