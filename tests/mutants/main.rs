@@ -119,7 +119,8 @@ fn run() -> Result<bool, Failure> {
         ["page"] => page(most),
         ["all"] => {
             let planted = plant_shaders(&[], most)?;
-            Found::default().keep(planted, rust::run(TABLES, "")?)?;
+            Found::default().keep(planted, Vec::new())?;
+            Found::read()?.keep(Vec::new(), rust::run(TABLES, "")?)?;
             page(most)
         }
         _ => {

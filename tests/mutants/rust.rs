@@ -15,7 +15,7 @@ const MARK: &str = "MUTANT";
 /// A test that takes so long does not end.
 const PATIENCE: Duration = Duration::from_secs(300);
 
-/// What is added to the copy's library.
+/// What is added to the copy's library, and to its build script.
 const SWITCHED: &str = "
 /// Whether an error is switched on.
 #[doc(hidden)]
@@ -173,14 +173,15 @@ fn switched(entries: &[Entry]) -> Result<BTreeMap<String, String>, Failure> {
         };
         *text = text.replace(old, &both);
     }
-    let library = "src/lib.rs";
-    let (_, text) = match texts.entry(library) {
-        std::collections::btree_map::Entry::Occupied(there) => there.into_mut(),
-        std::collections::btree_map::Entry::Vacant(free) => {
-            free.insert((String::new(), std::fs::read_to_string(library)?))
+    // the build script includes some files of the library
+    for root in ["src/lib.rs", "build.rs"] {
+        if !texts.contains_key(root) {
+            texts.insert(root, (String::new(), std::fs::read_to_string(root)?));
         }
-    };
-    text.push_str(SWITCHED);
+        if let Some((_, text)) = texts.get_mut(root) {
+            text.push_str(SWITCHED);
+        }
+    }
     Ok(texts.into_iter().map(|(file, (_, text))| (file.to_owned(), text)).collect())
 }
 
