@@ -227,7 +227,8 @@ fn build(folder: &Path, entries: &[Entry]) -> Result<BTreeMap<String, PathBuf>, 
 /// Whether the tests of a name pass, with an error or without; there must be some.
 fn passes(folder: &Path, program: &Path, test: &str, mutant: Option<&str>) -> Result<bool, Failure> {
     let mut command = crate::shaders::on_driver(program);
-    command.arg(test).current_dir(folder).env("GAITWAY_REQUIRE_GPU", "1").env_remove(SWITCH);
+    command.arg(test).current_dir(folder).env_remove(SWITCH);
+    command.env("GAITWAY_REQUIRE_GPU", "1").env("GAITWAY_VALIDATION", "sync"); // as scripts/test has them
     if let Some(mutant) = mutant {
         command.env(SWITCH, mutant);
     }
