@@ -280,8 +280,8 @@ pub(crate) fn write_spirv(folder: &Path, name: &str, words: &[u32]) -> Result<()
         .map_err(|e| format!("{}: {e}", path.display()))
 }
 
-/// A module in Rust: the file of the output folder that [`write_spirv`] wrote. Written as numbers, all modules are 400,000 expressions, which rustc and
-/// clippy take half a minute to look at.
+/// A module in Rust: the file of the output folder that [`write_spirv`] wrote. As numbers all modules would be 400,000
+/// expressions, which rustc and clippy take half a minute to look at.
 pub(crate) fn words(file: &str, spirv: &[u32]) -> String {
     format!("spirv!(\"{file}\", {})", spirv.len())
 }

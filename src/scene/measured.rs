@@ -45,7 +45,7 @@ fn compare(name: &str, agents: Option<u32>, disturb: impl Fn(&Geometry, &mut Sto
     assert!((measured.min_clearance - found.min_clearance).abs() < 1e-5, "{measured:?} {found:?}");
     assert_eq!(measured.overlapping_pairs, found.overlapping_pairs);
     assert_eq!(measured.outside, found.outside);
-    assert_eq!(simulation.extremes().unwrap(), Extremes::NONE, "it begins anew");
+    assert_eq!(simulation.extremes().unwrap(), Extremes::NONE, "what was found is forgotten");
     let seen = simulation.seen().unwrap().to_vec();
     assert_eq!(seen.iter().map(|own| own.steps).sum::<u32>(), speeds.1);
     let sum: f64 = seen.iter().map(|own| f64::from(own.speed_sum)).sum();
