@@ -13,6 +13,7 @@ use std::time::Instant;
 mod crowds;
 mod field;
 mod goals;
+mod measured;
 mod models;
 #[cfg(feature = "vulkan")]
 mod occlusion;
@@ -59,6 +60,8 @@ pub enum Workload {
     Goals,
     /// Steps of ORCA and of RVO in alternation, at 0.5 to 3.5 people per square metre (see the rows' names).
     Models,
+    /// Ten seconds of steps, with and without the measures of `gaitway simulate` (see the rows' names).
+    Measured,
 }
 
 /// The outcome.
@@ -83,6 +86,9 @@ pub struct Report {
     /// Seconds it took.
     pub wall_seconds: f64,
 }
+
+/// Times crowds beside one another: rows, crowds and the device.
+type Compared = fn(usize, Backend, Option<&str>) -> Result<(Vec<Row>, Vec<Quality>, String), crate::Error>;
 
 /// Times `workload` at every size. Calls `progress` with the current row and the fraction done.
 ///
@@ -115,9 +121,13 @@ pub fn bench(
             rows.extend(timed);
             continue;
         }
-        if workload == Workload::Models {
-            progress(&format!("models, {agents} agents"), share(0.0));
-            let (timed, crowds, device) = models::models(agents, backend, device)?;
+        if matches!(workload, Workload::Models | Workload::Measured) {
+            let (title, time): (_, Compared) = match workload {
+                Workload::Models => ("models", models::models),
+                _ => ("measures", measured::measured),
+            };
+            progress(&format!("{title}, {agents} agents"), share(0.0));
+            let (timed, crowds, device) = time(agents, backend, device)?;
             name = device;
             rows.extend(timed);
             quality.extend(crowds);

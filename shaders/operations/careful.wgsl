@@ -1,8 +1,9 @@
 // Correctly rounded division and square root on any device that adds, subtracts and multiplies as Vulkan demands.
 //
-// The device's own reciprocal is a first guess, which may be wrong by dozens of units in the last place. Integers decide: a
-// residual modulo 2^32 is exact, since it is small. At its end the quotient or root is the nearest integer. A tie cannot
-// occur: no quotient of two 24-bit numbers and no root of one lies halfway between two 24-bit numbers.
+// The device's own reciprocal is a first guess, which may be wrong by 24 units in the last place. Integers decide: a residual
+// modulo 2^32 is exact, since it is below 2^31. What the first correction leaves is less than 1.001, so one step goes to the
+// nearest integer. A tie cannot occur: no quotient of two 24-bit numbers and no root of one lies halfway between two 24-bit
+// numbers.
 //
 // Twins: reference::careful.
 
@@ -44,15 +45,12 @@ fn op_div(a: f32, b: f32) -> f32 {
     var q = u32(guess * select(8388608.0, 16777216.0, less == 1u));
     let d = i32(mb);
     var r = bitcast<i32>((ma << (23u + less)) - q * mb);
-    let off = i32(f32(r) * (inverse * 1.1920929e-7)); // how far off, to within one and a half; 2^-23
+    let off = i32(f32(r) * (inverse * 1.1920929e-7)); // how far off, to within little more than one; 2^-23
     q = bitcast<u32>(bitcast<i32>(q) + off);
     r = r - off * d;
-    let first = select(0, 1, 2 * r > d) - select(0, 1, 2 * r < -d);
-    q = bitcast<u32>(bitcast<i32>(q) + first);
-    r = r - first * d;
-    let second = select(0, 1, 2 * r > d) - select(0, 1, 2 * r < -d);
-    q = bitcast<u32>(bitcast<i32>(q) + second);
-    r = r - second * d;
+    let step = select(0, 1, 2 * r > d) - select(0, 1, 2 * r < -d);
+    q = bitcast<u32>(bitcast<i32>(q) + step);
+    r = r - step * d;
     let e = ea - eb + 127 - i32(less);
     if u32(e - 1) < 254u {
         return from_bits(sign | ((u32(e) << 23u) + (q - 0x800000u)));
@@ -98,11 +96,8 @@ fn op_sqrt(x: f32) -> f32 {
     let off = i32(f32(r) * (inverse * 5.9604645e-8)); // 2^-24
     r = r - off * (2 * i32(s) + off);
     s = bitcast<u32>(bitcast<i32>(s) + off);
-    let first = select(0, 1, r > i32(s)) - select(0, 1, r <= -i32(s));
-    r = r - first * (2 * i32(s) + first);
-    s = bitcast<u32>(bitcast<i32>(s) + first);
-    let second = select(0, 1, r > i32(s)) - select(0, 1, r <= -i32(s));
-    s = bitcast<u32>(bitcast<i32>(s) + second);
+    let step = select(0, 1, r > i32(s)) - select(0, 1, r <= -i32(s));
+    s = bitcast<u32>(bitcast<i32>(s) + step);
     let exponent = ((e - 127 - i32(odd)) >> 1u) + 127;
     return from_bits((u32(exponent) << 23u) + (s - 0x800000u));
 }

@@ -18,6 +18,7 @@ pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
     /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
     /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities;
+    /// measured: steps of the scene `crossing` with and without the measures of `simulate`;
     /// goals: what this project wants of a large GPU, with --agents 10000,100000,1000000
     #[arg(long, value_enum, default_value_t)]
     workload: WorkloadName,
@@ -46,6 +47,7 @@ enum WorkloadName {
     Occlusion,
     Field,
     Models,
+    Measured,
     Goals,
 }
 
@@ -64,6 +66,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         WorkloadName::Stereo => Workload::Stereo,
         WorkloadName::Field => Workload::Field,
         WorkloadName::Models => Workload::Models,
+        WorkloadName::Measured => Workload::Measured,
         WorkloadName::Goals => Workload::Goals,
     };
     let (backend, device) = arguments.place.get()?;

@@ -38,11 +38,9 @@ pub fn divide(a: f32, b: f32, inverse: impl Fn(f32) -> f32) -> f32 {
     let off = (r as f32 * (inverse * 1.192_092_9e-7)) as i32;
     q = q.wrapping_add_signed(off);
     r = r.wrapping_sub(off.wrapping_mul(d));
-    for _ in 0..2 {
-        let step = i32::from(2 * r > d) - i32::from(2 * r < -d);
-        q = q.wrapping_add_signed(step);
-        r -= step * d;
-    }
+    let step = i32::from(2 * r > d) - i32::from(2 * r < -d);
+    q = q.wrapping_add_signed(step);
+    r -= step * d;
     let e = ea - eb + 127 - less as i32;
     if (e - 1) as u32 >= 254 {
         let bits = if e >= 255 { 0x7f80_0000 } else { subnormal(q, r, d, e) };
@@ -84,11 +82,8 @@ pub fn square_root(x: f32, inverse_root: impl Fn(f32) -> f32) -> f32 {
     let off = (r as f32 * (inverse * 5.960_464_5e-8)) as i32;
     r = r.wrapping_sub(off.wrapping_mul(2 * s as i32 + off));
     s = s.wrapping_add_signed(off);
-    for _ in 0..2 {
-        let step = i32::from(r > s as i32) - i32::from(r <= -(s as i32));
-        r -= step * (2 * s as i32 + step);
-        s = s.wrapping_add_signed(step);
-    }
+    let step = i32::from(r > s as i32) - i32::from(r <= -(s as i32));
+    s = s.wrapping_add_signed(step);
     let exponent = ((e - 127 - odd as i32) >> 1) + 127;
     f32::from_bits(((exponent as u32) << 23) + (s - 0x80_0000))
 }

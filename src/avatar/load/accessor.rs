@@ -3,7 +3,9 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::Accessor;
 use gltf::accessor::DataType;
-use gltf::buffer::Data;
+
+/// Bytes of a buffer of the file.
+pub(super) type Buffer = Vec<u8>;
 
 /// Bytes of each element of an accessor.
 struct Elements<'a> {
@@ -14,7 +16,7 @@ struct Elements<'a> {
 }
 
 impl<'a> Elements<'a> {
-    fn of(accessor: &Accessor<'_>, buffers: &'a [Data]) -> Result<Self, String> {
+    fn of(accessor: &Accessor<'_>, buffers: &'a [Buffer]) -> Result<Self, String> {
         let index = accessor.index();
         if accessor.sparse().is_some() {
             return Err(format!(
@@ -22,7 +24,7 @@ impl<'a> Elements<'a> {
             ));
         }
         let view = accessor.view().ok_or_else(|| format!("accessor {index} has no data"))?;
-        let buffer = buffers.get(view.buffer().index()).map_or(&[][..], |data| data.0.as_slice());
+        let buffer = buffers.get(view.buffer().index()).map_or(&[][..], Vec::as_slice);
         let end = view.offset().checked_add(view.length());
         let view_bytes = end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
             let (from, length) = (view.offset(), view.length());
@@ -83,7 +85,7 @@ fn float(bytes: &[u8], data: DataType, slot: usize, normalised: bool) -> f32 {
 }
 
 /// All components as floats, `[element][component]`, refused if not finite or of another shape.
-fn floats(accessor: &Accessor<'_>, buffers: &[Data], components: usize) -> Result<Vec<Vec<f32>>, String> {
+fn floats(accessor: &Accessor<'_>, buffers: &[Buffer], components: usize) -> Result<Vec<Vec<f32>>, String> {
     let (index, found) = (accessor.index(), accessor.dimensions().multiplicity());
     if found < components {
         return Err(format!("accessor {index} has {found} components, expected {components}"));
@@ -101,27 +103,27 @@ fn floats(accessor: &Accessor<'_>, buffers: &[Data], components: usize) -> Resul
     elements.iter().enumerate().map(read).collect()
 }
 
-pub(super) fn vec2(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec2>, String> {
+pub(super) fn vec2(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<Vec2>, String> {
     Ok(floats(accessor, buffers, 2)?.iter().map(|v| Vec2::new(v[0], v[1])).collect())
 }
 
-pub(super) fn vec3(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec3>, String> {
+pub(super) fn vec3(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<Vec3>, String> {
     Ok(floats(accessor, buffers, 3)?.iter().map(|v| Vec3::new(v[0], v[1], v[2])).collect())
 }
 
 /// Colours; those without alpha have 1.
-pub(super) fn color(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Vec4>, String> {
+pub(super) fn color(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<Vec4>, String> {
     if accessor.dimensions().multiplicity() < 4 {
         return Ok(vec3(accessor, buffers)?.into_iter().map(|color| color.extend(1.0)).collect());
     }
     Ok(floats(accessor, buffers, 4)?.iter().map(|v| Vec4::new(v[0], v[1], v[2], v[3])).collect())
 }
 
-pub(super) fn vec4(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<[f32; 4]>, String> {
+pub(super) fn vec4(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<[f32; 4]>, String> {
     Ok(floats(accessor, buffers, 4)?.iter().map(|v| [v[0], v[1], v[2], v[3]]).collect())
 }
 
-pub(super) fn mat4(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Mat4>, String> {
+pub(super) fn mat4(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<Mat4>, String> {
     let matrix = |v: &Vec<f32>| Mat4::from_cols_array(&std::array::from_fn(|i| v[i]));
     Ok(floats(accessor, buffers, 16)?.iter().map(matrix).collect())
 }
@@ -129,7 +131,7 @@ pub(super) fn mat4(accessor: &Accessor<'_>, buffers: &[Data]) -> Result<Vec<Mat4
 /// Unsigned integers, `[element][component]` flattened.
 pub(super) fn integers(
     accessor: &Accessor<'_>,
-    buffers: &[Data],
+    buffers: &[Buffer],
     components: usize,
 ) -> Result<Vec<u32>, String> {
     let (index, found) = (accessor.index(), accessor.dimensions().multiplicity());

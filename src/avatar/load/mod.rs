@@ -8,6 +8,7 @@ mod accessor;
 mod fault;
 mod guess;
 mod model;
+mod outside;
 mod packed;
 mod paint;
 mod reduce;

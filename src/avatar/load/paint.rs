@@ -2,9 +2,8 @@
 
 use super::super::Material;
 use super::super::glb::MATERIALS;
-use super::accessor;
+use super::accessor::{self, Buffer};
 use glam::{Vec2, Vec3, Vec4};
-use gltf::buffer::Data as Buffer;
 use gltf::material::AlphaMode;
 
 /// Points of a triangle, as shares of its corners, at which a cut-out is looked at.

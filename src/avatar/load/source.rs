@@ -1,10 +1,10 @@
 //! A glTF or VRM file as plain data: nodes, skins and triangles in file space, everything checked.
 
 use super::super::Material;
+use super::accessor::{self, Buffer};
 use super::paint::{Paint, Texture, tint};
-use super::{Fault, accessor, packed};
+use super::{Fault, outside, packed};
 use glam::{Mat4, Vec3, Vec4};
-use gltf::buffer::Data as Buffer;
 use gltf::mesh::Mode;
 use std::path::Path;
 
@@ -71,21 +71,23 @@ impl Source {
         packed::check(&json)?;
         let gltf =
             gltf::Gltf::from_slice(bytes).map_err(|error| format!("not a usable glTF 2.0 file: {error}"))?;
-        let buffers = read_buffers(&gltf, base)?;
+        let buffers = outside::buffers(&gltf, base)?;
         let mut source = Self::default();
         source.read_nodes(&gltf)?;
         source.read_skins(&gltf, &buffers)?;
         source.read_humanoid(&json);
-        let textures: Vec<Option<Texture>> = gltf
-            .images()
-            .map(|image| {
-                // The crate trusts that these are there.
-                let entry = &json["images"][image.index()];
-                let described = entry["uri"].is_string()
-                    || (entry["bufferView"].is_u64() && entry["mimeType"].is_string());
-                described.then(|| source.read_image(&image, base, &buffers)).flatten()
-            })
-            .collect();
+        let mut textures = Vec::new();
+        for image in gltf.images() {
+            // The crate trusts that these are there.
+            let entry = &json["images"][image.index()];
+            let is_described =
+                entry["uri"].is_string() || (entry["bufferView"].is_u64() && entry["mimeType"].is_string());
+            let texture = is_described.then(|| outside::texture(&image, base, &buffers)).transpose();
+            if let Err(message) = &texture {
+                source.report.push(format!("image {} {message}; taken as white", image.index()));
+            }
+            textures.push(texture.unwrap_or_default());
+        }
         source.read_parts(&gltf, &buffers, &textures)?;
         Ok(source)
     }
@@ -191,57 +193,6 @@ impl Source {
                 self.eyes = self.eyes.or(Some(Vec3::new(x, y, z)).filter(|offset| offset.length() > 1e-4));
             }
         }
-    }
-
-    /// Decodes an image; one that cannot be read is reported and taken as white.
-    fn read_image(
-        &mut self,
-        image: &gltf::Image<'_>,
-        base: Option<&Path>,
-        buffers: &[Buffer],
-    ) -> Option<Texture> {
-        use gltf::image::{Data, Format, Source as Place};
-        let index = image.index();
-        let data = match image.source() {
-            Place::View { view, mime_type } => {
-                let bytes = buffers.get(view.buffer().index());
-                let end = view.offset().saturating_add(view.length());
-                // The crate's own loader slices without asking, so the range is checked first.
-                if bytes.is_none_or(|bytes| end > bytes.0.len()) {
-                    self.report.push(format!("image {index} lies outside its buffer; taken as white"));
-                    return None;
-                }
-                Data::from_source(Place::View { view, mime_type }, base, buffers)
-            }
-            Place::Uri { uri, mime_type } => {
-                if let Err(message) = safe_uri(uri) {
-                    self.report.push(format!("image {index}: {message}; taken as white"));
-                    return None;
-                }
-                Data::from_source(Place::Uri { uri, mime_type }, base, &[])
-            }
-        };
-        let data = match data {
-            Ok(data) => data,
-            Err(error) => {
-                self.report.push(format!("image {index} cannot be decoded ({error}); taken as white"));
-                return None;
-            }
-        };
-        let channels = match data.format {
-            Format::R8 => 1,
-            Format::R8G8 => 2,
-            Format::R8G8B8 => 3,
-            Format::R8G8B8A8 => 4,
-            other => {
-                self.report.push(format!(
-                    "image {index} has {other:?} texels, only 8 bits are read; taken as white"
-                ));
-                return None;
-            }
-        };
-        let texture = Texture { width: data.width, height: data.height, channels, pixels: data.pixels };
-        (texture.width > 0 && texture.height > 0).then_some(texture)
     }
 
     fn read_parts(
@@ -362,37 +313,4 @@ fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
     };
     serde_json::from_slice(text)
         .map_err(|error| format!("is neither GLB nor glTF: its JSON is wrong ({error})"))
-}
-
-/// Refuses URIs that leave the file's folder or go to the network.
-fn safe_uri(uri: &str) -> Result<(), String> {
-    let lower = uri.to_ascii_lowercase();
-    if lower.starts_with("data:") {
-        return Ok(());
-    }
-    let leaves =
-        lower.contains("..") || lower.contains("%2e") || lower.contains("%2f") || lower.contains("%5c");
-    if leaves || lower.contains(':') || lower.contains('\\') || lower.starts_with('/') {
-        return Err(format!(
-            "the URI {uri:?} leaves the folder of the file; put the data beside it or into it"
-        ));
-    }
-    Ok(())
-}
-
-fn read_buffers(gltf: &gltf::Gltf, base: Option<&Path>) -> Result<Vec<Buffer>, String> {
-    let mut blob = gltf.blob.clone();
-    let mut buffers = Vec::new();
-    for buffer in gltf.buffers() {
-        if let gltf::buffer::Source::Uri(uri) = buffer.source() {
-            safe_uri(uri)?;
-            if base.is_none() && !uri.starts_with("data:") {
-                return Err(format!("needs the file {uri:?}, which was not given"));
-            }
-        }
-        let data = Buffer::from_source_and_blob(buffer.source(), base, &mut blob)
-            .map_err(|error| format!("buffer {} cannot be read: {error}", buffer.index()))?;
-        buffers.push(data);
-    }
-    Ok(buffers)
 }
