@@ -24,6 +24,7 @@ mod body_model;
 mod error;
 mod far;
 mod glb;
+pub(crate) mod kinematics;
 #[cfg_attr(not(feature = "import"), path = "without_import.rs")]
 mod load;
 mod model;

@@ -1,6 +1,6 @@
 //! Compiled pipelines, kept for devices that are opened later: within this process in memory, for later programs in a file.
 //!
-//! A driver takes up to seconds to compile all pipelines. A device that is lost is opened anew in the same process, and every
+//! A driver takes up to seconds to compile all pipelines. A device that is lost is opened again in the same process, and every
 //! command opens one. Nothing here fails: what cannot be read or written is compiled again.
 
 use super::instance::DriverId;
@@ -19,7 +19,7 @@ const OFF: &str = "off";
 const MAGIC: [u8; 8] = *b"gwpipes\x01";
 /// Bytes before the driver's data: magic, length and hash of the data.
 const HEAD: usize = 24;
-/// Longest data of a file, bytes. Every version of the shaders adds to it, so a longer one begins anew.
+/// Longest data of a file, bytes. Every version of the shaders adds to it, so a longer one begins again.
 const MOST: usize = 64 << 20;
 /// Bytes at the beginning of a driver's data, which say whose they are (`VkPipelineCacheHeaderVersionOne`).
 const DRIVERS_HEAD: usize = 16 + vk::UUID_SIZE;
@@ -150,7 +150,7 @@ fn write(path: &Path, data: &[u8], present: Option<&[u8]>) {
         return;
     }
     if data.len() > MOST {
-        let _ = std::fs::remove_file(path); // the next program begins anew
+        let _ = std::fs::remove_file(path); // the next program begins again
         return;
     }
     let written = path.parent().map_or(Ok(()), std::fs::create_dir_all);
@@ -230,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_is_written_where_it_differs_and_begins_anew_where_it_is_too_long() {
+    fn a_file_is_written_where_it_differs_and_begins_again_where_it_is_too_long() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("file");
         write(&path, b"1", Some(b"1"));

@@ -418,7 +418,7 @@ fn read(staging: &Buffer, copies: &[Copy], store: &mut Store) {
     }
 }
 
-/// Ticks between two timestamps of so many bits, which begin anew at 0 behind their end.
+/// Ticks between two timestamps of so many bits, which begin again at 0 behind their end.
 pub(crate) fn ticks([begin, end]: [u64; 2], bits: u32) -> u64 {
     let most = u64::MAX >> 64_u32.saturating_sub(bits).min(63);
     let ticks = end.wrapping_sub(begin) & most;
@@ -444,7 +444,7 @@ mod tests {
     use super::ticks;
 
     #[test]
-    fn a_timestamp_that_begins_anew_gives_the_time_all_the_same() {
+    fn a_timestamp_that_begins_again_gives_the_time_all_the_same() {
         assert_eq!(ticks([100, 130], 64), 30);
         assert_eq!(ticks([(1 << 36) - 10, 20], 36), 30);
         assert_eq!(ticks([u64::MAX - 9, 20], 64), 30);

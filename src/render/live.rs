@@ -426,7 +426,7 @@ mod tests {
         assert_eq!((in_flight(&show), show.make_room().unwrap()), (1, None), "the first was waited for");
         submit(&mut show, 3);
         submit(&mut show, 4);
-        assert_eq!(in_flight(&show), 2, "room is made by whoever needs it");
+        assert_eq!(in_flight(&show), 2, "who needs room makes it");
         show.finish(false).unwrap();
         assert_eq!(in_flight(&show), 0);
         submit(&mut show, 5);
@@ -439,7 +439,7 @@ mod tests {
         const LARGE: u32 = 101;
         let Some(device) = for_tests::device() else { return };
         let view = view_of(SIDE);
-        // enough people that those who are hidden are left out
+        // enough people that some are hidden and left out
         let picture = |side: u32| {
             let (mut show, _, steps) = walking(&device, 1200, side);
             let image = image_of(&device, side);

@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_set_is_told() {
+    fn what_cannot_be_set_is_named() {
         let file = "a = 1\nlist = [{ x = 1 }]\nnone = []\n";
         for (setting, want) in [
             ("a", "KEY=VALUE"),

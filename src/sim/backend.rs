@@ -110,7 +110,7 @@ impl Machine {
         Ok(Self::Vulkan(Box::new(Engine::new(device, store, kernels)?)))
     }
 
-    /// Opens the device anew, with the buffers of `store`; on the CPU there is nothing to be lost.
+    /// Opens the device again, with the buffers of `store`; on the CPU there is nothing to be lost.
     pub(super) fn renew(&mut self, store: &Store) -> Result<(), crate::Error> {
         match self {
             Self::Cpu => _ = store,

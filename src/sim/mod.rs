@@ -105,7 +105,7 @@ pub struct Simulation {
     /// Whether a failure of a kernel was reported.
     has_failed: bool,
     /// Whether `store.lead` is newer than the device's.
-    is_led_anew: bool,
+    is_lead_newer: bool,
     machine: Machine,
     /// Why the CPU is used although Vulkan was tried.
     fallback: Option<String>,
@@ -177,7 +177,7 @@ impl Simulation {
             is_renewable: false,
             given: None,
             has_failed: false,
-            is_led_anew: false,
+            is_lead_newer: false,
             machine,
             fallback: None,
             ways: flow::Ways::default(),
@@ -277,7 +277,7 @@ impl Simulation {
         if let Some(path) = self.store.paths.iter_mut().find(|path| path.agent == agent) {
             path.keyframes = 0; // from now on it is led by hand
         }
-        self.is_led_anew = true;
+        self.is_lead_newer = true;
         Ok(())
     }
 
@@ -310,9 +310,9 @@ impl Simulation {
 
     /// Does `count` steps with the present flow fields.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
-        if self.is_led_anew {
+        if self.is_lead_newer {
             self.machine.take(&self.store, &[BufferId::Lead, BufferId::Paths])?;
-            self.is_led_anew = false;
+            self.is_lead_newer = false;
         }
         let dispatches = order::step_dispatches(&self.store.step).into_iter().map(Op::Dispatch);
         let one: Vec<Op> = std::iter::once(Op::CountStep).chain(dispatches).collect();
@@ -379,7 +379,7 @@ impl Simulation {
     /// The present state; on Vulkan it is read back first if the device is ahead.
     ///
     /// # Errors
-    /// As of [`Self::finish`]; a failure of a kernel is told once.
+    /// As of [`Self::finish`]; a failure of a kernel is reported once.
     pub fn state(&mut self) -> Result<&Store, crate::Error> {
         if !self.is_current {
             let felt: &[BufferId] = if self.store.step.feels != 0 { &FELT } else { &[] };

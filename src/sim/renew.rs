@@ -1,4 +1,4 @@
-//! A crowd whose device is lost goes on, bit for bit, on a device that is opened anew.
+//! A crowd whose device is lost goes on, bit for bit, on a device that is opened again.
 
 use super::{Simulation, order};
 use crate::kernels::{Access, BufferId, Phase};
@@ -17,7 +17,7 @@ impl Simulation {
         self.keep_ways()
     }
 
-    /// Opens the device anew after it was lost. The crowd is then as it was at the last [`Self::state`], and takes the same
+    /// Opens the device again after it was lost. The crowd is then as it was at the last [`Self::state`], and takes the same
     /// steps as if nothing had happened. [`Self::make_renewable`] was called before.
     ///
     /// # Errors

@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn a_person_is_told_with_emotion_speed_and_goal() {
+    fn a_person_is_described_with_emotion_speed_and_goal() {
         let emotions = [[0.1, 0.4, 0.4, 0.1]; 2];
         let of = |id| Picked::of(&store(), &Person::of(&store(), &emotions, id)?);
         let person = of(0).unwrap();

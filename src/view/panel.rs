@@ -351,7 +351,7 @@ mod tests {
     }
 
     #[test]
-    fn a_share_that_is_dragged_takes_from_the_others_and_casts_anew_when_let_go() {
+    fn a_share_that_is_dragged_takes_from_the_others_and_casts_again_when_let_go() {
         let context = egui::Context::default();
         let mut controls = controls();
         texts(&context, &mut controls, Vec::new());

@@ -147,7 +147,7 @@ mod tests {
     }
 
     #[test]
-    fn those_who_are_not_there_cannot_be_picked() {
+    fn absent_people_cannot_be_picked() {
         let gone = Pillar { position: [crate::ground::ABSENT; 2], ..pillar(0.0, 0.0) };
         let down = Ray {
             origin: Vec3::new(crate::ground::ABSENT, 10.0, crate::ground::ABSENT),

@@ -465,7 +465,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_missing_display_is_told_without_the_place_in_a_source_file() {
+    fn a_missing_display_is_reported_without_the_place_in_a_source_file() {
         let message = no_display("os error at /home/me/winit/src/mod.rs:765: DISPLAY is not set").to_string();
         assert_eq!(message, "no window can be opened: DISPLAY is not set");
         assert_eq!(no_display("no").to_string(), "no window can be opened: no");

@@ -114,13 +114,13 @@ struct Crowd<'a> {
 }
 
 impl Crowd<'_> {
-    /// Steps the crowd once around a user. A device that is lost for the first time is opened anew, and the crowd takes the
+    /// Steps the crowd once around a user. A device that is lost for the first time is opened again, and the crowd takes the
     /// step there.
     fn step(&mut self, user: &UserState, observer: &mut dyn Observer) -> Result<(), crate::Error> {
         match self.step_once(user) {
             Err(crate::Error::Gpu(error)) if error.is_device_lost() && self.device_losses == 0 => {
                 self.device_losses += 1;
-                observer.note(&format!("the crowd's device is opened anew: {error}"));
+                observer.note(&format!("the crowd's device is opened again: {error}"));
                 self.simulation.renew()?;
                 self.step_once(user)
             }

@@ -105,7 +105,7 @@ impl Headset<'_> {
         Ok(())
     }
 
-    /// Pixels that are drawn of an eye's image of this size: all of them where somebody has chosen the size.
+    /// Pixels that are drawn of an eye's image of this size: all of them where the user has chosen the size.
     fn drawn_size(&mut self, full: [u32; 2]) -> [u32; 2] {
         if self.plan.eye_size.is_some() {
             return full;

@@ -46,7 +46,7 @@ pub struct Outcome {
     pub least_resolution: f32,
     /// Steps of the crowd.
     pub steps: u32,
-    /// How often the crowd's device was lost and opened anew.
+    /// How often the crowd's device was lost and opened again.
     pub device_losses: u32,
     /// When the last step began, s after the first.
     pub seconds: f64,

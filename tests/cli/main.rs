@@ -18,6 +18,7 @@ mod device;
 mod cache;
 mod crowds;
 mod ending;
+mod measures;
 mod odd;
 mod outcomes;
 mod pictures;

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const MEMORY: u32 = 512 << 10;
 
 /// What reads a file: the ending of its name, and the command line about it (`FILE`).
-const READERS: [(&str, &str); 21] = [
+const READERS: [(&str, &str); 23] = [
     ("toml", "simulate FILE --seconds 0.1 --backend cpu"),
     ("scene", "scene import FILE --out OUT.toml"),
     ("glb", "simulate garden --library FILE --seconds 0.1 --backend cpu"),
@@ -25,6 +25,8 @@ const READERS: [(&str, &str); 21] = [
     ("sqlite", "replay FILE --seconds 0.1 --backend cpu"),
     ("bvh", "gait import FILE"),
     ("amc", "gait import FILE"),
+    ("bvh", "gait measure FILE"),
+    ("glb", "gait measure WALK --avatar FILE"),
     ("c3d", "gait predict FILE"),
     ("npz", "gait import FILE"),
     ("csv", "gait predict FILE"),

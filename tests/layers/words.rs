@@ -22,3 +22,33 @@ fn the_vulkan_backend_knows_neither_headset_nor_window() {
     }
     assert_eq!(words_of_users("#[cfg(feature = \"xr\")] // OpenXR"), ["feature = \"xr\"", "openxr"]);
 }
+
+/// Words of our prose that say too little.
+const VAGUE: [&str; 5] = ["whoever", "somebody", "those who", "anew", "is told"];
+
+fn vague_words(text: &str) -> Vec<&'static str> {
+    let plain: String =
+        text.to_lowercase().chars().map(|c| if c.is_alphabetic() { c } else { ' ' }).collect();
+    let words: Vec<&str> = plain.split_whitespace().collect();
+    let is_in = |phrase: &&str| {
+        let phrase: Vec<&str> = phrase.split(' ').collect();
+        words.windows(phrase.len()).any(|window| window == phrase)
+    };
+    VAGUE.into_iter().filter(is_in).collect()
+}
+
+#[test]
+fn prose_in_sources_is_plain() {
+    let mut files = Vec::new();
+    rust_files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut files).unwrap();
+    for file in files {
+        for (line, text) in fs::read_to_string(&file).unwrap().lines().enumerate() {
+            let found = vague_words(text);
+            assert!(found.is_empty(), "{}:{}: {found:?}", file.display(), line + 1);
+        }
+    }
+    assert_eq!(
+        vague_words("/// Whoever is TOLD, and those who_anew."),
+        ["whoever", "those who", "anew", "is told"]
+    );
+}

@@ -1,4 +1,4 @@
-//! Direct draws show what indirect ones show, whoever comes and goes from one frame to the next.
+//! Direct draws show what indirect ones show, as people come and go from one frame to the next.
 
 use super::far::crossing_as;
 use crate::common::gpu;

@@ -1,4 +1,4 @@
-//! A crowd whose device is lost takes the same steps on a device that is opened anew.
+//! A crowd whose device is lost takes the same steps on a device that is opened again.
 
 use crate::common::{gpu, repository};
 use gaitway::scenario::WayFinding;
@@ -30,7 +30,7 @@ fn walk(scene: &Scene, losses: &[(u32, bool)]) -> Option<Vec<u64>> {
 fn unbroken(scene: SceneBuilder) {
     let scene = scene.backend(Backend::Vulkan).build().unwrap();
     let Some(without) = walk(&scene, &[]) else { return };
-    // the fields of the ways are solved anew at steps 15, 30, ...: before, at, and after that
+    // the fields of the ways are solved again at steps 15, 30, ...: before, at, and after that
     let with = walk(&scene, &[(14, true), (15, true), (37, false), (60, false)]).unwrap();
     let differs = without.iter().zip(&with).position(|(without, with)| without != with);
     assert_eq!(differs, None, "{}: the first step that differs", scene.scenario.name);

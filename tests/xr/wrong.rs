@@ -51,12 +51,12 @@ fn after_a_loss(service: &Service, kind: &str, said: &str) -> Value {
 }
 
 #[test]
-fn a_device_that_is_lost_in_mid_session_is_opened_anew_and_the_crowd_goes_on() {
+fn a_device_that_is_lost_in_mid_session_is_opened_again_and_the_crowd_goes_on() {
     if !is_there() {
         return;
     }
     let service = Service::start("lost");
-    let found = after_a_loss(&service, "first-lost@90", "the crowd's device is opened anew");
+    let found = after_a_loss(&service, "first-lost@90", "the crowd's device is opened again");
     assert_eq!((found["device_losses"].as_u64(), found["sessions"].as_u64()), (Some(1), Some(1)), "{found}");
     let found = after_a_loss(&service, "second-lost@20", "the headset is back after");
     assert_eq!((found["device_losses"].as_u64(), found["sessions"].as_u64()), (Some(0), Some(2)), "{found}");

@@ -46,6 +46,14 @@ impl Posture {
     }
 }
 
+/// A gait at the phases of a clip, `[CLIP_FRAMES]`.
+///
+/// # Errors
+/// As of [`retarget`], for the gait.
+pub(crate) fn at_phases(gait: &Gait) -> Result<Vec<Pose>, Error> {
+    cycle::resample(gait)
+}
+
 /// Puts a gait onto an avatar.
 ///
 /// Left and right, phase 0 and cycle time stay; metres are scaled by leg length, so [`Clip::speed`] differs from

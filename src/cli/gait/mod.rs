@@ -7,6 +7,7 @@ mod fit;
 mod import;
 mod label;
 mod listing;
+mod measure;
 mod predict;
 mod ratings;
 pub(super) mod sources;
@@ -49,6 +50,8 @@ enum Command {
     Import(import::Arguments),
     /// Add gaits to a library, labelled by a model and marked as predicted
     Label(label::Arguments),
+    /// Measure joint angles of walks as drawn, beside those of healthy adults
+    Measure(measure::Arguments),
     /// Predict the emotion that people would see in gaits
     Predict(predict::Arguments),
     /// List the gaits of a file or library
@@ -125,6 +128,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Compare(arguments) => compare::run(arguments),
         Command::Import(arguments) => import::run(arguments),
         Command::Label(arguments) => label::run(arguments),
+        Command::Measure(arguments) => measure::run(arguments),
         Command::Predict(arguments) => predict::run(arguments),
         Command::Show(arguments) => show(arguments),
         Command::Train(arguments) => train::run(arguments),

@@ -38,7 +38,7 @@ pub struct Curve {
     pub color: [u8; 3],
 }
 
-/// A figure of curves. Both axes begin at 0; what lies below is drawn on the axis.
+/// A figure of curves. The axes begin at 0, the vertical one below it where a curve does. What lies left of 0 is drawn on the axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plot {
     /// Above the figure.
@@ -52,25 +52,29 @@ pub struct Plot {
 }
 
 impl Plot {
-    /// The axis' end, a whole number of steps, and the step.
-    fn reach(&self, axis: usize) -> (f64, f64) {
+    /// The axis' begin and end, whole numbers of steps, and the step.
+    fn reach(&self, axis: usize) -> [f64; 3] {
         let values = self.curves.iter().flat_map(|curve| &curve.points).map(|point| point[axis]);
-        let highest = values.filter(|value| value.is_finite()).fold(0.0, f64::max);
-        if !(highest > 1e-300 && highest < 1e300) {
-            return (1.0, 0.2);
+        let values = values.filter(|value| value.is_finite());
+        let (lowest, highest) = values.fold((0.0_f64, 0.0_f64), |(a, b), value| (a.min(value), b.max(value)));
+        let lowest = if axis == 0 { 0.0 } else { lowest };
+        let length = highest - lowest;
+        if !(length > 1e-300 && length < 1e300) {
+            return [0.0, 1.0, 0.2];
         }
-        let step = step(highest);
-        ((highest / step - 1e-9).ceil() * step, step)
+        let step = step(length);
+        let whole = |value: f64| (value.abs() / step - 1e-9).ceil().max(0.0) * step * value.signum();
+        [whole(lowest), whole(highest), step]
     }
 }
 
 impl Figure for Plot {
     fn canvas(&self) -> Canvas {
         let (length, space) = (|text: &str| Size::Normal.width(text), Size::Normal.space());
-        let ([x_end, x_step], [y_end, y_step]) =
-            (<[f64; 2]>::from(self.reach(0)), <[f64; 2]>::from(self.reach(1)));
+        let ([_, x_end, x_step], [y_begin, y_end, y_step]) = (self.reach(0), self.reach(1));
         let curves = self.curves.len().min(MOST);
-        let left = MARGIN + length(&tick(y_end, y_step)) + space;
+        let ticks = [y_begin, y_end].map(|end| length(&tick(end, y_step)));
+        let left = MARGIN + ticks[0].max(ticks[1]) + space;
         let top = MARGIN + Canvas::line(Size::Title) + 26.0;
         let (right, bottom) = (left + AREA[0], top + AREA[1]);
         let names = self.curves.iter().take(curves).map(|curve| length(&curve.name)).fold(0.0, f64::max);
@@ -81,13 +85,13 @@ impl Figure for Plot {
         let note = if self.note.is_empty() { 0.0 } else { 22.0 };
         let mut canvas = Canvas::new(width, bottom + 56.0 + note, &self.title);
         let x = |value: f64| left + AREA[0] * (value / x_end).clamp(0.0, 1.0);
-        let y = |value: f64| bottom - AREA[1] * (value / y_end).clamp(0.0, 1.0);
+        let y = |value: f64| bottom - AREA[1] * ((value - y_begin) / (y_end - y_begin)).clamp(0.0, 1.0);
         let start = (Size::Normal, Anchor::Start, Paint::Ink);
         canvas.text([MARGIN, MARGIN + 13.0], (Size::Title, Anchor::Start, Paint::Ink), &self.title);
         canvas.text([MARGIN, top - 12.0], (Size::Normal, Anchor::Start, Paint::Muted), &self.axes[1]);
-        let mut at = 0.0;
+        let mut at = y_begin;
         while at <= y_end + 0.5 * y_step {
-            let paint = if at > 0.0 { Paint::Grid } else { Paint::Ink };
+            let paint = if at.abs() > 0.5 * y_step { Paint::Grid } else { Paint::Ink };
             canvas.rect([left, y(at) - 0.5], [AREA[0], 1.0], paint);
             let style = (Size::Normal, Anchor::End, Paint::Muted);
             canvas.text([left - space, y(at) + 4.0], style, &tick(at, y_step));

@@ -1,0 +1,64 @@
+//! The body as drawn: its joints, the pitch of its feet, and whether planted soles slide.
+
+use super::angles::Walk;
+use crate::avatar::{Avatar, CLIP_FRAMES, Clip};
+use crate::gait::{Gait, Joint, Pose};
+use glam::{Mat4, Vec3};
+
+/// A sole below this height touches the ground, m.
+const ON_GROUND: f32 = 0.006;
+/// Vertices of a foot so near to its lowest one belong to its sole, m.
+const SOLE: f32 = 0.03;
+/// A vertex with this weight moves with its joint alone.
+const ALONE: f32 = 0.99;
+
+const FEET: [Joint; 2] = [Joint::LeftFoot, Joint::RightFoot];
+
+/// The walk of a body, and the mean slide of its planted soles, mm a frame.
+pub(super) fn walk(gait: &Gait, clip: &Clip, avatar: &Avatar) -> (Walk, f32) {
+    let model: Vec<[Mat4; Joint::ALL.len()]> =
+        clip.frames.iter().map(|frame| avatar.model_from_joint(&frame.rotations, frame.root)).collect();
+    let rest_rotations = avatar.joints.map(|joint| joint.rotation);
+    let rest = avatar.model_from_joint(&rest_rotations, avatar.joints[0].translation);
+    let poses: Vec<Pose> = model.iter().map(|joints| joints.map(|joint| joint.w_axis.truncate())).collect();
+    let pitch = |joints: &[Mat4; Joint::ALL.len()], foot: Joint| {
+        let ahead = (joints[foot as usize] * rest[foot as usize].inverse()).transform_vector3(Vec3::Z);
+        libm::atan2f(ahead.y, ahead.z).to_degrees()
+    };
+    let foot_pitch = model.iter().map(|joints| FEET.map(|foot| pitch(joints, foot))).collect();
+    let slides: Vec<f32> =
+        FEET.into_iter().filter_map(|foot| slide(clip, avatar, &model, foot)).flatten().collect();
+    let walk = Walk { poses, foot_pitch, cycle_time: gait.cycle_time(), travel: clip.stride_travel };
+    (walk, super::angles::mean(&slides))
+}
+
+/// How far heel and toe of a foot move along the ground in each frame in which they touch it, mm. None for a body without
+/// vertices there.
+fn slide(clip: &Clip, avatar: &Avatar, model: &[[Mat4; Joint::ALL.len()]], foot: Joint) -> Option<Vec<f32>> {
+    let joint = foot as usize;
+    let is_own = |vertex: &&crate::avatar::Vertex| {
+        let pairs = vertex.joints.iter().zip(vertex.weights);
+        pairs.filter(|(own, _)| usize::from(**own) == joint).map(|(_, weight)| weight).sum::<f32>() > ALONE
+    };
+    let own: Vec<Vec3> = avatar.levels[0].vertices.iter().filter(is_own).map(|v| v.position).collect();
+    let lowest = own.iter().map(|p| p.y).min_by(f32::total_cmp)?;
+    let sole = || own.iter().filter(|p| p.y < lowest + SOLE);
+    let heel = *sole().min_by(|a, b| a.z.total_cmp(&b.z))?;
+    let toe = *sole().max_by(|a, b| a.z.total_cmp(&b.z))?;
+    #[allow(clippy::cast_precision_loss, reason = "64")]
+    let back = Vec3::Z * clip.stride_travel / CLIP_FRAMES as f32;
+    let mut slides = Vec::new();
+    for point in [heel, toe] {
+        let bound = avatar.joints[joint].joint_from_mesh.transform_point3(point);
+        let path: Vec<Vec3> = model.iter().map(|joints| joints[joint].transform_point3(bound)).collect();
+        let count = path.len();
+        for frame in 0..count {
+            let [before, now, after] = [frame + count - 1, frame, frame + 1].map(|k| path[k % count]);
+            if [before, now, after].iter().all(|p| p.y < ON_GROUND) {
+                let along = (after - before) / 2.0 + back;
+                slides.push(1000.0 * libm::hypotf(along.x, along.z));
+            }
+        }
+    }
+    Some(slides)
+}

@@ -1,0 +1,381 @@
+//! Everything that is measured of a library of gaits, and of the bodies that walk so.
+
+use super::angles::{Angle, Side, Walk, mean, range};
+use super::cues::{Band, CUES, EMOTIONS, arm_asymmetry, step_width};
+use super::norm::{NORM, Norm};
+use super::{cues, drawn};
+use crate::avatar::retarget::at_phases;
+use crate::avatar::{Avatar, retarget};
+use crate::emotion::Emotion;
+use crate::gait::fit::{HARMONICS, fit};
+use crate::gait::{Gait, Joint, Pose};
+use glam::Vec3;
+use serde::Serialize;
+use std::collections::BTreeMap;
+
+/// Root mean square against the norm by angle, degrees.
+pub(crate) type Rms = BTreeMap<Angle, f32>;
+
+/// Figures of the four emotions, by name.
+type ByEmotion<T> = BTreeMap<&'static str, T>;
+
+/// Leg length to which individuals are scaled where places of joints are compared, m.
+const LEG: f32 = 0.87;
+/// Frames of a fitted gait.
+const FRAMES: usize = 100;
+
+/// The walks of a library.
+#[derive(Debug, Serialize)]
+pub(crate) struct Report {
+    /// The body: a file, or the generated bodies.
+    pub(crate) avatar: String,
+    /// Every gait, as drawn.
+    pub(crate) gaits: Vec<Measured>,
+    /// The people of each emotion together.
+    pub(crate) crowd: ByEmotion<Crowd>,
+    /// Neutral walks as drawn against figures of adults at 1.2 to 1.35 m/s.
+    pub(crate) scalars: BTreeMap<&'static str, Scalar>,
+    /// What each emotion changes against neutral, in the gaits.
+    pub(crate) cues: BTreeMap<&'static str, ByEmotion<Difference>>,
+}
+
+/// One gait on its body.
+#[derive(Debug, Serialize)]
+pub(crate) struct Measured {
+    pub(crate) name: String,
+    pub(crate) emotion: Option<Emotion>,
+    /// m/s, as drawn.
+    pub(crate) speed: f32,
+    /// Against the norm, mean of both sides.
+    pub(crate) rms: Rms,
+    /// Farthest point of any angle of the norm from its mean, half bands.
+    pub(crate) farthest: f32,
+    /// How much the body changes the knee angles of the gait, RMS, degrees.
+    pub(crate) knee_change_rms: f32,
+    pub(crate) slide_mm_per_frame: f32,
+    /// Angles of the norm over the left stride, degrees.
+    pub(crate) curves: BTreeMap<Angle, Vec<f32>>,
+}
+
+/// The people of one emotion.
+#[derive(Debug, Serialize)]
+pub(crate) struct Crowd {
+    pub(crate) gaits: usize,
+    /// Of their mean curve against the norm.
+    pub(crate) rms: Rms,
+    /// How far individuals are from their mean, RMS over joints and phases, cm at a leg of 0.87 m.
+    pub(crate) spread_cm: f32,
+    pub(crate) arm_asymmetry_deg: f32,
+}
+
+/// A figure of neutral walkers.
+#[derive(Debug, Serialize)]
+pub(crate) struct Scalar {
+    pub(crate) value: f32,
+    pub(crate) target: f32,
+    pub(crate) tolerance: f32,
+    pub(crate) within: bool,
+}
+
+/// What an emotion changes.
+#[derive(Debug, Serialize)]
+pub(crate) struct Difference {
+    pub(crate) value: f32,
+    pub(crate) target: f32,
+    pub(crate) standard_error: f32,
+    pub(crate) within: bool,
+}
+
+/// One gait, its body's walk, and its own.
+struct Pair<'a> {
+    gait: &'a Gait,
+    drawn: Walk,
+    /// Fitted, as E-Gait's are for [`cues`].
+    fitted: Walk,
+}
+
+impl Report {
+    /// How many differences of the cues are within people's, and of how many.
+    pub(crate) fn agreement(&self) -> (usize, usize) {
+        let all = || self.cues.values().flat_map(BTreeMap::values);
+        (all().filter(|difference| difference.within).count(), all().count())
+    }
+
+    /// The mean of an emotion's gaits over the left stride: % of the stride, degrees. Closed; empty where there is none.
+    pub(crate) fn mean_curve(&self, emotion: Emotion, angle: Angle) -> Vec<[f64; 2]> {
+        let own = self.gaits.iter().filter(|gait| gait.emotion == Some(emotion));
+        let curves: Vec<Vec<f32>> = own.filter_map(|gait| gait.curves.get(&angle).cloned()).collect();
+        let mean = mean_curve(&curves);
+        #[allow(clippy::cast_precision_loss, reason = "a number of frames")]
+        let percent = |k: usize| k as f64 * 100.0 / mean.len() as f64;
+        let points = mean.iter().chain(mean.first()).enumerate();
+        points.map(|(k, value)| [percent(k), f64::from(*value)]).collect()
+    }
+}
+
+/// Measures gaits on the bodies that `body` gives them.
+///
+/// # Errors
+/// A gait that cannot be put on its body.
+pub(crate) fn measure<'a>(
+    avatar: String,
+    gaits: &[Gait],
+    body: impl Fn(&Gait) -> &'a Avatar,
+) -> Result<Report, crate::Error> {
+    let (mut pairs, mut measured) = (Vec::new(), Vec::new());
+    for gait in gaits {
+        let avatar = body(gait);
+        let clip = retarget(gait, avatar)?;
+        let (drawn, slide_mm_per_frame) = drawn::walk(gait, &clip, avatar);
+        let own = Walk { poses: at_phases(gait)?, ..own_walk(gait) };
+        measured.push(Measured {
+            name: gait.name.clone(),
+            emotion: gait.label,
+            speed: clip.speed,
+            rms: rms(&drawn),
+            farthest: farthest(&drawn),
+            knee_change_rms: knee_change(&own, &drawn),
+            slide_mm_per_frame,
+            curves: curves(&drawn),
+        });
+        let fitted = own_walk(&fit(gait, HARMONICS)?.to_gait(FRAMES));
+        pairs.push(Pair { gait, drawn, fitted });
+    }
+    let crowd = |emotion: Emotion| Some((emotion.name(), crowd(&people(&pairs, emotion))?));
+    Ok(Report {
+        avatar,
+        gaits: measured,
+        crowd: Emotion::ALL.into_iter().filter_map(crowd).collect(),
+        scalars: scalars(&people(&pairs, Emotion::Neutral)),
+        cues: CUES.iter().map(|cue| (cue.name, differences(cue, &pairs))).collect(),
+    })
+}
+
+fn own_walk(gait: &Gait) -> Walk {
+    Walk {
+        poses: gait.poses.clone(),
+        foot_pitch: Vec::new(),
+        cycle_time: gait.cycle_time(),
+        travel: gait.stride_travel(),
+    }
+}
+
+fn rms(walk: &Walk) -> Rms {
+    let of = |norm: &Norm| {
+        let sides = Side::BOTH.into_iter().filter_map(|side| walk.curve(norm.angle, side));
+        let values: Vec<f32> = sides.map(|curve| norm.rms(&curve)).collect();
+        (!values.is_empty()).then(|| (norm.angle, mean(&values)))
+    };
+    NORM.iter().filter_map(of).collect()
+}
+
+fn farthest(walk: &Walk) -> f32 {
+    let of = |norm: &Norm, side| walk.curve(norm.angle, side).map(|c| norm.farthest(&c));
+    NORM.iter().flat_map(|norm| Side::BOTH.map(|side| of(norm, side))).flatten().fold(0.0, f32::max)
+}
+
+fn curves(walk: &Walk) -> BTreeMap<Angle, Vec<f32>> {
+    NORM.iter().filter_map(|norm| Some((norm.angle, walk.curve(norm.angle, Side::Left)?))).collect()
+}
+
+/// RMS of the difference of the knees' angles at equal phases, both sides.
+fn knee_change(gait: &Walk, drawn: &Walk) -> f32 {
+    let knee = |walk: &Walk, side: Side| -> Vec<f32> {
+        let [hip, knee, foot] =
+            [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot].map(|joint| side.of(joint) as usize);
+        let bend = |pose: &Pose| (pose[knee] - pose[hip]).angle_between(pose[foot] - pose[knee]).to_degrees();
+        walk.poses.iter().map(bend).collect()
+    };
+    let squares: Vec<f32> = Side::BOTH
+        .iter()
+        .flat_map(|side| knee(gait, *side).into_iter().zip(knee(drawn, *side)))
+        .map(|(before, after)| (after - before) * (after - before))
+        .collect();
+    mean(&squares).sqrt()
+}
+
+/// The mean of several curves.
+fn mean_curve(curves: &[Vec<f32>]) -> Vec<f32> {
+    let count = curves.iter().map(Vec::len).min().unwrap_or(0);
+    (0..count).map(|k| mean(&curves.iter().map(|curve| curve[k]).collect::<Vec<_>>())).collect()
+}
+
+/// None where there is nobody.
+fn crowd(people: &[&Pair<'_>]) -> Option<Crowd> {
+    let all: Vec<f32> = people.iter().map(|pair| arm_asymmetry(&pair.fitted)).collect();
+    (!people.is_empty()).then(|| Crowd {
+        gaits: people.len(),
+        rms: NORM
+            .iter()
+            .map(|norm| {
+                let sides = |side| people.iter().filter_map(move |pair| pair.drawn.curve(norm.angle, side));
+                let curves: Vec<Vec<f32>> = Side::BOTH.into_iter().flat_map(sides).collect();
+                (norm.angle, norm.rms(&mean_curve(&curves)))
+            })
+            .collect(),
+        spread_cm: spread(people),
+        arm_asymmetry_deg: mean(&all),
+    })
+}
+
+/// How far individuals are from their mean: RMS over joints and phases, cm at a leg of [`LEG`].
+fn spread(people: &[&Pair<'_>]) -> f32 {
+    let joints: Vec<Joint> = Joint::ALL.into_iter().filter(|joint| *joint != Joint::Root).collect();
+    let mut squares = Vec::new();
+    for joint in joints {
+        let paths: Vec<Vec<Vec3>> = people
+            .iter()
+            .map(|pair| {
+                let scale = LEG / pair.fitted.leg().max(1e-3);
+                pair.fitted.places(joint, Side::Left).into_iter().map(|place| place * scale).collect()
+            })
+            .collect();
+        #[allow(clippy::cast_precision_loss, reason = "a number of people")]
+        let share = 1.0 / paths.len() as f32;
+        for frame in 0..FRAMES {
+            let middle: Vec3 = paths.iter().map(|path| path[frame]).sum::<Vec3>() * share;
+            squares.extend(paths.iter().map(|path| path[frame].distance_squared(middle)));
+        }
+    }
+    100.0 * mean(&squares).sqrt()
+}
+
+/// A figure of a walk as drawn.
+type Figure = fn(&Walk) -> f32;
+
+/// Figures of a neutral walk at 1.2 to 1.35 m/s, with targets and tolerances. The first seven: 80 strides of CMU's captures. The last: E-Gait.
+const SCALARS: [(&str, Figure, f32, f32); 8] = [
+    ("step_width_m", step_width, 0.09, 0.02),
+    ("bob_m", |walk| range(&root(walk, |p| p.y)), 0.037, 0.013),
+    ("sway_m", |walk| range(&root(walk, |p| p.x)), 0.044, 0.009),
+    ("swing_clearance_m", clearance, 0.015, 0.01),
+    ("cadence_steps_per_min", cadence, 107.0, 8.0),
+    ("walk_ratio_m_min", |walk| walk.travel / 2.0 / cadence(walk), 0.0065, 0.0007),
+    (
+        "shoulder_turn_deg",
+        |walk| walk.curve(Angle::ShoulderTurn, Side::Left).map_or(0.0, |c| range(&c) / 2.0),
+        4.4,
+        1.3,
+    ),
+    ("arm_asymmetry_deg", arm_asymmetry, 9.0, 9.0),
+];
+
+fn scalars(neutral: &[&Pair<'_>]) -> BTreeMap<&'static str, Scalar> {
+    if neutral.is_empty() {
+        return BTreeMap::new();
+    }
+    let drawn = SCALARS.into_iter().map(|(name, of, target, tolerance)| {
+        let value = mean(&neutral.iter().map(|pair| of(&pair.drawn)).collect::<Vec<_>>());
+        (name, Scalar { value, target, tolerance, within: (value - target).abs() <= tolerance })
+    });
+    drawn.collect()
+}
+
+fn root(walk: &Walk, axis: fn(&Vec3) -> f32) -> Vec<f32> {
+    walk.poses.iter().map(|pose| axis(&pose[Joint::Root as usize])).collect()
+}
+
+fn cadence(walk: &Walk) -> f32 {
+    120.0 / walk.cycle_time
+}
+
+/// Least height of the ankle in mid swing above mid stance, mean of both sides, m.
+fn clearance(walk: &Walk) -> f32 {
+    let sides = Side::BOTH.map(|side| {
+        let up = walk.heights(Joint::LeftFoot, side);
+        let count = up.len();
+        let swing = up[count * 66 / 100..count * 90 / 100].iter().copied().fold(f32::MAX, f32::min);
+        swing - mean(&up[count / 5..count * 3 / 10])
+    });
+    mean(&sides)
+}
+
+/// What each emotion changes of a cue, where there are such gaits.
+fn differences(cue: &cues::Cue, pairs: &[Pair<'_>]) -> ByEmotion<Difference> {
+    let figure = |emotion: Emotion| {
+        let values: Vec<f32> = people(pairs, emotion).iter().map(|pair| (cue.of)(&pair.fitted)).collect();
+        (!values.is_empty()).then(|| mean(&values))
+    };
+    let Some(neutral) = figure(Emotion::Neutral) else { return BTreeMap::new() };
+    let against = |(emotion, people): (Emotion, Band)| {
+        let value = figure(emotion)? - neutral;
+        let (target, standard_error) = (people.mean, people.standard_error);
+        Some((emotion.name(), Difference { value, target, standard_error, within: people.holds(value) }))
+    };
+    EMOTIONS.into_iter().zip(cue.people).filter_map(against).collect()
+}
+
+fn people<'p, 'g>(pairs: &'p [Pair<'g>], emotion: Emotion) -> Vec<&'p Pair<'g>> {
+    pairs.iter().filter(|pair| pair.gait.label == Some(emotion)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::avatar::{self, Sex};
+    use crate::gait::walker::{self, WalkerStyle};
+    use crate::library::GaitLibrary;
+
+    fn preset(emotion: Emotion) -> Gait {
+        let style = WalkerStyle::preset(emotion, walker::Sex::Male);
+        Gait { label: Some(emotion), ..walker::walk(&style, emotion.name()).unwrap() }
+    }
+
+    /// Figures of the neutral man of the walker, measured by another program (Python) on the same clip at 101 points.
+    #[test]
+    fn the_neutral_man_as_drawn_is_as_far_from_the_norm_as_another_program_says() {
+        let body = avatar::generated(Sex::Male);
+        let report = measure("generated".to_owned(), &[preset(Emotion::Neutral)], |_| &body).unwrap();
+        let found = &report.gaits[0];
+        let other = [
+            (Angle::Thigh, 8.3),
+            (Angle::Knee, 14.9),
+            (Angle::Ankle, 14.3),
+            (Angle::Foot, 11.5),
+            (Angle::Elbow, 12.3),
+        ];
+        for (angle, wanted) in other {
+            let rms = found.rms[&angle];
+            assert!((rms - wanted).abs() < 0.8, "{angle:?}: {rms}, {wanted} by the other program");
+        }
+        assert!(found.slide_mm_per_frame < 0.1, "{}", found.slide_mm_per_frame);
+        let strike = found.curves[&Angle::Knee][0];
+        assert!((strike - 33.0).abs() < 3.0, "knee at the strike {strike}");
+        assert!(report.crowd["neutral"].spread_cm < 1e-4, "one is no crowd");
+        assert!(report.cues.values().flat_map(BTreeMap::values).next().is_none(), "nothing to compare with");
+    }
+
+    /// Likewise: 60 individuals an emotion against neutral ones.
+    #[test]
+    fn emotions_of_the_built_in_library_differ_as_another_program_says() {
+        let library = GaitLibrary::built_in().unwrap();
+        let body = avatar::generated(Sex::Male);
+        let report = measure("generated".to_owned(), library.gaits(), |_| &body).unwrap();
+        let is = |cue: &str, emotion: &str, wanted: f32, within: f32| {
+            let found = report.cues[cue][emotion].value;
+            assert!(
+                (found - wanted).abs() < within,
+                "{cue}, {emotion}: {found}, {wanted} by the other program"
+            );
+        };
+        for (emotion, [shoulder, elbow, trunk, head, cycle, hands]) in [
+            ("happy", [18.6, 10.7, -4.6, -13.0, -0.06, 0.55]),
+            ("angry", [11.6, 29.1, 6.0, 2.0, -0.18, 0.36]),
+            ("sad", [-13.3, -7.7, 8.9, 32.0, 0.24, -0.43]),
+        ] {
+            is("shoulder_range_deg", emotion, shoulder, 1.5);
+            is("elbow_mean_deg", emotion, elbow, 1.0);
+            is("trunk_forward_deg", emotion, trunk, 0.5);
+            is("head_forward_deg", emotion, head, 1.5);
+            is("cycle_time_s", emotion, cycle, 0.02);
+            is("hand_speed_legs_per_s", emotion, hands, 0.05);
+        }
+        let changes: Vec<f32> = report.gaits.iter().map(|gait| gait.knee_change_rms).collect();
+        assert!((mean(&changes) - 6.2).abs() < 0.8, "knees change by {}", mean(&changes));
+        let spread = report.crowd["neutral"].spread_cm;
+        assert!((spread - 1.2).abs() < 0.4, "{spread} cm");
+        let (within, all) = report.agreement();
+        assert_eq!(all, CUES.len() * EMOTIONS.len());
+        assert!(within < all, "the bands can fail");
+    }
+}

@@ -1,0 +1,41 @@
+//! Joint angles of walks, by the program.
+
+use super::{good, json};
+use gaitway::avatar::{Sex, generated, write_glb};
+
+#[test]
+fn gaits_are_measured_on_the_generated_bodies_and_on_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let built_in = json(&["gait", "measure", "--json", "--figures", &at("angles")]);
+    assert_eq!(built_in["avatar"], "generated");
+    let gaits = built_in["gaits"].as_array().unwrap();
+    for emotion in ["happy", "angry", "sad", "neutral"] {
+        let own = gaits.iter().filter(|gait| gait["emotion"] == emotion).count();
+        assert_eq!(built_in["crowd"][emotion]["gaits"], own);
+        let is_curve = |gait: &serde_json::Value| gait["curves"]["knee"].as_array().unwrap().len() == 64;
+        assert!(own > 0 && gaits.iter().all(is_curve));
+    }
+    for angle in ["thigh", "knee", "ankle", "foot", "shoulder", "elbow"] {
+        assert!(built_in["crowd"]["neutral"]["rms"][angle].as_f64().unwrap() > 0.0);
+        for ending in ["svg", "png"] {
+            let file = folder.path().join("angles").join(format!("{angle}.{ending}"));
+            assert!(std::fs::metadata(&file).unwrap().len() > 1000, "{}", file.display());
+        }
+    }
+    let cue = &built_in["cues"]["cycle_time_s"]["sad"];
+    assert!(cue["within"] == true && cue["value"].as_f64().unwrap() > 0.1, "{cue}");
+
+    // the same body from a file walks alike
+    write_glb(&generated(Sex::Male), at("man.glb").as_ref()).unwrap();
+    good(&["gait", "walk", "--emotion", "neutral", "--sex", "male", "--out", &at("walk.glb")]);
+    let [own, file] = [vec![], vec!["--avatar".to_owned(), at("man.glb")]].map(|more| {
+        let walk = at("walk.glb");
+        let mut line = vec!["gait", "measure", &walk, "--json"];
+        line.extend(more.iter().map(String::as_str));
+        json(&line)["gaits"][0]["rms"]["knee"].as_f64().unwrap()
+    });
+    assert!((own - file).abs() < 0.5, "{own} on the generated body, {file} on its file");
+    let shown = good(&["gait", "measure", &at("walk.glb")]);
+    assert!(shown.contains("knee change") && shown.contains("step_width_m"), "{shown}");
+}
