@@ -56,7 +56,8 @@ mod tests {
     use std::any::TypeId;
 
     /// Options and arguments that say what is read.
-    const INPUTS: [&str; 15] = [
+    const INPUTS: [&str; 16] = [
+        "avatar",
         "key",
         "file",
         "files",

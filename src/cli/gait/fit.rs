@@ -17,6 +17,9 @@ use std::time::Instant;
 /// E-Gait's files.
 const EGAIT: [&str; 5] = ["bml.csv", "cmu.csv", "ewalk.csv", "ict.csv", "sig.csv"];
 
+/// Differences between the walker's emotions, of 24, that should be as large as in people.
+const WANTED: usize = 20;
+
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway gait fit walk1.bvh --out walk1.json\n  gaitway gait fit mine.glb --harmonics 3 \
@@ -217,7 +220,9 @@ fn check_walker(folder: &Path, is_json: bool) -> Result<bool, Error> {
         return Err(usage(message, format!("give the folder of {} with their gaits.csv", EGAIT.join(", "))));
     }
     let contrasts = compare(&sources)?;
-    let is_good = contrasts.iter().all(|contrast| contrast.verdict != Verdict::Opposite);
+    let count = |verdict| contrasts.iter().filter(|contrast| contrast.verdict == verdict).count();
+    let (within, all) = (count(Verdict::Within), contrasts.len());
+    let is_good = within >= WANTED && count(Verdict::Opposite) == 0;
     let check = Check { contrasts, gaits: sources.iter().map(Vec::len).sum(), left_out };
     if is_json {
         say_json(&check)?;
@@ -226,17 +231,19 @@ fn check_walker(folder: &Path, is_json: bool) -> Result<bool, Error> {
     let rows: Vec<Vec<String>> = check.contrasts.iter().map(words).collect();
     table(&["measure", "against neutral", "gaits", "E-Gait", "+-", "walker", "verdict"], &rows);
     say(&format!("{} gaits, {} left out for want of a stride", check.gaits, check.left_out));
-    say(
-        "x is a ratio to the neutral mean of the same source; unclear is within two standard errors of no difference",
-    );
+    say("x is a ratio to the neutral mean of the same source; +- is a standard error");
+    say(&format!(
+        "{within} of {all} within two standard errors; at least {WANTED} and none opposite are wanted"
+    ));
     Ok(is_good)
 }
 
 fn words(contrast: &Contrast) -> Vec<String> {
     let value = |value: f64| if contrast.is_ratio { format!("x {value:.3}") } else { format!("{value:+.2}") };
     let verdict = match contrast.verdict {
-        Verdict::Agrees => "agrees",
-        Verdict::Unclear => "unclear in the data",
+        Verdict::Within => "within",
+        Verdict::Weaker => "weaker",
+        Verdict::Stronger => "stronger",
         Verdict::Opposite => "OPPOSITE",
     };
     vec![
