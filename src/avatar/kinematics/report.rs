@@ -127,14 +127,13 @@ pub(crate) fn measure<'a>(
         let avatar = body(gait);
         let clip = retarget(gait, avatar)?;
         let (drawn, slide_mm_per_frame) = drawn::walk(gait, &clip, avatar);
-        let own = Walk { poses: at_phases(gait)?, ..own_walk(gait) };
         measured.push(Measured {
             name: gait.name.clone(),
             emotion: gait.label,
             speed: clip.speed,
             rms: rms(&drawn),
             farthest: farthest(&drawn),
-            knee_change_rms: knee_change(&own, &drawn),
+            knee_change_rms: knee_change(&at_phases(gait)?, &drawn.poses),
             slide_mm_per_frame,
             curves: curves(&drawn),
         });
@@ -179,18 +178,15 @@ fn curves(walk: &Walk) -> BTreeMap<Angle, Vec<f32>> {
 }
 
 /// RMS of the difference of the knees' angles at equal phases, both sides.
-fn knee_change(gait: &Walk, drawn: &Walk) -> f32 {
-    let knee = |walk: &Walk, side: Side| -> Vec<f32> {
+fn knee_change(gait: &[Pose], drawn: &[Pose]) -> f32 {
+    let bend = |pose: &Pose, side: Side| {
         let [hip, knee, foot] =
-            [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot].map(|joint| side.of(joint) as usize);
-        let bend = |pose: &Pose| (pose[knee] - pose[hip]).angle_between(pose[foot] - pose[knee]).to_degrees();
-        walk.poses.iter().map(bend).collect()
+            [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot].map(|joint| pose[side.of(joint) as usize]);
+        (knee - hip).angle_between(foot - knee).to_degrees()
     };
-    let squares: Vec<f32> = Side::BOTH
-        .iter()
-        .flat_map(|side| knee(gait, *side).into_iter().zip(knee(drawn, *side)))
-        .map(|(before, after)| (after - before) * (after - before))
-        .collect();
+    let pairs = || gait.iter().zip(drawn);
+    let change = |side: Side| pairs().map(move |(before, after)| bend(after, side) - bend(before, side));
+    let squares: Vec<f32> = Side::BOTH.into_iter().flat_map(change).map(|change| change * change).collect();
     mean(&squares).sqrt()
 }
 
@@ -200,7 +196,7 @@ fn mean_curve(curves: &[Vec<f32>]) -> Vec<f32> {
     (0..count).map(|k| mean(&curves.iter().map(|curve| curve[k]).collect::<Vec<_>>())).collect()
 }
 
-/// None where there is nobody.
+/// None of no people.
 fn crowd(people: &[&Pair<'_>]) -> Option<Crowd> {
     let all: Vec<f32> = people.iter().map(|pair| arm_asymmetry(&pair.fitted)).collect();
     (!people.is_empty()).then(|| Crowd {

@@ -8,8 +8,9 @@ use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-/// Most texels along a side of an image.
+/// Most texels along a side of an image, and most bytes of one: a small file can claim to be very large.
 const MOST_TEXELS: usize = 16_384;
+const MOST_BYTES: usize = 1 << 28;
 
 /// Reads the buffers of a document; `base` is the folder of its file.
 ///
@@ -90,17 +91,26 @@ fn decoded(bytes: &[u8]) -> Result<Texture, String> {
     Ok(texture)
 }
 
+/// The bytes of an image of this size, if it is one that is read.
+fn bytes_of(width: usize, height: usize, channels: usize) -> Result<usize, String> {
+    let bytes = width.saturating_mul(height).saturating_mul(channels);
+    if width.max(height) > MOST_TEXELS || bytes > MOST_BYTES {
+        return Err(format!(
+            "{width} x {height} texels, at most {MOST_TEXELS} along a side and {} MiB are read; make it smaller",
+            MOST_BYTES >> 20
+        ));
+    }
+    Ok(bytes)
+}
+
 /// Palettes become colours; of 16 bits the upper 8 are kept.
 fn png(bytes: &[u8]) -> Result<Texture, String> {
     let mut decoder = png::Decoder::new(Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::normalize_to_color8());
     let mut reader = decoder.read_info().map_err(|error| error.to_string())?;
     let (width, height) = (reader.info().width, reader.info().height);
-    if width.max(height) as usize > MOST_TEXELS {
-        return Err(format!("{width} x {height} texels, at most {MOST_TEXELS} along a side are read"));
-    }
     let channels = reader.output_color_type().0.samples();
-    let mut pixels = vec![0; width as usize * height as usize * channels];
+    let mut pixels = vec![0; bytes_of(width as usize, height as usize, channels)?];
     reader.next_frame(&mut pixels).map_err(|error| error.to_string())?;
     Ok(Texture { width, height, channels, pixels })
 }
@@ -111,8 +121,10 @@ fn jpeg(bytes: &[u8]) -> Result<Texture, String> {
         .set_max_height(MOST_TEXELS)
         .jpeg_set_out_colorspace(ColorSpace::RGB);
     let mut decoder = JpegDecoder::new_with_options(Cursor::new(bytes), options);
-    let pixels = decoder.decode().map_err(|error| error.to_string())?;
+    decoder.decode_headers().map_err(|error| error.to_string())?;
     let (width, height) = decoder.dimensions().ok_or("no size")?;
+    bytes_of(width, height, 3)?;
+    let pixels = decoder.decode().map_err(|error| error.to_string())?;
     #[allow(clippy::cast_possible_truncation, reason = "at most MOST_TEXELS")]
     let (width, height) = (width as u32, height as u32);
     Ok(Texture { width, height, channels: 3, pixels })
@@ -180,6 +192,11 @@ mod tests {
         let wide = png_of(png::ColorType::Grayscale, png::BitDepth::Eight, None, &row);
         assert!(message(&wide).contains("16385 x 1 texels, at most 16384"), "{}", message(&wide));
         assert!(message(&jpeg_of(200)[..100]).contains("as JPEG"));
+        assert!(bytes_of(8192, 8192, 4).is_ok());
+        // a small JPEG that claims to be large
+        let mut large = jpeg_of(200);
+        large[76..80].copy_from_slice(&[0x3f, 0xff, 0x3f, 0xff]);
+        assert!(message(&large).contains("16383 x 16383 texels, at most"), "{}", message(&large));
     }
 
     #[test]

@@ -236,7 +236,7 @@ mod tests {
         ] {
             assert_eq!(Verdict::of(walker, 1.4, 0.1, 1.0), verdict, "{walker}");
         }
-        // nobody knows the direction of what is hardly there
+        // a recorded difference within its error of none has no direction
         assert_eq!(Verdict::of(-5.0, 0.5, 1.0, 0.0), Verdict::Stronger);
         assert_eq!(Verdict::of(-1.0, 0.5, 1.0, 0.0), Verdict::Within);
     }
