@@ -9,9 +9,7 @@ const LEFT_HAND: u32 = 6u;
 const RIGHT_SHOULDER: u32 = 7u;
 const RIGHT_HAND: u32 = 9u;
 const LEFT_HIP: u32 = 10u;
-const LEFT_FOOT: u32 = 12u;
 const RIGHT_HIP: u32 = 13u;
-const RIGHT_FOOT: u32 = 15u;
 
 const POSTURE: u32 = 12u;           // features per frame
 const MOVING: u32 = 5u;             // joints whose motion counts

@@ -1,13 +1,22 @@
 // uses: frame, exact, quaternion, body, rig, agent
 // Forward kinematics of every visible agent, in the world, and from it the matrices that move a vertex from the rest
 // pose into the world: world_from_joint * joint_from_mesh, three rows each. The agent's scale enters here.
+// The toes follow from the feet: they go straight on, or from the ball of the foot half the way down to the ground, whichever
+// is flatter. So they lie on it as long as the ball does, however high the heel is, and are not dragged when it has left.
 @group(0) @binding(0) var<storage, read> visible: array<u32>;               // [visible] agents, then NONE
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
 @group(0) @binding(2) var<storage, read> stance: array<Stance>;             // [agent]
 @group(0) @binding(3) var<storage, read> appearance: array<Appearance>;     // [agent]
-@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;             // [avatar][65]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;             // [avatar][67]
 @group(0) @binding(5) var<storage, read> local_rotations: array<vec4<f32>>; // [visible][17]
-@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>;  // [visible][16][3] rows
+@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>;  // [visible][18][3] rows
+
+// The steepest foot by which toes are bent, as a sine.
+const STEEPEST: f32 = 0.95;
+// Share of the way down to the ground that toes reach.
+const WAY_DOWN: f32 = 0.5;
+// Shorter toes do not bend, m.
+const LEAST_TOES: f32 = 0.001;
 
 @compute @workgroup_size(64)
 fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -55,4 +64,32 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let turned_z = bind_x * row_z.x + bind_y * row_z.y + bind_z * row_z.z;
         palettes[out + 2u] = vec4<f32>(turned_z.xyz, turned_z.w + o.z);
     }
+    bend_toes(slot, LEFT_FOOT, LEFT_TOES, rig[avatar * RIG_STRIDE + RIG_BALLS], scale);
+    bend_toes(slot, RIGHT_FOOT, RIGHT_TOES, rig[avatar * RIG_STRIDE + RIG_BALLS + 1u], scale);
+}
+
+// The toes' matrix: the foot's, after a turn of the toes upwards about the ball of the foot.
+fn bend_toes(slot: u32, foot: u32, toes: u32, ball: vec4<f32>, scale: f32) {
+    let at = slot * PALETTE_STRIDE + foot * 3u;
+    let x = palettes[at];
+    let y = palettes[at + 1u];
+    let z = palettes[at + 2u];
+    let height = dot3(y.xyz, ball.xyz) + y.w;
+    // sines and cosines of how far foot and toes point down
+    let foot_down = limit(-y.z / scale, 0.0, STEEPEST);
+    let toes_down = limit(WAY_DOWN * height / (max(ball.w, LEAST_TOES) * scale), 0.0, foot_down);
+    let foot_ahead = sqrt(1.0 - foot_down * foot_down);
+    let toes_ahead = sqrt(1.0 - toes_down * toes_down);
+    let up = foot_down * toes_ahead - foot_ahead * toes_down;
+    let along = foot_ahead * toes_ahead + foot_down * toes_down;
+    let out = slot * PALETTE_STRIDE + toes * 3u;
+    palettes[out] = bent(x, ball.xyz, up, along);
+    palettes[out + 1u] = bent(y, ball.xyz, up, along);
+    palettes[out + 2u] = bent(z, ball.xyz, up, along);
+}
+
+fn bent(row: vec4<f32>, ball: vec3<f32>, up: f32, along: f32) -> vec4<f32> {
+    let y = row.y * along - row.z * up;
+    let z = row.y * up + row.z * along;
+    return vec4<f32>(row.x, y, z, row.w + ((row.y - y) * ball.y + (row.z - z) * ball.z));
 }

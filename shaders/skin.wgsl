@@ -8,12 +8,17 @@
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;        // [bucket + 1]
 @group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
-@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][16][3] rows
+@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][18][3] rows
 @group(0) @binding(5) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
 var<immediate> avatar: u32;
 
 fn row_at(row: vec4<f32>, p: vec3<f32>) -> f32 {
     return row.x * p.x + row.y * p.y + row.z * p.z + row.w;
+}
+
+// One of the four joints of a vertex.
+fn skin_joint(joints: u32, which: u32) -> u32 {
+    return min((joints >> (8u * which)) & 0xffu, SKIN_JOINTS - 1u);
 }
 
 @compute @workgroup_size(64)
@@ -34,12 +39,12 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let weights = mesh_vertices[source + 2u];
     let joints = bitcast<u32>(normal_joints.w);
     let matrices = (bucket_start[bucket] + id.y) * PALETTE_STRIDE;
-    let first_joint = matrices + (joints & (JOINTS - 1u)) * 3u;
+    let first_joint = matrices + skin_joint(joints, 0u) * 3u;
     var row_x = palettes[first_joint] * weights.x;
     var row_y = palettes[first_joint + 1u] * weights.x;
     var row_z = palettes[first_joint + 2u] * weights.x;
     for (var i = 1u; i < 4u; i++) {
-        let joint = (joints >> (8u * i)) & (JOINTS - 1u);
+        let joint = skin_joint(joints, i);
         let weight = weights[i];
         row_x = row_x + palettes[matrices + joint * 3u] * weight;
         row_y = row_y + palettes[matrices + joint * 3u + 1u] * weight;

@@ -45,7 +45,7 @@ fn pose(vertex: u32, instance: u32) -> Placed {
     var y = vec4<f32>(0.0);
     var z = vec4<f32>(0.0);
     for (var i = 0u; i < 4u; i += 1u) {
-        let joint = slot * JOINTS + ((joints >> (8u * i)) & (JOINTS - 1u));
+        let joint = slot * SKIN_JOINTS + min((joints >> (8u * i)) & 0xffu, SKIN_JOINTS - 1u);
         x += palettes[joint][0] * weights[i];
         y += palettes[joint][1] * weights[i];
         z += palettes[joint][2] * weights[i];

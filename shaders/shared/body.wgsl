@@ -10,12 +10,18 @@ const POSE_STRIDE: u32 = 17u;
 const CLIP_FRAMES: u32 = 64u;
 
 // rig: [avatar][RIG_STRIDE]: per joint its rest translation in the parent, then three rows of joint_from_mesh;
-// last the midpoint of the eyes in the head joint
-const RIG_STRIDE: u32 = 65u;
+// then the midpoint of the eyes in the head joint; last where the toes bend, left and right, in the mesh, and how long they are
+const RIG_STRIDE: u32 = 67u;
 const RIG_EYES: u32 = 64u;
+const RIG_BALLS: u32 = 65u;
 
-// palettes: [visible][16][3], rows of world_from_mesh
-const PALETTE_STRIDE: u32 = 48u;
+// palettes: [visible][SKIN_JOINTS][3], rows of world_from_mesh. No gait moves the toes, left and right: kernel palette does
+const LEFT_FOOT: u32 = 12u;
+const RIGHT_FOOT: u32 = 15u;
+const LEFT_TOES: u32 = 16u;
+const RIGHT_TOES: u32 = 17u;
+const SKIN_JOINTS: u32 = 18u;
+const PALETTE_STRIDE: u32 = 54u;
 
 // mesh_vertices: [vertex][VERTEX_STRIDE]: position and material; normal and four joints of eight bits;
 // weights; linear colour. skinned: [near vertex][SKINNED_STRIDE]: world position, 1; world normal, 0

@@ -1,8 +1,9 @@
 //! Avatars: low-polygon bodies, generated or loaded, reduced to the 16 joints that gaits drive, and the
 //! offline retargeting of gaits onto them.
 //!
-//! Any rigged character is reduced on loading: a joint that no gait drives (fingers, toes, twist helpers) is
+//! Any rigged character is reduced on loading: a joint that no gait drives (fingers, twist helpers) is
 //! rigid to its nearest driven ancestor, so its weights move there and the shape in the rest pose is unchanged.
+//! Toes are no joints either, but the device bends what lies before the ball of a foot.
 //! Every avatar therefore has exactly the 16 joints of [`Joint`](crate::gait::Joint) and the device needs one layout only.
 //!
 //! ```
@@ -23,6 +24,7 @@ mod body;
 mod body_model;
 mod error;
 mod far;
+pub(crate) mod foot;
 mod glb;
 pub(crate) mod kinematics;
 #[cfg_attr(not(feature = "import"), path = "without_import.rs")]

@@ -2,6 +2,7 @@
 //! layouts. [`fill`] gives a simulation everything that its frames need.
 
 use super::avatar_set::AvatarSet;
+use crate::avatar::foot::{Footprint, footprints, with_toes};
 use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
@@ -118,9 +119,10 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
     let mut out = MeshBuffers { level_count: u32::try_from(levels).unwrap_or(1), ..MeshBuffers::default() };
     for avatar in avatars {
         let mut coarsest = MeshRange::default();
+        let prints = footprints(avatar);
         for level in 0..levels {
             if let Some(mesh) = avatar.levels.get(level) {
-                coarsest = append(mesh_elements(mesh), &mesh.indices, &mut out);
+                coarsest = append(mesh_elements(mesh, &prints), &mesh.indices, &mut out);
             }
             out.mesh_table.push(coarsest);
         }
@@ -136,8 +138,8 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
     out
 }
 
-fn mesh_elements(mesh: &Mesh) -> Vec<[f32; 4]> {
-    mesh.vertices.iter().flat_map(vertex_elements).collect()
+fn mesh_elements(mesh: &Mesh, prints: &[Footprint; 2]) -> Vec<[f32; 4]> {
+    mesh.vertices.iter().map(|vertex| with_toes(*vertex, prints)).flat_map(|v| vertex_elements(&v)).collect()
 }
 
 /// Adds a mesh; its line of the table.
@@ -156,8 +158,9 @@ fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> Me
     }
 }
 
-/// `rig`: `[avatar][65]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; last the
-/// midpoint of the eyes in the head joint. Metres.
+/// `rig`: `[avatar][67]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; then the
+/// midpoint of the eyes in the head joint; last where the toes bend, left and right, in the
+/// mesh, and how long they are. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     let joint = |joint: &RestJoint| {
         let row = |axis| joint.joint_from_mesh.row(axis).to_array();
@@ -165,7 +168,8 @@ pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     };
     let elements = |avatar: &Avatar| {
         let eyes = avatar.eyes_in_head.extend(0.0).to_array();
-        avatar.joints.iter().flat_map(joint).chain([eyes]).collect::<Vec<_>>()
+        let balls = footprints(avatar).map(Footprint::in_rig);
+        avatar.joints.iter().flat_map(joint).chain([eyes]).chain(balls).collect::<Vec<_>>()
     };
     avatars.iter().flat_map(elements).collect()
 }
@@ -303,7 +307,7 @@ mod tests {
     use super::*;
     use crate::avatar::Material;
     use crate::gait::JOINT_COUNT;
-    use crate::kernels::shared::body::index::RIG_STRIDE;
+    use crate::kernels::shared::body::index::{RIG_EYES, RIG_STRIDE};
     use glam::{Mat4, Quat, Vec3};
 
     fn mesh(vertices: usize, indices: &[u32]) -> Mesh {
@@ -373,6 +377,6 @@ mod tests {
             rig[4..8],
             [[0.1, 0.2, 0.3, 0.0], [1.0, 0.0, 0.0, 7.0], [0.0, 1.0, 0.0, 8.0], [0.0, 0.0, 1.0, 9.0]]
         );
-        assert_eq!(rig[RIG_STRIDE + 64], [0.0, 0.1, 0.2, 0.0]);
+        assert_eq!(rig[RIG_STRIDE + RIG_EYES], [0.0, 0.1, 0.2, 0.0]);
     }
 }

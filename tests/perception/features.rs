@@ -123,7 +123,7 @@ fn corrected_features_do_not_depend_on_the_frame_rate_and_those_of_the_paper_do(
     assert!(half.poses.len() * 2 == fine.poses.len(), "an even number of frames");
     let [a, b] = [&fine, &half].map(|gait| features(gait, Variant::Corrected));
     for (i, feature) in FEATURES.iter().enumerate() {
-        let allowed = if feature.name.ends_with("jerk") { 0.1 } else { 0.02 };
+        let allowed = if feature.name.ends_with("jerk") { 0.15 } else { 0.02 };
         assert!((a[i] / b[i] - 1.0).abs() < allowed, "{}: {} {}", feature.name, a[i], b[i]);
     }
     let [a, b] = [&fine, &half].map(|gait| features(gait, Variant::StepCode));

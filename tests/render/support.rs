@@ -5,6 +5,7 @@ use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};
 use gaitway::kernels::layout::FarPose;
+use gaitway::kernels::shared::body::index::SKIN_JOINTS;
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
 use gaitway::render::{Atmosphere, CrowdBuffers, Image, Surface};
@@ -184,7 +185,7 @@ impl HandMade {
         let (mut palettes, mut skinned) = (Vec::<[f32; 4]>::new(), Vec::<[f32; 4]>::new());
         for agent in &visible {
             let (place, near) = places[*agent as usize];
-            for _ in 0..JOINT_COUNT {
+            for _ in 0..SKIN_JOINTS {
                 palettes.extend([[1.0, 0.0, 0.0, place.x], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, place.y]]);
             }
             if near {

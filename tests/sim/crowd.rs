@@ -183,7 +183,7 @@ fn a_velocity_that_is_not_finite_is_reported_with_kernel_and_agent_and_not_taken
     assert_eq!(store.failure[KernelId::Integrate as usize], 4);
 }
 
-/// Sole points of a foot in model space, at a phase in frames.
+/// Points of a sole up to the ball of the foot, in model space, at a phase in frames: the toes bend.
 fn soles(avatar: &Avatar, clip: &Clip, foot: Joint, frame: f32) -> Vec<Vec3> {
     let (first, t) = (frame.floor() as usize % CLIP_FRAMES, frame.fract());
     let (a, b) = (&clip.frames[first], &clip.frames[(first + 1) % CLIP_FRAMES]);
@@ -193,8 +193,12 @@ fn soles(avatar: &Avatar, clip: &Clip, foot: Joint, frame: f32) -> Vec<Vec3> {
     let is_sole = |v: &&gaitway::avatar::Vertex| {
         v.joints[0] as usize == foot && v.weights[0] > 0.99 && v.position.y < 0.02
     };
-    let vertices = avatar.levels[0].vertices.iter().filter(is_sole);
+    let vertices: Vec<_> = avatar.levels[0].vertices.iter().filter(is_sole).collect();
+    let end = |end: fn(f32, f32) -> f32| vertices.iter().map(|v| v.position.z).reduce(end).unwrap();
+    let (heel, tip) = (end(f32::min), end(f32::max));
     vertices
+        .into_iter()
+        .filter(|v| v.position.z <= heel + 0.73 * (tip - heel))
         .map(|v| (model[foot] * avatar.joints[foot].joint_from_mesh).transform_point3(v.position))
         .collect()
 }
@@ -227,7 +231,7 @@ fn planted_feet_stay_within_two_centimetres_at_the_gaits_speed_and_at_half_of_it
                 let travelled = Vec3::new(0.0, 0.0, store.position[0][1]);
                 let feet =
                     [Joint::LeftFoot, Joint::RightFoot].map(|foot| soles(&body, &clip, foot, frame)).concat();
-                assert!(feet.len() > 8);
+                assert!(feet.len() > 4);
                 planted.resize(feet.len(), None);
                 for (mark, point) in planted.iter_mut().zip(feet) {
                     let world = point + travelled;

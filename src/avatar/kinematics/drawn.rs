@@ -1,16 +1,16 @@
 //! The body as drawn: its joints, the pitch of its feet, and whether planted soles slide.
 
 use super::angles::Walk;
+use crate::avatar::foot::{Footprint, footprint, vertices};
 use crate::avatar::{Avatar, CLIP_FRAMES, Clip};
 use crate::gait::{Gait, Joint, Pose};
 use glam::{Mat4, Vec3};
 
 /// A sole below this height touches the ground, m.
 const ON_GROUND: f32 = 0.006;
-/// Vertices of a foot so near to its lowest one belong to its sole, m.
-const SOLE: f32 = 0.03;
-/// A vertex with this weight moves with its joint alone.
-const ALONE: f32 = 0.99;
+
+/// What passes over the ground faster, in speeds of the walk, is in swing, however low.
+const STILL: f32 = 0.2;
 
 const FEET: [Joint; 2] = [Joint::LeftFoot, Joint::RightFoot];
 
@@ -32,31 +32,27 @@ pub(super) fn walk(gait: &Gait, clip: &Clip, avatar: &Avatar) -> (Walk, f32) {
     (walk, super::angles::mean(&slides))
 }
 
-/// How far heel and toe of a foot move along the ground in each frame in which they touch it, mm. None for a body without
+/// How far heel and ball of a foot move along the ground in each frame in which they touch it, mm. None for a body without
 /// vertices there.
 fn slide(clip: &Clip, avatar: &Avatar, model: &[[Mat4; Joint::ALL.len()]], foot: Joint) -> Option<Vec<f32>> {
     let joint = foot as usize;
-    let is_own = |vertex: &&crate::avatar::Vertex| {
-        let pairs = vertex.joints.iter().zip(vertex.weights);
-        pairs.filter(|(own, _)| usize::from(**own) == joint).map(|(_, weight)| weight).sum::<f32>() > ALONE
-    };
-    let own: Vec<Vec3> = avatar.levels[0].vertices.iter().filter(is_own).map(|v| v.position).collect();
-    let lowest = own.iter().map(|p| p.y).min_by(f32::total_cmp)?;
-    let sole = || own.iter().filter(|p| p.y < lowest + SOLE);
-    let heel = *sole().min_by(|a, b| a.z.total_cmp(&b.z))?;
-    let toe = *sole().max_by(|a, b| a.z.total_cmp(&b.z))?;
+    vertices(avatar, foot).next()?;
+    let rest = avatar.joints[joint].joint_from_mesh.inverse().w_axis.truncate();
+    let Footprint { heel, ball, .. } = footprint(avatar, foot, rest);
     #[allow(clippy::cast_precision_loss, reason = "64")]
     let back = Vec3::Z * clip.stride_travel / CLIP_FRAMES as f32;
     let mut slides = Vec::new();
-    for point in [heel, toe] {
+    for point in [heel, ball] {
         let bound = avatar.joints[joint].joint_from_mesh.transform_point3(point);
         let path: Vec<Vec3> = model.iter().map(|joints| joints[joint].transform_point3(bound)).collect();
         let count = path.len();
         for frame in 0..count {
             let [before, now, after] = [frame + count - 1, frame, frame + 1].map(|k| path[k % count]);
-            if [before, now, after].iter().all(|p| p.y < ON_GROUND) {
-                let along = (after - before) / 2.0 + back;
-                slides.push(1000.0 * libm::hypotf(along.x, along.z));
+            let over_ground = |from: Vec3, to: Vec3| libm::hypotf(to.x - from.x, to.z - from.z + back.z);
+            let moved = [over_ground(before, now), over_ground(now, after)];
+            let is_planted = moved.iter().all(|moved| *moved < STILL * back.z);
+            if is_planted && [before, now, after].iter().all(|p| p.y < ON_GROUND) {
+                slides.push(500.0 * over_ground(before, after + back));
             }
         }
     }

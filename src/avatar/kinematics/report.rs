@@ -317,59 +317,57 @@ mod tests {
         Gait { label: Some(emotion), ..walker::walk(&style, emotion.name()).unwrap() }
     }
 
-    /// Figures of the neutral man of the walker, measured by another program (Python) on the same clip at 101 points.
+    /// Bounds: half a band of the norm and more (thigh to foot 5 degrees RMS, arms 7); 2 degrees of change at the knees.
     #[test]
-    fn the_neutral_man_as_drawn_is_as_far_from_the_norm_as_another_program_says() {
-        let body = avatar::generated(Sex::Male);
-        let report = measure("generated".to_owned(), &[preset(Emotion::Neutral)], |_| &body).unwrap();
-        let found = &report.gaits[0];
-        let other = [
-            (Angle::Thigh, 8.3),
-            (Angle::Knee, 14.9),
-            (Angle::Ankle, 14.3),
-            (Angle::Foot, 11.5),
-            (Angle::Elbow, 12.3),
-        ];
-        for (angle, wanted) in other {
-            let rms = found.rms[&angle];
-            assert!((rms - wanted).abs() < 0.8, "{angle:?}: {rms}, {wanted} by the other program");
-        }
-        assert!(found.slide_mm_per_frame < 0.1, "{}", found.slide_mm_per_frame);
-        let strike = found.curves[&Angle::Knee][0];
-        assert!((strike - 33.0).abs() < 3.0, "knee at the strike {strike}");
-        assert!(report.crowd["neutral"].spread_cm < 1e-4, "one is no crowd");
-        assert!(report.cues.values().flat_map(BTreeMap::values).next().is_none(), "nothing to compare with");
-    }
-
-    /// Likewise: 60 individuals an emotion against neutral ones.
-    #[test]
-    fn emotions_of_the_built_in_library_differ_as_another_program_says() {
+    fn the_neutral_crowd_as_drawn_walks_as_healthy_adults_do() {
         let library = GaitLibrary::built_in().unwrap();
         let body = avatar::generated(Sex::Male);
         let report = measure("generated".to_owned(), library.gaits(), |_| &body).unwrap();
-        let is = |cue: &str, emotion: &str, wanted: f32, within: f32| {
-            let found = report.cues[cue][emotion].value;
-            assert!(
-                (found - wanted).abs() < within,
-                "{cue}, {emotion}: {found}, {wanted} by the other program"
-            );
-        };
-        for (emotion, [shoulder, elbow, trunk, head, cycle, hands]) in [
-            ("happy", [18.6, 10.7, -4.6, -13.0, -0.06, 0.55]),
-            ("angry", [11.6, 29.1, 6.0, 2.0, -0.18, 0.36]),
-            ("sad", [-13.3, -7.7, 8.9, 32.0, 0.24, -0.43]),
+        let rms = &report.crowd["neutral"].rms;
+        for (angles, most) in [
+            (&[Angle::Thigh, Angle::Knee, Angle::Ankle, Angle::Foot][..], 5.0),
+            (&[Angle::Shoulder, Angle::Elbow][..], 7.0),
         ] {
-            is("shoulder_range_deg", emotion, shoulder, 1.5);
-            is("elbow_mean_deg", emotion, elbow, 1.0);
-            is("trunk_forward_deg", emotion, trunk, 0.5);
-            is("head_forward_deg", emotion, head, 1.5);
-            is("cycle_time_s", emotion, cycle, 0.02);
-            is("hand_speed_legs_per_s", emotion, hands, 0.05);
+            assert!(angles.iter().all(|angle| rms[angle] < most), "{rms:?}, {most} at most");
         }
-        let changes: Vec<f32> = report.gaits.iter().map(|gait| gait.knee_change_rms).collect();
-        assert!((mean(&changes) - 6.2).abs() < 0.8, "knees change by {}", mean(&changes));
-        let spread = report.crowd["neutral"].spread_cm;
-        assert!((spread - 1.2).abs() < 0.4, "{spread} cm");
+        for (name, scalar) in &report.scalars {
+            assert!(scalar.within, "{name}: {scalar:?}");
+        }
+        for gait in &report.gaits {
+            assert!(gait.knee_change_rms < 2.0, "{}: knees change by {}", gait.name, gait.knee_change_rms);
+            assert!(gait.slide_mm_per_frame < 0.1, "{}: {}", gait.name, gait.slide_mm_per_frame);
+            let ankle = &gait.curves[&Angle::Ankle];
+            let at_push_off = ankle[ankle.len() * 6 / 10];
+            assert!(
+                gait.emotion != Some(Emotion::Neutral) || at_push_off < -8.0,
+                "{}: {at_push_off}",
+                gait.name
+            );
+        }
+        assert!(report.crowd.values().all(|crowd| crowd.spread_cm > 1.5), "people differ");
+    }
+
+    #[test]
+    fn one_is_no_crowd_and_is_compared_with_nobody() {
+        let body = avatar::generated(Sex::Male);
+        let report = measure("generated".to_owned(), &[preset(Emotion::Neutral)], |_| &body).unwrap();
+        assert!(report.crowd["neutral"].spread_cm < 1e-4);
+        assert!(report.cues.values().flat_map(BTreeMap::values).next().is_none());
+    }
+
+    #[test]
+    fn emotions_differ_as_they_do_in_people_and_no_farther_than_actors_go() {
+        let library = GaitLibrary::built_in().unwrap();
+        let body = avatar::generated(Sex::Male);
+        let report = measure("generated".to_owned(), library.gaits(), |_| &body).unwrap();
+        let cue = |cue: &str, emotion: &str| report.cues[cue][emotion].value;
+        // the acted range: Bandai-Namco, EWalk
+        assert!((4.0..17.0).contains(&cue("head_forward_deg", "sad")));
+        assert!((2.0..20.0).contains(&cue("elbow_mean_deg", "angry")));
+        assert!((2.0..8.0).contains(&cue("trunk_forward_deg", "sad")));
+        assert!((0.0..8.0).contains(&cue("trunk_forward_deg", "angry")));
+        assert!(cue("shoulder_range_deg", "happy") > 10.0 && cue("shoulder_range_deg", "sad") < -5.0);
+        assert!(cue("cycle_time_s", "sad") > 0.18 && cue("cycle_time_s", "angry") < -0.1);
         let (within, all) = report.agreement();
         assert_eq!(all, CUES.len() * EMOTIONS.len());
         assert!(within < all, "the bands can fail");

@@ -54,9 +54,12 @@ where
     a * (2.0 * t3 - 3.0 * t2 + 1.0) + m0 * (t3 - 2.0 * t2 + t) + b * (3.0 * t2 - 2.0 * t3) + m1 * (t3 - t2)
 }
 
-/// Position of a joint at any phase, from the resampled cycle (linear: its steps are 1/64 cycle).
-pub(super) fn at_phase(poses: &[Pose], joint: Joint, phase: f32) -> Vec3 {
-    let count = poses.len();
+/// A value at any phase, from those of a cycle at equal steps (straight lines between).
+pub(super) fn between<T>(values: &[T], phase: f32) -> T
+where
+    T: Copy + std::ops::Mul<f32, Output = T> + std::ops::Add<Output = T>,
+{
+    let count = values.len();
     let at = phase.rem_euclid(1.0) * count as f32;
     #[allow(
         clippy::cast_possible_truncation,
@@ -64,13 +67,13 @@ pub(super) fn at_phase(poses: &[Pose], joint: Joint, phase: f32) -> Vec3 {
         reason = "0 <= at <= count, taken modulo count"
     )]
     let first = at as usize % count;
-    let (a, b) = (poses[first][joint as usize], poses[(first + 1) % count][joint as usize]);
-    a.lerp(b, at.fract())
+    values[first] * (1.0 - at.fract()) + values[(first + 1) % count] * at.fract()
 }
 
-/// Mean of a joint's position over the cycle, m.
-pub(super) fn mean(poses: &[Pose], joint: Joint) -> Vec3 {
-    poses.iter().map(|pose| pose[joint as usize]).sum::<Vec3>() / poses.len() as f32
+/// Position of a joint at any phase, from the resampled cycle.
+pub(super) fn at_phase(poses: &[Pose], joint: Joint, phase: f32) -> Vec3 {
+    let places: Vec<Vec3> = poses.iter().map(|pose| pose[joint as usize]).collect();
+    between(&places, phase)
 }
 
 /// A smooth periodic curve that is nowhere below `values`: a running maximum, then averages within its reach.
@@ -84,4 +87,13 @@ pub(super) fn smooth_above(values: &[f32]) -> Vec<f32> {
         curve = (0..count).map(|i| around(i, 1).map(|k| curve[k]).sum::<f32>() / 3.0).collect();
     }
     curve
+}
+
+/// Averages over a few frames to either side.
+pub(super) fn smooth(values: &[f32]) -> Vec<f32> {
+    const PASSES: usize = 4;
+    let count = values.len();
+    let mean =
+        |curve: &[f32], i: usize| (curve[(i + count - 1) % count] + curve[i] + curve[(i + 1) % count]) / 3.0;
+    (0..PASSES).fold(values.to_vec(), |curve, _| (0..count).map(|i| mean(&curve, i)).collect())
 }

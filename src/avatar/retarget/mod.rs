@@ -5,23 +5,24 @@
 //!    (neck - spine), head from (head - neck).
 //! 3. Arms take the directions of the gait's bones; their twist comes from the plane of the elbow, or from
 //!    anatomy where the arm is straight (a previous frame's plane would not close the loop).
-//! 4. The feet follow a plan that keeps the planted foot still ([`feet`]); legs reach it by two-bone inverse
-//!    kinematics; the hips are lowered smoothly where a leg would be too short.
+//! 4. The feet follow a plan that keeps the planted foot still and the gait's bend of the knee ([`plan`]); legs reach
+//!    it by two-bone inverse kinematics. The hips move by a centimetre at most, or sink where no leg could reach.
 //! 5. Turns relative to the rest pose become local rotations, whatever the rig's joint axes are.
 
 mod cycle;
 mod feet;
+mod plan;
 mod rig;
 
 use super::{Avatar, CLIP_FRAMES, Clip, ClipFrame, Error};
 use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
-use feet::{FootPlan, FootTarget, pitched};
 use glam::{Mat3, Quat, Vec3};
-use rig::{Rig, anatomical_hinge, hinge};
+use plan::{FootPlan, FootTarget, Leg, MOST_SHIFT, pitched};
+use rig::{Limb, Rig, anatomical_hinge, hinge};
 use std::f32::consts::TAU;
 
 /// Greatest use of a leg's length: a knee never locks.
-const REACH: f32 = 0.996;
+const REACH: f32 = 0.9995;
 
 /// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;
@@ -75,27 +76,9 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
     let feet = [Joint::LeftFoot, Joint::RightFoot];
     let stances = feet.map(|foot| feet::stance(&poses, foot, gait.stride_travel()));
     let gait_ankle = feet::ankle_height(&poses, [(feet[0], stances[0]), (feet[1], stances[1])]);
-    let gait_hips = [Joint::LeftHip, Joint::RightHip].map(|hip| cycle::mean(&poses, hip));
-    let mut plans = [0, 1].map(|side| {
-        let hip = rig.legs[side].chain[0];
-        FootPlan {
-            poses: &poses,
-            foot: feet[side],
-            stance: stances[side],
-            scale,
-            travel,
-            relative_stride: travel / rig.leg_length(),
-            ankle: [gait_ankle, rig.at(feet[side]).y],
-            shift: rig.at(hip).x - gait_hips[side].x * scale,
-            sole: rig.soles[side].clone(),
-            set_back: 0.0,
-            leg: rig.leg_length(),
-            rise: Vec::new(),
-        }
-    });
     let ankle = 0.5 * (rig.at(feet[0]).y + rig.at(feet[1]).y);
     let spread = arm_spread(&rig, &poses);
-    let postures: Vec<Posture> = poses
+    let mut postures: Vec<Posture> = poses
         .iter()
         .map(|pose| {
             posture(&rig, pose, scale, spread, |hips| {
@@ -103,15 +86,27 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
             })
         })
         .collect();
-    let hips = [0, 1].map(|side| -> Vec<Vec3> {
-        postures.iter().map(|body| body.hip(&rig, rig.legs[side].chain[0])).collect()
-    });
-    let reach = [0, 1].map(|side| REACH * rig.legs[side].reach());
-    // Both feet alike, or the walk would limp.
-    let set_back = [0, 1].map(|side| plans[side].strikes_beyond(&hips[side], reach[side]));
-    for side in 0..2 {
-        plans[side].set_back = set_back[0].max(set_back[1]);
-        plans[side].rise_to_reach(&hips[side], reach[side]);
+    let plan = |postures: &[Posture], side: usize| {
+        let limb = &rig.legs[side];
+        let leg = |(pose, body): (&Pose, &Posture)| Leg {
+            hip: body.hip(&rig, limb.chain[0]),
+            to_ankle: leg_of(pose, limb),
+        };
+        let legs = poses.iter().zip(postures).map(leg).collect();
+        FootPlan::new(legs, stances[side], travel, limb.length, &rig.soles[side])
+    };
+    let mut plans = [0, 1].map(|side| plan(&postures, side));
+    let (level, mut shift) = hip_shift(&plans);
+    let hips: Vec<Vec3> = postures.iter().map(|body| body.hips).collect();
+    for pass in 0..2 {
+        for ((body, hips), shift) in postures.iter_mut().zip(&hips).zip(&shift) {
+            body.hips.y = hips.y + level + shift;
+        }
+        plans = [0, 1].map(|side| plan(&postures, side));
+        plans.iter_mut().for_each(FootPlan::roll);
+        if pass == 0 {
+            shift = hip_rise(&shift, &plans);
+        }
     }
     let targets: Vec<[FootTarget; 2]> = (0..CLIP_FRAMES)
         .map(|frame| frame as f32 / CLIP_FRAMES as f32)
@@ -119,6 +114,37 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
         .collect();
     let frames = solve(&rig, &postures, &targets);
     Ok(Clip { frames, stride_travel: travel, speed: travel / gait.cycle_time() })
+}
+
+/// The leg of a gait's pose at the avatar's size, from hip to ankle: its direction, and the bend of its knee, m.
+fn leg_of(pose: &Pose, limb: &Limb) -> Vec3 {
+    let [hip, knee, foot] = limb.chain.map(|joint| pose[joint as usize]);
+    let [thigh, shin] = limb.length;
+    let bend = (knee - hip).normalize_or(Vec3::NEG_Y).dot((foot - knee).normalize_or(Vec3::NEG_Y));
+    let length = (thigh * thigh + shin * shin + 2.0 * thigh * shin * bend).max(0.0).sqrt();
+    // with a rounded corner: a knee that straightens does not jerk
+    let (longest, round) = (REACH * limb.reach(), 0.0015 * limb.reach());
+    let over = length - longest;
+    let length = 0.5 * (length + longest - libm::hypotf(over, round));
+    (foot - hip).normalize_or(Vec3::NEG_Y) * length
+}
+
+/// How far the hips move up so that flat feet carry them, m: in all frames, and more or less than that by frame.
+fn hip_shift(plans: &[FootPlan<'_>; 2]) -> (f32, Vec<f32>) {
+    let carried: Vec<(usize, f32)> = plans.iter().flat_map(FootPlan::carried).collect();
+    let level = carried.iter().map(|(_, up)| up).sum::<f32>() / carried.len().max(1) as f32;
+    let mut shift = vec![0.0; CLIP_FRAMES];
+    for (frame, up) in carried {
+        shift[frame] = (up - level).clamp(-MOST_SHIFT, MOST_SHIFT);
+    }
+    (level, cycle::smooth(&shift))
+}
+
+/// The same, by frame, with the hips higher where a planted leg has no room to be as long as in the gait.
+fn hip_rise(shift: &[f32], plans: &[FootPlan<'_>; 2]) -> Vec<f32> {
+    let short = (0..CLIP_FRAMES).map(|frame| plans.iter().map(|plan| plan.short(frame)).fold(0.0, f32::max));
+    let rise = cycle::smooth_above(&short.map(|short| short.min(2.0 * MOST_SHIFT)).collect::<Vec<_>>());
+    shift.iter().zip(rise).map(|(shift, rise)| (shift + rise).min(MOST_SHIFT)).collect()
 }
 
 /// A relaxed stand: arms hanging, both feet flat on the ground, a breath and a slight sway per cycle.
@@ -304,11 +330,11 @@ fn overreach(rig: &Rig, body: &Posture, feet: &[FootTarget; 2]) -> f32 {
 }
 
 /// Two-bone inverse kinematics: directions of thigh and shin from `hip` to `ankle`, bent about `hinge`.
-fn reach(leg: &rig::Limb, hip: Vec3, ankle: Vec3, hinge: Vec3) -> [Vec3; 2] {
+fn reach(leg: &Limb, hip: Vec3, ankle: Vec3, hinge: Vec3) -> [Vec3; 2] {
     let [thigh, shin] = leg.length;
     let straight = (ankle - hip).normalize_or(Vec3::NEG_Y);
     let shortest = (thigh - shin).abs() + 0.02 * (thigh + shin);
-    let distance = hip.distance(ankle).clamp(shortest, 0.9995 * (thigh + shin));
+    let distance = hip.distance(ankle).clamp(shortest, REACH * (thigh + shin));
     let along = ((thigh * thigh - shin * shin + distance * distance) / (2.0 * distance)).clamp(-thigh, thigh);
     let axis = (hinge - straight * hinge.dot(straight)).normalize_or(Vec3::X);
     let knee = straight * along + straight.cross(axis) * (thigh * thigh - along * along).max(0.0).sqrt();

@@ -1,5 +1,6 @@
 //! What retargeting must know of an avatar: its rest pose in model space, limb lengths, soles.
 
+use super::super::foot::{self, Footprint};
 use super::super::{Avatar, Error};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat3, Quat, Vec3};
@@ -22,9 +23,11 @@ pub(super) struct Limb {
 pub(super) struct Sole {
     /// The point on which a foot rolls at the strike.
     pub(super) heel: Vec3,
-    /// The point over which it leaves.
-    pub(super) toe: Vec3,
-    /// Points of which one is the lowest at any pitch.
+    /// The point over which it leaves; the toes beyond it bend.
+    pub(super) ball: Vec3,
+    /// Length of the toes beyond it, m.
+    pub(super) toes: f32,
+    /// Points up to the ball of which one is the lowest at any pitch.
     pub(super) edge: Vec<Vec3>,
 }
 
@@ -157,35 +160,28 @@ impl Rig {
     }
 }
 
-/// Underside of the vertices that hang on `foot`; a shoe of usual proportions where there are none.
-fn sole(avatar: &Avatar, foot: Joint, ankle: Vec3) -> Sole {
+/// Underside of the vertices that hang on `foot`, up to its ball; a shoe of usual proportions where there are none.
+fn sole(avatar: &Avatar, joint: Joint, ankle: Vec3) -> Sole {
     const STEPS: i16 = 24;
-    let own = |vertex: &&super::super::Vertex| {
-        let slots = vertex.joints.iter().zip(vertex.weights);
-        slots.filter(|(joint, _)| usize::from(**joint) == foot as usize).map(|(_, w)| w).sum::<f32>() > 0.5
-    };
-    let mut points: Vec<Vec3> = avatar
-        .levels
-        .iter()
-        .take(1)
-        .flat_map(|mesh| &mesh.vertices)
-        .filter(own)
-        .map(|v| (v.position - ankle).with_x(0.0))
-        .collect();
-    if points.is_empty() {
-        let (height, length) = (ankle.y.max(0.0), ankle.y.max(0.02));
-        points = [-0.8, 2.0].map(|z| Vec3::new(0.0, -height, z * length)).to_vec();
+    let Footprint { heel, ball, tip } = foot::footprint(avatar, joint, ankle);
+    let toes = tip.z - ball.z;
+    let flat = |p: Vec3| (p - ankle).with_x(0.0);
+    let ball = flat(ball);
+    let mut points: Vec<Vec3> = foot::vertices(avatar, joint).map(flat).filter(|p| p.z <= ball.z).collect();
+    points.push(ball);
+    if points.len() == 1 {
+        points.push(flat(heel));
     }
-    let support = |pitch: f32| {
+    let lowest = |pitch: f32| {
         let (sine, cosine) = libm::sincosf(pitch);
         let height = |p: &Vec3| p.y * cosine + p.z * sine;
         points.iter().copied().min_by(|a, b| height(a).total_cmp(&height(b))).unwrap_or(Vec3::ZERO)
     };
-    // From 1.2 rad toe down to 0.6 rad toe up, which is more than any walk asks for.
+    // From 1.4 rad toe down to 0.6 rad toe up, which is more than any walk asks for.
     let mut edge: Vec<Vec3> =
-        (0..=STEPS).map(|k| support(-1.2 + 1.8 * f32::from(k) / f32::from(STEPS))).collect();
+        (0..=STEPS).map(|k| lowest(-1.4 + 2.0 * f32::from(k) / f32::from(STEPS))).collect();
     edge.dedup();
-    Sole { heel: support(0.25), toe: support(-0.45), edge }
+    Sole { heel: lowest(0.25), ball, toes, edge }
 }
 
 /// How far from the middle a hanging hand must stay to be clear of the body.

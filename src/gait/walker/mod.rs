@@ -31,10 +31,10 @@ const FRAMES_F64: f64 = 64.0;
 
 /// Version of the generator, written into [`Gait::provenance`]; raised whenever the same style gives another gait.
 #[doc(hidden)]
-pub const VERSION: u32 = 1;
+pub const VERSION: u32 = 2;
 
-/// The pelvis is lowest this share of a cycle after a strike.
-const BOB_LAG: f64 = 0.015;
+/// Travel of a stride in leg lengths for which [`WalkerStyle::bounce`] and the angles of the legs hold.
+const USUAL_STRIDE: f64 = 1.6;
 
 /// Pelvis of one frame: where it is and how it is turned.
 struct Pelvis {
@@ -47,16 +47,16 @@ struct Pelvis {
 }
 
 impl Pelvis {
-    /// At phase `phase` in [0, 1); `height` is the mean height of the root joint, m.
-    fn at(style: &WalkerStyle, phase: f64, height: f64) -> Self {
+    /// At a phase, carried as high as `lift` says.
+    fn at(style: &WalkerStyle, phase: f64, lift: &legs::Lift) -> Self {
         // The left foot strikes at 0: the left hip is then forward (yaw to the right) and, a moment later,
         // high, because the side of the swinging leg drops; the body is over the standing leg at 0.28.
         let yaw = -style.pelvis_turn * cos(TAU * phase);
         let roll_angle = style.pelvis_drop * sin(TAU * (phase - 0.02));
         let root = DVec3::new(
             style.sway * sin(TAU * (phase - 0.04)),
-            height + bob(style, phase),
-            0.006 * sin(2.0 * TAU * (phase - 0.02)),
+            lift.at(phase),
+            0.012 * sin(2.0 * TAU * (phase + 0.045)),
         );
         Self { root, yaw: Turn::new(yaw), roll: Turn::new(roll_angle), roll_angle }
     }
@@ -66,11 +66,6 @@ impl Pelvis {
         let offset = DVec3::new(side * 0.5 * body.hip_width(), -body.root_above_hips(), 0.0);
         self.root + turned_y(turned_z(offset, self.roll), self.yaw)
     }
-}
-
-/// Height of the pelvis about its mean, m: lowest in the middle of double support, highest over the standing leg.
-fn bob(style: &WalkerStyle, phase: f64) -> f64 {
-    -style.bounce * cos(2.0 * TAU * (phase - BOB_LAG))
 }
 
 /// Rotates about +x, positive tips +y towards +z (forwards).
@@ -90,7 +85,7 @@ fn turned_z(v: DVec3, turn: Turn) -> DVec3 {
 
 /// One walk cycle of [`FRAMES`] frames in the given style, unlabelled.
 ///
-/// The foot joint is the ankle and its lowest point over the cycle is y = 0 (a gait has no soles).
+/// The foot joint is the ankle; where the foot stands flat it is at y = 0 (a gait has no soles).
 ///
 /// # Errors
 /// [`Error::Unusable`] if a parameter is outside its range in [`STYLE_FIELDS`] or the legs are too short for the
@@ -98,8 +93,7 @@ fn turned_z(v: DVec3, turn: Turn) -> DVec3 {
 pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
     let unusable = |error: OutOfRange| Error::Unusable { name: name.to_owned(), message: error.to_string() };
     style.check().map_err(unusable)?;
-    let feet = legs::FootPath::new(style);
-    let height = legs::pelvis_height(style, &feet).ok_or_else(|| Error::Unusable {
+    let feet = legs::FootPath::new(style).ok_or_else(|| Error::Unusable {
         name: name.to_owned(),
         message: format!(
             "a stride of {:.2} m (speed {:.2} m/s x cycle_time {:.2} s) is too long for legs of {:.2} m; \
@@ -110,10 +104,8 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
             style.body.leg()
         ),
     })?;
-    let poses = (0_u32..)
-        .take(FRAMES)
-        .map(|frame| pose(style, &feet, height, f64::from(frame) / FRAMES_F64))
-        .collect();
+    let poses =
+        (0_u32..).take(FRAMES).map(|frame| pose(style, &feet, f64::from(frame) / FRAMES_F64)).collect();
     Ok(Gait {
         name: name.to_owned(),
         poses,
@@ -154,8 +146,8 @@ pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait,
 }
 
 /// The 16 joints at `phase` in [0, 1).
-fn pose(style: &WalkerStyle, feet: &legs::FootPath, height: f64, phase: f64) -> Pose {
-    let pelvis = Pelvis::at(style, phase, height);
+fn pose(style: &WalkerStyle, feet: &legs::FootPath, phase: f64) -> Pose {
+    let pelvis = Pelvis::at(style, phase, &feet.lift);
     let mut joints = [DVec3::ZERO; JOINT_COUNT];
     joints[Joint::Root as usize] = pelvis.root;
     upper::place(style, phase, &pelvis, &mut joints);

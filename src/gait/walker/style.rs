@@ -81,6 +81,14 @@ impl Body {
     pub(super) fn ball_ahead(&self) -> f64 {
         0.072 * self.height
     }
+    /// Rearmost point of the heel on the ground behind the ankle.
+    pub(super) fn heel_behind(&self) -> f64 {
+        0.037 * self.height
+    }
+    /// Length of the toes beyond the ball of the foot.
+    pub(super) fn toes(&self) -> f64 {
+        0.040 * self.height
+    }
     pub(super) fn root_above_hips(&self) -> f64 {
         0.022 * self.height
     }
@@ -196,34 +204,34 @@ macro_rules! fields {
 /// Every number of a [`WalkerStyle`] in the order in which they are drawn for individuals (new ones go last).
 pub const STYLE_FIELDS: &[StyleField] = fields! {
     "body.height" body.height: [0.8, 2.4], stray [0.05, 0.0];
-    "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.04, 0.0];
-    "body.hips" body.hips: [0.05, 0.2], stray [0.05, 0.0];
+    "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.06, 0.0];
+    "body.hips" body.hips: [0.05, 0.2], stray [0.07, 0.0];
     "speed" speed: [0.1, 2.6], stray [0.07, 0.0];
     "cycle_time" cycle_time: [0.5, 3.0], stray [0.045, 0.0];
-    "duty" duty: [0.52, 0.75], stray [0.0, 0.008];
-    "step_width" step_width: [0.0, 0.5], stray [0.2, 0.0];
-    "foot_lift" foot_lift: [0.06, 0.4], stray [0.08, 0.0];
+    "duty" duty: [0.52, 0.75], stray [0.0, 0.012];
+    "step_width" step_width: [0.0, 0.5], stray [0.4, 0.0];
+    "foot_lift" foot_lift: [0.06, 0.4], stray [0.2, 0.0];
     "stomp" stomp: [0.0, 0.15], stray [0.3, 0.0];
     "heel_rise" heel_rise: [0.0, 1.2], stray [0.08, 0.0];
     "toe_out" toe_out: [-0.5, 0.8], stray [0.0, 0.08];
-    "bounce" bounce: [0.0, 0.08], stray [0.12, 0.0];
+    "bounce" bounce: [0.0, 0.08], stray [0.3, 0.0];
     "crouch" crouch: [0.0, 0.15], stray [0.3, 0.0];
-    "sway" sway: [0.0, 0.1], stray [0.25, 0.0];
-    "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.25, 0.0];
-    "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.25, 0.0];
-    "lean" lean: [-0.3, 0.6], stray [0.0, 0.026];
-    "slump" slump: [-0.4, 0.8], stray [0.0, 0.035];
-    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.05];
-    "nod" nod: [0.0, 0.2], stray [0.3, 0.0];
-    "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.25, 0.0];
-    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.005];
-    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.006];
-    "arm_swing" arm_swing: [0.0, 1.2], stray [0.16, 0.0];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.04];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.035];
-    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.15, 0.0];
-    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.2, 0.0];
-    "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.14];
+    "sway" sway: [0.0, 0.1], stray [0.4, 0.0];
+    "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.5, 0.0];
+    "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.4, 0.0];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.06];
+    "slump" slump: [-0.4, 0.8], stray [0.0, 0.09];
+    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.13];
+    "nod" nod: [0.0, 0.2], stray [0.6, 0.0];
+    "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.5, 0.0];
+    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.012];
+    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.015];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.5, 0.0];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.14];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.07];
+    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.0];
+    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.5, 0.0];
+    "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.5];
 };
 
 impl WalkerStyle {
@@ -271,9 +279,9 @@ impl WalkerStyle {
             step_width: 0.13,
             foot_lift: 0.15,
             stomp: 0.0,
-            heel_rise: 60.0 * DEG,
+            heel_rise: 62.0 * DEG,
             toe_out: 0.10,
-            bounce: 0.0225,
+            bounce: 0.024,
             crouch: 0.0,
             sway: 0.022,
             pelvis_turn: 5.0 * DEG,
@@ -285,11 +293,11 @@ impl WalkerStyle {
             shoulder_turn: 4.5 * DEG,
             shoulder_lift: 0.0,
             shoulder_forward: 0.0,
-            arm_swing: 14.0 * DEG,
-            arm_forward: -2.0 * DEG,
+            arm_swing: 15.0 * DEG,
+            arm_forward: -9.0 * DEG,
             arm_abduction: 8.0 * DEG,
-            elbow_flexion: 16.0 * DEG,
-            elbow_swing: 14.0 * DEG,
+            elbow_flexion: 26.0 * DEG,
+            elbow_swing: 24.0 * DEG,
             asymmetry: 0.0,
         }
     }
@@ -300,7 +308,7 @@ impl WalkerStyle {
             cycle_time: 1.08,
             foot_lift: 0.16,
             heel_rise: 68.0 * DEG,
-            bounce: 0.030,
+            bounce: 0.024,
             crouch: 0.0,
             sway: 0.026,
             pelvis_turn: 6.0 * DEG,
@@ -313,10 +321,10 @@ impl WalkerStyle {
             shoulder_lift: 0.004,
             shoulder_forward: -0.018,
             arm_swing: 23.0 * DEG,
-            arm_forward: 1.0 * DEG,
+            arm_forward: -7.0 * DEG,
             arm_abduction: 11.0 * DEG,
-            elbow_flexion: 20.0 * DEG,
-            elbow_swing: 26.0 * DEG,
+            elbow_flexion: 28.0 * DEG,
+            elbow_swing: 34.0 * DEG,
             ..Self::neutral()
         }
     }
@@ -330,7 +338,7 @@ impl WalkerStyle {
             foot_lift: 0.165,
             stomp: 0.02,
             heel_rise: 66.0 * DEG,
-            bounce: 0.029,
+            bounce: 0.024,
             crouch: 0.001,
             sway: 0.018,
             pelvis_turn: 7.0 * DEG,
@@ -342,10 +350,10 @@ impl WalkerStyle {
             shoulder_lift: 0.018,
             shoulder_forward: 0.012,
             arm_swing: 19.0 * DEG,
-            arm_forward: 2.0 * DEG,
-            arm_abduction: 17.0 * DEG,
-            elbow_flexion: 42.0 * DEG,
-            elbow_swing: 16.0 * DEG,
+            arm_forward: -6.0 * DEG,
+            arm_abduction: 15.0 * DEG,
+            elbow_flexion: 40.0 * DEG,
+            elbow_swing: 26.0 * DEG,
             ..Self::neutral()
         }
     }
@@ -358,23 +366,23 @@ impl WalkerStyle {
             step_width: 0.14,
             foot_lift: 0.115,
             heel_rise: 54.0 * DEG,
-            bounce: 0.015,
+            bounce: 0.028,
             crouch: 0.004,
             sway: 0.03,
             pelvis_turn: 3.5 * DEG,
             pelvis_drop: 2.5 * DEG,
             lean: 3.0 * DEG,
-            slump: 17.0 * DEG,
-            neck_flexion: 22.0 * DEG,
+            slump: 9.0 * DEG,
+            neck_flexion: 13.0 * DEG,
             nod: 0.7 * DEG,
-            shoulder_turn: 2.5 * DEG,
+            shoulder_turn: 3.5 * DEG,
             shoulder_lift: -0.012,
             shoulder_forward: 0.028,
             arm_swing: 7.5 * DEG,
-            arm_forward: 3.0 * DEG,
+            arm_forward: -5.0 * DEG,
             arm_abduction: 5.0 * DEG,
-            elbow_flexion: 13.0 * DEG,
-            elbow_swing: 6.0 * DEG,
+            elbow_flexion: 28.0 * DEG,
+            elbow_swing: 14.0 * DEG,
             ..Self::neutral()
         }
     }

@@ -7,9 +7,9 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// The arms follow the opposite leg by this share of a cycle.
-const ARM_LAG: f64 = 0.03;
+const ARM_LAG: f64 = 0.02;
 /// The elbow bends and opens this share of a cycle after the upper arm.
-const ELBOW_LAG: f64 = 0.05;
+const ELBOW_LAG: f64 = 0.01;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
 pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {

@@ -10,6 +10,7 @@
 )]
 
 use super::case::{filled, nan};
+use crate::avatar::foot::{footprints, with_toes};
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
@@ -19,7 +20,7 @@ use crate::kernels::layout::{
     Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Stance,
 };
 use crate::kernels::shared::body::index::{
-    PALETTE_STRIDE, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
+    PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
@@ -194,6 +195,9 @@ pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
         }
     }
     rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
+    for (ball, print) in rig[RIG_BALLS..].iter_mut().zip(footprints(avatar)) {
+        *ball = print.in_rig();
+    }
     rig
 }
 
@@ -274,7 +278,8 @@ pub fn animation(agents: usize, seed: u32) -> Store {
                 vertex_count: vertices,
             });
             first_index += indices;
-            store.mesh_vertices.extend(mesh.vertices.iter().flat_map(vertex_elements));
+            let toed = mesh.vertices.iter().map(|vertex| with_toes(*vertex, &footprints(avatar)));
+            store.mesh_vertices.extend(toed.flat_map(|vertex| vertex_elements(&vertex)));
         }
     }
     for avatar in 0..2 * AVATARS {

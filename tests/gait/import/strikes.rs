@@ -108,6 +108,11 @@ fn worst_strike(gait: &Gait, way: Way, survey: &stride::Survey, what: &str) -> f
     worst
 }
 
+/// How near to the strike a foot that rolls over its heel is seen to come to rest, s: two frames at 30 Hz, more at a stroll.
+fn roll(speed: f32) -> f32 {
+    if speed < 0.7 { 0.09 } else { 0.06 }
+}
+
 fn check(gait: &Gait, way: Way, strike_off: f32, speed_off: f32, what: &str) -> f32 {
     let survey = stride::survey(&take(gait, way)).unwrap();
     let worst = worst_strike(gait, way, &survey, what);
@@ -136,7 +141,7 @@ fn every_strike_of_every_emotion_and_speed_is_found() {
                 let Ok(gait) = walk(&style(emotion, sex, speed), "g") else { continue };
                 for rate in [30.0, 120.0] {
                     let what = format!("{emotion} {} {speed} m/s at {rate} Hz", sex.name());
-                    worst = worst.max(check(&gait, Way { rate, ..STRAIGHT }, 0.05, 0.03, &what));
+                    worst = worst.max(check(&gait, Way { rate, ..STRAIGHT }, roll(gait.speed), 0.03, &what));
                 }
             }
         }
@@ -149,7 +154,7 @@ fn strikes_survive_the_noise_of_pose_estimation() {
     let mut worst = [0.0_f32; 3];
     for emotion in Emotion::ALL {
         let gait = walk(&WalkerStyle::preset(emotion, Sex::Female), "g").unwrap();
-        for (noise, off, worst) in [(0.002, 0.05), (0.005, 0.06), (0.015, 0.09)]
+        for (noise, off, worst) in [(0.002, 0.06), (0.005, 0.07), (0.015, 0.1)]
             .into_iter()
             .zip(&mut worst)
             .map(|((noise, off), worst)| (noise, off, worst))
