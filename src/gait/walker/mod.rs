@@ -1,9 +1,9 @@
 //! The procedural walker: labelled walk cycles from a few dozen numbers, so that everything runs with no data set.
 //!
 //! A [`WalkerStyle`] says how a person walks (speed, cycle time, arm swing, slump, head, bounce, …) and with what
-//! body. [`walk`] turns it into a [`Gait`]: the feet follow a path in which the planted foot stands still on
-//! ground that passes at exactly [`WalkerStyle::speed`], rolls over the ball of the foot and swings; the legs
-//! follow by two-bone inverse kinematics; pelvis, trunk, arms and head are a mean pose and one or two harmonics
+//! body. [`walk`] turns it into a [`Gait`]: the planted foot rolls over heel, ball and toes on ground that passes
+//! at exactly [`WalkerStyle::speed`], the leading leg carries the pelvis as high as the knees of healthy adults do,
+//! and the swinging leg follows their angles; trunk, arms and head are a mean pose and one or two harmonics
 //! (the form of Troje 2002). [`WalkerStyle::preset`] has one style per emotion and sex, [`WalkerStyle::mix`]
 //! blends them (S-32) and [`WalkerStyle::vary`] makes individuals.
 //!

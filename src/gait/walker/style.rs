@@ -135,11 +135,12 @@ pub struct WalkerStyle {
     pub foot_lift: f64,
     /// How far the foot is held up late in the swing before it comes down, m.
     pub stomp: f64,
-    /// Pitch of the foot at toe-off.
+    /// Pitch of the foot at toe-off; the knee decides how much of it, and up to a quarter more.
     pub heel_rise: f64,
     /// Knees point outwards: sideways share of the forward direction.
     pub toe_out: f64,
-    /// Half the height through which the pelvis goes up and down twice a stride, m.
+    /// Half the height through which the pelvis goes up and down twice in a usual stride, m: by the legs alone it would be
+    /// 0.018. Longer strides bob more.
     pub bounce: f64,
     /// How much lower than straight legs allow the pelvis is carried, m.
     pub crouch: f64,
@@ -238,8 +239,7 @@ impl WalkerStyle {
     /// The style of an emotion as a person of this sex walks it.
     ///
     /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/gait/library/`
-    /// has the numbers), as strong or somewhat stronger; the sad head hangs several times lower, so that it reads
-    /// at a distance.
+    /// has the numbers), as strong or stronger, so that they read at a distance, but no stronger than actors show.
     pub fn preset(emotion: Emotion, sex: Sex) -> Self {
         let mut style = match emotion {
             Emotion::Happy => Self::happy(),
