@@ -102,8 +102,16 @@ pub fn retarget(gait: &Gait, avatar: &Avatar) -> Result<Clip, Error> {
         for ((body, hips), shift) in postures.iter_mut().zip(&hips).zip(&shift) {
             body.hips.y = hips.y + level + shift;
         }
+        let before = plans.map(|plan| plan.at_strike);
         plans = [0, 1].map(|side| plan(&postures, side));
-        plans.iter_mut().for_each(FootPlan::roll);
+        for (plan, before) in plans.iter_mut().zip(before) {
+            if pass == 0 {
+                plan.settle();
+            } else {
+                plan.at_strike = before;
+            }
+            plan.roll();
+        }
         if pass == 0 {
             shift = hip_rise(&shift, &plans);
         }

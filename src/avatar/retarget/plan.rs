@@ -160,9 +160,12 @@ impl<'a> FootPlan<'a> {
     fn planted(&self, u: f32, pitch: f32) -> Vec3 {
         let flat = self.at_strike - Vec3::Z * self.travel * u;
         let pivot = if pitch > 0.0 { self.sole.heel } else { self.sole.ball };
-        let beyond = (TOES_BENT - pitch).max(0.0);
-        let (sine, cosine) = libm::sincosf(beyond);
-        let lifted = Vec3::new(0.0, sine, 1.0 - cosine) * self.sole.toes;
+        let lifted = if pitch < TOES_BENT {
+            let (sine, cosine) = libm::sincosf(TOES_BENT - pitch);
+            Vec3::new(0.0, sine, 1.0 - cosine) * self.sole.toes
+        } else {
+            Vec3::ZERO
+        };
         // The height follows from the sole's outline, so that curved shoes neither sink nor float.
         (flat + pivot - pitched(pitch) * pivot).with_y(-self.sole.lowest(pitch)) + lifted
     }
@@ -192,20 +195,25 @@ impl<'a> FootPlan<'a> {
         }
     }
 
-    /// Sets the foot down where the legs keep their lengths, and finds its pitches while it is planted. It leaves the ground
-    /// early where no pitch lets it stay there.
+    /// Sets the foot down where the legs keep their lengths best: within 6 % of a leg, to 0.8 %.
+    pub(super) fn settle(&mut self) {
+        const STEPS: [f32; 3] = [0.032, 0.016, 0.008]; // leg lengths
+        let mut best = (self.at_strike.z, self.misfit());
+        for step in STEPS {
+            let from = best.0;
+            for side in [-1.0, 1.0] {
+                self.at_strike.z = from + side * step * self.leg_length();
+                let misfit = self.misfit();
+                if misfit < best.1 {
+                    best = (self.at_strike.z, misfit);
+                }
+            }
+        }
+        self.at_strike.z = best.0;
+    }
+
+    /// Finds the pitches of the foot while it is planted. It leaves the ground early where no pitch lets it stay there.
     pub(super) fn roll(&mut self) {
-        const FARTHEST: i8 = 8;
-        const APART: f32 = 0.008; // leg lengths
-        let middle = self.at_strike.z;
-        let place = |by: i8| middle + f32::from(by) * APART * self.leg_length();
-        let misfits = |by: i8| {
-            let at_strike = self.at_strike.with_z(place(by));
-            let plan = Self { at_strike, ..self.clone() };
-            (by, plan.misfit())
-        };
-        let best = (-FARTHEST..=FARTHEST).map(misfits).min_by(|a, b| a.1.total_cmp(&b.1));
-        self.at_strike.z = place(best.map_or(0, |(by, _)| by));
         let count = self.legs.len() as f32;
         let earliest = self.stance.share.min(0.53);
         let frames = (0..self.legs.len()).map(|frame| earliest + frame as f32 / count);
