@@ -4,6 +4,7 @@ use super::output::{detail, note};
 use super::preference::PreferenceArguments;
 use super::usage;
 use crate::Error;
+use crate::gait::walker::MOST_EXPRESSION;
 use crate::library::GaitLibrary;
 use crate::scenario::{Condition, MAX_AGENTS, Scenario, Setting};
 use crate::scene::{Scene, SceneBuilder};
@@ -47,6 +48,10 @@ pub(super) struct SceneArguments {
     /// Gaits to walk with [default: the built-in library]
     #[arg(long, value_name = "LIB.glb")]
     pub(super) library: Option<PathBuf>,
+    /// How strongly the built-in gaits show their emotion: 0 not at all, 1 as people do, 2 as actors do, 3 as on a stage
+    /// [default: as in the scenario, 2]
+    #[arg(long, value_name = "X", value_parser = expression, conflicts_with = "library")]
+    pub(super) expression: Option<f64>,
     /// Set any key of the scenario as its file would, such as navigation.patience=1.0, 'walkers=[]' or obstacles.0.high=2;
     /// may be given several times
     #[arg(long, value_name = "KEY=VALUE", value_parser = Setting::from_str)]
@@ -132,6 +137,11 @@ impl SceneArguments {
         }
         if let Some(condition) = self.condition {
             builder = builder.condition(condition.get());
+        }
+        if let Some(expression) = self.expression {
+            #[allow(clippy::cast_possible_truncation, reason = "a setting")]
+            let expression = expression as f32;
+            builder = builder.change(|scenario| scenario.population.expression = expression);
         }
         builder = builder.change(|scenario| self.preference.apply(scenario));
         check_changed(builder.scenario())?;
@@ -219,6 +229,15 @@ pub(super) fn check_seconds(name: &str, seconds: f64) -> Result<f64, Error> {
         return Ok(seconds);
     }
     Err(usage(format!("{name} = {seconds}: must be 0 to 86400 seconds"), "a day is the most"))
+}
+
+/// A strength of expression on the command line.
+pub(super) fn expression(text: &str) -> Result<f64, String> {
+    let allowed = 0.0..=MOST_EXPRESSION;
+    match text.parse::<f64>() {
+        Ok(value) if allowed.contains(&value) => Ok(value),
+        _ => Err(format!("must be 0 to {MOST_EXPRESSION}; 1 is as people show it, 2 as actors do")),
+    }
 }
 
 /// The gaits that crowds walk with: those of a file, or the built-in ones.

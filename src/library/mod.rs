@@ -91,12 +91,25 @@ impl GaitLibrary {
         Ok(Self { gaits, starts, ids })
     }
 
-    /// Generated walkers: `per_class` individuals for each emotion and sex. The same arguments give the same bits
-    /// on every machine.
+    /// Generated walkers: `per_class` individuals for each emotion and sex, as expressive as crowds are. The same arguments
+    /// give the same bits on every machine.
     ///
     /// # Errors
     /// [`Error::TooMany`] above [`MOST_PER_CLASS`].
     pub fn generated(seed: u64, per_class: u32) -> Result<Self, Error> {
+        Self::generate(walker::EXPRESSION, seed, per_class)
+    }
+
+    /// The people of the default library, who show their emotions as strongly as `expression` says
+    /// ([`walker::WalkerStyle::expressed`]): at [`walker::EXPRESSION`] it is that library.
+    ///
+    /// # Errors
+    /// None for any expression: what is out of range counts as the nearer end.
+    pub fn expressed(expression: f64) -> Result<Self, Error> {
+        Self::generate(expression, DEFAULT_SEED, DEFAULT_PER_CLASS)
+    }
+
+    fn generate(expression: f64, seed: u64, per_class: u32) -> Result<Self, Error> {
         if per_class > MOST_PER_CLASS {
             return Err(Error::TooMany { per_class });
         }
@@ -104,11 +117,11 @@ impl GaitLibrary {
         for emotion in Emotion::ALL {
             for sex in Sex::ALL {
                 for index in 0..per_class {
-                    let gait = walker::person(emotion, sex, seed, index).map_err(|source| Error::Gait {
+                    let gait = walker::person_expressing(emotion, sex, expression, seed, index);
+                    gaits.push(gait.map_err(|source| Error::Gait {
                         name: format!("{emotion}-{sex}-{index}"),
                         message: source.to_string(),
-                    })?;
-                    gaits.push(gait);
+                    })?);
                 }
             }
         }

@@ -3,6 +3,7 @@
 use super::Scene;
 use super::avatars::avatars_of;
 use crate::gait::Gait;
+use crate::gait::walker::EXPRESSION;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
 use crate::scenario::{Condition, Scenario, Setting, external_bodies, populate_from};
@@ -83,9 +84,17 @@ impl SceneBuilder {
     /// # Errors
     /// When the built-in gaits cannot be read.
     pub fn gaits(&self) -> Result<Vec<Gait>, crate::Error> {
+        Ok(self.walked()?.gaits().to_vec())
+    }
+
+    /// The chosen library, or the built-in people, as expressive as the scenario says.
+    #[allow(clippy::float_cmp, reason = "asks whether anything was set")]
+    fn walked(&self) -> Result<GaitLibrary, crate::Error> {
+        let expression = f64::from(self.scenario.population.expression);
         Ok(match &self.library {
-            Some(library) => library.gaits().to_vec(),
-            None => GaitLibrary::built_in()?.gaits().to_vec(),
+            Some(library) => library.clone(),
+            None if expression == EXPRESSION => GaitLibrary::built_in()?,
+            None => GaitLibrary::expressed(expression)?,
         })
     }
 
@@ -175,15 +184,12 @@ impl SceneBuilder {
     /// [`crate::scenario::Error`] with key, value and range for what is wrong in the scenario or does not fit its place;
     /// [`super::Error`] for avatars and rig maps that do not exist; when a gait cannot drive an avatar.
     pub fn build(self) -> Result<Scene, crate::Error> {
-        let Self { mut scenario, folder, condition, library, rig_maps, mut replay, .. } = self;
+        self.scenario.validate()?;
+        let is_own = self.library.is_some();
+        let library = self.walked()?;
+        let Self { mut scenario, folder, condition, rig_maps, mut replay, .. } = self;
         let (backend, device, gives_way) = (self.backend, self.device, self.gives_way);
-        scenario.validate()?;
         scenario.condition = condition.unwrap_or(scenario.condition);
-        let is_own = library.is_some();
-        let library = match library {
-            Some(library) => library,
-            None => GaitLibrary::built_in()?,
-        };
         let has_labels = library.counts() != [0; 4] || library.gaits().is_empty();
         let is_unlabelled =
             is_own && condition.is_none() && !has_labels && scenario.condition != Condition::Baseline;

@@ -8,6 +8,7 @@ use crate::cli::scene;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Curve, EMOTION_COLORS, Plot, Stroke};
 use crate::gait::{Gait, walker};
+use crate::library::GaitLibrary;
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -34,6 +35,9 @@ pub(super) struct Arguments {
     /// A gait library (.glb) or motion file [default: the built-in library]
     #[arg(value_name = "FILE|LIB")]
     file: Option<PathBuf>,
+    /// Measure the built-in people at another expression: 0 neutral, 1 as people do, 2 as actors do, 3 as on a stage
+    #[arg(long, value_name = "X", value_parser = scene::expression, conflicts_with = "file")]
+    expression: Option<f64>,
     /// A character (.glb, .gltf, .vrm) to walk so [default: the generated bodies, by the sex of each gait]
     #[arg(long, value_name = "FILE")]
     avatar: Option<PathBuf>,
@@ -50,9 +54,10 @@ pub(super) struct Arguments {
 
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
-    let gaits = match &arguments.file {
-        Some(path) if !super::is_glb(path) => super::strides(path)?,
-        path => scene::library(path.as_deref())?.gaits().to_vec(),
+    let gaits = match (&arguments.file, arguments.expression) {
+        (_, Some(expression)) => GaitLibrary::expressed(expression)?.gaits().to_vec(),
+        (Some(path), None) if !super::is_glb(path) => super::strides(path)?,
+        (path, None) => scene::library(path.as_deref())?.gaits().to_vec(),
     };
     let report = match &arguments.avatar {
         Some(path) => {

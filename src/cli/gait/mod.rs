@@ -18,13 +18,13 @@ pub(super) use predict::model_or_default;
 
 use super::output::note;
 use super::outputs::free;
-use super::scene::{library, seed};
+use super::scene::{self, library, seed};
 use super::{figures, usage};
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::export::image::write_png;
 use crate::gait::LabelOrigin;
-use crate::gait::walker::{STYLE_FIELDS, WalkerStyle, walk};
+use crate::gait::walker::{EXPRESSION, STYLE_FIELDS, WalkerStyle, walk};
 use crate::library::GaitLibrary;
 use crate::spelling::suggestion;
 use clap::{Args, Subcommand};
@@ -105,6 +105,9 @@ struct WalkArguments {
     /// The body to show
     #[arg(long, value_enum, default_value_t)]
     sex: SexName,
+    /// How strongly it shows: 0 neutral, 1 as people do, 2 as actors do, 3 as on a stage
+    #[arg(long, value_name = "X", value_parser = scene::expression, default_value_t = EXPRESSION)]
+    expression: f64,
     /// Walking speed, m/s
     #[arg(long)]
     speed: Option<f64>,
@@ -168,7 +171,7 @@ fn show(arguments: &ShowArguments) -> Result<bool, Error> {
 fn generate(arguments: &WalkArguments) -> Result<bool, Error> {
     let begin = Instant::now();
     let sex = arguments.sex.sex();
-    let mut style = WalkerStyle::preset(arguments.emotion, sex);
+    let mut style = WalkerStyle::expressed(arguments.emotion, sex, arguments.expression);
     if let Some(seed) = arguments.seed {
         style = style.vary(seed, arguments.index);
     }

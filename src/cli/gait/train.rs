@@ -59,6 +59,9 @@ pub(super) struct Arguments {
     /// Search C and gamma on inner folds [affective-svm]
     #[arg(long)]
     search: bool,
+    /// Let each emotion count alike, however many of the gaits have it [affective-svm]
+    #[arg(long)]
+    balanced: bool,
     /// What is held out together to find the accuracy
     #[arg(long, value_enum, default_value_t)]
     folds: FoldsName,
@@ -200,13 +203,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 
 /// The chosen method. A setting of the machine chooses the machine.
 fn method(arguments: &Arguments) -> Result<Trainer, Error> {
-    let Arguments { variant, scheme, c, gamma, search, .. } = arguments;
+    let Arguments { variant, scheme, c, gamma, search, balanced, .. } = arguments;
     let given = [
         ("--variant", variant.is_some()),
         ("--scheme", scheme.is_some()),
         ("--c", c.is_some()),
         ("--gamma", gamma.is_some()),
         ("--search", *search),
+        ("--balanced", *balanced),
     ];
     let setting = given.into_iter().find_map(|(name, is_given)| is_given.then_some(name));
     match (arguments.method, setting) {
@@ -227,6 +231,7 @@ fn method(arguments: &Arguments) -> Result<Trainer, Error> {
                     Some(SchemeName::Ovo) => Scheme::OneVersusOne,
                     Some(SchemeName::Ovr) => Scheme::OneVersusRest,
                 },
+                is_balanced: *balanced,
                 ..fallback.settings
             };
             let grid = search.then(Grid::default);

@@ -20,6 +20,9 @@ pub struct Measure {
     pub is_ratio: bool,
 }
 
+/// The expression at which the walker is to differ as people do.
+const MEASURED: f64 = 1.0;
+
 /// What is compared. All are free of heading, side and body size (in ratio to the neutral mean of the source).
 pub const MEASURES: [Measure; 8] = [
     Measure { name: "walking speed", of: |gait| gait.speed, is_ratio: true },
@@ -180,7 +183,7 @@ fn presets(measure: Measure) -> Result<[f64; 4], Error> {
     let mut values = [0.0; 4];
     for emotion in Emotion::ALL {
         for sex in Sex::ALL {
-            let gait = walk(&WalkerStyle::preset(emotion, sex), "preset")?;
+            let gait = walk(&WalkerStyle::expressed(emotion, sex, MEASURED), "preset")?;
             values[emotion.index()] += 0.5 * f64::from((measure.of)(&gait));
         }
     }

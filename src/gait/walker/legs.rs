@@ -43,8 +43,8 @@ pub(super) const HEEL_OFF: f64 = 0.28;
 /// How much the foot's roll over its ball speeds up towards toe-off.
 const PUSH_OFF: f64 = 3.0;
 
-/// Farthest that the heel rises before toe-off, as a multiple of the style's rise at toe-off; so late after the foot is flat.
-const MOST_RISE: f64 = 1.25;
+/// How much farther than usual the heel rises, as a share of the style's rise at toe-off; so late after the foot is flat.
+const SPARE_RISE: f64 = 0.25;
 const RISES: f64 = 0.15;
 
 /// Pitch down to which the ball of the foot stays on the ground, radians; beyond it the foot rolls over the tips of the toes.
@@ -68,7 +68,7 @@ const USUAL_BOUNCE: f64 = 0.018;
 
 /// Longest swinging leg, as a share of the straight one. How near to it a leg straightens more slowly, and how near to the
 /// ground its foot comes down so, m.
-const STRAIGHT: f64 = 0.9993;
+const STRAIGHT: f64 = 0.9990;
 const STRAIGHTENS: f64 = 0.001;
 const TOUCHES: f64 = 0.004;
 
@@ -154,6 +154,7 @@ pub(super) struct FootPath {
     vigour: f64,
     duty: f64,
     heel_rise: f64,
+    flexion: f64,
     landing: f64,
     /// Height of the root joint.
     pub(super) lift: Lift,
@@ -172,6 +173,7 @@ impl FootPath {
             vigour,
             duty: style.duty,
             heel_rise: style.heel_rise,
+            flexion: style.knee_flexion,
             landing: style.stomp,
             lift: Lift::default(),
         };
@@ -201,7 +203,8 @@ impl FootPath {
                 (hip.x - side * 0.5 * style.step_width, hip.y - ankle.up, hip.z - ankle.ahead);
             x * x + up * up + ahead * ahead > wanted * wanted
         };
-        let (mut low, mut high) = (0.0, MOST_RISE * self.heel_rise * ((own - FLAT) / RISES).min(1.0));
+        let most = (1.0 + SPARE_RISE) * self.heel_rise * ((own - FLAT) / RISES).min(1.0);
+        let (mut low, mut high) = (0.0, most.min(SPARE_RISE * self.heel_rise - self.usual_pitch(own)));
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
             if is_long(middle) { low = middle } else { high = middle }
@@ -245,7 +248,7 @@ impl FootPath {
         let phase = self.usual_phase(own);
         let [loaded, free] = [0.5 + 0.5 * self.vigour, 0.8 + 0.2 * self.vigour];
         let t = ((phase - 0.35) / 0.3).clamp(0.0, 1.0);
-        (self.knee.at(phase) * (loaded + (free - loaded) * t)).max(0.0)
+        (self.knee.at(phase) * (loaded + (free - loaded) * t) + self.flexion).max(0.0)
     }
 
     /// The leg from hip to ankle by the angle of its knee, m.
@@ -331,7 +334,9 @@ impl FootPath {
                 *sine += 2.0 * height * turn.sin / count;
             }
         }
-        let share = style.bounce / USUAL_BOUNCE;
+        // longer strides bob more by themselves, and bent knees at the strike would have to pay for any more
+        let share =
+            1.0 + (style.bounce / USUAL_BOUNCE - 1.0) / (self.vigour * self.vigour * self.vigour).max(1.0);
         lift.waves.as_flattened_mut().iter_mut().for_each(|wave| *wave *= share);
         // never so high that the leading leg would have to be longer than it can be
         let above = |(own, highest): &(f64, f64)| lift.at(*own) - highest;

@@ -4,16 +4,18 @@
 //! body. [`walk`] turns it into a [`Gait`]: the planted foot rolls over heel, ball and toes on ground that passes
 //! at exactly [`WalkerStyle::speed`], the leading leg carries the pelvis as high as the knees of healthy adults do,
 //! and the swinging leg follows their angles; trunk, arms and head are a mean pose and one or two harmonics
-//! (the form of Troje 2002). [`WalkerStyle::preset`] has one style per emotion and sex, [`WalkerStyle::mix`]
-//! blends them (S-32) and [`WalkerStyle::vary`] makes individuals.
+//! (the form of Troje 2002). [`WalkerStyle::expressed`] has one style per emotion, sex and strength of expression,
+//! [`WalkerStyle::mix`] blends them (S-32) and [`WalkerStyle::vary`] makes individuals.
 //!
 //! All arithmetic is plain f64 with our own sine, so a style gives the same bits on every machine.
 
 mod legs;
+mod presets;
 mod style;
 mod trig;
 mod upper;
 
+pub use presets::{EXPRESSION, MOST_EXPRESSION};
 pub use style::{Body, OutOfRange, STYLE_FIELDS, Sex, StyleField, WalkerStyle};
 
 use super::{Error, Gait, JOINT_COUNT, Joint, JointSet, LabelOrigin, Pose, Provenance};
@@ -31,7 +33,7 @@ const FRAMES_F64: f64 = 64.0;
 
 /// Version of the generator, written into [`Gait::provenance`]; raised whenever the same style gives another gait.
 #[doc(hidden)]
-pub const VERSION: u32 = 2;
+pub const VERSION: u32 = 3;
 
 /// Travel of a stride in leg lengths for which [`WalkerStyle::bounce`] and the angles of the legs hold.
 const USUAL_STRIDE: f64 = 1.6;
@@ -124,20 +126,35 @@ pub fn walk(style: &WalkerStyle, name: &str) -> Result<Gait, Error> {
     })
 }
 
-/// One generated person: the preset of `emotion` and `sex`, varied by `seed` and `index`, labelled.
+/// One generated person of crowds: [`person_expressing`] the emotion as strongly as [`EXPRESSION`].
+///
+/// # Errors
+/// As [`walk`]; not for any seed or index (a varied preset stays within its ranges).
+pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait, Error> {
+    person_expressing(emotion, sex, EXPRESSION, seed, index)
+}
+
+/// One generated person: [`WalkerStyle::expressed`], varied by `seed` and `index`, labelled. The same seed and index are the
+/// same person in every emotion and expression.
 ///
 /// The label is what the style was made to look like. The gait is unrated, so `ratings` is empty.
 ///
 /// # Errors
 /// As [`walk`]; not for any seed or index (a varied preset stays within its ranges).
-pub fn person(emotion: Emotion, sex: Sex, seed: u64, index: u32) -> Result<Gait, Error> {
-    let style = WalkerStyle::preset(emotion, sex).vary(seed, index);
+pub fn person_expressing(
+    emotion: Emotion,
+    sex: Sex,
+    expression: f64,
+    seed: u64,
+    index: u32,
+) -> Result<Gait, Error> {
+    let style = WalkerStyle::expressed(emotion, sex, expression).vary(seed, index);
     let mut gait = walk(&style, &format!("{emotion}-{sex}-{index}"))?;
     gait.provenance = Provenance {
         subject: Some(format!("{sex} {index}")),
         sex: Some(sex),
         label_origin: Some(LabelOrigin::Generated),
-        notes: vec![format!("preset {emotion} {sex}, seed {seed}, individual {index}")],
+        notes: vec![format!("{emotion} {sex}, expression {expression}, seed {seed}, individual {index}")],
         ..gait.provenance
     };
     gait.acted = Some(emotion.name().to_owned());

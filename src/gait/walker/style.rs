@@ -1,13 +1,9 @@
-//! The numbers of a walk: their ranges, the presets of the four emotions, mixtures and individuals.
+//! The numbers of a walk: their ranges, mixtures and individuals.
 
-use crate::emotion::Emotion;
 use crate::spelling::{UnknownName, by_name};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
-
-/// Degrees to radians.
-const DEG: f64 = std::f64::consts::PI / 180.0;
 
 /// Which of the two mean bodies a walker has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -176,6 +172,24 @@ pub struct WalkerStyle {
     pub elbow_swing: f64,
     /// The left arm swings by this share more, the right by this share less.
     pub asymmetry: f64,
+    /// Both knees bend by so much more all the time.
+    pub knee_flexion: f64,
+    /// Lean of the trunk to the left.
+    pub side_lean: f64,
+    /// Turn of the shoulders to the left that stays.
+    pub trunk_turn: f64,
+    /// Share of the stride by which the arms are later than the legs.
+    pub arm_lag: f64,
+    /// How far the arms swing inwards when they are in front.
+    pub arm_cross: f64,
+    /// The left arm swings by so much more to either side, the right by so much less.
+    pub swing_asymmetry: f64,
+    /// The left arm hangs so much further forward than the right.
+    pub forward_asymmetry: f64,
+    /// The left arm is held so much further out than the right.
+    pub abduction_asymmetry: f64,
+    /// The left elbow is bent so much more than the right.
+    pub elbow_asymmetry: f64,
 }
 
 /// One number of a [`WalkerStyle`]: its name in files, its range and how to reach it.
@@ -205,188 +219,46 @@ macro_rules! fields {
 /// Every number of a [`WalkerStyle`] in the order in which they are drawn for individuals (new ones go last).
 pub const STYLE_FIELDS: &[StyleField] = fields! {
     "body.height" body.height: [0.8, 2.4], stray [0.05, 0.0];
-    "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.06, 0.0];
-    "body.hips" body.hips: [0.05, 0.2], stray [0.07, 0.0];
-    "speed" speed: [0.1, 2.6], stray [0.07, 0.0];
-    "cycle_time" cycle_time: [0.5, 3.0], stray [0.045, 0.0];
-    "duty" duty: [0.52, 0.75], stray [0.0, 0.012];
+    "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.14, 0.0];
+    "body.hips" body.hips: [0.05, 0.2], stray [0.14, 0.0];
+    "speed" speed: [0.1, 2.6], stray [0.2, 0.0];
+    "cycle_time" cycle_time: [0.5, 3.0], stray [0.09, 0.0];
+    "duty" duty: [0.52, 0.75], stray [0.0, 0.014];
     "step_width" step_width: [0.0, 0.5], stray [0.4, 0.0];
     "foot_lift" foot_lift: [0.06, 0.4], stray [0.2, 0.0];
     "stomp" stomp: [0.0, 0.15], stray [0.3, 0.0];
-    "heel_rise" heel_rise: [0.0, 1.2], stray [0.08, 0.0];
+    "heel_rise" heel_rise: [0.0, 1.2], stray [0.05, 0.0];
     "toe_out" toe_out: [-0.5, 0.8], stray [0.0, 0.08];
-    "bounce" bounce: [0.0, 0.08], stray [0.3, 0.0];
+    "bounce" bounce: [0.0, 0.08], stray [0.15, 0.0];
     "crouch" crouch: [0.0, 0.15], stray [0.3, 0.0];
     "sway" sway: [0.0, 0.1], stray [0.4, 0.0];
     "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.5, 0.0];
     "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.4, 0.0];
-    "lean" lean: [-0.3, 0.6], stray [0.0, 0.06];
-    "slump" slump: [-0.4, 0.8], stray [0.0, 0.09];
-    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.13];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.21];
+    "slump" slump: [-0.4, 0.8], stray [0.0, 0.24];
+    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.33];
     "nod" nod: [0.0, 0.2], stray [0.6, 0.0];
-    "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.5, 0.0];
-    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.012];
-    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.015];
-    "arm_swing" arm_swing: [0.0, 1.2], stray [0.5, 0.0];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.14];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.07];
-    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.0];
-    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.5, 0.0];
-    "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.5];
+    "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.7, 0.0];
+    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.03];
+    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.03];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.6, 0.07];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.4];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.22];
+    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.5, 0.24];
+    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.6, 0.08];
+    "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
+    "knee_flexion" knee_flexion: [-0.1, 0.3], stray [0.0, 0.06];
+    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.1];
+    "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.2];
+    "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
+    "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
+    "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.44];
+    "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
+    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.5];
 };
 
 impl WalkerStyle {
-    /// The style of an emotion as a person of this sex walks it.
-    ///
-    /// Against the neutral walk the differences point the way perceived labels do in E-Gait (`tests/gait/library/`
-    /// has the numbers), as strong or stronger, so that they read at a distance, but no stronger than actors show.
-    pub fn preset(emotion: Emotion, sex: Sex) -> Self {
-        let mut style = match emotion {
-            Emotion::Happy => Self::happy(),
-            Emotion::Angry => Self::angry(),
-            Emotion::Sad => Self::sad(),
-            Emotion::Neutral => Self::neutral(),
-        };
-        style.body = Body::mean(sex);
-        match sex {
-            // Shorter legs take shorter, quicker steps; hips move more, shoulders less (Troje 2002).
-            Sex::Female => {
-                style.speed *= 0.965;
-                style.cycle_time *= 0.965;
-                style.step_width *= 0.82;
-                style.foot_lift *= 0.92;
-                style.sway *= 0.85;
-                style.pelvis_turn *= 1.25;
-                style.pelvis_drop *= 1.45;
-                style.arm_abduction *= 0.8;
-                style.bounce *= 0.92;
-            }
-            Sex::Male => {
-                style.speed *= 1.02;
-                style.shoulder_turn *= 1.2;
-                style.toe_out += 0.05;
-            }
-        }
-        style
-    }
-
-    fn neutral() -> Self {
-        Self {
-            body: Body::mean(Sex::Male),
-            speed: 1.22,
-            cycle_time: 1.14,
-            duty: 0.60,
-            step_width: 0.13,
-            foot_lift: 0.15,
-            stomp: 0.0,
-            heel_rise: 62.0 * DEG,
-            toe_out: 0.10,
-            bounce: 0.024,
-            crouch: 0.0,
-            sway: 0.022,
-            pelvis_turn: 5.0 * DEG,
-            pelvis_drop: 3.5 * DEG,
-            lean: 2.0 * DEG,
-            slump: 2.0 * DEG,
-            neck_flexion: 6.0 * DEG,
-            nod: 0.8 * DEG,
-            shoulder_turn: 4.5 * DEG,
-            shoulder_lift: 0.0,
-            shoulder_forward: 0.0,
-            arm_swing: 15.0 * DEG,
-            arm_forward: -9.0 * DEG,
-            arm_abduction: 8.0 * DEG,
-            elbow_flexion: 26.0 * DEG,
-            elbow_swing: 24.0 * DEG,
-            asymmetry: 0.0,
-        }
-    }
-
-    fn happy() -> Self {
-        Self {
-            speed: 1.38,
-            cycle_time: 1.08,
-            foot_lift: 0.16,
-            heel_rise: 68.0 * DEG,
-            bounce: 0.024,
-            crouch: 0.0,
-            sway: 0.026,
-            pelvis_turn: 6.0 * DEG,
-            pelvis_drop: 4.5 * DEG,
-            lean: 0.5 * DEG,
-            slump: -4.0 * DEG,
-            neck_flexion: 1.0 * DEG,
-            nod: 1.6 * DEG,
-            shoulder_turn: 7.5 * DEG,
-            shoulder_lift: 0.004,
-            shoulder_forward: -0.018,
-            arm_swing: 23.0 * DEG,
-            arm_forward: -7.0 * DEG,
-            arm_abduction: 11.0 * DEG,
-            elbow_flexion: 28.0 * DEG,
-            elbow_swing: 34.0 * DEG,
-            ..Self::neutral()
-        }
-    }
-
-    fn angry() -> Self {
-        Self {
-            speed: 1.64,
-            cycle_time: 0.96,
-            duty: 0.585,
-            step_width: 0.15,
-            foot_lift: 0.165,
-            stomp: 0.02,
-            heel_rise: 66.0 * DEG,
-            bounce: 0.024,
-            crouch: 0.001,
-            sway: 0.018,
-            pelvis_turn: 7.0 * DEG,
-            lean: 8.0 * DEG,
-            slump: 2.0 * DEG,
-            neck_flexion: 2.0 * DEG,
-            nod: 1.4 * DEG,
-            shoulder_turn: 8.0 * DEG,
-            shoulder_lift: 0.018,
-            shoulder_forward: 0.012,
-            arm_swing: 19.0 * DEG,
-            arm_forward: -6.0 * DEG,
-            arm_abduction: 15.0 * DEG,
-            elbow_flexion: 40.0 * DEG,
-            elbow_swing: 26.0 * DEG,
-            ..Self::neutral()
-        }
-    }
-
-    fn sad() -> Self {
-        Self {
-            speed: 0.86,
-            cycle_time: 1.38,
-            duty: 0.635,
-            step_width: 0.14,
-            foot_lift: 0.115,
-            heel_rise: 54.0 * DEG,
-            bounce: 0.028,
-            crouch: 0.004,
-            sway: 0.03,
-            pelvis_turn: 3.5 * DEG,
-            pelvis_drop: 2.5 * DEG,
-            lean: 3.0 * DEG,
-            slump: 9.0 * DEG,
-            neck_flexion: 13.0 * DEG,
-            nod: 0.7 * DEG,
-            shoulder_turn: 3.5 * DEG,
-            shoulder_lift: -0.012,
-            shoulder_forward: 0.028,
-            arm_swing: 7.5 * DEG,
-            arm_forward: -5.0 * DEG,
-            arm_abduction: 5.0 * DEG,
-            elbow_flexion: 28.0 * DEG,
-            elbow_swing: 14.0 * DEG,
-            ..Self::neutral()
-        }
-    }
-
     /// A blend of styles: every number is the weighted mean (weights need not sum to 1 but their sum must be
     /// positive, else the first style is returned; `None` for an empty list).
     pub fn mix(weighted: &[(Self, f64)]) -> Option<Self> {
@@ -412,8 +284,12 @@ impl WalkerStyle {
             let stray = (share * value.abs() + absolute) * bell(seed, index, draw);
             (field.set)(&mut varied, (value + stray).clamp(field.range[0], field.range[1]));
         }
+        // Who walks faster takes longer and quicker steps alike (Grieve 1968).
+        varied.cycle_time *= (self.speed / varied.speed).sqrt();
         // Taller people walk faster at the same cadence in proportion to their legs.
         varied.speed *= varied.body.height / self.body.height;
+        let longest = LONGEST_STRIDE * varied.body.leg();
+        varied.cycle_time = varied.cycle_time.min(longest / varied.speed);
         varied
     }
 
@@ -444,6 +320,9 @@ pub struct OutOfRange {
     /// The least and the greatest value allowed.
     pub range: [f64; 2],
 }
+
+/// Longest stride of an individual, legs: heel and toes of longer ones leave the knees too little room.
+const LONGEST_STRIDE: f64 = 1.95;
 
 /// A bell-shaped number in [-1, 1] (mean of three uniform ones, doubled spread is cut), by integer hashing.
 fn bell(seed: u64, index: u32, draw: u64) -> f64 {

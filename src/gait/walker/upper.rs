@@ -6,18 +6,20 @@ use crate::gait::{JOINT_COUNT, Joint};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// The arms follow the opposite leg by this share of a cycle.
-const ARM_LAG: f64 = 0.02;
+/// The shoulders follow the pelvis by this share of a cycle.
+const CHEST_LAG: f64 = 0.02;
 /// The elbow bends and opens this share of a cycle after the upper arm.
 const ELBOW_LAG: f64 = 0.01;
+/// No elbow is straighter than this.
+const LEAST_BEND: f64 = 0.1;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
 pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {
     let body = &style.body;
     // The chest turns against the pelvis and stays more upright than it sideways.
-    let chest_yaw = style.shoulder_turn * cos(TAU * (phase - ARM_LAG));
+    let chest_yaw = style.trunk_turn + style.shoulder_turn * cos(TAU * (phase - CHEST_LAG));
     let yaw = Turn::new(chest_yaw);
-    let side_lean = Turn::new(-0.25 * pelvis.roll_angle);
+    let side_lean = Turn::new(-style.side_lean - 0.25 * pelvis.roll_angle);
     // Twice a stride, with each strike, the trunk tips forward a little and the head makes up for it.
     let dip = style.nod * cos(2.0 * TAU * (phase - 0.06));
     let low = style.lean - 0.2 * style.slump + 0.5 * dip;
@@ -50,13 +52,17 @@ pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &m
 /// Unit directions of upper arm and forearm on `side` (+1 left, -1 right) before the chest turns.
 fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     // The left arm is back when the left foot strikes.
-    let swing = |lag: f64| -side * cos(TAU * (phase - ARM_LAG - lag));
-    let amplitude = style.arm_swing * (1.0 + side * style.asymmetry);
-    let flexion = style.arm_forward + amplitude * swing(0.0);
-    let elbow = style.elbow_flexion + style.elbow_swing * (0.5 + 0.5 * swing(ELBOW_LAG));
-    let outward = Turn::new(style.arm_abduction);
+    let swing = |lag: f64| -side * cos(TAU * (phase - style.arm_lag - lag));
+    let amplitude =
+        (style.arm_swing * (1.0 + side * style.asymmetry) + side * style.swing_asymmetry).max(0.0);
+    let flexion = style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude * swing(0.0);
+    let bent = style.elbow_flexion + 0.5 * side * style.elbow_asymmetry;
+    let elbow = bent.max(LEAST_BEND) + style.elbow_swing * (0.5 + 0.5 * swing(ELBOW_LAG));
+    let apart = style.arm_abduction + 0.5 * side * style.abduction_asymmetry;
+    let out = apart.max(0.0) - style.arm_cross * (0.5 + 0.5 * swing(0.0));
+    let outward = Turn::new(out);
     // The forearm turns inwards as it bends.
-    let inward = Turn::new(0.5 * style.arm_abduction - 0.30 * elbow);
+    let inward = Turn::new(0.5 * out - 0.30 * elbow);
     (limb(side, flexion, outward), limb(side, flexion + elbow, inward))
 }
 

@@ -2,6 +2,7 @@
 
 use super::people;
 use super::ranges::within;
+use crate::gait::walker::MOST_EXPRESSION;
 use crate::scenario::error::Error;
 use crate::scenario::file::{EmotionMode, GaitChoice, GenderChoice, MAX_AGENTS, MAX_GROUP, Population};
 
@@ -10,6 +11,15 @@ pub(super) fn check(population: &Population) -> Result<(), Error> {
         let hint = "split the crowd over several runs";
         return Err(Error::value("population.agents", population.agents, format!("0 to {MAX_AGENTS}"), hint));
     }
+    #[allow(clippy::cast_possible_truncation, reason = "3")]
+    let most = MOST_EXPRESSION as f32;
+    within(
+        "population.expression",
+        population.expression,
+        0.0,
+        most,
+        "crowds walk with 2; people differ by 1",
+    )?;
     let [low, high] = population.scale;
     if !(low >= 0.5 && low <= high && high <= 2.0) {
         let found = format!("[{low}, {high}]");

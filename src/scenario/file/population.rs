@@ -1,7 +1,7 @@
 //! The crowd of a scenario file: how many, who they are, how they feel, how they walk.
 
 use super::people::Class;
-use crate::gait::walker::Sex;
+use crate::gait::walker::{EXPRESSION, Sex};
 use crate::library::choose::SPEED_TOLERANCE;
 use serde::{Deserialize, Deserializer, Serialize, de};
 use std::collections::BTreeMap;
@@ -139,6 +139,11 @@ pub const MAX_AGENTS: u32 = 1_000_000;
 /// Most people who walk together.
 pub const MAX_GROUP: usize = 5;
 
+#[allow(clippy::float_cmp, clippy::trivially_copy_pass_by_ref, reason = "was anything set? as serde asks")]
+fn is_usual(expression: &f32) -> bool {
+    f64::from(*expression) == EXPRESSION
+}
+
 /// The crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -150,6 +155,10 @@ pub struct Population {
     pub present: Option<f32>,
     /// How a gait is chosen.
     pub gaits: GaitChoice,
+    /// How strongly the generated gaits show their emotion: 0 not at all, 1 as people do who are perceived so, 2 as actors do,
+    /// 3 as on a stage. Gaits of a library are walked as they are.
+    #[serde(skip_serializing_if = "is_usual")]
+    pub expression: f32,
     /// What `emotions` means.
     pub emotion_mode: EmotionMode,
     /// Least and greatest body size relative to the avatar.
@@ -215,6 +224,8 @@ impl Default for Population {
             agents: 8,
             present: None,
             gaits: GaitChoice::default(),
+            #[allow(clippy::cast_possible_truncation, reason = "2")]
+            expression: EXPRESSION as f32,
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
             avatars: vec!["female".into(), "male".into()],

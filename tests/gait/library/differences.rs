@@ -110,9 +110,10 @@ fn classes_keep_apart_when_individuals_vary() {
             values.sort_by(f32::total_cmp);
             values[q * (values.len() - 1) / 100]
         };
-        assert!(quantile(Emotion::Sad, 100) < quantile(Emotion::Neutral, 0));
-        assert!(quantile(Emotion::Neutral, 90) < quantile(Emotion::Happy, 10));
-        assert!(quantile(Emotion::Neutral, 90) < quantile(Emotion::Angry, 10));
+        // individuals differ as people do, so that the classes overlap; not by much
+        assert!(quantile(Emotion::Sad, 90) < quantile(Emotion::Neutral, 10));
+        assert!(quantile(Emotion::Neutral, 75) < quantile(Emotion::Happy, 25));
+        assert!(quantile(Emotion::Neutral, 75) < quantile(Emotion::Angry, 25));
     }
 }
 
