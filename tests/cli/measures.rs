@@ -23,7 +23,11 @@ fn gaits_are_measured_on_the_generated_bodies_and_on_a_file() {
             assert!(std::fs::metadata(&file).unwrap().len() > 1000, "{}", file.display());
         }
     }
+    // crowds show more than people do
     let cue = &built_in["cues"]["cycle_time_s"]["sad"];
+    assert!(cue["within"] == false && cue["value"].as_f64().unwrap() > 0.3, "{cue}");
+    let faint = json(&["gait", "measure", "--expression", "1", "--json"]);
+    let cue = &faint["cues"]["cycle_time_s"]["sad"];
     assert!(cue["within"] == true && cue["value"].as_f64().unwrap() > 0.1, "{cue}");
 
     // the same body from a file walks alike

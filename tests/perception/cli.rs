@@ -34,13 +34,13 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walkers, model, grown) = (path("walkers.glb"), path("model.json"), path("grown.glb"));
-    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    GaitLibrary::generated(21, 10).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
 
     let trained =
         good(&["train", "--data", &walkers, "--folds", "stratified", "--k", "4", "--json", "--out", &model]);
     let trained: Value = serde_json::from_str(&trained).unwrap();
-    assert_eq!(trained["gaits"], 24);
-    assert_eq!(trained["counts"], serde_json::json!([6, 6, 6, 6]));
+    assert_eq!(trained["gaits"], 80);
+    assert_eq!(trained["counts"], serde_json::json!([20, 20, 20, 20]));
     assert!(trained["evaluation"]["accuracy_mean"].as_f64().unwrap() > 0.6, "{trained}");
     assert_eq!(trained["evaluation"]["seeds"], serde_json::json!([0, 1, 2, 3, 4]));
 
@@ -87,10 +87,10 @@ fn a_model_is_trained_predicts_and_grows_a_library() {
 
     good(&["label", &sad, "--library", &walkers, "--model", &model, "--out", &grown]);
     let library = GaitLibrary::load_glb(&grown).unwrap();
-    assert_eq!(library.gaits().len(), 25);
+    assert_eq!(library.gaits().len(), 81);
     let origins: Vec<_> = library.gaits().iter().map(|gait| gait.provenance.label_origin).collect();
-    assert_eq!(origins[24], Some(LabelOrigin::Predicted));
-    assert!(origins[..24].iter().all(|origin| *origin == Some(LabelOrigin::Generated)));
+    assert_eq!(origins[80], Some(LabelOrigin::Predicted));
+    assert!(origins[..80].iter().all(|origin| *origin == Some(LabelOrigin::Generated)));
 }
 
 #[test]
@@ -136,7 +136,7 @@ fn a_model_of_gaits_as_published_is_asked_about_no_others() {
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walk, walkers, model) = (path("walk.csv"), path("walkers.glb"), path("model.json"));
     good(&["walk", "--emotion", "happy", "--out", &walk]);
-    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    GaitLibrary::generated(21, 10).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
     refused(
         1,
         &["train", "--as-published", "--data", &walkers, "--out", &model],
@@ -156,7 +156,7 @@ fn a_model_remembers_that_its_gaits_were_as_published() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     // walkers in the dress of E-Gait: one cycle each, the root pinned
-    let library = GaitLibrary::generated(21, 3).unwrap();
+    let library = GaitLibrary::generated(21, 10).unwrap();
     let names = Joint::ALL.map(|joint| joint.name().replace("left_", "l_").replace("right_", "r_"));
     let columns: Vec<String> = names.iter().map(|name| format!("{name}_x,{name}_y,{name}_z")).collect();
     let (mut walks, mut labels) = (format!("key,frame,{}\n", columns.join(",")), "key,label\n".to_owned());
@@ -183,14 +183,14 @@ fn a_model_remembers_that_its_gaits_were_as_published() {
         &model,
     ];
     let trained: Value = serde_json::from_str(&good(&train)).unwrap();
-    assert_eq!((&trained["preparation"], &trained["gaits"]), (&"as-published".into(), &24.into()));
+    assert_eq!((&trained["preparation"], &trained["gaits"]), (&"as-published".into(), &80.into()));
 
     let found = good(&["predict", &path("walks.csv"), "--model", &model, "--json"]);
     let found: Value = serde_json::from_str(&found).unwrap();
     assert!(found["model"].as_str().unwrap().contains("as published"), "{found}");
     let right =
         found["gaits"].as_array().unwrap().iter().filter(|row| row["emotion"] == row["label"]).count();
-    assert!(right > 20, "{right} of 24 that it learned from: {found}");
+    assert!(right > 60, "{right} of 80 that it learned from: {found}");
     // others are not like those, whatever is done with them
     good(&["walk", "--emotion", "happy", "--out", &path("walk.csv")]);
     let want = "not E-Gait as it was published";
@@ -203,7 +203,7 @@ fn labels_of_people_stay_unless_relabelled() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walkers, model, sad) = (path("walkers.glb"), path("model.json"), path("sad.csv"));
-    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    GaitLibrary::generated(21, 10).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
     good(&["train", "--data", &walkers, "--folds", "none", "--out", &model]);
     good(&["walk", "--emotion", "sad", "--seed", "77", "--out", &sad]);
     std::fs::write(path("labels.csv"), "file,label\nsad.csv,angry\n").unwrap();
@@ -226,7 +226,7 @@ fn settings_of_one_method_are_refused_by_the_other_and_ask_for_it_where_none_is_
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (walkers, model) = (path("walkers.glb"), path("model.json"));
-    GaitLibrary::generated(21, 3).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
+    GaitLibrary::generated(21, 10).unwrap().save_glb(std::path::Path::new(&walkers)).unwrap();
     let train = |more: &[&'static str]| {
         let plain =
             ["train", "--data", walkers.as_str(), "--folds", "none", "--json", "--out", model.as_str()];
@@ -235,8 +235,11 @@ fn settings_of_one_method_are_refused_by_the_other_and_ask_for_it_where_none_is_
     refused(2, &train(&["--method", "phase-perceiver", "--c", "10"]), "--c is a setting of affective-svm");
     let found: Value = serde_json::from_str(&good(&train(&["--c", "10"]))).unwrap();
     assert_eq!((&found["method"], found["support_vectors"].is_u64()), (&"affective-svm".into(), true));
+    let balanced = good(&train(&["--balanced"]));
+    assert!(balanced.contains(", balanced"), "{balanced}");
+    assert!(!found.to_string().contains("balanced"), "{found}");
     let words = good(&["predict", &walkers, "--model", &model]);
-    assert!(words.contains("affective-svm, trained on 24 gaits"), "{words}");
+    assert!(words.contains("affective-svm, trained on 80 gaits"), "{words}");
 }
 
 #[test]

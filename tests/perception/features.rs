@@ -89,12 +89,15 @@ fn swapping_the_sides_swaps_the_features_of_the_sides_and_leaves_the_others() {
 
 #[test]
 fn the_heading_of_the_body_does_not_matter_to_corrected_posture_and_does_to_that_of_the_paper() {
-    let gait = &walkers()[0];
-    let turned = mapped(gait, |pose| pose.map(|point| Quat::from_rotation_y(0.7) * point));
-    let (own, other) = (features(gait, Variant::Corrected), features(&turned, Variant::Corrected));
-    assert_close("corrected", &other[..13], &own[..13], 1e-5);
-    let paper = [gait, &turned].map(|gait| features(gait, Variant::Paper)[0]);
-    assert!((paper[1] / paper[0] - 1.0).abs() > 0.05, "{paper:?}");
+    let changes = walkers().into_iter().map(|gait| {
+        let turned = mapped(&gait, |pose| pose.map(|point| Quat::from_rotation_y(0.7) * point));
+        let (own, other) = (features(&gait, Variant::Corrected), features(&turned, Variant::Corrected));
+        assert_close("corrected", &other[..13], &own[..13], 1e-5);
+        let paper = [&gait, &turned].map(|gait| features(gait, Variant::Paper)[0]);
+        (paper[1] / paper[0] - 1.0).abs()
+    });
+    let most = changes.fold(0.0, f64::max);
+    assert!(most > 0.05, "the box of the paper changes by {most}");
 }
 
 #[test]

@@ -219,11 +219,11 @@ fn moments(values: &[f64]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gait::walker::person;
+    use crate::gait::walker::person_expressing;
 
     fn class(emotion: Emotion, label: Emotion, count: u32) -> impl Iterator<Item = Gait> {
         (0..count).map(move |index| {
-            let mut gait = person(emotion, Sex::Female, 3, index).unwrap();
+            let mut gait = person_expressing(emotion, Sex::Female, MEASURED, 3, index).unwrap();
             gait.label = Some(label);
             gait
         })

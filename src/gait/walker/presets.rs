@@ -246,3 +246,38 @@ impl WalkerStyle {
         }
     }
 }
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "copies of the same numbers")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn expression_leads_from_neutral_over_people_to_actors_and_ends() {
+        for (emotion, sex) in Emotion::ALL.into_iter().flat_map(|e| Sex::ALL.map(|sex| (e, sex))) {
+            let at = |expression: f64| WalkerStyle::expressed(emotion, sex, expression);
+            assert_eq!(at(0.0), WalkerStyle::preset(Emotion::Neutral, sex));
+            assert_eq!(at(EXPRESSION), WalkerStyle::preset(emotion, sex));
+            assert_eq!((at(-1.0), at(9.0)), (at(0.0), at(MOST_EXPRESSION)));
+            assert_eq!(at(f64::INFINITY), at(MOST_EXPRESSION));
+            let half = 0.5 * (at(1.0).neck_flexion + at(2.0).neck_flexion);
+            assert!((at(1.5).neck_flexion - half).abs() < 1e-12, "{emotion}");
+            for expression in [0.0, 0.5, 1.0, 1.5, 2.0, 2.5, 3.0] {
+                assert_eq!(at(expression).check(), Ok(()), "{emotion} {sex} at {expression}");
+            }
+        }
+        let sad = |expression| WalkerStyle::expressed(Emotion::Sad, Sex::Male, expression);
+        assert!(sad(1.0).speed < sad(0.0).speed && sad(2.0).speed < sad(1.0).speed);
+    }
+
+    #[test]
+    fn everyone_of_every_expression_can_walk() {
+        for emotion in Emotion::ALL {
+            for (expression, index) in [(0.0, 1), (1.0, 2), (MOST_EXPRESSION, 3), (MOST_EXPRESSION, 4)] {
+                for sex in Sex::ALL {
+                    super::super::person_expressing(emotion, sex, expression, 9, index).unwrap();
+                }
+            }
+        }
+    }
+}

@@ -204,7 +204,7 @@ impl Perceiver for Machine {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gait::walker::{Sex, WalkerStyle, walk};
+    use crate::gait::walker::{MOST_EXPRESSION, Sex, WalkerStyle, walk};
 
     #[test]
     fn the_numbers_are_those_of_the_card() {
@@ -229,7 +229,10 @@ mod tests {
         let (mut gaits, mut emotions) = (Vec::new(), Vec::new());
         for index in 0..10 {
             for emotion in [Emotion::Sad, Emotion::Happy] {
-                gaits.push(walk(&WalkerStyle::preset(emotion, Sex::Male).vary(3, index), "w").unwrap());
+                gaits.push(
+                    walk(&WalkerStyle::expressed(emotion, Sex::Male, MOST_EXPRESSION).vary(3, index), "w")
+                        .unwrap(),
+                );
                 emotions.push(emotion);
             }
         }
