@@ -42,6 +42,13 @@ fn simulating_twice_gives_the_same_hash_and_another_seed_another() {
     let (a, b, c) = (run("5"), run("5"), run("6"));
     assert_eq!(a["state_hash"], b["state_hash"]);
     assert_ne!(a["state_hash"], c["state_hash"]);
+    let strides_of = |expression: &str| {
+        let more = ["--set", expression, "--agents", "20", "--seconds", "1", "--json"];
+        json(&[&["simulate", "garden", "--condition", "eva-o"][..], &more].concat())["state_hash"].clone()
+    };
+    let [usual, as_usual, faint] =
+        ["seed=1", "population.expression=2", "population.expression=1"].map(strides_of);
+    assert!(usual == as_usual && usual != faint, "{usual} {faint}");
     // the same on every machine; CHANGELOG.md lists each change of it as "results:"
     assert_eq!(a["state_hash"], "96467a5c88675502");
     for key in [
@@ -118,11 +125,17 @@ fn an_empty_crowd_is_a_crowd() {
 fn wrong_values_are_refused_with_a_way_out() {
     refused(&["simulate", "croissing"], "did you mean crossing?", "crossing, garden, parking, scifi");
     fails(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
+    fails(
+        &["simulate", "crossing", "--set", "population.expression=-1"],
+        "population.expression = -1",
+        "0 to 3",
+    );
     refused(&["simulate", "crossing", "--seconds", "1e9"], "--seconds = 1000000000", "hint: ");
     refused(&["simulate", "crossing", "--seconds", "NaN"], "--seconds = NaN", "hint: ");
     refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "0..=1000000");
     refused(&["simulate", "crossing", "--backend", "cpu", "--device", "x"], "--device", "hint: leave");
     refused(&["simulate", "garden", "--out", "x.sqlite", "--fps", "7"], "--fps 7", "hint: use 30");
+    refused(&["simulate", "crossing", "--expression", "3.1"], "3.1", "must be 0 to 3");
     refused(&["bench", "--agents", "0"], "--agents 0", "hint: ");
     refused(&["gait", "walk", "--emotion", "sad", "--set", "bouncy=1", "--out", "x.csv"], "bouncy", "bounce");
     refused(
