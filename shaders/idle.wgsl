@@ -1,7 +1,7 @@
 // uses: frame, exact, quaternion, body, agent, standing
 // What people who stand do of themselves, by the time and by their own number: they breathe, sway, look about, and hold
 // themselves a little differently from one another. Turns the joints above the legs in model space, and the whole body about
-// the ground under it. Agents that walk stay as `pose` left them; between the two, all angles are shared out.
+// the ground under it, but for the feet. Agents that walk stay as `pose` left them; between the two, all angles are shared out.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> stance: array<Stance>;                   // [agent]
@@ -11,7 +11,7 @@
 
 const TURN: f32 = 6.2831853;
 const STEPS: f32 = 16777216.0; // of a phase without its lowest eight bits
-const UPPER: u32 = 10u;        // joints up to the right hand
+const UPPER: u32 = 10u;        // joints above the legs come before it
 
 // Breath, as a phase whose whole range is one breath.
 const BREATH_UNIT: u32 = 4474u;  // of it in 1 ms, at a sixteenth of a breath a minute
@@ -105,7 +105,7 @@ fn quat_pitch_roll(pitch: f32, roll: f32) -> vec4<f32> {
 
 @compute @workgroup_size(64)
 fn idle(@builtin(global_invocation_id) id: vec3<u32>) {
-    var parents = array<u32, 10>(0u, 0u, 1u, 2u, 1u, 4u, 5u, 1u, 7u, 8u);
+    var parents = array<u32, 16>(0u, 0u, 1u, 2u, 1u, 4u, 5u, 1u, 7u, 8u, 0u, 10u, 11u, 0u, 13u, 14u);
     let slot = id.x;
     let agent = visible[slot];
     if agent == NONE {
@@ -145,19 +145,25 @@ fn idle(@builtin(global_invocation_id) id: vec3<u32>) {
         turns[6u + 3u * side] = fore;
     }
 
+    let sway = quat_pitch_roll(stands * SWAY_AHEAD * sway_of(agent, 0u), stands * SWAY_ASIDE * sway_of(agent, 1u));
     let base = slot * POSE_STRIDE;
-    var before = array<vec4<f32>, 10>(); // model_from_joint as `pose` left it
-    var after = array<vec4<f32>, 10>();
+    var before = array<vec4<f32>, 16>(); // model_from_joint as `pose` left it
+    var after = array<vec4<f32>, 16>();
     before[0] = local_rotations[base];
-    after[0] = before[0];
-    for (var joint = 1u; joint < UPPER; joint++) {
+    after[0] = quat_mul(sway, before[0]);
+    local_rotations[base] = quat_normalize(after[0]);
+    for (var joint = 1u; joint < JOINTS; joint++) {
         let parent = parents[joint];
         before[joint] = quat_mul(before[parent], local_rotations[base + joint]);
-        after[joint] = quat_mul(turns[joint], before[joint]);
+        after[joint] = before[joint];
+        if joint < UPPER {
+            after[joint] = quat_mul(turns[joint], before[joint]);
+        }
+        if joint != LEFT_FOOT && joint != RIGHT_FOOT {
+            after[joint] = quat_mul(sway, after[joint]);
+        }
         local_rotations[base + joint] = quat_normalize(quat_mul(quat_conjugate(after[parent]), after[joint]));
     }
-    let sway = quat_pitch_roll(stands * SWAY_AHEAD * sway_of(agent, 0u), stands * SWAY_ASIDE * sway_of(agent, 1u));
     let root = local_rotations[base + JOINTS];
-    local_rotations[base] = quat_normalize(quat_mul(sway, before[0]));
     local_rotations[base + JOINTS] = vec4<f32>(quat_rotate(sway, root.xyz), root.w);
 }

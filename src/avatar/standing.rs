@@ -52,7 +52,7 @@ const CARRIAGES: [Carriage; 4] = [
     // angry: tense arms held out and bent, chin forward, the weight ready on both feet
     Carriage {
         chest: 6.0,
-        neck: 12.0,
+        neck: 7.0,
         head: 1.0,
         shoulder: -4.0,
         abduction: 8.0,
@@ -280,7 +280,7 @@ mod tests {
             let [trunk, head, shoulder, _, _, _, face] = against(Emotion::Sad);
             assert!(trunk > 3.0 && head > 3.0 && shoulder > 3.0 && (9.0..14.0).contains(&face));
             let [trunk, head, _, elbow, abduction, _, face] = against(Emotion::Angry);
-            assert!((3.0..6.0).contains(&trunk) && head > face + 5.0 && elbow > 15.0 && abduction > 5.0);
+            assert!((3.0..6.0).contains(&trunk) && head > face + 3.0 && elbow > 15.0 && abduction > 5.0);
             let [trunk, head, .., face] = against(Emotion::Happy);
             assert!(trunk < -3.0 && head < -3.0 && face < -3.0);
         }

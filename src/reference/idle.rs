@@ -13,7 +13,7 @@ use crate::kernels::idle::{
     OWN_BEND, OWN_ELBOW, OWN_LEAN, OWN_NOD, OWN_SPREAD, OWN_SWING, OWN_TILT, OWN_TURN, QUICK_LEAST,
     QUICK_SHARE, QUICK_SPAN, SLOW_LEAST, SLOW_SPAN, STEPS, SWAY, SWAY_AHEAD, SWAY_ASIDE, Slices, TURN,
 };
-use crate::kernels::shared::body::index::{JOINTS, POSE_STRIDE};
+use crate::kernels::shared::body::index::{JOINTS, LEFT_FOOT, POSE_STRIDE, RIGHT_FOOT};
 use rayon::prelude::*;
 
 /// In [-1, 1): the agent's own for good.
@@ -108,18 +108,23 @@ pub fn idle(b: Slices<'_>) {
             [0, 1].map(|i| ((l0[i] * m0 + l1[i] * m1 + l2[i] * m2 + l3[i] * m3) * stands) * looks);
         let turns = turns_of(number, stands, breath, look);
 
-        let root = pose[0];
-        let mut before = [root; UPPER];
-        let mut after = before;
-        for joint in 1..UPPER {
-            let parent = PARENTS[joint];
-            before[joint] = quat_mul(before[parent], pose[joint]);
-            after[joint] = quat_mul(turns[joint], before[joint]);
-            pose[joint] = quat_normalize(quat_mul(quat_conjugate(after[parent]), after[joint]));
-        }
         let [ahead, aside] = [0, 1].map(|axis| sway_of(number, axis, time));
         let sway = quat_pitch_roll(stands * SWAY_AHEAD * ahead, stands * SWAY_ASIDE * aside);
-        pose[0] = quat_normalize(quat_mul(sway, root));
+        let mut before = [pose[0]; JOINTS];
+        let mut after = [quat_mul(sway, pose[0]); JOINTS];
+        pose[0] = quat_normalize(after[0]);
+        for joint in 1..JOINTS {
+            let parent = PARENTS[joint];
+            before[joint] = quat_mul(before[parent], pose[joint]);
+            after[joint] = before[joint];
+            if let Some(turn) = turns.get(joint) {
+                after[joint] = quat_mul(*turn, before[joint]);
+            }
+            if joint != LEFT_FOOT && joint != RIGHT_FOOT {
+                after[joint] = quat_mul(sway, after[joint]);
+            }
+            pose[joint] = quat_normalize(quat_mul(quat_conjugate(after[parent]), after[joint]));
+        }
         let [x, y, z] = quat_rotate(sway, xyz(pose[JOINTS]));
         let [_, _, _, w] = pose[JOINTS];
         pose[JOINTS] = [x, y, z, w];

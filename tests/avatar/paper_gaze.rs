@@ -199,7 +199,7 @@ fn a14_rotation_is_signed_left_positive_about_the_vertical() {
 fn a14_rotation_is_counted_from_the_torso_not_from_the_heading() {
     let mut store = standing(Emotion::Angry, PAPER, seen_from_neck(50.0, 4.0, EYES.y));
     let turned = Quat::from_rotation_y(20.0_f32.to_radians());
-    for frame in store.clip_frames[3 * CLIP_STRIDE..4 * CLIP_STRIDE].chunks_mut(POSE_STRIDE) {
+    for frame in standing_frames(&mut store) {
         frame[Joint::Spine as usize] = turned.to_array();
     }
     // the neck turns with the torso by less than a centimetre
@@ -210,7 +210,7 @@ fn a14_rotation_is_counted_from_the_torso_not_from_the_heading() {
 #[test]
 fn a15_rotation_is_seen_from_the_neck_and_flexion_from_the_height_of_the_eyes() {
     let mut store = standing(Emotion::Angry, PAPER, Vec3::new(0.3, 1.63, 2.0));
-    for frame in store.clip_frames[3 * CLIP_STRIDE..4 * CLIP_STRIDE].chunks_mut(POSE_STRIDE) {
+    for frame in standing_frames(&mut store) {
         frame[JOINT_COUNT][0] += 0.3; // sways 0.3 m to the left: the user is straight ahead of the neck
         frame[JOINT_COUNT][1] -= 0.2; // and crouches
     }

@@ -106,7 +106,7 @@ fn people_breathe_12_to_20_times_a_minute_by_time_and_each_at_an_own_rate() {
     let mut people = People::of(Emotion::Neutral, 4);
     for agent in 0..4 {
         let mut of_full = [Vec::new(), Vec::new()];
-        for time in (0..60_000).step_by(250) {
+        for time in (0..60_000_u32).step_by(250) {
             people.store.phase.fill(time.wrapping_mul(0x0123_4567));
             people.pose_at(time);
             let breath = breath_of(agent as u32, 3, time);
