@@ -109,9 +109,6 @@ mod tests {
         let stands = standing(&avatar, Emotion::Neutral, 0);
         let still = Posture::of(&avatar, &stands);
         assert!(still.lean.abs() < 0.05 && still.nod.abs() < 0.05 && still.swing < 0.01, "{still:?}");
-        assert_eq!(
-            Posture::of(&avatar, &Clip { frames: Vec::new(), ..stands }).swing.to_bits(),
-            0
-        );
+        assert_eq!(Posture::of(&avatar, &Clip { frames: Vec::new(), ..stands }).swing.to_bits(), 0);
     }
 }

@@ -4,15 +4,15 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
+use gaitway::kernels::pose::FEET;
 use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
     HEAD, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, RIGHT_FOOT, SKIN_JOINTS,
     SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
+use gaitway::kernels::shared::standing::STANCES;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
-use gaitway::kernels::pose::FEET;
-use gaitway::kernels::shared::standing::STANCES;
 use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slots};
 use gaitway::reference::exact::unit_f32;
 use gaitway::reference::pose::weight_phase;

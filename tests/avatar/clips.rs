@@ -2,9 +2,9 @@
 
 use crate::raster::{Sheet, rest};
 use crate::walker::{Walker, mirrored};
-use gaitway::{Emotion, GaitLibrary};
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget, standing};
 use gaitway::gait::Joint;
+use gaitway::{Emotion, GaitLibrary};
 use glam::{Mat4, Quat, Vec3};
 use std::path::PathBuf;
 

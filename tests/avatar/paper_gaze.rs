@@ -4,14 +4,16 @@
 use gaitway::Emotion;
 use gaitway::avatar::{Avatar, ClipFrame};
 use gaitway::gait::{JOINT_COUNT, Joint};
-use gaitway::kernels::{KernelId, Store};
 use gaitway::kernels::gaze::{ENGAGED, RATE_LIMIT, VALID};
 use gaitway::kernels::layout::{Appearance, GazeState, Stance};
 use gaitway::kernels::shared::body::index::POSE_STRIDE;
+use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
 use gaitway::sim::bodies::looking_at;
-use gaitway::verify::cases::animation::{AVATARS, CLIPS, GAITS, animation, avatar, clip_elements, dispatches};
+use gaitway::verify::cases::animation::{
+    AVATARS, CLIPS, GAITS, animation, avatar, clip_elements, dispatches,
+};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 const NATURAL: u32 = 0;

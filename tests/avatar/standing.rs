@@ -129,7 +129,11 @@ fn of_ten_people_no_two_stand_alike() {
             for (a, b) in (0..10).flat_map(|a| (a + 1..10).map(move |b| (2 * a, 2 * b))) {
                 let (a, b) = (people.rotations(a), people.rotations(b));
                 let apart = a.iter().zip(b).map(|(a, b)| a.angle_between(b)).fold(0.0, f32::max);
-                assert!(apart > 2.0_f32.to_radians(), "{emotion} at {time} ms: {} degrees", apart.to_degrees());
+                assert!(
+                    apart > 2.0_f32.to_radians(),
+                    "{emotion} at {time} ms: {} degrees",
+                    apart.to_degrees()
+                );
             }
         }
     }
@@ -179,6 +183,28 @@ fn feet_stay_where_they_are_within_two_millimetres() {
         }
     }
     println!("feet move by {worst} m at most");
+}
+
+#[test]
+fn carriage_is_no_stronger_than_actors_show() {
+    for (emotion, most) in [(Emotion::Sad, 16.0), (Emotion::Angry, 8.0)] {
+        let mut people = People::of(emotion, 60);
+        let mut worst = f32::MIN;
+        for time in (0..120_000).step_by(500) {
+            people.pose_at(time);
+            for agent in 0..60 {
+                let joints = people.joints(agent);
+                let head = Joint::Head as usize;
+                let ahead = joints[head] * people.avatars[agent & 1].joints[head].joint_from_mesh;
+                let face = ahead.transform_vector3(Vec3::Z);
+                let trunk = people.at(agent, Joint::Neck) - people.at(agent, Joint::Root);
+                let found = if emotion == Emotion::Sad { -face.y.asin() } else { trunk.z.atan2(trunk.y) };
+                worst = worst.max(found.to_degrees());
+            }
+        }
+        println!("{emotion}: {worst:.1} of {most} degrees");
+        assert!(worst < most && worst > 0.6 * most, "{emotion}: {worst}");
+    }
 }
 
 #[test]
@@ -345,8 +371,8 @@ fn stopping_and_changing_ones_mood_go_smoothly() {
 fn in_paper_mode_heads_are_left_to_the_formulas() {
     let mut people = People::of(Emotion::Happy, 30);
     let face = |people: &People, agent| {
-        let [spine, neck, head] = [Joint::Spine, Joint::Neck, Joint::Head]
-            .map(|joint| people.rotations(agent)[joint as usize]);
+        let [spine, neck, head] =
+            [Joint::Spine, Joint::Neck, Joint::Head].map(|joint| people.rotations(agent)[joint as usize]);
         let ahead = spine * neck * head * Vec3::Z;
         ahead.x.atan2(ahead.z)
     };

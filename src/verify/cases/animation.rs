@@ -350,12 +350,12 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     });
     let now = store.frame.gaze_time;
     let [until, key_and_frame] = match dice.below(5) {
-        0 => [0; 2],                                                         // never had a turn
-        1 => [now.wrapping_sub(500 + dice.below(3000)), FRAME_INDEX - 1],    // rests, or has rested for long enough
+        0 => [0; 2],                                                      // never had a turn
+        1 => [now.wrapping_sub(500 + dice.below(3000)), FRAME_INDEX - 1], // rests, or has rested for long enough
         2 if agent.is_multiple_of(7) => [now.wrapping_sub(500_000 + dice.below(99_999)), FRAME_INDEX], // for ever
-        2 => [now.wrapping_sub(3000 + dice.below(15_000)), FRAME_INDEX],     // waits
-        3 => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 1],      // looks, if there are not too many
-        _ => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 2],      // was out of view meanwhile
+        2 => [now.wrapping_sub(3000 + dice.below(15_000)), FRAME_INDEX], // waits
+        3 => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 1],  // looks, if there are not too many
+        _ => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 2],  // was out of view meanwhile
     };
     store.attention.push(Attention { until, key_and_frame });
 }
