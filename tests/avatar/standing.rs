@@ -283,7 +283,7 @@ fn most_turn(store: &Store, emotion: Emotion) -> f32 {
         .map(|(clip, number, joint)| frame(clip, number, joint).angle_between(frame(clip, number + 1, joint)))
         .fold(0.0, f32::max);
     // an eased way is half as fast again in its middle as in the mean
-    let loops = 0.5 + 2.0 * REST_SPREAD as f32 / 4_294_967_296.0;
+    let loops = 0.5 + 2.0 * REST_SPREAD as f32 / u32::MAX as f32;
     let shift = 1.5 * loops * CLIP_FRAMES as f32 / SHIFT_LASTS[emotion.index()] as f32;
     let look = 1.5 * LOOK_FAR / LOOK_RAMP * (1.0 + CHEST_FOLLOWS);
     let slow = (CHEST_RISES + ARMS_SPREAD) * TAU * 20.0 / 60_000.0 + (SWAY_AHEAD + SWAY_ASIDE) * TAU / 3000.0;
