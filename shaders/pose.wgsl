@@ -16,6 +16,7 @@
 @group(0) @binding(8) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
 const SAMPLES: u32 = 8u; // four gaits, then the standing clips of four emotions
+const GAITS: u32 = 4u;
 
 // By emotion, ms: the time in which there is one shift of weight, how late in it that may begin, and how long it lasts at least.
 const SHIFT_EVERY: vec4<u32> = vec4<u32>(19000u, 9500u, 19000u, 19000u);
@@ -71,29 +72,38 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     var ids = array<u32, 8>(clips.x, clips.y, clips.z, clips.w, first, first + STANCES, first + 2u * STANCES, first + 3u * STANCES);
     var shares = array<f32, 8>(weights.x * unit, weights.y * unit, weights.z * unit, weights.w * unit, stands.x, stands.y, stands.z, stands.w);
     var phases = array<u32, 8>(strides, strides, strides, strides, 0u, 0u, 0u, 0u);
-    for (var emotion = 0u; emotion < 4u; emotion++) {
-        if shares[4u + emotion] > 0.0 {
-            phases[4u + emotion] = weight_phase(agent, emotion);
+    let samples = select(SAMPLES, GAITS, walk >= 1.0);
+    for (var i = GAITS; i < samples; i++) {
+        if shares[i] > 0.0 {
+            phases[i] = weight_phase(agent, i - GAITS);
         }
+    }
+    // the frames between which each lies, and how far on the way
+    var rows_a = array<u32, 8>();
+    var rows_b = array<u32, 8>();
+    var ways = array<f32, 8>();
+    for (var i = 0u; i < samples; i++) {
+        // the top six bits are the frame, the next 24 the way to the next frame
+        let first_of_clip = min(ids[i], frame.clip_count - 1u) * CLIP_FRAMES;
+        let frame_a = phases[i] >> 26u;
+        let frame_b = (frame_a + 1u) & (CLIP_FRAMES - 1u);
+        rows_a[i] = (first_of_clip + frame_a) * POSE_STRIDE;
+        rows_b[i] = (first_of_clip + frame_b) * POSE_STRIDE;
+        ways[i] = unit_f32(phases[i] << 6u);
     }
 
     for (var element = 0u; element < POSE_STRIDE; element++) {
         let is_root = element == JOINTS; // the last element is a position
         var blend = vec4<f32>(0.0, 0.0, 0.0, 0.0);
         var is_first = true;
-        for (var i = 0u; i < SAMPLES; i++) {
+        for (var i = 0u; i < samples; i++) {
             let share = shares[i];
             if share > 0.0 {
-                let clip = min(ids[i], frame.clip_count - 1u) * CLIP_FRAMES;
-                // the top six bits are the frame, the next 24 the way to the next frame
-                let frame_a = phases[i] >> 26u;
-                let frame_b = (frame_a + 1u) & (CLIP_FRAMES - 1u);
-                let t = unit_f32(phases[i] << 6u);
-                let a = clip_frames[(clip + frame_a) * POSE_STRIDE + element];
-                let b = clip_frames[(clip + frame_b) * POSE_STRIDE + element];
-                var sample = a + (b - a) * t;
+                let a = clip_frames[rows_a[i] + element];
+                let b = clip_frames[rows_b[i] + element];
+                var sample = a + (b - a) * ways[i];
                 if !is_root {
-                    let q = quat_normalize(quat_lerp(a, b, t));
+                    let q = quat_normalize(quat_lerp(a, b, ways[i]));
                     sample = select(q, -q, dot4(blend, q) < 0.0);
                 }
                 blend = select(blend + sample * share, sample * share, is_first);
