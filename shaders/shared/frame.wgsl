@@ -6,7 +6,7 @@ struct FrameUniforms {
                                   // bodies are specks, 0 for none, m
     level_distance: vec4<f32>,    // x, y: nearer than this is level 0, 1; z: farther than this is not drawn; w: from here
                                   // on agents are far bodies, drawn without a pose, 0 for none; m
-    standing_clips: array<vec4<u32>, 4>, // [avatar] clip of the avatar standing still, four to a vector
+    standing_clips: array<vec4<u32>, 4>, // [avatar] first of its standing clips, four to a vector
     agent_count: u32,
     eye_count: u32,               // 1 or 2; an agent is drawn if either eye sees it
     level_count: u32,             // levels of detail, 1 to 3
@@ -20,7 +20,7 @@ struct FrameUniforms {
     agent_radius: f32,            // bounding radius for culling, m
     clip_count: u32,              // clips in clip_frames; with none no agent is drawn
     gaze_limit: u32,              // 0: every agent that would look at the user does; else one more than the most at a time
-    gaze_time: u32,               // ms
+    gaze_time: u32,               // the time that is shown, ms
     turn_least: u32,              // shortest turn to look at the user, ms
     turn_most: u32,               // longest turn, ms
 }

@@ -33,6 +33,7 @@ mod model;
 mod posture;
 mod retarget;
 mod rig_map;
+mod standing;
 
 pub use body::{Sex, generated};
 pub use body_model::{Avatar, CLIP_FRAMES, Clip, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
@@ -42,5 +43,6 @@ pub use glb::{glb, write_glb};
 pub use load::{load, load_bytes, load_with_map, model, triangles};
 pub use model::{Loaded, Model};
 pub use posture::Posture;
-pub use retarget::{retarget, standing};
+pub use retarget::retarget;
 pub use rig_map::RigMap;
+pub use standing::standing;

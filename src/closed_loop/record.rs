@@ -69,7 +69,10 @@ pub fn record(
     let frames = settling + how.steps;
     for index in 0..frames {
         simulation.step(1)?;
-        simulation.animate(FrameUniforms { frame_index: index + 1, frame_time: time_step, ..frame })?;
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps after 49 days")]
+        let gaze_time = (simulation.time() * 1e3) as u64 as u32;
+        let shown = FrameUniforms { frame_index: index + 1, frame_time: time_step, gaze_time, ..frame };
+        simulation.animate(shown)?;
         if index >= settling {
             let store = simulation.read(&[BufferId::Visible, BufferId::Palettes, BufferId::Phase])?;
             take(store, &rest, &mut tracks);

@@ -28,6 +28,7 @@ pub mod segments;
 pub mod shared;
 pub mod sight;
 pub mod stages;
+pub mod standing;
 pub mod way;
 
 use crate::kernels::{Phase, Store};

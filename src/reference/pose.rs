@@ -1,11 +1,36 @@
-//! The pose of every visible agent: up to four gaits and standing, blended.
+//! The pose of every visible agent: up to four gaits, and standing by the emotions that they have, blended.
 
 use super::body::{CLIP_STRIDE, visible_agents};
 use super::exact::unit_f32;
 use super::quaternion::{add4, dot4, lerp4, limit, negate4, quat_lerp, quat_normalize, scale4};
-use crate::kernels::pose::Slices;
+use super::standing::{eased, moods_of, own_draw, walk_share};
+use crate::kernels::pose::{
+    FEET, REST, REST_SPREAD, SHIFT, SHIFT_EVERY, SHIFT_LASTS, SHIFT_SPAN, SHIFT_SPREAD, SIDE, Slices,
+};
 use crate::kernels::shared::body::index::{CLIP_FRAMES, POSE_STRIDE};
+use crate::kernels::shared::standing::STANCES;
 use rayon::prelude::*;
+
+/// The phase at which an agent rests after its shift of that number.
+fn rest_phase(agent: u32, number: u32) -> u32 {
+    let draw = own_draw(agent, REST, number);
+    (number << 31).wrapping_add(draw >> 2).wrapping_sub(REST_SPREAD)
+}
+
+/// The phase of the standing clip of an emotion at a time, ms: 0 has the weight on the left leg, a half on the right.
+pub fn weight_phase(agent: u32, emotion: usize, time: u32) -> u32 {
+    let every = SHIFT_EVERY[emotion];
+    let own = own_draw(agent, SIDE, 0);
+    let time = time.wrapping_add(own % every);
+    let number = (time / every).wrapping_add(own >> 31);
+    let draw = own_draw(agent, SHIFT, number);
+    let since = ((time % every) as i32 - (draw % SHIFT_SPREAD[emotion]) as i32) as f32;
+    let lasts = (SHIFT_LASTS[emotion] + (draw >> 16) % SHIFT_SPAN) as f32;
+    let done = eased(limit(since / lasts, 0.0, 1.0));
+    let before = rest_phase(agent, number.wrapping_sub(1));
+    let way = rest_phase(agent, number).wrapping_sub(before);
+    before.wrapping_add((((way >> 8) as f32 * done) as u32) << 8)
+}
 
 /// Twin of `shaders/pose.wgsl`.
 pub fn pose(b: Slices<'_>) {
@@ -21,28 +46,35 @@ pub fn pose(b: Slices<'_>) {
         local_rotations,
     } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
-    visible_agents(visible).par_iter().zip(slots).for_each(|(agent, pose)| {
-        let agent = *agent as usize;
+    visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
+        let agent = *number as usize;
+        let own = appearance[agent];
         let [w0, w1, w2, w3] = gait_weights[agent];
         let sum = w0 + w1 + w2 + w3;
-        let walk = if sum > 1e-6 { limit(stance[agent].walk_weight, 0.0, 1.0) } else { 0.0 };
+        let walk = walk_share(gait_weights[agent], stance[agent].walk_weight);
         let unit = walk / if sum > 1e-6 { sum } else { 1.0 };
-        let avatar = appearance[agent].avatar() as usize;
+        let [s0, s1, s2, s3] = scale4(moods_of(gait_weights[agent], own.emotion()), 1.0 - walk);
+        let avatar = own.avatar() as usize;
         let [c0, c1, c2, c3] = gaits[agent];
-        let ids = [c0, c1, c2, c3, frame.standing_clips[avatar / 4][avatar % 4]];
-        let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, 1.0 - walk];
-
-        let frame_a = (phase[agent] >> 26) as usize;
-        let frame_b = (frame_a + 1) & (CLIP_FRAMES - 1);
-        let t = unit_f32(phase[agent] << 6);
+        let first = frame.standing_clips[avatar / 4][avatar % 4] + own_draw(*number, FEET, 0) % STANCES;
+        let ids = [c0, c1, c2, c3, first, first + STANCES, first + 2 * STANCES, first + 3 * STANCES];
+        let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, s0, s1, s2, s3];
+        let phases: [u32; 8] = std::array::from_fn(|i| match i.checked_sub(4) {
+            Some(emotion) if shares[i] > 0.0 => weight_phase(*number, emotion, frame.gaze_time),
+            Some(_) => 0,
+            None => phase[agent],
+        });
 
         for (element, out) in pose.iter_mut().enumerate() {
             let is_root = element == POSE_STRIDE - 1;
             let mut blend = [0.0; 4];
             let mut is_first = true;
-            for (id, share) in ids.into_iter().zip(shares) {
+            for ((id, share), phase) in ids.into_iter().zip(shares).zip(phases) {
                 if share > 0.0 {
                     let clip = id.min(frame.clip_count - 1) as usize * CLIP_STRIDE + element;
+                    let frame_a = (phase >> 26) as usize;
+                    let frame_b = (frame_a + 1) & (CLIP_FRAMES - 1);
+                    let t = unit_f32(phase << 6);
                     let from = clip_frames[clip + frame_a * POSE_STRIDE];
                     let to = clip_frames[clip + frame_b * POSE_STRIDE];
                     let mut sample = lerp4(from, to, t);

@@ -232,7 +232,7 @@ impl Show {
         view: &View,
         user_eyes: impl Into<Option<Vec3>>,
     ) -> Result<Image, crate::Error> {
-        self.prepare_between(simulation, view, user_eyes.into(), None)?;
+        self.prepare_between(simulation, view, user_eyes.into(), simulation.time(), None)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
         Ok(self.renderer.draw(view, crowd.as_ref())?)
@@ -268,7 +268,7 @@ impl Show {
             self.kept.keep(time);
         }
         let between = self.kept.between(shown, self.frame.agent_count);
-        self.prepare_between(simulation, view, Some(user_eyes), between)?;
+        self.prepare_between(simulation, view, Some(user_eyes), shown, between)?;
         let engine = self.animator.as_ref().or(simulation.engine());
         let crowd = engine.map(CrowdBuffers::of).transpose()?;
         let image = self.renderer.draw_into(view, crowd.as_ref(), target)?;
@@ -285,18 +285,19 @@ impl Show {
         view: &View,
         user_eyes: Vec3,
     ) -> Result<(), crate::Error> {
-        self.prepare_between(simulation, view, Some(user_eyes), None)
+        self.prepare_between(simulation, view, Some(user_eyes), simulation.time(), None)
     }
 
-    /// Like [`Show::prepare`], now or between two snapshots.
+    /// Like [`Show::prepare`], at time `shown`, s: now, or between two snapshots.
     fn prepare_between(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
         user_eyes: Option<Vec3>,
+        shown: f64,
         between: Option<Between>,
     ) -> Result<(), crate::Error> {
-        let frame = self.next_frame(simulation, view, user_eyes)?;
+        let frame = self.next_frame(simulation, view, user_eyes, shown)?;
         if let Some(animator) = &mut self.animator {
             let store = simulation.state()?;
             animator.upload(store, &READ)?;
@@ -343,18 +344,18 @@ impl Show {
         }
     }
 
-    /// Parameters of the next frame of a simulation.
+    /// Parameters of the next frame of a simulation, which shows it at time `shown`, s.
     fn next_frame(
         &mut self,
         simulation: &mut Simulation,
         view: &View,
         user_eyes: Option<Vec3>,
+        shown: f64,
     ) -> Result<FrameUniforms, crate::Error> {
-        let time = simulation.time();
         #[allow(clippy::cast_possible_truncation, reason = "a short time")]
-        let since = self.time.map_or(FIRST_FRAME_TIME, |before| (time - before) as f32);
-        self.time = Some(time);
-        let mut frame = self.frame_of(view, user_eyes, since, time);
+        let since = self.time.map_or(FIRST_FRAME_TIME, |before| (shown - before).max(0.0) as f32);
+        self.time = Some(shown);
+        let mut frame = self.frame_of(view, user_eyes, since, shown);
         if view.parallel {
             // a map shows all agents equally large, however high its camera stands
             let away = view.center().y;

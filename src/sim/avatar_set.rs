@@ -2,11 +2,16 @@
 
 use super::Error;
 use crate::avatar::{Avatar, Clip, retarget, standing};
+use crate::emotion::Emotion;
 use crate::gait::Gait;
+use crate::kernels::shared::standing::index::STANCES;
 use crate::scenario::ExternalBodies;
 use rayon::prelude::*;
 
-/// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clip after its gaits.
+/// Clips in which an avatar stands: `[emotion][stance]`.
+const STANDING: usize = Emotion::ALL.len() * STANCES;
+
+/// Avatars and clips. Clips stand in the order `[avatar][gait]`, each avatar's standing clips after its gaits.
 #[derive(Debug, Clone)]
 pub struct AvatarSet {
     avatars: Vec<Avatar>,
@@ -28,15 +33,19 @@ impl AvatarSet {
         if gaits.is_empty() {
             return Err(Error::NoGaits.into());
         }
-        let pairs: Vec<_> = avatars.iter().flat_map(|a| (0..=gaits.len()).map(move |g| (a, g))).collect();
-        let clips = pairs.into_par_iter().map(|(avatar, gait)| match gaits.get(gait) {
+        let clips_per_avatar = gaits.len() + STANDING;
+        let pairs: Vec<_> = avatars.iter().flat_map(|a| (0..clips_per_avatar).map(move |g| (a, g))).collect();
+        let clips = pairs.into_par_iter().map(|(avatar, number)| match gaits.get(number) {
             Some(gait) => retarget(gait, avatar),
-            None => Ok(standing(avatar)),
+            None => {
+                let number = number - gaits.len();
+                Ok(standing(avatar, Emotion::ALL[number / STANCES], number % STANCES))
+            }
         });
         let clips = clips.collect::<Result<Vec<_>, _>>()?;
         let outsiders = ExternalBodies::default();
         let names = gaits.iter().map(|gait| gait.name.clone()).collect();
-        Ok(Self { avatars, clips, clips_per_avatar: gaits.len() + 1, gaits: names, outsiders })
+        Ok(Self { avatars, clips, clips_per_avatar, gaits: names, outsiders })
     }
 
     /// The same with robots and vehicles.
@@ -71,16 +80,16 @@ impl AvatarSet {
         &self.clips
     }
 
-    /// Index of the clip of a gait on an avatar, both by index; out of range: the standing clip of the last avatar.
+    /// Index of the clip of a gait on an avatar, both by index; out of range: the last standing clip, of the last avatar.
     pub fn clip_index(&self, avatar: u32, gait: u32) -> u32 {
         let avatar = (avatar as usize).min(self.avatars.len() - 1);
         let gait = (gait as usize).min(self.clips_per_avatar - 1);
         (avatar * self.clips_per_avatar + gait) as u32
     }
 
-    /// Index of the clip in which an avatar stands.
+    /// Index of the first clip in which an avatar stands. Those of an emotion follow those of the emotion before.
     pub fn standing_index(&self, avatar: u32) -> u32 {
-        self.clip_index(avatar, self.clips_per_avatar as u32 - 1)
+        self.clip_index(avatar, self.gaits.len() as u32)
     }
 
     /// A clip by index.

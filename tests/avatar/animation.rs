@@ -4,15 +4,20 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
+use gaitway::kernels::pose::FEET;
 use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
     HEAD, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, RIGHT_FOOT, SKIN_JOINTS,
     SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
+use gaitway::kernels::shared::standing::STANCES;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slots};
-use gaitway::verify::cases::animation::{AVATARS, CLIPS, animation, avatar, dispatches, vertex_elements};
+use gaitway::reference::exact::unit_f32;
+use gaitway::reference::pose::weight_phase;
+use gaitway::reference::standing::own_draw;
+use gaitway::verify::cases::animation::{AVATARS, GAITS, animation, avatar, dispatches, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// The same people, all on the ground: what is tested here stands at one height.
@@ -24,6 +29,13 @@ fn on_the_ground(mut store: Store) -> Store {
 /// Runs all dispatches on the CPU.
 fn run(store: &mut Store) {
     for dispatch in dispatches(store) {
+        reference::run(dispatch.phase, store, dispatch.immediate);
+    }
+}
+
+/// The same without what bodies that stand do of themselves.
+fn run_without_idle(store: &mut Store) {
+    for dispatch in dispatches(store).into_iter().filter(|dispatch| dispatch.kernel() != KernelId::Idle) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
@@ -359,16 +371,24 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
 }
 
 #[test]
-fn without_walk_or_without_weights_an_agent_stands() {
-    for (walk, weights) in [(0.0, [1.0, 1.0, 0.0, 0.0]), (1.0, [0.0; 4])] {
-        let mut store = one_agent();
-        store.stance[0].walk_weight = walk;
-        store.gait_weights[0] = weights;
-        run(&mut store);
-        let frame = (store.phase[0] >> 26) as usize;
-        for joint in 0..JOINT_COUNT {
-            let want = clip_rotation(&store, CLIPS - 1, frame, joint);
-            assert!(pose_rotation(&store, joint).dot(want).abs() > 1.0 - 1e-6);
+fn without_walk_or_without_weights_an_agent_stands_in_the_emotion_it_shows() {
+    for (walk, weights) in [(0.0, [1.0, 0.0, 0.0, 0.0]), (1.0, [0.0; 4])] {
+        for emotion in [0, 1, 2, 3] {
+            let mut store = one_agent();
+            store.stance[0].walk_weight = walk;
+            store.gait_weights[0] = weights;
+            store.appearance[0].set_emotion(emotion);
+            run_without_idle(&mut store);
+            let phase = weight_phase(0, emotion as usize, store.frame.gaze_time);
+            let feet = own_draw(0, FEET, 0) % STANCES;
+            let clip = GAITS + (emotion * STANCES + feet) as usize;
+            let (frame, way) = ((phase >> 26) as usize, unit_f32(phase << 6));
+            for joint in 0..JOINT_COUNT {
+                let [a, b] = [frame, (frame + 1) % CLIP_FRAMES];
+                let a = clip_rotation(&store, clip, a, joint);
+                let want = a.slerp(clip_rotation(&store, clip, b, joint), way);
+                assert!(pose_rotation(&store, joint).dot(want).abs() > 1.0 - 1e-6, "{emotion} {joint}");
+            }
         }
     }
 }

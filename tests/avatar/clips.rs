@@ -2,9 +2,9 @@
 
 use crate::raster::{Sheet, rest};
 use crate::walker::{Walker, mirrored};
-use gaitway::GaitLibrary;
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Clip, Sex, generated, retarget, standing};
 use gaitway::gait::Joint;
+use gaitway::{Emotion, GaitLibrary};
 use glam::{Mat4, Quat, Vec3};
 use std::path::PathBuf;
 
@@ -231,14 +231,16 @@ fn metres_scale_with_the_leg_and_time_does_not() {
 fn standing_bodies_keep_both_feet_flat_and_hands_by_their_sides() {
     for sex in Sex::ALL {
         let avatar = generated(sex);
-        let clip = standing(&avatar);
-        assert_eq!((clip.frames.len(), clip.stride_travel, clip.speed), (CLIP_FRAMES, 0.0, 0.0));
-        let c = contact(&avatar, &clip);
-        assert!(c.planted == 2 * CLIP_FRAMES && c.slide < 0.002 && c.low > -0.002, "{c:?}");
-        assert!(roughness(&clip) < 0.01);
-        let model = pose(&avatar, &clip, 0).map(|m| m.w_axis.truncate());
-        assert!(model[Joint::LeftHand as usize].y < model[Joint::Root as usize].y);
-        assert!(model[Joint::Head as usize].y > 0.86 * avatar.height);
+        for (emotion, stance) in Emotion::ALL.into_iter().flat_map(|e| [0, 1, 2].map(|stance| (e, stance))) {
+            let clip = standing(&avatar, emotion, stance);
+            assert_eq!((clip.frames.len(), clip.stride_travel, clip.speed), (CLIP_FRAMES, 0.0, 0.0));
+            let c = contact(&avatar, &clip);
+            assert!(c.planted == 2 * CLIP_FRAMES && c.slide < 0.002 && c.low > -0.002, "{emotion} {c:?}");
+            assert!(roughness(&clip) < 0.04, "{emotion}: {}", roughness(&clip));
+            let model = pose(&avatar, &clip, 0).map(|m| m.w_axis.truncate());
+            assert!(model[Joint::LeftHand as usize].y < model[Joint::Root as usize].y + 0.05);
+            assert!(model[Joint::Head as usize].y > 0.85 * avatar.height);
+        }
     }
 }
 
@@ -261,7 +263,7 @@ fn unusable_gaits_are_refused_with_the_value_found() {
     let mut legless = avatar.clone();
     legless.joints[Joint::LeftKnee as usize].translation = Vec3::ZERO;
     assert!(retarget(&good, &legless).unwrap_err().to_string().contains("left_hip"));
-    assert_eq!(standing(&legless).frames.len(), CLIP_FRAMES);
+    assert_eq!(standing(&legless, Emotion::Sad, 1).frames.len(), CLIP_FRAMES);
 }
 
 #[test]
@@ -299,7 +301,7 @@ fn draws_the_bodies() {
         for frame in 0..5 {
             front.draw(&avatar, 0, &clip.frames[frame * 8], 0.4, 0.9, -0.05);
         }
-        front.draw(&avatar, 0, &standing(&avatar).frames[0], 0.4, 0.9, -0.05);
+        front.draw(&avatar, 0, &standing(&avatar, Emotion::Neutral, 0).frames[0], 0.4, 0.9, -0.05);
         front.save(&picture(&format!("front-{}.png", avatar.name)));
     }
 }

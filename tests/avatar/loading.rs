@@ -5,6 +5,7 @@ use crate::common::{self, data_set};
 use crate::raster::{self, Sheet, rest};
 use crate::rigs;
 use crate::walker::Walker;
+use gaitway::Emotion;
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Error, Loaded, RigMap, Sex};
 use gaitway::avatar::{generated, glb, load_bytes, load_with_map, retarget, standing, write_glb};
 use gaitway::gait::Joint;
@@ -89,7 +90,7 @@ fn every_character_walks_or_is_refused_with_a_reason() {
         }
         let mut sheet = Sheet::new(7.0, 2.5, 200.0);
         sheet.draw(&avatar, 0, &rest(&avatar), 0.5, 1.6, -0.1);
-        sheet.draw(&avatar, 0, &standing(&avatar).frames[0], 0.3, 1.0, -0.1);
+        sheet.draw(&avatar, 0, &standing(&avatar, Emotion::Neutral, 0).frames[0], 0.3, 1.0, -0.1);
         for frame in [0, 16] {
             sheet.draw(&avatar, 0, &clip.frames[frame], 1.57, 1.1, -0.1);
         }
@@ -121,7 +122,7 @@ fn joint_axes_of_a_rig_do_not_change_what_is_seen() {
         let odd = rigs::with_joint_axes(&plain, &odd_axes(), 1.0);
         for (a, b) in [
             (retarget(&gait, &plain).unwrap(), retarget(&gait, &odd).unwrap()),
-            (standing(&plain), standing(&odd)),
+            (standing(&plain, Emotion::Angry, 1), standing(&odd, Emotion::Angry, 1)),
         ] {
             assert!(roughness(&b) < 0.25);
             for frame in [0, 20, 45] {

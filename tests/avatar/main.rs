@@ -21,4 +21,5 @@ mod loading;
 mod paper_gaze;
 mod raster;
 mod rigs;
+mod standing;
 mod walker;

@@ -20,4 +20,5 @@ mod far;
 mod moments;
 mod occlusion;
 mod pictures;
+mod standing;
 mod support;

@@ -10,5 +10,7 @@ mod norm;
 mod report;
 
 pub(crate) use angles::Angle;
+#[cfg(test)]
+pub(crate) use angles::{Side, Walk};
 pub(crate) use norm::NORM;
 pub(crate) use report::{Report, Rms, Scalar, measure};

@@ -12,14 +12,13 @@
 mod cycle;
 mod feet;
 mod plan;
-mod rig;
+pub(super) mod rig;
 
 use super::{Avatar, CLIP_FRAMES, Clip, ClipFrame, Error};
 use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
 use glam::{Mat3, Quat, Vec3};
 use plan::{FootPlan, FootTarget, Leg, MOST_SHIFT, pitched};
 use rig::{Limb, Rig, anatomical_hinge, hinge};
-use std::f32::consts::TAU;
 
 /// Greatest use of a leg's length: a knee never locks.
 const REACH: f32 = 0.9995;
@@ -28,21 +27,29 @@ const REACH: f32 = 0.9995;
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;
 
 /// The body above the legs, as turns from the rest pose in model space, and the hips' midpoint.
-struct Posture {
-    pelvis: Quat,
-    chest: Quat,
-    head: Quat,
+pub(super) struct Posture {
+    pub(super) pelvis: Quat,
+    pub(super) chest: Quat,
+    pub(super) neck: Quat,
+    pub(super) head: Quat,
     /// Directions of (upper arm, forearm): left, right.
-    arms: [[Vec3; 2]; 2],
+    pub(super) arms: [[Vec3; 2]; 2],
     /// Hinge suggested by the gait's knees: left, right.
-    knees: [Vec3; 2],
+    pub(super) knees: [Vec3; 2],
     /// Midpoint of the hips, m.
-    hips: Vec3,
+    pub(super) hips: Vec3,
+}
+
+/// Where a foot is: its ankle, m, and its turn from the rest pose, in model space.
+#[derive(Clone, Copy)]
+pub(super) struct Foot {
+    pub(super) ankle: Vec3,
+    pub(super) turn: Quat,
 }
 
 impl Posture {
     /// Where a hip joint is, m.
-    fn hip(&self, rig: &Rig, joint: Joint) -> Vec3 {
+    pub(super) fn hip(&self, rig: &Rig, joint: Joint) -> Vec3 {
         self.hips + self.pelvis * (rig.at(joint) - rig.hips())
     }
 }
@@ -155,58 +162,6 @@ fn hip_rise(shift: &[f32], plans: &[FootPlan<'_>; 2]) -> Vec<f32> {
     shift.iter().zip(rise).map(|(shift, rise)| (shift + rise).min(MOST_SHIFT)).collect()
 }
 
-/// A relaxed stand: arms hanging, both feet flat on the ground, a breath and a slight sway per cycle.
-/// `stride_travel` and `speed` are 0. An avatar that cannot be driven stands in its rest pose.
-pub fn standing(avatar: &Avatar) -> Clip {
-    let frames = match Rig::new(avatar) {
-        Ok(rig) => stand(&rig),
-        Err(_) => {
-            let rotations = avatar.joints.map(|joint| joint.rotation);
-            vec![ClipFrame { rotations, root: avatar.joints[0].translation }; CLIP_FRAMES]
-        }
-    };
-    Clip { frames, stride_travel: 0.0, speed: 0.0 }
-}
-
-fn stand(rig: &Rig) -> Vec<ClipFrame> {
-    let size = rig.leg_length();
-    let hips = rig.hips();
-    let feet = [0, 1].map(|side| {
-        let hip = rig.at(rig.legs[side].chain[0]);
-        // Feet under the hips, whatever the rest pose does with the legs.
-        FootTarget {
-            ankle: Vec3::new(hip.x, -rig.soles[side].lowest(0.0), hips.z),
-            pitch: 0.0,
-            planted: true,
-        }
-    });
-    let height = 0.5 * (feet[0].ankle.y + feet[1].ankle.y) + 0.994 * size;
-    let spread = [0, 1].map(|side| {
-        let shoulder = rig.at(rig.arms[side].chain[0]).x.abs();
-        let out = (rig.hand_clearance - shoulder) / rig.arms[side].reach().max(1e-3);
-        out.clamp(0.06, 0.6)
-    });
-    let postures: Vec<Posture> = (0..CLIP_FRAMES)
-        .map(|frame| {
-            let (sway, breath) = libm::sincosf(TAU * frame as f32 / CLIP_FRAMES as f32);
-            let arms = [1.0, -1.0].map(|side| {
-                let out = spread[usize::from(side < 0.0)] * side;
-                let upper = Vec3::new(out * 1.1, -1.0, -0.04).normalize();
-                [upper, Vec3::new(out * 0.8, -1.0, 0.16).normalize()]
-            });
-            Posture {
-                pelvis: Quat::from_rotation_z(-0.006 * sway),
-                chest: Quat::from_rotation_z(0.004 * sway) * Quat::from_rotation_x(-0.006 * breath),
-                head: Quat::IDENTITY,
-                arms,
-                knees: [Vec3::X; 2],
-                hips: Vec3::new(0.005 * size * sway, height, hips.z),
-            }
-        })
-        .collect();
-    solve(rig, &postures, &vec![feet; CLIP_FRAMES])
-}
-
 /// Mean length of the gait's legs, m.
 fn leg_length(poses: &[Pose]) -> f32 {
     let leg = |pose: &Pose, hip: Joint| {
@@ -278,6 +233,7 @@ fn posture(rig: &Rig, pose: &Pose, scale: f32, spread: f32, place: impl Fn(Vec3)
     Posture {
         pelvis,
         chest,
+        neck: chest.slerp(head, 0.5),
         head,
         arms,
         knees,
@@ -287,39 +243,49 @@ fn posture(rig: &Rig, pose: &Pose, scale: f32, spread: f32, place: impl Fn(Vec3)
 
 /// Places the hips, reaches the feet and writes local rotations.
 fn solve(rig: &Rig, postures: &[Posture], targets: &[[FootTarget; 2]]) -> Vec<ClipFrame> {
-    let offset = rig.hips() - rig.at(Joint::Root);
     let excess: Vec<f32> =
         postures.iter().zip(targets).map(|(body, feet)| overreach(rig, body, feet)).collect();
     let lowering = cycle::smooth_above(&excess);
     let mut frames: Vec<ClipFrame> = Vec::with_capacity(postures.len());
     for ((body, feet), lower) in postures.iter().zip(targets).zip(lowering) {
-        let hips = body.hips - Vec3::Y * lower;
-        let root = hips - body.pelvis * offset;
-        let mut turns = [Quat::IDENTITY; JOINT_COUNT];
-        turns[Joint::Root as usize] = body.pelvis;
-        turns[Joint::Spine as usize] = body.chest;
-        turns[Joint::Neck as usize] = body.chest.slerp(body.head, 0.5);
-        turns[Joint::Head as usize] = body.head;
-        for (side, foot) in feet.iter().enumerate() {
-            let arm = &rig.arms[side];
-            let own = body.chest.inverse() * body.arms[side][0];
-            let fallback = body.chest * anatomical_hinge(own, -1.0);
-            let axis = hinge(body.arms[side][0], body.arms[side][1], fallback, 0.1, 0.4);
-            let [upper, fore] = arm.turns(body.arms[side], axis);
-            for (joint, turn) in arm.chain.into_iter().zip([upper, fore, fore]) {
-                turns[joint as usize] = turn;
-            }
-            let leg = &rig.legs[side];
-            let hip = root + body.pelvis * (rig.at(leg.chain[0]) - rig.at(Joint::Root));
-            let directions = reach(leg, hip, foot.ankle, body.knees[side]);
-            let [thigh, shin] = leg.turns(directions, body.knees[side]);
-            for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, pitched(foot.pitch)]) {
-                turns[joint as usize] = turn;
-            }
-        }
-        frames.push(ClipFrame { rotations: local(rig, &turns, frames.last()), root });
+        let feet = feet.map(|foot| Foot { ankle: foot.ankle, turn: pitched(foot.pitch) });
+        frames.push(frame(rig, body, body.hips - Vec3::Y * lower, feet, frames.last()));
     }
     frames
+}
+
+/// A body with its hips there, whose legs reach the feet (left, right). Rotations are in the hemisphere of the frame before.
+pub(super) fn frame(
+    rig: &Rig,
+    body: &Posture,
+    hips: Vec3,
+    feet: [Foot; 2],
+    before: Option<&ClipFrame>,
+) -> ClipFrame {
+    let root = hips - body.pelvis * (rig.hips() - rig.at(Joint::Root));
+    let mut turns = [Quat::IDENTITY; JOINT_COUNT];
+    turns[Joint::Root as usize] = body.pelvis;
+    turns[Joint::Spine as usize] = body.chest;
+    turns[Joint::Neck as usize] = body.neck;
+    turns[Joint::Head as usize] = body.head;
+    for (side, foot) in feet.iter().enumerate() {
+        let arm = &rig.arms[side];
+        let own = body.chest.inverse() * body.arms[side][0];
+        let fallback = body.chest * anatomical_hinge(own, -1.0);
+        let axis = hinge(body.arms[side][0], body.arms[side][1], fallback, 0.1, 0.4);
+        let [upper, fore] = arm.turns(body.arms[side], axis);
+        for (joint, turn) in arm.chain.into_iter().zip([upper, fore, fore]) {
+            turns[joint as usize] = turn;
+        }
+        let leg = &rig.legs[side];
+        let hip = root + body.pelvis * (rig.at(leg.chain[0]) - rig.at(Joint::Root));
+        let directions = reach(leg, hip, foot.ankle, body.knees[side]);
+        let [thigh, shin] = leg.turns(directions, body.knees[side]);
+        for (joint, turn) in leg.chain.into_iter().zip([thigh, shin, foot.turn]) {
+            turns[joint as usize] = turn;
+        }
+    }
+    ClipFrame { rotations: local(rig, &turns, before), root }
 }
 
 /// How far the hips stand too high for a leg to reach its foot, m.

@@ -7,33 +7,33 @@ use glam::{Mat3, Quat, Vec3};
 
 /// Shoulder, elbow, hand or hip, knee, foot, and which way the middle joint turns.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Limb {
+pub(in crate::avatar) struct Limb {
     /// The three joints from the trunk outward.
-    pub(super) chain: [Joint; 3],
+    pub(in crate::avatar) chain: [Joint; 3],
     /// Rest directions of the two bones, unit, model space.
-    pub(super) rest: [Vec3; 2],
+    pub(in crate::avatar) rest: [Vec3; 2],
     /// Lengths of the two bones, m.
-    pub(super) length: [f32; 2],
+    pub(in crate::avatar) length: [f32; 2],
     /// Rest axis of the hinge, unit, about perpendicular to both bones: flexion is a positive turn about it.
-    pub(super) hinge: Vec3,
+    pub(in crate::avatar) hinge: Vec3,
 }
 
 /// The underside of a foot relative to its joint at rest, m.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Sole {
+pub(in crate::avatar) struct Sole {
     /// The point on which a foot rolls at the strike.
-    pub(super) heel: Vec3,
+    pub(in crate::avatar) heel: Vec3,
     /// The point over which it leaves; the toes beyond it bend.
-    pub(super) ball: Vec3,
+    pub(in crate::avatar) ball: Vec3,
     /// Length of the toes beyond it, m.
-    pub(super) toes: f32,
+    pub(in crate::avatar) toes: f32,
     /// Points up to the ball of which one is the lowest at any pitch.
-    pub(super) edge: Vec<Vec3>,
+    pub(in crate::avatar) edge: Vec<Vec3>,
 }
 
 impl Sole {
     /// Height of the lowest point relative to the foot joint at a pitch (toe up is positive), m.
-    pub(super) fn lowest(&self, pitch: f32) -> f32 {
+    pub(in crate::avatar) fn lowest(&self, pitch: f32) -> f32 {
         let (sine, cosine) = libm::sincosf(pitch);
         self.edge.iter().map(|p| p.y * cosine + p.z * sine).fold(f32::MAX, f32::min)
     }
@@ -41,28 +41,28 @@ impl Sole {
 
 /// An avatar's rest pose.
 #[derive(Debug, Clone)]
-pub(super) struct Rig {
-    pub(super) position: [Vec3; JOINT_COUNT],
-    pub(super) rotation: [Quat; JOINT_COUNT],
+pub(in crate::avatar) struct Rig {
+    pub(in crate::avatar) position: [Vec3; JOINT_COUNT],
+    pub(in crate::avatar) rotation: [Quat; JOINT_COUNT],
     /// Left, right.
-    pub(super) arms: [Limb; 2],
+    pub(in crate::avatar) arms: [Limb; 2],
     /// Left, right.
-    pub(super) legs: [Limb; 2],
+    pub(in crate::avatar) legs: [Limb; 2],
     /// Left, right.
-    pub(super) soles: [Sole; 2],
+    pub(in crate::avatar) soles: [Sole; 2],
     /// Half the width of the trunk or skirt beside the hanging hands, with room for the hand, m.
-    pub(super) hand_clearance: f32,
+    pub(in crate::avatar) hand_clearance: f32,
 }
 
 /// The anatomical axis about which an elbow (`sign` -1) or knee (+1) flexes when the limb's upper bone points
 /// along `direction`, in the frame of the trunk: the axis of the hanging limb carried along the shortest arc.
-pub(super) fn anatomical_hinge(direction: Vec3, sign: f32) -> Vec3 {
+pub(in crate::avatar) fn anatomical_hinge(direction: Vec3, sign: f32) -> Vec3 {
     Quat::from_rotation_arc(Vec3::NEG_Y, direction.normalize_or(Vec3::NEG_Y)) * (Vec3::X * sign)
 }
 
 /// Hinge from the bend of the limb where it is bent (`narrow`, `wide`: sines between which the plane of the limb
 /// takes over) and from `fallback` where it is straight or bent the impossible way.
-pub(super) fn hinge(upper: Vec3, lower: Vec3, fallback: Vec3, narrow: f32, wide: f32) -> Vec3 {
+pub(in crate::avatar) fn hinge(upper: Vec3, lower: Vec3, fallback: Vec3, narrow: f32, wide: f32) -> Vec3 {
     let cross = upper.cross(lower);
     let sine = cross.length();
     let Some(plane) = cross.try_normalize() else { return fallback };
@@ -74,7 +74,7 @@ pub(super) fn hinge(upper: Vec3, lower: Vec3, fallback: Vec3, narrow: f32, wide:
 }
 
 /// Rotation of the frame given by a bone's direction and its hinge.
-pub(super) fn frame(direction: Vec3, hinge: Vec3) -> Quat {
+pub(in crate::avatar) fn frame(direction: Vec3, hinge: Vec3) -> Quat {
     let y = direction.normalize_or(Vec3::NEG_Y);
     let x = (hinge - y * hinge.dot(y)).try_normalize().unwrap_or_else(|| y.any_orthonormal_vector());
     Quat::from_mat3(&Mat3::from_cols(x, y, x.cross(y)))
@@ -94,12 +94,12 @@ impl Limb {
     }
 
     /// Lengths of both bones together, m.
-    pub(super) fn reach(&self) -> f32 {
+    pub(in crate::avatar) fn reach(&self) -> f32 {
         self.length[0] + self.length[1]
     }
 
     /// Model-space turns from the rest pose that bring the two bones into the given directions and hinge.
-    pub(super) fn turns(&self, directions: [Vec3; 2], hinge: Vec3) -> [Quat; 2] {
+    pub(in crate::avatar) fn turns(&self, directions: [Vec3; 2], hinge: Vec3) -> [Quat; 2] {
         [0, 1].map(|bone| frame(directions[bone], hinge) * frame(self.rest[bone], self.hinge).inverse())
     }
 }
@@ -107,7 +107,7 @@ impl Limb {
 impl Rig {
     /// # Errors
     /// [`Error::Unusable`] when a joint is not finite or a leg has no length.
-    pub(super) fn new(avatar: &Avatar) -> Result<Self, Error> {
+    pub(in crate::avatar) fn new(avatar: &Avatar) -> Result<Self, Error> {
         let unusable = |message: String| Error::Unusable { name: avatar.name.clone(), message };
         let local = avatar.joints.map(|joint| joint.rotation.normalize());
         let model = avatar.model_from_joint(&local, avatar.joints[0].translation);
@@ -145,17 +145,17 @@ impl Rig {
     }
 
     /// Rest position of a joint in model space, m.
-    pub(super) fn at(&self, joint: Joint) -> Vec3 {
+    pub(in crate::avatar) fn at(&self, joint: Joint) -> Vec3 {
         self.position[joint as usize]
     }
 
     /// Mean length of the legs from hip to ankle, m.
-    pub(super) fn leg_length(&self) -> f32 {
+    pub(in crate::avatar) fn leg_length(&self) -> f32 {
         0.5 * (self.legs[0].reach() + self.legs[1].reach())
     }
 
     /// Midpoint of the hips at rest, m.
-    pub(super) fn hips(&self) -> Vec3 {
+    pub(in crate::avatar) fn hips(&self) -> Vec3 {
         self.at(Joint::LeftHip).midpoint(self.at(Joint::RightHip))
     }
 }

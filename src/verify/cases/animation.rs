@@ -24,6 +24,7 @@ use crate::kernels::shared::body::index::{
 };
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
+use crate::kernels::shared::standing::index::STANCES;
 use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference::body::far_slot;
 use crate::reference::exact::{hash_u32, unit_f32};
@@ -31,13 +32,15 @@ use glam::{Mat4, Quat, Vec3};
 
 /// Avatars of the made-up crowd.
 pub const AVATARS: usize = 2;
-/// Clips per avatar; the last one is the standing clip.
-pub const CLIPS: usize = 4;
+/// Gaits per avatar.
+pub const GAITS: usize = 3;
+/// Clips per avatar: its gaits, then its standing clips.
+pub const CLIPS: usize = GAITS + 4 * STANCES;
 /// Elements behind the last agent that hold NaN.
 const SPARE: usize = 5;
 /// Index of the frame that the made-up memories of the gaze refer to.
 const FRAME_INDEX: u32 = 1000;
-/// Its time, ms.
+/// Its time for even seeds, ms. Odd ones have any.
 const GAZE_TIME: u32 = 20_000;
 
 /// Random numbers of a seed, counted.
@@ -240,7 +243,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             user_eyes: user_eyes.extend(0.0).to_array(),
             camera: user_eyes.extend(if seed % 3 == 1 && seed & 4 == 0 { 17.0 } else { 0.0 }).to_array(),
             level_distance: [4.0, 9.0, 25.0, if seed % 3 == 1 { 12.0 } else { 0.0 }],
-            standing_clips: [[3, 7, 0, 0], [0; 4], [0; 4], [0; 4]],
+            standing_clips: [[GAITS as u32, (GAITS + CLIPS) as u32, 0, 0], [0; 4], [0; 4], [0; 4]],
             agent_count: agents as u32,
             eye_count: if seed & 4 == 0 { 2 } else { 1 },
             level_count: levels as u32,
@@ -254,7 +257,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             agent_radius: 0.6,
             clip_count: (AVATARS * CLIPS) as u32,
             gaze_limit: [0, agents as u32 / 12 + 2, 0, 4, 3, 2, agents as u32 / 6 + 2, 4][seed as usize % 8],
-            gaze_time: GAZE_TIME,
+            gaze_time: if is_tight { hash_u32(seed) } else { GAZE_TIME },
             turn_least: 1000,
             turn_most: 4000,
         },
@@ -265,7 +268,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
     for avatar in &avatars {
         store.rig.extend(rig_elements(avatar));
         for number in 0..CLIPS {
-            let swing = if number == CLIPS - 1 { 0.0 } else { dice.between(0.5, 1.0) };
+            let swing = if number >= GAITS { 0.1 } else { dice.between(0.5, 1.0) };
             store.clip_frames.extend(clip(avatar, &mut dice, swing).iter().flat_map(clip_elements));
         }
         for mesh in &avatar.levels[..levels] {
@@ -332,7 +335,7 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     }
     store.gait_weights.push(weights);
     store.gaits.push(weights.map(|weight| {
-        let clip = avatar * CLIPS as u32 + dice.below(CLIPS as u32 - 1);
+        let clip = avatar * CLIPS as u32 + dice.below(GAITS as u32);
         if weight > 0.0 { clip } else { dice.bits() } // a weight of zero hides any id
     }));
     let (flexion, rotation) = (dice.between(-0.7, 0.7), dice.between(-1.2, 1.2));
@@ -345,13 +348,14 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         3 => (FRAME_INDEX - 1) | VALID,
         _ => (FRAME_INDEX - 1) | VALID | ENGAGED,
     });
+    let now = store.frame.gaze_time;
     let [until, key_and_frame] = match dice.below(5) {
-        0 => [0; 2],                                                // never had a turn
-        1 => [GAZE_TIME - 500 - dice.below(3000), FRAME_INDEX - 1], // rests, or has rested for long enough
-        2 if agent.is_multiple_of(7) => [GAZE_TIME.wrapping_sub(500_000 + dice.below(99_999)), FRAME_INDEX], // for ever
-        2 => [GAZE_TIME - 3000 - dice.below(15_000), FRAME_INDEX], // waits
-        3 => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 1],  // looks, if there are not too many
-        _ => [GAZE_TIME + 1 + dice.below(3000), FRAME_INDEX - 2],  // was out of view meanwhile
+        0 => [0; 2],                                                      // never had a turn
+        1 => [now.wrapping_sub(500 + dice.below(3000)), FRAME_INDEX - 1], // rests, or has rested for long enough
+        2 if agent.is_multiple_of(7) => [now.wrapping_sub(500_000 + dice.below(99_999)), FRAME_INDEX], // for ever
+        2 => [now.wrapping_sub(3000 + dice.below(15_000)), FRAME_INDEX], // waits
+        3 => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 1],  // looks, if there are not too many
+        _ => [now.wrapping_add(1 + dice.below(3000)), FRAME_INDEX - 2],  // was out of view meanwhile
     };
     store.attention.push(Attention { until, key_and_frame });
 }
