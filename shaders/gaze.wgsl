@@ -17,8 +17,6 @@ struct GazeState {
     rotation_rate: f32, // rad/s
 }
 
-const NATURAL: u32 = 0u;
-
 const THETA_HAPPY: f32 = -0.08726646;     // -5 degrees, extension: paper, 4.5 happy
 const THETA_SAD: f32 = 0.17453293;        // +10 degrees: paper, 4.5 sad; positive is flexion (A-13)
 const ROTATION_LIMIT: f32 = 1.2217305;    // 70 degrees from the torso (A-17)
@@ -32,10 +30,6 @@ const SPRING_LOG2: f32 = 11.541561;       // SPRING / ln 2: exp(-SPRING t) = exp
 const SETTLED: f32 = 0.017453292;         // 1 degree, ours: nearer to the gait's own angles than this, the gait takes over
 const NECK_SHARE: f32 = 0.5;              // of the turn taken by the neck, the head takes the rest; ours
 const AIM_ROUNDS: u32 = 3u;               // the eyes move as the neck turns; each round cuts the error by 10 or more
-
-const VALID: u32 = 0x40000000u;
-const ENGAGED: u32 = 0x80000000u;
-const FRAME_BITS: u32 = 0x1fffffffu;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
@@ -80,7 +74,7 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> vec2<f32> {
 
 fn keep_state(agent: u32, state: GazeState, engaged: bool) {
     gaze_state[agent] = state;
-    gaze_frame[agent] = (frame.frame_index & FRAME_BITS) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
+    gaze_frame[agent] = (frame.frame_index & STAMP) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
 }
 
 // Whether the agent may look at the user: there are turns for all, or it is its turn.
@@ -121,7 +115,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let ground = sqrt(to_user.x * to_user.x + to_user.z * to_user.z);
     let yaw = exact_wrap(exact_atan2(to_user.x, to_user.z) - torso); // A-14: signed, about up
 
-    let age = (frame.frame_index - gaze_frame[agent]) & FRAME_BITS;
+    let age = (frame.frame_index - gaze_frame[agent]) & STAMP;
     let is_fresh = (gaze_frame[agent] & VALID) != 0u && age <= 1u;
     let was_engaged = is_fresh && (gaze_frame[agent] & ENGAGED) != 0u;
     let old = gaze_state[agent];

@@ -7,13 +7,12 @@ use super::quaternion::{
     quat_yaw_pitch, sub3, xyz,
 };
 use crate::kernels::gaze::{
-    AIM_ROUNDS, ENGAGED, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NATURAL, NECK_SHARE, RATE_LIMIT,
-    ROTATION_LIMIT, SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, VALID,
+    AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
+    SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE,
 };
 use crate::kernels::layout::GazeState;
-use crate::kernels::shared::attention::ATTENDS;
 use crate::kernels::shared::attention::{
-    ANGRY, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, RANGE, RANGE_HYSTERESIS, SAD,
+    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD, STAMP, VALID,
 };
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 
@@ -58,7 +57,7 @@ fn keep_state(b: &mut Slices<'_>, agent: usize, state: GazeState, engaged: bool)
     b.gaze_state[agent] = state;
     let turn = b.gaze_frame[agent] & ATTENDS;
     b.gaze_frame[agent] =
-        (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 } | turn;
+        (b.frame.frame_index & STAMP) | VALID | if engaged { ENGAGED } else { 0 } | turn;
 }
 
 /// A face that does not move.
@@ -122,7 +121,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);
 
     let memory = b.gaze_frame[agent];
-    let age = b.frame.frame_index.wrapping_sub(memory) & FRAME_BITS;
+    let age = b.frame.frame_index.wrapping_sub(memory) & STAMP;
     let is_fresh = memory & VALID != 0 && age <= 1;
     let was_engaged = is_fresh && memory & ENGAGED != 0;
     let old = b.gaze_state[agent];

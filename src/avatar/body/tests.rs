@@ -1,4 +1,5 @@
 use super::*;
+use crate::kernels::shared::body::index::SKIN_JOINTS;
 use std::collections::HashMap;
 
 /// Signed volume, and the area of triangles whose normals disagree with their winding.
@@ -18,7 +19,7 @@ fn bodies_have_the_promised_triangle_counts_and_stature() {
         let avatar = generated(sex);
         let counts: Vec<usize> = avatar.levels.iter().map(|mesh| mesh.indices.len() / 3).collect();
         println!("{}: {counts:?} triangles", avatar.name);
-        for (count, range) in counts.iter().zip([800..=1500, 330..=460, 95..=155]) {
+        for (count, range) in counts.iter().zip([2000..=3500, 330..=460, 95..=155]) {
             assert!(range.contains(count), "{}: {counts:?}", avatar.name);
         }
         for mesh in &avatar.levels {
@@ -62,7 +63,7 @@ fn weights_sum_to_one_and_the_body_is_its_own_mirror_image() {
             let mut found: HashMap<glam::IVec3, usize> = HashMap::new();
             for v in &mesh.vertices {
                 assert!((v.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
-                assert!(v.joints.iter().all(|&j| usize::from(j) < JOINT_COUNT));
+                assert!(v.joints.iter().all(|&j| usize::from(j) < SKIN_JOINTS));
                 *found.entry(key(v.position)).or_default() += 1;
             }
             let single = mesh.vertices.iter().filter(|v| {
