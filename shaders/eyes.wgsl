@@ -7,10 +7,11 @@
 // the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the neck angles are
 // all there is: eyes stay straight in the head.
 //
-// Yaw is positive to the left, pitch downwards, as of the face.
-const YAW_LIMIT: f32 = 0.43633232;    // 25 degrees from the face's forward: people turn the head for more
-const UP_LIMIT: f32 = 0.34906585;     // 20 degrees
-const DOWN_LIMIT: f32 = 0.43633232;   // 25 degrees
+// Yaw is positive to the left, pitch downwards, as of the face. Angles are kept as (sine, cosine) where they can.
+const ASIDE_LIMIT: vec2<f32> = vec2<f32>(0.42261826, 0.9063078); // 25 degrees from the face's forward: for more, heads turn
+const DOWN_LIMIT: vec2<f32> = vec2<f32>(0.42261826, 0.9063078);  // 25 degrees
+const UP_LIMIT: vec2<f32> = vec2<f32>(0.34202015, 0.9396926);    // 20 degrees
+const LEAST: f32 = 1e-6;                                         // m, nearer than this is no direction
 
 const FACE_RANGE: f32 = 3.0;          // m: from here on a face is one point
 const APART: f32 = 0.032;             // m, from between the user's eyes to either of them
@@ -39,7 +40,7 @@ const CLOSING: f32 = 50.0;            // ms of it
 const OPENING: f32 = 80.0;            // ms of it
 
 const SHUT: f32 = 0.72;               // rad that an open lid turns down to shut the eye
-const FOLLOW: f32 = 0.8;              // share of the eyes' pitch that lids follow
+const FOLLOW: f32 = 0.8;              // rad that lids follow the eyes down, times the sine of their pitch
 const ANGRY_LIDS: f32 = 0.08;         // rad, by how much lids hang lower than those of others
 const SAD_LIDS: f32 = 0.1;
 
@@ -54,8 +55,9 @@ const SAD_LIDS: f32 = 0.1;
 @group(0) @binding(8) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][21][3] rows
 
 struct Moment {
-    number: u32,
-    since: f32, // ms
+    draw: u32,   // random bits of it
+    before: u32, // of the one before
+    since: f32,  // ms
 }
 
 // The last of an agent's irregular moments of a kind.
@@ -63,24 +65,25 @@ fn last_moment(seed: u32, window: u32, span: u32) -> Moment {
     let time = frame.gaze_time + seed % window; // agents do not begin together
     let number = time / window;
     let within = time % window;
-    let start = hash_u32(seed + number) % span;
-    if within >= start {
-        return Moment(number, f32(within - start));
+    let draw = hash_u32(seed + number);
+    let before = hash_u32(seed + number - 1u);
+    if within >= draw % span {
+        return Moment(draw, before, f32(within - draw % span));
     }
-    return Moment(number - 1u, f32(within + window - hash_u32(seed + number - 1u) % span));
+    return Moment(before, hash_u32(seed + number - 2u), f32(within + window - before % span));
 }
 
 // What an agent looks at in the user's face: how far to the user's right of the middle, and how far below the eyes, m.
-fn part_of_face(seed: u32, number: u32) -> vec2<f32> {
-    let part = hash_u32(hash_u32(seed + number)) % 5u;
+fn part_of_face(draw: u32) -> vec2<f32> {
+    let part = hash_u32(draw) % 5u;
     return vec2<f32>(select(select(-APART, APART, part < 2u), 0.0, part == 4u), select(0.0, MOUTH, part == 4u));
 }
 
 // A glance: yaw and pitch from the middle, mostly small.
-fn glance(seed: u32, number: u32) -> vec2<f32> {
-    let draw = hash_u32(hash_u32(seed + number));
-    let x = unit_f32(draw) * 2.0 - 1.0;
-    let y = unit_f32(hash_u32(draw)) * 2.0 - 1.0;
+fn glance(draw: u32) -> vec2<f32> {
+    let bits = hash_u32(draw);
+    let x = unit_f32(bits) * 2.0 - 1.0;
+    let y = unit_f32(bits << 16u) * 2.0 - 1.0;
     return vec2<f32>(GLANCE_YAW * (x * x * x), GLANCE_PITCH * (y * y * y));
 }
 
@@ -90,20 +93,18 @@ fn into_face(agent: u32, to_eyes: vec3<f32>) -> vec3<f32> {
     if ground < APART || dot3(to_eyes, to_eyes) > FACE_RANGE * FACE_RANGE {
         return to_eyes;
     }
-    let seed = hash_u32(agent ^ FACE);
-    let last = last_moment(seed, FACE_WINDOW, FACE_SPAN);
-    let before = part_of_face(seed, last.number - 1u);
-    let part = before + (part_of_face(seed, last.number) - before) * limit(last.since / SACCADE, 0.0, 1.0);
+    let last = last_moment(hash_u32(agent ^ FACE), FACE_WINDOW, FACE_SPAN);
+    let before = part_of_face(last.before);
+    let part = before + (part_of_face(last.draw) - before) * limit(last.since / SACCADE, 0.0, 1.0);
     let aside = part.x / ground;
     return vec3<f32>(to_eyes.x + to_eyes.z * aside, to_eyes.y - part.y, to_eyes.z - to_eyes.x * aside);
 }
 
 // Ahead of an agent, so far down.
 fn ahead(agent: u32, drop: f32) -> vec3<f32> {
-    let seed = hash_u32(agent ^ GLANCES);
-    let last = last_moment(seed, GLANCE_WINDOW, GLANCE_SPAN);
-    let before = glance(seed, last.number - 1u);
-    let look = before + (glance(seed, last.number) - before) * limit(last.since / SACCADE, 0.0, 1.0);
+    let last = last_moment(hash_u32(agent ^ GLANCES), GLANCE_WINDOW, GLANCE_SPAN);
+    let before = glance(last.before);
+    let look = before + (glance(last.draw) - before) * limit(last.since / SACCADE, 0.0, 1.0);
     let yaw = exact_sin_cos(stance[agent].heading + look.x);
     let pitch = exact_sin_cos(drop + look.y);
     return vec3<f32>(yaw.x * pitch.y, -pitch.x, yaw.y * pitch.y) * FAR;
@@ -113,6 +114,15 @@ fn ahead(agent: u32, drop: f32) -> vec3<f32> {
 fn blink(agent: u32) -> f32 {
     let last = last_moment(hash_u32(agent ^ BLINKS), BLINK_WINDOW, BLINK_SPAN);
     return limit(min(last.since / CLOSING, (BLINK - last.since) / OPENING), 0.0, 1.0);
+}
+
+// The angle from ahead to a point that lies so far aside and ahead, as (sine, cosine), no farther than a limit.
+fn toward(aside: f32, ahead: f32, most: vec2<f32>) -> vec2<f32> {
+    if ahead > LEAST && abs(aside) * most.y <= ahead * most.x {
+        let length = sqrt(aside * aside + ahead * ahead);
+        return vec2<f32>(aside / length, ahead / length);
+    }
+    return vec2<f32>(select(most.x, -most.x, aside < 0.0), most.y);
 }
 
 // A row of the head's matrix after a turn of the mesh about a point: first by pitch, then by yaw, each as (sine, cosine).
@@ -178,11 +188,15 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
         (row_x.y * aim.x + row_y.y * aim.y + row_z.y * aim.z) / square,
         (row_x.z * aim.x + row_y.z * aim.y + row_z.z * aim.z) / square,
     );
-    let down = limit(exact_atan2(-to.y, sqrt(to.x * to.x + to.z * to.z)), -UP_LIMIT, DOWN_LIMIT);
-    let pitch = select(0.0, down, is_natural);
-    let left_yaw = select(0.0, limit(exact_atan2(to.x - left.x, to.z), -YAW_LIMIT, YAW_LIMIT), is_natural);
-    let right_yaw = select(0.0, limit(exact_atan2(to.x - right.x, to.z), -YAW_LIMIT, YAW_LIMIT), is_natural);
-    var lid = FOLLOW * pitch;
+    var to_pitch = vec2<f32>(0.0, 1.0);
+    var to_left = to_pitch;
+    var to_right = to_pitch;
+    if is_natural {
+        to_pitch = toward(-to.y, sqrt(to.x * to.x + to.z * to.z), select(DOWN_LIMIT, UP_LIMIT, to.y > 0.0));
+        to_left = toward(to.x - left.x, to.z, ASIDE_LIMIT);
+        to_right = toward(to.x - right.x, to.z, ASIDE_LIMIT);
+    }
+    var lid = FOLLOW * to_pitch.x;
     if feels && emotion == ANGRY {
         lid = lid + ANGRY_LIDS;
     }
@@ -191,9 +205,6 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     lid = lid + (SHUT - lid) * blink(agent);
 
-    let to_pitch = exact_sin_cos(pitch);
-    let to_left = exact_sin_cos(left_yaw);
-    let to_right = exact_sin_cos(right_yaw);
     let tip = exact_sin_cos(lid);
     for (var i = 0u; i < 3u; i++) {
         let row = palettes[base + HEAD * 3u + i];

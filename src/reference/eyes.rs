@@ -4,9 +4,9 @@ use super::body::visible_agents;
 use super::exact::{atan2, hash_u32, lesser, sin_cos, unit_f32};
 use super::quaternion::{dot3, limit, scale3, xyz};
 use crate::kernels::eyes::{
-    ANGRY_LIDS, APART, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, CLOSING, DOWN_LIMIT, DROP, FACE, FACE_RANGE,
+    ANGRY_LIDS, APART, ASIDE_LIMIT, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, CLOSING, DOWN_LIMIT, DROP, FACE, FACE_RANGE,
     FACE_SPAN, FACE_WINDOW, FAR, FOLLOW, GLANCE_PITCH, GLANCE_SPAN, GLANCE_WINDOW, GLANCE_YAW, GLANCES,
-    GROUND_AHEAD, MOUTH, OPENING, SACCADE, SAD_LIDS, SHUT, Slices, UP_LIMIT, YAW_LIMIT,
+    GROUND_AHEAD, LEAST, MOUTH, OPENING, SACCADE, SAD_LIDS, SHUT, Slices, UP_LIMIT,
 };
 use crate::kernels::layout::FrameUniforms;
 use crate::kernels::shared::attention::{ANGRY, ENGAGED, NATURAL, SAD, STAMP, VALID};
@@ -22,21 +22,28 @@ pub fn eyes(mut b: Slices<'_>) {
     }
 }
 
-/// The number of the last of an agent's irregular moments of a kind, and the time since it, ms.
-fn last_moment(frame: &FrameUniforms, seed: u32, window: u32, span: u32) -> (u32, f32) {
+/// An irregular moment: random bits of it and of the one before, and the time since it, ms.
+struct Moment {
+    draw: u32,
+    before: u32,
+    since: f32,
+}
+
+/// The last of an agent's irregular moments of a kind.
+fn last_moment(frame: &FrameUniforms, seed: u32, window: u32, span: u32) -> Moment {
     let time = frame.gaze_time.wrapping_add(seed % window);
     let (number, within) = (time / window, time % window);
-    let start = |number: u32| hash_u32(seed.wrapping_add(number)) % span;
-    if within >= start(number) {
-        return (number, (within - start(number)) as f32);
+    let back = |count: u32| hash_u32(seed.wrapping_add(number).wrapping_sub(count));
+    let (draw, before) = (back(0), back(1));
+    if within >= draw % span {
+        return Moment { draw, before, since: (within - draw % span) as f32 };
     }
-    let before = number.wrapping_sub(1);
-    (before, (within + window - start(before)) as f32)
+    Moment { draw: before, before: back(2), since: (within + window - before % span) as f32 }
 }
 
 /// What an agent looks at in the user's face: how far to the user's right of the middle, and how far below the eyes, m.
-fn part_of_face(seed: u32, number: u32) -> [f32; 2] {
-    match hash_u32(hash_u32(seed.wrapping_add(number))) % 5 {
+fn part_of_face(draw: u32) -> [f32; 2] {
+    match hash_u32(draw) % 5 {
         0 | 1 => [APART, 0.0],
         4 => [0.0, MOUTH],
         _ => [-APART, 0.0],
@@ -44,10 +51,10 @@ fn part_of_face(seed: u32, number: u32) -> [f32; 2] {
 }
 
 /// Yaw and pitch from the middle.
-fn glance(seed: u32, number: u32) -> [f32; 2] {
-    let draw = hash_u32(hash_u32(seed.wrapping_add(number)));
-    let x = unit_f32(draw) * 2.0 - 1.0;
-    let y = unit_f32(hash_u32(draw)) * 2.0 - 1.0;
+fn glance(draw: u32) -> [f32; 2] {
+    let bits = hash_u32(draw);
+    let x = unit_f32(bits) * 2.0 - 1.0;
+    let y = unit_f32(bits << 16) * 2.0 - 1.0;
     [GLANCE_YAW * (x * x * x), GLANCE_PITCH * (y * y * y)]
 }
 
@@ -62,19 +69,15 @@ fn into_face(frame: &FrameUniforms, agent: u32, [x, y, z]: [f32; 3]) -> [f32; 3]
     if ground < APART || dot3([x, y, z], [x, y, z]) > FACE_RANGE * FACE_RANGE {
         return [x, y, z];
     }
-    let seed = hash_u32(agent ^ FACE);
-    let (number, since) = last_moment(frame, seed, FACE_WINDOW, FACE_SPAN);
-    let before = part_of_face(seed, number.wrapping_sub(1));
-    let [right, below] = saccade(before, part_of_face(seed, number), since);
+    let last = last_moment(frame, hash_u32(agent ^ FACE), FACE_WINDOW, FACE_SPAN);
+    let [right, below] = saccade(part_of_face(last.before), part_of_face(last.draw), last.since);
     let aside = right / ground;
     [x + z * aside, y - below, z - x * aside]
 }
 
 fn ahead(frame: &FrameUniforms, agent: u32, heading: f32, drop: f32) -> [f32; 3] {
-    let seed = hash_u32(agent ^ GLANCES);
-    let (number, since) = last_moment(frame, seed, GLANCE_WINDOW, GLANCE_SPAN);
-    let before = glance(seed, number.wrapping_sub(1));
-    let [aside, down] = saccade(before, glance(seed, number), since);
+    let last = last_moment(frame, hash_u32(agent ^ GLANCES), GLANCE_WINDOW, GLANCE_SPAN);
+    let [aside, down] = saccade(glance(last.before), glance(last.draw), last.since);
     let [sine, cosine] = sin_cos(heading + aside);
     let [fall, level] = sin_cos(drop + down);
     scale3([sine * level, -fall, cosine * level], FAR)
@@ -82,8 +85,17 @@ fn ahead(frame: &FrameUniforms, agent: u32, heading: f32, drop: f32) -> [f32; 3]
 
 /// How far a blink has shut the eyes, 0 to 1.
 fn blink(frame: &FrameUniforms, agent: u32) -> f32 {
-    let (_, since) = last_moment(frame, hash_u32(agent ^ BLINKS), BLINK_WINDOW, BLINK_SPAN);
+    let Moment { since, .. } = last_moment(frame, hash_u32(agent ^ BLINKS), BLINK_WINDOW, BLINK_SPAN);
     limit(lesser(since / CLOSING, (BLINK - since) / OPENING), 0.0, 1.0)
+}
+
+/// The angle from ahead to a point that lies so far aside and ahead, as (sine, cosine), no farther than a limit.
+fn toward(aside: f32, ahead: f32, most: [f32; 2]) -> [f32; 2] {
+    if ahead > LEAST && aside.abs() * most[1] <= ahead * most[0] {
+        let length = (aside * aside + ahead * ahead).sqrt();
+        return [aside / length, ahead / length];
+    }
+    [if aside < 0.0 { -most[0] } else { most[0] }, most[1]]
 }
 
 fn turned(row: [f32; 4], about: [f32; 3], yaw: [f32; 2], pitch: [f32; 2]) -> [f32; 4] {
@@ -119,11 +131,17 @@ fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
     let square = own.scale * own.scale;
     let to = [0, 1, 2].map(|i| (head[0][i] * aim[0] + head[1][i] * aim[1] + head[2][i] * aim[2]) / square);
 
-    let when_natural = |angle: f32| if is_natural { angle } else { 0.0 };
-    let down = atan2(-to[1], (to[0] * to[0] + to[2] * to[2]).sqrt());
-    let pitch = when_natural(limit(down, -UP_LIMIT, DOWN_LIMIT));
-    let yaw_of = |eye: [f32; 3]| when_natural(limit(atan2(to[0] - eye[0], to[2]), -YAW_LIMIT, YAW_LIMIT));
-    let mut lid = FOLLOW * pitch;
+    let level = (to[0] * to[0] + to[2] * to[2]).sqrt();
+    let [to_pitch, to_left, to_right] = if is_natural {
+        [
+            toward(-to[1], level, if to[1] > 0.0 { UP_LIMIT } else { DOWN_LIMIT }),
+            toward(to[0] - left[0], to[2], ASIDE_LIMIT),
+            toward(to[0] - right[0], to[2], ASIDE_LIMIT),
+        ]
+    } else {
+        [[0.0, 1.0]; 3]
+    };
+    let mut lid = FOLLOW * to_pitch[0];
     if feels && own.emotion() == ANGRY {
         lid += ANGRY_LIDS;
     }
@@ -132,8 +150,7 @@ fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
     }
     lid += (SHUT - lid) * blink(b.frame, agent);
 
-    let to_pitch = sin_cos(pitch);
-    let (to_left, to_right, tip) = (sin_cos(yaw_of(left)), sin_cos(yaw_of(right)), sin_cos(lid));
+    let tip = sin_cos(lid);
     let palette = &mut b.palettes[slot * PALETTE_STRIDE..][..PALETTE_STRIDE];
     for (axis, row) in head.into_iter().enumerate() {
         palette[LEFT_EYE * 3 + axis] = turned(row, left, to_left, to_pitch);

@@ -4,7 +4,7 @@ use gaitway::Emotion;
 use gaitway::kernels::layout::{Appearance, GazeState, Stance};
 use gaitway::kernels::shared::attention::VALID;
 use gaitway::kernels::shared::body::index::{
-    HEAD, LEFT_EYE, LIDS, PALETTE_STRIDE, RIG_EYEBALL, RIG_STRIDE, RIGHT_EYE,
+    HEAD, LEFT_EYE, LIDS, PALETTE_STRIDE, RIG_EYEBALL, RIG_STRIDE, RIGHT_EYE, SPINE,
 };
 use gaitway::kernels::{Phase, Store};
 use gaitway::reference;
@@ -280,4 +280,26 @@ fn eyes_stay_within_their_reach_whatever_there_is_to_see() {
         }
     }
     assert!(turned > 20.0, "the case tests little");
+}
+
+#[test]
+fn the_trunk_takes_part_in_turns_beyond_45_degrees_and_the_face_points_as_before() {
+    let turned = |degrees: f32, mode: u32| {
+        let user = seen(degrees, 3.0, 1.63);
+        let mut store = standing(Emotion::Angry, mode, user);
+        run(&mut store);
+        let yaw = |joint: usize| {
+            let way = matrix(&store, joint).transform_vector3(Vec3::Z);
+            way.x.atan2(way.z).to_degrees()
+        };
+        (yaw(SPINE), yaw(HEAD))
+    };
+    for side in [-1.0, 1.0] {
+        for (degrees, trunk) in [(30.0, 0.0), (44.0, 0.0), (55.0, 4.0), (65.0, 8.0), (85.0, 10.0)] {
+            let (spine, face) = turned(side * degrees, NATURAL);
+            assert!((side * spine - trunk).abs() < 0.4, "{degrees}: {spine}");
+            assert!((side * face - degrees.min(70.0)).abs() < 1.0, "{degrees}: {face}");
+            assert!(turned(side * degrees, PAPER).0.abs() < 1e-3, "the paper turns the neck alone");
+        }
+    }
 }

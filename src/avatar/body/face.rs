@@ -12,7 +12,7 @@ use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
 const WHITE: Paint = Paint::fixed(0.62, 0.6, 0.57);
-const IRIS: Paint = Paint::fixed(0.085, 0.045, 0.022);
+const IRIS: Paint = Paint::fixed(0.1, 0.053, 0.026);
 const RIM: Paint = Paint::fixed(0.03, 0.018, 0.012);
 const PUPIL: Paint = Paint::fixed(0.006, 0.005, 0.005);
 const GLINT: Paint = Paint::fixed(1.0, 1.0, 1.0);
@@ -21,14 +21,14 @@ const LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0.72, 0.4
 const MOUTH: Paint = Paint { material: Material::Skin, color: Vec3::new(0.5, 0.26, 0.26) };
 const BROW: Paint = Paint::tinted(Material::Hair, 0.75);
 
-/// Of the finest head: rows under the crown (man's size), m.
-const ROWS: [f32; 24] = [
+/// Of the finest head: rows under the crown (man's size), m. Above the last one there is hair.
+const ROWS: [f32; 22] = [
     0.236, 0.230, 0.220, 0.208, 0.198, 0.193, 0.1885, 0.184, 0.176, 0.168, 0.160, 0.153, 0.144, 0.134, 0.125,
-    0.118, 0.111, 0.104, 0.097, 0.089, 0.078, 0.060, 0.030, 0.008,
+    0.118, 0.111, 0.104, 0.097, 0.089, 0.075, 0.045,
 ];
 /// Of its half: columns as shares of the half width, from the middle of the face to the side; then angles from the front.
 const COLUMNS: [f32; 10] = [0.0, 0.095, 0.2, 0.31, 0.42, 0.53, 0.64, 0.76, 0.88, 1.0];
-const BACK: [f32; 3] = [2.0, 2.45, 2.8];
+const BACK: [f32; 2] = [2.1, 2.65];
 
 /// Centre of the left eyeball at the side of the middle and under the crown (man's size), and its depth and radius, m.
 const EYE_AT: [f32; 2] = [0.0315, 0.1115];
@@ -56,11 +56,12 @@ impl Skull {
         let nose = nose * step(0.088, 0.108, drop) * step(0.1665, 0.156, drop);
         let wings = 0.006 * bump((x - 0.0125) / 0.006, (drop - 0.1555) / 0.006);
         let cheek = 0.003 * bump((x - 0.040) / 0.018, (drop - 0.146) / 0.020);
+        let under = 0.0018 * bump((x - eye) / 0.016, (drop - 0.127) / 0.007);
         let lips = 0.0045 * bump(x / 0.021, (drop - 0.1845) / 0.0045)
             + 0.005 * bump(x / 0.018, (drop - 0.1935) / 0.005);
         let mouth = 0.0025 * bump(x / 0.024, (drop - 0.1885) / 0.0025);
         let chin = 0.004 * bump(x / 0.018, (drop - 0.216) / 0.011);
-        ridge + temple + nose + wings + cheek + lips + chin - socket - mouth
+        ridge + temple + nose + wings + cheek + under + lips + chin - socket - mouth
     }
 
     /// The skin at an angle from the front, to the left; the face's relief is in it.
@@ -124,18 +125,12 @@ impl Skull {
         };
         builder.begin(skin);
         builder.painted_grid(&rows, true, &paint);
-        for (end, tip) in [(0, -0.004), (ROWS.len() - 1, 0.006)] {
-            let rim: Vec<u32> = rows[end].iter().map(|p| builder.vertex(*p, SKIN)).collect();
-            let middle = rows[end].iter().sum::<Vec3>() / angles.len() as f32 + Vec3::Y * tip;
-            let tip = builder.vertex(middle, SKIN);
-            for k in 0..rim.len() {
-                let next = rim[(k + 1) % rim.len()];
-                if end == 0 {
-                    builder.triangle(next, rim[k], tip)
-                } else {
-                    builder.triangle(rim[k], next, tip)
-                }
-            }
+        // The bottom; the top is open, under the hair.
+        let rim: Vec<u32> = rows[0].iter().map(|p| builder.vertex(*p, SKIN)).collect();
+        let middle = rows[0].iter().sum::<Vec3>() / angles.len() as f32;
+        let tip = builder.vertex(middle - Vec3::Y * 0.004, SKIN);
+        for k in 0..rim.len() {
+            builder.triangle(rim[(k + 1) % rim.len()], rim[k], tip);
         }
         builder.end(None);
     }
@@ -176,7 +171,7 @@ impl Eye {
     }
 
     fn ball(&self, builder: &mut Builder<'_>) {
-        const SLICES: u8 = 14;
+        const SLICES: u8 = 12;
         builder.begin_on(if self.side > 0.0 { LEFT_EYE } else { RIGHT_EYE });
         let ring = |angle: f32, paint: Paint, builder: &mut Builder<'_>| -> Vec<u32> {
             let (sine, cosine) = libm::sincosf(angle.to_radians());
@@ -192,13 +187,18 @@ impl Eye {
         for pair in pupil.windows(2).skip(1) {
             builder.triangle(pupil[0], pair[0], pair[1]);
         }
-        let bands = [(9.5, 20.5, IRIS), (20.5, 23.0, RIM), (23.0, 50.0, WHITE), (50.0, 84.0, WHITE)];
-        for (from, to, paint) in bands {
-            let (inner, outer) = (ring(from, paint, builder), ring(to, paint, builder));
-            for k in 0..inner.len() {
-                let next = (k + 1) % inner.len();
-                builder.triangle(inner[k], outer[k], outer[next]);
-                builder.triangle(inner[k], outer[next], inner[next]);
+        let bands: [&[(f32, Paint)]; 2] =
+            [&[(9.5, IRIS), (23.0, RIM)], &[(23.0, WHITE), (48.0, WHITE), (84.0, WHITE)]];
+        for band in bands {
+            let rings: Vec<Vec<u32>> =
+                band.iter().map(|(angle, paint)| ring(*angle, *paint, builder)).collect();
+            for pair in rings.windows(2) {
+                let [inner, outer] = [&pair[0], &pair[1]];
+                for k in 0..inner.len() {
+                    let next = (k + 1) % inner.len();
+                    builder.triangle(inner[k], outer[k], outer[next]);
+                    builder.triangle(inner[k], outer[next], inner[next]);
+                }
             }
         }
         builder.end(Some(Vec3::Z));
@@ -214,7 +214,7 @@ impl Eye {
 
     /// A lid as a shell outside the eyeball, from its margin, which is dark with lashes, to `end`, degrees.
     fn lid(&self, builder: &mut Builder<'_>, margin: &dyn Fn(f32) -> f32, lashes: f32, end: f32, out: f32) {
-        const ASIDE: [f32; 11] = [-84.0, -62.0, -48.0, -34.0, -18.0, 0.0, 18.0, 34.0, 48.0, 62.0, 84.0];
+        const ASIDE: [f32; 9] = [-84.0, -60.0, -44.0, -22.0, 0.0, 22.0, 44.0, 60.0, 84.0];
         let row = |share: f32, first: f32| -> Vec<Vec3> {
             let up = |aside: f32| {
                 let from = margin(aside) + first;
@@ -223,7 +223,7 @@ impl Eye {
             ASIDE.iter().map(|aside| self.at(*aside, up(*aside), out)).collect()
         };
         builder.grid(&[row(0.0, 0.0), row(0.0, lashes)], false, LASHES);
-        builder.grid(&[row(0.0, lashes), row(0.22, lashes), row(0.5, lashes), row(1.0, lashes)], false, SKIN);
+        builder.grid(&[row(0.0, lashes), row(0.4, lashes), row(1.0, lashes)], false, SKIN);
         builder.end(Some(Vec3::Z));
     }
 
