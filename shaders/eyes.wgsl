@@ -165,8 +165,7 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     let is_natural = frame.gaze_mode == NATURAL;
     let feels = is_natural && gazes(own);
     let emotion = emotion_of(own);
-    let word = gaze_frame[agent];
-    let is_engaged = feels && (word & (VALID | ENGAGED)) == (VALID | ENGAGED) && ((word ^ frame.frame_index) & STAMP) == 0u;
+    let is_engaged = feels && (gaze_frame[agent] & ENGAGED) != 0u; // `gaze` wrote it in this frame
 
     var aim: vec3<f32>; // from between the eyes, m
     if is_engaged {

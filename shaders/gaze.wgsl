@@ -33,6 +33,8 @@ const TRUNK_FROM: f32 = 0.7853982;        // 45 degrees from the torso: for more
 const TRUNK_SHARE: f32 = 0.4;             // of what is beyond; ours
 const AIM_ROUNDS: u32 = 3u;               // the eyes move as the neck turns; each round cuts the error by 10 or more
 
+const FRAME_BITS: u32 = 0x1fffffffu;
+
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;              // [agent] m
@@ -76,7 +78,7 @@ fn follow(value: f32, rate: f32, goal: f32, time: f32) -> vec2<f32> {
 
 fn keep_state(agent: u32, state: GazeState, engaged: bool) {
     gaze_state[agent] = state;
-    gaze_frame[agent] = (frame.frame_index & STAMP) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
+    gaze_frame[agent] = (frame.frame_index & FRAME_BITS) | VALID | select(0u, ENGAGED, engaged) | (gaze_frame[agent] & ATTENDS);
 }
 
 // Whether the agent may look at the user: there are turns for all, or it is its turn.
@@ -117,7 +119,7 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let ground = sqrt(to_user.x * to_user.x + to_user.z * to_user.z);
     let yaw = exact_wrap(exact_atan2(to_user.x, to_user.z) - torso); // A-14: signed, about up
 
-    let age = (frame.frame_index - gaze_frame[agent]) & STAMP;
+    let age = (frame.frame_index - gaze_frame[agent]) & FRAME_BITS;
     let is_fresh = (gaze_frame[agent] & VALID) != 0u && age <= 1u;
     let was_engaged = is_fresh && (gaze_frame[agent] & ENGAGED) != 0u;
     let old = gaze_state[agent];

@@ -13,6 +13,5 @@ const FIELD_END: f32 = -0.17364818;       // cosine of the two together
 const ATTENDS: u32 = 0x20000000u; // it is the agent's turn; `gaze_schedule` writes it
 const VALID: u32 = 0x40000000u;   // there was an update; `gaze` writes it
 const ENGAGED: u32 = 0x80000000u; // the agent looked at the user then; `gaze` writes it
-const STAMP: u32 = 0x1fffffffu;   // low bits of frame_index of the last update; `gaze` writes them
 
 const NATURAL: u32 = 0u; // of gaze_mode

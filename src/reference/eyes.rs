@@ -9,7 +9,7 @@ use crate::kernels::eyes::{
     GROUND_AHEAD, LEAST, MOUTH, OPENING, SACCADE, SAD_LIDS, SHUT, Slices, UP_LIMIT,
 };
 use crate::kernels::layout::FrameUniforms;
-use crate::kernels::shared::attention::{ANGRY, ENGAGED, NATURAL, SAD, STAMP, VALID};
+use crate::kernels::shared::attention::{ANGRY, ENGAGED, NATURAL, SAD};
 use crate::kernels::shared::body::index::{
     HEAD, LEFT_EYE, LIDS, PALETTE_STRIDE, RIG_EYEBALL, RIG_STRIDE, RIGHT_EYE,
 };
@@ -162,9 +162,7 @@ fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
 /// From between the eyes to what they look at, m; `left` is the centre of the left one in the mesh.
 fn aim(b: &Slices<'_>, agent: u32, head: [[f32; 4]; 3], left: [f32; 3], feels: bool) -> [f32; 3] {
     let own = b.appearance[agent as usize];
-    let word = b.gaze_frame[agent as usize];
-    let is_of_now = (word ^ b.frame.frame_index) & STAMP == 0;
-    if feels && word & (VALID | ENGAGED) == VALID | ENGAGED && is_of_now {
+    if feels && b.gaze_frame[agent as usize] & ENGAGED != 0 {
         let between = head.map(|row| row[1] * left[1] + row[2] * left[2] + row[3]);
         let to_eyes = [0, 1, 2].map(|axis| b.frame.user_eyes[axis] - between[axis]);
         return into_face(b.frame, agent, to_eyes);

@@ -7,12 +7,12 @@ use super::quaternion::{
     quat_yaw_pitch, sub3, xyz,
 };
 use crate::kernels::gaze::{
-    AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
+    AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
     SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, TRUNK_FROM, TRUNK_SHARE,
 };
 use crate::kernels::layout::GazeState;
 use crate::kernels::shared::attention::{
-    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD, STAMP, VALID,
+    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD, VALID,
 };
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 
@@ -57,7 +57,7 @@ fn keep_state(b: &mut Slices<'_>, agent: usize, state: GazeState, engaged: bool)
     b.gaze_state[agent] = state;
     let turn = b.gaze_frame[agent] & ATTENDS;
     b.gaze_frame[agent] =
-        (b.frame.frame_index & STAMP) | VALID | if engaged { ENGAGED } else { 0 } | turn;
+        (b.frame.frame_index & FRAME_BITS) | VALID | if engaged { ENGAGED } else { 0 } | turn;
 }
 
 /// A face that does not move.
@@ -122,7 +122,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let yaw = wrap(atan2(to_user[0], to_user[2]) - torso);
 
     let memory = b.gaze_frame[agent];
-    let age = b.frame.frame_index.wrapping_sub(memory) & STAMP;
+    let age = b.frame.frame_index.wrapping_sub(memory) & FRAME_BITS;
     let is_fresh = memory & VALID != 0 && age <= 1;
     let was_engaged = is_fresh && memory & ENGAGED != 0;
     let old = b.gaze_state[agent];
