@@ -162,7 +162,7 @@ fn blinks_come_every_two_to_six_seconds_and_last_a_seventh_of_one() {
             }
             (true, false, None) => begun = Some(time),
             (false, true, Some(before)) => {
-                assert!((120..=160).contains(&(time - before)), "{}", time - before)
+                assert!((120..=160).contains(&(time - before)), "{}", time - before);
             }
             _ => {}
         }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::kernels::shared::body::index::SKIN_JOINTS;
+use crate::kernels::shared::body::index::{LEFT_EYE, LIDS, RIGHT_EYE, SKIN_JOINTS};
 use std::collections::HashMap;
 
 /// Signed volume, and the area of triangles whose normals disagree with their winding.
@@ -90,5 +90,27 @@ fn eyes_and_joints_lie_inside_the_figure() {
             let skin = *transform * avatar.joints[joint as usize].joint_from_mesh;
             assert!(skin.abs_diff_eq(Mat4::IDENTITY, 1e-5), "{} is not at rest", joint.name());
         }
+    }
+}
+
+#[test]
+fn the_finest_level_has_round_eyes_under_lids_and_the_others_have_none() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let Some(left) = avatar.eyeball else { panic!("{} has no eyes", avatar.name) };
+        let right = left * Vec3::new(-1.0, 1.0, 1.0);
+        let radii = |joint: usize, center: Vec3| -> (f32, f32) {
+            let own = avatar.levels[0].vertices.iter().filter(|v| usize::from(v.joints[0]) == joint);
+            let sides = own.filter(|v| v.position.x * center.x > 0.0);
+            let away = sides.map(|v| v.position.distance(center));
+            away.fold((f32::MAX, 0.0), |(least, most), r| (least.min(r), most.max(r)))
+        };
+        for (eye, center) in [(LEFT_EYE, left), (RIGHT_EYE, right)] {
+            let (ball, lid) = (radii(eye, center), radii(LIDS, center));
+            assert!(ball.0 > 0.014 && ball.1 < ball.0 + 0.0005, "{ball:?}");
+            assert!(lid.0 > ball.1 && lid.1 < ball.1 + 0.001, "{lid:?} over {ball:?}");
+        }
+        let coarser = avatar.levels[1..].iter().flat_map(|mesh| &mesh.vertices);
+        assert!(coarser.flat_map(|v| v.joints).all(|joint| usize::from(joint) < JOINT_COUNT));
     }
 }
