@@ -5,7 +5,7 @@
 //
 // `paper` mode states the paper's equations as neck angles relative to the torso; the neck joint takes them at once.
 // `natural` mode (default) turns neck and head so that the face points exactly where it should, upright whatever the
-// torso does, within limits, only for a user in view, and smoothly.
+// torso does, within limits, only for a user in view, and smoothly. The trunk takes part in large turns.
 //
 // gaze_frame holds VALID, ENGAGED, ATTENDS and the low bits of frame_index of the last update, so a
 // buffer of zeros is an empty memory.
@@ -16,8 +16,6 @@ struct GazeState {
     flexion_rate: f32,  // rad/s
     rotation_rate: f32, // rad/s
 }
-
-const NATURAL: u32 = 0u;
 
 const THETA_HAPPY: f32 = -0.08726646;     // -5 degrees, extension: paper, 4.5 happy
 const THETA_SAD: f32 = 0.17453293;        // +10 degrees: paper, 4.5 sad; positive is flexion (A-13)
@@ -31,10 +29,10 @@ const SPRING: f32 = 8.0;                  // 1/s: 2 / 0.25 s, so that a moving t
 const SPRING_LOG2: f32 = 11.541561;       // SPRING / ln 2: exp(-SPRING t) = exp2(-SPRING_LOG2 t)
 const SETTLED: f32 = 0.017453292;         // 1 degree, ours: nearer to the gait's own angles than this, the gait takes over
 const NECK_SHARE: f32 = 0.5;              // of the turn taken by the neck, the head takes the rest; ours
+const TRUNK_FROM: f32 = 0.7853982;        // 45 degrees from the torso: for more, natural mode turns the trunk, too; ours
+const TRUNK_SHARE: f32 = 0.4;             // of what is beyond; ours
 const AIM_ROUNDS: u32 = 3u;               // the eyes move as the neck turns; each round cuts the error by 10 or more
 
-const VALID: u32 = 0x40000000u;
-const ENGAGED: u32 = 0x80000000u;
 const FRAME_BITS: u32 = 0x1fffffffu;
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
@@ -217,7 +215,14 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let nod = state.flexion - own_flexion;
     let new_neck = quat_normalize(quat_mul(face_turn(own_yaw, NECK_SHARE * turn, NECK_SHARE * nod), neck));
     let new_head = quat_mul(face_turn(own_yaw, turn, nod), head);
-    local_rotations[base + NECK] = quat_normalize(quat_mul(quat_conjugate(spine), new_neck));
+    var new_spine = spine;
+    let reach = exact_wrap(state.rotation - torso);
+    let beyond = reach - limit(reach, -TRUNK_FROM, TRUNK_FROM);
+    if beyond != 0.0 {
+        new_spine = quat_before_yaw(TRUNK_SHARE * beyond, spine);
+        local_rotations[base + SPINE] = quat_normalize(quat_mul(quat_conjugate(root), new_spine));
+    }
+    local_rotations[base + NECK] = quat_normalize(quat_mul(quat_conjugate(new_spine), new_neck));
     local_rotations[base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
     keep_state(agent, state, engaged);
 }

@@ -7,9 +7,9 @@
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
 @group(0) @binding(2) var<storage, read> stance: array<Stance>;             // [agent]
 @group(0) @binding(3) var<storage, read> appearance: array<Appearance>;     // [agent]
-@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;             // [avatar][67]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;             // [avatar][68]
 @group(0) @binding(5) var<storage, read> local_rotations: array<vec4<f32>>; // [visible][17]
-@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>;  // [visible][18][3] rows
+@group(0) @binding(6) var<storage, read_write> palettes: array<vec4<f32>>;  // [visible][21][3] rows
 
 // The steepest foot by which toes are bent, as a sine.
 const STEEPEST: f32 = 0.95;

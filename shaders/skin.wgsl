@@ -8,7 +8,7 @@
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;        // [bucket + 1]
 @group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
-@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][18][3] rows
+@group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][21][3] rows
 @group(0) @binding(5) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
 var<immediate> avatar: u32;
 

@@ -9,4 +9,9 @@ const HALF_FIELD: f32 = 1.5707964;        // 90 degrees, spec 1.8 fov / 2
 const FIELD_HYSTERESIS: f32 = 0.17453293; // 10 degrees, spec 1.8
 const FIELD_END: f32 = -0.17364818;       // cosine of the two together
 
-const ATTENDS: u32 = 0x20000000u; // in gaze_frame: it is the agent's turn; `gaze_schedule` writes it
+// bits of gaze_frame
+const ATTENDS: u32 = 0x20000000u; // it is the agent's turn; `gaze_schedule` writes it
+const VALID: u32 = 0x40000000u;   // there was an update; `gaze` writes it
+const ENGAGED: u32 = 0x80000000u; // the agent looked at the user then; `gaze` writes it
+
+const NATURAL: u32 = 0u; // of gaze_mode

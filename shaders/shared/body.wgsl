@@ -10,18 +10,24 @@ const POSE_STRIDE: u32 = 17u;
 const CLIP_FRAMES: u32 = 64u;
 
 // rig: [avatar][RIG_STRIDE]: per joint its rest translation in the parent, then three rows of joint_from_mesh;
-// then the midpoint of the eyes in the head joint; last where the toes bend, left and right, in the mesh, and how long they are
-const RIG_STRIDE: u32 = 67u;
+// then the midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are;
+// last the centre of the left eyeball in the mesh, whose mirror image is the right one, and 1 where eyes turn, else 0
+const RIG_STRIDE: u32 = 68u;
 const RIG_EYES: u32 = 64u;
 const RIG_BALLS: u32 = 65u;
+const RIG_EYEBALL: u32 = 67u;
 
-// palettes: [visible][SKIN_JOINTS][3], rows of world_from_mesh. No gait moves the toes, left and right: kernel palette does
+// palettes: [visible][SKIN_JOINTS][3], rows of world_from_mesh. No gait moves the toes, left and right: kernel palette does.
+// Nor does any move the eyes and the upper lids: kernel eyes does, for agents that are drawn by a mesh that has them
 const LEFT_FOOT: u32 = 12u;
 const RIGHT_FOOT: u32 = 15u;
 const LEFT_TOES: u32 = 16u;
 const RIGHT_TOES: u32 = 17u;
-const SKIN_JOINTS: u32 = 18u;
-const PALETTE_STRIDE: u32 = 54u;
+const LEFT_EYE: u32 = 18u;
+const RIGHT_EYE: u32 = 19u;
+const LIDS: u32 = 20u;
+const SKIN_JOINTS: u32 = 21u;
+const PALETTE_STRIDE: u32 = 63u;
 
 // mesh_vertices: [vertex][VERTEX_STRIDE]: position and material; normal and four joints of eight bits;
 // weights; linear colour. skinned: [near vertex][SKINNED_STRIDE]: world position, 1; world normal, 0

@@ -33,10 +33,18 @@ pub struct Vertex {
     pub alpha: f32,
     /// Which of the agent's colours tints this vertex.
     pub material: Material,
-    /// Up to four driven joints, as [`Joint`] indices.
+    /// Up to four driven joints, as [`Joint`] indices. In the finest mesh also `LEFT_EYE`, `RIGHT_EYE` and `LIDS` of
+    /// [`crate::kernels::shared::body`], where the avatar has an [`eyeball`](Avatar::eyeball).
     pub joints: [u8; 4],
     /// Their weights, sum 1.
     pub weights: [f32; 4],
+}
+
+impl Vertex {
+    /// Its joints with the head in place of eyes and lids, which no gait drives.
+    pub fn driven_joints(&self) -> [u8; 4] {
+        self.joints.map(|joint| if usize::from(joint) < JOINT_COUNT { joint } else { Joint::Head as u8 })
+    }
 }
 
 /// Which of an agent's colours tints a vertex.
@@ -76,6 +84,8 @@ pub struct Avatar {
     pub levels: Vec<Mesh>,
     /// Midpoint of the eyes in the head joint's space, m.
     pub eyes_in_head: Vec3,
+    /// Centre of the left eyeball in mesh space, m, where eyes turn; the right one is its mirror image.
+    pub eyeball: Option<Vec3>,
     /// Standing height from sole to crown, m: headwear does not count.
     pub height: f32,
 }

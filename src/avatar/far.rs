@@ -253,8 +253,8 @@ impl Avatar {
             let (Some(a), Some(b), Some(c)) = (corner(0), corner(1), corner(2)) else { continue };
             let mut shares = [0.0_f32; 16];
             for vertex in [a, b, c] {
-                for (joint, weight) in vertex.joints.into_iter().zip(vertex.weights) {
-                    shares[usize::from(joint) % 16] += weight;
+                for (joint, weight) in vertex.driven_joints().into_iter().zip(vertex.weights) {
+                    shares[usize::from(joint)] += weight;
                 }
             }
             let joint = (0..16).max_by(|x, y| shares[*x].total_cmp(&shares[*y])).unwrap_or(0);

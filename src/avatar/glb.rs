@@ -118,7 +118,10 @@ fn primitives(writer: &mut Writer, mesh: &Mesh) -> Vec<Primitive> {
             (Semantic::Positions, positions),
             (Semantic::Normals, normals),
             (Semantic::Colors(0), colors),
-            (Semantic::Joints(0), writer.push(Kind::JOINTS, vertices.iter().flat_map(|v| v.joints))),
+            (
+                Semantic::Joints(0),
+                writer.push(Kind::JOINTS, vertices.iter().flat_map(super::Vertex::driven_joints)),
+            ),
             (Semantic::Weights(0), writer.floats(Kind::VEC4, vertices.iter().flat_map(|v| v.weights))),
         ];
         let indices = writer.push(Kind::INDEX, indices.iter().copied().flat_map(u32::to_le_bytes));

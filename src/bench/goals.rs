@@ -68,7 +68,7 @@ pub(super) fn goals(agents: usize, backend: Backend, device: Option<&str>) -> Re
     let goals = match agents {
         HEADSET => vec![step_of("H3", 0.05), all_of("H6", "", 0.5)],
         STADIUM => {
-            let posing = ms("pose") + ms("stand") + ms("gaze") + ms("palette");
+            let posing = ms("pose") + ms("stand") + ms("gaze") + ms("palette") + ms("eyes");
             let vertices = sequence.skinned_vertices()?;
             vec![
                 step_of("H2", 0.12),

@@ -3,17 +3,16 @@
 use super::body::{joint_forward, joint_translation, visible_agents};
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
-    add3, limit, quat_after_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
+    add3, limit, quat_after_yaw, quat_before_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
     quat_yaw_pitch, sub3, xyz,
 };
 use crate::kernels::gaze::{
-    AIM_ROUNDS, ENGAGED, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NATURAL, NECK_SHARE, RATE_LIMIT,
-    ROTATION_LIMIT, SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, VALID,
+    AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
+    SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, TRUNK_FROM, TRUNK_SHARE,
 };
 use crate::kernels::layout::GazeState;
-use crate::kernels::shared::attention::ATTENDS;
 use crate::kernels::shared::attention::{
-    ANGRY, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, RANGE, RANGE_HYSTERESIS, SAD,
+    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD, VALID,
 };
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 
@@ -76,6 +75,7 @@ struct Body {
     avatar: usize,
     /// First element of the agent's pose.
     base: usize,
+    root: [f32; 4],
     spine: [f32; 4],
     neck: [f32; 4],
     head: [f32; 4],
@@ -131,6 +131,7 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let body = Body {
         avatar,
         base,
+        root,
         spine,
         neck,
         head,
@@ -242,7 +243,15 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
     let new_neck =
         quat_normalize(quat_mul(face_turn(own_yaw, NECK_SHARE * turn, NECK_SHARE * nod), body.neck));
     let new_head = quat_mul(face_turn(own_yaw, turn, nod), body.head);
-    b.local_rotations[body.base + NECK] = quat_normalize(quat_mul(quat_conjugate(body.spine), new_neck));
+    let mut new_spine = body.spine;
+    let reach = wrap(state.rotation - torso);
+    let beyond = reach - limit(reach, -TRUNK_FROM, TRUNK_FROM);
+    if beyond != 0.0 {
+        new_spine = quat_before_yaw(TRUNK_SHARE * beyond, body.spine);
+        b.local_rotations[body.base + SPINE] =
+            quat_normalize(quat_mul(quat_conjugate(body.root), new_spine));
+    }
+    b.local_rotations[body.base + NECK] = quat_normalize(quat_mul(quat_conjugate(new_spine), new_neck));
     b.local_rotations[body.base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));
     keep_state(b, agent, state, engaged);
 }

@@ -158,9 +158,9 @@ fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> Me
     }
 }
 
-/// `rig`: `[avatar][67]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; then the
-/// midpoint of the eyes in the head joint; last where the toes bend, left and right, in the
-/// mesh, and how long they are. Metres.
+/// `rig`: `[avatar][68]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; then the
+/// midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are; last the
+/// left eyeball's centre in the mesh, and whether there is one. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     let joint = |joint: &RestJoint| {
         let row = |axis| joint.joint_from_mesh.row(axis).to_array();
@@ -169,7 +169,8 @@ pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     let elements = |avatar: &Avatar| {
         let eyes = avatar.eyes_in_head.extend(0.0).to_array();
         let balls = footprints(avatar).map(Footprint::in_rig);
-        avatar.joints.iter().flat_map(joint).chain([eyes]).chain(balls).collect::<Vec<_>>()
+        let eyeball = avatar.eyeball.map_or([0.0; 4], |left| left.extend(1.0).to_array());
+        avatar.joints.iter().flat_map(joint).chain([eyes]).chain(balls).chain([eyeball]).collect::<Vec<_>>()
     };
     avatars.iter().flat_map(elements).collect()
 }
@@ -334,6 +335,7 @@ mod tests {
             joints: [joint; JOINT_COUNT],
             levels,
             eyes_in_head: Vec3::new(0.0, 0.1, 0.2),
+            eyeball: None,
             height: 1.7,
         }
     }

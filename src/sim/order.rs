@@ -181,6 +181,7 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
         (takes_turns, per_visible(Phase::GazeScheduleBegin)),
         (true, per_visible(Phase::Gaze)),
         (true, per_visible(Phase::Palette)),
+        (true, per_visible(Phase::Eyes)),
     ]);
     let avatars = frame.bucket_count / frame.level_count.max(1);
     dispatches.extend((0..avatars).map(|avatar| {

@@ -1,4 +1,4 @@
-//! What the animation kernels must do: `cull`, `compact`, `pose`, `gaze`, `palette`, `skin`.
+//! What the animation kernels must do: `cull`, `compact`, `pose`, `gaze`, `palette`, `skin`; `eyes` have their own file.
 //! The paper's equations for the gaze have their own file, `paper_gaze.rs`.
 
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
@@ -7,8 +7,8 @@ use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
 use gaitway::kernels::pose::FEET;
 use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
-    HEAD, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, RIGHT_FOOT, SKIN_JOINTS,
-    SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
+    HEAD, LEFT_EYE, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_STRIDE,
+    RIGHT_FOOT, SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
 use gaitway::kernels::shared::standing::STANCES;
 use gaitway::kernels::{KernelId, Store};
@@ -61,6 +61,12 @@ fn avatar_of(store: &Store, agent: usize) -> usize {
     store.appearance[agent].avatar() as usize
 }
 
+/// Whether the agent is drawn by a mesh with eyes that turn.
+fn has_eyes(store: &Store, agent: usize) -> bool {
+    let eyeball = store.rig[avatar_of(store, agent) * RIG_STRIDE + RIG_EYEBALL];
+    eyeball[3] > 0.0 && store.agent_bucket[agent].is_multiple_of(store.frame.level_count)
+}
+
 fn scale_of(store: &Store, agent: usize) -> f32 {
     store.appearance[agent].scale
 }
@@ -75,8 +81,8 @@ fn world_from_model(store: &Store, agent: usize) -> Mat4 {
 }
 
 /// World-space transform of each joint of the agent in a slot, by glam, from `local_rotations`.
-/// World-from-mesh of everything that skin hangs on: the joints, then the toes, which follow from the feet.
-fn world_from_mesh(store: &Store, slot: usize, avatar: &Avatar) -> [Mat4; SKIN_JOINTS] {
+/// World-from-mesh of the joints, then of the toes, which follow from the feet.
+fn world_from_mesh(store: &Store, slot: usize, avatar: &Avatar) -> [Mat4; LEFT_EYE] {
     let world = world_from_joint(store, slot, avatar);
     let scale = scale_of(store, store.visible[slot] as usize);
     let number = avatar_of(store, store.visible[slot] as usize);
@@ -284,8 +290,13 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
             }
             assert!(Vec4::from_array(pose[JOINT_COUNT]).is_finite());
         }
-        let palettes = &store.palettes[..slots * PALETTE_STRIDE];
-        assert!(palettes.iter().all(|row| Vec4::from_array(*row).is_finite()));
+        for (slot, palette) in store.palettes.chunks_exact(PALETTE_STRIDE).take(slots).enumerate() {
+            let agent = store.visible[slot] as usize;
+            let eyed = has_eyes(&store, agent);
+            let written = if eyed { SKIN_JOINTS } else { LEFT_EYE } * 3;
+            assert!(palette[..written].iter().all(|row| Vec4::from_array(*row).is_finite()));
+            assert!(palette[written..].iter().flatten().all(|number| number.is_nan()));
+        }
         assert!(
             store.local_rotations[slots * POSE_STRIDE..].iter().all(|q| q[0].is_nan()),
             "wrote past the end"

@@ -1,9 +1,8 @@
 //! Claims about turns to look at the user: a crowd never stares at once.
 
 use gaitway::Emotion;
-use gaitway::kernels::gaze::{ENGAGED, VALID};
 use gaitway::kernels::layout::{Appearance, Attention, Stance};
-use gaitway::kernels::shared::attention::ATTENDS;
+use gaitway::kernels::shared::attention::{ATTENDS, ENGAGED, VALID};
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::scenario::{Budget, Gaze, GazeMode, Scenario};
@@ -44,7 +43,7 @@ fn picture(store: &mut Store) -> Vec<usize> {
     store.frame.frame_index += 1;
     store.frame.gaze_time += PICTURE;
     store.frame.frame_time = PICTURE as f32 * 1e-3;
-    let drawn = [KernelId::Palette, KernelId::Skin];
+    let drawn = [KernelId::Palette, KernelId::Eyes, KernelId::Skin];
     for dispatch in dispatches(store).into_iter().filter(|dispatch| !drawn.contains(&dispatch.kernel())) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }

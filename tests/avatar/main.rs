@@ -16,6 +16,7 @@ mod common;
 mod animation;
 mod attention;
 mod clips;
+mod eyes;
 mod foreign;
 mod loading;
 mod paper_gaze;

@@ -4,8 +4,9 @@
 use gaitway::Emotion;
 use gaitway::avatar::{Avatar, ClipFrame};
 use gaitway::gait::{JOINT_COUNT, Joint};
-use gaitway::kernels::gaze::{ENGAGED, RATE_LIMIT, VALID};
+use gaitway::kernels::gaze::RATE_LIMIT;
 use gaitway::kernels::layout::{Appearance, GazeState, Stance};
+use gaitway::kernels::shared::attention::{ENGAGED, VALID};
 use gaitway::kernels::shared::body::index::POSE_STRIDE;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;

@@ -11,8 +11,8 @@ pub fn skin(avatar: &Avatar, mesh: &Mesh, frame: &ClipFrame) -> Vec<(Vec3, Vec3)
     let blend = |v: &gaitway::avatar::Vertex| {
         let mut position = Vec3::ZERO;
         let mut normal = Vec3::ZERO;
-        for (joint, weight) in v.joints.iter().zip(v.weights) {
-            let matrix = palette[usize::from(*joint)];
+        for (joint, weight) in v.driven_joints().into_iter().zip(v.weights) {
+            let matrix = palette[usize::from(joint)];
             position += matrix.transform_point3(v.position) * weight;
             normal += matrix.transform_vector3(v.normal) * weight;
         }

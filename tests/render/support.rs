@@ -146,6 +146,7 @@ pub(super) fn box_person() -> Avatar {
         joints: [joint; JOINT_COUNT],
         levels: vec![fine, coarse],
         eyes_in_head: Vec3::ZERO,
+        eyeball: None,
         height: 1.7,
     }
 }

@@ -76,11 +76,12 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
         "stand",
         "gaze",
         "palette",
+        "eyes",
         "skin avatar 0",
         "skin avatar 1",
     ];
     assert_eq!(names, want);
-    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "skin avatar 0")] {
+    for pair in [("pose", "gaze"), ("gaze", "palette"), ("palette", "eyes"), ("eyes", "skin avatar 0")] {
         let at = |name| lines.iter().position(|line| *line == name);
         assert!(
             lines[at(pair.0).unwrap_or(0)..at(pair.1).unwrap_or(0)].contains(&"barrier"),

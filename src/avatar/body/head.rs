@@ -1,4 +1,4 @@
-//! Head, face and hair.
+//! Head, hair and, of the coarser levels, face.
 
 use super::shape::{Builder, Cap, Paint, Ring, Shares};
 use super::weights::step;
@@ -6,10 +6,10 @@ use super::{HAIR, Material, Measures, SKIN, Sex};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
+pub(super) type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
 
 /// (height under the crown, half width, front, back, coarsest level) of the skull, man's size, metres.
-const SKULL: [(f32, f32, f32, f32, usize); 9] = [
+pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.236, 0.026, 0.084, -0.020, 1),
     (0.222, 0.044, 0.097, 0.012, 0),
     (0.190, 0.061, 0.099, -0.040, 2),
@@ -20,23 +20,27 @@ const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.018, 0.052, 0.058, -0.066, 1),
     (0.000, 0.016, 0.015, -0.024, 2),
 ];
-const SQUARE: f32 = 2.3;
-const EYE_WHITE: Paint = Paint::fixed(0.8, 0.8, 0.78);
-const PUPIL: Paint = Paint::fixed(0.015, 0.012, 0.01);
-const LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0.62, 0.34, 0.34) };
-const BROW: Paint = Paint::tinted(Material::Hair, 0.75);
+pub(super) const SQUARE: f32 = 2.3;
+const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
 
 /// The skull as a function of height.
-struct Skull {
-    crown: f32,
-    size: f32,
+pub(super) struct Skull {
+    pub(super) crown: f32,
+    pub(super) size: f32,
+    pub(super) sex: Sex,
     /// How fast the hair closes in on the nape, metres per metre of height.
     nape: f32,
 }
 
 impl Skull {
+    pub(super) fn of(measures: &Measures) -> Self {
+        let (size, nape) = if measures.sex == Sex::Male { (1.0, 0.45) } else { (0.955, 0.22) };
+        // Hair adds to the stature, so the crown of the skull lies under it.
+        Self { crown: measures.height - 0.014 * size, size, sex: measures.sex, nape }
+    }
+
     /// (half width, front, back) at `drop` under the crown (man's size), unscaled.
-    fn section(drop: f32) -> (f32, f32, f32) {
+    pub(super) fn section(drop: f32) -> (f32, f32, f32) {
         let drop = drop.clamp(0.0, SKULL[0].0);
         let above = SKULL.iter().position(|row| row.0 <= drop).unwrap_or(SKULL.len() - 1).max(1);
         let (low, high) = (SKULL[above - 1], SKULL[above]);
@@ -76,11 +80,14 @@ impl Skull {
 
 impl Measures {
     pub(super) fn head<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let size = if self.sex == Sex::Male { 1.0 } else { 0.955 };
-        // Hair adds to the stature, so the crown of the skull lies under it.
-        let nape = if self.sex == Sex::Male { 0.45 } else { 0.22 };
-        let skull = Skull { crown: self.height - 0.014 * size, size, nape };
-        let segments = [12, 7, 5][builder.level.min(2)];
+        let skull = Skull::of(self);
+        if builder.level == 0 {
+            skull.face_and_eyes(builder, skin);
+            self.hair(builder, &skull, skin);
+            return;
+        }
+        let size = skull.size;
+        let segments = [7, 5][(builder.level - 1).min(1)];
         let mut rings: Vec<Ring> = SKULL
             .iter()
             .map(|&(drop, half_width, front, back, keep)| Ring {
@@ -196,29 +203,14 @@ impl Measures {
     }
 
     fn eyes<'a>(builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let fine = builder.level == 0;
-        let mut patch = |x: f32, drop: f32, half: [f32; 2], slant: f32, out: f32, paint: Paint| {
-            let [w, h] = half;
-            let corners =
-                [(-w, -slant), (-0.5 * w, h), (0.5 * w, h), (w, slant), (0.5 * w, -h), (-0.5 * w, -h)];
+        let [w, h] = [0.018, 0.011];
+        for side in [-1.0, 1.0] {
+            let corners = [(-w, 0.0), (-0.5 * w, h), (0.5 * w, h), (w, 0.0), (0.5 * w, -h), (-0.5 * w, -h)];
             // Flat and just in front of the facets, which cut corners off the curved face.
-            let mut corners = corners.map(|(dx, dy)| skull.face(x + dx, drop + dy, out));
+            let mut corners = corners.map(|(dx, dy)| skull.face(side * 0.032 + dx, 0.108 + dy, 0.006));
             let depth = corners.iter().map(|p| p.z).sum::<f32>() / 6.0;
             corners.iter_mut().for_each(|p| p.z = 0.4 * p.z + 0.6 * depth);
-            builder.patch(&corners, Vec3::Z, paint, skin);
-        };
-        for side in [-1.0, 1.0] {
-            let x = side * 0.032;
-            if fine {
-                patch(x, 0.110, [0.017, 0.0085], 0.0, 0.003, EYE_WHITE);
-                patch(x, 0.110, [0.0075, 0.0085], 0.0, 0.0045, PUPIL);
-                patch(x + side * 0.002, 0.090, [0.021, 0.0045], 0.0, 0.004, BROW);
-            } else {
-                patch(x, 0.108, [0.018, 0.011], 0.0, 0.006, PUPIL);
-            }
-        }
-        if fine {
-            patch(0.0, 0.188, [0.024, 0.005], 0.0, 0.004, LIPS);
+            builder.patch(&corners, Vec3::Z, EYE, skin);
         }
     }
 }

@@ -4,6 +4,7 @@
 //! rotations are the identity, so a joint's rotation reads as a turn of the model's own axes. Proportions are
 //! those of adults (stature 1.64 m and 1.76 m, head about 1/7.5 of it); clothing and hair are tinted per agent.
 
+mod face;
 mod head;
 mod limbs;
 mod shape;
@@ -56,7 +57,7 @@ const BOTTOM: Paint = Paint::tinted(Material::Bottom, 1.0);
 const SHOE: Paint = Paint::fixed(0.035, 0.03, 0.03);
 const SOLE: Paint = Paint::fixed(0.012, 0.012, 0.012);
 
-/// One of the two bodies: three levels of detail of about 1,300, 430 and 140 triangles.
+/// One of the two bodies: three levels of detail of about 2,600, 430 and 140 triangles.
 pub fn generated(sex: Sex) -> Avatar {
     let measures = Measures::of(sex);
     let joints = std::array::from_fn(|joint| {
@@ -76,6 +77,7 @@ pub fn generated(sex: Sex) -> Avatar {
         joints,
         levels,
         eyes_in_head: measures.eyes - measures.bones.of(Joint::Head),
+        eyeball: Some(head::Skull::of(&measures).eyeball()),
         height,
     }
 }

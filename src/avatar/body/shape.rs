@@ -79,6 +79,8 @@ pub(super) struct Builder<'a> {
     shell_vertices: usize,
     shell_indices: usize,
     shares: &'a dyn Fn(Vec3) -> Shares,
+    /// The one joint that the shell hangs on, whatever `shares` say.
+    only: Option<u8>,
 }
 
 impl<'a> Builder<'a> {
@@ -89,6 +91,7 @@ impl<'a> Builder<'a> {
             shell_vertices: 0,
             shell_indices: 0,
             shares: &|_| [0.0; JOINT_COUNT],
+            only: None,
         }
     }
 
@@ -99,13 +102,23 @@ impl<'a> Builder<'a> {
     /// Starts a shell whose skin follows `shares`.
     pub(super) fn begin(&mut self, shares: &'a dyn Fn(Vec3) -> Shares) {
         self.shares = shares;
+        self.only = None;
         self.shell_vertices = self.mesh.vertices.len();
         self.shell_indices = self.mesh.indices.len();
     }
 
+    /// Starts a shell that hangs on one joint of the skin.
+    pub(super) fn begin_on(&mut self, joint: u32) {
+        self.begin(&|_| [0.0; JOINT_COUNT]);
+        self.only = u8::try_from(joint).ok();
+    }
+
     /// Adds a vertex; its normal comes with [`Self::end`].
     pub(super) fn vertex(&mut self, position: Vec3, paint: Paint) -> u32 {
-        let (joints, weights) = pack(&(self.shares)(position));
+        let (joints, weights) = match self.only {
+            Some(joint) => ([joint, 0, 0, 0], [1.0, 0.0, 0.0, 0.0]),
+            None => pack(&(self.shares)(position)),
+        };
         let index = u32::try_from(self.mesh.vertices.len()).unwrap_or(u32::MAX);
         self.mesh.vertices.push(Vertex {
             position,
@@ -224,9 +237,20 @@ impl<'a> Builder<'a> {
 
     /// A surface over a grid of points `[row][column]`, closed around when `around` is set.
     pub(super) fn grid(&mut self, rows: &[Vec<Vec3>], around: bool, paint: Paint) {
+        self.painted_grid(rows, around, &|_, _| paint);
+    }
+
+    /// The same with a paint for each (row, column), between which colours blend.
+    pub(super) fn painted_grid(
+        &mut self,
+        rows: &[Vec<Vec3>],
+        around: bool,
+        paint: &dyn Fn(usize, usize) -> Paint,
+    ) {
         let mut low: Vec<u32> = Vec::new();
-        for row in rows {
-            let high: Vec<u32> = row.iter().map(|&p| self.vertex(p, paint)).collect();
+        for (number, row) in rows.iter().enumerate() {
+            let high: Vec<u32> =
+                row.iter().enumerate().map(|(column, p)| self.vertex(*p, paint(number, column))).collect();
             let columns = if around { low.len() } else { low.len().saturating_sub(1) };
             for k in 0..columns {
                 let next = (k + 1) % low.len();

@@ -1,4 +1,5 @@
 use super::*;
+use crate::kernels::shared::body::index::{LEFT_EYE, LIDS, RIGHT_EYE, SKIN_JOINTS};
 use std::collections::HashMap;
 
 /// Signed volume, and the area of triangles whose normals disagree with their winding.
@@ -18,7 +19,7 @@ fn bodies_have_the_promised_triangle_counts_and_stature() {
         let avatar = generated(sex);
         let counts: Vec<usize> = avatar.levels.iter().map(|mesh| mesh.indices.len() / 3).collect();
         println!("{}: {counts:?} triangles", avatar.name);
-        for (count, range) in counts.iter().zip([800..=1500, 330..=460, 95..=155]) {
+        for (count, range) in counts.iter().zip([2000..=3500, 330..=460, 95..=155]) {
             assert!(range.contains(count), "{}: {counts:?}", avatar.name);
         }
         for mesh in &avatar.levels {
@@ -62,7 +63,7 @@ fn weights_sum_to_one_and_the_body_is_its_own_mirror_image() {
             let mut found: HashMap<glam::IVec3, usize> = HashMap::new();
             for v in &mesh.vertices {
                 assert!((v.weights.iter().sum::<f32>() - 1.0).abs() < 1e-5);
-                assert!(v.joints.iter().all(|&j| usize::from(j) < JOINT_COUNT));
+                assert!(v.joints.iter().all(|&j| usize::from(j) < SKIN_JOINTS));
                 *found.entry(key(v.position)).or_default() += 1;
             }
             let single = mesh.vertices.iter().filter(|v| {
@@ -89,5 +90,27 @@ fn eyes_and_joints_lie_inside_the_figure() {
             let skin = *transform * avatar.joints[joint as usize].joint_from_mesh;
             assert!(skin.abs_diff_eq(Mat4::IDENTITY, 1e-5), "{} is not at rest", joint.name());
         }
+    }
+}
+
+#[test]
+fn the_finest_level_has_round_eyes_under_lids_and_the_others_have_none() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let Some(left) = avatar.eyeball else { panic!("{} has no eyes", avatar.name) };
+        let right = left * Vec3::new(-1.0, 1.0, 1.0);
+        let radii = |joint: usize, center: Vec3| -> (f32, f32) {
+            let own = avatar.levels[0].vertices.iter().filter(|v| usize::from(v.joints[0]) == joint);
+            let sides = own.filter(|v| v.position.x * center.x > 0.0);
+            let away = sides.map(|v| v.position.distance(center));
+            away.fold((f32::MAX, 0.0), |(least, most), r| (least.min(r), most.max(r)))
+        };
+        for (eye, center) in [(LEFT_EYE, left), (RIGHT_EYE, right)] {
+            let (ball, lid) = (radii(eye, center), radii(LIDS, center));
+            assert!(ball.0 > 0.014 && ball.1 < ball.0 + 0.0005, "{ball:?}");
+            assert!(lid.0 > ball.1 && lid.1 < ball.1 + 0.001, "{lid:?} over {ball:?}");
+        }
+        let coarser = avatar.levels[1..].iter().flat_map(|mesh| &mesh.vertices);
+        assert!(coarser.flat_map(|v| v.joints).all(|joint| usize::from(joint) < JOINT_COUNT));
     }
 }

@@ -1,4 +1,4 @@
-//! Inputs for `cull`, `compact`, `pose`, `gaze`, `palette` and `skin`: a crowd of two avatars about the user.
+//! Inputs for `cull`, `compact`, `pose`, `gaze`, `palette`, `eyes` and `skin`: a crowd of two avatars about the user.
 //!
 //! Hard by design: agents behind the camera, at it and on top of the user, the user straight above, weights of zero,
 //! walking and standing, clip ids that lead nowhere behind a weight of zero, quaternions of either sign, inputs that
@@ -14,13 +14,13 @@ use crate::avatar::foot::{footprints, with_toes};
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::emotion::Emotion;
 use crate::gait::{JOINT_COUNT, Joint};
-use crate::kernels::gaze::{ENGAGED, VALID};
 use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::{
     Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Stance,
 };
+use crate::kernels::shared::attention::{ENGAGED, VALID};
 use crate::kernels::shared::body::index::{
-    PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
+    PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_EYES, RIG_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
@@ -120,6 +120,7 @@ pub fn avatar(number: usize, seed: u32) -> Avatar {
         joints,
         levels,
         eyes_in_head: axes[Joint::Head as usize].inverse() * Vec3::new(0.0, 0.08, 0.09) * size,
+        eyeball: (number == 0 || seed & 1 == 0).then_some(Vec3::new(0.03, 1.63, 0.08) * size),
         height: 1.75 * size,
     }
 }
@@ -198,6 +199,7 @@ pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
         }
     }
     rig[RIG_EYES] = avatar.eyes_in_head.extend(0.0).to_array();
+    rig[RIG_EYEBALL] = avatar.eyeball.map_or([0.0; 4], |left| left.extend(1.0).to_array());
     for (ball, print) in rig[RIG_BALLS..].iter_mut().zip(footprints(avatar)) {
         *ball = print.in_rig();
     }

@@ -115,6 +115,7 @@ pub fn hash_avatars(avatars: &[Avatar]) -> u64 {
         hash.add_text(&avatar.name);
         hash.add(bytemuck::cast_slice(&avatar.eyes_in_head.to_array()));
         hash.add(bytemuck::bytes_of(&avatar.height));
+        hash.add_text(&format!("{:?}", avatar.eyeball));
         for joint in &avatar.joints {
             hash.add_text(&format!("{joint:?}"));
         }
