@@ -3,9 +3,9 @@
 // head's as `gaze` has turned it. Eyes are at their target at once and the head follows, so that eyes lead the head.
 //
 // Agents that look at the user from near by look now at one eye, now at the other, now at the mouth. Sad ones look at the
-// ground ahead, all others ahead, with small glances about. These directions count from the heading, so that eyes hold still while
-// the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the neck angles are
-// all there is: eyes stay straight in the head.
+// ground ahead, all others ahead, with small glances about. These directions count from the heading, so that eyes hold
+// still while the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the
+// neck angles are all there is: eyes stay straight in the head.
 //
 // Yaw is positive to the left, pitch downwards, as of the face. Angles are kept as (sine, cosine) where they can.
 const ASIDE_LIMIT: vec2<f32> = vec2<f32>(0.42261826, 0.9063078); // 25 degrees from the face's forward: for more, heads turn

@@ -212,9 +212,10 @@ impl Eye {
         builder.end(Some(Vec3::Z));
     }
 
-    /// A lid as a shell outside the eyeball, from its margin, which is dark with lashes, to `end`, degrees.
+    /// A lid as a shell outside the eyeball, from its margin, which is dark with lashes, to `end`, degrees. It is fine enough
+    /// for its facets to stay outside the eyeball, however it is turned.
     fn lid(&self, builder: &mut Builder<'_>, margin: &dyn Fn(f32) -> f32, lashes: f32, end: f32, out: f32) {
-        const ASIDE: [f32; 9] = [-84.0, -60.0, -44.0, -22.0, 0.0, 22.0, 44.0, 60.0, 84.0];
+        const ASIDE: [f32; 11] = [-84.0, -62.0, -47.0, -32.0, -16.0, 0.0, 16.0, 32.0, 47.0, 62.0, 84.0];
         let row = |share: f32, first: f32| -> Vec<Vec3> {
             let up = |aside: f32| {
                 let from = margin(aside) + first;
@@ -223,19 +224,19 @@ impl Eye {
             ASIDE.iter().map(|aside| self.at(*aside, up(*aside), out)).collect()
         };
         builder.grid(&[row(0.0, 0.0), row(0.0, lashes)], false, LASHES);
-        builder.grid(&[row(0.0, lashes), row(0.4, lashes), row(1.0, lashes)], false, SKIN);
+        builder.grid(&[0.0, 0.22, 0.45, 0.7, 1.0].map(|share| row(share, lashes)), false, SKIN);
         builder.end(Some(Vec3::Z));
     }
 
     fn upper_lid(&self, builder: &mut Builder<'_>) {
         builder.begin_on(LIDS);
         let margin = |aside: f32| 18.0 - 22.0 * (aside / 50.0) * (aside / 50.0);
-        self.lid(builder, &margin, 5.0, 105.0, 0.0009 * self.radius / EYE_RADIUS);
+        self.lid(builder, &margin, 5.0, 105.0, 0.0012 * self.radius / EYE_RADIUS);
     }
 
     fn lower_lid<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
         builder.begin(skin);
         let margin = |aside: f32| -16.0 + 12.0 * (aside / 50.0) * (aside / 50.0);
-        self.lid(builder, &margin, -2.0, -80.0, 0.0005 * self.radius / EYE_RADIUS);
+        self.lid(builder, &margin, -2.0, -80.0, 0.0007 * self.radius / EYE_RADIUS);
     }
 }

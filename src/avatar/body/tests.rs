@@ -108,7 +108,20 @@ fn the_finest_level_has_round_eyes_under_lids_and_the_others_have_none() {
         for (eye, center) in [(LEFT_EYE, left), (RIGHT_EYE, right)] {
             let (ball, lid) = (radii(eye, center), radii(LIDS, center));
             assert!(ball.0 > 0.014 && ball.1 < ball.0 + 0.0005, "{ball:?}");
-            assert!(lid.0 > ball.1 && lid.1 < ball.1 + 0.001, "{lid:?} over {ball:?}");
+            assert!(lid.0 > ball.1 && lid.1 < ball.1 + 0.0015, "{lid:?} over {ball:?}");
+        }
+        // the facets of the lids do not cut into the eyeballs
+        let finest = &avatar.levels[0];
+        let corner = |index: u32| finest.vertices[index as usize];
+        for t in finest.indices.chunks_exact(3).filter(|t| usize::from(corner(t[0]).joints[0]) == LIDS) {
+            let [a, b, c] = [0, 1, 2].map(|i| corner(t[i]).position);
+            let center = if a.x > 0.0 { left } else { right };
+            let away = (b - a).cross(c - a).normalize().dot(a - center).abs();
+            assert!(
+                away > radii(LEFT_EYE, left).1,
+                "{}: a lid {away} m from the middle of its eye",
+                avatar.name
+            );
         }
         let coarser = avatar.levels[1..].iter().flat_map(|mesh| &mesh.vertices);
         assert!(coarser.flat_map(|v| v.joints).all(|joint| usize::from(joint) < JOINT_COUNT));
