@@ -1,42 +1,21 @@
 //! Claims about eyes: they look where they should, before the head does, hold still, move on, and blink.
 
+use crate::paper_gaze::{run, standing};
 use gaitway::Emotion;
-use gaitway::kernels::layout::{Appearance, GazeState, Stance};
+use gaitway::kernels::layout::{GazeState, Stance};
 use gaitway::kernels::shared::attention::VALID;
 use gaitway::kernels::shared::body::index::{
     HEAD, LEFT_EYE, LIDS, PALETTE_STRIDE, RIG_EYEBALL, RIG_STRIDE, RIGHT_EYE, SPINE,
 };
 use gaitway::kernels::{Phase, Store};
 use gaitway::reference;
-use gaitway::verify::cases::animation::{animation, dispatches};
+use gaitway::verify::cases::animation::animation;
 use glam::{Mat4, Vec3, Vec4};
 
 const NATURAL: u32 = 0;
 const PAPER: u32 = 1;
 /// Of the made-up avatar 0: centres of its eyeballs at rest, m.
 const EYES: [Vec3; 2] = [Vec3::new(0.03, 1.63, 0.08), Vec3::new(-0.03, 1.63, 0.08)];
-
-fn run(store: &mut Store) {
-    for dispatch in dispatches(store) {
-        reference::run(dispatch.phase, store, dispatch.immediate);
-    }
-}
-
-/// One agent of that emotion standing upright at the origin, facing +z, gazing for the first time; everything is seen.
-fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
-    let mut store = animation(1, 0);
-    store.elevation.fill(0.0);
-    store.position[0] = [0.0, 0.0];
-    store.stance[0] = Stance::default();
-    store.appearance[0] = Appearance::new(0, emotion as u32, true, 1.0, [0; 4]);
-    store.gaits[0] = [0; 4];
-    store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
-    store.gaze_frame[0] = 0;
-    store.frame.planes = [[0.0, 0.0, 0.0, 1.0]; 12];
-    store.frame.gaze_mode = mode;
-    store.frame.user_eyes = user.extend(0.0).to_array();
-    store
-}
 
 /// So far from the agent, so many degrees to its left, at a height, m.
 fn seen(degrees: f32, away: f32, height: f32) -> Vec3 {

@@ -24,14 +24,14 @@ const NECK: Vec3 = Vec3::new(0.0, 1.45, -0.01);
 const EYES: Vec3 = Vec3::new(0.0, 1.63, 0.10);
 
 /// Runs all dispatches on the CPU but the one by which bodies that stand move of themselves.
-fn run(store: &mut Store) {
+pub(crate) fn run(store: &mut Store) {
     for dispatch in dispatches(store).into_iter().filter(|dispatch| dispatch.kernel() != KernelId::Idle) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
 
 /// One agent of that emotion standing upright at the origin, facing +z, gazing for the first time; everything is seen.
-fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
+pub(crate) fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     let mut store = animation(1, 0);
     store.elevation.fill(0.0);
     store.position[0] = [0.0, 0.0];

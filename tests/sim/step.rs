@@ -73,6 +73,7 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
         "compact.arguments",
         "compact.list",
         "pose",
+        "idle",
         "stand",
         "gaze",
         "palette",

@@ -219,11 +219,11 @@ fn moments(values: &[f64]) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::gait::walker::person_expressing;
+    use crate::gait::walker::{EXPRESSION, person_expressing};
 
-    fn class(emotion: Emotion, label: Emotion, count: u32) -> impl Iterator<Item = Gait> {
-        (0..count).map(move |index| {
-            let mut gait = person_expressing(emotion, Sex::Female, MEASURED, 3, index).unwrap();
+    fn class(emotion: Emotion, label: Emotion, expression: f64) -> impl Iterator<Item = Gait> {
+        (0..24).map(move |index| {
+            let mut gait = person_expressing(emotion, Sex::Female, expression, 3, index).unwrap();
             gait.label = Some(label);
             gait
         })
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn walkers_agree_with_themselves_and_not_with_swapped_labels() {
         let gaits: Vec<Gait> =
-            Emotion::ALL.into_iter().flat_map(|emotion| class(emotion, emotion, 12)).collect();
+            Emotion::ALL.into_iter().flat_map(|emotion| class(emotion, emotion, MEASURED)).collect();
         let found = compare(&[gaits]).unwrap();
         assert_eq!(found.len(), 24);
         assert!(found.iter().all(|contrast| contrast.verdict != Verdict::Opposite), "{found:#?}");
@@ -256,7 +256,7 @@ mod tests {
         let swapped = [(Emotion::Sad, Emotion::Happy), (Emotion::Happy, Emotion::Sad)];
         let kept = [Emotion::Angry, Emotion::Neutral].map(|emotion| (emotion, emotion));
         let pairs = swapped.into_iter().chain(kept);
-        let gaits: Vec<Gait> = pairs.flat_map(|(emotion, label)| class(emotion, label, 12)).collect();
+        let gaits: Vec<Gait> = pairs.flat_map(|(emotion, label)| class(emotion, label, EXPRESSION)).collect();
         let found = compare(&[gaits]).unwrap();
         let wrong = found.iter().filter(|contrast| contrast.verdict == Verdict::Opposite);
         assert!(wrong.count() >= 12);

@@ -2,7 +2,7 @@
 //!
 //! Two tables hold what each emotion changes. At an expression of 1 it is what perceived labels do in E-Gait (232 gaits of 92
 //! people, each against the neutral mean of its own source; `gait fit --check-walker` sets both side by side). At 2 it is what
-//! actors show (Bandai-Namco and EWalk bound it), which reads at a distance. Between them, and beyond, numbers lie on a line.
+//! actors show (Bandai-Namco and `EWalk` bound it), which reads at a distance. Between them, and beyond, numbers lie on a line.
 
 use super::style::{Body, STYLE_FIELDS, Sex, WalkerStyle};
 use crate::emotion::Emotion;

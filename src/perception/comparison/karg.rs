@@ -229,10 +229,9 @@ mod tests {
         let (mut gaits, mut emotions) = (Vec::new(), Vec::new());
         for index in 0..10 {
             for emotion in [Emotion::Sad, Emotion::Happy] {
-                gaits.push(
-                    walk(&WalkerStyle::expressed(emotion, Sex::Male, MOST_EXPRESSION).vary(3, index), "w")
-                        .unwrap(),
-                );
+                let preset = WalkerStyle::expressed(emotion, Sex::Male, MOST_EXPRESSION);
+                let own = WalkerStyle::mix(&[(preset, 0.7), (preset.vary(3, index), 0.3)]).unwrap();
+                gaits.push(walk(&own, "w").unwrap());
                 emotions.push(emotion);
             }
         }
