@@ -30,7 +30,7 @@ pub const NAME: &str = "phase-perceiver";
 /// Standardised numbers are cut off here: a number this far out comes from the capture, not from an emotion.
 const FARTHEST: f64 = 4.0;
 /// Numbers that vary less than this do not vary.
-const STILL: f64 = 1e-9;
+const STILL: f64 = 1e-6;
 /// Folds on which the ridge is chosen; fewer where there are fewer people.
 const FOLDS: usize = 5;
 /// Least probability that counts: one gait that is seen quite differently must not decide alone.

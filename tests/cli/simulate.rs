@@ -125,7 +125,7 @@ fn an_empty_crowd_is_a_crowd() {
 fn wrong_values_are_refused_with_a_way_out() {
     refused(&["simulate", "croissing"], "did you mean crossing?", "crossing, garden, parking, scifi");
     fails(&["simulate", "no/such.toml"], "no/such.toml", "No such file");
-    fails(
+    refused(
         &["simulate", "crossing", "--set", "population.expression=-1"],
         "population.expression = -1",
         "0 to 3",
