@@ -3,8 +3,8 @@
 use super::body::{joint_forward, joint_translation, visible_agents};
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
-    add3, limit, quat_after_yaw, quat_before_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize, quat_rotate,
-    quat_yaw_pitch, sub3, xyz,
+    add3, limit, quat_after_yaw, quat_before_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize,
+    quat_rotate, quat_yaw_pitch, sub3, xyz,
 };
 use crate::kernels::gaze::{
     AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
@@ -12,7 +12,8 @@ use crate::kernels::gaze::{
 };
 use crate::kernels::layout::GazeState;
 use crate::kernels::shared::attention::{
-    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD, VALID,
+    ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD,
+    VALID,
 };
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_EYES, RIG_STRIDE, SPINE};
 
@@ -248,8 +249,7 @@ fn natural(b: &mut Slices<'_>, agent: usize, body: &Body, emotion: u32, scale: f
     let beyond = reach - limit(reach, -TRUNK_FROM, TRUNK_FROM);
     if beyond != 0.0 {
         new_spine = quat_before_yaw(TRUNK_SHARE * beyond, body.spine);
-        b.local_rotations[body.base + SPINE] =
-            quat_normalize(quat_mul(quat_conjugate(body.root), new_spine));
+        b.local_rotations[body.base + SPINE] = quat_normalize(quat_mul(quat_conjugate(body.root), new_spine));
     }
     b.local_rotations[body.base + NECK] = quat_normalize(quat_mul(quat_conjugate(new_spine), new_neck));
     b.local_rotations[body.base + HEAD] = quat_normalize(quat_mul(quat_conjugate(new_neck), new_head));

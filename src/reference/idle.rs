@@ -76,8 +76,7 @@ fn turns_of(agent: u32, stands: f32, breath: f32, [aside, down]: [f32; 2]) -> [[
     [turns[2], turns[3]] = [neck, head];
     for side in 0..2 {
         let own = 5 + 3 * side as u32;
-        let outwards =
-            stands * OWN_SPREAD * (0.5 + 0.5 * own_angle(agent, own)) + ARMS_SPREAD * breath;
+        let outwards = stands * OWN_SPREAD * (0.5 + 0.5 * own_angle(agent, own)) + ARMS_SPREAD * breath;
         let roll = if side == 0 { outwards } else { -outwards };
         let ahead = stands * OWN_SWING * own_angle(agent, own + 1);
         let bend = stands * OWN_ELBOW * (0.5 + 0.5 * own_angle(agent, own + 2));
@@ -104,8 +103,7 @@ pub fn idle(b: Slices<'_>) {
         let [l0, l1, l2, l3] = [0, 1, 2, 3].map(|emotion| look_of(number, emotion, time));
         let [m0, m1, m2, m3] = moods;
         let looks = if frame.gaze_mode == 0 { 1.0 } else { 0.0 };
-        let look =
-            [0, 1].map(|i| ((l0[i] * m0 + l1[i] * m1 + l2[i] * m2 + l3[i] * m3) * stands) * looks);
+        let look = [0, 1].map(|i| ((l0[i] * m0 + l1[i] * m1 + l2[i] * m2 + l3[i] * m3) * stands) * looks);
         let turns = turns_of(number, stands, breath, look);
 
         let [ahead, aside] = [0, 1].map(|axis| sway_of(number, axis, time));
