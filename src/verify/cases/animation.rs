@@ -335,6 +335,10 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     for weight in &mut weights[(agent % 4 + 1).min(4)..] {
         *weight = 0.0;
     }
+    if agent % 8 == 7 {
+        // one gait alone, in whichever place
+        weights = std::array::from_fn(|place| if place == agent / 8 % 4 { 0.7 } else { 0.0 });
+    }
     store.gait_weights.push(weights);
     store.gaits.push(weights.map(|weight| {
         let clip = avatar * CLIPS as u32 + dice.below(GAITS as u32);
