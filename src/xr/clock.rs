@@ -81,6 +81,11 @@ impl Watchdog {
         let before = std::mem::replace(&mut self.silent, now);
         match (before, now) {
             _ if before == now => None,
+            (Some(Silence::Runtime), Some(Silence::Device)) => {
+                // the call is over; what the thread does now is told when it is still silent the next time
+                self.silent = None;
+                Some("the OpenXR runtime answers again")
+            }
             (_, Some(Silence::Runtime)) => {
                 Some("the OpenXR runtime does not answer; the crowd goes on without it")
             }
@@ -128,6 +133,11 @@ mod tests {
         assert!(watchdog.watch(long, true).is_some_and(|line| line.contains("does not answer")));
         assert_eq!(watchdog.watch(long, true), None);
         assert!(watchdog.watch(short, false).is_some_and(|line| line.contains("answers again")));
+        // a call that ends in work of the device
+        assert!(watchdog.watch(long, true).is_some_and(|line| line.contains("does not answer")));
+        assert!(watchdog.watch(long, false).is_some_and(|line| line.contains("answers again")));
+        assert!(watchdog.watch(long, false).is_some_and(|line| line.contains("takes its time")));
+        assert!(watchdog.watch(short, false).is_some_and(|line| line.contains("draws again")));
         let asked = Duration::from_secs(60);
         assert!(!watchdog.gives_up(asked));
         assert!(!watchdog.gives_up(asked + 2 * FAREWELL), "it still answers");
@@ -145,7 +155,8 @@ mod tests {
         assert!(said(watchdog.watch(long, false), "graphics device"));
         assert_eq!(watchdog.watch(long, false), None);
         assert!(said(watchdog.watch(long, true), "does not answer"), "then it is asked, and hangs");
+        assert!(said(watchdog.watch(long, false), "answers again"));
         assert!(said(watchdog.watch(long, false), "graphics device"));
-        assert!(said(watchdog.watch(short, false), "again"));
+        assert!(said(watchdog.watch(short, false), "draws again"));
     }
 }
