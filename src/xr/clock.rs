@@ -82,7 +82,7 @@ impl Watchdog {
         match (before, now) {
             _ if before == now => None,
             (Some(Silence::Runtime), Some(Silence::Device)) => {
-                // the call is over; what the thread does now is told when it is still silent the next time
+                // first that the call has ended; a device that keeps the thread silent gets its message next time
                 self.silent = None;
                 Some("the OpenXR runtime answers again")
             }

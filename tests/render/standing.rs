@@ -52,8 +52,8 @@ fn differ(a: &[u8], b: &[u8]) -> bool {
 #[test]
 fn three_seconds_later_more_than_two_percent_of_the_pixels_of_ten_people_differ() {
     let camera = Camera::look_at(Vec3::new(0.0, 1.5, 9.0), Vec3::new(0.0, 0.95, 0.0), Vec3::Y).with_fov(0.3);
-    let Some(mut nobody) = place(Emotion::Neutral, true) else { return };
-    let empty = nobody.picture(&camera).unwrap();
+    let Some(mut empty_stage) = place(Emotion::Neutral, true) else { return };
+    let empty = empty_stage.picture(&camera).unwrap();
     for emotion in Emotion::ALL {
         let mut stage = place(emotion, false).unwrap();
         stage.step(150).unwrap();
