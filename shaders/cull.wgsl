@@ -8,6 +8,7 @@ const HEADING_LIMIT: f32 = 10000.0; // rad; beyond it a float has no direction l
 const SCALE_LIMIT: f32 = 100.0;
 const ELEVATION_LIMIT: f32 = 10000.0; // m
 const WEIGHT_LIMIT: f32 = 1000000.0;
+const STRIDE_LIMIT: f32 = 10000.0; // m
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> position: array<vec2<f32>>;        // [agent] m
@@ -29,7 +30,7 @@ fn is_usable(agent: u32, avatar: u32, scale: f32) -> bool {
     let clips = gaits[agent];
     let weights = gait_weights[agent];
     return is_finite2(position[agent]) && abs(elevation[agent]) < ELEVATION_LIMIT
-        && abs(own.heading) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT
+        && abs(own.heading) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT && abs(own.stride) < STRIDE_LIMIT
         && scale > 0.0 && scale < SCALE_LIMIT
         && frame.clip_count > 0u && (avatar + 1u) * frame.level_count <= frame.bucket_count
         && gait_is_usable(clips.x, weights.x) && gait_is_usable(clips.y, weights.y)

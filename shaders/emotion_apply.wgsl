@@ -28,8 +28,8 @@ fn emotion_apply(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     gait_weights[agent] = q;
     let speed = sum_of(q, own.preferred_speeds);
-    let travel = sum_of(q, own.stride_travels);
-    body[agent] = Body(body[agent].radius, max(speed, min(speed * own.max_speed_factor, own.max_speed)), speed, travel);
+    let walk_ratio = sum_of(q, own.walk_ratios);
+    body[agent] = Body(body[agent].radius, max(speed, min(speed * own.max_speed_factor, own.max_speed)), speed, walk_ratio);
 
     let shown = min(emotion_of(appearance[agent]), 3u);
     var strongest = shown;

@@ -2,6 +2,7 @@
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
+// Strides follow the speed, with a delay.
 // The kernel runs last: it empties the cells for the next step, and counts the step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
@@ -18,6 +19,10 @@
 const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 // How fast a body turns to where it goes, share of the difference a second.
 const FOLLOW: f32 = 6.0;
+// Strides become longer or shorter by at most so much, m/s; but the first of a walk has this share of its length at once.
+const STRIDE_RATE: f32 = 1.5;
+const FIRST_STRIDE: f32 = 0.7;
+const LEAST_STRIDE: f32 = 0.1; // m
 
 @compute @workgroup_size(64)
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -61,9 +66,12 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     let walking = speed > step.walk_speed * traits.preferred_speed;
     let blend = select(-step.blend_rate, step.blend_rate, walking) * step.time_step;
-    stance[agent] = Stance(heading, clamp(stance[agent].walk_weight + blend, 0.0, 1.0));
+    let wanted = stride_at(speed, traits.walk_ratio);
+    let longer = STRIDE_RATE * step.time_step;
+    let stride = max(stance[agent].stride + clamp(wanted - stance[agent].stride, -longer, longer), FIRST_STRIDE * wanted);
+    stance[agent] = Stance(heading, clamp(stance[agent].walk_weight + blend, 0.0, 1.0), stride);
 
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
-    let strides = min(speed * step.time_step / max(traits.stride_travel, 0.1), 0.5);
+    let strides = min(speed * step.time_step / max(stride, LEAST_STRIDE), 0.5);
     phase[agent] = phase[agent] + (u32(strides * 16777216.0) << 8u);
 }

@@ -35,11 +35,12 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     let there = on_the_way(stood, stands, share);
     position[agent] = there.xy;
     let turned = exact_wrap(was.heading + exact_wrap(now.heading - was.heading) * share);
-    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w);
+    let stepped = on_the_way(vec4<f32>(was.elevation, was.stride, 0.0, 0.0), vec4<f32>(now.elevation, now.stride, 0.0, 0.0), share);
+    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w, stepped.y);
 
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
     let strides = u32(f32((now.phase - was.phase) >> 8u) * min(share, 0.99999994));
     phase[agent] = select(was.phase + (strides << 8u), now.phase, share >= 1.0);
-    elevation[agent] = on_the_way(vec4<f32>(was.elevation), vec4<f32>(now.elevation), share).x;
+    elevation[agent] = stepped.x;
     gait_weights[agent] = on_the_way(was.gait_weights, now.gait_weights, share);
 }

@@ -17,6 +17,6 @@ fn keep_snapshot(@builtin(global_invocation_id) id: vec3<u32>) {
     }
     snapshots[snapshot_of(place, agent)] = Snapshot(
         position[agent], stance[agent].heading, stance[agent].walk_weight, gait_weights[agent], phase[agent],
-        elevation[agent], 0u, 0u,
+        elevation[agent], stance[agent].stride, 0u,
     );
 }

@@ -11,6 +11,7 @@
 @group(0) @binding(4) var<storage, read_write> velocity: array<vec2<f32>>;           // [agent] m/s
 @group(0) @binding(5) var<storage, read_write> stance: array<Stance>;                // [agent]
 @group(0) @binding(6) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(7) var<storage, read> body: array<Body>;                          // [agent]
 
 const WALKING_SPEED: f32 = 0.05; // m/s: an agent that appears faster than this appears in mid-stride
 
@@ -30,8 +31,9 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
         let v = lead[agent].velocity;
         position[agent] = target_point - v * step.time_step;
         velocity[agent] = v;
-        if sqrt(dot2(v, v)) > WALKING_SPEED {
-            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0);
+        let speed = sqrt(dot2(v, v));
+        if speed > WALKING_SPEED {
+            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0, stride_at(speed, body[agent].walk_ratio));
         } else {
             stance[agent].walk_weight = 0.0;
         }

@@ -3,6 +3,9 @@
 // that blended with the standing clips by the walk weight. Rotations are blended as normalised sums, each aligned with
 // the sum before it, so that q and -q count as the same. Scale is applied by `palette`, not here.
 //
+// Strides shorter than a gait's have smaller movements of trunk, head and arms: with half a stride later, what swings to either
+// side is at rest in the middle. The legs are left to `feet`.
+//
 // A standing clip is a loop of shifted weight, from the left leg to the right and back. An agent rests somewhere near either
 // end, and now and then shifts to the other one. It stands by a clip for each emotion that its gaits have.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
@@ -17,6 +20,14 @@
 
 const SAMPLES: u32 = 8u; // four gaits, then the standing clips of four emotions
 const GAITS: u32 = 4u;
+const FIRST_UPPER: u32 = 1u;  // of the joints above the legs, without the pelvis
+const FIRST_LEG: u32 = 10u;
+const HALF_CLIP: u32 = 32u;   // frames
+
+// Strides of bodies over those of their gaits.
+const LONGEST: f32 = 1.4;
+const AS_USUAL: f32 = 0.001; // away from 1: no difference is seen
+const LEAST_TRAVEL: f32 = 0.01; // m
 
 // By emotion, ms: the time in which there is one shift of weight, how late in it that may begin, and how long it lasts at least.
 const SHIFT_EVERY: vec4<u32> = vec4<u32>(19000u, 9500u, 19000u, 19000u);
@@ -52,6 +63,12 @@ fn weight_phase(agent: u32, emotion: u32) -> u32 {
     return before + (u32(f32(way >> 8u) * done) << 8u);
 }
 
+// The row of the frame half a clip later.
+fn later_row(row: u32) -> u32 {
+    let frame = row / POSE_STRIDE;
+    return (frame ^ HALF_CLIP) * POSE_STRIDE;
+}
+
 @compute @workgroup_size(64)
 fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
@@ -82,6 +99,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     var rows_a = array<u32, 8>();
     var rows_b = array<u32, 8>();
     var ways = array<f32, 8>();
+    var travel = 0.0; // of the gaits, m
     for (var i = 0u; i < samples; i++) {
         // the top six bits are the frame, the next 24 the way to the next frame
         let first_of_clip = min(ids[i], frame.clip_count - 1u) * CLIP_FRAMES;
@@ -90,10 +108,20 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
         rows_a[i] = (first_of_clip + frame_a) * POSE_STRIDE;
         rows_b[i] = (first_of_clip + frame_b) * POSE_STRIDE;
         ways[i] = unit_f32(phases[i] << 6u);
+        if shares[i] > 0.0 && i < GAITS {
+            travel += clip_frames[rows_a[i] + JOINTS].w * shares[i];
+        }
     }
+    var stride = 1.0;
+    if travel > LEAST_TRAVEL {
+        stride = limit(stance[agent].stride * walk / (travel * own.scale), 0.0, LONGEST);
+        stride = select(stride, 1.0, abs(stride - 1.0) < AS_USUAL);
+    }
+    let rest = limit(0.5 - 0.5 * stride, 0.0, 0.5); // share of what is half a stride later
 
     for (var element = 0u; element < POSE_STRIDE; element++) {
         let is_root = element == JOINTS; // the last element is a position
+        let rests = rest > 0.0 && element >= FIRST_UPPER && element < FIRST_LEG;
         var blend = vec4<f32>(0.0, 0.0, 0.0, 0.0);
         var is_first = true;
         for (var i = 0u; i < samples; i++) {
@@ -103,13 +131,19 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
                 let b = clip_frames[rows_b[i] + element];
                 var sample = a + (b - a) * ways[i];
                 if !is_root {
-                    let q = quat_normalize(quat_lerp(a, b, ways[i]));
+                    var q = quat_normalize(quat_lerp(a, b, ways[i]));
+                    if rests && i < GAITS {
+                        let later = later_row(rows_a[i]) + element;
+                        let last = later_row(rows_b[i]) + element;
+                        let r = quat_normalize(quat_lerp(clip_frames[later], clip_frames[last], ways[i]));
+                        q = quat_normalize(quat_lerp(q, r, rest));
+                    }
                     sample = select(q, -q, dot4(blend, q) < 0.0);
                 }
                 blend = select(blend + sample * share, sample * share, is_first);
                 is_first = false;
             }
         }
-        local_rotations[slot * POSE_STRIDE + element] = select(quat_normalize(blend), blend, is_root);
+        local_rotations[slot * POSE_STRIDE + element] = select(quat_normalize(blend), vec4<f32>(blend.xyz, stride), is_root);
     }
 }

@@ -5,7 +5,13 @@ struct Body {
     radius: f32,          // m
     max_speed: f32,       // m/s
     preferred_speed: f32, // m/s, alone and unhindered
-    stride_travel: f32,   // m that one stride covers
+    walk_ratio: f32,      // step length over step rate, m s
+}
+
+// How far a stride goes at a speed, m: the walk ratio is a person's own at every speed, so that length and rate of steps both
+// go with the root of the speed.
+fn stride_at(speed: f32, walk_ratio: f32) -> f32 {
+    return 2.0 * sqrt(walk_ratio * speed);
 }
 
 // Buffer `avoidance`: which agents an agent avoids, and how far ahead.
@@ -20,6 +26,7 @@ struct Avoidance {
 struct Stance {
     heading: f32,     // about +y, rad; 0 faces +z
     walk_weight: f32, // 0 stands, 1 walks
+    stride: f32,      // m that a stride covers now
 }
 
 // Buffer `appearance`.

@@ -14,8 +14,8 @@ struct Snapshot {
     gait_weights: vec4<f32>,
     phase: u32,              // the whole range is one stride
     elevation: f32,          // m
-    unused_a: u32,
-    unused_b: u32,
+    stride: f32,             // m
+    unused: u32,
 }
 
 fn snapshot_of(place: u32, agent: u32) -> u32 {

@@ -5,7 +5,8 @@ const NECK: u32 = 2u;
 const HEAD: u32 = 3u;
 
 // clip_frames: [clip][CLIP_FRAMES][POSE_STRIDE] and local_rotations: [visible][POSE_STRIDE]: 16 local rotations
-// (parent_from_joint), then the root joint's position in model space (before the agent's scale), m
+// (parent_from_joint), then the root joint's position in model space (before the agent's scale), m; last, of a clip, how
+// far a stride goes, m, and of a pose its stride over the one of its gaits
 const POSE_STRIDE: u32 = 17u;
 const CLIP_FRAMES: u32 = 64u;
 

@@ -37,7 +37,7 @@ struct Stimulus {
 // Buffer `paces`: [agent], how its gaits walk.
 struct Paces {
     preferred_speeds: vec4<f32>, // with each gait, m/s
-    stride_travels: vec4<f32>,   // of each gait, m
+    walk_ratios: vec4<f32>,      // of each gait, m s
     max_speed_factor: f32,       // maximum speed over the preferred one; 0: shows nothing
     max_speed: f32,              // at most, m/s
     unused_a: f32,

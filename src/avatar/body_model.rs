@@ -111,6 +111,13 @@ pub struct Clip {
     pub speed: f32,
 }
 
+impl Clip {
+    /// Step length over step rate, m s, which a person keeps at every speed; 0 of a body that stands.
+    pub fn walk_ratio(&self) -> f32 {
+        if self.speed > 0.0 { self.stride_travel * self.stride_travel / (4.0 * self.speed) } else { 0.0 }
+    }
+}
+
 impl Avatar {
     /// The highest point at rest, m: [`Self::height`] and what is worn on the head.
     pub fn top(&self) -> f32 {

@@ -3,7 +3,7 @@
 use super::exact::is_finite2;
 use super::shared::is_absent;
 use crate::kernels::KernelId;
-use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, Slices, WEIGHT_LIMIT};
+use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, Slices, STRIDE_LIMIT, WEIGHT_LIMIT};
 use crate::kernels::layout::{FrameUniforms, Stance};
 use crate::kernels::shared::body::NONE;
 
@@ -12,12 +12,13 @@ fn gait_is_usable(clip_count: u32, clip: u32, weight: f32) -> bool {
 }
 
 fn is_usable(b: &Slices<'_>, agent: usize, avatar: u32, scale: f32) -> bool {
-    let Stance { heading, walk_weight } = b.stance[agent];
+    let Stance { heading, walk_weight, stride } = b.stance[agent];
     let (clips, weights) = (b.gaits[agent], b.gait_weights[agent]);
     is_finite2(b.position[agent])
         && b.elevation[agent].abs() < ELEVATION_LIMIT
         && heading.abs() < HEADING_LIMIT
         && walk_weight.abs() < WEIGHT_LIMIT
+        && stride.abs() < STRIDE_LIMIT
         && scale > 0.0
         && scale < SCALE_LIMIT
         && b.frame.clip_count > 0

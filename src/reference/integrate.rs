@@ -1,8 +1,11 @@
 //! Moves, turns, advances the phase of the walk; empties the cells and counts the step.
 
 use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
+use super::shared::stride_at;
 use crate::kernels::KernelId;
-use crate::kernels::integrate::{FOLLOW, Slices, TURNING_SPEED};
+use crate::kernels::integrate::{
+    FIRST_STRIDE, FOLLOW, LEAST_STRIDE, STRIDE_RATE, Slices, TURNING_SPEED,
+};
 use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::cells::index::CELL_WORDS;
@@ -68,7 +71,11 @@ fn moved(
     }
     let walking = speed > step.walk_speed * body.preferred_speed;
     let blend = if walking { step.blend_rate } else { -step.blend_rate } * step.time_step;
-    *stance = Stance { heading, walk_weight: (stance.walk_weight + blend).clamp(0.0, 1.0) };
-    let strides = lesser(speed * step.time_step / greater(body.stride_travel, 0.1), 0.5);
+    let wanted = stride_at(speed, body.walk_ratio);
+    let longer = STRIDE_RATE * step.time_step;
+    let stride =
+        greater(stance.stride + (wanted - stance.stride).clamp(-longer, longer), FIRST_STRIDE * wanted);
+    *stance = Stance { heading, walk_weight: (stance.walk_weight + blend).clamp(0.0, 1.0), stride };
+    let strides = lesser(speed * step.time_step / greater(stride, LEAST_STRIDE), 0.5);
     *phase = phase.wrapping_add(((strides * 16_777_216.0) as u32) << 8);
 }

@@ -24,6 +24,7 @@ pub fn interpolate(b: Slices<'_>) {
         b.stance[agent] = Stance {
             heading: if share >= 1.0 { now.heading } else { turned },
             walk_weight: on_the_way(was.walk_weight, now.walk_weight, share),
+            stride: on_the_way(was.stride, now.stride, share),
         };
         let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
         b.phase[agent] = if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) };

@@ -7,7 +7,7 @@ use crate::kernels::layout::{Snapshot, Stance};
 /// Twin of `shaders/keep_snapshot.wgsl`.
 pub fn keep_snapshot(b: Slices<'_>) {
     for agent in 0..b.between.agent_count as usize {
-        let Stance { heading, walk_weight } = b.stance[agent];
+        let Stance { heading, walk_weight, stride } = b.stance[agent];
         b.snapshots[index_of(b.between, b.place, agent)] = Snapshot {
             position: b.position[agent],
             heading,
@@ -15,6 +15,7 @@ pub fn keep_snapshot(b: Slices<'_>) {
             gait_weights: b.gait_weights[agent],
             phase: b.phase[agent],
             elevation: b.elevation[agent],
+            stride,
             ..Snapshot::default()
         };
     }

@@ -1,7 +1,7 @@
 //! Agents that are led from outside.
 
 use super::exact::{atan2, dot2};
-use super::shared::is_absent;
+use super::shared::{is_absent, stride_at};
 use crate::kernels::layout::{Lead, Stance};
 use crate::kernels::lead_agents::{Slices, WALKING_SPEED};
 use crate::kernels::shared::absent::ABSENT;
@@ -19,8 +19,10 @@ pub fn lead_agents_appear(b: Slices<'_>) {
             let ([x, z], [vx, vz]) = (place, velocity);
             b.position[agent] = [x - vx * b.step.time_step, z - vz * b.step.time_step];
             b.velocity[agent] = velocity;
-            if dot2(velocity, velocity).sqrt() > WALKING_SPEED {
-                b.stance[agent] = Stance { heading: atan2(vx, vz), walk_weight: 1.0 };
+            let speed = dot2(velocity, velocity).sqrt();
+            if speed > WALKING_SPEED {
+                let stride = stride_at(speed, b.body[agent].walk_ratio);
+                b.stance[agent] = Stance { heading: atan2(vx, vz), walk_weight: 1.0, stride };
             } else {
                 b.stance[agent].walk_weight = 0.0;
             }

@@ -195,13 +195,13 @@ fn far_elements(vertex: &FarVertex) -> [[f32; 4]; VERTEX_STRIDE] {
     ]
 }
 
-/// `clip_frames`: `[clip][frame][17]`. 16 local rotations, then the root's position in metres.
+/// `clip_frames`: `[clip][frame][17]`. 16 local rotations, then the root's position and the clip's travel in metres.
 pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
     let mut frames =
         Vec::with_capacity(clips.iter().map(|clip| clip.frames.len()).sum::<usize>() * POSE_STRIDE);
-    for frame in clips.iter().flat_map(|clip| &clip.frames) {
+    for (clip, frame) in clips.iter().flat_map(|clip| clip.frames.iter().map(move |frame| (clip, frame))) {
         frames.extend(frame.rotations.map(|rotation| rotation.to_array()));
-        frames.push(frame.root.extend(0.0).to_array());
+        frames.push(frame.root.extend(clip.stride_travel).to_array());
     }
     frames
 }

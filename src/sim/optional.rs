@@ -20,7 +20,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         let id = index as u32;
         let clips = store.gaits[index];
         let speeds = clips.map(|clip| cast.clip(clip).speed * agent.scale);
-        let travels = clips.map(|clip| cast.clip(clip).stride_travel * agent.scale);
+        let walk_ratios = clips.map(|clip| cast.clip(clip).walk_ratio() * agent.scale);
         let Body { max_speed, preferred_speed: preferred, .. } = store.body[index];
         // an agent that walks faster or slower than its gait's speed does so with every gait
         let blended: f32 = speeds.iter().zip(agent.gait_weights).map(|(speed, weight)| speed * weight).sum();
@@ -29,7 +29,7 @@ pub(super) fn set_feelings(store: &mut Store, scenario: &Scenario, crowd: &Crowd
         let ratio = if is_led || preferred <= 0.0 { 0.0 } else { scenario.navigation.max_speed_factor };
         store.paces.push(Paces {
             preferred_speeds: speeds.map(|speed| speed * own),
-            stride_travels: travels,
+            walk_ratios,
             max_speed_factor: ratio,
             max_speed: scenario.navigation.max_speed.max(max_speed),
             ..Paces::default()

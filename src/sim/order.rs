@@ -172,6 +172,7 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
         (true, agents(Phase::CompactList)),
         (far_distance > 0.0, agents(Phase::PoseFar)),
         (true, per_visible(Phase::Pose)),
+        (true, per_visible(Phase::Feet)),
         (true, per_visible(Phase::Idle)),
         (true, per_visible(Phase::Stand)),
         (takes_turns, per_visible(Phase::GazeScheduleLook)),

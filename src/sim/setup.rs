@@ -14,6 +14,7 @@ use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
+use crate::reference::shared::stride_at;
 use crate::scenario::{
     self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart, Stop,
     StopKind, Teleport,
@@ -264,16 +265,16 @@ pub fn preferred_speed(agent: &AgentStart, cast: &AvatarSet) -> f32 {
 
 fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, cast: &AvatarSet) {
     let clips = agent.gaits.map(|gait| cast.clip_index(agent.avatar, gait));
-    let mut stride_travel = 0.0;
+    let mut walk_ratio = 0.0;
     for (clip, weight) in clips.iter().zip(agent.gait_weights) {
-        stride_travel += weight * cast.clip(*clip).stride_travel * agent.scale;
+        walk_ratio += weight * cast.clip(*clip).walk_ratio() * agent.scale;
     }
     let preferred_speed = preferred_speed(agent, cast);
     let max_speed =
         (preferred_speed * navigation.max_speed_factor).min(navigation.max_speed).max(preferred_speed);
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
-    store.body.push(Body { radius: agent.radius, max_speed, preferred_speed, stride_travel });
+    store.body.push(Body { radius: agent.radius, max_speed, preferred_speed, walk_ratio });
     let own = agent.avoidance.unwrap_or_else(|| scenario::Avoidance::of(navigation));
     store.avoidance.push(avoidance(
         own.time_horizon,
@@ -297,7 +298,11 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.step.reaction_steps = store.step.reaction_steps.max(until);
     store.reaction.push(until);
     push_teleport(store, agent);
-    store.stance.push(Stance { heading: agent.heading, walk_weight: f32::from(u8::from(reaction == 0)) });
+    store.stance.push(Stance {
+        heading: agent.heading,
+        walk_weight: f32::from(u8::from(reaction == 0)),
+        stride: stride_at(preferred_speed, walk_ratio),
+    });
     store.phase.push(agent.phase);
     let length = agent.route_length.max(1);
     store.route.push(Route::new(agent.route_start, length, agent.loops, agent.waypoint));

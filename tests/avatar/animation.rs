@@ -17,7 +17,9 @@ use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slo
 use gaitway::reference::exact::unit_f32;
 use gaitway::reference::pose::weight_phase;
 use gaitway::reference::standing::own_draw;
-use gaitway::verify::cases::animation::{AVATARS, GAITS, animation, avatar, dispatches, vertex_elements};
+use gaitway::verify::cases::animation::{
+    AVATARS, GAITS, TRAVEL, animation, avatar, dispatches, vertex_elements,
+};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// The same people, all on the ground: what is tested here stands at one height.
@@ -308,7 +310,7 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];
-    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0 };
+    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL };
     store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
     store.gaits[0] = [0, 1, 2, 0];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
@@ -348,7 +350,10 @@ fn a_whole_frame_of_one_gait_is_that_frame_and_half_way_lies_between() {
         let root =
             |f: usize| Vec4::from_array(store.clip_frames[f % CLIP_FRAMES * POSE_STRIDE + JOINT_COUNT]);
         let middle = (root(frame) + root(frame + 1)) * 0.5;
-        assert!(Vec4::from_array(store.local_rotations[JOINT_COUNT]).abs_diff_eq(middle, 1e-6));
+        let drawn = Vec4::from_array(store.local_rotations[JOINT_COUNT]);
+        assert!(
+            drawn.truncate().abs_diff_eq(middle.truncate(), 1e-6) && drawn.w.to_bits() == 1.0_f32.to_bits()
+        );
     }
 }
 
@@ -357,12 +362,13 @@ fn each_impossible_input_alone_is_enough_to_refuse_an_agent() {
     let mut store = one_agent();
     run(&mut store);
     assert_eq!(visible_agents(&store.visible), [0]);
-    let faults: [fn(&mut Store); 13] = [
+    let faults: [fn(&mut Store); 14] = [
         |s| s.position[0][0] = f32::NAN,
         |s| s.position[0][1] = f32::INFINITY,
         |s| s.stance[0].heading = f32::NAN,
         |s| s.stance[0].heading = 1e9,
         |s| s.stance[0].walk_weight = f32::NEG_INFINITY,
+        |s| s.stance[0].stride = f32::NAN,
         |s| s.appearance[0].traits = 2, // avatars are 0 and 1
         |s| s.appearance[0].scale = f32::NAN,
         |s| s.appearance[0].scale = 0.0,

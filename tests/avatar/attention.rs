@@ -20,7 +20,7 @@ fn around(agents: u32, emotion: Emotion, gaze: &Gaze) -> Store {
         let away = 1.0 + 6.5 * (i as f32 + 0.5) / agents as f32;
         let angle = i as f32 * 2.4;
         store.position[i] = [user[0] + away * angle.sin(), user[1] + away * angle.cos()];
-        store.stance[i] = Stance { heading: angle + std::f32::consts::PI, walk_weight: 0.0 };
+        store.stance[i] = Stance { heading: angle + std::f32::consts::PI, ..Stance::default() };
         store.appearance[i] = Appearance::new(0, emotion as u32, true, 1.0, [0; 4]);
         store.gaits[i] = [0; 4];
         store.gait_weights[i] = [1.0, 0.0, 0.0, 0.0];

@@ -9,7 +9,7 @@ use gaitway::kernels::shared::body::index::{
 };
 use gaitway::kernels::{Phase, Store};
 use gaitway::reference;
-use gaitway::verify::cases::animation::animation;
+use gaitway::verify::cases::animation::{TRAVEL, animation};
 use glam::{Mat4, Vec3, Vec4};
 
 const NATURAL: u32 = 0;
@@ -157,7 +157,7 @@ fn blinks_come_every_two_to_six_seconds_and_last_a_seventh_of_one() {
 fn sad_eyes_rest_on_the_ground_two_to_four_metres_ahead_and_others_do_not() {
     for walk in [0.0, 1.0] {
         let mut store = standing(Emotion::Sad, NATURAL, seen(0.0, 2.0, 1.6));
-        store.stance[0] = Stance { heading: 2.1, walk_weight: walk };
+        store.stance[0] = Stance { heading: 2.1, walk_weight: walk, stride: TRAVEL };
         run(&mut store);
         for time in (0..30_000).step_by(50) {
             at_time(&mut store, time);

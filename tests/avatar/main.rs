@@ -23,4 +23,5 @@ mod paper_gaze;
 mod raster;
 mod rigs;
 mod standing;
+mod strides;
 mod walker;

@@ -13,7 +13,7 @@ use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
 use gaitway::sim::bodies::looking_at;
 use gaitway::verify::cases::animation::{
-    AVATARS, CLIPS, GAITS, animation, avatar, clip_elements, dispatches,
+    AVATARS, CLIPS, GAITS, TRAVEL, animation, avatar, clip_elements, dispatches,
 };
 use glam::{Mat4, Quat, Vec3, Vec4};
 
@@ -46,7 +46,7 @@ pub(crate) fn standing(emotion: Emotion, mode: u32, user: Vec3) -> Store {
     let joints = avatar(0, 0).joints;
     let rest = ClipFrame { rotations: joints.map(|joint| joint.rotation), root: joints[0].translation };
     for frame in standing_frames(&mut store) {
-        frame.copy_from_slice(&clip_elements(&rest));
+        frame.copy_from_slice(&clip_elements(&rest, 0.0));
     }
     store
 }
@@ -113,7 +113,7 @@ fn sad_rotation_is_zero_wherever_the_user_is() {
 fn neutral_keeps_the_angles_of_the_gait() {
     for mode in [NATURAL, PAPER] {
         let mut store = standing(Emotion::Neutral, mode, seen_from_neck(60.0, 2.0, 1.6));
-        store.stance[0].walk_weight = 1.0; // walks
+        (store.stance[0].walk_weight, store.stance[0].stride) = (1.0, TRAVEL); // walks
         let mut without = store.clone();
         without.appearance[0].set_gazes(false);
         run(&mut store);
@@ -413,7 +413,7 @@ fn a_gaze_that_missed_a_picture_starts_afresh_at_its_target() {
 #[test]
 fn natural_gaze_stays_on_the_user_while_the_body_walks() {
     let mut store = standing(Emotion::Angry, NATURAL, Vec3::ZERO);
-    store.stance[0].walk_weight = 1.0;
+    (store.stance[0].walk_weight, store.stance[0].stride) = (1.0, TRAVEL);
     store.gaits[0][0] = 1;
     let user = seen_from_neck(15.0, 3.0, 1.5);
     let mut worst = 0.0_f32;

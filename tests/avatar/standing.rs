@@ -22,6 +22,14 @@ use std::f32::consts::TAU;
 /// A picture of a headset lasts this long at most, ms.
 const PICTURE: u32 = 14;
 
+/// Has everyone walk so much, with the strides of their first gaits.
+fn walk(store: &mut Store, walk_weight: f32) {
+    for (own, [gait, ..]) in store.stance.iter_mut().zip(&store.gaits) {
+        let [.., stride] = store.clip_frames[*gait as usize * CLIP_FRAMES * POSE_STRIDE + JOINT_COUNT];
+        *own = Stance { heading: 0.0, walk_weight, stride };
+    }
+}
+
 /// Agents that stand, men and women in turns, of an emotion each.
 struct People {
     store: Store,
@@ -32,7 +40,8 @@ impl People {
     fn new(emotions: &[Emotion]) -> Self {
         let gaits = Emotion::ALL.map(|emotion| walker::person(emotion, walker::Sex::Female, 1, 0).unwrap());
         let cast = AvatarSet::new(&gaits, Sex::ALL.map(generated).to_vec()).unwrap();
-        let mut store = Store { clip_frames: bodies::pack_clips(cast.clips()), ..Store::default() };
+        let (clip_frames, rig) = (bodies::pack_clips(cast.clips()), bodies::pack_rig(cast.avatars()));
+        let mut store = Store { clip_frames, rig, ..Store::default() };
         store.frame.clip_count = cast.clips().len() as u32;
         store.frame.standing_clips[0] = [cast.standing_index(0), cast.standing_index(1), 0, 0];
         for (agent, emotion) in emotions.iter().enumerate() {
@@ -56,6 +65,7 @@ impl People {
     fn pose_at(&mut self, time: u32) {
         self.store.frame.gaze_time = time;
         reference::run(Phase::Pose, &mut self.store, 0);
+        reference::run(Phase::Feet, &mut self.store, 0);
         reference::run(Phase::Idle, &mut self.store, 0);
     }
 
@@ -329,7 +339,7 @@ fn no_joint_jumps_between_two_pictures() {
 #[test]
 fn who_walks_is_drawn_as_the_gait_says_at_any_time() {
     let mut people = People::of(Emotion::Happy, 4);
-    people.store.stance.fill(Stance { heading: 0.0, walk_weight: 1.0 });
+    walk(&mut people.store, 1.0);
     people.store.phase.fill(5 << 26);
     let gait = people.store.gaits[0][0] as usize;
     for time in [0, 77_777, u32::MAX] {
@@ -337,7 +347,10 @@ fn who_walks_is_drawn_as_the_gait_says_at_any_time() {
         let frame = (gait * CLIP_FRAMES + 5) * POSE_STRIDE;
         for element in 0..POSE_STRIDE {
             let drawn = Vec4::from_array(people.store.local_rotations[element]);
-            let wanted = Vec4::from_array(people.store.clip_frames[frame + element]);
+            let mut wanted = Vec4::from_array(people.store.clip_frames[frame + element]);
+            if element == JOINT_COUNT {
+                wanted.w = 1.0; // the stride, over that of the gait
+            }
             assert!(drawn.abs_diff_eq(wanted, 1e-6), "{element}: {drawn} {wanted}");
         }
     }
@@ -369,9 +382,7 @@ fn stopping_and_changing_ones_mood_go_smoothly() {
         }
         worst
     };
-    let stopping = steps(&|store, share| {
-        store.stance.fill(Stance { heading: 0.0, walk_weight: 1.0 - share });
-    });
+    let stopping = steps(&|store, share| walk(store, 1.0 - share));
     let saddening = steps(&|store, share| {
         store.gait_weights.fill([1.0 - share, 0.0, share, 0.0]);
         store.appearance.iter_mut().for_each(|own| own.set_emotion(if share > 0.55 { 2 } else { 0 }));

@@ -244,15 +244,12 @@ fn gait_speed_and_gaze_follow_the_feeling_smoothly_and_feet_do_not_slide() {
             shown[i] = emotion;
             let moved = f32::hypot(store.velocity[i][0], store.velocity[i][1]) * DT;
             let strides = store.phase[i].wrapping_sub(before.phase[i]) as f32 / u32::MAX as f32;
+            assert!((strides * store.stance[i].stride - moved).abs() < 1e-4, "step {step}: the feet slide");
+            let ratios = store.paces[i].walk_ratios.iter().zip(store.feeling[i]);
+            let blended: f32 = ratios.map(|(ratio, weight)| ratio * weight).sum();
             assert!(
-                (strides * store.body[i].stride_travel - moved).abs() < 1e-4,
-                "step {step}: the feet slide"
-            );
-            let travels = store.paces[i].stride_travels.iter().zip(store.feeling[i]);
-            let blended: f32 = travels.map(|(travel, weight)| travel * weight).sum();
-            assert!(
-                (store.body[i].stride_travel - blended).abs() < 1e-5,
-                "step {step}: not the stride that is drawn"
+                (store.body[i].walk_ratio - blended).abs() < 1e-5,
+                "step {step}: not the walk ratio of what it feels"
             );
         }
         if step == 115 {

@@ -34,6 +34,8 @@ use glam::{Mat4, Quat, Vec3};
 pub const AVATARS: usize = 2;
 /// Gaits per avatar.
 pub const GAITS: usize = 3;
+/// How far a stride of the gaits goes, m.
+pub const TRAVEL: f32 = 1.2;
 /// Clips per avatar: its gaits, then its standing clips.
 pub const CLIPS: usize = GAITS + 4 * STANCES;
 /// Elements behind the last agent that hold NaN.
@@ -206,11 +208,11 @@ pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
     rig
 }
 
-/// A frame of a clip as it lies in `clip_frames`.
-pub fn clip_elements(frame: &ClipFrame) -> [[f32; 4]; POSE_STRIDE] {
+/// A frame of a clip whose strides go so far, m, as it lies in `clip_frames`.
+pub fn clip_elements(frame: &ClipFrame, travel: f32) -> [[f32; 4]; POSE_STRIDE] {
     std::array::from_fn(|element| match frame.rotations.get(element) {
         Some(rotation) => rotation.to_array(),
-        None => frame.root.extend(0.0).to_array(),
+        None => frame.root.extend(travel).to_array(),
     })
 }
 
@@ -271,7 +273,9 @@ pub fn animation(agents: usize, seed: u32) -> Store {
         store.rig.extend(rig_elements(avatar));
         for number in 0..CLIPS {
             let swing = if number >= GAITS { 0.1 } else { dice.between(0.5, 1.0) };
-            store.clip_frames.extend(clip(avatar, &mut dice, swing).iter().flat_map(clip_elements));
+            let travel = if number >= GAITS { 0.0 } else { TRAVEL };
+            let frames = clip(avatar, &mut dice, swing);
+            store.clip_frames.extend(frames.iter().flat_map(|frame| clip_elements(frame, travel)));
         }
         for mesh in &avatar.levels[..levels] {
             let first_vertex = store.mesh_vertices.len() / 4;
@@ -322,7 +326,10 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     } else {
         0.0
     });
-    store.stance.push(Stance { heading: dice.between(-3.1, 3.1), walk_weight: walk });
+    // strides as long as those of the gaits, or of every length from none on
+    let stride =
+        [TRAVEL, 1.6 * TRAVEL * unit_f32(hash_u32(agent as u32 ^ 0x57e9))][usize::from(agent % 4 > 0)];
+    store.stance.push(Stance { heading: dice.between(-3.1, 3.1), walk_weight: walk, stride });
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
     let scale = dice.between(0.9, 1.1);
@@ -432,7 +439,7 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::AtTheRange => {
             store.position[agent] = [user_eyes.x, user_eyes.z + 8.0];
             store.appearance[agent].traits = angry_gazer;
-            store.stance[agent] = Stance { heading: std::f32::consts::PI, walk_weight: 0.0 };
+            store.stance[agent] = Stance { heading: std::f32::consts::PI, ..Stance::default() };
             (store.gaze_frame[agent], store.attention[agent]) = (0, Attention::default());
         }
         Hard::ZeroWeights => store.gait_weights[agent] = [0.0; 4],
@@ -440,7 +447,7 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::StraightBehind => {
             // faces away from the user, in front of the camera
             store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
-            store.stance[agent] = Stance { heading: 0.0, walk_weight: 1.0 };
+            store.stance[agent] = Stance { heading: 0.0, walk_weight: 1.0, stride: TRAVEL };
             store.appearance[agent].traits = angry_gazer;
         }
     }

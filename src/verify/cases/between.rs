@@ -44,7 +44,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
             _ => {}
         }
         store.position.push(stands);
-        store.stance.push(Stance { heading, walk_weight: random(8) });
+        store.stance.push(Stance { heading, walk_weight: random(8), stride: within(20, 1.0).abs() });
         store.phase.push(phase);
         store.elevation.push(within(9, 4.0));
         store.gait_weights.push([10, 11, 12, 13].map(random));
@@ -56,6 +56,7 @@ pub fn between(agents: usize, seed: u32) -> Store {
             gait_weights: [16, 17, 18, 19].map(random),
             phase: was,
             elevation: within(15, 4.0),
+            stride: within(21, 1.0).abs(),
             ..Snapshot::default()
         };
     }

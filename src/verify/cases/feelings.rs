@@ -54,7 +54,7 @@ pub(super) fn add_feelings(store: &mut Store, agents: usize, seed: u32) {
         let ratio = if i % 9 == 4 { 0.0 } else { 1.5 };
         store.paces.push(Paces {
             preferred_speeds: [12, 13, 14, 15].map(|lane| 0.6 + unit(i, lane)),
-            stride_travels: [16, 17, 18, 19].map(|lane| 0.9 + 0.6 * unit(i, lane)),
+            walk_ratios: [16, 17, 18, 19].map(|lane| 0.3 + 0.2 * unit(i, lane)),
             max_speed_factor: ratio,
             max_speed: 1.8,
             ..Paces::default()

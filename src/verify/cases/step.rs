@@ -163,7 +163,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             radius: 0.12 + 0.3 * u(7),
             max_speed: preferred_speed * 1.5,
             preferred_speed,
-            stride_travel: 0.9 + 0.6 * u(8),
+            walk_ratio: 0.3 + 0.2 * u(8),
         });
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
         // led from outside: there, leaving, appearing, standing; and some that stay absent
@@ -178,7 +178,7 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.avoidance.push(avoidance(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.reaction.push(if i % 32 == 9 { (u(21) * 16.0) as u32 } else { 0 });
-        store.stance.push(Stance { heading: u(9) * 6.2 - 3.1, walk_weight: u(10) });
+        store.stance.push(Stance { heading: u(9) * 6.2 - 3.1, walk_weight: u(10), stride: 1.6 * u(24) });
         store.phase.push(hash_u32(seed ^ i as u32));
         store.route.push(Route::new((i as u32 % 5) * 3, 3, u(11) < 0.5, i as u32 % 4));
     }

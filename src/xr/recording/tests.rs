@@ -25,7 +25,7 @@ fn crowd(gazes: bool) -> Store {
         step: StepUniforms { agent_count: 1, ..StepUniforms::default() },
         position: vec![[1.0, 2.0]],
         velocity: vec![[0.0; 2]],
-        stance: vec![Stance { heading: 0.5, walk_weight: 1.0 }],
+        stance: vec![Stance { heading: 0.5, walk_weight: 1.0, stride: 1.4 }],
         phase: vec![0],
         route: vec![Route::default()],
         waiting: vec![Waiting::default()],
@@ -224,7 +224,7 @@ fn each_hash_of_the_header_tells_when_what_it_is_of_changes() {
     let start = crowd(true);
     assert_eq!(hash_start(&start), hash_start(&crowd(true)));
     assert_ne!(hash_start(&start), hash_start(&crowd(false)));
-    let body = Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.4, stride_travel: 0.0 };
+    let body = Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.4, walk_ratio: 0.0 };
     let faster = Store { body: vec![body], ..crowd(true) };
     assert_ne!(hash_start(&start), hash_start(&faster));
 }

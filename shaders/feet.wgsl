@@ -1,0 +1,180 @@
+// uses: exact, quaternion, body, rig, agent, standing
+// Puts the feet of every visible agent that walks where its strides have them, and bends the legs to reach them. `pose` has
+// drawn the strides of the gaits; people who go slower take shorter ones, and lift and roll their feet less.
+// A foot's way along the ground is scaled about the hips, so that a foot on the ground still goes back as fast as the ground
+// does. It turns about the heel while the toes are up, about the ball while the heel is. The hips rise with the square of what
+// is missing, as the arc does that they go over a leg. Trunk and head stay as they are, and the pelvis swings less.
+@group(0) @binding(0) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
+@group(0) @binding(1) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(2) var<storage, read> appearance: array<Appearance>;           // [agent]
+@group(0) @binding(3) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
+@group(0) @binding(5) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+
+const LEAST_LIFT: f32 = 0.3;    // share of the lift and the roll of feet in a stride of no length
+const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
+// The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
+const STRAIGHTER: f32 = 0.04;
+const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
+const LEAST_BEND: f32 = 0.02;   // and do not fold up either, as a share of it
+const LEAST_AHEAD: f32 = 0.1;   // cosine of the pitch of a foot beyond which it is left alone
+const HEEL: f32 = 0.4;          // from ankle to heel, as a share of the way from ankle to ball
+const KNEES_AHEAD: f32 = 0.05;  // sine of a bend that says where a knee points to
+
+const LEFT_LEG: u32 = 10u;
+const RIGHT_LEG: u32 = 13u;
+
+struct Leg {
+    hip: vec3<f32>,   // m, model space
+    knee: vec3<f32>,
+    ankle: vec3<f32>,
+    thigh: vec4<f32>, // model_from_joint
+    shin: vec4<f32>,
+    foot: vec4<f32>,
+}
+
+// A leg as `pose` left it.
+fn leg_of(base: u32, avatar: u32, first: u32, root: vec3<f32>, pelvis: vec4<f32>) -> Leg {
+    let hip = root + quat_rotate(pelvis, joint_translation(avatar, first));
+    let thigh = quat_mul(pelvis, local_rotations[base + first]);
+    let knee = hip + quat_rotate(thigh, joint_translation(avatar, first + 1u));
+    let shin = quat_mul(thigh, local_rotations[base + first + 1u]);
+    let ankle = knee + quat_rotate(shin, joint_translation(avatar, first + 2u));
+    return Leg(hip, knee, ankle, thigh, shin, quat_mul(shin, local_rotations[base + first + 2u]));
+}
+
+// v turned downwards by an angle, of (sine, cosine), in the upright plane ahead.
+fn turned_down(v: vec3<f32>, ahead: vec2<f32>, turn: vec2<f32>) -> vec3<f32> {
+    let along = v.x * ahead.x + v.z * ahead.y;
+    let aside = v.x * ahead.y - v.z * ahead.x;
+    let forth = along * turn.y + v.y * turn.x;
+    return vec3<f32>(ahead.x * forth + ahead.y * aside, v.y * turn.y - along * turn.x, ahead.y * forth - ahead.x * aside);
+}
+
+// q after which comes the same turn; (sine, cosine) of half its angle.
+fn quat_turned_down(q: vec4<f32>, ahead: vec2<f32>, half_turn: vec2<f32>) -> vec4<f32> {
+    let x = ahead.y * half_turn.x;
+    let z = -(ahead.x * half_turn.x);
+    let w = half_turn.y;
+    return vec4<f32>(
+        w * q.x + x * q.w - z * q.y,
+        w * q.y - x * q.z + z * q.x,
+        w * q.z + x * q.y + z * q.w,
+        w * q.w - x * q.x - z * q.z,
+    );
+}
+
+// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay.
+fn stepped(leg: Leg, avatar: u32, first: u32, along: f32, lift: f32) -> Leg {
+    let bind = avatar * RIG_STRIDE + (first + 2u) * 4u + 1u;
+    let x = rig[bind];
+    let y = rig[bind + 1u];
+    let z = rig[bind + 2u];
+    // in the mesh
+    let ankle = -(x.xyz * x.w + y.xyz * y.w + z.xyz * z.w);
+    let ball = rig[avatar * RIG_STRIDE + RIG_BALLS + select(0u, 1u, first == RIGHT_LEG)].xyz - ankle;
+    let points = quat_rotate(leg.foot, vec3<f32>(x.z, y.z, z.z));
+    let flat = sqrt(points.x * points.x + points.z * points.z);
+    if !(flat > LEAST_AHEAD) {
+        return leg;
+    }
+    let ahead = vec2<f32>(points.x / flat, points.z / flat);
+    let pitch = exact_atan2(points.y, flat); // toes up
+    let heel = vec3<f32>(-(ball.x * HEEL), ball.y, -(ball.z * HEEL));
+    let contact = select(ball, heel, pitch > 0.0);
+    let arm = quat_rotate(leg.foot, vec3<f32>(dot3(x.xyz, contact), dot3(y.xyz, contact), dot3(z.xyz, contact)));
+    let level = turned_down(arm, ahead, exact_sin_cos(pitch));
+    let down = pitch * (1.0 - lift);
+    let rolled = turned_down(arm, ahead, exact_sin_cos(down));
+    // where the ankle would be above a foot that lies flat
+    let above = leg.ankle + arm - level;
+    let there = vec3<f32>(above.x, ankle.y + (above.y - ankle.y) * lift, above.z * along);
+    var out = leg;
+    out.ankle = there + level - rolled;
+    out.foot = quat_turned_down(leg.foot, ahead, exact_sin_cos(0.5 * down));
+    return out;
+}
+
+// How much too high a hip is for the leg to reach its ankle, m.
+fn overreach(hip: vec3<f32>, ankle: vec3<f32>, longest: f32) -> f32 {
+    let x = hip.x - ankle.x;
+    let z = hip.z - ankle.z;
+    return hip.y - ankle.y - sqrt(max(longest * longest - x * x - z * z, 0.25 * longest * longest));
+}
+
+// The rotation that takes the direction of a to that of b.
+fn quat_between(a: vec3<f32>, b: vec3<f32>) -> vec4<f32> {
+    return quat_normalize(vec4<f32>(cross3(a, b), sqrt(dot3(a, a) * dot3(b, b)) + dot3(a, b)));
+}
+
+// Writes the rotations of a leg that goes from a hip to where `after` has ankle and foot; `from` is the same leg before.
+fn bend(base: u32, first: u32, before: Leg, after: Leg, hip: vec3<f32>, pelvis: vec4<f32>, left: vec3<f32>) {
+    let upper = before.knee - before.hip;
+    let lower = before.ankle - before.knee;
+    let thigh = sqrt(dot3(upper, upper));
+    let shin = sqrt(dot3(lower, lower));
+    let way = after.ankle - hip;
+    let far = max(sqrt(dot3(way, way)), LEAST_BEND * thigh);
+    let straight = way / far;
+    let least = abs(thigh - shin) + LEAST_BEND * (thigh + shin);
+    let distance = limit(far, least, REACHES * (thigh + shin));
+    let along = limit((thigh * thigh - shin * shin + distance * distance) / (2.0 * distance), -thigh, thigh);
+    // the plane of the knee is the one that it had
+    let hinge = cross3(upper, lower) / (thigh * shin) + left * KNEES_AHEAD;
+    let across = hinge - straight * dot3(hinge, straight);
+    let axis = across / max(sqrt(dot3(across, across)), 1e-6);
+    let knee = straight * along + cross3(straight, axis) * sqrt(max(thigh * thigh - along * along, 0.0));
+    let thigh_turn = quat_mul(quat_between(upper, knee), before.thigh);
+    let shin_turn = quat_mul(quat_between(lower, straight * distance - knee), before.shin);
+    local_rotations[base + first] = quat_normalize(quat_mul(quat_conjugate(pelvis), thigh_turn));
+    local_rotations[base + first + 1u] = quat_normalize(quat_mul(quat_conjugate(thigh_turn), shin_turn));
+    local_rotations[base + first + 2u] = quat_normalize(quat_mul(quat_conjugate(shin_turn), after.foot));
+}
+
+@compute @workgroup_size(64)
+fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
+    let slot = id.x;
+    let agent = visible[slot];
+    if agent == NONE {
+        return;
+    }
+    let base = slot * POSE_STRIDE;
+    let root = local_rotations[base + JOINTS];
+    let stride = root.w;
+    let walk = walk_share(gait_weights[agent], stance[agent].walk_weight);
+    if !(walk > 0.0) || stride == 1.0 {
+        return;
+    }
+    let avatar = avatar_of(appearance[agent]);
+    let pelvis = local_rotations[base];
+    let left = leg_of(base, avatar, LEFT_LEG, root.xyz, pelvis);
+    let right = leg_of(base, avatar, RIGHT_LEG, root.xyz, pelvis);
+    let short = walk * max(1.0 - stride, 0.0); // what is missing of a stride
+    let along = 1.0 + walk * (stride - 1.0);
+    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let left_foot = stepped(left, avatar, LEFT_LEG, along, lift);
+    let right_foot = stepped(right, avatar, RIGHT_LEG, along, lift);
+
+    let rows = avatar * RIG_STRIDE;
+    let upright = quat_conjugate(quat_from_rows(rig[rows + 1u].xyz, rig[rows + 2u].xyz, rig[rows + 3u].xyz));
+    let turned = quat_normalize(quat_lerp(pelvis, upright, short));
+    let height = rig[rows].y * UPRIGHT;
+    let swing = 1.0 - short;
+    let left_arm = quat_rotate(turned, joint_translation(avatar, LEFT_LEG));
+    let right_arm = quat_rotate(turned, joint_translation(avatar, RIGHT_LEG));
+    let upper = left.knee - left.hip;
+    let lower = left.ankle - left.knee;
+    let longest = REACHES * (sqrt(dot3(upper, upper)) + sqrt(dot3(lower, lower)));
+    let square = stride * stride;
+    let rise = (height - root.y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+    var hips = vec3<f32>(root.x * swing, root.y + rise, root.z * swing);
+    let sinks = max(overreach(hips + left_arm, left_foot.ankle, longest), overreach(hips + right_arm, right_foot.ankle, longest));
+    hips.y = hips.y - max(sinks, 0.0);
+
+    let to_the_left = quat_rotate(turned, vec3<f32>(rig[rows + 1u].x, rig[rows + 2u].x, rig[rows + 3u].x));
+    bend(base, LEFT_LEG, left, left_foot, hips + left_arm, turned, to_the_left);
+    bend(base, RIGHT_LEG, right, right_foot, hips + right_arm, turned, to_the_left);
+    local_rotations[base + SPINE] = quat_normalize(quat_mul(quat_mul(quat_conjugate(turned), pelvis), local_rotations[base + SPINE]));
+    local_rotations[base] = turned;
+    local_rotations[base + JOINTS] = vec4<f32>(hips, stride);
+}

@@ -1,0 +1,192 @@
+//! Feet where the strides have them, and legs that reach them.
+
+use super::body::{joint_forward, joint_translation, visible_agents};
+use super::exact::{atan2, greater, sin_cos};
+use super::quaternion::{
+    add3, cross3, dot3, limit, quat_conjugate, quat_from_rows, quat_lerp, quat_mul, quat_normalize,
+    quat_rotate, scale3, sub3, xyz,
+};
+use super::standing::walk_share;
+use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
+use crate::kernels::feet::{
+    HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, REACHES, STRAIGHTER, Slices, UPRIGHT,
+};
+use crate::kernels::shared::body::index::{JOINTS, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
+use rayon::prelude::*;
+
+/// A leg in model space: places in m, rotations from the joints.
+#[derive(Clone, Copy)]
+struct Leg {
+    hip: [f32; 3],
+    knee: [f32; 3],
+    ankle: [f32; 3],
+    thigh: [f32; 4],
+    shin: [f32; 4],
+    foot: [f32; 4],
+}
+
+/// A leg as `pose` left it.
+fn leg_of(pose: &[[f32; 4]], rig: &[[f32; 4]], avatar: usize, first: usize) -> Leg {
+    let hip = add3(xyz(pose[JOINTS]), quat_rotate(pose[0], joint_translation(rig, avatar, first)));
+    let thigh = quat_mul(pose[0], pose[first]);
+    let knee = add3(hip, quat_rotate(thigh, joint_translation(rig, avatar, first + 1)));
+    let shin = quat_mul(thigh, pose[first + 1]);
+    let ankle = add3(knee, quat_rotate(shin, joint_translation(rig, avatar, first + 2)));
+    Leg { hip, knee, ankle, thigh, shin, foot: quat_mul(shin, pose[first + 2]) }
+}
+
+/// v turned downwards in the upright plane ahead.
+fn turned_down([x, y, z]: [f32; 3], [ahead_x, ahead_z]: [f32; 2], [sine, cosine]: [f32; 2]) -> [f32; 3] {
+    let along = x * ahead_x + z * ahead_z;
+    let aside = x * ahead_z - z * ahead_x;
+    let forth = along * cosine + y * sine;
+    [ahead_x * forth + ahead_z * aside, y * cosine - along * sine, ahead_z * forth - ahead_x * aside]
+}
+
+/// q after which comes the same turn; sine and cosine are of half its angle.
+fn quat_turned_down(
+    [qx, qy, qz, qw]: [f32; 4],
+    [ahead_x, ahead_z]: [f32; 2],
+    [sine, w]: [f32; 2],
+) -> [f32; 4] {
+    let x = ahead_z * sine;
+    let z = -(ahead_x * sine);
+    [
+        w * qx + x * qw - z * qy,
+        w * qy - x * qz + z * qx,
+        w * qz + x * qy + z * qw,
+        w * qw - x * qx - z * qz,
+    ]
+}
+
+/// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay.
+fn stepped(leg: Leg, rig: &[[f32; 4]], avatar: usize, first: usize, along: f32, lift: f32) -> Leg {
+    let bind = avatar * RIG_STRIDE + (first + 2) * 4 + 1;
+    let [x, y, z] = [0, 1, 2].map(|row| xyz(rig[bind + row]));
+    let [xw, yw, zw] = [0, 1, 2].map(|row| {
+        let [.., w] = rig[bind + row];
+        w
+    });
+    let [ax, ay, az] = add3(add3(scale3(x, xw), scale3(y, yw)), scale3(z, zw)).map(|part| -part);
+    let side = usize::from(first == RIGHT_LEG);
+    let ball = sub3(xyz(rig[avatar * RIG_STRIDE + RIG_BALLS + side]), [ax, ay, az]);
+    let [points_x, points_y, points_z] = quat_rotate(leg.foot, joint_forward(rig, avatar, first + 2));
+    let flat = (points_x * points_x + points_z * points_z).sqrt();
+    if !(flat > LEAST_AHEAD) {
+        return leg;
+    }
+    let ahead = [points_x / flat, points_z / flat];
+    let pitch = atan2(points_y, flat);
+    let [bx, by, bz] = ball;
+    let contact = if pitch > 0.0 { [-(bx * HEEL), by, -(bz * HEEL)] } else { ball };
+    let arm = quat_rotate(leg.foot, [dot3(x, contact), dot3(y, contact), dot3(z, contact)]);
+    let level = turned_down(arm, ahead, sin_cos(pitch));
+    let down = pitch * (1.0 - lift);
+    let rolled = turned_down(arm, ahead, sin_cos(down));
+    let [above_x, above_y, above_z] = sub3(add3(leg.ankle, arm), level);
+    let there = [above_x, ay + (above_y - ay) * lift, above_z * along];
+    Leg {
+        ankle: sub3(add3(there, level), rolled),
+        foot: quat_turned_down(leg.foot, ahead, sin_cos(0.5 * down)),
+        ..leg
+    }
+}
+
+/// How much too high a hip is for the leg to reach its ankle, m.
+fn overreach([hip_x, hip_y, hip_z]: [f32; 3], [x, y, z]: [f32; 3], longest: f32) -> f32 {
+    let (dx, dz) = (hip_x - x, hip_z - z);
+    let square = greater(longest * longest - dx * dx - dz * dz, 0.25 * longest * longest);
+    hip_y - y - square.sqrt()
+}
+
+/// The rotation that takes the direction of a to that of b.
+fn quat_between(a: [f32; 3], b: [f32; 3]) -> [f32; 4] {
+    let [x, y, z] = cross3(a, b);
+    quat_normalize([x, y, z, (dot3(a, a) * dot3(b, b)).sqrt() + dot3(a, b)])
+}
+
+fn length(v: [f32; 3]) -> f32 {
+    dot3(v, v).sqrt()
+}
+
+/// Local rotations of a leg that goes from a hip to where `after` has ankle and foot; `before` is the leg as it was.
+fn bent(before: Leg, after: Leg, hip: [f32; 3], pelvis: [f32; 4], left: [f32; 3]) -> [[f32; 4]; 3] {
+    let upper = sub3(before.knee, before.hip);
+    let lower = sub3(before.ankle, before.knee);
+    let (thigh, shin) = (length(upper), length(lower));
+    let way = sub3(after.ankle, hip);
+    let far = greater(length(way), LEAST_BEND * thigh);
+    let straight = way.map(|part| part / far);
+    let least = (thigh - shin).abs() + LEAST_BEND * (thigh + shin);
+    let distance = limit(far, least, REACHES * (thigh + shin));
+    let along = (thigh * thigh - shin * shin + distance * distance) / (2.0 * distance);
+    let along = limit(along, -thigh, thigh);
+    let hinge = add3(cross3(upper, lower).map(|part| part / (thigh * shin)), scale3(left, KNEES_AHEAD));
+    let across = sub3(hinge, scale3(straight, dot3(hinge, straight)));
+    let width = greater(length(across), 1e-6);
+    let axis = across.map(|part| part / width);
+    let out = greater(thigh * thigh - along * along, 0.0).sqrt();
+    let knee = add3(scale3(straight, along), scale3(cross3(straight, axis), out));
+    let thigh_turn = quat_mul(quat_between(upper, knee), before.thigh);
+    let shin_turn = quat_mul(quat_between(lower, sub3(scale3(straight, distance), knee)), before.shin);
+    [
+        quat_normalize(quat_mul(quat_conjugate(pelvis), thigh_turn)),
+        quat_normalize(quat_mul(quat_conjugate(thigh_turn), shin_turn)),
+        quat_normalize(quat_mul(quat_conjugate(shin_turn), after.foot)),
+    ]
+}
+
+/// Takes a body's strides as they are, `walk` of the whole.
+fn shorten(pose: &mut [[f32; 4]], rig: &[[f32; 4]], avatar: usize, walk: f32) {
+    let [root_x, root_y, root_z, stride] = pose[JOINTS];
+    let pelvis = pose[0];
+    let legs = [LEFT_LEG, RIGHT_LEG].map(|first| leg_of(pose, rig, avatar, first));
+    let short = walk * greater(1.0 - stride, 0.0);
+    let along = 1.0 + walk * (stride - 1.0);
+    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let [left, right] = legs;
+    let feet = [(left, LEFT_LEG), (right, RIGHT_LEG)]
+        .map(|(leg, first)| stepped(leg, rig, avatar, first, along, lift));
+
+    let rows = avatar * RIG_STRIDE;
+    let [rest_x, rest_y, rest_z] = [1, 2, 3].map(|row| xyz(rig[rows + row]));
+    let upright = quat_conjugate(quat_from_rows(rest_x, rest_y, rest_z));
+    let turned = quat_normalize(quat_lerp(pelvis, upright, short));
+    let [_, rest_height, _] = joint_translation(rig, avatar, 0);
+    let swing = 1.0 - short;
+    let arms = [LEFT_LEG, RIGHT_LEG].map(|first| quat_rotate(turned, joint_translation(rig, avatar, first)));
+    let (upper, lower) = (sub3(left.knee, left.hip), sub3(left.ankle, left.knee));
+    let longest = REACHES * (length(upper) + length(lower));
+    let square = stride * stride;
+    let rise = (rest_height * UPRIGHT - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+    let raised = root_y + rise;
+    let hips = [root_x * swing, raised, root_z * swing];
+    let [left_sinks, right_sinks] =
+        [0, 1].map(|side| overreach(add3(hips, arms[side]), feet[side].ankle, longest));
+    let hips = [root_x * swing, raised - greater(greater(left_sinks, right_sinks), 0.0), root_z * swing];
+
+    let ([x, ..], [y, ..], [z, ..]) = (rest_x, rest_y, rest_z);
+    let to_the_left = quat_rotate(turned, [x, y, z]);
+    for (side, first) in [LEFT_LEG, RIGHT_LEG].into_iter().enumerate() {
+        let local = bent(legs[side], feet[side], add3(hips, arms[side]), turned, to_the_left);
+        pose[first..first + 3].copy_from_slice(&local);
+    }
+    pose[SPINE] = quat_normalize(quat_mul(quat_mul(quat_conjugate(turned), pelvis), pose[SPINE]));
+    pose[0] = turned;
+    let [x, y, z] = hips;
+    pose[JOINTS] = [x, y, z, stride];
+}
+
+/// Twin of `shaders/feet.wgsl`.
+pub fn feet(b: Slices<'_>) {
+    let Slices { visible, stance, appearance, gait_weights, rig, local_rotations } = b;
+    let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
+    visible_agents(visible).par_iter().zip(slots).for_each(|(agent, pose)| {
+        let agent = *agent as usize;
+        let walk = walk_share(gait_weights[agent], stance[agent].walk_weight);
+        let [.., stride] = pose[JOINTS];
+        if walk > 0.0 && stride != 1.0 {
+            shorten(pose, rig, appearance[agent].avatar() as usize, walk);
+        }
+    });
+}
