@@ -83,7 +83,13 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
         "skin avatar 1",
     ];
     assert_eq!(names, want);
-    for pair in [("pose", "feet"), ("feet", "gaze"), ("gaze", "palette"), ("palette", "eyes"), ("eyes", "skin avatar 0")] {
+    for pair in [
+        ("pose", "feet"),
+        ("feet", "gaze"),
+        ("gaze", "palette"),
+        ("palette", "eyes"),
+        ("eyes", "skin avatar 0"),
+    ] {
         let at = |name| lines.iter().position(|line| *line == name);
         assert!(
             lines[at(pair.0).unwrap_or(0)..at(pair.1).unwrap_or(0)].contains(&"barrier"),

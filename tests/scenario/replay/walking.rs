@@ -124,7 +124,10 @@ fn gaits_fit_the_speed_and_feet_do_not_slide() {
             let way = Vec2::from(before.position[person]).distance(Vec2::from(after.position[person]));
             let strides = f64::from(after.phase[person].wrapping_sub(before.phase[person])) / 4_294_967_296.0;
             let walked = strides * f64::from(after.stance[person].stride);
-            assert!((walked - f64::from(way)).abs() < 1e-5, "person {person}: {strides} strides over {way} m");
+            assert!(
+                (walked - f64::from(way)).abs() < 1e-5,
+                "person {person}: {strides} strides over {way} m"
+            );
         }
         assert!(after.stance[3].walk_weight < 1e-6, "who stands does not walk on the spot");
     }
