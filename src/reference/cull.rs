@@ -3,7 +3,7 @@
 use super::exact::is_finite2;
 use super::shared::is_absent;
 use crate::kernels::KernelId;
-use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, Slices, STRIDE_LIMIT, WEIGHT_LIMIT};
+use crate::kernels::cull::{ELEVATION_LIMIT, HEADING_LIMIT, SCALE_LIMIT, STRIDE_LIMIT, Slices, WEIGHT_LIMIT};
 use crate::kernels::layout::{FrameUniforms, Stance};
 use crate::kernels::shared::body::NONE;
 

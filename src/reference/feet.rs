@@ -51,12 +51,7 @@ fn quat_turned_down(
 ) -> [f32; 4] {
     let x = ahead_z * sine;
     let z = -(ahead_x * sine);
-    [
-        w * qx + x * qw - z * qy,
-        w * qy - x * qz + z * qx,
-        w * qz + x * qy + z * qw,
-        w * qw - x * qx - z * qz,
-    ]
+    [w * qx + x * qw - z * qy, w * qy - x * qz + z * qx, w * qz + x * qy + z * qw, w * qw - x * qx - z * qz]
 }
 
 /// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay.
@@ -158,7 +153,8 @@ fn shorten(pose: &mut [[f32; 4]], rig: &[[f32; 4]], avatar: usize, walk: f32) {
     let (upper, lower) = (sub3(left.knee, left.hip), sub3(left.ankle, left.knee));
     let longest = REACHES * (length(upper) + length(lower));
     let square = stride * stride;
-    let rise = (rest_height * UPRIGHT - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+    let rise =
+        (rest_height * UPRIGHT - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
     let raised = root_y + rise;
     let hips = [root_x * swing, raised, root_z * swing];
     let [left_sinks, right_sinks] =

@@ -3,9 +3,7 @@
 use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
 use super::shared::stride_at;
 use crate::kernels::KernelId;
-use crate::kernels::integrate::{
-    FIRST_STRIDE, FOLLOW, LEAST_STRIDE, STRIDE_RATE, Slices, TURNING_SPEED,
-};
+use crate::kernels::integrate::{FIRST_STRIDE, FOLLOW, LEAST_STRIDE, STRIDE_RATE, Slices, TURNING_SPEED};
 use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::cells::index::CELL_WORDS;
