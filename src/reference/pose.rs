@@ -53,7 +53,7 @@ impl Sample {
 
     /// Half a clip later.
     fn later(self) -> Self {
-        let later = |row: usize| (row / POSE_STRIDE ^ HALF_CLIP) * POSE_STRIDE;
+        let later = |row: usize| ((row / POSE_STRIDE) ^ HALF_CLIP) * POSE_STRIDE;
         Self { rows: self.rows.map(later), ..self }
     }
 
