@@ -327,8 +327,8 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         0.0
     });
     // strides as long as those of the gaits, or of every length from none on
-    let stride =
-        [TRAVEL, 1.6 * TRAVEL * unit_f32(hash_u32(agent as u32 ^ 0x57e9))][usize::from(!agent.is_multiple_of(4))];
+    let stride = [TRAVEL, 1.6 * TRAVEL * unit_f32(hash_u32(agent as u32 ^ 0x57e9))]
+        [usize::from(!agent.is_multiple_of(4))];
     store.stance.push(Stance { heading: dice.between(-3.1, 3.1), walk_weight: walk, stride });
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
