@@ -1,8 +1,9 @@
 // uses: exact, quaternion, body, rig, agent, standing
 // Puts the feet of every visible agent that walks where its strides have them, and bends the legs to reach them. `pose` has
 // drawn the strides of the gaits; people who go slower take shorter ones, and lift and roll their feet less.
-// A foot's way along the ground is scaled about the hips, so that a foot on the ground still goes back as fast as the ground
-// does. It turns about the heel while the toes are up, about the ball while the heel is. The hips rise with the square of what
+// A foot's way is scaled about where it is when the agent stands, so that a foot on the ground still goes back as fast as the
+// ground does, and strides of no length are a stand. It turns about the heel while the toes are up, about the ball while the heel is. Where a foot stays behind, see
+// footing, it is put there. The hips rise with the square of what
 // is missing, as the arc does that they go over a leg. Trunk and head stay as they are, and the pelvis swings less.
 @group(0) @binding(0) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
 @group(0) @binding(1) var<storage, read> stance: array<Stance>;                   // [agent]
@@ -11,7 +12,7 @@
 @group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
 @group(0) @binding(5) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
-const LEAST_LIFT: f32 = 0.3;    // share of the lift and the roll of feet in a stride of no length
+const LEAST_LIFT: f32 = 0.3;    // share of the lift of feet in a stride of no length
 const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
 // The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
 const STRAIGHTER: f32 = 0.04;
@@ -20,6 +21,8 @@ const LEAST_BEND: f32 = 0.02;   // and do not fold up either, as a share of it
 const LEAST_AHEAD: f32 = 0.1;   // cosine of the pitch of a foot beyond which it is left alone
 const HEEL: f32 = 0.4;          // from ankle to heel, as a share of the way from ankle to ball
 const KNEES_AHEAD: f32 = 0.05;  // sine of a bend that says where a knee points to
+
+const NOT_SEEN: f32 = 0.001; // m or rad that a foot is off without being put there
 
 const LEFT_LEG: u32 = 10u;
 const RIGHT_LEG: u32 = 13u;
@@ -64,8 +67,9 @@ fn quat_turned_down(q: vec4<f32>, ahead: vec2<f32>, half_turn: vec2<f32>) -> vec
     );
 }
 
-// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay.
-fn stepped(leg: Leg, avatar: u32, first: u32, along: f32, lift: f32) -> Leg {
+// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay. `stands` is where the ankle is
+// in a stand, to the left and ahead.
+fn stepped(leg: Leg, avatar: u32, first: u32, stands: vec2<f32>, stride: f32) -> Leg {
     let bind = avatar * RIG_STRIDE + (first + 2u) * 4u + 1u;
     let x = rig[bind];
     let y = rig[bind + 1u];
@@ -84,14 +88,29 @@ fn stepped(leg: Leg, avatar: u32, first: u32, along: f32, lift: f32) -> Leg {
     let contact = select(ball, heel, pitch > 0.0);
     let arm = quat_rotate(leg.foot, vec3<f32>(dot3(x.xyz, contact), dot3(y.xyz, contact), dot3(z.xyz, contact)));
     let level = turned_down(arm, ahead, exact_sin_cos(pitch));
-    let down = pitch * (1.0 - lift);
+    let short = max(1.0 - stride, 0.0);
+    let down = pitch * short;
     let rolled = turned_down(arm, ahead, exact_sin_cos(down));
     // where the ankle would be above a foot that lies flat
     let above = leg.ankle + arm - level;
-    let there = vec3<f32>(above.x, ankle.y + (above.y - ankle.y) * lift, above.z * along);
+    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let there = vec3<f32>(
+        above.x + (stands.x - above.x) * short,
+        ankle.y + (above.y - ankle.y) * lift,
+        stands.y + (above.z - stands.y) * stride,
+    );
     var out = leg;
     out.ankle = there + level - rolled;
     out.foot = quat_turned_down(leg.foot, ahead, exact_sin_cos(0.5 * down));
+    return out;
+}
+
+// The leg with its foot so far off, in the world, m; the body heads to (sine, cosine).
+fn put(leg: Leg, off: vec2<f32>, turn: f32, heading: vec2<f32>) -> Leg {
+    var out = leg;
+    out.ankle.x = leg.ankle.x + (heading.y * off.x - heading.x * off.y);
+    out.ankle.z = leg.ankle.z + (heading.y * off.y + heading.x * off.x);
+    out.foot = quat_before_yaw(turn, leg.foot);
     return out;
 }
 
@@ -141,8 +160,11 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let base = slot * POSE_STRIDE;
     let root = local_rotations[base + JOINTS];
     let stride = root.w;
-    let walk = walk_share(gait_weights[agent], stance[agent].walk_weight);
-    if !(walk > 0.0) || stride == 1.0 {
+    let own = stance[agent];
+    let walk = walk_share(gait_weights[agent], own.walk_weight);
+    let is_off = dot2(own.left, own.left) + dot2(own.right, own.right) > NOT_SEEN * NOT_SEEN
+        || max(abs(own.turns.x), abs(own.turns.y)) > NOT_SEEN;
+    if !(walk > 0.0 && stride != 1.0) && !is_off {
         return;
     }
     let avatar = avatar_of(appearance[agent]);
@@ -150,21 +172,30 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let left = leg_of(base, avatar, LEFT_LEG, root.xyz, pelvis);
     let right = leg_of(base, avatar, RIGHT_LEG, root.xyz, pelvis);
     let short = walk * max(1.0 - stride, 0.0); // what is missing of a stride
-    let along = 1.0 + walk * (stride - 1.0);
-    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
-    let left_foot = stepped(left, avatar, LEFT_LEG, along, lift);
-    let right_foot = stepped(right, avatar, RIGHT_LEG, along, lift);
-
     let rows = avatar * RIG_STRIDE;
     let upright = quat_conjugate(quat_from_rows(rig[rows + 1u].xyz, rig[rows + 2u].xyz, rig[rows + 3u].xyz));
+    let upper = left.knee - left.hip;
+    let lower = left.ankle - left.knee;
+    let leg = sqrt(dot3(upper, upper)) + sqrt(dot3(lower, lower));
+    let longest = REACHES * leg;
+
+    let left_hip = rig[rows].xyz + quat_rotate(upright, joint_translation(avatar, LEFT_LEG));
+    let right_hip = rig[rows].xyz + quat_rotate(upright, joint_translation(avatar, RIGHT_LEG));
+    let middle = (left_hip + right_hip) * 0.5;
+    let aside = STANCE_WIDTH * (left_hip.x - middle.x);
+    let ahead = left_ahead(stance_of(agent)) * leg;
+    let left_stands = vec2<f32>(middle.x + aside, middle.z + ahead);
+    let right_stands = vec2<f32>(middle.x - aside, middle.z - ahead);
+    let heading = exact_sin_cos(own.heading);
+    let scale = appearance[agent].scale;
+    let left_foot = put(stepped(left, avatar, LEFT_LEG, left_stands, stride), own.left / scale, own.turns.x, heading);
+    let right_foot = put(stepped(right, avatar, RIGHT_LEG, right_stands, stride), own.right / scale, own.turns.y, heading);
+
     let turned = quat_normalize(quat_lerp(pelvis, upright, short));
     let height = rig[rows].y * UPRIGHT;
     let swing = 1.0 - short;
     let left_arm = quat_rotate(turned, joint_translation(avatar, LEFT_LEG));
     let right_arm = quat_rotate(turned, joint_translation(avatar, RIGHT_LEG));
-    let upper = left.knee - left.hip;
-    let lower = left.ankle - left.knee;
-    let longest = REACHES * (sqrt(dot3(upper, upper)) + sqrt(dot3(lower, lower)));
     let square = stride * stride;
     let rise = (height - root.y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
     var hips = vec3<f32>(root.x * swing, root.y + rise, root.z * swing);

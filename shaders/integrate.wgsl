@@ -1,8 +1,9 @@
-// uses: step, exact, absent, agent, cells
+// uses: step, exact, absent, agent, cells, footing
 // Moves each agent along its solved velocity, turns the body towards where it goes at a bounded rate, advances the
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
-// Strides follow the speed, with a delay.
+// Strides follow the speed, with a delay. Feet on the ground stay where they are, whatever the body does; who stops or turns on
+// the spot takes steps until they are under it.
 // The kernel runs last: it empties the cells for the next step, and counts the step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
@@ -21,6 +22,7 @@ const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 const FOLLOW: f32 = 6.0;
 // Strides become longer or shorter by at most so much, m/s; but the first of a walk has this share of its length at once.
 const STRIDE_RATE: f32 = 1.5;
+const STOP_RATE: f32 = 5.0; // m/s, of who does not walk
 const FIRST_STRIDE: f32 = 0.7;
 const LEAST_STRIDE: f32 = 0.1; // m
 
@@ -64,14 +66,42 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
         let follow = min(FOLLOW * step.time_step, 1.0);
         heading = exact_wrap(heading + clamp(turn * follow, -most, most));
     }
+    let was = stance[agent];
     let walking = speed > step.walk_speed * traits.preferred_speed;
-    let blend = select(-step.blend_rate, step.blend_rate, walking) * step.time_step;
+    let steps = !walking && takes_a_step(was, phase[agent]);
+    let blend = select(-step.blend_rate, step.blend_rate, walking || steps) * step.time_step;
     let wanted = stride_at(speed, traits.walk_ratio);
-    let longer = STRIDE_RATE * step.time_step;
-    let stride = max(stance[agent].stride + clamp(wanted - stance[agent].stride, -longer, longer), FIRST_STRIDE * wanted);
-    stance[agent] = Stance(heading, clamp(stance[agent].walk_weight + blend, 0.0, 1.0), stride);
-
+    let longer = select(STOP_RATE, STRIDE_RATE, walking) * step.time_step;
+    let stride = max(was.stride + clamp(wanted - was.stride, -longer, longer), FIRST_STRIDE * wanted);
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
-    let strides = min(speed * step.time_step / max(stride, LEAST_STRIDE), 0.5);
-    phase[agent] = phase[agent] + (u32(strides * 16777216.0) << 8u);
+    let by_speed = min(speed * step.time_step / max(stride, LEAST_STRIDE), 0.5);
+    let strides = select(select(0.0, STEP_RATE * step.time_step, steps), by_speed, walking);
+    let before = phase[agent];
+    let after = before + (u32(strides * 16777216.0) << 8u);
+    phase[agent] = after;
+
+    let stands = !(was.walk_weight > 0.0);
+    let went = v * step.time_step;
+    let turned = exact_wrap(heading - was.heading);
+    let from_turn = exact_sin_cos(was.heading);
+    let to_turn = exact_sin_cos(heading);
+    let ahead = left_ahead(stance_of(agent)) * LEG;
+    let usual = max(stride_at(traits.preferred_speed, traits.walk_ratio), LEAST_STRIDE);
+    let lacked = max(1.0 - was.stride / usual, 0.0);
+    let lacks = max(1.0 - stride / usual, 0.0);
+    let left_way = went + ground_of(after, stride, lacks, 1.0, ahead, to_turn)
+        - ground_of(before, was.stride, lacked, 1.0, ahead, from_turn);
+    let right_way = went + ground_of(after + HALF, stride, lacks, -1.0, ahead, to_turn)
+        - ground_of(before + HALF, was.stride, lacked, -1.0, ahead, from_turn);
+    let left = left_over(before, after, stands);
+    let right = left_over(before + HALF, after + HALF, stands);
+    stance[agent] = Stance(
+        heading,
+        clamp(was.walk_weight + blend, 0.0, 1.0),
+        stays(was.left, left_way, left),
+        stays(was.right, right_way, right),
+        vec2<f32>(stays_turned(was.turns.x, turned, left), stays_turned(was.turns.y, turned, right)),
+        stride,
+        0.0,
+    );
 }

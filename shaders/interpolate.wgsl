@@ -36,7 +36,9 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     position[agent] = there.xy;
     let turned = exact_wrap(was.heading + exact_wrap(now.heading - was.heading) * share);
     let stepped = on_the_way(vec4<f32>(was.elevation, was.stride, 0.0, 0.0), vec4<f32>(now.elevation, now.stride, 0.0, 0.0), share);
-    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w, stepped.y);
+    let feet = on_the_way(vec4<f32>(was.left, was.right), vec4<f32>(now.left, now.right), share);
+    let turns = on_the_way(vec4<f32>(was.turns, 0.0, 0.0), vec4<f32>(now.turns, 0.0, 0.0), share).xy;
+    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w, feet.xy, feet.zw, turns, stepped.y, 0.0);
 
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
     let strides = u32(f32((now.phase - was.phase) >> 8u) * min(share, 0.99999994));

@@ -15,8 +15,9 @@ fn keep_snapshot(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= between.agent_count {
         return;
     }
+    let own = stance[agent];
     snapshots[snapshot_of(place, agent)] = Snapshot(
-        position[agent], stance[agent].heading, stance[agent].walk_weight, gait_weights[agent], phase[agent],
-        elevation[agent], stance[agent].stride, 0u,
+        position[agent], own.heading, own.walk_weight, gait_weights[agent], phase[agent], elevation[agent],
+        own.stride, 0.0, own.left, own.right, own.turns, vec2<f32>(0.0, 0.0),
     );
 }

@@ -33,7 +33,8 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
         velocity[agent] = v;
         let speed = sqrt(dot2(v, v));
         if speed > WALKING_SPEED {
-            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0, stride_at(speed, body[agent].walk_ratio));
+            let aside = vec2<f32>(0.0, 0.0);
+            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0, aside, aside, aside, stride_at(speed, body[agent].walk_ratio), 0.0);
         } else {
             stance[agent].walk_weight = 0.0;
         }

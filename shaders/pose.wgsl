@@ -40,7 +40,6 @@ const REST_SPREAD: u32 = 0x20000000u; // of the loop, before and behind its ends
 const SIDE: u32 = 0x51de0000u;
 const SHIFT: u32 = 0x5417f000u;
 const REST: u32 = 0x4e570000u;
-const FEET: u32 = 0xfee70000u;
 
 // The phase at which it rests after its shift of that number: about the left leg, then about the right.
 fn rest_phase(agent: u32, number: u32) -> u32 {
@@ -84,7 +83,7 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     let stands = moods_of(weights, emotion_of(own)) * (1.0 - walk);
     let avatar = avatar_of(own);
     let clips = gaits[agent];
-    let first = frame.standing_clips[avatar / 4u][avatar % 4u] + own_draw(agent, FEET, 0u) % STANCES;
+    let first = frame.standing_clips[avatar / 4u][avatar % 4u] + stance_of(agent);
     let strides = phase[agent];
     var ids = array<u32, 8>(clips.x, clips.y, clips.z, clips.w, first, first + STANCES, first + 2u * STANCES, first + 3u * STANCES);
     var shares = array<f32, 8>(weights.x * unit, weights.y * unit, weights.z * unit, weights.w * unit, stands.x, stands.y, stands.z, stands.w);

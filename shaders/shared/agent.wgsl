@@ -26,7 +26,11 @@ struct Avoidance {
 struct Stance {
     heading: f32,     // about +y, rad; 0 faces +z
     walk_weight: f32, // 0 stands, 1 walks
+    left: vec2<f32>,  // m, world: from where the gait has the foot to where it is
+    right: vec2<f32>,
+    turns: vec2<f32>, // rad: the same of where left and right foot point to
     stride: f32,      // m that a stride covers now
+    unused: f32,
 }
 
 // Buffer `appearance`.

@@ -15,7 +15,11 @@ struct Snapshot {
     phase: u32,              // the whole range is one stride
     elevation: f32,          // m
     stride: f32,             // m
-    unused: u32,
+    unused: f32,
+    left: vec2<f32>,         // m, see Stance
+    right: vec2<f32>,
+    turns: vec2<f32>,        // rad
+    spare: vec2<f32>,
 }
 
 fn snapshot_of(place: u32, agent: u32) -> u32 {

@@ -2,6 +2,19 @@
 // How people stand: how much and in which emotions, and what is an agent's own. All of it is a function of the agent's number,
 // what it shows and the time; clocks are integers, so that hours cost no precision. Twin: reference::standing.
 const STANCES: u32 = 3u; // places of the feet; an avatar's standing clips: [emotion][stance]
+const STANCE_WIDTH: f32 = 1.12;   // how far the ankles are apart, in widths of the hips
+const STANCE_AHEAD: f32 = 0.045;  // how far one foot is ahead and the other one behind, in lengths of the leg
+const FEET: u32 = 0xfee70000u;    // what an agent draws its stance for
+
+// Which places of the feet are an agent's: side by side, left ahead, right ahead.
+fn stance_of(agent: u32) -> u32 {
+    return own_draw(agent, FEET, 0u) % STANCES;
+}
+
+// How far the left foot is ahead in a stance, and the right one behind, in lengths of the leg.
+fn left_ahead(stance: u32) -> f32 {
+    return select(select(0.0, STANCE_AHEAD, stance == 1u), -STANCE_AHEAD, stance == 2u);
+}
 
 // How much an agent walks, 0 to 1. With no gait to walk in, it stands.
 fn walk_share(weights: vec4<f32>, walk_weight: f32) -> f32 {

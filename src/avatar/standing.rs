@@ -9,6 +9,7 @@ use super::retarget::{Foot, Posture, frame};
 use super::{Avatar, CLIP_FRAMES, Clip, ClipFrame};
 use crate::emotion::Emotion;
 use crate::kernels::shared::standing::index::STANCES;
+use crate::kernels::shared::standing::{STANCE_AHEAD, STANCE_WIDTH};
 use glam::{Quat, Vec3};
 use std::f32::consts::TAU;
 
@@ -99,12 +100,10 @@ struct Stance {
 /// Side by side; the left foot ahead; the right foot ahead.
 const FEET: [Stance; STANCES] = [
     Stance { ahead: [0.0, 0.0], toes_out: [9.0, 9.0] },
-    Stance { ahead: [0.045, -0.045], toes_out: [6.0, 17.0] },
-    Stance { ahead: [-0.045, 0.045], toes_out: [17.0, 6.0] },
+    Stance { ahead: [STANCE_AHEAD, -STANCE_AHEAD], toes_out: [6.0, 17.0] },
+    Stance { ahead: [-STANCE_AHEAD, STANCE_AHEAD], toes_out: [17.0, 6.0] },
 ];
 
-/// How far the ankles are apart, in widths of the hips.
-const WIDTH: f32 = 1.12;
 /// How far the hips stand before the ankles, in lengths of the leg.
 const HIPS_AHEAD: f32 = 0.025;
 /// How far the hips go back for a trunk that bends forward by a radian, in lengths of the leg.
@@ -150,7 +149,7 @@ fn feet(rig: &Rig, stance: &Stance) -> [Foot; 2] {
         let ahead = stance.ahead[side] * rig.leg_length();
         let turn = Quat::from_rotation_y(outward(side) * stance.toes_out[side].to_radians());
         Foot {
-            ankle: Vec3::new(WIDTH * (hip.x - hips.x), -rig.soles[side].lowest(0.0), hips.z + ahead),
+            ankle: Vec3::new(STANCE_WIDTH * (hip.x - hips.x), -rig.soles[side].lowest(0.0), hips.z + ahead),
             turn,
         }
     })

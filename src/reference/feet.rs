@@ -1,17 +1,19 @@
 //! Feet where the strides have them, and legs that reach them.
 
 use super::body::{joint_forward, joint_translation, visible_agents};
-use super::exact::{atan2, greater, sin_cos};
+use super::exact::{atan2, dot2, greater, sin_cos};
 use super::quaternion::{
-    add3, cross3, dot3, limit, quat_conjugate, quat_from_rows, quat_lerp, quat_mul, quat_normalize,
-    quat_rotate, scale3, sub3, xyz,
+    add3, cross3, dot3, limit, quat_before_yaw, quat_conjugate, quat_from_rows, quat_lerp, quat_mul,
+    quat_normalize, quat_rotate, scale3, sub3, xyz,
 };
-use super::standing::walk_share;
+use super::standing::{left_ahead, stance_of, walk_share};
 use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
-    HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, REACHES, STRAIGHTER, Slices, UPRIGHT,
+    HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, NOT_SEEN, REACHES, STRAIGHTER, Slices, UPRIGHT,
 };
+use crate::kernels::layout::{Appearance, Stance};
 use crate::kernels::shared::body::index::{JOINTS, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
+use crate::kernels::shared::standing::STANCE_WIDTH;
 use rayon::prelude::*;
 
 /// A leg in model space: places in m, rotations from the joints.
@@ -54,8 +56,16 @@ fn quat_turned_down(
     [w * qx + x * qw - z * qy, w * qy - x * qz + z * qx, w * qz + x * qy + z * qw, w * qw - x * qx - z * qz]
 }
 
-/// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay.
-fn stepped(leg: Leg, rig: &[[f32; 4]], avatar: usize, first: usize, along: f32, lift: f32) -> Leg {
+/// The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay. In a stand the ankle is there,
+/// to the left and ahead.
+fn stepped(
+    leg: Leg,
+    rig: &[[f32; 4]],
+    avatar: usize,
+    first: usize,
+    [stands_x, stands_z]: [f32; 2],
+    stride: f32,
+) -> Leg {
     let bind = avatar * RIG_STRIDE + (first + 2) * 4 + 1;
     let [x, y, z] = [0, 1, 2].map(|row| xyz(rig[bind + row]));
     let [xw, yw, zw] = [0, 1, 2].map(|row| {
@@ -76,15 +86,28 @@ fn stepped(leg: Leg, rig: &[[f32; 4]], avatar: usize, first: usize, along: f32, 
     let contact = if pitch > 0.0 { [-(bx * HEEL), by, -(bz * HEEL)] } else { ball };
     let arm = quat_rotate(leg.foot, [dot3(x, contact), dot3(y, contact), dot3(z, contact)]);
     let level = turned_down(arm, ahead, sin_cos(pitch));
-    let down = pitch * (1.0 - lift);
+    let short = greater(1.0 - stride, 0.0);
+    let down = pitch * short;
     let rolled = turned_down(arm, ahead, sin_cos(down));
     let [above_x, above_y, above_z] = sub3(add3(leg.ankle, arm), level);
-    let there = [above_x, ay + (above_y - ay) * lift, above_z * along];
+    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let there = [
+        above_x + (stands_x - above_x) * short,
+        ay + (above_y - ay) * lift,
+        stands_z + (above_z - stands_z) * stride,
+    ];
     Leg {
         ankle: sub3(add3(there, level), rolled),
         foot: quat_turned_down(leg.foot, ahead, sin_cos(0.5 * down)),
         ..leg
     }
+}
+
+/// The leg with its foot so far off, in the world, m; the body heads to (sine, cosine).
+fn put(leg: Leg, [off_x, off_z]: [f32; 2], turn: f32, [sine, cosine]: [f32; 2]) -> Leg {
+    let [x, y, z] = leg.ankle;
+    let ankle = [x + (cosine * off_x - sine * off_z), y, z + (cosine * off_z + sine * off_x)];
+    Leg { ankle, foot: quat_before_yaw(turn, leg.foot), ..leg }
 }
 
 /// How much too high a hip is for the leg to reach its ankle, m.
@@ -131,27 +154,42 @@ fn bent(before: Leg, after: Leg, hip: [f32; 3], pelvis: [f32; 4], left: [f32; 3]
     ]
 }
 
-/// Takes a body's strides as they are, `walk` of the whole.
-fn shorten(pose: &mut [[f32; 4]], rig: &[[f32; 4]], avatar: usize, walk: f32) {
+/// Takes a body's strides and feet as they are; it walks so much.
+fn placed(pose: &mut [[f32; 4]], rig: &[[f32; 4]], agent: u32, own: &Stance, looks: &Appearance, walk: f32) {
+    let (avatar, scale) = (looks.avatar() as usize, looks.scale);
     let [root_x, root_y, root_z, stride] = pose[JOINTS];
     let pelvis = pose[0];
     let legs = [LEFT_LEG, RIGHT_LEG].map(|first| leg_of(pose, rig, avatar, first));
     let short = walk * greater(1.0 - stride, 0.0);
-    let along = 1.0 + walk * (stride - 1.0);
-    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
     let [left, right] = legs;
-    let feet = [(left, LEFT_LEG), (right, RIGHT_LEG)]
-        .map(|(leg, first)| stepped(leg, rig, avatar, first, along, lift));
-
     let rows = avatar * RIG_STRIDE;
     let [rest_x, rest_y, rest_z] = [1, 2, 3].map(|row| xyz(rig[rows + row]));
     let upright = quat_conjugate(quat_from_rows(rest_x, rest_y, rest_z));
+    let leg = length(sub3(left.knee, left.hip)) + length(sub3(left.ankle, left.knee));
+    let longest = REACHES * leg;
+
+    let rest = joint_translation(rig, avatar, 0);
+    let [left_hip, right_hip] = [LEFT_LEG, RIGHT_LEG]
+        .map(|first| add3(rest, quat_rotate(upright, joint_translation(rig, avatar, first))));
+    let [middle_x, _, middle_z] = scale3(add3(left_hip, right_hip), 0.5);
+    let [left_x, ..] = left_hip;
+    let aside = STANCE_WIDTH * (left_x - middle_x);
+    let ahead = left_ahead(stance_of(agent)) * leg;
+    let heading = sin_cos(own.heading);
+    let [left_turn, right_turn] = own.turns;
+    let at_left = [middle_x + aside, middle_z + ahead];
+    let at_right = [middle_x - aside, middle_z - ahead];
+    let feet =
+        [(left, LEFT_LEG, at_left, own.left, left_turn), (right, RIGHT_LEG, at_right, own.right, right_turn)]
+            .map(|(leg, first, stands, off, turn)| {
+                let leg = stepped(leg, rig, avatar, first, stands, stride);
+                put(leg, off.map(|part| part / scale), turn, heading)
+            });
+
     let turned = quat_normalize(quat_lerp(pelvis, upright, short));
-    let [_, rest_height, _] = joint_translation(rig, avatar, 0);
+    let [_, rest_height, _] = rest;
     let swing = 1.0 - short;
     let arms = [LEFT_LEG, RIGHT_LEG].map(|first| quat_rotate(turned, joint_translation(rig, avatar, first)));
-    let (upper, lower) = (sub3(left.knee, left.hip), sub3(left.ankle, left.knee));
-    let longest = REACHES * (length(upper) + length(lower));
     let square = stride * stride;
     let rise =
         (rest_height * UPRIGHT - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
@@ -177,12 +215,16 @@ fn shorten(pose: &mut [[f32; 4]], rig: &[[f32; 4]], avatar: usize, walk: f32) {
 pub fn feet(b: Slices<'_>) {
     let Slices { visible, stance, appearance, gait_weights, rig, local_rotations } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
-    visible_agents(visible).par_iter().zip(slots).for_each(|(agent, pose)| {
-        let agent = *agent as usize;
-        let walk = walk_share(gait_weights[agent], stance[agent].walk_weight);
+    visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
+        let agent = *number as usize;
+        let own = &stance[agent];
+        let walk = walk_share(gait_weights[agent], own.walk_weight);
         let [.., stride] = pose[JOINTS];
-        if walk > 0.0 && stride != 1.0 {
-            shorten(pose, rig, appearance[agent].avatar() as usize, walk);
+        let [left_turn, right_turn] = own.turns;
+        let is_off = dot2(own.left, own.left) + dot2(own.right, own.right) > NOT_SEEN * NOT_SEEN
+            || greater(left_turn.abs(), right_turn.abs()) > NOT_SEEN;
+        if (walk > 0.0 && stride != 1.0) || is_off {
+            placed(pose, rig, *number, own, &appearance[agent], walk);
         }
     });
 }

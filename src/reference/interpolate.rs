@@ -20,11 +20,16 @@ pub fn interpolate(b: Slices<'_>) {
         let share = if walked { b.between.share } else { 1.0 };
 
         b.position[agent] = [0, 1].map(|axis| on_the_way(was.position[axis], now.position[axis], share));
+        let both = |was: [f32; 2], now: [f32; 2]| [0, 1].map(|i| on_the_way(was[i], now[i], share));
         let turned = wrap(was.heading + wrap(now.heading - was.heading) * share);
         b.stance[agent] = Stance {
             heading: if share >= 1.0 { now.heading } else { turned },
             walk_weight: on_the_way(was.walk_weight, now.walk_weight, share),
+            left: both(was.left, now.left),
+            right: both(was.right, now.right),
+            turns: both(was.turns, now.turns),
             stride: on_the_way(was.stride, now.stride, share),
+            unused: 0.0,
         };
         let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
         b.phase[agent] = if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) };

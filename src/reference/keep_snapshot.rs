@@ -7,7 +7,7 @@ use crate::kernels::layout::{Snapshot, Stance};
 /// Twin of `shaders/keep_snapshot.wgsl`.
 pub fn keep_snapshot(b: Slices<'_>) {
     for agent in 0..b.between.agent_count as usize {
-        let Stance { heading, walk_weight, stride } = b.stance[agent];
+        let Stance { heading, walk_weight, left, right, turns, stride, .. } = b.stance[agent];
         b.snapshots[index_of(b.between, b.place, agent)] = Snapshot {
             position: b.position[agent],
             heading,
@@ -16,6 +16,9 @@ pub fn keep_snapshot(b: Slices<'_>) {
             phase: b.phase[agent],
             elevation: b.elevation[agent],
             stride,
+            left,
+            right,
+            turns,
             ..Snapshot::default()
         };
     }

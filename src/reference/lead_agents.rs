@@ -22,7 +22,8 @@ pub fn lead_agents_appear(b: Slices<'_>) {
             let speed = dot2(velocity, velocity).sqrt();
             if speed > WALKING_SPEED {
                 let stride = stride_at(speed, b.body[agent].walk_ratio);
-                b.stance[agent] = Stance { heading: atan2(vx, vz), walk_weight: 1.0, stride };
+                b.stance[agent] =
+                    Stance { heading: atan2(vx, vz), walk_weight: 1.0, stride, ..Stance::default() };
             } else {
                 b.stance[agent].walk_weight = 0.0;
             }

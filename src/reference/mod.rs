@@ -19,6 +19,7 @@ pub mod careful;
 pub mod contact;
 pub mod crowding;
 pub mod exact;
+pub mod footing;
 pub mod neighbours;
 pub mod orca;
 pub mod precedence;

@@ -3,10 +3,10 @@
 use super::body::{CLIP_STRIDE, visible_agents};
 use super::exact::unit_f32;
 use super::quaternion::{add4, dot4, lerp4, limit, negate4, quat_lerp, quat_normalize, scale4};
-use super::standing::{eased, moods_of, own_draw, walk_share};
+use super::standing::{eased, moods_of, own_draw, stance_of, walk_share};
 use crate::kernels::pose::index::{FIRST_LEG, FIRST_UPPER, GAITS, HALF_CLIP, SAMPLES};
 use crate::kernels::pose::{
-    AS_USUAL, FEET, LEAST_TRAVEL, LONGEST, REST, REST_SPREAD, SHIFT, SHIFT_EVERY, SHIFT_LASTS, SHIFT_SPAN,
+    AS_USUAL, LEAST_TRAVEL, LONGEST, REST, REST_SPREAD, SHIFT, SHIFT_EVERY, SHIFT_LASTS, SHIFT_SPAN,
     SHIFT_SPREAD, SIDE, Slices,
 };
 use crate::kernels::shared::body::index::{CLIP_FRAMES, JOINTS, POSE_STRIDE};
@@ -106,7 +106,7 @@ pub fn pose(b: Slices<'_>) {
         let [s0, s1, s2, s3] = scale4(moods_of(gait_weights[agent], own.emotion()), 1.0 - walk);
         let avatar = own.avatar() as usize;
         let [c0, c1, c2, c3] = gaits[agent];
-        let first = frame.standing_clips[avatar / 4][avatar % 4] + own_draw(*number, FEET, 0) % STANCES;
+        let first = frame.standing_clips[avatar / 4][avatar % 4] + stance_of(*number);
         let ids = [c0, c1, c2, c3, first, first + STANCES, first + 2 * STANCES, first + 3 * STANCES];
         let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, s0, s1, s2, s3];
         let samples: [Sample; SAMPLES] = std::array::from_fn(|i| {

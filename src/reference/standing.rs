@@ -2,6 +2,21 @@
 
 use super::exact::hash_u32;
 use super::quaternion::limit;
+use crate::kernels::shared::standing::{FEET, STANCE_AHEAD, STANCES};
+
+/// Which places of the feet are an agent's: side by side, left ahead, right ahead.
+pub fn stance_of(agent: u32) -> u32 {
+    own_draw(agent, FEET, 0) % STANCES
+}
+
+/// How far the left foot is ahead in a stance, and the right one behind, in lengths of the leg.
+pub fn left_ahead(stance: u32) -> f32 {
+    match stance {
+        1 => STANCE_AHEAD,
+        2 => -STANCE_AHEAD,
+        _ => 0.0,
+    }
+}
 
 /// How much an agent walks, 0 to 1.
 pub fn walk_share([x, y, z, w]: [f32; 4], walk_weight: f32) -> f32 {

@@ -138,8 +138,12 @@ impl Replay {
             store.position[agent] = start.position.to_array();
             store.velocity[agent] = start.velocity.to_array();
             let stride = stride_at(start.velocity.length(), store.body[agent].walk_ratio);
-            store.stance[agent] =
-                Stance { heading: facing(start), walk_weight: if walks { 1.0 } else { 0.0 }, stride };
+            store.stance[agent] = Stance {
+                heading: facing(start),
+                walk_weight: if walks { 1.0 } else { 0.0 },
+                stride,
+                ..Stance::default()
+            };
         }
     }
 

@@ -302,6 +302,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         heading: agent.heading,
         walk_weight: f32::from(u8::from(reaction == 0)),
         stride: stride_at(preferred_speed, walk_ratio),
+        ..Stance::default()
     });
     store.phase.push(agent.phase);
     let length = agent.route_length.max(1);

@@ -415,7 +415,15 @@ mod tests {
         let mut store = Store {
             position: vec![[1.0, 2.0], [crate::ground::ABSENT; 2]],
             velocity: vec![[3.0, 4.0]; 2],
-            stance: vec![Stance { heading: std::f32::consts::FRAC_PI_2, walk_weight: 1.0, stride: 1.4 }; 2],
+            stance: vec![
+                Stance {
+                    heading: std::f32::consts::FRAC_PI_2,
+                    walk_weight: 1.0,
+                    stride: 1.4,
+                    ..Stance::default()
+                };
+                2
+            ],
             route: vec![Route { arrivals: 3, ..Route::new(1, 2, true, 1) }; 2],
             body: vec![Body { radius: 0.3, max_speed: 2.0, preferred_speed: 1.5, walk_ratio: 0.4 }; 2],
             stages: [0.0, 4.0, 8.0].map(|x| Stage { kind: GOAL, ..Stage::waypoint([x, 0.5], 0.0) }).to_vec(),

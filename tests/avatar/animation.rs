@@ -4,7 +4,6 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
-use gaitway::kernels::pose::FEET;
 use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
     HEAD, LEFT_EYE, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_STRIDE,
@@ -16,7 +15,7 @@ use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slots};
 use gaitway::reference::exact::unit_f32;
 use gaitway::reference::pose::weight_phase;
-use gaitway::reference::standing::own_draw;
+use gaitway::reference::standing::stance_of;
 use gaitway::verify::cases::animation::{
     AVATARS, GAITS, TRAVEL, animation, avatar, dispatches, vertex_elements,
 };
@@ -310,7 +309,7 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
     store.position[0] = [1.0, 3.0];
-    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL };
+    store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
     store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
     store.gaits[0] = [0, 1, 2, 0];
     store.gait_weights[0] = [1.0, 0.0, 0.0, 0.0];
@@ -397,7 +396,7 @@ fn without_walk_or_without_weights_an_agent_stands_in_the_emotion_it_shows() {
             store.appearance[0].set_emotion(emotion);
             run_without_idle(&mut store);
             let phase = weight_phase(0, emotion as usize, store.frame.gaze_time);
-            let feet = own_draw(0, FEET, 0) % STANCES;
+            let feet = stance_of(0);
             let clip = GAITS + (emotion * STANCES + feet) as usize;
             let (frame, way) = ((phase >> 26) as usize, unit_f32(phase << 6));
             for joint in 0..JOINT_COUNT {

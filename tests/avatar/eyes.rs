@@ -157,7 +157,7 @@ fn blinks_come_every_two_to_six_seconds_and_last_a_seventh_of_one() {
 fn sad_eyes_rest_on_the_ground_two_to_four_metres_ahead_and_others_do_not() {
     for walk in [0.0, 1.0] {
         let mut store = standing(Emotion::Sad, NATURAL, seen(0.0, 2.0, 1.6));
-        store.stance[0] = Stance { heading: 2.1, walk_weight: walk, stride: TRAVEL };
+        store.stance[0] = Stance { heading: 2.1, walk_weight: walk, stride: TRAVEL, ..Stance::default() };
         run(&mut store);
         for time in (0..30_000).step_by(50) {
             at_time(&mut store, time);

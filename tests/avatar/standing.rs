@@ -26,7 +26,7 @@ const PICTURE: u32 = 14;
 fn walk(store: &mut Store, walk_weight: f32) {
     for (own, [gait, ..]) in store.stance.iter_mut().zip(&store.gaits) {
         let [.., stride] = store.clip_frames[*gait as usize * CLIP_FRAMES * POSE_STRIDE + JOINT_COUNT];
-        *own = Stance { heading: 0.0, walk_weight, stride };
+        *own = Stance { heading: 0.0, walk_weight, stride, ..Stance::default() };
     }
 }
 

@@ -38,7 +38,7 @@ impl Walker {
         store.position = vec![[0.0, 0.0]];
         store.phase = vec![0];
         let stride = 2.0 * (speed * body.walk_ratio).sqrt();
-        store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride }];
+        store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride, ..Stance::default() }];
         store.clip_frames = bodies::pack_clips(cast.clips());
         store.rig = bodies::pack_rig(cast.avatars());
         store.frame.clip_count = cast.clips().len() as u32;
@@ -58,10 +58,10 @@ impl Walker {
         Self::new(gait, body, share * speed)
     }
 
-    /// Goes on to the next picture at a speed, m/s.
-    fn go(&mut self, speed: f32) {
+    /// Goes on to the next picture at a velocity, m/s.
+    fn go(&mut self, velocity: [f32; 2]) {
         self.store.agent_slot[0] = 0;
-        self.store.new_velocity[0] = [0.0, speed];
+        self.store.new_velocity[0] = velocity;
         for phase in [Phase::Integrate, Phase::Pose, Phase::Feet] {
             reference::run(phase, &mut self.store, 0);
         }
@@ -72,8 +72,10 @@ impl Walker {
         let pose = &self.store.local_rotations;
         let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
         let [x, z] = self.store.position[0];
-        let root = Vec4::from_array(pose[JOINT_COUNT]).truncate() + Vec3::new(x, 0.0, z);
-        self.avatar.model_from_joint(&rotations, root)
+        let root = Vec4::from_array(pose[JOINT_COUNT]).truncate();
+        let heading = Quat::from_rotation_y(self.store.stance[0].heading);
+        let world = Mat4::from_rotation_translation(heading, Vec3::new(x, 0.0, z));
+        self.avatar.model_from_joint(&rotations, root).map(|model| world * model)
     }
 
     /// Points of a sole up to the ball of the foot, m: the toes bend.
@@ -119,14 +121,18 @@ struct Seen {
 }
 
 fn watch(walker: &mut Walker, speed: f32, seconds: f32) -> Seen {
+    watch_all(walker, |_| [0.0, speed], seconds)
+}
+
+fn watch_all(walker: &mut Walker, velocity: impl Fn(f32) -> [f32; 2], seconds: f32) -> Seen {
     let feet = [Joint::LeftFoot, Joint::RightFoot];
     let mut seen = Seen { lowest: 1.0, ..Seen::default() };
     let mut marks: Vec<Option<(Vec3, Vec3)>> = Vec::new();
     let (mut roots, mut hands, mut knees) = (Vec::new(), Vec::new(), vec![(0.0, 0.0); 100]);
     let (mut total, mut count) = (0.0, 0.0);
-    for _ in 0..(seconds * PICTURES) as usize {
+    for picture in 0..(seconds * PICTURES) as u16 {
         let before = walker.store.phase[0];
-        walker.go(speed);
+        walker.go(velocity(f32::from(picture) / PICTURES));
         let gone = walker.store.phase[0].wrapping_sub(before) as f32 / 2.0_f32.powi(32);
         seen.strides += gone;
         let points = feet.map(|foot| walker.sole(foot)).concat();
@@ -251,7 +257,7 @@ fn nothing_jumps_while_somebody_sets_off_hurries_and_stops() {
                 ..7.0 => 1.3 * own,
                 _ => (1.3 * own - 1.5 * (time - 7.0)).max(0.0),
             };
-            walker.go(speed);
+            walker.go([0.0, speed]);
             let joints = walker.joints().map(|joint| joint.to_scale_rotation_translation().1);
             if let Some(before) = before {
                 let turned = before.iter().zip(&joints).map(|(a, b)| a.angle_between(*b));
@@ -261,5 +267,55 @@ fn nothing_jumps_while_somebody_sets_off_hurries_and_stops() {
         }
         println!("{emotion}: {:.1} degrees in a picture", worst.to_degrees());
         assert!(worst.to_degrees() < 7.0, "{emotion}: {} degrees", worst.to_degrees());
+    }
+}
+
+/// Puts somebody who walks at the gait's speed at a phase of the stride, and stands still from then on.
+fn stopped(emotion: Emotion, phase: u32) -> (Walker, Seen) {
+    let mut walker = Walker::person(emotion, walker::Sex::Female, 1.0);
+    let speed = walker.speed;
+    watch(&mut walker, speed, 3.0);
+    while (walker.store.phase[0].wrapping_sub(phase) as i32).unsigned_abs() > 1 << 26 {
+        walker.go([0.0, speed]);
+    }
+    let seen = watch(&mut walker, 0.0, 4.0);
+    (walker, seen)
+}
+
+#[test]
+fn who_stops_finishes_the_step() {
+    for (emotion, part) in Emotion::ALL.into_iter().flat_map(|e| (0..8u32).map(move |part| (e, part))) {
+        let (walker, seen) = stopped(emotion, part << 29);
+        let own = walker.store.stance[0];
+        println!(
+            "{emotion} {part}: {:?} slide {}, {} strides; {own:?}",
+            seen.moves, seen.slide, seen.strides
+        );
+    }
+}
+
+#[test]
+fn who_turns_on_the_spot_steps() {
+    for emotion in Emotion::ALL {
+        let (mut walker, _) = stopped(emotion, 0);
+        // slower than anybody walks
+        let seen = watch_all(&mut walker, |time| if time < 2.0 { [-0.06, -0.01] } else { [0.0, 0.0] }, 5.0);
+        let own = walker.store.stance[0];
+        println!("{emotion}: {:?} slide {}, {} strides; {own:?}", seen.moves, seen.slide, seen.strides);
+    }
+}
+
+#[test]
+fn who_goes_in_circles_plants_the_feet() {
+    for (emotion, radius) in Emotion::ALL.into_iter().flat_map(|e| [1.0, 2.0, 5.0].map(|radius| (e, radius)))
+    {
+        let mut walker = Walker::person(emotion, walker::Sex::Female, 0.8);
+        let speed = 0.8 * walker.speed;
+        let way = |time: f32| {
+            let (sine, cosine) = (time * speed / radius).sin_cos();
+            [speed * sine, speed * cosine]
+        };
+        let seen = watch_all(&mut walker, way, 10.0);
+        println!("{emotion} {radius}: {:?} slide {} {:?}", seen.moves, seen.slide, walker.store.stance[0]);
     }
 }

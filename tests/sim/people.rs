@@ -27,7 +27,7 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     store.body = (0..count).map(|i| body(speeds[i % speeds.len()])).collect();
     store.avoidance = vec![avoidance(2.0, 5.0, 10, 0.0); count];
     store.elevation = vec![0.0; count];
-    store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4 }; count];
+    store.stance = vec![Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4, ..Stance::default() }; count];
     store.phase = vec![0; count];
     store.stages = vec![Stage::waypoint([1e4, 0.0], 1.0)];
     store.route = vec![Route::new(0, 1, false, 0); count];

@@ -329,7 +329,11 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     // strides as long as those of the gaits, or of every length from none on
     let stride = [TRAVEL, 1.6 * TRAVEL * unit_f32(hash_u32(agent as u32 ^ 0x57e9))]
         [usize::from(!agent.is_multiple_of(4))];
-    store.stance.push(Stance { heading: dice.between(-3.1, 3.1), walk_weight: walk, stride });
+    // feet where the gait has them, or off to any side
+    let mut off = |most: f32| if agent.is_multiple_of(3) { 0.0 } else { dice.between(-most, most) };
+    let [left, right, turns] = [[off(0.5), off(0.5)], [off(0.5), off(0.5)], [off(1.0), off(1.0)]];
+    let heading = dice.between(-3.1, 3.1);
+    store.stance.push(Stance { heading, walk_weight: walk, left, right, turns, stride, unused: 0.0 });
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
     let scale = dice.between(0.9, 1.1);
@@ -447,7 +451,8 @@ fn make_hard(store: &mut Store, agent: usize, hard: Hard, user_eyes: Vec3) {
         Hard::StraightBehind => {
             // faces away from the user, in front of the camera
             store.position[agent] = [user_eyes.x, user_eyes.z + 2.0];
-            store.stance[agent] = Stance { heading: 0.0, walk_weight: 1.0, stride: TRAVEL };
+            store.stance[agent] =
+                Stance { heading: 0.0, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
             store.appearance[agent].traits = angry_gazer;
         }
     }

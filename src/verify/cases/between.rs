@@ -44,7 +44,15 @@ pub fn between(agents: usize, seed: u32) -> Store {
             _ => {}
         }
         store.position.push(stands);
-        store.stance.push(Stance { heading, walk_weight: random(8), stride: within(20, 1.0).abs() });
+        store.stance.push(Stance {
+            heading,
+            walk_weight: random(8),
+            left: [22, 23].map(random),
+            right: [24, 25].map(random),
+            turns: [26, 27].map(random),
+            stride: random(20),
+            unused: 0.0,
+        });
         store.phase.push(phase);
         store.elevation.push(within(9, 4.0));
         store.gait_weights.push([10, 11, 12, 13].map(random));
@@ -56,7 +64,10 @@ pub fn between(agents: usize, seed: u32) -> Store {
             gait_weights: [16, 17, 18, 19].map(random),
             phase: was,
             elevation: within(15, 4.0),
-            stride: within(21, 1.0).abs(),
+            stride: random(21),
+            left: [28, 29].map(random),
+            right: [30, 31].map(random),
+            turns: [32, 33].map(random),
             ..Snapshot::default()
         };
     }

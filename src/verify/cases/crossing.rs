@@ -59,7 +59,7 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
         store.body.push(Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.3, walk_ratio: 0.4 });
         store.avoidance.push(avoidance(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
-        store.stance.push(Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4 });
+        store.stance.push(Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4, ..Stance::default() });
         store.phase.push(hash_u32(cell));
         store.route.push(Route::new(stream, 1, true, 0));
     }

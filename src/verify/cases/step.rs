@@ -178,7 +178,18 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
         store.avoidance.push(avoidance(1.0 + 2.0 * u(16), 3.0 + 2.0 * u(17), cap, priority));
         store.elevation.push((u(18) * 2.0).floor() * 3.0 + u(19));
         store.reaction.push(if i % 32 == 9 { (u(21) * 16.0) as u32 } else { 0 });
-        store.stance.push(Stance { heading: u(9) * 6.2 - 3.1, walk_weight: u(10), stride: 1.6 * u(24) });
+        let foot = |lane: u32| {
+            if i % 4 == 1 { [0.0; 2] } else { [u(lane) - 0.5, u(lane + 1) - 0.5].map(|off| 0.6 * off) }
+        };
+        store.stance.push(Stance {
+            heading: u(9) * 6.2 - 3.1,
+            walk_weight: [u(10), 0.0][usize::from(i % 3 == 1)],
+            left: foot(25),
+            right: foot(27),
+            turns: foot(29).map(|off| 3.0 * off),
+            stride: 1.6 * u(24),
+            unused: 0.0,
+        });
         store.phase.push(hash_u32(seed ^ i as u32));
         store.route.push(Route::new((i as u32 % 5) * 3, 3, u(11) < 0.5, i as u32 % 4));
     }

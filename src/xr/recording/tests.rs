@@ -25,7 +25,7 @@ fn crowd(gazes: bool) -> Store {
         step: StepUniforms { agent_count: 1, ..StepUniforms::default() },
         position: vec![[1.0, 2.0]],
         velocity: vec![[0.0; 2]],
-        stance: vec![Stance { heading: 0.5, walk_weight: 1.0, stride: 1.4 }],
+        stance: vec![Stance { heading: 0.5, walk_weight: 1.0, stride: 1.4, ..Stance::default() }],
         phase: vec![0],
         route: vec![Route::default()],
         waiting: vec![Waiting::default()],
