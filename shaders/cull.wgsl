@@ -31,7 +31,8 @@ fn is_usable(agent: u32, avatar: u32, scale: f32) -> bool {
     let weights = gait_weights[agent];
     return is_finite2(position[agent]) && abs(elevation[agent]) < ELEVATION_LIMIT
         && abs(own.heading) < HEADING_LIMIT && abs(own.walk_weight) < WEIGHT_LIMIT && abs(own.stride) < STRIDE_LIMIT
-        && is_finite2(own.left) && is_finite2(own.right) && is_finite2(own.turns)
+        && is_finite2(own.left) && is_finite2(own.right) && is_finite2(own.turns) && is_finite2(own.lean)
+        && is_finite2(own.heights) && is_finite2(own.slopes) && abs(own.foresight) < HEADING_LIMIT
         && scale > 0.0 && scale < SCALE_LIMIT
         && frame.clip_count > 0u && (avatar + 1u) * frame.level_count <= frame.bucket_count
         && gait_is_usable(clips.x, weights.x) && gait_is_usable(clips.y, weights.y)

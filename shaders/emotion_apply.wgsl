@@ -29,7 +29,9 @@ fn emotion_apply(@builtin(global_invocation_id) id: vec3<u32>) {
     gait_weights[agent] = q;
     let speed = sum_of(q, own.preferred_speeds);
     let walk_ratio = sum_of(q, own.walk_ratios);
-    body[agent] = Body(body[agent].radius, max(speed, min(speed * own.max_speed_factor, own.max_speed)), speed, walk_ratio);
+    body[agent].max_speed = max(speed, min(speed * own.max_speed_factor, own.max_speed));
+    body[agent].preferred_speed = speed;
+    body[agent].walk_ratio = walk_ratio;
 
     let shown = min(emotion_of(appearance[agent]), 3u);
     var strongest = shown;

@@ -1,16 +1,19 @@
-// uses: exact, quaternion, body, rig, agent, standing
+// uses: frame, exact, quaternion, body, rig, agent, standing
 // Puts the feet of every visible agent that walks where its strides have them, and bends the legs to reach them. `pose` has
 // drawn the strides of the gaits; people who go slower take shorter ones, and lift and roll their feet less.
 // A foot's way is scaled about where it is when the agent stands, so that a foot on the ground still goes back as fast as the
-// ground does, and strides of no length are a stand. It turns about the heel while the toes are up, about the ball while the heel is. Where a foot stays behind, see
-// footing, it is put there. The hips rise with the square of what
-// is missing, as the arc does that they go over a leg. Trunk and head stay as they are, and the pelvis swings less.
-@group(0) @binding(0) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
-@group(0) @binding(1) var<storage, read> stance: array<Stance>;                   // [agent]
-@group(0) @binding(2) var<storage, read> appearance: array<Appearance>;           // [agent]
-@group(0) @binding(3) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
-@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
-@group(0) @binding(5) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+// ground does, and strides of no length are a stand. It turns about the heel while the toes are up, about the ball while the
+// heel is. The hips rise with the square of what is missing, as the arc does that they go over a leg; the pelvis swings less.
+//
+// A foot that stays behind (see footing) is put there, as high and as steep as the floor is. The hips go with the mean of both
+// feet. The pelvis turns half as far as the body does before the feet. The trunk leans; the head does not, but turns ahead.
+@group(0) @binding(0) var<uniform> frame: FrameUniforms;
+@group(0) @binding(1) var<storage, read> visible: array<u32>;                     // [visible] agents, then NONE
+@group(0) @binding(2) var<storage, read> stance: array<Stance>;                   // [agent]
+@group(0) @binding(3) var<storage, read> appearance: array<Appearance>;           // [agent]
+@group(0) @binding(4) var<storage, read> gait_weights: array<vec4<f32>>;          // [agent]
+@group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
+@group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
 const LEAST_LIFT: f32 = 0.3;    // share of the lift of feet in a stride of no length
 const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
@@ -22,7 +25,10 @@ const LEAST_AHEAD: f32 = 0.1;   // cosine of the pitch of a foot beyond which it
 const HEEL: f32 = 0.4;          // from ankle to heel, as a share of the way from ankle to ball
 const KNEES_AHEAD: f32 = 0.05;  // sine of a bend that says where a knee points to
 
-const NOT_SEEN: f32 = 0.001; // m or rad that a foot is off without being put there
+const NOT_SEEN: f32 = 0.001;    // m, rad or slope that is left out
+const FROM_ANKLES: f32 = 0.4;   // share of a lean that the whole body has, not only the trunk
+const PELVIS_STAYS: f32 = 0.5;  // share of the feet's turn that the pelvis takes
+const NECK_TURNS: f32 = 0.5;    // share of the head's turn that the neck takes
 
 const LEFT_LEG: u32 = 10u;
 const RIGHT_LEG: u32 = 13u;
@@ -68,8 +74,8 @@ fn quat_turned_down(q: vec4<f32>, ahead: vec2<f32>, half_turn: vec2<f32>) -> vec
 }
 
 // The leg with its ankle and foot where a shorter or longer stride has them; hip and knee stay. `stands` is where the ankle is
-// in a stand, to the left and ahead.
-fn stepped(leg: Leg, avatar: u32, first: u32, stands: vec2<f32>, stride: f32) -> Leg {
+// in a stand, to the left and ahead. It rolls in the direction of a foot that will be turned by `turn`.
+fn stepped(leg: Leg, avatar: u32, first: u32, stands: vec2<f32>, stride: f32, turn: f32) -> Leg {
     let bind = avatar * RIG_STRIDE + (first + 2u) * 4u + 1u;
     let x = rig[bind];
     let y = rig[bind + 1u];
@@ -89,29 +95,74 @@ fn stepped(leg: Leg, avatar: u32, first: u32, stands: vec2<f32>, stride: f32) ->
     let arm = quat_rotate(leg.foot, vec3<f32>(dot3(x.xyz, contact), dot3(y.xyz, contact), dot3(z.xyz, contact)));
     let level = turned_down(arm, ahead, exact_sin_cos(pitch));
     let short = max(1.0 - stride, 0.0);
-    let down = pitch * short;
+    let slow = max(1.0 - stride * stride, 0.0); // slow walkers hardly push off
+    let down = pitch * slow;
     let rolled = turned_down(arm, ahead, exact_sin_cos(down));
     // where the ankle would be above a foot that lies flat
     let above = leg.ankle + arm - level;
-    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let lift = 1.0 - slow * (1.0 - LEAST_LIFT);
     let there = vec3<f32>(
         above.x + (stands.x - above.x) * short,
-        ankle.y + (above.y - ankle.y) * lift,
+        ankle.y + max(above.y - ankle.y, 0.0) * lift,
         stands.y + (above.z - stands.y) * stride,
     );
     var out = leg;
-    out.ankle = there + level - rolled;
+    out.ankle = there + turn_left(exact_sin_cos(turn), level - rolled);
     out.foot = quat_turned_down(leg.foot, ahead, exact_sin_cos(0.5 * down));
     return out;
 }
 
-// The leg with its foot so far off, in the world, m; the body heads to (sine, cosine).
-fn put(leg: Leg, off: vec2<f32>, turn: f32, heading: vec2<f32>) -> Leg {
+// Where a foot is beside where the gait has it.
+struct Off {
+    way: vec2<f32>, // m, in the frame of the body: to the left and ahead
+    turn: f32,      // rad
+    height: f32,    // m
+    slope: f32,     // upwards where the foot points to
+}
+
+// The leg with its foot so far off.
+fn put(leg: Leg, off: Off) -> Leg {
     var out = leg;
-    out.ankle.x = leg.ankle.x + (heading.y * off.x - heading.x * off.y);
-    out.ankle.z = leg.ankle.z + (heading.y * off.y + heading.x * off.x);
-    out.foot = quat_before_yaw(turn, leg.foot);
+    out.ankle = leg.ankle + vec3<f32>(off.way.x, off.height, off.way.y);
+    out.foot = quat_before_yaw(off.turn, leg.foot);
+    if abs(off.slope) > NOT_SEEN {
+        // about the axis across the way that the foot points to: toes up
+        let ahead = exact_sin_cos(off.turn);
+        out.foot = quat_turned_down(out.foot, ahead, exact_sin_cos(-0.5 * exact_atan2(off.slope, 1.0)));
+    }
     return out;
+}
+
+// A vector of the world, to the left and ahead of a body with that heading (sine, cosine).
+fn to_body(v: vec2<f32>, heading: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(heading.y * v.x - heading.x * v.y, heading.y * v.y + heading.x * v.x);
+}
+
+fn is_seen(v: vec2<f32>) -> bool {
+    return max(abs(v.x), abs(v.y)) > NOT_SEEN;
+}
+
+// Whether anything differs from a straight walk on a level floor.
+fn is_off(own: Stance) -> bool {
+    return is_seen(own.left) || is_seen(own.right) || is_seen(own.turns) || is_seen(own.lean)
+        || is_seen(own.heights) || is_seen(own.slopes) || abs(own.foresight) > NOT_SEEN;
+}
+
+// Turns the upper body over its pelvis: what was `before` in model space is `turned` now. The trunk keeps its place in space
+// but for the lean. Neck and head do not lean; without the formulas of the paper they turn ahead, to the left.
+fn hold_up(base: u32, before: vec4<f32>, turned: vec4<f32>, leans: vec4<f32>, foresight: f32) {
+    let trunk = quat_mul(before, local_rotations[base + SPINE]);
+    let leaning = quat_mul(leans, trunk);
+    local_rotations[base + SPINE] = quat_normalize(quat_mul(quat_conjugate(turned), leaning));
+    let is_paper = frame.gaze_mode != 0u;
+    if is_paper {
+        return;
+    }
+    let neck = quat_mul(trunk, local_rotations[base + NECK]);
+    let ahead = quat_before_yaw(NECK_TURNS * foresight, neck);
+    let head = quat_before_yaw(foresight, quat_mul(neck, local_rotations[base + HEAD]));
+    local_rotations[base + NECK] = quat_normalize(quat_mul(quat_conjugate(leaning), ahead));
+    local_rotations[base + HEAD] = quat_normalize(quat_mul(quat_conjugate(ahead), head));
 }
 
 // How much too high a hip is for the leg to reach its ankle, m.
@@ -162,9 +213,7 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let stride = root.w;
     let own = stance[agent];
     let walk = walk_share(gait_weights[agent], own.walk_weight);
-    let is_off = dot2(own.left, own.left) + dot2(own.right, own.right) > NOT_SEEN * NOT_SEEN
-        || max(abs(own.turns.x), abs(own.turns.y)) > NOT_SEEN;
-    if !(walk > 0.0 && stride != 1.0) && !is_off {
+    if !(walk > 0.0 && stride != 1.0) && !is_off(own) {
         return;
     }
     let avatar = avatar_of(appearance[agent]);
@@ -187,25 +236,32 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let left_stands = vec2<f32>(middle.x + aside, middle.z + ahead);
     let right_stands = vec2<f32>(middle.x - aside, middle.z - ahead);
     let heading = exact_sin_cos(own.heading);
-    let scale = appearance[agent].scale;
-    let left_foot = put(stepped(left, avatar, LEFT_LEG, left_stands, stride), own.left / scale, own.turns.x, heading);
-    let right_foot = put(stepped(right, avatar, RIGHT_LEG, right_stands, stride), own.right / scale, own.turns.y, heading);
+    let heights = own.heights / appearance[agent].scale;
+    let left_off = Off(to_body(own.left / appearance[agent].scale, heading), own.turns.x, heights.x, own.slopes.x);
+    let right_off = Off(to_body(own.right / appearance[agent].scale, heading), own.turns.y, heights.y, own.slopes.y);
+    let left_foot = put(stepped(left, avatar, LEFT_LEG, left_stands, stride, own.turns.x), left_off);
+    let right_foot = put(stepped(right, avatar, RIGHT_LEG, right_stands, stride, own.turns.y), right_off);
 
-    let turned = quat_normalize(quat_lerp(pelvis, upright, short));
+    let turn = PELVIS_STAYS * (0.5 * (own.turns.x + own.turns.y));
+    let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, short)));
+    let lean = to_body(own.lean, heading);
     let height = rig[rows].y * UPRIGHT;
     let swing = 1.0 - short;
     let left_arm = quat_rotate(turned, joint_translation(avatar, LEFT_LEG));
     let right_arm = quat_rotate(turned, joint_translation(avatar, RIGHT_LEG));
     let square = stride * stride;
     let rise = (height - root.y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
-    var hips = vec3<f32>(root.x * swing, root.y + rise, root.z * swing);
+    let sways = FROM_ANKLES * height;
+    var hips = vec3<f32>(
+        root.x + lean.x * sways, root.y + rise + 0.5 * (heights.x + heights.y), root.z * swing + lean.y * sways,
+    );
     let sinks = max(overreach(hips + left_arm, left_foot.ankle, longest), overreach(hips + right_arm, right_foot.ankle, longest));
     hips.y = hips.y - max(sinks, 0.0);
 
     let to_the_left = quat_rotate(turned, vec3<f32>(rig[rows + 1u].x, rig[rows + 2u].x, rig[rows + 3u].x));
     bend(base, LEFT_LEG, left, left_foot, hips + left_arm, turned, to_the_left);
     bend(base, RIGHT_LEG, right, right_foot, hips + right_arm, turned, to_the_left);
-    local_rotations[base + SPINE] = quat_normalize(quat_mul(quat_mul(quat_conjugate(turned), pelvis), local_rotations[base + SPINE]));
+    hold_up(base, pelvis, turned, quat_pitch_roll(lean.y, -lean.x), own.foresight);
     local_rotations[base] = turned;
     local_rotations[base + JOINTS] = vec4<f32>(hips, stride);
 }

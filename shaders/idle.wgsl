@@ -96,13 +96,6 @@ fn look_of(agent: u32, emotion: u32) -> vec2<f32> {
     return vec2<f32>(select(-yaw, yaw, (aside >> 31u) == 1u) * share, LOOK_DOWN * down * share);
 }
 
-// First to the right by `roll` about z (positive: the left side rises), then forwards by `pitch` about x.
-fn quat_pitch_roll(pitch: f32, roll: f32) -> vec4<f32> {
-    let x = exact_sin_cos(pitch * 0.5);
-    let z = exact_sin_cos(roll * 0.5);
-    return vec4<f32>(x.x * z.y, -(x.x * z.x), x.y * z.x, x.y * z.y);
-}
-
 @compute @workgroup_size(64)
 fn idle(@builtin(global_invocation_id) id: vec3<u32>) {
     var parents = array<u32, 16>(0u, 0u, 1u, 2u, 1u, 4u, 5u, 1u, 7u, 8u, 0u, 10u, 11u, 0u, 13u, 14u);

@@ -3,7 +3,7 @@
 // phase of its walk by distance over travel per stride so that feet do not slide (A-25), and blends to standing
 // below a threshold speed. A velocity that is not finite is not taken: the agent stays and is reported.
 // Strides follow the speed, with a delay. Feet on the ground stay where they are, whatever the body does; who stops or turns on
-// the spot takes steps until they are under it.
+// the spot takes steps until they are under it. Bodies lean where they are pushed to, and heads turn first.
 // The kernel runs last: it empties the cells for the next step, and counts the step.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> new_velocity: array<vec2<f32>>;    // [slot] m/s
@@ -19,12 +19,18 @@
 
 const TURNING_SPEED: f32 = 0.05; // m/s: slower than this the body does not turn
 // How fast a body turns to where it goes, share of the difference a second.
-const FOLLOW: f32 = 6.0;
+const FOLLOW: f32 = 4.5;
 // Strides become longer or shorter by at most so much, m/s; but the first of a walk has this share of its length at once.
 const STRIDE_RATE: f32 = 1.5;
 const STOP_RATE: f32 = 5.0; // m/s, of who does not walk
 const FIRST_STRIDE: f32 = 0.7;
-const LEAST_STRIDE: f32 = 0.1; // m
+
+const GRAVITY: f32 = 9.81;        // m/s^2: by the lean of an acceleration over it the feet do not have to run ahead
+const LEANS: f32 = 0.8;           // share of that lean
+const MOST_PUSH: f32 = 1.0;       // m/s^2 along either axis
+const LEANS_FOLLOW: f32 = 3.0;    // of the difference a second
+const MOST_FORESIGHT: f32 = 0.6;  // rad
+const HEADS_FOLLOW: f32 = 12.0;   // of the difference a second
 
 @compute @workgroup_size(64)
 fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -55,53 +61,48 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
         p = select(p, p + vec2<f32>(step.wrap), p < vec2<f32>(0.0));
     }
     position[agent] = p;
+    let push = (v - velocity[agent]) * step.inverse_time_step;
     velocity[agent] = v;
 
     let traits = body[agent];
-    let speed = sqrt(dot2(v, v));
-    var heading = stance[agent].heading;
-    if speed > TURNING_SPEED {
-        let most = step.turn_rate * step.time_step;
-        let turn = exact_wrap(exact_atan2(v.x, v.y) - heading);
-        let follow = min(FOLLOW * step.time_step, 1.0);
-        heading = exact_wrap(heading + clamp(turn * follow, -most, most));
-    }
     let was = stance[agent];
+    let stands = !(was.walk_weight > 0.0);
+    let speed = sqrt(dot2(v, v));
     let walking = speed > step.walk_speed * traits.preferred_speed;
     let steps = !walking && takes_a_step(was, phase[agent]);
+    var now = was;
+
+    var turn = 0.0; // what is left to turn
+    if speed > TURNING_SPEED {
+        turn = exact_wrap(exact_atan2(v.x, v.y) - was.heading);
+    }
+    let most = step.turn_rate * step.time_step;
+    let turned = clamp(turn * min(FOLLOW * step.time_step, 1.0), -most, most);
+    now.heading = exact_wrap(was.heading + turned);
+    now.foresight = was.foresight + (clamp(turn, -MOST_FORESIGHT, MOST_FORESIGHT) - was.foresight) * min(HEADS_FOLLOW * step.time_step, 1.0);
+    let leans = clamp(push, vec2<f32>(-MOST_PUSH), vec2<f32>(MOST_PUSH)) * (LEANS / GRAVITY);
+    now.lean = was.lean + (leans - was.lean) * min(LEANS_FOLLOW * step.time_step, 1.0);
+
     let blend = select(-step.blend_rate, step.blend_rate, walking || steps) * step.time_step;
+    now.walk_weight = clamp(was.walk_weight + blend, 0.0, 1.0);
     let wanted = stride_at(speed, traits.walk_ratio);
     let longer = select(STOP_RATE, STRIDE_RATE, walking) * step.time_step;
-    let stride = max(was.stride + clamp(wanted - was.stride, -longer, longer), FIRST_STRIDE * wanted);
+    now.stride = max(was.stride + clamp(wanted - was.stride, -longer, longer), FIRST_STRIDE * wanted);
+
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
-    let by_speed = min(speed * step.time_step / max(stride, LEAST_STRIDE), 0.5);
+    let by_speed = min(speed * step.time_step / max(now.stride, LEAST_STRIDE), 0.5);
     let strides = select(select(0.0, STEP_RATE * step.time_step, steps), by_speed, walking);
     let before = phase[agent];
-    let after = before + (u32(strides * 16777216.0) << 8u);
+    let after = select(before + (u32(strides * 16777216.0) << 8u), ready_phase(agent, was), stands && !walking && !steps);
     phase[agent] = after;
 
-    let stands = !(was.walk_weight > 0.0);
+    let here = going_of(agent, was, before, traits);
+    let there = going_of(agent, now, after, traits);
     let went = v * step.time_step;
-    let turned = exact_wrap(heading - was.heading);
-    let from_turn = exact_sin_cos(was.heading);
-    let to_turn = exact_sin_cos(heading);
-    let ahead = left_ahead(stance_of(agent)) * LEG;
-    let usual = max(stride_at(traits.preferred_speed, traits.walk_ratio), LEAST_STRIDE);
-    let lacked = max(1.0 - was.stride / usual, 0.0);
-    let lacks = max(1.0 - stride / usual, 0.0);
-    let left_way = went + ground_of(after, stride, lacks, 1.0, ahead, to_turn)
-        - ground_of(before, was.stride, lacked, 1.0, ahead, from_turn);
-    let right_way = went + ground_of(after + HALF, stride, lacks, -1.0, ahead, to_turn)
-        - ground_of(before + HALF, was.stride, lacked, -1.0, ahead, from_turn);
-    let left = left_over(before, after, stands);
-    let right = left_over(before + HALF, after + HALF, stands);
-    stance[agent] = Stance(
-        heading,
-        clamp(was.walk_weight + blend, 0.0, 1.0),
-        stays(was.left, left_way, left),
-        stays(was.right, right_way, right),
-        vec2<f32>(stays_turned(was.turns.x, turned, left), stays_turned(was.turns.y, turned, right)),
-        stride,
-        0.0,
-    );
+    let left = left_over(before, after);
+    let right = left_over(before + HALF, after + HALF);
+    now.left = stays(was.left, went + foothold(there, 1.0) - foothold(here, 1.0), left);
+    now.right = stays(was.right, went + foothold(there, -1.0) - foothold(here, -1.0), right);
+    now.turns = vec2<f32>(stays_turned(was.turns.x, turned, left), stays_turned(was.turns.y, turned, right));
+    stance[agent] = now;
 }

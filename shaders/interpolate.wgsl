@@ -35,14 +35,18 @@ fn interpolate(@builtin(global_invocation_id) id: vec3<u32>) {
     let there = on_the_way(stood, stands, share);
     position[agent] = there.xy;
     let turned = exact_wrap(was.heading + exact_wrap(now.heading - was.heading) * share);
-    let stepped = on_the_way(vec4<f32>(was.elevation, was.stride, 0.0, 0.0), vec4<f32>(now.elevation, now.stride, 0.0, 0.0), share);
+    let lifted = on_the_way(vec4<f32>(was.elevation, was.stride, was.foresight, 0.0), vec4<f32>(now.elevation, now.stride, now.foresight, 0.0), share);
     let feet = on_the_way(vec4<f32>(was.left, was.right), vec4<f32>(now.left, now.right), share);
-    let turns = on_the_way(vec4<f32>(was.turns, 0.0, 0.0), vec4<f32>(now.turns, 0.0, 0.0), share).xy;
-    stance[agent] = Stance(select(turned, now.heading, share >= 1.0), there.w, feet.xy, feet.zw, turns, stepped.y, 0.0);
+    let turns = on_the_way(vec4<f32>(was.turns, was.lean), vec4<f32>(now.turns, now.lean), share);
+    let floors = on_the_way(vec4<f32>(was.heights, was.slopes), vec4<f32>(now.heights, now.slopes), share);
+    stance[agent] = Stance(
+        select(turned, now.heading, share >= 1.0), there.w, feet.xy, feet.zw, turns.xy, turns.zw, floors.xy, floors.zw,
+        lifted.y, lifted.z,
+    );
 
     // 24 bits of a stride in the top of the word; below a share of 1 the product stays below 2^24
     let strides = u32(f32((now.phase - was.phase) >> 8u) * min(share, 0.99999994));
     phase[agent] = select(was.phase + (strides << 8u), now.phase, share >= 1.0);
-    elevation[agent] = stepped.x;
+    elevation[agent] = lifted.x;
     gait_weights[agent] = on_the_way(was.gait_weights, now.gait_weights, share);
 }

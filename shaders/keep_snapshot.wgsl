@@ -18,6 +18,6 @@ fn keep_snapshot(@builtin(global_invocation_id) id: vec3<u32>) {
     let own = stance[agent];
     snapshots[snapshot_of(place, agent)] = Snapshot(
         position[agent], own.heading, own.walk_weight, gait_weights[agent], phase[agent], elevation[agent],
-        own.stride, 0.0, own.left, own.right, own.turns, vec2<f32>(0.0, 0.0),
+        own.stride, own.foresight, own.left, own.right, own.turns, own.lean, own.heights, own.slopes,
     );
 }

@@ -33,8 +33,10 @@ fn lead_agents_appear(@builtin(global_invocation_id) id: vec3<u32>) {
         velocity[agent] = v;
         let speed = sqrt(dot2(v, v));
         if speed > WALKING_SPEED {
-            let aside = vec2<f32>(0.0, 0.0);
-            stance[agent] = Stance(exact_atan2(v.x, v.y), 1.0, aside, aside, aside, stride_at(speed, body[agent].walk_ratio), 0.0);
+            stance[agent] = Stance();
+            stance[agent].heading = exact_atan2(v.x, v.y);
+            stance[agent].walk_weight = 1.0;
+            stance[agent].stride = stride_at(speed, body[agent].walk_ratio);
         } else {
             stance[agent].walk_weight = 0.0;
         }

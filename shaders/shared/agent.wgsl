@@ -6,6 +6,13 @@ struct Body {
     max_speed: f32,       // m/s
     preferred_speed: f32, // m/s, alone and unhindered
     walk_ratio: f32,      // step length over step rate, m s
+    foot_down: u32,       // where the left foot comes down in its usual stride, from the body: see foot_at
+    foot_stands: u32,     // where it is in a stand with the feet side by side
+}
+
+// To the left and ahead, m, of a place in tenths of a millimetre: the lower half of the bits, and the upper half.
+fn foot_at(place: u32) -> vec2<f32> {
+    return vec2<f32>(f32(i32(place << 16u) >> 16u), f32(i32(place) >> 16u)) * 0.0001;
 }
 
 // How far a stride goes at a speed, m: the walk ratio is a person's own at every speed, so that length and rate of steps both
@@ -24,13 +31,16 @@ struct Avoidance {
 
 // Buffer `stance`.
 struct Stance {
-    heading: f32,     // about +y, rad; 0 faces +z
-    walk_weight: f32, // 0 stands, 1 walks
-    left: vec2<f32>,  // m, world: from where the gait has the foot to where it is
+    heading: f32,       // about +y, rad; 0 faces +z
+    walk_weight: f32,   // 0 stands, 1 walks
+    left: vec2<f32>,    // m, world: from where the gait has the foot to where it is
     right: vec2<f32>,
-    turns: vec2<f32>, // rad: the same of where left and right foot point to
-    stride: f32,      // m that a stride covers now
-    unused: f32,
+    turns: vec2<f32>,   // rad: the same of where left and right foot point to
+    lean: vec2<f32>,    // rad, world: how far the body leans, and where to
+    heights: vec2<f32>, // m: of the floor under left and right foot above that under the body
+    slopes: vec2<f32>,  // of that floor, upwards where left and right foot point to
+    stride: f32,        // m that a stride covers now
+    foresight: f32,     // rad: how far the head turns ahead of the body, to the left
 }
 
 // Buffer `appearance`.

@@ -14,12 +14,14 @@ struct Snapshot {
     gait_weights: vec4<f32>,
     phase: u32,              // the whole range is one stride
     elevation: f32,          // m
-    stride: f32,             // m
-    unused: f32,
-    left: vec2<f32>,         // m, see Stance
+    stride: f32,             // this and what follows as in Stance
+    foresight: f32,
+    left: vec2<f32>,
     right: vec2<f32>,
-    turns: vec2<f32>,        // rad
-    spare: vec2<f32>,
+    turns: vec2<f32>,
+    lean: vec2<f32>,
+    heights: vec2<f32>,
+    slopes: vec2<f32>,
 }
 
 fn snapshot_of(place: u32, agent: u32) -> u32 {

@@ -8,14 +8,15 @@ const FLOOR_STRIDE: u32 = 9u;
 const EDGE: f32 = 0.02;  // m that a piece reaches beyond its edges, so that no agent falls between two that meet
 
 struct Standing {
-    height: f32,  // m
-    sheet: f32,   // of the flow grid
+    height: f32,         // m
+    sheet: f32,          // of the flow grid
+    gradient: vec2<f32>, // of the height, m/m
 }
 
 // Where an agent stands at a point, from the height `present` it stood at before.
 fn standing(at: vec2<f32>, present: f32) -> Standing {
     var nearest = STEP;
-    var found = Standing(0.0, 0.0);
+    var found = Standing(0.0, 0.0, vec2<f32>(0.0, 0.0));
     for (var number = 0u; number < step.floor_count; number++) {
         let base = number * FLOOR_STRIDE;
         var inside = true;
@@ -29,7 +30,7 @@ fn standing(at: vec2<f32>, present: f32) -> Standing {
             let off = abs(here - present);
             if off < nearest {
                 nearest = off;
-                found = Standing(here, plane.w);
+                found = Standing(here, plane.w, plane.xy);
             }
         }
     }

@@ -103,3 +103,10 @@ fn quat_from_rows(row_x: vec3<f32>, row_y: vec3<f32>, row_z: vec3<f32>) -> vec4<
     }
     return quat_normalize(vec4<f32>(x.z + z.x, y.z + z.y, 1.0 - x.x - y.y + z.z, y.x - x.y));
 }
+
+// First to the right by `roll` about z (positive: the left side rises), then forwards by `pitch` about x.
+fn quat_pitch_roll(pitch: f32, roll: f32) -> vec4<f32> {
+    let x = exact_sin_cos(pitch * 0.5);
+    let z = exact_sin_cos(roll * 0.5);
+    return vec4<f32>(x.x * z.y, -(x.x * z.x), x.y * z.x, x.y * z.y);
+}

@@ -1,8 +1,9 @@
 //! The foot of a body at rest: what stands on the ground, and where the toes bend.
 
-use super::{Avatar, Vertex};
+use super::{Avatar, Clip, Vertex};
 use crate::gait::Joint;
 use crate::kernels::shared::body::index::{LEFT_TOES, RIGHT_TOES};
+use crate::kernels::shared::standing::STANCE_WIDTH;
 use glam::Vec3;
 
 /// From heel to ball, share of the foot's length (ANSUR II, public domain: 0.73).
@@ -24,6 +25,38 @@ impl Footprint {
     pub(crate) fn in_rig(self) -> [f32; 4] {
         self.ball.extend(self.tip.z - self.ball.z).to_array()
     }
+}
+
+/// Shares of a stride between which a foot is flat on the ground, from when it comes down.
+const FLAT: [f32; 2] = [0.15, 0.35];
+
+/// Where the left foot of a body comes down in a walk, to the left and ahead of it, m: the mean of both feet, by where they are
+/// while they lie flat.
+pub(crate) fn foot_down(avatar: &Avatar, clip: &Clip) -> [f32; 2] {
+    let count = clip.frames.len() as f32;
+    let (mut sum, mut flat) = ([0.0; 2], 0.0);
+    for (number, frame) in clip.frames.iter().enumerate() {
+        let joints = avatar.model_from_joint(&frame.rotations, frame.root);
+        for (later, foot) in [(0.0, Joint::LeftFoot), (0.5, Joint::RightFoot)] {
+            let since = (number as f32 / count + later).fract();
+            if (FLAT[0]..FLAT[1]).contains(&since) {
+                let at = joints[foot as usize].w_axis;
+                let [aside, ahead] = &mut sum;
+                *aside += at.x.abs();
+                *ahead += at.z + since * clip.stride_travel;
+                flat += 1.0;
+            }
+        }
+    }
+    sum.map(|part| part / f32::max(flat, 1.0))
+}
+
+/// Where it is in a stand with the feet side by side, likewise, m.
+pub(crate) fn foot_stands(avatar: &Avatar) -> [f32; 2] {
+    let rest = avatar.joints.map(|joint| joint.rotation);
+    let joints = avatar.model_from_joint(&rest, avatar.joints[0].translation);
+    let [left, right] = [Joint::LeftHip, Joint::RightHip].map(|hip| joints[hip as usize].w_axis);
+    [0.5 * STANCE_WIDTH * (left.x - right.x), 0.5 * (left.z + right.z)]
 }
 
 /// Vertices of the finest mesh that move with a joint more than with all others, mesh space, m.

@@ -21,6 +21,24 @@ const GAZES: u32 = 1 << 16;
 /// The bit of an agent that has no body to draw.
 const BODILESS: u32 = 1 << 17;
 
+impl Body {
+    /// How far a stride goes at a speed, m/s: in m. Twin of `stride_at` in `shaders/shared/agent.wgsl`.
+    pub fn stride_at(&self, speed: f32) -> f32 {
+        2.0 * (self.walk_ratio * speed).sqrt()
+    }
+
+    /// A place of a foot, to the left and ahead, m, as bits; what is farther than 3 m counts as 3 m.
+    pub fn foot_bits(place: [f32; 2]) -> u32 {
+        let [aside, ahead] = place.map(|part| (10_000.0 * part.clamp(-3.0, 3.0)).round() as i16 as u16);
+        u32::from(aside) | u32::from(ahead) << 16
+    }
+
+    /// That place. Twin of `foot_at` in `shaders/shared/agent.wgsl`.
+    pub fn foot_at(bits: u32) -> [f32; 2] {
+        [bits as u16, (bits >> 16) as u16].map(|part| f32::from(part as i16) * 0.0001)
+    }
+}
+
 impl Appearance {
     /// An agent of an avatar, by number, that shows an emotion (0 happy, 1 angry, 2 sad, 3 neutral), at a scale; skin, hair,
     /// top and bottom as `0xRRGGBB`.

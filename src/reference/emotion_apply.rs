@@ -16,8 +16,7 @@ pub fn emotion_apply(b: Slices<'_>) {
         let speed = sum_of(q, own.preferred_speeds);
         let walk_ratio = sum_of(q, own.walk_ratios);
         let max_speed = greater(speed, lesser(speed * own.max_speed_factor, own.max_speed));
-        let radius = b.body[agent].radius;
-        b.body[agent] = Body { radius, max_speed, preferred_speed: speed, walk_ratio };
+        b.body[agent] = Body { max_speed, preferred_speed: speed, walk_ratio, ..b.body[agent] };
 
         let shown = (b.appearance[agent].emotion() as usize).min(3);
         let strongest = (0..4).fold(shown, |best, emotion| if q[emotion] > q[best] { emotion } else { best });

@@ -1,18 +1,19 @@
 //! Feet where the strides have them, and legs that reach them.
 
 use super::body::{joint_forward, joint_translation, visible_agents};
-use super::exact::{atan2, dot2, greater, sin_cos};
+use super::exact::{atan2, greater, sin_cos};
 use super::quaternion::{
     add3, cross3, dot3, limit, quat_before_yaw, quat_conjugate, quat_from_rows, quat_lerp, quat_mul,
-    quat_normalize, quat_rotate, scale3, sub3, xyz,
+    quat_normalize, quat_pitch_roll, quat_rotate, scale3, sub3, turn_left, xyz,
 };
 use super::standing::{left_ahead, stance_of, walk_share};
 use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
-    HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, NOT_SEEN, REACHES, STRAIGHTER, Slices, UPRIGHT,
+    FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, NECK_TURNS, NOT_SEEN, PELVIS_STAYS,
+    REACHES, STRAIGHTER, Slices, UPRIGHT,
 };
 use crate::kernels::layout::{Appearance, Stance};
-use crate::kernels::shared::body::index::{JOINTS, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
+use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
 use crate::kernels::shared::standing::STANCE_WIDTH;
 use rayon::prelude::*;
 
@@ -65,6 +66,7 @@ fn stepped(
     first: usize,
     [stands_x, stands_z]: [f32; 2],
     stride: f32,
+    turn: f32,
 ) -> Leg {
     let bind = avatar * RIG_STRIDE + (first + 2) * 4 + 1;
     let [x, y, z] = [0, 1, 2].map(|row| xyz(rig[bind + row]));
@@ -87,27 +89,78 @@ fn stepped(
     let arm = quat_rotate(leg.foot, [dot3(x, contact), dot3(y, contact), dot3(z, contact)]);
     let level = turned_down(arm, ahead, sin_cos(pitch));
     let short = greater(1.0 - stride, 0.0);
-    let down = pitch * short;
+    let slow = greater(1.0 - stride * stride, 0.0);
+    let down = pitch * slow;
     let rolled = turned_down(arm, ahead, sin_cos(down));
     let [above_x, above_y, above_z] = sub3(add3(leg.ankle, arm), level);
-    let lift = 1.0 - short * (1.0 - LEAST_LIFT);
+    let lift = 1.0 - slow * (1.0 - LEAST_LIFT);
     let there = [
         above_x + (stands_x - above_x) * short,
-        ay + (above_y - ay) * lift,
+        ay + greater(above_y - ay, 0.0) * lift,
         stands_z + (above_z - stands_z) * stride,
     ];
     Leg {
-        ankle: sub3(add3(there, level), rolled),
+        ankle: add3(there, turn_left(sin_cos(turn), sub3(level, rolled))),
         foot: quat_turned_down(leg.foot, ahead, sin_cos(0.5 * down)),
         ..leg
     }
 }
 
-/// The leg with its foot so far off, in the world, m; the body heads to (sine, cosine).
-fn put(leg: Leg, [off_x, off_z]: [f32; 2], turn: f32, [sine, cosine]: [f32; 2]) -> Leg {
-    let [x, y, z] = leg.ankle;
-    let ankle = [x + (cosine * off_x - sine * off_z), y, z + (cosine * off_z + sine * off_x)];
-    Leg { ankle, foot: quat_before_yaw(turn, leg.foot), ..leg }
+/// Where a foot is beside where the gait has it.
+struct Off {
+    /// In the frame of the body: to the left and ahead, m.
+    way: [f32; 2],
+    /// rad
+    turn: f32,
+    /// m
+    height: f32,
+    /// Upwards where the foot points to.
+    slope: f32,
+}
+
+/// The leg with its foot so far off.
+fn put(leg: Leg, off: &Off) -> Leg {
+    let [aside, ahead] = off.way;
+    let mut foot = quat_before_yaw(off.turn, leg.foot);
+    if off.slope.abs() > NOT_SEEN {
+        foot = quat_turned_down(foot, sin_cos(off.turn), sin_cos(-0.5 * atan2(off.slope, 1.0)));
+    }
+    Leg { ankle: add3(leg.ankle, [aside, off.height, ahead]), foot, ..leg }
+}
+
+/// A vector of the world, to the left and ahead of a body with that heading (sine, cosine).
+fn to_body([x, z]: [f32; 2], [sine, cosine]: [f32; 2]) -> [f32; 2] {
+    [cosine * x - sine * z, cosine * z + sine * x]
+}
+
+/// Whether anything differs from a straight walk on a level floor.
+fn is_off(own: &Stance) -> bool {
+    let is_seen = |[x, y]: [f32; 2]| greater(x.abs(), y.abs()) > NOT_SEEN;
+    [own.left, own.right, own.turns, own.lean, own.heights, own.slopes].into_iter().any(is_seen)
+        || own.foresight.abs() > NOT_SEEN
+}
+
+/// Turns the upper body over its pelvis: what was `before` in model space is `turned` now. The trunk keeps its place in space
+/// but for the lean. Neck and head do not lean; without the formulas of the paper they turn ahead, to the left.
+fn hold_up(
+    pose: &mut [[f32; 4]],
+    before: [f32; 4],
+    turned: [f32; 4],
+    leans: [f32; 4],
+    foresight: f32,
+    is_paper: bool,
+) {
+    let trunk = quat_mul(before, pose[SPINE]);
+    let leaning = quat_mul(leans, trunk);
+    pose[SPINE] = quat_normalize(quat_mul(quat_conjugate(turned), leaning));
+    if is_paper {
+        return;
+    }
+    let neck = quat_mul(trunk, pose[NECK]);
+    let ahead = quat_before_yaw(NECK_TURNS * foresight, neck);
+    let head = quat_before_yaw(foresight, quat_mul(neck, pose[HEAD]));
+    pose[NECK] = quat_normalize(quat_mul(quat_conjugate(leaning), ahead));
+    pose[HEAD] = quat_normalize(quat_mul(quat_conjugate(ahead), head));
 }
 
 /// How much too high a hip is for the leg to reach its ankle, m.
@@ -154,77 +207,111 @@ fn bent(before: Leg, after: Leg, hip: [f32; 3], pelvis: [f32; 4], left: [f32; 3]
     ]
 }
 
-/// Takes a body's strides and feet as they are; it walks so much.
-fn placed(pose: &mut [[f32; 4]], rig: &[[f32; 4]], agent: u32, own: &Stance, looks: &Appearance, walk: f32) {
-    let (avatar, scale) = (looks.avatar() as usize, looks.scale);
-    let [root_x, root_y, root_z, stride] = pose[JOINTS];
-    let pelvis = pose[0];
-    let legs = [LEFT_LEG, RIGHT_LEG].map(|first| leg_of(pose, rig, avatar, first));
-    let short = walk * greater(1.0 - stride, 0.0);
-    let [left, right] = legs;
-    let rows = avatar * RIG_STRIDE;
-    let [rest_x, rest_y, rest_z] = [1, 2, 3].map(|row| xyz(rig[rows + row]));
-    let upright = quat_conjugate(quat_from_rows(rest_x, rest_y, rest_z));
-    let leg = length(sub3(left.knee, left.hip)) + length(sub3(left.ankle, left.knee));
-    let longest = REACHES * leg;
+/// One agent of a frame.
+struct Person<'a> {
+    rig: &'a [[f32; 4]],
+    agent: u32,
+    own: &'a Stance,
+    looks: &'a Appearance,
+    /// How much it walks.
+    walk: f32,
+    is_paper: bool,
+}
 
-    let rest = joint_translation(rig, avatar, 0);
-    let [left_hip, right_hip] = [LEFT_LEG, RIGHT_LEG]
-        .map(|first| add3(rest, quat_rotate(upright, joint_translation(rig, avatar, first))));
-    let [middle_x, _, middle_z] = scale3(add3(left_hip, right_hip), 0.5);
-    let [left_x, ..] = left_hip;
-    let aside = STANCE_WIDTH * (left_x - middle_x);
-    let ahead = left_ahead(stance_of(agent)) * leg;
-    let heading = sin_cos(own.heading);
-    let [left_turn, right_turn] = own.turns;
-    let at_left = [middle_x + aside, middle_z + ahead];
-    let at_right = [middle_x - aside, middle_z - ahead];
-    let feet =
-        [(left, LEFT_LEG, at_left, own.left, left_turn), (right, RIGHT_LEG, at_right, own.right, right_turn)]
-            .map(|(leg, first, stands, off, turn)| {
-                let leg = stepped(leg, rig, avatar, first, stands, stride);
-                put(leg, off.map(|part| part / scale), turn, heading)
-            });
-
-    let turned = quat_normalize(quat_lerp(pelvis, upright, short));
-    let [_, rest_height, _] = rest;
-    let swing = 1.0 - short;
-    let arms = [LEFT_LEG, RIGHT_LEG].map(|first| quat_rotate(turned, joint_translation(rig, avatar, first)));
-    let square = stride * stride;
-    let rise =
-        (rest_height * UPRIGHT - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
-    let raised = root_y + rise;
-    let hips = [root_x * swing, raised, root_z * swing];
-    let [left_sinks, right_sinks] =
-        [0, 1].map(|side| overreach(add3(hips, arms[side]), feet[side].ankle, longest));
-    let hips = [root_x * swing, raised - greater(greater(left_sinks, right_sinks), 0.0), root_z * swing];
-
-    let ([x, ..], [y, ..], [z, ..]) = (rest_x, rest_y, rest_z);
-    let to_the_left = quat_rotate(turned, [x, y, z]);
-    for (side, first) in [LEFT_LEG, RIGHT_LEG].into_iter().enumerate() {
-        let local = bent(legs[side], feet[side], add3(hips, arms[side]), turned, to_the_left);
-        pose[first..first + 3].copy_from_slice(&local);
+impl Person<'_> {
+    /// Where left and right ankle are in a stand, to the left and ahead; `leg` is the length of a leg, m.
+    fn stands(&self, upright: [f32; 4], leg: f32) -> [[f32; 2]; 2] {
+        let (rig, avatar) = (self.rig, self.looks.avatar() as usize);
+        let rest = joint_translation(rig, avatar, 0);
+        let [left_hip, right_hip] = [LEFT_LEG, RIGHT_LEG]
+            .map(|first| add3(rest, quat_rotate(upright, joint_translation(rig, avatar, first))));
+        let [middle_x, _, middle_z] = scale3(add3(left_hip, right_hip), 0.5);
+        let [left_x, ..] = left_hip;
+        let aside = STANCE_WIDTH * (left_x - middle_x);
+        let ahead = left_ahead(stance_of(self.agent)) * leg;
+        [[middle_x + aside, middle_z + ahead], [middle_x - aside, middle_z - ahead]]
     }
-    pose[SPINE] = quat_normalize(quat_mul(quat_mul(quat_conjugate(turned), pelvis), pose[SPINE]));
-    pose[0] = turned;
-    let [x, y, z] = hips;
-    pose[JOINTS] = [x, y, z, stride];
+
+    /// Where left and right foot are beside where the gait has them.
+    fn offs(&self, heading: [f32; 2]) -> [Off; 2] {
+        let (own, scale) = (self.own, self.looks.scale);
+        let off = |way: [f32; 2], side: usize| Off {
+            way: to_body(way.map(|part| part / scale), heading),
+            turn: own.turns[side],
+            height: own.heights[side] / scale,
+            slope: own.slopes[side],
+        };
+        [off(own.left, 0), off(own.right, 1)]
+    }
+
+    /// Takes the strides, the feet and the lean of the body as they are.
+    fn place(&self, pose: &mut [[f32; 4]]) {
+        let (rig, own, walk) = (self.rig, self.own, self.walk);
+        let avatar = self.looks.avatar() as usize;
+        let [root_x, root_y, root_z, stride] = pose[JOINTS];
+        let pelvis = pose[0];
+        let legs = [LEFT_LEG, RIGHT_LEG].map(|first| leg_of(pose, rig, avatar, first));
+        let [left, right] = legs;
+        let short = walk * greater(1.0 - stride, 0.0);
+        let rows = avatar * RIG_STRIDE;
+        let [rest_x, rest_y, rest_z] = [1, 2, 3].map(|row| xyz(rig[rows + row]));
+        let upright = quat_conjugate(quat_from_rows(rest_x, rest_y, rest_z));
+        let leg = length(sub3(left.knee, left.hip)) + length(sub3(left.ankle, left.knee));
+        let longest = REACHES * leg;
+
+        let heading = sin_cos(own.heading);
+        let ([at_left, at_right], [left_off, right_off]) = (self.stands(upright, leg), self.offs(heading));
+        let [left_turn, right_turn] = own.turns;
+        let feet = [
+            put(stepped(left, rig, avatar, LEFT_LEG, at_left, stride, left_turn), &left_off),
+            put(stepped(right, rig, avatar, RIGHT_LEG, at_right, stride, right_turn), &right_off),
+        ];
+
+        let turn = PELVIS_STAYS * (0.5 * (left_turn + right_turn));
+        let turned = quat_before_yaw(turn, quat_normalize(quat_lerp(pelvis, upright, short)));
+        let [leans_aside, leans_ahead] = to_body(own.lean, heading);
+        let [_, rest_height, _] = joint_translation(rig, avatar, 0);
+        let height = rest_height * UPRIGHT;
+        let swing = 1.0 - short;
+        let arms =
+            [LEFT_LEG, RIGHT_LEG].map(|first| quat_rotate(turned, joint_translation(rig, avatar, first)));
+        let square = stride * stride;
+        let rise = (height - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+        let sways = FROM_ANKLES * height;
+        let floors = 0.5 * (left_off.height + right_off.height);
+        let hips =
+            [root_x + leans_aside * sways, root_y + rise + floors, root_z * swing + leans_ahead * sways];
+        let [left_sinks, right_sinks] =
+            [0, 1].map(|side| overreach(add3(hips, arms[side]), feet[side].ankle, longest));
+        let [x, y, z] = hips;
+        let hips = [x, y - greater(greater(left_sinks, right_sinks), 0.0), z];
+
+        let ([x, ..], [y, ..], [z, ..]) = (rest_x, rest_y, rest_z);
+        let to_the_left = quat_rotate(turned, [x, y, z]);
+        for (side, first) in [LEFT_LEG, RIGHT_LEG].into_iter().enumerate() {
+            let local = bent(legs[side], feet[side], add3(hips, arms[side]), turned, to_the_left);
+            pose[first..first + 3].copy_from_slice(&local);
+        }
+        let leans = quat_pitch_roll(leans_ahead, -leans_aside);
+        hold_up(pose, pelvis, turned, leans, own.foresight, self.is_paper);
+        pose[0] = turned;
+        let [x, y, z] = hips;
+        pose[JOINTS] = [x, y, z, stride];
+    }
 }
 
 /// Twin of `shaders/feet.wgsl`.
 pub fn feet(b: Slices<'_>) {
-    let Slices { visible, stance, appearance, gait_weights, rig, local_rotations } = b;
+    let Slices { frame, visible, stance, appearance, gait_weights, rig, local_rotations } = b;
     let slots = local_rotations.par_chunks_mut(POSE_STRIDE);
     visible_agents(visible).par_iter().zip(slots).for_each(|(number, pose)| {
         let agent = *number as usize;
         let own = &stance[agent];
         let walk = walk_share(gait_weights[agent], own.walk_weight);
         let [.., stride] = pose[JOINTS];
-        let [left_turn, right_turn] = own.turns;
-        let is_off = dot2(own.left, own.left) + dot2(own.right, own.right) > NOT_SEEN * NOT_SEEN
-            || greater(left_turn.abs(), right_turn.abs()) > NOT_SEEN;
-        if (walk > 0.0 && stride != 1.0) || is_off {
-            placed(pose, rig, *number, own, &appearance[agent], walk);
+        if (walk > 0.0 && stride != 1.0) || is_off(own) {
+            let is_paper = frame.gaze_mode != 0;
+            Person { rig, agent: *number, own, looks: &appearance[agent], walk, is_paper }.place(pose);
         }
     });
 }

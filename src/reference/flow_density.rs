@@ -23,7 +23,7 @@ pub fn flow_density_count(b: Slices<'_>) {
         if x >= 0.0 && z >= 0.0 && x < grid.columns as f32 && z < grid.sheet_rows as f32 {
             let mut first = 0;
             if grid.sheet_rows < grid.rows {
-                first = first_row(grid, standing(floors, *at, b.elevation[agent])[1] as u32) as usize;
+                first = first_row(grid, standing(floors, *at, b.elevation[agent]).sheet as u32) as usize;
             }
             b.flow_counts[(first + z as usize) * grid.columns as usize + x as usize] += 1;
         }

@@ -3,7 +3,8 @@
 use super::body::{PARENTS, visible_agents};
 use super::exact::{hash_u32, sin_cos, unit_f32};
 use super::quaternion::{
-    dot4, limit, quat_before_yaw, quat_conjugate, quat_lerp, quat_mul, quat_normalize, quat_rotate, xyz,
+    dot4, limit, quat_before_yaw, quat_conjugate, quat_lerp, quat_mul, quat_normalize, quat_pitch_roll,
+    quat_rotate, xyz,
 };
 use super::standing::{eased, moods_of, own_draw, walk_share};
 use crate::kernels::idle::index::UPPER;
@@ -56,12 +57,6 @@ pub fn look_of(agent: u32, emotion: usize, time: u32) -> [f32; 2] {
     let down = 2.0 * unit_f32(hash_u32(aside)) - 1.0;
     let yaw = if aside >> 31 == 1 { yaw } else { -yaw };
     [yaw * share, LOOK_DOWN * down * share]
-}
-
-fn quat_pitch_roll(pitch: f32, roll: f32) -> [f32; 4] {
-    let [xs, xc] = sin_cos(pitch * 0.5);
-    let [zs, zc] = sin_cos(roll * 0.5);
-    [xs * zc, -(xs * zs), xc * zs, xc * zc]
 }
 
 /// Turns of the joints above the legs, model space.

@@ -1,17 +1,18 @@
 //! Moves, turns, advances the phase of the walk; empties the cells and counts the step.
 
-use super::exact::{atan2, dot2, greater, is_finite2, lesser, sin_cos, wrap};
-use super::footing::{ground_of, left_over, stays, stays_turned, takes_a_step};
-use super::shared::stride_at;
-use super::standing::{left_ahead, stance_of};
+use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
+use super::footing::{
+    foothold, going_of, left_over, ready_phase, since_strike, stays, stays_turned, takes_a_step,
+};
 use crate::kernels::KernelId;
 use crate::kernels::integrate::{
-    FIRST_STRIDE, FOLLOW, LEAST_STRIDE, STOP_RATE, STRIDE_RATE, Slices, TURNING_SPEED,
+    FIRST_STRIDE, FOLLOW, GRAVITY, HEADS_FOLLOW, LEANS, LEANS_FOLLOW, MOST_FORESIGHT, MOST_PUSH, STOP_RATE,
+    STRIDE_RATE, Slices, TURNING_SPEED,
 };
 use crate::kernels::layout::{Body, Stance, StepUniforms};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::cells::index::CELL_WORDS;
-use crate::kernels::shared::footing::{HALF, LEG, STEP_RATE};
+use crate::kernels::shared::footing::{LEAST_STRIDE, STEP_RATE};
 use rayon::prelude::*;
 
 /// Twin of `shaders/integrate.wgsl`.
@@ -33,8 +34,8 @@ pub fn integrate(b: Slices<'_>) {
                 *velocity = [0.0, 0.0];
                 return Some(agent as u32);
             }
-            moved(step, agent as u32, v, body[agent], position, stance, phase);
-            *velocity = v;
+            let own = State { position, velocity, stance, phase };
+            own.moved(step, agent as u32, v, body[agent]);
             None
         })
         .min();
@@ -44,73 +45,79 @@ pub fn integrate(b: Slices<'_>) {
     }
 }
 
-fn moved(
-    step: &StepUniforms,
-    agent: u32,
-    v: [f32; 2],
-    body: Body,
-    position: &mut [f32; 2],
-    stance: &mut Stance,
-    phase: &mut u32,
-) {
-    for axis in 0..2 {
-        let mut p = position[axis] + v[axis] * step.time_step;
-        if step.wrap > 0.0 {
-            if p >= step.wrap {
-                p -= step.wrap;
+/// What a step changes of an agent.
+struct State<'a> {
+    position: &'a mut [f32; 2],
+    velocity: &'a mut [f32; 2],
+    stance: &'a mut Stance,
+    phase: &'a mut u32,
+}
+
+impl State<'_> {
+    fn moved(self, step: &StepUniforms, agent: u32, v: [f32; 2], body: Body) {
+        for axis in 0..2 {
+            let mut p = self.position[axis] + v[axis] * step.time_step;
+            if step.wrap > 0.0 {
+                if p >= step.wrap {
+                    p -= step.wrap;
+                }
+                if p < 0.0 {
+                    p += step.wrap;
+                }
             }
-            if p < 0.0 {
-                p += step.wrap;
-            }
+            self.position[axis] = p;
         }
-        position[axis] = p;
-    }
-    let speed = dot2(v, v).sqrt();
-    let mut heading = stance.heading;
-    if speed > TURNING_SPEED {
+        let push = [0, 1].map(|axis| (v[axis] - self.velocity[axis]) * step.inverse_time_step);
+        *self.velocity = v;
+
+        let was = *self.stance;
+        let stands = !(was.walk_weight > 0.0);
+        let speed = dot2(v, v).sqrt();
+        let walking = speed > step.walk_speed * body.preferred_speed;
+        let steps = !walking && takes_a_step(&was, *self.phase);
+
+        let [vx, vz] = v;
+        let turn = if speed > TURNING_SPEED { wrap(atan2(vx, vz) - was.heading) } else { 0.0 };
         let most = step.turn_rate * step.time_step;
-        let turn = wrap(atan2(v[0], v[1]) - heading);
-        let follow = lesser(FOLLOW * step.time_step, 1.0);
-        heading = wrap(heading + (turn * follow).clamp(-most, most));
+        let turned = (turn * lesser(FOLLOW * step.time_step, 1.0)).clamp(-most, most);
+        let towards = |was: f32, aim: f32, rate: f32| was + (aim - was) * lesser(rate * step.time_step, 1.0);
+        let blend = if walking || steps { step.blend_rate } else { -step.blend_rate } * step.time_step;
+        let wanted = body.stride_at(speed);
+        let longer = if walking { STRIDE_RATE } else { STOP_RATE } * step.time_step;
+        let mut now = Stance {
+            heading: wrap(was.heading + turned),
+            walk_weight: (was.walk_weight + blend).clamp(0.0, 1.0),
+            lean: [0, 1].map(|axis| {
+                let leans = push[axis].clamp(-MOST_PUSH, MOST_PUSH) * (LEANS / GRAVITY);
+                towards(was.lean[axis], leans, LEANS_FOLLOW)
+            }),
+            stride: greater(was.stride + (wanted - was.stride).clamp(-longer, longer), FIRST_STRIDE * wanted),
+            foresight: towards(was.foresight, turn.clamp(-MOST_FORESIGHT, MOST_FORESIGHT), HEADS_FOLLOW),
+            ..was
+        };
+
+        let by_speed = lesser(speed * step.time_step / greater(now.stride, LEAST_STRIDE), 0.5);
+        let on_the_spot = if steps { STEP_RATE * step.time_step } else { 0.0 };
+        let strides = if walking { by_speed } else { on_the_spot };
+        let before = *self.phase;
+        let after = if stands && !walking && !steps {
+            ready_phase(agent, &was)
+        } else {
+            before.wrapping_add(((strides * 16_777_216.0) as u32) << 8)
+        };
+        *self.phase = after;
+
+        let (here, there) = (going_of(agent, &was, before, &body), going_of(agent, &now, after, &body));
+        let left_behind = |off: [f32; 2], off_turned: f32, side: f32| {
+            let share = left_over(since_strike(before, side), since_strike(after, side));
+            let (from, to) = (foothold(&here, side), foothold(&there, side));
+            let way = [0, 1].map(|axis| v[axis] * step.time_step + to[axis] - from[axis]);
+            (stays(off, way, share), stays_turned(off_turned, turned, share))
+        };
+        let [left_turn, right_turn] = was.turns;
+        let (left, left_turn) = left_behind(was.left, left_turn, 1.0);
+        let (right, right_turn) = left_behind(was.right, right_turn, -1.0);
+        (now.left, now.right, now.turns) = (left, right, [left_turn, right_turn]);
+        *self.stance = now;
     }
-    let was = *stance;
-    let walking = speed > step.walk_speed * body.preferred_speed;
-    let steps = !walking && takes_a_step(&was, *phase);
-    let blend = if walking || steps { step.blend_rate } else { -step.blend_rate } * step.time_step;
-    let wanted = stride_at(speed, body.walk_ratio);
-    let longer = if walking { STRIDE_RATE } else { STOP_RATE } * step.time_step;
-    let stride = greater(was.stride + (wanted - was.stride).clamp(-longer, longer), FIRST_STRIDE * wanted);
-
-    let by_speed = lesser(speed * step.time_step / greater(stride, LEAST_STRIDE), 0.5);
-    let on_the_spot = if steps { STEP_RATE * step.time_step } else { 0.0 };
-    let strides = if walking { by_speed } else { on_the_spot };
-    let before = *phase;
-    let after = before.wrapping_add(((strides * 16_777_216.0) as u32) << 8);
-    *phase = after;
-
-    let turned = wrap(heading - was.heading);
-    let (from, to) = (sin_cos(was.heading), sin_cos(heading));
-    let ahead = left_ahead(stance_of(agent)) * LEG;
-    let usual = greater(stride_at(body.preferred_speed, body.walk_ratio), LEAST_STRIDE);
-    let [lacked, lacks] = [was.stride, stride].map(|stride| greater(1.0 - stride / usual, 0.0));
-    let foot = |off: [f32; 2], off_turned: f32, later: u32, side: f32| {
-        let (before, after) = (before.wrapping_add(later), after.wrapping_add(later));
-        let share = left_over(before, after, !(was.walk_weight > 0.0));
-        let there = ground_of(after, stride, lacks, side, ahead, to);
-        let here = ground_of(before, was.stride, lacked, side, ahead, from);
-        let way = [0, 1].map(|axis| v[axis] * step.time_step + there[axis] - here[axis]);
-        (stays(off, way, share), stays_turned(off_turned, turned, share))
-    };
-    let [left_turn, right_turn] = was.turns;
-    let (left, left_turn) = foot(was.left, left_turn, 0, 1.0);
-    let (right, right_turn) = foot(was.right, right_turn, HALF, -1.0);
-    *stance = Stance {
-        heading,
-        walk_weight: (was.walk_weight + blend).clamp(0.0, 1.0),
-        left,
-        right,
-        turns: [left_turn, right_turn],
-        stride,
-        unused: 0.0,
-    };
 }

@@ -28,8 +28,11 @@ pub fn interpolate(b: Slices<'_>) {
             left: both(was.left, now.left),
             right: both(was.right, now.right),
             turns: both(was.turns, now.turns),
+            lean: both(was.lean, now.lean),
+            heights: both(was.heights, now.heights),
+            slopes: both(was.slopes, now.slopes),
             stride: on_the_way(was.stride, now.stride, share),
-            unused: 0.0,
+            foresight: on_the_way(was.foresight, now.foresight, share),
         };
         let strides = ((now.phase.wrapping_sub(was.phase) >> 8) as f32 * lesser(share, 0.999_999_94)) as u32;
         b.phase[agent] = if share >= 1.0 { now.phase } else { was.phase.wrapping_add(strides << 8) };

@@ -7,7 +7,8 @@ use crate::kernels::layout::{Snapshot, Stance};
 /// Twin of `shaders/keep_snapshot.wgsl`.
 pub fn keep_snapshot(b: Slices<'_>) {
     for agent in 0..b.between.agent_count as usize {
-        let Stance { heading, walk_weight, left, right, turns, stride, .. } = b.stance[agent];
+        let Stance { heading, walk_weight, left, right, turns, lean, heights, slopes, stride, foresight } =
+            b.stance[agent];
         b.snapshots[index_of(b.between, b.place, agent)] = Snapshot {
             position: b.position[agent],
             heading,
@@ -16,10 +17,13 @@ pub fn keep_snapshot(b: Slices<'_>) {
             phase: b.phase[agent],
             elevation: b.elevation[agent],
             stride,
+            foresight,
             left,
             right,
             turns,
-            ..Snapshot::default()
+            lean,
+            heights,
+            slopes,
         };
     }
 }

@@ -1,7 +1,7 @@
 //! Agents that are led from outside.
 
 use super::exact::{atan2, dot2};
-use super::shared::{is_absent, stride_at};
+use super::shared::is_absent;
 use crate::kernels::layout::{Lead, Stance};
 use crate::kernels::lead_agents::{Slices, WALKING_SPEED};
 use crate::kernels::shared::absent::ABSENT;
@@ -21,7 +21,7 @@ pub fn lead_agents_appear(b: Slices<'_>) {
             b.velocity[agent] = velocity;
             let speed = dot2(velocity, velocity).sqrt();
             if speed > WALKING_SPEED {
-                let stride = stride_at(speed, b.body[agent].walk_ratio);
+                let stride = b.body[agent].stride_at(speed);
                 b.stance[agent] =
                     Stance { heading: atan2(vx, vz), walk_weight: 1.0, stride, ..Stance::default() };
             } else {

@@ -43,7 +43,7 @@ impl Wishes<'_> {
         }
         let mut sheet = 0;
         if self.flow_grid.sheet_rows < self.flow_grid.rows {
-            sheet = standing(self.floors, at, self.elevation[agent])[1] as u32;
+            sheet = standing(self.floors, at, self.elevation[agent]).sheet as u32;
         }
         Around::read(self.flow_grid, self.flow_way, (goal.field as u32, sheet), at)
     }

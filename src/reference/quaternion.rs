@@ -196,3 +196,9 @@ mod tests {
         assert_eq!(quat_from_rows([0.0; 3], [0.0; 3], [0.0; 3]), [0.0, 0.0, 0.0, 1.0]);
     }
 }
+
+pub fn quat_pitch_roll(pitch: f32, roll: f32) -> [f32; 4] {
+    let [xs, xc] = sin_cos(pitch * 0.5);
+    let [zs, zc] = sin_cos(roll * 0.5);
+    [xs * zc, -(xs * zs), xc * zs, xc * zc]
+}

@@ -197,6 +197,7 @@ mod tests {
     use crate::avatar::{self, Sex};
     use crate::gpu::instance::{AroundSubmission, Maker, Own};
     use crate::gpu::{self, Validation, for_tests};
+    use crate::kernels::layout::Stance;
     use crate::library::GaitLibrary;
     use crate::scenario::{Scenario, populate_from};
     use crate::sim::snapshots::make_room;
@@ -291,7 +292,9 @@ mod tests {
                 Show::on_device(&device, &store, &meshes, &scenery, settings, COLOR_FORMAT).unwrap();
             let mut pictures = Vec::new();
             // a snapshot, the same again, and one in which all agents are elsewhere
-            for (number, bytes) in [(1_u32, 20 * agents as usize), (1, 0), (2, 20 * agents as usize)] {
+            // place, phase and stance of each agent
+            let moment = agents as usize * (size_of::<[f32; 2]>() + size_of::<u32>() + size_of::<Stance>());
+            for (number, bytes) in [(1_u32, moment), (1, 0), (2, moment)] {
                 let before = counter.submissions.load(Ordering::Relaxed);
                 show.take(&Show::snapshot(&store), number.into(), number.into()).unwrap();
                 assert_eq!(show.animator.as_ref().unwrap().brought_bytes(), bytes, "{agents}, {number}");

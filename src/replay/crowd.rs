@@ -7,7 +7,6 @@ use crate::ground::heading_from_ground;
 use crate::kernels::Store;
 use crate::kernels::layout::Stance;
 use crate::library::GaitLibrary;
-use crate::reference::shared::stride_at;
 use crate::scenario::random::{Purpose, index};
 use crate::scenario::{
     Clearance, Crowd, ExternalPerson, MAX_AGENTS, Obstacle, Route, RouteMode, Scenario, polygon,
@@ -137,7 +136,7 @@ impl Replay {
             let walks = start.velocity.length() > WALKS;
             store.position[agent] = start.position.to_array();
             store.velocity[agent] = start.velocity.to_array();
-            let stride = stride_at(start.velocity.length(), store.body[agent].walk_ratio);
+            let stride = store.body[agent].stride_at(start.velocity.length());
             store.stance[agent] = Stance {
                 heading: facing(start),
                 walk_weight: if walks { 1.0 } else { 0.0 },

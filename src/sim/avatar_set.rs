@@ -1,9 +1,11 @@
 //! The avatars of a crowd, and every gait retargeted onto each of them.
 
 use super::Error;
+use crate::avatar::foot::{foot_down, foot_stands};
 use crate::avatar::{Avatar, Clip, retarget, standing};
 use crate::emotion::Emotion;
 use crate::gait::Gait;
+use crate::kernels::layout::Body;
 use crate::kernels::shared::standing::index::STANCES;
 use crate::scenario::ExternalBodies;
 use rayon::prelude::*;
@@ -16,6 +18,7 @@ const STANDING: usize = Emotion::ALL.len() * STANCES;
 pub struct AvatarSet {
     avatars: Vec<Avatar>,
     clips: Vec<Clip>,
+    feet_down: Vec<[f32; 2]>,
     clips_per_avatar: usize,
     gaits: Vec<String>,
     outsiders: ExternalBodies,
@@ -35,17 +38,22 @@ impl AvatarSet {
         }
         let clips_per_avatar = gaits.len() + STANDING;
         let pairs: Vec<_> = avatars.iter().flat_map(|a| (0..clips_per_avatar).map(move |g| (a, g))).collect();
-        let clips = pairs.into_par_iter().map(|(avatar, number)| match gaits.get(number) {
-            Some(gait) => retarget(gait, avatar),
-            None => {
-                let number = number - gaits.len();
-                Ok(standing(avatar, Emotion::ALL[number / STANCES], number % STANCES))
-            }
+        let clips = pairs.into_par_iter().map(|(avatar, number)| {
+            let clip = match gaits.get(number) {
+                Some(gait) => retarget(gait, avatar)?,
+                None => {
+                    let number = number - gaits.len();
+                    standing(avatar, Emotion::ALL[number / STANCES], number % STANCES)
+                }
+            };
+            let foot_down = foot_down(avatar, &clip);
+            Ok((clip, foot_down))
         });
-        let clips = clips.collect::<Result<Vec<_>, _>>()?;
+        let clips = clips.collect::<Result<Vec<_>, crate::Error>>()?;
+        let (clips, feet_down) = clips.into_iter().unzip();
         let outsiders = ExternalBodies::default();
         let names = gaits.iter().map(|gait| gait.name.clone()).collect();
-        Ok(Self { avatars, clips, clips_per_avatar, gaits: names, outsiders })
+        Ok(Self { avatars, clips, feet_down, clips_per_avatar, gaits: names, outsiders })
     }
 
     /// The same with robots and vehicles.
@@ -95,6 +103,14 @@ impl AvatarSet {
     /// A clip by index.
     pub fn clip(&self, index: u32) -> &Clip {
         &self.clips[(index as usize).min(self.clips.len() - 1)]
+    }
+
+    /// Where the left foot comes down in a clip and where it is when the avatar stands with its feet side by side, to the left and
+    /// ahead of the body, m, as [`Body`] has them; `scale` is that of the body over its avatar's.
+    pub fn feet_of(&self, avatar: u32, clip: u32, scale: f32) -> [u32; 2] {
+        let down = self.feet_down[(clip as usize).min(self.feet_down.len() - 1)];
+        let stands = foot_stands(&self.avatars[(avatar as usize).min(self.avatars.len() - 1)]);
+        [down, stands].map(|place| Body::foot_bits(place.map(|part| scale * part)))
     }
 }
 

@@ -14,7 +14,6 @@ use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::{KernelId, Store};
-use crate::reference::shared::stride_at;
 use crate::scenario::{
     self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart, Stop,
     StopKind, Teleport,
@@ -274,7 +273,9 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
         (preferred_speed * navigation.max_speed_factor).min(navigation.max_speed).max(preferred_speed);
     store.position.push(agent.position.to_array());
     store.velocity.push(agent.velocity.to_array());
-    store.body.push(Body { radius: agent.radius, max_speed, preferred_speed, walk_ratio });
+    let [foot_down, foot_stands] = cast.feet_of(agent.avatar, clips[0], agent.scale);
+    let body = Body { radius: agent.radius, max_speed, preferred_speed, walk_ratio, foot_down, foot_stands };
+    store.body.push(body);
     let own = agent.avoidance.unwrap_or_else(|| scenario::Avoidance::of(navigation));
     store.avoidance.push(avoidance(
         own.time_horizon,
@@ -301,7 +302,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.stance.push(Stance {
         heading: agent.heading,
         walk_weight: f32::from(u8::from(reaction == 0)),
-        stride: stride_at(preferred_speed, walk_ratio),
+        stride: body.stride_at(preferred_speed),
         ..Stance::default()
     });
     store.phase.push(agent.phase);

@@ -425,7 +425,16 @@ mod tests {
                 2
             ],
             route: vec![Route { arrivals: 3, ..Route::new(1, 2, true, 1) }; 2],
-            body: vec![Body { radius: 0.3, max_speed: 2.0, preferred_speed: 1.5, walk_ratio: 0.4 }; 2],
+            body: vec![
+                Body {
+                    radius: 0.3,
+                    max_speed: 2.0,
+                    preferred_speed: 1.5,
+                    walk_ratio: 0.4,
+                    ..Body::default()
+                };
+                2
+            ],
             stages: [0.0, 4.0, 8.0].map(|x| Stage { kind: GOAL, ..Stage::waypoint([x, 0.5], 0.0) }).to_vec(),
             ..Store::default()
         };

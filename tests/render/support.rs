@@ -4,7 +4,7 @@ use crate::common::gpu;
 use gaitway::avatar::{Avatar, Material, Mesh, RestJoint, Vertex};
 use gaitway::gait::JOINT_COUNT;
 use gaitway::gpu::{Buffer, Device, Memory};
-use gaitway::kernels::layout::FarPose;
+use gaitway::kernels::layout::{FarPose, Stance};
 use gaitway::kernels::shared::body::index::SKIN_JOINTS;
 use gaitway::render::camera::View;
 use gaitway::render::pack::{MeshBuffers, pack_avatars};
@@ -262,8 +262,8 @@ impl HandMade {
 
     /// Turns an agent, and puts it on another floor; for what is drawn from these alone.
     pub(super) fn turn(&mut self, agent: usize, heading: f32, elevation: f32) {
-        let stances = bytemuck::cast_slice_mut::<u8, f32>(self.buffers[10].bytes_mut());
-        stances[2 * agent] = heading;
+        let stances = bytemuck::cast_slice_mut::<u8, Stance>(self.buffers[10].bytes_mut());
+        stances[agent].heading = heading;
         bytemuck::cast_slice_mut::<u8, f32>(self.buffers[9].bytes_mut())[agent] = elevation;
     }
 

@@ -22,8 +22,13 @@ fn people(places: &[[f32; 2]], speeds: &[f32]) -> Store {
     (store.step.wrap, store.step.perturbation) = (0.0, 0.02);
     store.position = places.to_vec();
     store.velocity = vec![[0.0; 2]; count];
-    let body =
-        |speed: f32| Body { radius: 0.25, max_speed: 1.5 * speed, preferred_speed: speed, walk_ratio: 0.4 };
+    let body = |speed: f32| Body {
+        radius: 0.25,
+        max_speed: 1.5 * speed,
+        preferred_speed: speed,
+        walk_ratio: 0.4,
+        ..Body::default()
+    };
     store.body = (0..count).map(|i| body(speeds[i % speeds.len()])).collect();
     store.avoidance = vec![avoidance(2.0, 5.0, 10, 0.0); count];
     store.elevation = vec![0.0; count];

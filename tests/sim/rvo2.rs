@@ -102,7 +102,8 @@ fn store(layout: &Layout) -> Store {
                 radius: layout.radius,
                 max_speed: layout.max_speed,
                 preferred_speed: 1.0,
-                walk_ratio: 0.4
+                walk_ratio: 0.4,
+                ..Body::default()
             };
             count
         ],

@@ -331,9 +331,22 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         [usize::from(!agent.is_multiple_of(4))];
     // feet where the gait has them, or off to any side
     let mut off = |most: f32| if agent.is_multiple_of(3) { 0.0 } else { dice.between(-most, most) };
-    let [left, right, turns] = [[off(0.5), off(0.5)], [off(0.5), off(0.5)], [off(1.0), off(1.0)]];
+    let mut both = |most: f32| [off(most), off(most)];
+    let (left, right, turns, lean) = (both(0.5), both(0.5), both(1.0), both(0.1));
+    let (heights, slopes, [foresight, _]) = (both(0.3), both(0.2), both(0.5));
     let heading = dice.between(-3.1, 3.1);
-    store.stance.push(Stance { heading, walk_weight: walk, left, right, turns, stride, unused: 0.0 });
+    store.stance.push(Stance {
+        heading,
+        walk_weight: walk,
+        left,
+        right,
+        turns,
+        lean,
+        heights,
+        slopes,
+        stride,
+        foresight,
+    });
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
     let scale = dice.between(0.9, 1.1);

@@ -50,8 +50,11 @@ pub fn between(agents: usize, seed: u32) -> Store {
             left: [22, 23].map(random),
             right: [24, 25].map(random),
             turns: [26, 27].map(random),
+            lean: [34, 35].map(random),
+            heights: [36, 37].map(random),
+            slopes: [38, 39].map(random),
             stride: random(20),
-            unused: 0.0,
+            foresight: random(40),
         });
         store.phase.push(phase);
         store.elevation.push(within(9, 4.0));
@@ -68,7 +71,10 @@ pub fn between(agents: usize, seed: u32) -> Store {
             left: [28, 29].map(random),
             right: [30, 31].map(random),
             turns: [32, 33].map(random),
-            ..Snapshot::default()
+            lean: [41, 42].map(random),
+            heights: [43, 44].map(random),
+            slopes: [45, 46].map(random),
+            foresight: random(47),
         };
     }
     store.snapshots.extend([filled::<Snapshot>(0xdead_beef); SPARE]);

@@ -56,7 +56,13 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
             .position
             .push([spacing * column + jitter * u(3 * cell + 1), spacing * row + jitter * u(3 * cell + 2)]);
         store.velocity.push(if stream == 0 { [1.3, 0.0] } else { [0.0, 1.3] });
-        store.body.push(Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.3, walk_ratio: 0.4 });
+        store.body.push(Body {
+            radius: 0.25,
+            max_speed: 2.0,
+            preferred_speed: 1.3,
+            walk_ratio: 0.4,
+            ..Body::default()
+        });
         store.avoidance.push(avoidance(2.0, 5.0, 10, 0.0));
         store.elevation.push(0.0);
         store.stance.push(Stance { heading: 0.0, walk_weight: 1.0, stride: 1.4, ..Stance::default() });

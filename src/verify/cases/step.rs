@@ -164,6 +164,8 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             max_speed: preferred_speed * 1.5,
             preferred_speed,
             walk_ratio: 0.3 + 0.2 * u(8),
+            foot_down: hash_u32(seed ^ !(i as u32)) & 0x0fff_03ff,
+            foot_stands: hash_u32(i as u32) & 0x01ff_03ff,
         });
         let cap = if i % 8 == 6 { (u(14) * 11.0) as u32 } else { 10 };
         // led from outside: there, leaving, appearing, standing; and some that stay absent
@@ -187,8 +189,11 @@ fn agent_arrays(store: &mut Store, agents: usize, side: f32, seed: u32) {
             left: foot(25),
             right: foot(27),
             turns: foot(29).map(|off| 3.0 * off),
+            lean: foot(31).map(|off| 0.2 * off),
+            heights: foot(33),
+            slopes: foot(35),
             stride: 1.6 * u(24),
-            unused: 0.0,
+            foresight: 0.5 - u(37),
         });
         store.phase.push(hash_u32(seed ^ i as u32));
         store.route.push(Route::new((i as u32 % 5) * 3, 3, u(11) < 0.5, i as u32 % 4));

@@ -224,7 +224,8 @@ fn each_hash_of_the_header_tells_when_what_it_is_of_changes() {
     let start = crowd(true);
     assert_eq!(hash_start(&start), hash_start(&crowd(true)));
     assert_ne!(hash_start(&start), hash_start(&crowd(false)));
-    let body = Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.4, walk_ratio: 0.0 };
+    let body =
+        Body { radius: 0.25, max_speed: 2.0, preferred_speed: 1.4, walk_ratio: 0.0, ..Body::default() };
     let faster = Store { body: vec![body], ..crowd(true) };
     assert_ne!(hash_start(&start), hash_start(&faster));
 }
