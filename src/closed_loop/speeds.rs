@@ -169,6 +169,15 @@ mod tests {
         let steps = walk.poses.iter().zip(walk.poses.iter().cycle().skip(1));
         let most = steps.flat_map(|(a, b)| a.iter().zip(b).map(|(a, b)| a.distance(*b))).fold(0.0, f32::max);
         assert!(most < 0.06, "the stride is closed, and nothing jumps: {most} m");
+        let body = generated(Sex::Male);
+        let clip = crate::avatar::retarget(&gait, &body).unwrap();
+        for (place, frame) in [(0, 0), (25, 16), (50, 32)] {
+            let frame = &clip.frames[frame];
+            let (pose, pitch) = picture(&body.model_from_joint(&frame.rotations, frame.root), &body);
+            let apart = pose.iter().zip(&walk.poses[place]).map(|(a, b)| a.distance(*b)).fold(0.0, f32::max);
+            let turned = (pitch[0] - walk.foot_pitch[place][0]).abs();
+            assert!(apart < 0.01 && turned < 2.0, "at {place} %: {apart} m, {turned} degrees");
+        }
     }
 
     #[test]
