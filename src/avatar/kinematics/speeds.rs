@@ -103,5 +103,7 @@ mod tests {
     fn the_most_is_looked_for_where_it_is_asked_for() {
         let curve: Vec<f32> = (0..50_u8).map(f32::from).collect();
         assert_eq!((most(&curve, 0..100), most(&curve, 10..20)), (49.0, 9.0));
+        let falling: Vec<f32> = curve.into_iter().rev().collect();
+        assert_eq!((most(&falling, 0..100), most(&falling, 10..20)), (49.0, 44.0));
     }
 }
