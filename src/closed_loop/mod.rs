@@ -37,10 +37,12 @@ mod features;
 mod practice;
 mod record;
 mod score;
+mod speeds;
 mod track;
 
 pub use features::features;
 pub use practice::{practice_alone, practice_in_crowd};
 pub use record::{Recorder, record};
 pub use score::{HUMANS, Score, wilson};
+pub(crate) use speeds::strides_at;
 pub use track::{MAX_TURN_DEG, Seen, Track, Unusable, WALKING_SHARE};

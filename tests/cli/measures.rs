@@ -23,6 +23,7 @@ fn gaits_are_measured_on_the_generated_bodies_and_on_a_file() {
             assert!(std::fs::metadata(&file).unwrap().len() > 1000, "{}", file.display());
         }
     }
+    at_every_speed(&built_in);
     // crowds show more than people do
     let cue = &built_in["cues"]["cycle_time_s"]["sad"];
     assert!(cue["within"] == false && cue["value"].as_f64().unwrap() > 0.3, "{cue}");
@@ -42,4 +43,38 @@ fn gaits_are_measured_on_the_generated_bodies_and_on_a_file() {
     assert!((own - file).abs() < 0.5, "{own} on the generated body, {file} on its file");
     let shown = good(&["gait", "measure", &at("walk.glb")]);
     assert!(shown.contains("knee change") && shown.contains("step_width_m"), "{shown}");
+}
+
+/// The neutral people one by one, and as they are drawn at three speeds.
+fn at_every_speed(found: &serde_json::Value) {
+    let individuals = &found["individuals"];
+    let neutral = found["gaits"].as_array().unwrap().iter().filter(|gait| gait["emotion"] == "neutral");
+    let (within, all): (Vec<bool>, Vec<f64>) = neutral
+        .map(|gait| (gait["within_two_bands"].as_bool().unwrap(), gait["farthest"].as_f64().unwrap()))
+        .unzip();
+    assert!(within.iter().zip(&all).all(|(within, farthest)| *within == (*farthest <= 4.0)));
+    assert_eq!(individuals["gaits"], within.len());
+    assert_eq!(individuals["within_two_bands"], within.iter().filter(|within| **within).count());
+    assert_eq!(individuals["within_two_bands"], within.len(), "everybody: {all:?}");
+    assert_eq!(individuals["by_angle"]["knee"], within.len());
+
+    let speeds = found["speeds"].as_array().unwrap();
+    let scalar = |at: usize, name: &str| {
+        let scalar = &speeds[at]["scalars"][name];
+        let [value, target, tolerance] =
+            ["value", "target", "tolerance"].map(|part| scalar[part].as_f64().unwrap());
+        assert_eq!(scalar["within"], (value - target).abs() <= tolerance, "{name}: {scalar}");
+        scalar["within"].as_bool().unwrap()
+    };
+    // what is not yet as in people: docs/crowds.md
+    let known =
+        [(0, "ankle_at_push_off_deg"), (0, "bob_m"), (0, "sway_m"), (2, "bob_m"), (2, "hip_range_deg")];
+    for (at, speed) in [0.8, 1.25, 1.7].into_iter().enumerate() {
+        assert!((speeds[at]["speed"].as_f64().unwrap() - speed).abs() < 1e-6);
+        let names: Vec<&String> = speeds[at]["scalars"].as_object().unwrap().keys().collect();
+        assert_eq!(names.len(), 12, "{names:?}");
+        for name in names {
+            assert!(scalar(at, name) || known.contains(&(at, name.as_str())), "{name} at {speed} m/s");
+        }
+    }
 }

@@ -18,3 +18,4 @@ mod egait;
 mod features;
 mod ratings;
 mod svm;
+mod walkers;

@@ -18,18 +18,23 @@ const FEET: [Joint; 2] = [Joint::LeftFoot, Joint::RightFoot];
 pub(super) fn walk(gait: &Gait, clip: &Clip, avatar: &Avatar) -> (Walk, f32) {
     let model: Vec<[Mat4; Joint::ALL.len()]> =
         clip.frames.iter().map(|frame| avatar.model_from_joint(&frame.rotations, frame.root)).collect();
-    let rest_rotations = avatar.joints.map(|joint| joint.rotation);
-    let rest = avatar.model_from_joint(&rest_rotations, avatar.joints[0].translation);
-    let poses: Vec<Pose> = model.iter().map(|joints| joints.map(|joint| joint.w_axis.truncate())).collect();
-    let pitch = |joints: &[Mat4; Joint::ALL.len()], foot: Joint| {
-        let ahead = (joints[foot as usize] * rest[foot as usize].inverse()).transform_vector3(Vec3::Z);
-        libm::atan2f(ahead.y, ahead.z).to_degrees()
-    };
-    let foot_pitch = model.iter().map(|joints| FEET.map(|foot| pitch(joints, foot))).collect();
+    let (poses, foot_pitch) = model.iter().map(|joints| picture(joints, avatar)).unzip();
     let slides: Vec<f32> =
         FEET.into_iter().filter_map(|foot| slide(clip, avatar, &model, foot)).flatten().collect();
     let walk = Walk { poses, foot_pitch, cycle_time: gait.cycle_time(), travel: clip.stride_travel };
     (walk, super::angles::mean(&slides))
+}
+
+/// Places of the joints of a body, m, and the pitch of its feet against where they stand flat: left, right; degrees, toe up.
+pub(crate) fn picture(model_from_joint: &[Mat4; Joint::ALL.len()], avatar: &Avatar) -> (Pose, [f32; 2]) {
+    let rest_rotations = avatar.joints.map(|joint| joint.rotation);
+    let rest = avatar.model_from_joint(&rest_rotations, avatar.joints[0].translation);
+    let pitch = |foot: Joint| {
+        let foot = foot as usize;
+        let ahead = (model_from_joint[foot] * rest[foot].inverse()).transform_vector3(Vec3::Z);
+        libm::atan2f(ahead.y, ahead.z).to_degrees()
+    };
+    (model_from_joint.map(|joint| joint.w_axis.truncate()), FEET.map(pitch))
 }
 
 /// How far heel and ball of a foot move along the ground in each frame in which they touch it, mm. None for a body without

@@ -8,9 +8,12 @@ mod cues;
 mod drawn;
 mod norm;
 mod report;
+mod speeds;
 
-pub(crate) use angles::Angle;
 #[cfg(test)]
-pub(crate) use angles::{Side, Walk};
+pub(crate) use angles::Side;
+pub(crate) use angles::{Angle, Walk};
+pub(crate) use drawn::picture;
 pub(crate) use norm::NORM;
 pub(crate) use report::{Report, Rms, Scalar, measure};
+pub(crate) use speeds::{AtSpeed, SPEEDS, at_speed};

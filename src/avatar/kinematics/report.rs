@@ -24,6 +24,9 @@ const LEG: f32 = 0.87;
 /// Frames of a fitted gait.
 const FRAMES: usize = 100;
 
+/// Farthest that an individual may be from the mean of the norm, half bands: two whole ones.
+const MOST_HALF_BANDS: f32 = 4.0;
+
 /// The walks of a library.
 #[derive(Debug, Serialize)]
 pub(crate) struct Report {
@@ -35,6 +38,8 @@ pub(crate) struct Report {
     pub(crate) crowd: ByEmotion<Crowd>,
     /// Neutral walks as drawn against figures of adults at 1.2 to 1.35 m/s.
     pub(crate) scalars: BTreeMap<&'static str, Scalar>,
+    /// Of the neutral gaits, how many keep to the norm one by one.
+    pub(crate) individuals: Individuals,
     /// What each emotion changes against neutral, in the gaits.
     pub(crate) cues: BTreeMap<&'static str, ByEmotion<Difference>>,
 }
@@ -50,11 +55,23 @@ pub(crate) struct Measured {
     pub(crate) rms: Rms,
     /// Farthest point of any angle of the norm from its mean, half bands.
     pub(crate) farthest: f32,
+    /// Whether that is no more than [`MOST_HALF_BANDS`].
+    pub(crate) within_two_bands: bool,
     /// How much the body changes the knee angles of the gait, RMS, degrees.
     pub(crate) knee_change_rms: f32,
     pub(crate) slide_mm_per_frame: f32,
     /// Angles of the norm over the left stride, degrees.
     pub(crate) curves: BTreeMap<Angle, Vec<f32>>,
+}
+
+/// How many neutral gaits lie within two bands of the norm at every point: [`MOST_HALF_BANDS`] from its mean.
+#[derive(Debug, Serialize)]
+pub(crate) struct Individuals {
+    pub(crate) gaits: usize,
+    /// In every angle.
+    pub(crate) within_two_bands: usize,
+    /// In each.
+    pub(crate) by_angle: BTreeMap<Angle, usize>,
 }
 
 /// The people of one emotion.
@@ -75,6 +92,12 @@ pub(crate) struct Scalar {
     pub(crate) target: f32,
     pub(crate) tolerance: f32,
     pub(crate) within: bool,
+}
+
+impl Scalar {
+    pub(super) fn new(value: f32, target: f32, tolerance: f32) -> Self {
+        Self { value, target, tolerance, within: (value - target).abs() <= tolerance }
+    }
 }
 
 /// What an emotion changes.
@@ -133,6 +156,7 @@ pub(crate) fn measure<'a>(
             speed: clip.speed,
             rms: rms(&drawn),
             farthest: farthest(&drawn),
+            within_two_bands: farthest(&drawn) <= MOST_HALF_BANDS,
             knee_change_rms: knee_change(&at_phases(gait)?, &drawn.poses),
             slide_mm_per_frame,
             curves: curves(&drawn),
@@ -146,6 +170,7 @@ pub(crate) fn measure<'a>(
         gaits: measured,
         crowd: Emotion::ALL.into_iter().filter_map(crowd).collect(),
         scalars: scalars(&people(&pairs, Emotion::Neutral)),
+        individuals: individuals(&people(&pairs, Emotion::Neutral)),
         cues: CUES.iter().map(|cue| (cue.name, differences(cue, &pairs))).collect(),
     })
 }
@@ -169,8 +194,27 @@ fn rms(walk: &Walk) -> Rms {
 }
 
 fn farthest(walk: &Walk) -> f32 {
-    let of = |norm: &Norm, side| walk.curve(norm.angle, side).map(|c| norm.farthest(&c));
-    NORM.iter().flat_map(|norm| Side::BOTH.map(|side| of(norm, side))).flatten().fold(0.0, f32::max)
+    NORM.iter().map(|norm| farthest_of(walk, norm)).fold(0.0, f32::max)
+}
+
+/// Of one angle, either side.
+fn farthest_of(walk: &Walk, norm: &Norm) -> f32 {
+    let curves = Side::BOTH.into_iter().filter_map(|side| walk.curve(norm.angle, side));
+    curves.map(|curve| norm.farthest(&curve)).fold(0.0, f32::max)
+}
+
+fn individuals(neutral: &[&Pair<'_>]) -> Individuals {
+    let within = |far: &dyn Fn(&Walk) -> f32| {
+        neutral.iter().filter(|pair| far(&pair.drawn) <= MOST_HALF_BANDS).count()
+    };
+    Individuals {
+        gaits: neutral.len(),
+        within_two_bands: within(&farthest),
+        by_angle: NORM
+            .iter()
+            .map(|norm| (norm.angle, within(&|walk: &Walk| farthest_of(walk, norm))))
+            .collect(),
+    }
 }
 
 fn curves(walk: &Walk) -> BTreeMap<Angle, Vec<f32>> {
@@ -239,14 +283,17 @@ fn spread(people: &[&Pair<'_>]) -> f32 {
 /// A figure of a walk as drawn.
 type Figure = fn(&Walk) -> f32;
 
+/// Length of people's steps by their rate, m min: 80 strides of CMU's captures.
+pub(super) const WALK_RATIO: f32 = 0.0065;
+
 /// Figures of a neutral walk at 1.2 to 1.35 m/s, with targets and tolerances. The first seven: 80 strides of CMU's captures. The last: E-Gait.
-const SCALARS: [(&str, Figure, f32, f32); 8] = [
+pub(super) const SCALARS: [(&str, Figure, f32, f32); 8] = [
     ("step_width_m", step_width, 0.09, 0.02),
     ("bob_m", |walk| range(&root(walk, |p| p.y)), 0.037, 0.013),
     ("sway_m", |walk| range(&root(walk, |p| p.x)), 0.044, 0.009),
     ("swing_clearance_m", clearance, 0.015, 0.01),
     ("cadence_steps_per_min", cadence, 107.0, 8.0),
-    ("walk_ratio_m_min", |walk| walk.travel / 2.0 / cadence(walk), 0.0065, 0.0007),
+    ("walk_ratio_m_min", |walk| walk.travel / 2.0 / cadence(walk), WALK_RATIO, 0.0007),
     (
         "shoulder_turn_deg",
         |walk| walk.curve(Angle::ShoulderTurn, Side::Left).map_or(0.0, |c| range(&c) / 2.0),
@@ -262,7 +309,7 @@ fn scalars(neutral: &[&Pair<'_>]) -> BTreeMap<&'static str, Scalar> {
     }
     let drawn = SCALARS.into_iter().map(|(name, of, target, tolerance)| {
         let value = mean(&neutral.iter().map(|pair| of(&pair.drawn)).collect::<Vec<_>>());
-        (name, Scalar { value, target, tolerance, within: (value - target).abs() <= tolerance })
+        (name, Scalar::new(value, target, tolerance))
     });
     drawn.collect()
 }

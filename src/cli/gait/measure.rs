@@ -1,15 +1,17 @@
 //! `gaitway gait measure`: joint angles of walks as drawn, beside those of healthy adults, and what emotions change in them.
 
 use crate::Error;
-use crate::avatar::kinematics::{Angle, NORM, Report, Rms, Scalar, measure};
+use crate::avatar::kinematics::{Angle, AtSpeed, NORM, Report, Rms, SPEEDS, Scalar, at_speed, measure};
 use crate::avatar::{self, Avatar, RigMap, Sex};
 use crate::cli::output::{say, say_json, table};
 use crate::cli::scene;
+use crate::closed_loop::strides_at;
 use crate::emotion::Emotion;
 use crate::export::chart::{self, Curve, EMOTION_COLORS, Plot, Stroke};
 use crate::gait::{Gait, walker};
 use crate::library::GaitLibrary;
 use clap::Args;
+use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Angles of the table and the figures, and what they are called there.
@@ -29,7 +31,8 @@ const NORM_COLOR: [u8; 3] = [20, 140, 120];
     after_help = "Examples:\n  gaitway gait measure\n  gaitway gait measure mine.glb --avatar knight.glb --json\n  gaitway gait \
                   measure walk1.bvh --figures angles/\n\nAngles are RMS differences from healthy adults at 1.2 to 1.35 m/s, in degrees, \
                   of the body as drawn. `knee change` is what the body makes of the gait's own knees, `slide` how far planted soles \
-                  move. Cues are differences from the neutral gaits beside those of E-Gait, by perceived emotion."
+                  move. Cues are differences from the neutral gaits beside those of E-Gait, by perceived emotion. Neutral gaits are drawn at 0.8, 1.25 \
+                  and 1.7 m/s, too, beside people who walk so fast."
 )]
 pub(super) struct Arguments {
     /// A gait library (.glb) or motion file [default: the built-in library]
@@ -52,6 +55,15 @@ pub(super) struct Arguments {
     json: bool,
 }
 
+/// What is measured of gaits, and of the bodies that walk so at other speeds.
+#[derive(Debug, Serialize)]
+struct Whole {
+    #[serde(flatten)]
+    report: Report,
+    /// The neutral gaits, where there are some.
+    speeds: Vec<AtSpeed>,
+}
+
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let gaits = match (&arguments.file, arguments.expression) {
@@ -59,31 +71,42 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         (Some(path), None) if !super::is_glb(path) => super::strides(path)?,
         (path, None) => scene::library(path.as_deref())?.gaits().to_vec(),
     };
-    let report = match &arguments.avatar {
-        Some(path) => {
-            let body = loaded(path, arguments.rig_map.as_deref())?;
-            measure(path.display().to_string(), &gaits, |_| &body)?
-        }
-        None => {
-            let bodies = Sex::ALL.map(avatar::generated);
-            let of = |gait: &Gait| {
-                let is_female = gait.provenance.sex == Some(walker::Sex::Female);
-                &bodies[Sex::ALL.iter().position(|sex| (*sex == Sex::Female) == is_female).unwrap_or(0)]
-            };
-            measure("generated".to_owned(), &gaits, of)?
-        }
+    let (name, bodies) = match &arguments.avatar {
+        Some(path) => (path.display().to_string(), vec![loaded(path, arguments.rig_map.as_deref())?]),
+        None => ("generated".to_owned(), Sex::ALL.map(avatar::generated).to_vec()),
     };
+    let most = bodies.len() - 1;
+    let number = |gait: &Gait| {
+        let is_female = gait.provenance.sex == Some(walker::Sex::Female);
+        Sex::ALL.iter().position(|sex| (*sex == Sex::Female) == is_female).unwrap_or(0).min(most)
+    };
+    let report = measure(name, &gaits, |gait| &bodies[number(gait)])?;
+    let speeds = at_speeds(&gaits, &bodies, |gait| u32::from(number(gait) == 1))?;
+    let whole = Whole { report, speeds };
+    let report = &whole.report;
     let files = match &arguments.figures {
-        Some(folder) => figures(folder, &report)?,
+        Some(folder) => figures(folder, report)?,
         None => Vec::new(),
     };
     if arguments.json {
-        say_json(&report)?;
+        say_json(&whole)?;
     } else {
-        print(&report);
+        print(report);
+        print_speeds(&whole);
         files.iter().for_each(|file| say(&format!("wrote      {}", file.display())));
     }
     Ok(true)
+}
+
+/// The neutral gaits as drawn at every speed.
+fn at_speeds(gaits: &[Gait], bodies: &[Avatar], body: impl Fn(&Gait) -> u32) -> Result<Vec<AtSpeed>, Error> {
+    let neutral: Vec<Gait> =
+        gaits.iter().filter(|gait| gait.label == Some(Emotion::Neutral)).cloned().collect();
+    if neutral.is_empty() {
+        return Ok(Vec::new());
+    }
+    let of = |(number, speed)| Ok(at_speed(number, &strides_at(speed, &neutral, bodies.to_vec(), &body)?));
+    SPEEDS.into_iter().enumerate().map(of).collect()
 }
 
 fn loaded(path: &Path, map: Option<&Path>) -> Result<Avatar, Error> {
@@ -147,6 +170,39 @@ fn print(report: &Report) {
         let (within, all) = report.agreement();
         say(&format!("{within} of {all} differences lie within two standard errors of people's"));
     }
+}
+
+/// The neutral gaits one by one, and at every speed.
+fn print_speeds(whole: &Whole) {
+    if whole.speeds.is_empty() {
+        return;
+    }
+    say("");
+    let found = &whole.report.individuals;
+    let angles = SHOWN.map(|(angle, name)| format!("{name} {}", found.by_angle.get(&angle).unwrap_or(&0)));
+    say(&format!(
+        "{} of {} neutral gaits lie within two bands of adults in every angle ({})",
+        found.within_two_bands,
+        found.gaits,
+        angles.join(", ")
+    ));
+    say("");
+    let rows: Vec<Vec<String>> = whole
+        .speeds
+        .iter()
+        .flat_map(|at| at.scalars.iter().map(move |(name, found)| (at.speed, *name, found)))
+        .map(|(speed, name, found)| {
+            let target = format!("{:.4} \u{b1} {}", found.target, found.tolerance);
+            vec![
+                format!("{speed:.2}"),
+                name.to_owned(),
+                format!("{:.4}", found.value),
+                target,
+                word(found.within),
+            ]
+        })
+        .collect();
+    table(&["m/s", "neutral, as drawn at this speed", "value", "people", ""], &rows);
 }
 
 fn word(is_within: bool) -> String {
