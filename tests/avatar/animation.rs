@@ -35,9 +35,10 @@ fn run(store: &mut Store) {
     }
 }
 
-/// The same without what bodies that stand do of themselves.
-fn run_without_idle(store: &mut Store) {
-    for dispatch in dispatches(store).into_iter().filter(|dispatch| dispatch.kernel() != KernelId::Idle) {
+/// The same without what bodies do that is not in their clips.
+fn run_clips_only(store: &mut Store) {
+    let is_own = |kernel| matches!(kernel, KernelId::Idle | KernelId::Manner);
+    for dispatch in dispatches(store).into_iter().filter(|dispatch| !is_own(dispatch.kernel())) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
@@ -395,7 +396,7 @@ fn without_walk_or_without_weights_an_agent_stands_in_the_emotion_it_shows() {
             store.stance[0].walk_weight = walk;
             store.gait_weights[0] = weights;
             store.appearance[0].set_emotion(emotion);
-            run_without_idle(&mut store);
+            run_clips_only(&mut store);
             let phase = weight_phase(0, emotion as usize, store.frame.gaze_time);
             let feet = own_draw(0, FEET, 0) % STANCES;
             let clip = GAITS + (emotion * STANCES + feet) as usize;

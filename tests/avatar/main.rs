@@ -19,6 +19,7 @@ mod clips;
 mod eyes;
 mod foreign;
 mod loading;
+mod manner;
 mod paper_gaze;
 mod raster;
 mod rigs;
