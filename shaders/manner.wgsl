@@ -29,7 +29,7 @@ const ARM_AHEAD: f32 = 0.26;
 const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.07, 0.11); // by emotion: the sad swing their arms little
 const ARM_LATE: f32 = 0.6;       // of the swing, a quarter of a stride later
 // As shares of what the gait does, so that no arm is held into the trunk and no elbow bends backwards.
-const ARM_OUT: f32 = 0.6;
+const ARM_OUT: f32 = 0.8;
 const ELBOW: f32 = 0.5;
 const ELBOW_SWING: f32 = 0.2;    // once a stride
 
@@ -37,7 +37,7 @@ const ELBOW_SWING: f32 = 0.2;    // once a stride
 const HEAD_FOLLOWS: f32 = 0.4;
 // How much of the trunk's turn hanging arms take part in, as the walker's.
 const ARMS_FOLLOW: f32 = 0.5;
-const LEAST_SQUARE: f32 = 1e-12; // m^2, of the length of a limb
+const LEAST_SQUARE: f32 = 1e-12; // of a length that is divided by
 
 // What agents draw for; the first draw of each arm.
 const OWN_WALK: u32 = 0x3a220000u;
@@ -111,9 +111,10 @@ fn manner(@builtin(global_invocation_id) id: vec3<u32>) {
         let lower = quat_mul(upper, local_rotations[shoulder + 1u]);
         let upper_arm = quat_rotate(upper, joint_translation(avatar, joint + 1u));
         let forearm = quat_rotate(lower, joint_translation(avatar, joint + 2u));
-        let square = max(dot3(upper_arm, upper_arm), LEAST_SQUARE);
-        let hinge = cross3(upper_arm, forearm) / sqrt(square * max(dot3(forearm, forearm), LEAST_SQUARE));
-        let outwards = limit(left * upper_arm.x / sqrt(square), 0.0, 1.0);
+        let square = dot3(upper_arm, upper_arm) * dot3(forearm, forearm);
+        let hinge = cross3(upper_arm, forearm) / sqrt(max(square, LEAST_SQUARE));
+        let reach = upper_arm + forearm;
+        let outwards = limit(left * reach.x / sqrt(max(dot3(reach, reach), LEAST_SQUARE)), 0.0, 1.0);
         // the left arm is back when the left foot strikes
         let ahead = held * ARM_AHEAD * own_share(agent, draws) - left * swing * (early * own_share(agent, draws + 1u) + lag);
         let out = held * ARM_OUT * own_share(agent, draws + 2u) * outwards;

@@ -72,11 +72,12 @@ impl Amount {
         let lower = quat_mul(upper, pose[shoulder + 1]);
         let upper_arm = quat_rotate(upper, upper_in);
         let forearm = quat_rotate(lower, fore_in);
-        let square = greater(dot3(upper_arm, upper_arm), LEAST_SQUARE);
-        let size = (square * greater(dot3(forearm, forearm), LEAST_SQUARE)).sqrt();
+        let square = dot3(upper_arm, upper_arm) * dot3(forearm, forearm);
+        let size = greater(square, LEAST_SQUARE).sqrt();
         let hinge = cross3(upper_arm, forearm).map(|part| part / size);
-        let [aside, ..] = upper_arm;
-        let outwards = limit(left * aside / square.sqrt(), 0.0, 1.0);
+        let reach = add3(upper_arm, forearm);
+        let [aside, ..] = reach;
+        let outwards = limit(left * aside / greater(dot3(reach, reach), LEAST_SQUARE).sqrt(), 0.0, 1.0);
         let lag = ARM_LATE * late * own_share(agent, 8);
         let ahead = held * ARM_AHEAD * own_share(agent, draws)
             - left * swing * (early * own_share(agent, draws + 1) + lag);

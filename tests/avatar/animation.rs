@@ -307,9 +307,10 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
     }
 }
 
-/// One agent of avatar 0 before the camera, standing aside, without gaze.
+/// One agent of avatar 0 before the camera, standing aside, without gaze, as its clip.
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
+    store.frame.individuals = 0.0;
     store.position[0] = [1.0, 3.0];
     store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL };
     store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
