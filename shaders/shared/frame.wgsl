@@ -23,4 +23,8 @@ struct FrameUniforms {
     gaze_time: u32,               // the time that is shown, ms
     turn_least: u32,              // shortest turn to look at the user, ms
     turn_most: u32,               // longest turn, ms
+    individuals: f32,             // how much agents differ from the people whose gaits they have, 0 to 1
+    unused_a: u32,
+    unused_b: u32,
+    unused_c: u32,
 }

@@ -76,6 +76,8 @@ pub(super) fn dressed(agents: usize) -> Result<(Store, MeshBuffers), crate::Erro
     let mut store = crossing(agents, SPACING);
     dress(&mut store, &cast);
     let meshes = bodies::fill(&mut store, &cast, bodies::SMALLEST_STORAGE_RANGE);
+    // as the people of scenes
+    store.frame.individuals = 1.0;
     Ok((store, meshes))
 }
 

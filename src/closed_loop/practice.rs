@@ -51,6 +51,8 @@ pub fn practice_alone(
     let (crowd, side) = crowd(&walks, scenario);
     let mut alone = scenario.clone();
     alone.user = None;
+    // each gait as it is
+    alone.population.individuals = None;
     alone.navigation.perturbation = 0.0;
     alone.way_finding.way = Way::Straight;
     let mut scene = Scene::of_crowd(alone, crowd, cast).on(backend, device);

@@ -196,6 +196,9 @@ impl SceneBuilder {
         if is_unlabelled {
             scenario.condition = Condition::Baseline;
         }
+        // a baseline has one gait for all, and the people of a library are themselves
+        let is_varied = !is_own && scenario.condition != Condition::Baseline;
+        scenario.population.individuals.get_or_insert(if is_varied { 1.0 } else { 0.0 });
         let mut crowd = populate_from(&scenario, &library)?;
         if let Some(replay) = &mut replay {
             replay.join(&scenario, &library, &mut crowd)?;

@@ -146,6 +146,7 @@ impl Scene {
     pub(crate) fn buffers_with_bodies(&self) -> Result<(Start, MeshBuffers), crate::Error> {
         let mut start = self.buffers()?;
         let meshes = bodies::fill(&mut start.store, &self.cast, bodies::SMALLEST_STORAGE_RANGE);
+        start.store.frame.individuals = self.scenario.population.individuals.unwrap_or(0.0);
         Ok((start, meshes))
     }
 

@@ -173,6 +173,7 @@ pub fn frame_dispatches(frame: &FrameUniforms) -> Vec<Dispatch> {
         (far_distance > 0.0, agents(Phase::PoseFar)),
         (true, per_visible(Phase::Pose)),
         (true, per_visible(Phase::Feet)),
+        (frame.individuals > 0.0, per_visible(Phase::Manner)),
         (true, per_visible(Phase::Idle)),
         (true, per_visible(Phase::Stand)),
         (takes_turns, per_visible(Phase::GazeScheduleLook)),

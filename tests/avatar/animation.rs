@@ -34,9 +34,10 @@ fn run(store: &mut Store) {
     }
 }
 
-/// The same without what bodies that stand do of themselves.
-fn run_without_idle(store: &mut Store) {
-    for dispatch in dispatches(store).into_iter().filter(|dispatch| dispatch.kernel() != KernelId::Idle) {
+/// The same without what bodies do that is not in their clips.
+fn run_clips_only(store: &mut Store) {
+    let is_own = |kernel| matches!(kernel, KernelId::Idle | KernelId::Manner);
+    for dispatch in dispatches(store).into_iter().filter(|dispatch| !is_own(dispatch.kernel())) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }
@@ -305,9 +306,10 @@ fn nothing_that_is_read_later_holds_a_nan_and_rotations_have_unit_length() {
     }
 }
 
-/// One agent of avatar 0 before the camera, standing aside, without gaze.
+/// One agent of avatar 0 before the camera, standing aside, without gaze, as its clip.
 fn one_agent() -> Store {
     let mut store = on_the_ground(animation(1, 0));
+    store.frame.individuals = 0.0;
     store.position[0] = [1.0, 3.0];
     store.stance[0] = Stance { heading: 0.4, walk_weight: 1.0, stride: TRAVEL, ..Stance::default() };
     store.appearance[0] = Appearance::new(0, 0, false, 1.0, [0; 4]);
@@ -394,7 +396,7 @@ fn without_walk_or_without_weights_an_agent_stands_in_the_emotion_it_shows() {
             store.stance[0].walk_weight = walk;
             store.gait_weights[0] = weights;
             store.appearance[0].set_emotion(emotion);
-            run_without_idle(&mut store);
+            run_clips_only(&mut store);
             let phase = weight_phase(0, emotion as usize, store.frame.gaze_time);
             let feet = stance_of(0);
             let clip = GAITS + (emotion * STANCES + feet) as usize;

@@ -20,6 +20,7 @@ mod eyes;
 mod footing;
 mod foreign;
 mod loading;
+mod manner;
 mod paper_gaze;
 mod raster;
 mod rigs;

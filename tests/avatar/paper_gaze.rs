@@ -23,9 +23,10 @@ const PAPER: u32 = 1;
 const NECK: Vec3 = Vec3::new(0.0, 1.45, -0.01);
 const EYES: Vec3 = Vec3::new(0.0, 1.63, 0.10);
 
-/// Runs all dispatches on the CPU but the one by which bodies that stand move of themselves.
+/// Runs all dispatches on the CPU but those by which bodies differ from their clips.
 pub(crate) fn run(store: &mut Store) {
-    for dispatch in dispatches(store).into_iter().filter(|dispatch| dispatch.kernel() != KernelId::Idle) {
+    let is_own = |kernel| matches!(kernel, KernelId::Idle | KernelId::Manner);
+    for dispatch in dispatches(store).into_iter().filter(|dispatch| !is_own(dispatch.kernel())) {
         reference::run(dispatch.phase, store, dispatch.immediate);
     }
 }

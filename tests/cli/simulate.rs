@@ -130,6 +130,11 @@ fn wrong_values_are_refused_with_a_way_out() {
         "population.expression = -1",
         "0 to 3",
     );
+    refused(
+        &["simulate", "crossing", "--set", "population.individuals=1.5"],
+        "population.individuals = 1.5",
+        "0 walks every gait as it is",
+    );
     refused(&["simulate", "crossing", "--seconds", "1e9"], "--seconds = 1000000000", "hint: ");
     refused(&["simulate", "crossing", "--seconds", "NaN"], "--seconds = NaN", "hint: ");
     refused(&["simulate", "crossing", "--agents", "1000001"], "1000001", "0..=1000000");

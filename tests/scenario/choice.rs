@@ -7,6 +7,8 @@ use gaitway::library::GaitLibrary;
 use gaitway::library::blend::weights_from_affect;
 use gaitway::perception::Perceiver;
 use gaitway::scenario::{AgentStart, Condition, Scenario, populate, populate_from, populate_with};
+use gaitway::scene::Scene;
+use gaitway::sim::Backend;
 
 fn scenario(population: &str) -> Scenario {
     let text = format!("name = \"test\"\nlayout = \"crossing\"\n[population]\nagents = 300\n{population}\n");
@@ -188,5 +190,32 @@ fn wrong_values_are_named_with_their_line_range_and_way_out() {
         let message = refused(population);
         assert!(message.contains(&format!("test.toml:{line}")), "{population}: {message}");
         assert!(parts.iter().all(|part| message.contains(part)), "{population}: {message}");
+    }
+}
+
+#[test]
+fn agents_are_individuals_where_the_gaits_are_generated_and_nobodys() {
+    let of = |population: &str, condition: Condition, library: Option<GaitLibrary>| {
+        let mut builder =
+            Scene::of(scenario(population)).agents(4).condition(condition).backend(Backend::Cpu);
+        if let Some(library) = library {
+            builder = builder.library(library);
+        }
+        let (simulation, _) = builder.build().unwrap().start_with_bodies().unwrap();
+        simulation.store().frame.individuals
+    };
+    assert_eq!(of("", Condition::EvaG, None), 1.0);
+    assert_eq!(of("expression = 1.0", Condition::EvaO, None), 1.0);
+    // people of a library are themselves, and the baseline is one gait for all
+    assert_eq!(of("", Condition::EvaG, Some(library())), 0.0);
+    assert_eq!(of("", Condition::Baseline, None), 0.0);
+    // what is said is done
+    assert_eq!(of("individuals = 0.5", Condition::EvaG, None), 0.5);
+    assert_eq!(of("individuals = 0", Condition::EvaG, None), 0.0);
+    assert_eq!(of("individuals = 0.25", Condition::EvaG, Some(library())), 0.25);
+    assert_eq!(of("individuals = 1.0", Condition::Baseline, None), 1.0);
+    for wrong in ["-0.1", "1.1", "nan"] {
+        let error = refused(&format!("individuals = {wrong}"));
+        assert!(error.contains("population.individuals") && error.contains("0 to 1"), "{error}");
     }
 }

@@ -74,6 +74,7 @@ fn the_barriers_of_a_picture_stand_where_its_kernels_meet() {
         "compact.list",
         "pose",
         "feet",
+        "manner",
         "idle",
         "stand",
         "gaze",

@@ -83,7 +83,8 @@ impl Engine {
 
     /// Whether this engine has these kernels.
     pub(crate) fn has(&self, kernels: &[KernelId]) -> bool {
-        kernels.iter().all(|kernel| self.pipelines[*kernel as usize].is_some())
+        let mut phases = kernels.iter().flat_map(|kernel| kernel.kernel().phases);
+        phases.all(|phase| self.pipelines[*phase as usize].is_some())
     }
 
     /// Records operations, barriers between them and after the last.

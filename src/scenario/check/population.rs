@@ -20,6 +20,10 @@ pub(super) fn check(population: &Population) -> Result<(), Error> {
         most,
         "crowds walk with 2; people differ by 1",
     )?;
+    if let Some(individuals) = population.individuals {
+        let hint = "0 walks every gait as it is, 1 differs as people do";
+        within("population.individuals", individuals, 0.0, 1.0, hint)?;
+    }
     let [low, high] = population.scale;
     if !(low >= 0.5 && low <= high && high <= 2.0) {
         let found = format!("[{low}, {high}]");

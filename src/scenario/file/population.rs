@@ -159,6 +159,10 @@ pub struct Population {
     /// 3 as on a stage. Gaits of a library are walked as they are.
     #[serde(skip_serializing_if = "is_usual")]
     pub expression: f32,
+    /// How much each agent differs from the person whose gait it walks with: 0 not at all, 1 as people differ. Left out: 1 of the
+    /// generated gaits; 0 of a library, whose gaits are walked as they are, and of the baseline, which has one gait for all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub individuals: Option<f32>,
     /// What `emotions` means.
     pub emotion_mode: EmotionMode,
     /// Least and greatest body size relative to the avatar.
@@ -226,6 +230,7 @@ impl Default for Population {
             gaits: GaitChoice::default(),
             #[allow(clippy::cast_possible_truncation, reason = "2")]
             expression: EXPRESSION as f32,
+            individuals: None,
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
             avatars: vec!["female".into(), "male".into()],

@@ -230,7 +230,8 @@ pub fn vertex_elements(vertex: &Vertex) -> [[f32; 4]; VERTEX_STRIDE] {
 ///
 /// Seeds differ in kind, not only in numbers: odd ones have less room than there are visible agents, those with bit 1
 /// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail; in odd ones agents
-/// take turns in looking at the user; those one more than a multiple of three have far bodies.
+/// take turns in looking at the user; those one more than a multiple of three have far bodies. Agents are individuals to
+/// a part where the seed is one more than a multiple of four, and not at all where it is two more.
 pub fn animation(agents: usize, seed: u32) -> Store {
     let mut dice = Dice { seed: hash_u32(seed ^ 0x5eed), count: 0 };
     let levels = if seed & 4 == 0 { LEVELS } else { 1 };
@@ -264,6 +265,8 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             gaze_time: if is_tight { hash_u32(seed) } else { GAZE_TIME },
             turn_least: 1000,
             turn_most: 4000,
+            individuals: [1.0, 0.4, 0.0, 1.0][seed as usize % 4],
+            ..FrameUniforms::default()
         },
         ..Store::default()
     };
