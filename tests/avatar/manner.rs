@@ -55,7 +55,8 @@ impl People {
             let clip = cast.clip_index(avatar, gait_of(agent) as u32);
             let shown = cast.clip(clip);
             store.body[agent] = Body { walk_ratio: shown.walk_ratio(), ..store.body[agent] };
-            store.stance[agent] = Stance { heading: 0.0, walk_weight: 1.0, stride: shown.stride_travel };
+            store.stance[agent] =
+                Stance { heading: 0.0, walk_weight: 1.0, stride: shown.stride_travel, ..Stance::default() };
             store.appearance.push(Appearance::new(avatar, emotion as u32, false, 1.0, [0; 4]));
             store.gaits.push([clip; 4]);
             store.gait_weights.push([1.0, 0.0, 0.0, 0.0]);
