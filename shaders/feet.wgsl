@@ -15,7 +15,7 @@
 @group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][68]
 @group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
-const LEAST_LIFT: f32 = 0.3;    // share of the lift of feet in a stride of no length
+const LEAST_LIFT: f32 = 0.6;    // share of the lift of feet in a stride of no length
 const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
 // The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
 const STRAIGHTER: f32 = 0.04;

@@ -78,7 +78,7 @@ fn takes_a_step(own: Stance, phase: u32) -> bool {
         || (!begins && (is_lifted(phase) || is_lifted(phase + HALF)));
 }
 
-// The phase from which somebody who stands sets off: the foot that is farther off goes first.
+// The phase from which an agent that stands sets off: the foot that is farther off goes first.
 fn ready_phase(agent: u32, own: Stance) -> u32 {
     let left = dot2(own.left, own.left);
     let right = dot2(own.right, own.right);

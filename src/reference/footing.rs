@@ -73,7 +73,7 @@ pub fn takes_a_step(own: &Stance, phase: u32) -> bool {
         || (!begins && (is_lifted(phase) || is_lifted(phase.wrapping_add(HALF))))
 }
 
-/// The phase from which somebody who stands sets off: the foot that is farther off goes first.
+/// The phase from which an agent that stands sets off: the foot that is farther off goes first.
 pub fn ready_phase(agent: u32, own: &Stance) -> u32 {
     let (left, right) = (dot2(own.left, own.left), dot2(own.right, own.right));
     let drawn = own_draw(agent, FIRST_FOOT, 0) >> 31 == 1;

@@ -60,7 +60,7 @@ fn who_turns_on_the_spot_steps() {
         let (mut walker, _) = stopped(emotion, 0);
         // slower than anybody walks, to the right
         let seen = watch_all(&mut walker, |time| if time < 2.0 { [-0.06, -0.01] } else { [0.0, 0.0] }, 5.0);
-        are_planted(emotion.name(), &seen, [0.00015, 0.1, 0.003]);
+        are_planted(emotion.name(), &seen, [0.00015, 0.12, 0.003]);
         is_settled(emotion.name(), &walker);
         let turned = walker.store.stance[0].heading;
         assert!((turned + 1.735).abs() < 0.01 && seen.strides > 1.0, "{emotion}: {turned} rad, {seen:?}");

@@ -231,7 +231,7 @@ impl HandMade {
             .collect();
         let position: Vec<[f32; 2]> = places.iter().map(|p| p.0.to_array()).collect();
         let elevation = vec![0.0_f32; position.len()];
-        let stance = vec![[0.0_f32; 2]; position.len()];
+        let stance = vec![Stance::default(); position.len()];
         let far_poses = vec![FarPose::default(); position.len()];
         fn bytes<T: bytemuck::Pod>(x: &[T]) -> &[u8] {
             bytemuck::cast_slice(x)
