@@ -109,5 +109,5 @@ fn stays(off: vec2<f32>, way: vec2<f32>, share: f32) -> vec2<f32> {
 // The same of where it points to.
 fn stays_turned(off: f32, turned: f32, share: f32) -> f32 {
     let now = select(off * share, exact_wrap(off - turned), share >= 1.0);
-    return select(select(now, -MOST_TURNED, now < -MOST_TURNED), MOST_TURNED, now > MOST_TURNED);
+    return limit(now, -MOST_TURNED, MOST_TURNED);
 }

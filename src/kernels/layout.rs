@@ -28,14 +28,17 @@ impl Body {
     }
 
     /// A place of a foot, to the left and ahead, m, as bits; what is farther than 3 m counts as 3 m.
+    #[allow(clippy::cast_possible_truncation, reason = "30,000 at most")]
     pub fn foot_bits(place: [f32; 2]) -> u32 {
-        let [aside, ahead] = place.map(|part| (10_000.0 * part.clamp(-3.0, 3.0)).round() as i16 as u16);
+        let tenths = |part: f32| ((10_000.0 * part.clamp(-3.0, 3.0)).round() as i16).cast_unsigned();
+        let [aside, ahead] = place.map(tenths);
         u32::from(aside) | u32::from(ahead) << 16
     }
 
     /// That place. Twin of `foot_at` in `shaders/shared/agent.wgsl`.
+    #[allow(clippy::cast_possible_truncation, reason = "halves of the bits")]
     pub fn foot_at(bits: u32) -> [f32; 2] {
-        [bits as u16, (bits >> 16) as u16].map(|part| f32::from(part as i16) * 0.0001)
+        [bits as u16, (bits >> 16) as u16].map(|part| f32::from(part.cast_signed()) * 0.0001)
     }
 }
 

@@ -9,8 +9,8 @@ use super::quaternion::{
 use super::standing::{left_ahead, stance_of, walk_share};
 use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
-    FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, NECK_TURNS, NOT_SEEN, PELVIS_STAYS,
-    REACHES, STRAIGHTER, Slices, UPRIGHT,
+    FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, MOST_SUNK, NECK_TURNS, NOT_SEEN,
+    PELVIS_STAYS, REACHES, STRAIGHTER, Slices, UPRIGHT,
 };
 use crate::kernels::layout::{Appearance, Stance};
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
@@ -284,7 +284,7 @@ impl Person<'_> {
         let [left_sinks, right_sinks] =
             [0, 1].map(|side| overreach(add3(hips, arms[side]), feet[side].ankle, longest));
         let [x, y, z] = hips;
-        let hips = [x, y - greater(greater(left_sinks, right_sinks), 0.0), z];
+        let hips = [x, y - limit(greater(left_sinks, right_sinks), 0.0, MOST_SUNK * leg), z];
 
         let ([x, ..], [y, ..], [z, ..]) = (rest_x, rest_y, rest_z);
         let to_the_left = quat_rotate(turned, [x, y, z]);

@@ -1,6 +1,7 @@
 //! Twin of `shaders/shared/footing.wgsl`: feet stay where they are while they are on the ground.
 
 use super::exact::{dot2, greater, lesser, sin_cos, unit_f32, wrap};
+use super::quaternion::limit;
 use super::standing::{eased, left_ahead, own_draw, stance_of};
 use crate::kernels::layout::{Body, Stance};
 use crate::kernels::shared::footing::{
@@ -103,11 +104,5 @@ pub fn stays(off: [f32; 2], way: [f32; 2], share: f32) -> [f32; 2] {
 /// The same of where it points to, rad.
 pub fn stays_turned(off: f32, turned: f32, share: f32) -> f32 {
     let now = if share >= 1.0 { wrap(off - turned) } else { off * share };
-    if now > MOST_TURNED {
-        MOST_TURNED
-    } else if now < -MOST_TURNED {
-        -MOST_TURNED
-    } else {
-        now
-    }
+    limit(now, -MOST_TURNED, MOST_TURNED)
 }

@@ -55,8 +55,8 @@ struct State<'a> {
 
 impl State<'_> {
     fn moved(self, step: &StepUniforms, agent: u32, v: [f32; 2], body: Body) {
-        for axis in 0..2 {
-            let mut p = self.position[axis] + v[axis] * step.time_step;
+        for (place, speed) in self.position.iter_mut().zip(v) {
+            let mut p = *place + speed * step.time_step;
             if step.wrap > 0.0 {
                 if p >= step.wrap {
                     p -= step.wrap;
@@ -65,7 +65,7 @@ impl State<'_> {
                     p += step.wrap;
                 }
             }
-            self.position[axis] = p;
+            *place = p;
         }
         let push = [0, 1].map(|axis| (v[axis] - self.velocity[axis]) * step.inverse_time_step);
         *self.velocity = v;
