@@ -154,6 +154,13 @@ pub fn quat_from_rows(row_x: [f32; 3], row_y: [f32; 3], row_z: [f32; 3]) -> [f32
     quat_normalize([x[2] + z[0], y[2] + z[1], 1.0 - x[0] - y[1] + z[2], y[0] - x[1]])
 }
 
+/// First to the right by `roll` about z (positive: the left side rises), then forwards by `pitch` about x, rad.
+pub fn quat_pitch_roll(pitch: f32, roll: f32) -> [f32; 4] {
+    let [xs, xc] = sin_cos(pitch * 0.5);
+    let [zs, zc] = sin_cos(roll * 0.5);
+    [xs * zc, -(xs * zs), xc * zs, xc * zc]
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -195,10 +202,4 @@ mod tests {
         assert_eq!(quat_normalize([0.0; 4]), [0.0, 0.0, 0.0, 1.0]);
         assert_eq!(quat_from_rows([0.0; 3], [0.0; 3], [0.0; 3]), [0.0, 0.0, 0.0, 1.0]);
     }
-}
-
-pub fn quat_pitch_roll(pitch: f32, roll: f32) -> [f32; 4] {
-    let [xs, xc] = sin_cos(pitch * 0.5);
-    let [zs, zc] = sin_cos(roll * 0.5);
-    [xs * zc, -(xs * zs), xc * zs, xc * zc]
 }

@@ -14,7 +14,7 @@ fn stopped(emotion: Emotion, phase: u32) -> (Walker, Seen) {
     let mut walker = woman(emotion, 1.0);
     let speed = walker.speed;
     watch(&mut walker, speed, 3.0);
-    while (walker.store.phase[0].wrapping_sub(phase) as i32).unsigned_abs() > 1 << 26 {
+    while walker.store.phase[0].wrapping_sub(phase).cast_signed().unsigned_abs() > 1 << 26 {
         walker.go([0.0, speed]);
     }
     let seen = watch(&mut walker, 0.0, 4.0);
@@ -147,7 +147,7 @@ fn the_head_turns_before_the_trunk_and_the_trunk_before_the_feet() {
     for picture in 0..240_u16 {
         walker.go([own * 0.707, own * 0.707]);
         for (half, yaw) in half.iter_mut().zip(yaws(&walker)) {
-            if yaw > 0.3927 && half.is_none() {
+            if yaw > std::f32::consts::FRAC_PI_8 && half.is_none() {
                 *half = Some(f32::from(picture) / PICTURES);
             }
         }
