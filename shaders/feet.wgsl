@@ -20,7 +20,7 @@ const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side
 // The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
 const STRAIGHTER: f32 = 0.04;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
-// How far hips sink for a foot that is out of reach, share of a leg's length; a foot beyond that comes along.
+// How far hips sink for a foot that is out of reach on a level floor, share of a leg's length; a foot beyond that comes along.
 const MOST_SUNK: f32 = 0.05;
 const LEAST_BEND: f32 = 0.02;   // and do not fold up either, as a share of it
 const LEAST_AHEAD: f32 = 0.1;   // cosine of the pitch of a foot beyond which it is left alone
@@ -258,7 +258,7 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
         root.x + lean.x * sways, root.y + rise + 0.5 * (heights.x + heights.y), root.z * swing + lean.y * sways,
     );
     let sinks = max(overreach(hips + left_arm, left_foot.ankle, longest), overreach(hips + right_arm, right_foot.ankle, longest));
-    hips.y = hips.y - limit(sinks, 0.0, MOST_SUNK * leg);
+    hips.y = hips.y - limit(sinks, 0.0, MOST_SUNK * leg + abs(heights.x - heights.y));
 
     let to_the_left = quat_rotate(turned, vec3<f32>(rig[rows + 1u].x, rig[rows + 2u].x, rig[rows + 3u].x));
     bend(base, LEFT_LEG, left, left_foot, hips + left_arm, turned, to_the_left);

@@ -283,8 +283,9 @@ impl Person<'_> {
             [root_x + leans_aside * sways, root_y + rise + floors, root_z * swing + leans_ahead * sways];
         let [left_sinks, right_sinks] =
             [0, 1].map(|side| overreach(add3(hips, arms[side]), feet[side].ankle, longest));
+        let most_sunk = MOST_SUNK * leg + (left_off.height - right_off.height).abs();
         let [x, y, z] = hips;
-        let hips = [x, y - limit(greater(left_sinks, right_sinks), 0.0, MOST_SUNK * leg), z];
+        let hips = [x, y - limit(greater(left_sinks, right_sinks), 0.0, most_sunk), z];
 
         let ([x, ..], [y, ..], [z, ..]) = (rest_x, rest_y, rest_z);
         let to_the_left = quat_rotate(turned, [x, y, z]);
