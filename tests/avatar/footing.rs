@@ -9,7 +9,7 @@ fn woman(emotion: Emotion, share: f32) -> Walker {
     Walker::person(emotion, walker::Sex::Female, share)
 }
 
-/// Somebody who stops at a phase of the stride, and what is seen in the four seconds after it.
+/// A walker that stops at a phase of the stride, and what is seen in the four seconds after it.
 fn stopped(emotion: Emotion, phase: u32) -> (Walker, Seen) {
     let mut walker = woman(emotion, 1.0);
     let speed = walker.speed;
@@ -30,7 +30,7 @@ fn are_planted(what: &str, seen: &Seen, [mean, slide, sinks]: [f32; 3]) {
     assert!(seen.lowest > -sinks, "{what}: {} m in the ground, {sinks} at most", -seen.lowest);
 }
 
-/// Whether both feet are under somebody who stands.
+/// Whether both feet are under a walker that stands.
 fn is_settled(what: &str, walker: &Walker) {
     let own = walker.store.stance[0];
     assert!(own.walk_weight == 0.0, "{what}: {own:?} still walks");
@@ -82,7 +82,7 @@ fn who_goes_in_circles_plants_the_feet() {
     }
 }
 
-/// How far the lean tilts the trunk, to the left and ahead of where somebody goes, degrees.
+/// How far the lean tilts the trunk, to the left and ahead of its way, degrees.
 fn leans(walker: &mut Walker, way: Vec3) -> [f32; 2] {
     let trunk = |walker: &Walker| {
         let at = walker.joints().map(|joint| joint.w_axis.truncate());
@@ -113,7 +113,7 @@ fn bodies_lean_into_acceleration_and_curves() {
         let [_, ahead] = leans(&mut walker, Vec3::Z);
         most = most.max(ahead);
     }
-    assert!((3.0..6.0).contains(&most), "somebody who sets off leans by {most} degrees");
+    assert!((3.0..6.0).contains(&most), "a walker that sets off leans by {most} degrees");
     let mut aside = 0.0;
     for picture in 0..1200_u16 {
         let (sine, cosine) = (f32::from(picture) / PICTURES * own / 2.5).sin_cos();
@@ -126,7 +126,7 @@ fn bodies_lean_into_acceleration_and_curves() {
     assert!((2.0..4.0).contains(&aside), "in a curve to the left {aside} degrees");
 }
 
-/// Yaw of head, trunk and the mean of both feet against where somebody went at first, to the left, rad.
+/// Yaw of head, trunk and the mean of both feet against the first way, to the left, rad.
 fn yaws(walker: &Walker) -> [f32; 3] {
     let joints = walker.joints();
     let yaw = |joint: Joint| {
