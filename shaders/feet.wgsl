@@ -3,7 +3,7 @@
 // drawn the strides of the gaits; people who go slower take shorter ones, and lift and roll their feet less.
 // A foot's way is scaled about where it is when the agent stands, so that a foot on the ground still goes back as fast as the
 // ground does, and strides of no length are a stand. It turns about the heel while the toes are up, about the ball while the
-// heel is. The hips rise with the square of what is missing, as the arc does that they go over a leg; the pelvis swings less.
+// heel is. Hips rise and fall less in shorter strides, and the pelvis swings less.
 //
 // A foot that stays behind (see footing) is put there, as high and as steep as the floor is. The hips go with the mean of both
 // feet. The pelvis turns half as far as the body does before the feet. The trunk leans; the head does not, but turns ahead.
@@ -16,9 +16,15 @@
 @group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
 
 const LEAST_LIFT: f32 = 0.6;    // share of the lift of feet in a stride of no length
+const FLATTER: f32 = 1.6;       // slower people land flat sooner than they cease to push off, by this factor
 const UPRIGHT: f32 = 0.998;     // height of the hips above feet that stand side by side, share of that at rest
 // The share of a leg's length by which it is straighter for a stride shorter by its own length; knees give less at low speeds.
-const STRAIGHTER: f32 = 0.04;
+const STRAIGHTER: f32 = 0.09;
+const LOWER: f32 = 0.02;        // the same for hips that are lower in a stride longer by its own length
+// How much steeper a foot behind stands in a stride longer than usual, share of its pitch for the excess of the square; heels
+// rise sooner, but not higher than to the steepest pitch, rad.
+const PUSHES_MORE: f32 = 1.2;
+const STEEPEST: f32 = 1.17;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
 // How far hips sink for a foot that is out of reach on a level floor, share of a leg's length; a foot beyond that comes along.
 const MOST_SUNK: f32 = 0.05;
@@ -97,8 +103,11 @@ fn stepped(leg: Leg, avatar: u32, first: u32, stands: vec2<f32>, stride: f32, tu
     let arm = quat_rotate(leg.foot, vec3<f32>(dot3(x.xyz, contact), dot3(y.xyz, contact), dot3(z.xyz, contact)));
     let level = turned_down(arm, ahead, exact_sin_cos(pitch));
     let short = max(1.0 - stride, 0.0);
-    let slow = max(1.0 - stride * stride, 0.0); // slow walkers hardly push off
-    let down = pitch * slow;
+    let slower = 1.0 - stride * stride;
+    let slow = max(slower, 0.0); // slow walkers hardly push off
+    let steep = min(pitch, 0.0) / STEEPEST;
+    let sooner = PUSHES_MORE * min(slower, 0.0) * max(1.0 - steep * steep, 0.0);
+    let down = min(pitch, 0.0) * (slow + sooner) + max(pitch, 0.0) * min(FLATTER * slow, 1.0);
     let rolled = turned_down(arm, ahead, exact_sin_cos(down));
     // where the ankle would be above a foot that lies flat
     let above = leg.ankle + arm - level;
@@ -252,7 +261,8 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let left_arm = quat_rotate(turned, joint_translation(avatar, LEFT_LEG));
     let right_arm = quat_rotate(turned, joint_translation(avatar, RIGHT_LEG));
     let square = stride * stride;
-    let rise = (height - root.y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+    let bobs = square * (2.0 - stride);
+    let rise = (height - root.y) * (walk * (1.0 - bobs)) + longest * (STRAIGHTER * short * square + LOWER * min(1.0 - stride, 0.0));
     let sways = FROM_ANKLES * height;
     var hips = vec3<f32>(
         root.x + lean.x * sways, root.y + rise + 0.5 * (heights.x + heights.y), root.z * swing + lean.y * sways,

@@ -17,7 +17,7 @@ const CIRCLE: f32 = 6.2831853;  // rad of a stride
 const UNITS: f32 = 16777216.0;  // of a phase without its lowest eight bits
 
 // The largest deviations to either side, rad: about half of those of the walker's individuals, whom they add to.
-const LEAN: f32 = 0.16;
+const LEAN: f32 = 0.14;
 const SIDE_LEAN: f32 = 0.055;
 const TRUNK_TURN: f32 = 0.1;
 const SHOULDER_TURN: f32 = 0.03; // once a stride
@@ -25,12 +25,12 @@ const NECK_FLEXION: f32 = 0.18;
 const NOD: f32 = 0.012;          // twice a stride
 const HEAD_TURN: f32 = 0.09;
 const HEAD_TILT: f32 = 0.06;
-const ARM_AHEAD: f32 = 0.26;
+const ARM_AHEAD: f32 = 0.25;
 const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.07, 0.11); // by emotion: the sad swing their arms little
 const ARM_LATE: f32 = 0.6;       // of the swing, a quarter of a stride later
 // As shares of what the gait does, so that no arm is held into the trunk and no elbow bends backwards.
 const ARM_OUT: f32 = 0.8;
-const ELBOW: f32 = 0.5;
+const ELBOW: f32 = 0.42;
 const ELBOW_SWING: f32 = 0.2;    // once a stride
 
 // How much of the trunk's deviation the head takes part in, which is kept upright and ahead.

@@ -1,7 +1,7 @@
 //! Feet where the strides have them, and legs that reach them.
 
 use super::body::{joint_forward, joint_translation, visible_agents};
-use super::exact::{atan2, greater, sin_cos};
+use super::exact::{atan2, greater, lesser, sin_cos};
 use super::quaternion::{
     add3, cross3, dot3, limit, quat_before_yaw, quat_conjugate, quat_from_rows, quat_lerp, quat_mul,
     quat_normalize, quat_pitch_roll, quat_rotate, scale3, sub3, turn_left, xyz,
@@ -9,8 +9,8 @@ use super::quaternion::{
 use super::standing::{left_ahead, stance_of, walk_share};
 use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
-    FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, MOST_SUNK, NECK_TURNS, NOT_SEEN,
-    PELVIS_STAYS, REACHES, STRAIGHTER, Slices, UPRIGHT,
+    FLATTER, FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, LOWER, MOST_SUNK,
+    NECK_TURNS, NOT_SEEN, PELVIS_STAYS, PUSHES_MORE, REACHES, STEEPEST, STRAIGHTER, Slices, UPRIGHT,
 };
 use crate::kernels::layout::{Appearance, Stance};
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
@@ -89,8 +89,11 @@ fn stepped(
     let arm = quat_rotate(leg.foot, [dot3(x, contact), dot3(y, contact), dot3(z, contact)]);
     let level = turned_down(arm, ahead, sin_cos(pitch));
     let short = greater(1.0 - stride, 0.0);
-    let slow = greater(1.0 - stride * stride, 0.0);
-    let down = pitch * slow;
+    let slower = 1.0 - stride * stride;
+    let slow = greater(slower, 0.0);
+    let steep = lesser(pitch, 0.0) / STEEPEST;
+    let sooner = PUSHES_MORE * lesser(slower, 0.0) * greater(1.0 - steep * steep, 0.0);
+    let down = lesser(pitch, 0.0) * (slow + sooner) + greater(pitch, 0.0) * lesser(FLATTER * slow, 1.0);
     let rolled = turned_down(arm, ahead, sin_cos(down));
     let [above_x, above_y, above_z] = sub3(add3(leg.ankle, arm), level);
     let lift = 1.0 - slow * (1.0 - LEAST_LIFT);
@@ -276,7 +279,9 @@ impl Person<'_> {
         let arms =
             [LEFT_LEG, RIGHT_LEG].map(|first| quat_rotate(turned, joint_translation(rig, avatar, first)));
         let square = stride * stride;
-        let rise = (height - root_y) * (walk * (1.0 - square)) + longest * (STRAIGHTER * short * square);
+        let bobs = square * (2.0 - stride);
+        let rise = (height - root_y) * (walk * (1.0 - bobs))
+            + longest * (STRAIGHTER * short * square + LOWER * lesser(1.0 - stride, 0.0));
         let sways = FROM_ANKLES * height;
         let floors = 0.5 * (left_off.height + right_off.height);
         let hips =

@@ -16,9 +16,8 @@ use gaitway::reference::body::{CLIP_STRIDE, PARENTS, visible_agents, visible_slo
 use gaitway::reference::exact::unit_f32;
 use gaitway::reference::pose::weight_phase;
 use gaitway::reference::standing::stance_of;
-use gaitway::verify::cases::animation::{
-    AVATARS, GAITS, TRAVEL, animation, avatar, dispatches, vertex_elements,
-};
+use gaitway::verify::cases::animation::{AVATARS, GAITS, TRAVEL, animation, dispatches};
+use gaitway::verify::cases::avatars::{avatar, vertex_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 /// The same people, all on the ground: what is tested here stands at one height.

@@ -12,9 +12,8 @@ use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
 use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
 use gaitway::sim::bodies::looking_at;
-use gaitway::verify::cases::animation::{
-    AVATARS, CLIPS, GAITS, TRAVEL, animation, avatar, clip_elements, dispatches,
-};
+use gaitway::verify::cases::animation::{AVATARS, CLIPS, GAITS, TRAVEL, animation, dispatches};
+use gaitway::verify::cases::avatars::{avatar, clip_elements};
 use glam::{Mat4, Quat, Vec3, Vec4};
 
 const NATURAL: u32 = 0;

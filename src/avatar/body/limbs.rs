@@ -92,23 +92,26 @@ impl Measures {
         let along = (points[2] - points[1]).normalize_or_zero();
         let front = (Vec3::Z - along * along.z).normalize_or_zero();
         let inward = along.cross(front) * if left { 1.0 } else { -1.0 };
-        // Fingers curl towards the palm.
-        let at = |t: f32, curl: f32| points[2] + (along * t + inward * curl) * size;
-        let ring = |t, curl, thick: f32, broad: f32, keep| Ring {
-            center: at(t, curl),
-            side: inward * thick * size,
-            front: front * broad * size,
-            back: 1.0,
-            square: 2.6,
-            paint: SKIN,
-            back_paint: None,
-            keep,
+        // Along the forearm, towards the palm, and how far the fingers are bent there, as of a hand at rest.
+        let ring = |t: f32, palm: f32, bent: f32, [thick, broad]: [f32; 2], keep| {
+            let (sine, cosine) = libm::sincosf(bent);
+            Ring {
+                center: points[2] + (along * t + inward * palm) * size,
+                side: (inward * cosine - along * sine) * thick * size,
+                front: front * broad * size,
+                back: 1.0,
+                square: 2.6,
+                paint: SKIN,
+                back_paint: None,
+                keep,
+            }
         };
         let rings = [
-            ring(-0.022, 0.0, 0.021, 0.026, 1),
-            ring(0.030, 0.002, 0.019, 0.040, 0),
-            ring(0.090, 0.007, 0.017, 0.044, 0),
-            ring(0.165, 0.032, 0.011, 0.028, 1),
+            ring(-0.022, 0.0, 0.0, [0.021, 0.026], 1),
+            ring(0.030, 0.001, 0.0, [0.019, 0.038], 0),
+            ring(0.086, 0.006, 0.3, [0.017, 0.042], 1),
+            ring(0.126, 0.028, 0.9, [0.014, 0.037], 0),
+            ring(0.138, 0.060, 1.4, [0.011, 0.029], 1),
         ];
         let segments = [6, 3][builder.level.min(1)];
         builder.begin(skin);
@@ -118,9 +121,9 @@ impl Measures {
             return;
         }
         let thumb = |t: f32, out: f32, curl: f32, radius: f32| Ring {
-            center: at(t, curl) + front * out * size,
+            center: points[2] + (along * t + inward * curl + front * out) * size,
             side: inward * radius * size,
-            front: (along * 0.6 + front).normalize_or_zero() * radius * size,
+            front: (front - along * 0.3).normalize_or_zero() * radius * size,
             back: 1.0,
             square: 2.0,
             paint: SKIN,
@@ -128,9 +131,9 @@ impl Measures {
             keep: 0,
         };
         let rings = [
-            thumb(0.020, 0.022, 0.004, 0.015),
-            thumb(0.055, 0.050, 0.014, 0.013),
-            thumb(0.090, 0.060, 0.022, 0.009),
+            thumb(0.015, 0.020, 0.006, 0.015),
+            thumb(0.058, 0.040, 0.022, 0.012),
+            thumb(0.095, 0.040, 0.038, 0.009),
         ];
         builder.begin(skin);
         builder.loft(&rings, 4, [Cap::Open, Cap::Fan(0.008)]);
@@ -157,9 +160,9 @@ impl Measures {
                 (0, 0.86, 0.064, 0, BOTTOM),
                 (1, 0.00, 0.062, 2, BOTTOM),
                 (1, 0.35, 0.060, 0, BOTTOM),
-                (1, 0.95, 0.053, 0, Paint::tinted(Material::Bottom, 0.6)),
-                (1, 0.96, 0.036, 0, SHOE),
-                (1, 1.05, 0.038, 2, SHOE),
+                (1, 1.00, 0.056, 0, Paint::tinted(Material::Bottom, 0.6)),
+                (1, 1.01, 0.036, 0, SHOE),
+                (1, 1.07, 0.038, 2, SHOE),
             ],
         };
         builder.begin(skin);

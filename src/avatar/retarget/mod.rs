@@ -4,7 +4,7 @@
 //! 2. Pelvis frame from (left hip - right hip) and (spine - root), chest frame from the shoulders and
 //!    (neck - spine), head from (head - neck).
 //! 3. Arms take the directions of the gait's bones; their twist comes from the plane of the elbow, or from
-//!    anatomy where the arm is straight (a previous frame's plane would not close the loop).
+//!    anatomy where the arm is straight (a previous frame's plane would not close the loop). Hands hang a little.
 //! 4. The feet follow a plan that keeps the planted foot still and the gait's bend of the knee ([`plan`]); legs reach
 //!    it by two-bone inverse kinematics. The hips move by a centimetre at most, or sink where no leg could reach.
 //! 5. Turns relative to the rest pose become local rotations, whatever the rig's joint axes are.
@@ -22,6 +22,14 @@ use rig::{Limb, Rig, anatomical_hinge, hinge};
 
 /// Greatest use of a leg's length: a knee never locks.
 const REACH: f32 = 0.9995;
+
+/// Share of a neck's lean backwards by which the face turns up: people look ahead, however they carry their heads.
+const HEAD_TIPS_BACK: f32 = 0.25;
+
+/// How far a hand at rest hangs beside its forearm: the share of the way to straight down, and at most, rad (the wrist's own
+/// limit to that side is about 0.5).
+const HAND_HANGS: f32 = 0.15;
+const MOST_HANGING: f32 = 0.2;
 
 /// Share of the chest's turn about the vertical that the head takes part in; walkers look ahead.
 const HEAD_FOLLOWS_CHEST: f32 = 0.25;
@@ -215,7 +223,9 @@ fn posture(rig: &Rig, pose: &Pose, scale: f32, spread: f32, place: impl Fn(Vec3)
     // The avatar's own head sits where it does at rest when the gait's neck points the same way.
     let rest = (rig.at(Joint::Head) - rig.at(Joint::Neck)).normalize_or(Vec3::Y);
     let rest = if rest.y > 0.8 { rest } else { Vec3::Y };
-    let nod = Quat::from_rotation_arc(rest, (at(Joint::Head) - at(Joint::Neck)).normalize_or(rest));
+    let mut neck = (at(Joint::Head) - at(Joint::Neck)).normalize_or(rest);
+    neck.z += (1.0 - HEAD_TIPS_BACK) * (rest.z - neck.z).max(0.0);
+    let nod = Quat::from_rotation_arc(rest, neck.normalize_or(rest));
     let head = nod * Quat::from_rotation_y(HEAD_FOLLOWS_CHEST * heading(chest));
     let arms = [0, 1].map(|side| {
         let [shoulder, elbow, hand] = rig.arms[side].chain.map(at);
@@ -274,7 +284,8 @@ pub(super) fn frame(
         let fallback = body.chest * anatomical_hinge(own, -1.0);
         let axis = hinge(body.arms[side][0], body.arms[side][1], fallback, 0.1, 0.4);
         let [upper, fore] = arm.turns(body.arms[side], axis);
-        for (joint, turn) in arm.chain.into_iter().zip([upper, fore, fore]) {
+        let hand = hanging(body.arms[side][1]) * fore;
+        for (joint, turn) in arm.chain.into_iter().zip([upper, fore, hand]) {
             turns[joint as usize] = turn;
         }
         let leg = &rig.legs[side];
@@ -286,6 +297,14 @@ pub(super) fn frame(
         }
     }
     ClipFrame { rotations: local(rig, &turns, before), root }
+}
+
+/// The turn by which a hand at rest hangs beside a forearm of this direction.
+fn hanging(forearm: Vec3) -> Quat {
+    let axis = forearm.cross(Vec3::NEG_Y);
+    let away = libm::atan2f(axis.length(), -forearm.y);
+    axis.try_normalize()
+        .map_or(Quat::IDENTITY, |axis| Quat::from_axis_angle(axis, (HAND_HANGS * away).min(MOST_HANGING)))
 }
 
 /// How far the hips stand too high for a leg to reach its foot, m.

@@ -222,7 +222,7 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "body.shoulders" body.shoulders: [0.12, 0.32], stray [0.14, 0.0];
     "body.hips" body.hips: [0.05, 0.2], stray [0.14, 0.0];
     "speed" speed: [0.1, 2.6], stray [0.2, 0.0];
-    "cycle_time" cycle_time: [0.5, 3.0], stray [0.09, 0.0];
+    "cycle_time" cycle_time: [0.5, 3.0], stray [0.1, 0.0];
     "duty" duty: [0.52, 0.75], stray [0.0, 0.014];
     "step_width" step_width: [0.0, 0.5], stray [0.4, 0.0];
     "foot_lift" foot_lift: [0.06, 0.4], stray [0.2, 0.0];
@@ -234,28 +234,28 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "sway" sway: [0.0, 0.1], stray [0.4, 0.0];
     "pelvis_turn" pelvis_turn: [0.0, 0.5], stray [0.5, 0.0];
     "pelvis_drop" pelvis_drop: [0.0, 0.4], stray [0.4, 0.0];
-    "lean" lean: [-0.3, 0.6], stray [0.0, 0.21];
-    "slump" slump: [-0.4, 0.8], stray [0.0, 0.24];
-    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.33];
+    "lean" lean: [-0.3, 0.6], stray [0.0, 0.2];
+    "slump" slump: [-0.4, 0.8], stray [0.0, 0.23];
+    "neck_flexion" neck_flexion: [-0.6, 1.0], stray [0.0, 0.31];
     "nod" nod: [0.0, 0.2], stray [0.6, 0.0];
     "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.7, 0.0];
-    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.03];
-    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.03];
+    "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
+    "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
     "arm_swing" arm_swing: [0.0, 1.2], stray [0.6, 0.07];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.4];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.22];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.41];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.26];
     "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.5, 0.24];
     "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.6, 0.08];
     "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
     "knee_flexion" knee_flexion: [-0.1, 0.3], stray [0.0, 0.06];
-    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.1];
-    "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.2];
+    "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.12];
+    "trunk_turn" trunk_turn: [-0.3, 0.3], stray [0.0, 0.24];
     "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
     "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
     "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.44];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.42];
     "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
-    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.5];
+    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.44];
 };
 
 impl WalkerStyle {

@@ -12,6 +12,12 @@ const CHEST_LAG: f64 = 0.02;
 const ELBOW_LAG: f64 = 0.01;
 /// No elbow is straighter than this.
 const LEAST_BEND: f64 = 0.1;
+/// The elbow's bend over its swing, by the swing `s` of -1 to 1: `0.3 + 0.5 s + 0.2 s^2`. Its second harmonic is a fifth of the
+/// first, as in healthy adults (2.4 of 12 degrees): forearms are longer behind than in front.
+const ELBOW_CURVE: [f64; 3] = [0.3, 0.5, 0.2];
+/// A forearm that would swing higher than this swings less, by this share of the excess: arms swing like pendulums.
+const HIGHEST_FOREARM: f64 = 1.22;
+const HELD_DOWN: f64 = 0.85;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
 pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &mut [DVec3; JOINT_COUNT]) {
@@ -56,8 +62,13 @@ fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     let amplitude =
         (style.arm_swing * (1.0 + side * style.asymmetry) + side * style.swing_asymmetry).max(0.0);
     let flexion = style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude * swing(0.0);
-    let bent = style.elbow_flexion + 0.5 * side * style.elbow_asymmetry;
-    let elbow = bent.max(LEAST_BEND) + style.elbow_swing * (0.5 + 0.5 * swing(ELBOW_LAG));
+    let bent = (style.elbow_flexion + 0.5 * side * style.elbow_asymmetry).max(LEAST_BEND);
+    let [mean, first, second] = ELBOW_CURVE;
+    let s = swing(ELBOW_LAG);
+    let highest =
+        style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude + bent + style.elbow_swing;
+    let bends = (style.elbow_swing - HELD_DOWN * (highest - HIGHEST_FOREARM).max(0.0)).max(0.0);
+    let elbow = bent + bends * (mean + s * (first + s * second));
     let apart = style.arm_abduction + 0.5 * side * style.abduction_asymmetry;
     let out = apart.max(0.0) - style.arm_cross * (0.5 + 0.5 * swing(0.0));
     let outward = Turn::new(out);

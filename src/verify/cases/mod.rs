@@ -7,6 +7,7 @@
 )]
 
 pub mod animation;
+pub mod avatars;
 pub mod between;
 mod case;
 pub mod crossing;
