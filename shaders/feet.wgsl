@@ -23,7 +23,7 @@ const STRAIGHTER: f32 = 0.09;
 const LOWER: f32 = 0.02;        // the same for hips that are lower in a stride longer by its own length
 // How much steeper a foot behind stands in a stride longer than usual, share of its pitch for the excess of the square; heels
 // rise sooner, but not higher than to the steepest pitch, rad.
-const PUSHES_MORE: f32 = 1.2;
+const PUSHES_MORE: f32 = 1.0;
 const STEEPEST: f32 = 1.17;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
 // How far hips sink for a foot that is out of reach on a level floor, share of a leg's length; a foot beyond that comes along.

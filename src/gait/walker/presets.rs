@@ -173,11 +173,11 @@ impl WalkerStyle {
         let neutral = Self::neutral();
         match emotion {
             Emotion::Happy => Self {
-                speed: 1.42,
-                cycle_time: 1.05,
+                speed: 1.4,
+                cycle_time: 1.06,
                 foot_lift: 0.16,
                 heel_rise: 68.0 * DEG,
-                bounce: 0.0285,
+                bounce: 0.0275,
                 sway: 0.026,
                 pelvis_turn: 6.0 * DEG,
                 pelvis_drop: 4.5 * DEG,
