@@ -168,7 +168,7 @@ pub struct WalkerStyle {
     pub arm_abduction: f64,
     /// Least bend of the elbow.
     pub elbow_flexion: f64,
-    /// Further bend of the elbow when the arm is in front.
+    /// Further bend of the elbow when the arm is in front; less where the forearm would rise nearly to the horizontal.
     pub elbow_swing: f64,
     /// The left arm swings by this share more, the right by this share less.
     pub asymmetry: f64,
