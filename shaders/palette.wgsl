@@ -58,34 +58,46 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let bind_z = rig[bind + 2u];
         let out = slot * PALETTE_STRIDE + joint * 3u;
         let turned_x = bind_x * row_x.x + bind_y * row_x.y + bind_z * row_x.z;
-        palettes[out] = vec4<f32>(turned_x.xyz, turned_x.w + o.x);
         let turned_y = bind_x * row_y.x + bind_y * row_y.y + bind_z * row_y.z;
-        palettes[out + 1u] = vec4<f32>(turned_y.xyz, turned_y.w + o.y);
         let turned_z = bind_x * row_z.x + bind_y * row_z.y + bind_z * row_z.z;
-        palettes[out + 2u] = vec4<f32>(turned_z.xyz, turned_z.w + o.z);
+        let rows = Rows(
+            vec4<f32>(turned_x.xyz, turned_x.w + o.x),
+            vec4<f32>(turned_y.xyz, turned_y.w + o.y),
+            vec4<f32>(turned_z.xyz, turned_z.w + o.z),
+        );
+        write_rows(slot * PALETTE_STRIDE + joint * 3u, rows);
+        if joint == LEFT_FOOT || joint == RIGHT_FOOT {
+            let side = select(0u, 1u, joint == RIGHT_FOOT);
+            let toes = bent_toes(rows, rig[avatar * RIG_STRIDE + RIG_BALLS + side], scale);
+            write_rows(slot * PALETTE_STRIDE + (LEFT_TOES + side) * 3u, toes);
+        }
     }
-    bend_toes(slot, LEFT_FOOT, LEFT_TOES, rig[avatar * RIG_STRIDE + RIG_BALLS], scale);
-    bend_toes(slot, RIGHT_FOOT, RIGHT_TOES, rig[avatar * RIG_STRIDE + RIG_BALLS + 1u], scale);
+}
+
+// world_from_mesh
+struct Rows {
+    x: vec4<f32>,
+    y: vec4<f32>,
+    z: vec4<f32>,
+}
+
+fn write_rows(at: u32, rows: Rows) {
+    palettes[at] = rows.x;
+    palettes[at + 1u] = rows.y;
+    palettes[at + 2u] = rows.z;
 }
 
 // The toes' matrix: the foot's, after a turn of the toes upwards about the ball of the foot.
-fn bend_toes(slot: u32, foot: u32, toes: u32, ball: vec4<f32>, scale: f32) {
-    let at = slot * PALETTE_STRIDE + foot * 3u;
-    let x = palettes[at];
-    let y = palettes[at + 1u];
-    let z = palettes[at + 2u];
-    let height = dot3(y.xyz, ball.xyz) + y.w;
+fn bent_toes(foot: Rows, ball: vec4<f32>, scale: f32) -> Rows {
+    let height = dot3(foot.y.xyz, ball.xyz) + foot.y.w;
     // sines and cosines of how far foot and toes point down
-    let foot_down = limit(-y.z / scale, 0.0, STEEPEST);
+    let foot_down = limit(-foot.y.z / scale, 0.0, STEEPEST);
     let toes_down = limit(WAY_DOWN * height / (max(ball.w, LEAST_TOES) * scale), 0.0, foot_down);
     let foot_ahead = sqrt(1.0 - foot_down * foot_down);
     let toes_ahead = sqrt(1.0 - toes_down * toes_down);
     let up = foot_down * toes_ahead - foot_ahead * toes_down;
     let along = foot_ahead * toes_ahead + foot_down * toes_down;
-    let out = slot * PALETTE_STRIDE + toes * 3u;
-    palettes[out] = bent(x, ball.xyz, up, along);
-    palettes[out + 1u] = bent(y, ball.xyz, up, along);
-    palettes[out + 2u] = bent(z, ball.xyz, up, along);
+    return Rows(bent(foot.x, ball.xyz, up, along), bent(foot.y, ball.xyz, up, along), bent(foot.z, ball.xyz, up, along));
 }
 
 fn bent(row: vec4<f32>, ball: vec3<f32>, up: f32, along: f32) -> vec4<f32> {

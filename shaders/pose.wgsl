@@ -3,8 +3,8 @@
 // that blended with the standing clips by the walk weight. Rotations are blended as normalised sums, each aligned with
 // the sum before it, so that q and -q count as the same. Scale is applied by `palette`, not here.
 //
-// Strides shorter than a gait's have smaller movements of trunk, head and arms: with half a stride later, what swings to either
-// side is at rest in the middle. The legs are left to `feet`.
+// Strides shorter than a gait's have smaller movements of trunk, head and arms about the means of the gait. The legs are left to
+// `feet`.
 //
 // A standing clip is a loop of shifted weight, from the left leg to the right and back. An agent rests somewhere near either
 // end, and now and then shifts to the other one. It stands by a clip for each emotion that its gaits have.
@@ -20,9 +20,9 @@
 
 const SAMPLES: u32 = 8u; // four gaits, then the standing clips of four emotions
 const GAITS: u32 = 4u;
+const EMOTIONS: u32 = 4u;
 const FIRST_UPPER: u32 = 1u;  // of the joints above the legs, without the pelvis
 const FIRST_LEG: u32 = 10u;
-const HALF_CLIP: u32 = 32u;   // frames
 
 // Strides of bodies over those of their gaits.
 const LONGEST: f32 = 1.4;
@@ -62,10 +62,29 @@ fn weight_phase(agent: u32, emotion: u32) -> u32 {
     return before + (u32(f32(way >> 8u) * done) << 8u);
 }
 
-// The row of the frame half a clip later.
-fn later_row(row: u32) -> u32 {
-    let frame = row / POSE_STRIDE;
-    return (frame ^ HALF_CLIP) * POSE_STRIDE;
+// The clips that are blended, with their shares; of each the rows between which its phase lies, and how far on the way.
+struct Samples {
+    count: u32,
+    gaits: u32,  // of them, which come first
+    travel: f32, // of the gaits, m
+    before: array<u32, SAMPLES>,
+    after: array<u32, SAMPLES>,
+    mean: array<u32, SAMPLES>,
+    way: array<f32, SAMPLES>,
+    share: array<f32, SAMPLES>,
+}
+
+// Adds a clip at a phase: the top six bits are the frame, the next 24 the way to the next frame.
+fn add_sample(samples: ptr<function, Samples>, clip: u32, at: u32, share: f32) {
+    let first = min(clip, frame.clip_count - 1u) * CLIP_ROWS;
+    let key = at >> 26u;
+    let number = (*samples).count;
+    (*samples).before[number] = (first + key) * POSE_STRIDE;
+    (*samples).after[number] = (first + ((key + 1u) & (CLIP_FRAMES - 1u))) * POSE_STRIDE;
+    (*samples).mean[number] = (first + CLIP_FRAMES) * POSE_STRIDE;
+    (*samples).way[number] = unit_f32(at << 6u);
+    (*samples).share[number] = share;
+    (*samples).count = number + 1u;
 }
 
 @compute @workgroup_size(64)
@@ -84,65 +103,47 @@ fn pose(@builtin(global_invocation_id) id: vec3<u32>) {
     let avatar = avatar_of(own);
     let clips = gaits[agent];
     let first = frame.standing_clips[avatar / 4u][avatar % 4u] + stance_of(agent);
-    let strides = phase[agent];
-    var ids = array<u32, 8>(clips.x, clips.y, clips.z, clips.w, first, first + STANCES, first + 2u * STANCES, first + 3u * STANCES);
-    var shares = array<f32, 8>(weights.x * unit, weights.y * unit, weights.z * unit, weights.w * unit, stands.x, stands.y, stands.z, stands.w);
-    var phases = array<u32, 8>(strides, strides, strides, strides, 0u, 0u, 0u, 0u);
-    let samples = select(SAMPLES, GAITS, walk >= 1.0);
-    for (var i = GAITS; i < samples; i++) {
-        if shares[i] > 0.0 {
-            phases[i] = weight_phase(agent, i - GAITS);
+    // only clips with a share, since devices that compute lanes together pay for what any of them may need
+    var samples: Samples;
+    for (var i = 0u; i < GAITS; i++) {
+        let share = weights[i] * unit;
+        if share > 0.0 {
+            add_sample(&samples, clips[i], phase[agent], share);
+            samples.travel += clip_frames[samples.before[samples.gaits] + JOINTS].w * share;
+            samples.gaits += 1u;
         }
     }
-    // the frames between which each lies, and how far on the way
-    var rows_a = array<u32, 8>();
-    var rows_b = array<u32, 8>();
-    var ways = array<f32, 8>();
-    var travel = 0.0; // of the gaits, m
-    for (var i = 0u; i < samples; i++) {
-        // the top six bits are the frame, the next 24 the way to the next frame
-        let first_of_clip = min(ids[i], frame.clip_count - 1u) * CLIP_FRAMES;
-        let frame_a = phases[i] >> 26u;
-        let frame_b = (frame_a + 1u) & (CLIP_FRAMES - 1u);
-        rows_a[i] = (first_of_clip + frame_a) * POSE_STRIDE;
-        rows_b[i] = (first_of_clip + frame_b) * POSE_STRIDE;
-        ways[i] = unit_f32(phases[i] << 6u);
-        if shares[i] > 0.0 && i < GAITS {
-            travel += clip_frames[rows_a[i] + JOINTS].w * shares[i];
+    for (var emotion = 0u; emotion < select(0u, EMOTIONS, walk < 1.0); emotion++) {
+        if stands[emotion] > 0.0 {
+            add_sample(&samples, first + emotion * STANCES, weight_phase(agent, emotion), stands[emotion]);
         }
     }
     var stride = 1.0;
-    if travel > LEAST_TRAVEL {
-        stride = limit(stance[agent].stride * walk / (travel * own.scale), 0.0, LONGEST);
+    if samples.travel > LEAST_TRAVEL {
+        stride = limit(stance[agent].stride * walk / (samples.travel * own.scale), 0.0, LONGEST);
         stride = select(stride, 1.0, abs(stride - 1.0) < AS_USUAL);
     }
-    let rest = limit(0.5 - 0.5 * stride, 0.0, 0.5); // share of what is half a stride later
 
-    for (var element = 0u; element < POSE_STRIDE; element++) {
-        let is_root = element == JOINTS; // the last element is a position
-        let rests = rest > 0.0 && element >= FIRST_UPPER && element < FIRST_LEG;
+    let at = slot * POSE_STRIDE;
+    for (var joint = 0u; joint < JOINTS; joint++) {
+        let rests = select(0.0, limit(1.0 - stride, 0.0, 1.0), joint >= FIRST_UPPER && joint < FIRST_LEG);
         var blend = vec4<f32>(0.0, 0.0, 0.0, 0.0);
-        var is_first = true;
-        for (var i = 0u; i < samples; i++) {
-            let share = shares[i];
-            if share > 0.0 {
-                let a = clip_frames[rows_a[i] + element];
-                let b = clip_frames[rows_b[i] + element];
-                var sample = a + (b - a) * ways[i];
-                if !is_root {
-                    var q = quat_normalize(quat_lerp(a, b, ways[i]));
-                    if rests && i < GAITS {
-                        let later = later_row(rows_a[i]) + element;
-                        let last = later_row(rows_b[i]) + element;
-                        let r = quat_normalize(quat_lerp(clip_frames[later], clip_frames[last], ways[i]));
-                        q = quat_normalize(quat_lerp(q, r, rest));
-                    }
-                    sample = select(q, -q, dot4(blend, q) < 0.0);
-                }
-                blend = select(blend + sample * share, sample * share, is_first);
-                is_first = false;
+        for (var i = 0u; i < samples.count; i++) {
+            var q = quat_lerp(clip_frames[samples.before[i] + joint], clip_frames[samples.after[i] + joint], samples.way[i]);
+            if rests > 0.0 && i < samples.gaits {
+                q = quat_lerp(q, clip_frames[samples.mean[i] + joint], rests);
             }
+            let part = select(q, -q, dot4(blend, q) < 0.0) * samples.share[i];
+            blend = select(blend + part, part, i == 0u);
         }
-        local_rotations[slot * POSE_STRIDE + element] = select(quat_normalize(blend), vec4<f32>(blend.xyz, stride), is_root);
+        local_rotations[at + joint] = quat_normalize(blend);
     }
+    var root = vec3<f32>(0.0, 0.0, 0.0);
+    for (var i = 0u; i < samples.count; i++) {
+        let a = clip_frames[samples.before[i] + JOINTS].xyz;
+        let b = clip_frames[samples.after[i] + JOINTS].xyz;
+        let part = (a + (b - a) * samples.way[i]) * samples.share[i];
+        root = select(root + part, part, i == 0u);
+    }
+    local_rotations[at + JOINTS] = vec4<f32>(root, stride);
 }

@@ -4,11 +4,12 @@ const SPINE: u32 = 1u;
 const NECK: u32 = 2u;
 const HEAD: u32 = 3u;
 
-// clip_frames: [clip][CLIP_FRAMES][POSE_STRIDE] and local_rotations: [visible][POSE_STRIDE]: 16 local rotations
+// clip_frames: [clip][CLIP_ROWS][POSE_STRIDE] and local_rotations: [visible][POSE_STRIDE]: 16 local rotations
 // (parent_from_joint), then the root joint's position in model space (before the agent's scale), m; last, of a clip, how
-// far a stride goes, m, and of a pose its stride over the one of its gaits
+// far a stride goes, m, and of a pose its stride over the one of its gaits. The last row of a clip is the mean of its frames.
 const POSE_STRIDE: u32 = 17u;
 const CLIP_FRAMES: u32 = 64u;
+const CLIP_ROWS: u32 = 65u;
 
 // rig: [avatar][RIG_STRIDE]: per joint its rest translation in the parent, then three rows of joint_from_mesh;
 // then the midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are;

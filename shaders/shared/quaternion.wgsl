@@ -37,8 +37,8 @@ fn quat_mul(a: vec4<f32>, b: vec4<f32>) -> vec4<f32> {
 fn quat_normalize(q: vec4<f32>) -> vec4<f32> {
     let square = dot4(q, q);
     if square > 1e-12 {
-        let length = sqrt(square);
-        return vec4<f32>(q.x / length, q.y / length, q.z / length, q.w / length);
+        // one division: they are dear where they are careful
+        return q * (1.0 / sqrt(square));
     }
     return vec4<f32>(0.0, 0.0, 0.0, 1.0);
 }

@@ -99,6 +99,19 @@ pub struct ClipFrame {
     pub root: Vec3,
 }
 
+impl ClipFrame {
+    /// The mean of frames: rotations as normalised sums, each aligned with the first; no rotation of no frames.
+    pub fn mean(frames: &[Self]) -> Self {
+        let rotations = std::array::from_fn(|joint| {
+            let all = frames.iter().map(|frame| frame.rotations[joint]);
+            let sum = all.reduce(|sum, q| if sum.dot(q) < 0.0 { sum - q } else { sum + q });
+            sum.unwrap_or(Quat::IDENTITY).normalize()
+        });
+        let root = frames.iter().map(|frame| frame.root).sum::<Vec3>() / (frames.len().max(1) as f32);
+        Self { rotations, root }
+    }
+}
+
 /// A gait retargeted onto one avatar: [`CLIP_FRAMES`] frames at equal phase steps over one cycle, phase 0 = left
 /// foot strike, quaternions of neighbouring frames (and of the wrap-around) in the same hemisphere.
 #[derive(Debug, Clone, PartialEq)]

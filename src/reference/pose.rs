@@ -4,7 +4,7 @@ use super::body::{CLIP_STRIDE, visible_agents};
 use super::exact::unit_f32;
 use super::quaternion::{add4, dot4, lerp4, limit, negate4, quat_lerp, quat_normalize, scale4};
 use super::standing::{eased, moods_of, own_draw, stance_of, walk_share};
-use crate::kernels::pose::index::{FIRST_LEG, FIRST_UPPER, GAITS, HALF_CLIP, SAMPLES};
+use crate::kernels::pose::index::{FIRST_LEG, FIRST_UPPER, SAMPLES};
 use crate::kernels::pose::{
     AS_USUAL, LEAST_TRAVEL, LONGEST, REST, REST_SPREAD, SHIFT, SHIFT_EVERY, SHIFT_LASTS, SHIFT_SPAN,
     SHIFT_SPREAD, SIDE, Slices,
@@ -34,46 +34,46 @@ pub fn weight_phase(agent: u32, emotion: usize, time: u32) -> u32 {
     before.wrapping_add((((way >> 8) as f32 * done) as u32) << 8)
 }
 
-/// A clip at a phase: frames between which that lies, as rows of `clip_frames`, and how far on the way.
-#[derive(Clone, Copy)]
+/// A clip at a phase: rows of `clip_frames` between which that lies, and how far on the way; the row of the clip's mean.
+#[derive(Clone, Copy, Default)]
 struct Sample {
-    rows: [usize; 2],
+    from: usize,
+    to: usize,
+    mean: usize,
     way: f32,
     share: f32,
-    is_gait: bool,
 }
 
 impl Sample {
-    fn of(clip: u32, phase: u32, share: f32, is_gait: bool) -> Self {
+    fn of(clip: u32, phase: u32, share: f32) -> Self {
         let frame = (phase >> 26) as usize;
         let first = clip as usize * CLIP_STRIDE;
-        let row = |frame: usize| first + frame % CLIP_FRAMES * POSE_STRIDE;
-        Self { rows: [row(frame), row(frame + 1)], way: unit_f32(phase << 6), share, is_gait }
+        Self {
+            from: first + frame * POSE_STRIDE,
+            to: first + (frame + 1) % CLIP_FRAMES * POSE_STRIDE,
+            mean: first + CLIP_FRAMES * POSE_STRIDE,
+            way: unit_f32(phase << 6),
+            share,
+        }
     }
 
-    /// Half a clip later.
-    fn later(self) -> Self {
-        let later = |row: usize| ((row / POSE_STRIDE) ^ HALF_CLIP) * POSE_STRIDE;
-        Self { rows: self.rows.map(later), ..self }
+    /// Not normalised; `rests` of it is the mean of the clip.
+    fn rotation(&self, clip_frames: &[[f32; 4]], joint: usize, rests: f32) -> [f32; 4] {
+        let q = quat_lerp(clip_frames[self.from + joint], clip_frames[self.to + joint], self.way);
+        if rests > 0.0 { quat_lerp(q, clip_frames[self.mean + joint], rests) } else { q }
     }
 
-    fn rotation(self, clip_frames: &[[f32; 4]], joint: usize) -> [f32; 4] {
-        let [from, to] = self.rows.map(|row| clip_frames[row + joint]);
-        quat_normalize(quat_lerp(from, to, self.way))
-    }
-
-    fn root(self, clip_frames: &[[f32; 4]]) -> [f32; 4] {
-        let [from, to] = self.rows.map(|row| clip_frames[row + JOINTS]);
-        lerp4(from, to, self.way)
+    fn root(&self, clip_frames: &[[f32; 4]]) -> [f32; 4] {
+        lerp4(clip_frames[self.from + JOINTS], clip_frames[self.to + JOINTS], self.way)
     }
 }
 
 /// The stride of an agent over the one of its gaits, as drawn.
-fn stride_of(samples: &[Sample], clip_frames: &[[f32; 4]], walked: f32, scale: f32) -> f32 {
+fn stride_of(gaits: &[Sample], clip_frames: &[[f32; 4]], walked: f32, scale: f32) -> f32 {
     let mut travel = 0.0;
-    for Sample { rows: [row, _], share, .. } in samples.iter().filter(|s| s.is_gait && s.share > 0.0) {
-        let [.., of_clip] = clip_frames[row + JOINTS];
-        travel += of_clip * share;
+    for sample in gaits {
+        let [.., of_clip] = clip_frames[sample.from + JOINTS];
+        travel += of_clip * sample.share;
     }
     if travel > LEAST_TRAVEL {
         let stride = limit(walked / (travel * scale), 0.0, LONGEST);
@@ -107,37 +107,39 @@ pub fn pose(b: Slices<'_>) {
         let avatar = own.avatar() as usize;
         let [c0, c1, c2, c3] = gaits[agent];
         let first = frame.standing_clips[avatar / 4][avatar % 4] + stance_of(*number);
-        let ids = [c0, c1, c2, c3, first, first + STANCES, first + 2 * STANCES, first + 3 * STANCES];
-        let shares = [w0 * unit, w1 * unit, w2 * unit, w3 * unit, s0, s1, s2, s3];
-        let samples: [Sample; SAMPLES] = std::array::from_fn(|i| {
-            let phase = match i.checked_sub(GAITS) {
-                Some(emotion) if shares[i] > 0.0 => weight_phase(*number, emotion, frame.gaze_time),
-                Some(_) => 0,
-                None => phase[agent],
-            };
-            Sample::of(ids[i].min(frame.clip_count - 1), phase, shares[i], i < GAITS)
-        });
-        let stride = stride_of(&samples, clip_frames, stance[agent].stride * walk, own.scale);
-        let rest = limit(0.5 - 0.5 * stride, 0.0, 0.5);
+        let clip = |id: u32| id.min(frame.clip_count - 1);
+        let mut samples = [Sample::default(); SAMPLES];
+        let mut count = 0;
+        let walks = [(c0, w0 * unit), (c1, w1 * unit), (c2, w2 * unit), (c3, w3 * unit)];
+        for (id, share) in walks.into_iter().filter(|(_, share)| *share > 0.0) {
+            samples[count] = Sample::of(clip(id), phase[agent], share);
+            count += 1;
+        }
+        let gaits = count;
+        if walk < 1.0 {
+            for (emotion, share) in [s0, s1, s2, s3].into_iter().enumerate().filter(|(_, share)| *share > 0.0) {
+                let at = weight_phase(*number, emotion, frame.gaze_time);
+                samples[count] = Sample::of(clip(first + emotion as u32 * STANCES), at, share);
+                count += 1;
+            }
+        }
+        let samples = &samples[..count];
+        let stride = stride_of(&samples[..gaits], clip_frames, stance[agent].stride * walk, own.scale);
+        let rest = limit(1.0 - stride, 0.0, 1.0);
 
         for (element, out) in pose.iter_mut().enumerate() {
             let is_root = element == JOINTS;
-            let rests = rest > 0.0 && (FIRST_UPPER..FIRST_LEG).contains(&element);
+            let rests = if (FIRST_UPPER..FIRST_LEG).contains(&element) { rest } else { 0.0 };
             let mut blend = [0.0; 4];
-            let mut is_first = true;
-            for sample in samples.into_iter().filter(|sample| sample.share > 0.0) {
-                let turned = if is_root {
+            for (number, sample) in samples.iter().enumerate() {
+                let part = if is_root {
                     sample.root(clip_frames)
                 } else {
-                    let mut q = sample.rotation(clip_frames, element);
-                    if rests && sample.is_gait {
-                        q = quat_normalize(quat_lerp(q, sample.later().rotation(clip_frames, element), rest));
-                    }
+                    let q = sample.rotation(clip_frames, element, if number < gaits { rests } else { 0.0 });
                     if dot4(blend, q) < 0.0 { negate4(q) } else { q }
                 };
-                let part = scale4(turned, sample.share);
-                blend = if is_first { part } else { add4(blend, part) };
-                is_first = false;
+                let part = scale4(part, sample.share);
+                blend = if number == 0 { part } else { add4(blend, part) };
             }
             let [x, y, z, _] = blend;
             *out = if is_root { [x, y, z, stride] } else { quat_normalize(blend) };

@@ -83,8 +83,7 @@ pub fn quat_mul([ax, ay, az, aw]: [f32; 4], [bx, by, bz, bw]: [f32; 4]) -> [f32;
 pub fn quat_normalize(q: [f32; 4]) -> [f32; 4] {
     let square = dot4(q, q);
     if square > 1e-12 {
-        let length = square.sqrt();
-        return q.map(|part| part / length);
+        return scale4(q, 1.0 / square.sqrt());
     }
     [0.0, 0.0, 0.0, 1.0]
 }

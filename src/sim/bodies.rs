@@ -3,12 +3,14 @@
 
 use super::avatar_set::AvatarSet;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
-use crate::avatar::{Avatar, Clip, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
+use crate::avatar::{Avatar, Clip, ClipFrame, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::{FarPose, FrameUniforms, MeshRange};
 use crate::kernels::shared::block::BLOCK;
-use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
+use crate::kernels::shared::body::index::{
+    CLIP_ROWS, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
+};
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
 use crate::reference::body::far_slot;
@@ -195,15 +197,16 @@ fn far_elements(vertex: &FarVertex) -> [[f32; 4]; VERTEX_STRIDE] {
     ]
 }
 
-/// `clip_frames`: `[clip][frame][17]`. 16 local rotations, then the root's position and the clip's travel in metres.
+/// `clip_frames`: `[clip][64 frames and their mean][17]`. 16 local rotations, then the root's position and the clip's travel, m.
 pub fn pack_clips(clips: &[Clip]) -> Vec<[f32; 4]> {
-    let mut frames =
-        Vec::with_capacity(clips.iter().map(|clip| clip.frames.len()).sum::<usize>() * POSE_STRIDE);
-    for (clip, frame) in clips.iter().flat_map(|clip| clip.frames.iter().map(move |frame| (clip, frame))) {
-        frames.extend(frame.rotations.map(|rotation| rotation.to_array()));
-        frames.push(frame.root.extend(clip.stride_travel).to_array());
+    let mut rows = Vec::with_capacity(clips.len() * CLIP_ROWS * POSE_STRIDE);
+    for clip in clips {
+        for frame in clip.frames.iter().chain([&ClipFrame::mean(&clip.frames)]) {
+            rows.extend(frame.rotations.map(|rotation| rotation.to_array()));
+            rows.push(frame.root.extend(clip.stride_travel).to_array());
+        }
     }
-    frames
+    rows
 }
 
 /// Fills every buffer that frames of a crowd need, in capacities that fit buffers of `storage_range` bytes.

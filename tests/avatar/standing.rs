@@ -13,6 +13,7 @@ use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::POSE_STRIDE;
 use gaitway::kernels::{Phase, Store};
 use gaitway::reference;
+use gaitway::reference::body::CLIP_STRIDE;
 use gaitway::reference::idle::{breath_of, look_of, sway_of};
 use gaitway::sim::{AvatarSet, bodies};
 use glam::{Mat4, Quat, Vec3, Vec4};
@@ -25,7 +26,7 @@ const PICTURE: u32 = 14;
 /// Has everyone walk so much, with the strides of their first gaits.
 fn walk(store: &mut Store, walk_weight: f32) {
     for (own, [gait, ..]) in store.stance.iter_mut().zip(&store.gaits) {
-        let [.., stride] = store.clip_frames[*gait as usize * CLIP_FRAMES * POSE_STRIDE + JOINT_COUNT];
+        let [.., stride] = store.clip_frames[*gait as usize * CLIP_STRIDE + JOINT_COUNT];
         *own = Stance { heading: 0.0, walk_weight, stride, ..Stance::default() };
     }
 }
@@ -296,7 +297,7 @@ fn heads_look_aside_now_and_then_most_often_the_happy() {
 fn most_turn(store: &Store, emotion: Emotion) -> f32 {
     let first = store.frame.standing_clips[0][0] as usize;
     let frame = |clip: usize, number: usize, joint: usize| {
-        let at = (clip * CLIP_FRAMES + number % CLIP_FRAMES) * POSE_STRIDE + joint;
+        let at = clip * CLIP_STRIDE + number % CLIP_FRAMES * POSE_STRIDE + joint;
         Quat::from_array(store.clip_frames[at])
     };
     let clips = first..first + 12;
@@ -344,7 +345,7 @@ fn who_walks_is_drawn_as_the_gait_says_at_any_time() {
     let gait = people.store.gaits[0][0] as usize;
     for time in [0, 77_777, u32::MAX] {
         people.pose_at(time);
-        let frame = (gait * CLIP_FRAMES + 5) * POSE_STRIDE;
+        let frame = gait * CLIP_STRIDE + 5 * POSE_STRIDE;
         for element in 0..POSE_STRIDE {
             let drawn = Vec4::from_array(people.store.local_rotations[element]);
             let mut wanted = Vec4::from_array(people.store.clip_frames[frame + element]);

@@ -12,7 +12,7 @@
 use super::avatars::{Dice, avatar, clip, clip_elements, rig_elements, vertex_elements};
 use super::case::{filled, nan};
 use crate::avatar::foot::{footprints, with_toes};
-use crate::avatar::{Avatar, LEVELS};
+use crate::avatar::{Avatar, ClipFrame, LEVELS};
 use crate::emotion::Emotion;
 use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::{
@@ -108,7 +108,8 @@ pub fn animation(agents: usize, seed: u32) -> Store {
         for number in 0..CLIPS {
             let swing = if number >= GAITS { 0.1 } else { dice.between(0.5, 1.0) };
             let travel = if number >= GAITS { 0.0 } else { TRAVEL };
-            let frames = clip(avatar, &mut dice, swing);
+            let mut frames = clip(avatar, &mut dice, swing);
+            frames.push(ClipFrame::mean(&frames));
             store.clip_frames.extend(frames.iter().flat_map(|frame| clip_elements(frame, travel)));
         }
         for mesh in &avatar.levels[..levels] {
