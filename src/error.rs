@@ -13,6 +13,9 @@ pub enum Error {
     /// A motion file or gait could not be used.
     #[error(transparent)]
     Gait(#[from] crate::gait::Error),
+    /// A statistic cannot be computed from these numbers.
+    #[error(transparent)]
+    Statistics(#[from] crate::statistics::Error),
     /// Ratings, features or a model of perception could not be used.
     #[error(transparent)]
     Perception(#[from] crate::perception::Error),

@@ -27,6 +27,7 @@
 //! | your own motion capture | [`gait::import`], [`gait::stride`], [`GaitLibrary`] |
 //! | what people would see in a walk | [`perception::model::Model`] |
 //! | a recorded crowd that walks again | [`replay`] |
+//! | tests, effect sizes, agreement of raters, power | [`statistics`] |
 //! | a window, a headset | `view`, `xr` |
 //! | what an observer would see in a crowd that walks | [`closed_loop`] |
 //! | to check your device | [`verify`], [`bench`](mod@bench), [`validate`] |
@@ -97,6 +98,8 @@ pub mod scenario;
 pub mod scene;
 pub mod sim;
 mod spelling;
+#[allow(clippy::disallowed_methods, reason = "judges answers, makes no crowds")]
+pub mod statistics;
 #[doc(hidden)]
 pub mod stop;
 mod table;

@@ -1,7 +1,7 @@
 //! Wanted against perceived emotions: counts, fractions, and their intervals.
 
 use crate::emotion::Emotion;
-use crate::perception::share_interval;
+use crate::statistics::share_interval;
 use serde::Serialize;
 
 /// What people saw in the paper's own agents: `[shown][perceived]`, 48 answers a row (24 participants, 2 agents each), in

@@ -29,7 +29,6 @@ mod body;
 pub mod comparison;
 pub mod evaluate;
 pub mod features;
-mod interval;
 #[doc(hidden)]
 pub mod linear;
 #[doc(hidden)]
@@ -46,8 +45,6 @@ pub mod scaling;
 pub mod svm;
 #[doc(hidden)]
 pub mod trainer;
-
-pub use interval::share_interval;
 
 use crate::emotion::Emotion;
 use crate::gait::Gait;

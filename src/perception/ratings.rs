@@ -6,13 +6,12 @@
 //! writes ratings and labels into gaits. Ambiguities of the paper and their resolution: A-05 (threshold and ties), A-06
 //! (n is counted, never assumed), A-07 (correlations over gaits are the headline, over responses are given too).
 
-mod agreement;
 mod key;
 mod read;
 
 use crate::emotion::Emotion;
 use crate::gait::{Gait, LabelOrigin};
-pub use agreement::{Agreement, Correlation, Metric, agreement, correlation, krippendorff_alpha};
+use crate::statistics::agreement::{Agreement, Correlation, agreement, correlation};
 pub use key::{KEY_HEAD, parse_key, read_key};
 pub use read::{Fault, MOST_BYTES, Options, Sheet, parse, read};
 use serde::Serialize;
@@ -295,7 +294,7 @@ fn ratio(part: usize, whole: usize) -> f64 {
 }
 
 #[allow(clippy::cast_precision_loss, reason = "counts of responses are far below 2^53")]
-pub(super) const fn number(count: usize) -> f64 {
+const fn number(count: usize) -> f64 {
     count as f64
 }
 

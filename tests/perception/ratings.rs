@@ -3,7 +3,8 @@
 use crate::common::program;
 use gaitway::Emotion;
 use gaitway::library::GaitLibrary;
-use gaitway::perception::ratings::{self, Options, THETA, analyse, correlation, parse};
+use gaitway::perception::ratings::{self, Options, THETA, analyse, parse};
+use gaitway::statistics::agreement::{agreement, correlation};
 use std::fmt::Write as _;
 
 /// The paper's correlations: happy-angry, happy-sad, happy-neutral, angry-sad, angry-neutral, sad-neutral.
@@ -153,7 +154,7 @@ fn reliability_is_that_of_the_raters_we_made() {
     let mut dice = Dice(3);
     let guesses: Vec<Vec<u8>> =
         (0..300).map(|_| (0..10).map(|_| 1 + (dice.unit() * 5.0) as u8).collect()).collect();
-    let chance = ratings::agreement(&guesses);
+    let chance = agreement(&guesses);
     assert!(chance.icc_single.abs() < 0.03 && chance.alpha_ordinal.abs() < 0.03, "{chance:?}");
 }
 

@@ -1,10 +1,10 @@
-//! How the four questions go together and how far raters agree.
+//! How four questions go together and how far raters agree, each video by its own raters.
 //!
 //! Based on: Pearson's r with Fisher's z interval; Shrout and Fleiss 1979, "Intraclass correlations: uses in assessing
 //! rater reliability", Psychological Bulletin 86, ICC(1,1) and ICC(1,k), the one-way model, since every video has its
 //! own raters; Krippendorff 2011, "Computing Krippendorff's alpha-reliability", which copes with missing answers.
 
-use super::number;
+use super::describe::number;
 use serde::Serialize;
 
 /// Answers are 1 to this.
@@ -15,7 +15,7 @@ const SCALE: usize = 5;
 pub struct Correlation {
     /// Number of rows correlated.
     pub rows: usize,
-    /// r of question i with question j, in the order of [`crate::Emotion::ALL`]; NaN where one never varies.
+    /// r of question i with question j, in the order of the columns; NaN where one never varies.
     pub r: [[f64; 4]; 4],
     /// 95 % interval of each r by Fisher's z; NaN for fewer than 4 rows. Responses of one rater are not independent, so
     /// over responses the intervals are too narrow.
