@@ -31,6 +31,9 @@ pub enum Error {
     /// The parts of a scene do not fit together.
     #[error(transparent)]
     Scene(#[from] crate::scene::Error),
+    /// A study file is wrong, or answers do not fit it.
+    #[error(transparent)]
+    Study(#[from] crate::study::Error),
     /// The simulation refused its input or failed.
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),

@@ -27,6 +27,7 @@
 //! | your own motion capture | [`gait::import`], [`gait::stride`], [`GaitLibrary`] |
 //! | what people would see in a walk | [`perception::model::Model`] |
 //! | a recorded crowd that walks again | [`replay`] |
+//! | a study with people: its plan, its protocol, its analysis | [`study`] |
 //! | tests, effect sizes, agreement of raters, power | [`statistics`] |
 //! | a window, a headset | `view`, `xr` |
 //! | what an observer would see in a crowd that walks | [`closed_loop`] |
@@ -102,6 +103,7 @@ mod spelling;
 pub mod statistics;
 #[doc(hidden)]
 pub mod stop;
+pub mod study;
 mod table;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;

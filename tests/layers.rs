@@ -34,7 +34,7 @@ const ORDER: &[&[&str]] = &[
     &["render"],
     &["scene"],
     &["view", "xr"],
-    &["closed_loop", "validate", "verify"],
+    &["closed_loop", "study", "validate", "verify"],
     &["bench"],
     &["cli"],
 ];

@@ -28,6 +28,7 @@ mod scenes;
 #[cfg(feature = "vulkan")]
 mod sheet;
 mod simulate;
+mod study;
 mod threads;
 mod validate;
 #[cfg(feature = "vulkan")]
@@ -132,6 +133,8 @@ enum Command {
     Perceive(perceive::Arguments),
     /// Import, show or generate gaits
     Gait(gait::Arguments),
+    /// Plan a study with people, simulate its participants, analyse its answers
+    Study(study::Arguments),
     /// Compare every kernel on this machine's Vulkan device with its CPU twin
     #[cfg(feature = "vulkan")]
     Verify(verify::Arguments),
@@ -275,6 +278,7 @@ fn run(command: Command) -> Result<bool, Error> {
         Command::Scene(arguments) => place::run(&arguments),
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
         #[cfg(feature = "vulkan")]
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),

@@ -23,6 +23,7 @@ mod odd;
 mod outcomes;
 mod pictures;
 mod simulate;
+mod study;
 mod words;
 #[cfg(feature = "vulkan")]
 mod wrong;

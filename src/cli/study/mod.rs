@@ -1,0 +1,62 @@
+//! `gaitway study`: studies with people, from the file to the analysis.
+
+mod analyse;
+mod beside;
+mod check;
+mod folder;
+mod new;
+mod power;
+mod simulate;
+
+use super::usage;
+use crate::Error;
+use crate::study::Study;
+use clap::{Args, Subcommand};
+use std::path::Path;
+
+/// Arguments of `gaitway study`.
+#[derive(Debug, Args)]
+pub(super) struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Write the files of a study into a folder, to be filled in
+    New(new::Arguments),
+    /// Check a study: errors with their line, what is missing, how long it takes, how many people it needs
+    Check(check::Arguments),
+    /// Let simulated participants take part
+    Simulate(simulate::Arguments),
+    /// Test what a study's answers say, as its file plans it
+    Analyse(analyse::Arguments),
+    /// How many people Friedman's test needs
+    Power(power::Arguments),
+}
+
+/// Runs the subcommand.
+pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
+    match &arguments.command {
+        Command::New(arguments) => new::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Analyse(arguments) => analyse::run(arguments),
+        Command::Power(arguments) => power::run(arguments),
+    }
+}
+
+/// The study of a file, of a folder with `study.toml`, or a built-in one by its id.
+fn study(name: &str) -> Result<Study, Error> {
+    let path = Path::new(name);
+    if path.exists() {
+        return Ok(Study::load(path)?);
+    }
+    if name.contains(['/', '\\', '.']) {
+        return Err(usage(
+            format!("{name}: there is no such file or folder"),
+            "`gaitway study new` makes one",
+        ));
+    }
+    Study::builtin(name).map_err(|error| usage(error.to_string(), "or name a study file or its folder"))
+}

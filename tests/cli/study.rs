@@ -1,0 +1,96 @@
+//! Studies, by the program: from an empty folder to the gaits that a crowd walks with.
+
+use super::{bad, good, json};
+
+/// Standard error of a run that must fail with this exit code.
+fn fails(arguments: &[&str], code: i32) -> String {
+    let (found, error) = bad(arguments);
+    assert_eq!(found, code, "{arguments:?}: {error}");
+    error
+}
+
+#[test]
+fn a_study_goes_from_an_empty_folder_to_a_library_that_raters_labelled() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let mine = at("mine");
+    let made = json(&["study", "new", "eva-gaits", "--out", &mine, "--json"]);
+    assert_eq!(made["missing"], serde_json::json!(["study.contact", "consent.text"]));
+    assert_eq!(made["files"].as_array().unwrap().len(), 4);
+    let message = fails(&["study", "new", "eva-gaits", "--out", &mine], 1);
+    assert!(message.contains("--force"), "{message}");
+
+    // filled in, people may take part
+    let file = folder.path().join("mine/study.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    std::fs::write(&file, text.replacen("TO FILL IN: name and address of the lab", "A lab, A street 1", 1))
+        .unwrap();
+    let consent = folder.path().join("mine/consent.en.md");
+    let text = std::fs::read_to_string(&consent).unwrap();
+    std::fs::write(&consent, text.replace("TO FILL IN", "said")).unwrap();
+    let checked = json(&["study", "check", &mine, "--json"]);
+    assert_eq!(checked["summary"]["least"], 48, "48 gaits, 10 answers each, 10 a participant");
+
+    let run = at("run");
+    let found =
+        json(&["study", "simulate", &mine, "--drop", "0.3", "--careless", "0.1", "--out", &run, "--json"]);
+    assert!(found["filled"]["walks"]["fewest"].as_u64().unwrap() >= 10, "{found}");
+    assert!(found["states"]["lapsed"].as_u64().unwrap() > 5 && found["files"].as_array().unwrap().len() == 4);
+    let analysed = json(&["study", "analyse", &run, "--json"]);
+    assert_eq!(analysed["is_simulated"], true);
+    let (library, rated) = (at("mine/library.glb"), at("rated.glb"));
+    let ratings = at("run/ratings.csv");
+    let labels = json(&["gait", "ratings", &ratings, "--library", &library, "--out", &rated, "--json"]);
+    assert_eq!(labels["videos"].as_array().unwrap().len(), 48);
+    good(&[
+        "simulate",
+        "crossing",
+        "--agents",
+        "20",
+        "--seconds",
+        "1",
+        "--backend",
+        "cpu",
+        "--library",
+        &rated,
+    ]);
+}
+
+#[test]
+fn an_effect_of_a_condition_is_simulated_tested_and_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (run, page) = (at("run"), at("results.md"));
+    let of =
+        ["study", "simulate", "eva-agents", "--effect", "eva-g=1.5", "--participants", "24", "--out", &run];
+    good(&of);
+    good(&["study", "analyse", &run, "--out", &page]);
+    let text = std::fs::read_to_string(&page).unwrap();
+    assert!(text.starts_with("# Results of eva-agents, version 1\n"), "{text}");
+    assert!(text.contains("## scenes.presence.* by condition") && text.contains("right answers: "), "{text}");
+    let message = fails(&["study", "simulate", "eva-agents", "--effect", "evag=1"], 2);
+    assert!(message.contains("it has baseline, eva-g, eva-o"), "{message}");
+    let message = fails(&["study", "simulate", "eva-agents", "--drop", "1"], 2);
+    assert!(message.contains("--drop 1: must be 0 to 0.9"), "{message}");
+    let message = fails(&["study", "analyse", &at("none")], 1);
+    assert!(message.contains("no answers.csv in it"), "{message}");
+    std::fs::write(folder.path().join("run/answers.csv"), "participant\n").unwrap();
+    let message = fails(&["study", "analyse", &run], 1);
+    assert!(message.contains("answers.csv:1: the first line must be participant,part"), "{message}");
+}
+
+#[test]
+fn a_study_that_is_wrong_is_told_with_its_line_and_the_nearest_word() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("study.toml");
+    good(&["study", "new", "eva-agents", "--out", folder.path().join("a").to_str().unwrap()]);
+    let text = std::fs::read_to_string(folder.path().join("a/study.toml")).unwrap();
+    std::fs::write(&file, text.replacen("minutes = 20", "minuets = 20", 1)).unwrap();
+    let message = fails(&["study", "check", file.to_str().unwrap()], 1);
+    assert!(message.contains("study.toml:10: ") && message.contains("did you mean `minutes`?"), "{message}");
+    let message = fails(&["study", "check", "eva-gait"], 2);
+    assert!(message.contains("did you mean \"eva-gaits\"?"), "{message}");
+    let power = json(&["study", "power", "--w", "0.16", "--json"]);
+    assert_eq!(power["people"], 31);
+    assert!(fails(&["study", "power", "--w", "2"], 2).contains("W 2 lies outside [0, 1]"));
+}
