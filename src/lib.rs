@@ -27,8 +27,8 @@
 //! | your own motion capture | [`gait::import`], [`gait::stride`], [`GaitLibrary`] |
 //! | what people would see in a walk | [`perception::model::Model`] |
 //! | a recorded crowd that walks again | [`replay`] |
-//! | a study with people: its plan, its protocol, its analysis | [`study`] |
-//! | tests, effect sizes, agreement of raters, power | [`statistics`] |
+//! | a study with people: its plan, its protocol, its analysis | [`low_level::study`] |
+//! | tests, effect sizes, agreement of raters, power | [`low_level::statistics`] |
 //! | a window, a headset | `view`, `xr` |
 //! | what an observer would see in a crowd that walks | [`closed_loop`] |
 //! | to check your device | [`verify`], [`bench`](mod@bench), [`validate`] |
@@ -99,10 +99,12 @@ pub mod scenario;
 pub mod scene;
 pub mod sim;
 mod spelling;
+#[doc(hidden)]
 #[allow(clippy::disallowed_methods, reason = "judges answers, makes no crowds")]
 pub mod statistics;
 #[doc(hidden)]
 pub mod stop;
+#[doc(hidden)]
 pub mod study;
 mod table;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]

@@ -4,7 +4,8 @@
 //! the library is stable: the changelog marks a change that breaks it with `breaking:`.
 //!
 //! Reasons to come here: to read or fill buffers ([`kernels::Store`]), to run one kernel by itself
-//! ([`mod@reference`]), to put kernels of your own beside ours (`gpu`), to fill a crowd by hand ([`setup`]).
+//! ([`mod@reference`]), to put kernels of your own beside ours (`gpu`), to fill a crowd by hand ([`setup`]), to plan and analyse a study
+//! ([`study`], [`statistics`]).
 //!
 //! ```
 //! use gaitway::low_level::kernels::{Dispatch, Phase, Store};
@@ -29,6 +30,10 @@ pub use crate::sim::{bodies, flow, obstacles, order, setup, snapshots};
 pub use crate::verify::cases;
 #[doc(inline)]
 pub use crate::{file, ground, kernels, reference, stop};
+
+// Studies with people are young, and their interface still moves.
+#[doc(inline)]
+pub use crate::{statistics, study};
 
 /// Parts of classifiers: matrices, margins, scaling.
 pub mod perception {

@@ -64,7 +64,7 @@ pub(super) struct Arguments {
 /// `CONDITION=POINTS`.
 fn effect(text: &str) -> Result<(String, f64), String> {
     let (condition, points) = text.split_once('=').ok_or("must be CONDITION=POINTS, such as eva-g=0.5")?;
-    let points: f64 = points.parse().map_err(|_| format!("{points:?} is no number of points"))?;
+    let points: f64 = points.parse().map_err(|error| format!("{points:?}: {error}"))?;
     if !(-10.0..=10.0).contains(&points) {
         return Err(format!("{points}: must be -10 to 10 points"));
     }
@@ -170,7 +170,7 @@ fn check_effects(plan: &Plan, effects: &[(String, f64)]) -> Result<(), Error> {
     match effects.iter().find(|(condition, _)| !known.contains(&condition.as_str())) {
         Some((condition, _)) => Err(usage(
             format!("--effect {condition}: the study has no such condition"),
-            &format!("it has {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") }),
+            format!("it has {}", if known.is_empty() { "none".to_owned() } else { known.join(", ") }),
         )),
         None => Ok(()),
     }
