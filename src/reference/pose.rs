@@ -117,7 +117,8 @@ pub fn pose(b: Slices<'_>) {
         }
         let gaits = count;
         if walk < 1.0 {
-            for (emotion, share) in [s0, s1, s2, s3].into_iter().enumerate().filter(|(_, share)| *share > 0.0) {
+            for (emotion, share) in [s0, s1, s2, s3].into_iter().enumerate().filter(|(_, share)| *share > 0.0)
+            {
                 let at = weight_phase(*number, emotion, frame.gaze_time);
                 samples[count] = Sample::of(clip(first + emotion as u32 * STANCES), at, share);
                 count += 1;
