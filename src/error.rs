@@ -34,6 +34,9 @@ pub enum Error {
     /// A study file is wrong, or answers do not fit it.
     #[error(transparent)]
     Study(#[from] crate::study::Error),
+    /// The answers of a study cannot be analysed.
+    #[error(transparent)]
+    Analysis(#[from] crate::study::analyse::Error),
     /// The simulation refused its input or failed.
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),

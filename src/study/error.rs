@@ -50,27 +50,6 @@ pub enum Error {
     /// A value does not do.
     #[error("{0}")]
     Value(Box<BadValue>),
-    /// A table of a study is wrong.
-    #[error("{origin}:{line}: {message}")]
-    Table {
-        /// The table.
-        origin: String,
-        /// The line, from 1.
-        line: usize,
-        /// What is wrong, with the value and what is allowed.
-        message: String,
-    },
-    /// The answers do not fit the planned analysis.
-    #[error("{test}: {message}")]
-    Analysis {
-        /// The test.
-        test: String,
-        /// What does not fit, and the way out.
-        message: String,
-    },
-    /// A statistic cannot be computed.
-    #[error(transparent)]
-    Statistics(#[from] crate::statistics::Error),
     /// There is no built-in study of that name.
     #[error("no built-in study {name:?}; {hint}")]
     UnknownStudy {

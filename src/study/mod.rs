@@ -41,7 +41,6 @@ pub mod simulate;
 pub mod tables;
 mod words;
 
-pub use analyse::analyse;
 pub use check::check;
 pub use error::{BadValue, Error};
 pub use load::{BLANK, BUILTIN, Builtin, FILE_NAME, Study};

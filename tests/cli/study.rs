@@ -32,12 +32,14 @@ fn a_study_goes_from_an_empty_folder_to_a_library_that_raters_labelled() {
     assert_eq!(checked["summary"]["least"], 48, "48 gaits, 10 answers each, 10 a participant");
 
     let run = at("run");
-    let found =
-        json(&["study", "simulate", &mine, "--drop", "0.3", "--careless", "0.1", "--out", &run, "--json"]);
+    let found = json(&["study", "simulate", &mine, "--drop", "0.3", "--out", &run, "--json"]);
     assert!(found["filled"]["walks"]["fewest"].as_u64().unwrap() >= 10, "{found}");
     assert!(found["states"]["lapsed"].as_u64().unwrap() > 5 && found["files"].as_array().unwrap().len() == 4);
     let analysed = json(&["study", "analyse", &run, "--json"]);
-    assert_eq!(analysed["is_simulated"], true);
+    assert_eq!(
+        (&analysed["participants"]["is_simulated"], &analysed["is_short"]),
+        (&true.into(), &false.into())
+    );
     let (library, rated) = (at("mine/library.glb"), at("rated.glb"));
     let ratings = at("run/ratings.csv");
     let labels = json(&["gait", "ratings", &ratings, "--library", &library, "--out", &rated, "--json"]);
@@ -66,8 +68,11 @@ fn an_effect_of_a_condition_is_simulated_tested_and_told() {
     good(&of);
     good(&["study", "analyse", &run, "--out", &page]);
     let text = std::fs::read_to_string(&page).unwrap();
-    assert!(text.starts_with("# Results of eva-agents, version 1\n"), "{text}");
-    assert!(text.contains("## scenes.presence.* by condition") && text.contains("right answers: "), "{text}");
+    assert!(
+        text.starts_with("# Walking among people\n") && text.contains("All participants are simulated"),
+        "{text}"
+    );
+    assert!(text.contains("## `scenes.presence.*`") && text.contains("## `identify.which`"), "{text}");
     let message = fails(&["study", "simulate", "eva-agents", "--effect", "evag=1"], 2);
     assert!(message.contains("it has baseline, eva-g, eva-o"), "{message}");
     let message = fails(&["study", "simulate", "eva-agents", "--drop", "1"], 2);
@@ -76,7 +81,7 @@ fn an_effect_of_a_condition_is_simulated_tested_and_told() {
     assert!(message.contains("no answers.csv in it"), "{message}");
     std::fs::write(folder.path().join("run/answers.csv"), "participant\n").unwrap();
     let message = fails(&["study", "analyse", &run], 1);
-    assert!(message.contains("answers.csv:1: the first line must be participant,part"), "{message}");
+    assert!(message.contains("answers.csv:1: no column \"front\"; found: participant"), "{message}");
 }
 
 #[test]

@@ -4,24 +4,25 @@ use super::super::failed;
 use super::super::outputs::make_folder;
 use crate::Error;
 use crate::export::AtomicFile;
-use crate::study::tables::Tables;
+use crate::study::file::Part;
+use crate::study::tables::{self, ANSWERS, PARTICIPANTS, Tables};
 use crate::study::{FILE_NAME, Study};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Longest table that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
-const ANSWERS: &str = "answers.csv";
-const PEOPLE: &str = "participants.csv";
 const RATINGS: &str = "ratings.csv";
 
 /// Writes the study file and its tables into a folder; returns the files.
 pub(super) fn write(folder: &Path, study: &Study, tables: &Tables) -> Result<Vec<PathBuf>, Error> {
     make_folder(folder)?;
-    let mut texts =
-        vec![(FILE_NAME, study.text.clone()), (ANSWERS, tables.answers_csv()), (PEOPLE, tables.people_csv())];
+    let (answers, people) = tables::write(tables);
+    let mut texts = vec![(FILE_NAME, study.text.clone()), (ANSWERS, answers), (PARTICIPANTS, people)];
     if let Some(ratings) = &study.file.analysis.ratings {
-        texts.push((RATINGS, tables.ratings_csv(&ratings.part)));
+        let asked = study.file.parts.get(&ratings.part).and_then(Part::trials);
+        let question = asked.and_then(|trials| trials.ask.0.first()).map_or("", String::as_str);
+        texts.push((RATINGS, tables::ratings(tables, &ratings.part, question)));
     }
     let mut files = Vec::new();
     for (name, text) in texts {
@@ -49,11 +50,8 @@ pub(super) fn read(folder: &Path) -> Result<(Study, Tables), Error> {
     let study = Study::load(folder)?;
     let text = |name: &str| {
         let path = folder.join(name);
-        let text = crate::file::read_text(&path, MOST_BYTES);
-        text.map(|text| (text, path.display().to_string()))
-            .map_err(|source| crate::study::Error::Read { path: path.clone(), source })
+        crate::file::read_text(&path, MOST_BYTES).map_err(|source| crate::study::Error::Read { path, source })
     };
-    let ((answers, answers_name), (people, people_name)) = (text(ANSWERS)?, text(PEOPLE)?);
-    let tables = Tables::parse([&answers, &people], [&answers_name, &people_name])?;
+    let tables = tables::read(&text(ANSWERS)?, &text(PARTICIPANTS)?, &folder.display().to_string())?;
     Ok((study, tables))
 }

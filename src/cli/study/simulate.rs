@@ -124,7 +124,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     })?;
     let mut outcome = outcome(&study, arguments.seed, &found);
     if let Some(folder) = &arguments.out {
-        outcome.files = super::folder::write(folder, &study, &Tables::of(&found))?;
+        outcome.files = super::folder::write(folder, &study, &Tables::simulated(&found))?;
     }
     if arguments.json {
         say_json(&outcome)?;

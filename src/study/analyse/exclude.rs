@@ -1,98 +1,195 @@
-//! Who is left out by the rules that the study file had before the first participant came.
+//! Participants that the rules of `[exclude]` leave out.
 
+use super::common::real;
+use crate::statistics::quantile;
 use crate::study::file::Exclude;
-use crate::study::tables::{Answer, CATCH, FINISHED, Tables};
+use crate::study::plan::Ending;
+use crate::study::protocol::State;
+use crate::study::tables::{Answer, Participant, Role, Tables};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-/// A participant that rules leave out.
+/// Fewest answers to one question, all items and trials together, from which the share of the most frequent one is judged.
+pub const LEAST_ANSWERS: usize = 8;
+
+/// Who was excluded, and by which rules.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Exclusions {
+    /// The rules of the file.
+    pub rules: Exclude,
+    /// Rules that no participant could be judged by, since the tables lack what they need.
+    pub not_judged: Vec<Rule>,
+    /// The excluded, in the order of the table.
+    pub excluded: Vec<Excluded>,
+}
+
+impl Exclusions {
+    /// Whether a participant is excluded.
+    pub fn has(&self, participant: &str) -> bool {
+        self.excluded.iter().any(|one| one.participant == participant)
+    }
+}
+
+/// A rule of `[exclude]`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Rule {
+    /// Instructed answers given wrongly.
+    FailedCatch,
+    /// Median time of an answer.
+    MedianMsBelow,
+    /// Share of the most frequent answer.
+    SameAnswerShare,
+    /// Share of late frames.
+    LateFramesShare,
+}
+
+/// An excluded participant.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excluded {
-    /// The participant.
+    /// Code or number.
     pub participant: String,
-    /// The rules that hold, with what was found.
+    /// Every reason that applies.
     pub reasons: Vec<Reason>,
 }
 
-/// A rule that leaves a participant out, with what was found.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+/// Why a participant is excluded.
+#[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "rule", rename_all = "snake_case")]
 pub enum Reason {
-    /// Instructed answers were given wrongly.
+    /// The operator excluded the participant while the study ran.
+    Operator,
+    /// Instructed trials with a wrong answer reach the rule's number.
     FailedCatch {
-        /// How many trials.
-        found: u32,
+        /// Instructed trials with a wrong answer.
+        failed: u32,
+        /// The rule's number.
+        least: u32,
     },
-    /// Answers came too fast.
+    /// The median time of an answer to an ordinary or repeated trial is below the rule's.
     MedianMsBelow {
-        /// Median time of an answer, ms.
-        found: u32,
+        /// The median, ms.
+        median: f64,
+        /// The rule's time, ms.
+        below: u32,
     },
-    /// Too many answers were the same.
+    /// The most frequent answer to a question has a share above the rule's.
     SameAnswerShare {
-        /// Share of the most frequent answer.
-        found: f64,
+        /// The question, all of its items together.
+        question: String,
+        /// The share.
+        share: f64,
+        /// The rule's share.
+        above: f64,
+    },
+    /// Late frames have a share above the rule's.
+    LateFramesShare {
+        /// The share.
+        share: f64,
+        /// The rule's share.
+        above: f64,
     },
 }
 
-/// The participants that finished and that a rule leaves out.
-pub(super) fn excluded(tables: &Tables, rules: &Exclude) -> Vec<Excluded> {
-    let finished: BTreeSet<&str> = tables
-        .people
-        .iter()
-        .filter(|one| one.state == FINISHED)
-        .map(|one| one.participant.as_str())
-        .collect();
-    let mut own: BTreeMap<&str, Vec<&Answer>> = BTreeMap::new();
-    for answer in tables.answers.iter().filter(|answer| !answer.role.is_empty()) {
-        own.entry(&answer.participant).or_default().push(answer);
-    }
-    let judged = own.into_iter().filter(|(participant, _)| finished.contains(participant));
-    let found = judged.map(|(participant, answers)| Excluded {
-        participant: participant.to_owned(),
-        reasons: reasons(&answers, rules),
-    });
-    found.filter(|one| !one.reasons.is_empty()).collect()
+/// What a participant did, as far as rules need it.
+#[derive(Default)]
+struct Record<'t> {
+    /// Instructed trials by page: whether an answer is wrong.
+    catches: BTreeMap<&'t str, bool>,
+    /// Times of answers to trials that show something, ms.
+    times: Vec<f64>,
+    /// Numbers of each answer, by question.
+    counts: BTreeMap<&'t str, BTreeMap<i64, usize>>,
 }
 
-fn reasons(answers: &[&Answer], rules: &Exclude) -> Vec<Reason> {
+pub(super) fn exclusions(rules: &Exclude, tables: &Tables) -> Exclusions {
+    let mut records: BTreeMap<&str, Record<'_>> = BTreeMap::new();
+    for row in &tables.answers {
+        records.entry(&row.participant).or_default().add(row);
+    }
+    let none = Record::default();
+    let of = |one: &Participant| records.get(one.participant.as_str()).unwrap_or(&none);
+    let mut excluded = Vec::new();
+    for one in &tables.participants {
+        let reasons = reasons(rules, one, of(one));
+        if !reasons.is_empty() {
+            excluded.push(Excluded { participant: one.participant.clone(), reasons });
+        }
+    }
+    let lacks = |rule: &Rule| match rule {
+        Rule::FailedCatch => rules.failed_catch.is_some() && records.values().all(|r| r.catches.is_empty()),
+        Rule::MedianMsBelow => {
+            rules.median_ms_below.is_some() && records.values().all(|record| record.times.is_empty())
+        }
+        Rule::SameAnswerShare => {
+            rules.same_answer_share.is_some() && records.values().all(|record| record.same().is_none())
+        }
+        Rule::LateFramesShare => {
+            rules.late_frames_share.is_some() && tables.participants.iter().all(|one| late(one).is_none())
+        }
+    };
+    let all = [Rule::FailedCatch, Rule::MedianMsBelow, Rule::SameAnswerShare, Rule::LateFramesShare];
+    let not_judged = all.into_iter().filter(lacks).collect();
+    Exclusions { rules: rules.clone(), not_judged, excluded }
+}
+
+impl<'t> Record<'t> {
+    fn add(&mut self, row: &'t Answer) {
+        let (Some(trial), Some(value)) = (row.trial, row.number()) else { return };
+        if let Role::Catch(answer) = trial.role {
+            *self.catches.entry(&row.page).or_default() |= value != answer;
+            return;
+        }
+        self.times.extend(row.ms.map(f64::from));
+        let question = row.question.split('.').next().unwrap_or_default();
+        *self.counts.entry(question).or_default().entry(value).or_default() += 1;
+    }
+
+    /// The question whose most frequent answer has the greatest share.
+    fn same(&self) -> Option<(&'t str, f64)> {
+        let share = |(question, counts): (&&'t str, &BTreeMap<i64, usize>)| {
+            let all: usize = counts.values().sum();
+            let most = counts.values().max().copied().unwrap_or(0);
+            (all >= LEAST_ANSWERS).then(|| (*question, real(most) / real(all)))
+        };
+        self.counts.iter().filter_map(share).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+}
+
+fn late(one: &Participant) -> Option<f64> {
+    #[allow(clippy::cast_precision_loss, reason = "frames are far below 2^53")]
+    one.frames.filter(|frames| frames.all > 0).map(|frames| frames.late as f64 / frames.all as f64)
+}
+
+fn reasons(rules: &Exclude, one: &Participant, record: &Record<'_>) -> Vec<Reason> {
     let mut reasons = Vec::new();
-    let wrong = |answer: &&&Answer| answer.role == CATCH && answer.value != answer.wanted;
-    let failed: BTreeSet<&str> = answers.iter().filter(wrong).map(|answer| answer.page.as_str()).collect();
-    let failed = u32::try_from(failed.len()).unwrap_or(u32::MAX);
-    if rules.failed_catch.is_some_and(|least| failed >= least) {
-        reasons.push(Reason::FailedCatch { found: failed });
+    if one.state == State::Ended(Ending::Excluded) {
+        reasons.push(Reason::Operator);
     }
-    let median = median_ms(answers);
-    if rules.median_ms_below.is_some_and(|least| median < least) {
-        reasons.push(Reason::MedianMsBelow { found: median });
+    if let Some(least) = rules.failed_catch {
+        let failed = record.catches.values().filter(|&&is_wrong| is_wrong).count();
+        let failed = u32::try_from(failed).unwrap_or(u32::MAX);
+        if failed > 0 && failed >= least {
+            reasons.push(Reason::FailedCatch { failed, least });
+        }
     }
-    let same = same_share(answers);
-    if rules.same_answer_share.is_some_and(|most| same > most) {
-        reasons.push(Reason::SameAnswerShare { found: same });
+    if let Some(below) = rules.median_ms_below
+        && let Ok(median) = quantile(&record.times, 0.5)
+        && median < f64::from(below)
+    {
+        reasons.push(Reason::MedianMsBelow { median, below });
+    }
+    if let Some(above) = rules.same_answer_share
+        && let Some((question, share)) = record.same()
+        && share > above
+    {
+        reasons.push(Reason::SameAnswerShare { question: question.to_owned(), share, above });
+    }
+    if let Some(above) = rules.late_frames_share
+        && let Some(share) = late(one)
+        && share > above
+    {
+        reasons.push(Reason::LateFramesShare { share, above });
     }
     reasons
-}
-
-/// Median time of a page of answers, over its number of answers, ms. Times of answers count from when the page was seen.
-fn median_ms(answers: &[&Answer]) -> u32 {
-    let mut pages: BTreeMap<&str, (u32, u32)> = BTreeMap::new();
-    for answer in answers {
-        let (last, count) = pages.entry(&answer.page).or_default();
-        *last = (*last).max(answer.ms);
-        *count += 1;
-    }
-    let mut times: Vec<u32> = pages.into_values().map(|(last, count)| last / count.max(1)).collect();
-    times.sort_unstable();
-    times.get(times.len() / 2).copied().unwrap_or(u32::MAX)
-}
-
-/// Share of the most frequent number among all that are not instructed.
-fn same_share(answers: &[&Answer]) -> f64 {
-    let mut counts: BTreeMap<i64, u32> = BTreeMap::new();
-    for value in answers.iter().filter(|answer| answer.role != CATCH).filter_map(|answer| answer.value) {
-        *counts.entry(value).or_default() += 1;
-    }
-    let most = counts.values().max().copied().unwrap_or(0);
-    f64::from(most) / f64::from(counts.values().sum::<u32>().max(1))
 }

@@ -1,134 +1,177 @@
-//! The planned analysis of a study: exclusions, tests of conditions, emotions that were identified.
+//! The planned analysis: exclusions by the rules of the study file, then its tests, each with and without the excluded.
 //!
-//! Every test is computed twice: of all participants that finished, and of those that no rule of `[exclude]` leaves out. Simulated
-//! participants and people are never mixed.
+//! [`analyse()`] gives facts as fields; [`markdown()`] makes a page of them. Simulated participants and people never enter one
+//! analysis.
+//!
+//! ```
+//! use gaitway::study::analyse::{analyse, markdown};
+//! use gaitway::study::plan::Plan;
+//! use gaitway::study::simulate::{Habits, Minds, Setup, run};
+//! use gaitway::study::tables::Tables;
+//! use gaitway::study::{Materials, Study};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let study = Study::builtin("eva-agents")?;
+//! let plan = Plan::of(&study.file, &Materials::default())?;
+//! let setup = Setup { participants: 24, at_once: 6, habits: Habits::default(), seed: 1 };
+//! let (_, run) = run(&plan, &Minds::default(), setup)?;
+//! let analysis = analyse(&study.file, &Tables::simulated(&run))?;
+//! assert!(!analysis.is_short && analysis.tests.len() == 2);
+//! println!("{}", markdown(&analysis));
+//! # Ok(())
+//! # }
+//! ```
 
-mod conditions;
+mod common;
+mod confusion;
 mod exclude;
-mod identify;
+mod friedman;
 mod markdown;
+mod parts;
 
-pub use conditions::{ConditionTest, Conditions, Pair};
-pub use exclude::{Excluded, Reason};
-pub use identify::Identified;
+pub use common::{CONFIDENCE, DRAWS, Error};
+pub use confusion::ConfusionBlock;
+pub use exclude::{Excluded, Exclusions, LEAST_ANSWERS, Reason, Rule};
+pub use friedman::{FriedmanBlock, FriedmanTest, LEVEL, Level, Outcome, Pair};
+pub use markdown::markdown;
+pub use parts::{Gaits, PartCount};
 
-use super::error::Error;
-use super::file::{Part, Question, StudyFile, Test};
-use super::tables::{Answer, FINISHED, SIMULATED, Tables};
-use crate::emotion::Emotion;
-use conditions::Wish;
+use super::file::{self, Front, OnWithdrawal, StudyFile};
+use super::plan::Ending;
+use super::protocol::State;
+use super::tables::{Tables, Value};
 use serde::Serialize;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
-/// What a study found.
+/// The planned analysis of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Analysis {
-    /// The study's id.
+    /// Name of the study.
     pub study: String,
-    /// Its version.
+    /// Version of its file.
     pub version: u32,
-    /// Whether the participants are simulated.
-    pub is_simulated: bool,
-    /// Participants by the state in which they ended.
-    pub states: BTreeMap<String, usize>,
-    /// Participants that finished.
-    pub finished: usize,
-    /// Of them, who is left out by the rules of the study file.
-    pub excluded: Vec<Excluded>,
-    /// The tests without the excluded.
-    pub results: Vec<Finding>,
-    /// The tests of all that finished.
-    pub with_excluded: Vec<Finding>,
+    /// Title, in the first language.
+    pub title: String,
+    /// Who took part.
+    pub participants: Participants,
+    /// Who was excluded.
+    pub exclusions: Exclusions,
+    /// Answers of each counted part, without the excluded.
+    pub parts: Vec<PartCount>,
+    /// The tests, in the order of the file.
+    pub tests: Vec<Test>,
+    /// Free texts of participants. The page does not print them, since they may tell who wrote them.
+    pub free_texts: usize,
+    /// Whether a part or a test has fewer participants or answers than the plan's least, without the excluded.
+    pub is_short: bool,
 }
 
-/// What one planned test found.
+/// Who took part.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
+pub struct Participants {
+    /// All that arrived.
+    pub arrived: usize,
+    /// Those with a place.
+    pub placed: usize,
+    /// Whether all are simulated. None of them is otherwise.
+    pub is_simulated: bool,
+    /// Participants by front.
+    pub fronts: BTreeMap<Front, usize>,
+    /// Participants by state.
+    pub states: BTreeMap<String, usize>,
+}
+
+/// A test with its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Finding {
-    /// Tests of conditions.
-    Friedman(Conditions),
-    /// Emotions that were shown and answered.
-    Confusion(Box<Identified>),
+pub enum Test {
+    /// Friedman tests, one an item and a level of `within`.
+    Friedman(Box<Sides<FriedmanBlock>>),
+    /// A confusion matrix.
+    Confusion(Box<Sides<ConfusionBlock>>),
 }
 
-/// Analyses the answers of a study as its file plans it.
+/// A result without and with the excluded participants.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Sides<T> {
+    /// Without the excluded.
+    pub kept: T,
+    /// With them; none if no participant is excluded, where it would be the same.
+    pub everyone: Option<T>,
+}
+
+/// Analyses a study as its file plans it. Answers of withdrawn participants count only where the file keeps them.
 ///
 /// # Errors
-/// [`Error::Analysis`] if people and simulated participants are mixed, if none finished, or if a test lacks answers;
-/// [`Error::Statistics`] for numbers that no statistic can be computed of.
-pub fn analyse(file: &StudyFile, tables: &Tables) -> Result<Analysis, Error> {
-    let study = &file.study;
-    let wrong = |message: &str| Error::Analysis { test: study.id.clone(), message: message.to_owned() };
-    let simulated = tables.people.iter().filter(|one| one.front == SIMULATED).count();
-    if simulated > 0 && simulated < tables.people.len() {
-        return Err(wrong("simulated participants are mixed with people; analyse them apart"));
+/// [`Error::Mixed`] for people together with simulated participants. [`Error::Study`] for a test of questions or parts that the file
+/// lacks, and for answers that do not fit the file. [`Error::Statistics`] where a statistic is undefined.
+pub fn analyse(study: &StudyFile, tables: &Tables) -> Result<Analysis, Error> {
+    let participants = participants(tables)?;
+    let deletes = study.consent.on_withdrawal == OnWithdrawal::Delete;
+    let everyone = tables.only(|one| !(deletes && one.state == State::Ended(Ending::Withdrawn)));
+    let exclusions = exclude::exclusions(&study.exclude, &everyone);
+    let kept = everyone.only(|one| !exclusions.has(&one.participant));
+    let everyone = (!exclusions.excluded.is_empty()).then_some(&everyone);
+    let mut tests = Vec::new();
+    for (index, test) in study.analysis.tests.iter().enumerate() {
+        let key = format!("analysis.test[{index}]");
+        let seed = study.study.seed.wrapping_add(index as u64);
+        tests.push(match test {
+            file::Test::Friedman { of, by, within, then } => {
+                let plan = friedman::Planned::new(study, &key, of, [by, within.as_deref().unwrap_or("")])?;
+                let block = |tables: &Tables| plan.block(tables, then.as_ref(), seed);
+                Test::Friedman(Box::new(Sides {
+                    kept: block(&kept)?,
+                    everyone: everyone.map(block).transpose()?,
+                }))
+            }
+            file::Test::Confusion { of } => {
+                let plan = confusion::Planned::new(study, &key, of)?;
+                let block = |tables: &Tables| plan.block(tables, seed);
+                Test::Confusion(Box::new(Sides {
+                    kept: block(&kept)?,
+                    everyone: everyone.map(block).transpose()?,
+                }))
+            }
+        });
     }
-    let mut states = BTreeMap::new();
-    for one in &tables.people {
-        *states.entry(one.state.clone()).or_default() += 1;
-    }
-    let finished: BTreeSet<&str> = tables
-        .people
-        .iter()
-        .filter(|one| one.state == FINISHED)
-        .map(|one| one.participant.as_str())
-        .collect();
-    if finished.is_empty() {
-        return Err(wrong("no participant finished"));
-    }
-    let excluded = exclude::excluded(tables, &file.exclude);
-    let out: BTreeSet<&str> = excluded.iter().map(|one| one.participant.as_str()).collect();
-    let of = |is_in: &dyn Fn(&str) -> bool| {
-        let own: Vec<&Answer> = tables.answers.iter().filter(|one| is_in(&one.participant)).collect();
-        if own.is_empty() && !file.analysis.tests.is_empty() {
-            return Err(wrong("the rules of [exclude] leave everyone out"));
-        }
-        file.analysis.tests.iter().map(|test| finding(file, &own, test)).collect::<Result<Vec<_>, _>>()
-    };
-    let all = |participant: &str| finished.contains(participant);
-    let kept = |participant: &str| all(participant) && !out.contains(participant);
-    let (results, with_excluded) = (of(&kept)?, of(&all)?);
+    let parts = parts::counts(study, &kept);
+    let is_short = parts.iter().any(|part| part.short_of.is_some()) || tests.iter().any(Test::is_short);
+    let preferred = study.study.languages.first().map_or("", String::as_str);
     Ok(Analysis {
-        study: study.id.clone(),
-        version: study.version,
-        is_simulated: simulated > 0,
-        states,
-        finished: finished.len(),
-        excluded,
-        results,
-        with_excluded,
+        study: study.study.id.clone(),
+        version: study.study.version,
+        title: study.study.title.find(preferred, &study.study.languages).to_owned(),
+        participants,
+        exclusions,
+        parts,
+        tests,
+        free_texts: kept.answers.iter().filter(|row| matches!(row.value, Some(Value::Text(_)))).count(),
+        is_short,
     })
 }
 
-fn finding(file: &StudyFile, answers: &[&Answer], test: &Test) -> Result<Finding, Error> {
-    match test {
-        Test::Friedman { of, by, within, then } => {
-            let part = of.split('.').next().and_then(|part| file.parts.get(part)).and_then(Part::trials);
-            let show = part.map(|part| &part.show);
-            let order = show.and_then(|show| {
-                if by == "scene" { show.scenes.as_deref() } else { show.conditions.as_deref() }
-            });
-            let order = order.unwrap_or_default();
-            let wish = Wish { of, by, within: within.as_deref(), then: then.as_ref(), order };
-            Ok(Finding::Friedman(conditions::conditions(answers, wish)?))
-        }
-        Test::Confusion { of } => {
-            let options = emotions(file, of)?;
-            Ok(Finding::Confusion(Box::new(identify::identified(answers, of, &options)?)))
+impl Test {
+    fn is_short(&self) -> bool {
+        match self {
+            Self::Friedman(sides) => sides.kept.tests.iter().any(|test| test.short_of.is_some()),
+            Self::Confusion(sides) => sides.kept.short_of.is_some(),
         }
     }
 }
 
-/// The emotions that a choice offers, in its order.
-fn emotions(file: &StudyFile, of: &str) -> Result<Vec<Emotion>, Error> {
-    let wrong = |message: String| Error::Analysis { test: of.to_owned(), message };
-    let name = of.split_once('.').map_or("", |(_, question)| question);
-    let Some(Question::Choice { options, .. }) = file.questions.get(name) else {
-        return Err(wrong(format!("questions.{name} must be a choice among the emotions")));
-    };
-    let language = file.study.languages.first().map_or("en", String::as_str);
-    let emotion = |option: &super::Words| {
-        option.find(language, &[]).parse::<Emotion>().map_err(|error| wrong(error.to_string()))
-    };
-    options.iter().map(emotion).collect()
+fn participants(tables: &Tables) -> Result<Participants, Error> {
+    let mut fronts = BTreeMap::new();
+    let mut states = BTreeMap::new();
+    for one in &tables.participants {
+        *fronts.entry(one.front).or_insert(0) += 1;
+        *states.entry(super::tables::name(&one.state)).or_insert(0) += 1;
+    }
+    let arrived = tables.participants.len();
+    let simulated = fronts.get(&Front::Simulated).copied().unwrap_or(0);
+    if simulated > 0 && simulated < arrived {
+        return Err(Error::Mixed { people: arrived - simulated, simulated });
+    }
+    let placed = tables.participants.iter().filter(|one| one.placed).count();
+    Ok(Participants { arrived, placed, is_simulated: simulated > 0, fronts, states })
 }
