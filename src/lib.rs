@@ -82,6 +82,7 @@ pub mod ground;
 mod hash;
 #[doc(hidden)]
 pub mod kernels;
+mod keys;
 pub mod library;
 pub mod low_level;
 #[allow(clippy::disallowed_methods, reason = "judges gaits, makes no crowds")]

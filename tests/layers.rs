@@ -39,8 +39,10 @@ const ORDER: &[&[&str]] = &[
     &["cli"],
 ];
 /// Words of the subject, and dealings with the system, that every module of [`ORDER`] may use. They use one another and no more.
-const COMMON: &[&str] =
-    &["emotion", "glb", "ground", "hash", "picture", "random", "file", "spelling", "stop", "table", "wkt"];
+const COMMON: &[&str] = &[
+    "emotion", "glb", "ground", "hash", "keys", "picture", "random", "file", "spelling", "stop", "table",
+    "wkt",
+];
 /// Declarations that both backends share, and the constants of the shaders: under every room.
 const FLOOR: &str = "kernels";
 /// They stand on the floor alone and know nothing of gaits or emotions.

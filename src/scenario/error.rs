@@ -4,29 +4,7 @@ use super::setting::SettingError;
 use std::fmt;
 use std::path::PathBuf;
 
-/// A value outside its allowed range.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadValue {
-    /// File and line, once known; empty for a scenario that did not come from a file.
-    pub place: String,
-    /// Key path, such as `population.scale` or `routes[2].waypoints[0]`.
-    pub key: String,
-    /// The value found.
-    pub value: String,
-    /// What is allowed.
-    pub allowed: String,
-    /// The way out.
-    pub hint: String,
-}
-
-impl fmt::Display for BadValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.place.is_empty() {
-            write!(f, "{}: ", self.place)?;
-        }
-        write!(f, "{} = {}: must be {}; {}", self.key, self.value, self.allowed, self.hint)
-    }
-}
+pub use crate::keys::BadValue;
 
 /// A scenario is wrong.
 #[derive(Debug, thiserror::Error)]
@@ -100,12 +78,6 @@ impl Error {
         allowed: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Self::Value(Box::new(BadValue {
-            place: String::new(),
-            key: key.into(),
-            value: value.to_string(),
-            allowed: allowed.into(),
-            hint: hint.into(),
-        }))
+        Self::Value(Box::new(BadValue::new(key, value, allowed, hint)))
     }
 }

@@ -1,4 +1,4 @@
-//! Reading and writing scenario files, the built-in scenes, and finding the line of a wrong key.
+//! Reading and writing scenario files, and the built-in scenes.
 
 use super::builtin;
 use super::error::Error;
@@ -6,11 +6,10 @@ use super::file::{Condition, Scenario};
 use super::place::Area;
 use super::setting::Setting;
 use crate::file;
+use crate::keys::{Explained, explain, place_of};
 use crate::spelling::nearest;
 use std::borrow::Cow;
-use std::ops::Range;
 use std::path::Path;
-use toml::de::{DeTable, DeValue};
 
 /// Largest scenario file read, bytes.
 const MAX_FILE_BYTES: u64 = 64 << 20;
@@ -160,33 +159,17 @@ impl Source<'_> {
         if let Some(setting) = self.settings.iter().rev().find(|setting| setting.holds(key)) {
             return format!("--set {setting}");
         }
-        let table = DeTable::parse(self.text).ok();
-        let offset = table.and_then(|table| offset_of(table.get_ref(), key));
-        offset
-            .map_or_else(|| self.origin.to_owned(), |o| format!("{}:{}", self.origin, line_of(self.text, o)))
+        place_of(self.text, self.origin, key)
     }
 
     /// Turns the parser's error about `text` into ours: place, key, and the nearest name for a misspelt one.
     fn syntax_error(&self, error: &toml::de::Error, text: &str) -> Error {
-        let offset = error.span().map_or(0, |span| span.start);
-        let key = DeTable::parse(text).ok().and_then(|table| path_at(table.get_ref(), offset));
+        let Explained { key, line, message } = explain(error, text);
         let place = match &key {
             Some(key) if !self.settings.is_empty() => self.place(key),
             _ if !std::ptr::eq(text, self.text) => self.origin.to_owned(),
-            _ => format!("{}:{}", self.origin, line_of(text, offset)),
+            _ => format!("{}:{line}", self.origin),
         };
-        let mut message = error.message().replace('\n', " ");
-        if let Some(key) = key {
-            message = format!("{key}: {message}");
-        }
-        // The parser says "unknown field `x`, expected one of `a`, `b`" (or "unknown variant"): odd pieces are names.
-        let names: Vec<&str> = error.message().split('`').skip(1).step_by(2).collect();
-        if error.message().starts_with("unknown ")
-            && let Some((wrong, known)) = names.split_first()
-            && let Some(nearest) = nearest(wrong, known)
-        {
-            message = format!("{message}; did you mean `{nearest}`?");
-        }
         Error::Syntax { place, message }
     }
 
@@ -200,64 +183,4 @@ impl Source<'_> {
             other => other,
         }
     }
-}
-
-/// Line of a byte offset, from 1.
-fn line_of(text: &str, offset: usize) -> usize {
-    let end = offset.min(text.len());
-    1 + text.as_bytes()[..end].iter().filter(|&&byte| byte == b'\n').count()
-}
-
-/// Byte offset of the deepest part of `path` (`a.b[2].c`) that the document spells out.
-fn offset_of(table: &DeTable<'_>, path: &str) -> Option<usize> {
-    let mut found = None;
-    let mut value: Option<&DeValue<'_>> = None;
-    for part in path.split(['.', '[']) {
-        let next = match (part.strip_suffix(']'), value) {
-            (Some(index), Some(DeValue::Array(items))) => {
-                index.parse().ok().and_then(|i: usize| items.get(i)).map(|item| (item.span().start, item))
-            }
-            (None, None) => table.get_key_value(part).map(|(key, item)| (key.span().start, item)),
-            (None, Some(DeValue::Table(inner))) => {
-                inner.get_key_value(part).map(|(key, item)| (key.span().start, item))
-            }
-            _ => None,
-        };
-        let Some((offset, item)) = next else { break };
-        found = Some(offset);
-        value = Some(item.get_ref());
-    }
-    found
-}
-
-/// Key path of the innermost key or value at a byte offset.
-fn path_at(table: &DeTable<'_>, offset: usize) -> Option<String> {
-    let holds = |span: Range<usize>| span.contains(&offset) || span.start == offset;
-    for (key, value) in table {
-        let name = key.get_ref().as_ref();
-        if holds(key.span()) {
-            return Some(name.to_owned());
-        }
-        match value.get_ref() {
-            DeValue::Table(inner) => {
-                if let Some(rest) = path_at(inner, offset) {
-                    return Some(format!("{name}.{rest}"));
-                }
-            }
-            DeValue::Array(items) => {
-                for (index, item) in items.iter().enumerate() {
-                    if let DeValue::Table(inner) = item.get_ref()
-                        && let Some(rest) = path_at(inner, offset)
-                    {
-                        return Some(format!("{name}[{index}].{rest}"));
-                    }
-                }
-            }
-            _ => {}
-        }
-        if !value.get_ref().is_table() && holds(value.span()) {
-            return Some(name.to_owned());
-        }
-    }
-    None
 }

@@ -3,29 +3,7 @@
 use std::fmt;
 use std::path::PathBuf;
 
-/// A value that does not do.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct BadValue {
-    /// File and line, once known; empty for a study that did not come from a file.
-    pub place: String,
-    /// Key path, such as `part.walks.design.each` or `study.flow[2]`.
-    pub key: String,
-    /// The value found.
-    pub value: String,
-    /// What is allowed.
-    pub allowed: String,
-    /// The way out.
-    pub hint: String,
-}
-
-impl fmt::Display for BadValue {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if !self.place.is_empty() {
-            write!(f, "{}: ", self.place)?;
-        }
-        write!(f, "{} = {}: must be {}; {}", self.key, self.value, self.allowed, self.hint)
-    }
-}
+pub use crate::keys::BadValue;
 
 /// A study cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -102,12 +80,6 @@ impl Error {
         allowed: impl Into<String>,
         hint: impl Into<String>,
     ) -> Self {
-        Self::Value(Box::new(BadValue {
-            place: String::new(),
-            key: key.into(),
-            value: value.to_string(),
-            allowed: allowed.into(),
-            hint: hint.into(),
-        }))
+        Self::Value(Box::new(BadValue::new(key, value, allowed, hint)))
     }
 }

@@ -2,8 +2,8 @@
 
 use super::error::Error;
 use super::file::StudyFile;
-use super::place::Source;
 use crate::file;
+use crate::keys::{explain, place_of};
 use crate::spelling::suggestion;
 use std::path::{Path, PathBuf};
 
@@ -75,7 +75,7 @@ impl Study {
     /// # Errors
     /// [`Error::Syntax`], with origin and line.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Error> {
-        let file = Source { text, origin }.read()?;
+        let file = read(text, origin)?;
         Ok(Self { file, text: text.to_owned(), origin: origin.to_owned(), folder: None })
     }
 
@@ -96,6 +96,17 @@ impl Study {
 
     /// File and line of a key of the study.
     pub(super) fn place(&self, key: &str) -> String {
-        Source { text: &self.text, origin: &self.origin }.place(key)
+        place_of(&self.text, &self.origin, key)
     }
+}
+
+/// Reads a value of any type; `origin` names the text in messages.
+///
+/// # Errors
+/// [`Error::Syntax`] with line, key and, for a misspelt name, the nearest one.
+pub(super) fn read<T: serde::de::DeserializeOwned>(text: &str, origin: &str) -> Result<T, Error> {
+    toml::from_str(text).map_err(|error| {
+        let found = explain(&error, text);
+        Error::Syntax { place: format!("{origin}:{}", found.line), message: found.message }
+    })
 }

@@ -4,7 +4,7 @@
 //!  study.toml ─► file ─► check ─► plan ─► protocol ─► pages, in a browser or a headset
 //!                words   errors   who     (plan, events) -> page
 //!                        minutes  gets
-//!                        people   what ◄─ simulate: participants that nobody has to pay
+//!                        people   what ◄─ simulate: simulated participants
 //! ```
 //!
 //! ```
@@ -34,7 +34,6 @@ pub mod file;
 pub mod instrument;
 mod load;
 mod materials;
-mod place;
 pub mod plan;
 pub mod protocol;
 pub mod simulate;

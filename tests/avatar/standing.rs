@@ -361,6 +361,32 @@ fn who_walks_is_drawn_as_the_gait_says_at_any_time() {
 }
 
 #[test]
+fn in_half_a_stride_the_upper_body_is_half_way_to_the_mean_of_its_gait_and_the_legs_are_not() {
+    let mut people = People::of(Emotion::Happy, 1);
+    walk(&mut people.store, 1.0);
+    people.store.stance[0].stride *= 0.5;
+    people.store.phase.fill(5 << 26);
+    let first = people.store.gaits[0][0] as usize * CLIP_STRIDE;
+    let rotation = |frame: usize, joint: usize| people.store.clip_frames[first + frame * POSE_STRIDE + joint];
+    let wanted: [Quat; JOINT_COUNT] = std::array::from_fn(|joint| {
+        let shown = Quat::from_array(rotation(5, joint));
+        if joint == 0 || joint >= Joint::LeftHip as usize {
+            return shown;
+        }
+        let frames = (0..CLIP_FRAMES).map(|frame| Quat::from_array(rotation(frame, joint)));
+        let mean = frames.reduce(|sum, q| if sum.dot(q) < 0.0 { sum - q } else { sum + q }).unwrap();
+        shown.lerp(mean.normalize(), 0.5)
+    });
+    let moved = wanted[Joint::LeftShoulder as usize]
+        .angle_between(Quat::from_array(rotation(5, Joint::LeftShoulder as usize)));
+    assert!(moved > 0.05, "the arm swings: {moved}");
+    reference::run(Phase::Pose, &mut people.store, 0);
+    for (joint, (drawn, wanted)) in people.rotations(0).into_iter().zip(wanted).enumerate() {
+        assert!(drawn.angle_between(wanted) < 2e-3, "{joint}: {drawn} {wanted}");
+    }
+}
+
+#[test]
 fn stopping_and_changing_ones_mood_go_smoothly() {
     let mut people = People::of(Emotion::Happy, 8);
     let apart = |a: &People, b: &People| {

@@ -3,11 +3,9 @@
 use super::super::failed;
 use super::super::outputs::make_folder;
 use crate::Error;
-use crate::export::AtomicFile;
 use crate::study::file::Part;
 use crate::study::tables::{self, ANSWERS, PARTICIPANTS, Tables};
 use crate::study::{FILE_NAME, Study};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Longest table that is read, bytes.
@@ -35,10 +33,8 @@ pub(super) fn write(folder: &Path, study: &Study, tables: &Tables) -> Result<Vec
 
 /// Writes a text whole or not at all.
 pub(super) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
-    let mut file = AtomicFile::create(path)?;
-    file.write_all(text.as_bytes())
-        .map_err(|source| crate::export::Error::Write { path: path.to_owned(), source })?;
-    Ok(file.finish()?)
+    crate::file::write(path, text.as_bytes())
+        .map_err(|source| crate::export::Error::Write { path: path.to_owned(), source }.into())
 }
 
 /// Reads the study file and its tables from a folder.

@@ -1,6 +1,6 @@
 //! What the analyses of a study have in common.
 
-use crate::study::error::{BadValue, Error as StudyError};
+use crate::study::error::Error as StudyError;
 use crate::study::file::{self, StudyFile};
 
 /// Draws of every bootstrap.
@@ -37,13 +37,7 @@ pub enum Error {
 
 /// A value of the study file or the tables that does not do.
 pub(super) fn bad(key: &str, value: &str, allowed: impl Into<String>, hint: impl Into<String>) -> Error {
-    Error::Study(StudyError::Value(Box::new(BadValue {
-        place: String::new(),
-        key: key.to_owned(),
-        value: format!("{value:?}"),
-        allowed: allowed.into(),
-        hint: hint.into(),
-    })))
+    Error::Study(StudyError::value(key, format!("{value:?}"), allowed, hint))
 }
 
 /// The counted trials of a part.

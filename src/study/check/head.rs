@@ -157,7 +157,7 @@ fn data(notes: &mut Notes<'_>, data: Data) {
         "many funders ask for ten years",
     );
     if keep_links_days > keep_answers_days {
-        let hint = "a platform's id without answers serves nobody";
+        let hint = "a platform's id without answers has no use";
         notes.warn("data.keep_links_days", keep_links_days, format!("at most {keep_answers_days}"), hint);
     }
 }

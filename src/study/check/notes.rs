@@ -85,8 +85,7 @@ impl<'s> Notes<'s> {
         value: impl fmt::Display,
         [allowed, hint]: [String; 2],
     ) {
-        let (key, value) = (key.to_owned(), value.to_string());
-        self.add(severity, BadValue { place: String::new(), key, value, allowed, hint });
+        self.add(severity, BadValue::new(key, value, allowed, hint));
     }
 
     pub(super) fn error(

@@ -25,7 +25,7 @@ pub(super) fn check(notes: &mut Notes<'_>, materials: &Materials) {
             Part::Trials(trials) => trials::check(notes, &key, trials, materials),
         }
         if !notes.file().study.flow.contains(name) {
-            notes.warn(&key, "a part", "named in study.flow", "nobody sees it otherwise");
+            notes.warn(&key, "a part", "named in study.flow", "participants do not see it otherwise");
         }
     }
 }

@@ -21,7 +21,7 @@ pub(super) fn check(notes: &mut Notes<'_>) {
         }
         one(notes, &key, question);
         if !asked.contains(name.as_str()) {
-            notes.warn(&key, "a question", "asked by some part", "nobody sees it otherwise");
+            notes.warn(&key, "a question", "asked by some part", "participants do not see it otherwise");
         }
     }
     wording(notes);

@@ -43,7 +43,7 @@ pub struct Summary {
     pub trials: usize,
     /// Estimated time of one participant, min.
     pub minutes: f64,
-    /// Fewest participants with whom every design is complete, if nobody leaves.
+    /// Fewest participants with whom every design is complete, if all stay.
     pub least: usize,
     /// Participants with whom all is balanced are multiples of this.
     pub multiple: usize,

@@ -3,7 +3,7 @@
 mod score;
 
 use super::error::Error;
-use super::place::Source;
+use super::load::read;
 use super::words::Words;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -113,7 +113,7 @@ impl Instrument {
     /// [`Error::Syntax`] if its file is wrong, which a test excludes.
     pub fn builtin(name: &str) -> Result<Option<Self>, Error> {
         let Some((_, text)) = BUILTIN.iter().find(|(known, _)| *known == name) else { return Ok(None) };
-        Source { text, origin: &format!("built-in questionnaire {name}") }.read().map(Some)
+        read(text, &format!("built-in questionnaire {name}")).map(Some)
     }
 
     /// Ids of the items that have no wording, neither built in nor in `written` (texts by item).

@@ -56,7 +56,7 @@ impl Fill {
         counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0)
     }
 
-    /// Whether some item lacks answers that nobody is about to give.
+    /// Whether some item lacks answers that no participant is about to give.
     pub fn is_open(&self) -> bool {
         self.counts().iter().any(|&count| count < self.at_least)
     }

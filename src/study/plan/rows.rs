@@ -12,7 +12,7 @@ pub struct Rows {
 }
 
 impl Rows {
-    /// Rows that nobody has.
+    /// Rows that no participant has.
     pub fn new(rows: usize) -> Self {
         Self { finished: vec![0; rows], leased: vec![0; rows] }
     }

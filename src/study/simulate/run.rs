@@ -47,7 +47,7 @@ pub struct Setup {
     pub seed: u64,
 }
 
-/// Simulates a study until nobody comes any more: `participants` have arrived, or admission is closed and no lease is left that
+/// Simulates a study until no participant comes any more: `participants` have arrived, or admission is closed and no lease is left that
 /// could open it. Returns the store and what it holds as tables.
 ///
 /// # Errors
@@ -105,7 +105,7 @@ impl World<'_, '_> {
         }
     }
 
-    /// Whether a lease is left although nobody answers.
+    /// Whether a lease is left while no participant answers.
     fn leases(&self) -> bool {
         self.due.is_empty()
             && self.people.iter().any(|person| {

@@ -97,13 +97,8 @@ impl Row<'_> {
     }
 
     fn bad(&self, column: &str, allowed: impl Into<String>, hint: impl Into<String>) -> Error {
-        Error::Value(Box::new(BadValue {
-            place: format!("{}:{}", self.file, self.record.line),
-            key: column.to_owned(),
-            value: format!("{:?}", self.get(column)),
-            allowed: allowed.into(),
-            hint: hint.into(),
-        }))
+        let bad = BadValue::new(column, format!("{:?}", self.get(column)), allowed, hint);
+        Error::Value(Box::new(BadValue { place: format!("{}:{}", self.file, self.record.line), ..bad }))
     }
 }
 
