@@ -37,6 +37,10 @@ pub enum Error {
     /// The answers of a study cannot be analysed.
     #[error(transparent)]
     Analysis(#[from] crate::study::analyse::Error),
+    /// A study cannot be served.
+    #[cfg(feature = "study")]
+    #[error(transparent)]
+    Serve(#[from] crate::study::serve::Error),
     /// The simulation refused its input or failed.
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),

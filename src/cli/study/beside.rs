@@ -26,6 +26,14 @@ pub(super) struct Gaits {
     gaits: Option<u32>,
 }
 
+impl Gaits {
+    /// The library in place of the study's own.
+    #[cfg(feature = "study")]
+    pub(super) fn library(&self) -> Option<&Path> {
+        self.library.as_deref()
+    }
+}
+
 /// What lies beside a study, and the emotion of each gait that has a label.
 pub(super) struct Beside {
     pub(super) materials: Materials,

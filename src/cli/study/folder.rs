@@ -37,11 +37,19 @@ pub(super) fn write_text(path: &Path, text: &str) -> Result<(), Error> {
         .map_err(|source| crate::export::Error::Write { path: path.to_owned(), source }.into())
 }
 
-/// Reads the study file and its tables from a folder.
+/// Reads the study file and its tables from a folder: the data of a study that was served, or tables.
 pub(super) fn read(folder: &Path) -> Result<(Study, Tables), Error> {
+    #[cfg(feature = "study")]
+    if folder.join(crate::study::store::STORE).is_file() {
+        let reading = crate::study::store::Reading::open(folder)?;
+        let tables = reading.tables(None);
+        if let Some(version) = reading.versions().last() {
+            return Ok((version.study.clone(), tables));
+        }
+    }
     if !folder.join(ANSWERS).is_file() {
         let message = format!("{}: no {ANSWERS} in it", folder.display());
-        return Err(failed(message, "name a folder that `gaitway study simulate --out` wrote"));
+        return Err(failed(message, "name a folder that `gaitway study serve --data` or `study simulate --out` wrote"));
     }
     let study = Study::load(folder)?;
     let text = |name: &str| {

@@ -6,7 +6,13 @@ mod check;
 mod folder;
 mod new;
 mod power;
+#[cfg(feature = "study")]
+mod serve;
 mod simulate;
+#[cfg(feature = "study")]
+mod status;
+#[cfg(feature = "study")]
+mod upkeep;
 
 use super::usage;
 use crate::Error;
@@ -33,6 +39,24 @@ enum Command {
     Analyse(analyse::Arguments),
     /// How many people Friedman's test needs
     Power(power::Arguments),
+    /// Serve a study to browsers, until Ctrl-C
+    #[cfg(feature = "study")]
+    Serve(serve::Arguments),
+    /// A running or finished study at a glance
+    #[cfg(feature = "study")]
+    Status(status::Arguments),
+    /// Copy the data of a study, while it runs or not
+    #[cfg(feature = "study")]
+    Backup(upkeep::BackupArguments),
+    /// Withdraw a participant who asks for it
+    #[cfg(feature = "study")]
+    Withdraw(upkeep::WithdrawArguments),
+    /// Delete what is older than the study's dates allow
+    #[cfg(feature = "study")]
+    Purge(upkeep::PurgeArguments),
+    /// Make one folder of data of several
+    #[cfg(feature = "study")]
+    Merge(upkeep::MergeArguments),
 }
 
 /// Runs the subcommand.
@@ -43,7 +67,26 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Analyse(arguments) => analyse::run(arguments),
         Command::Power(arguments) => power::run(arguments),
+        #[cfg(feature = "study")]
+        Command::Serve(arguments) => serve::run(arguments),
+        #[cfg(feature = "study")]
+        Command::Status(arguments) => status::run(arguments),
+        #[cfg(feature = "study")]
+        Command::Backup(arguments) => upkeep::make_backup(arguments),
+        #[cfg(feature = "study")]
+        Command::Withdraw(arguments) => upkeep::withdraw(arguments),
+        #[cfg(feature = "study")]
+        Command::Purge(arguments) => upkeep::purge(arguments),
+        #[cfg(feature = "study")]
+        Command::Merge(arguments) => upkeep::run_merge(arguments),
     }
+}
+
+/// A request that a store did not meet.
+#[cfg(feature = "study")]
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+fn trouble(trouble: crate::study::store::Trouble) -> Error {
+    super::failed(trouble.to_string(), "the folder of data is as it was")
 }
 
 /// The study of a file, of a folder with `study.toml`, or a built-in one by its id.

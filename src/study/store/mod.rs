@@ -45,7 +45,7 @@ use super::tables::Tables;
 use desk::Desk;
 use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::Sender;
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use writer::Job;
@@ -260,6 +260,18 @@ impl Store {
     pub fn tables(&self, then: impl FnOnce(Result<Tables, Trouble>) + Send + 'static) {
         self.ask(|desk| Ok(desk.tables(None)), then);
     }
+}
+
+/// Waits for what the writer says: `wait(|then| store.overview(then))`.
+///
+/// # Errors
+/// What the request says, or [`Trouble::Unavailable`] when the writer has stopped.
+pub fn wait<T: Send + 'static>(
+    ask: impl FnOnce(Box<dyn FnOnce(Result<T, Trouble>) + Send>),
+) -> Result<T, Trouble> {
+    let (sender, receiver) = channel();
+    ask(Box::new(move |found| drop(sender.send(found))));
+    receiver.recv().unwrap_or_else(|_stopped| Err(Trouble::Unavailable("the store has stopped".to_owned())))
 }
 
 /// A store as it is, read beside a program that may write.
