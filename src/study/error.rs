@@ -17,6 +17,91 @@ pub enum Error {
         /// Why.
         source: std::io::Error,
     },
+    /// A file could not be written.
+    #[error("cannot write {path:?}: {source}")]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: std::io::Error,
+    },
+    /// There is no data of a study.
+    #[error(
+        "{path:?} is not there: the folder holds no data of a study; `gaitway study serve --data` makes it"
+    )]
+    NoStore {
+        /// The store that is missing.
+        path: PathBuf,
+    },
+    /// Another program writes to the data.
+    #[error("{path:?} is in use by another gaitway; stop it first, or use its admin page")]
+    InUse {
+        /// The folder of data.
+        path: PathBuf,
+    },
+    /// The data are of another study.
+    #[error(
+        "{path:?} holds data of {wanted:?}, and the study is {found:?}; give each study a folder of its own"
+    )]
+    OtherStudy {
+        /// The folder of data.
+        path: PathBuf,
+        /// The study that was opened.
+        found: String,
+        /// The study of the data.
+        wanted: String,
+    },
+    /// The study differs from the one that participants have seen.
+    #[error(
+        "the study has changed since its version {version} began; raise study.version to go on with the change, or open \
+         {path:?} with the files of version {version}, which lie in its materials"
+    )]
+    Changed {
+        /// The folder of data.
+        path: PathBuf,
+        /// The newest version of the data.
+        version: u32,
+    },
+    /// The data were written by a newer program.
+    #[error("{path:?} has format {found}; this program knows formats up to {known}: take a newer one")]
+    NewerStore {
+        /// The store.
+        path: PathBuf,
+        /// Its format.
+        found: i64,
+        /// The newest format that is known.
+        known: i64,
+    },
+    /// Folders hold data of different studies.
+    #[error("{first:?} and {second:?} hold data of different studies or versions, which cannot become one")]
+    Differs {
+        /// A folder of data.
+        first: PathBuf,
+        /// Another one.
+        second: PathBuf,
+    },
+    /// There is data already.
+    #[error("{path:?} exists; name a new folder")]
+    Exists {
+        /// What is there.
+        path: PathBuf,
+    },
+    /// The store failed.
+    #[error("cannot {doing} {path:?}: {source}")]
+    Store {
+        /// What was tried.
+        doing: &'static str,
+        /// The store.
+        path: PathBuf,
+        /// Why it failed.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The system has no random bits.
+    #[error("the system gives no random bits ({reason}); codes of participants cannot be made without")]
+    NoRandomness {
+        /// Why.
+        reason: String,
+    },
     /// The text is not TOML, has an unknown key or a value of the wrong type.
     #[error("{place}: {message}")]
     Syntax {
@@ -73,6 +158,16 @@ pub enum Error {
 }
 
 impl Error {
+    /// A store failed.
+    #[cfg(feature = "study")]
+    pub(super) fn store(
+        doing: &'static str,
+        path: &std::path::Path,
+        source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        Self::Store { doing, path: path.to_owned(), source: source.into() }
+    }
+
     /// A value that does not do, place not yet known.
     pub(super) fn value(
         key: impl Into<String>,

@@ -1,9 +1,11 @@
 //! What lies beside a study file, as far as plans need it.
 
+use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 /// What lies beside a study file: names of gaits by library, texts by file. The caller reads them.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Materials {
     /// Names of gaits by what `show.gaits` says.
     pub gaits: BTreeMap<String, Vec<String>>,

@@ -37,6 +37,8 @@ mod materials;
 pub mod plan;
 pub mod protocol;
 pub mod simulate;
+#[cfg(feature = "study")]
+pub mod store;
 pub mod tables;
 mod words;
 

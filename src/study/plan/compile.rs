@@ -140,6 +140,11 @@ pub struct TrialsStep {
 }
 
 impl TrialsStep {
+    /// Whether participants get their trials in blocks.
+    pub(super) const fn is_in_blocks(&self) -> bool {
+        matches!(self.design, Some(Design::Blocks { .. }))
+    }
+
     /// An answer that every statement of an instructed trial can have, but not the middle one; none if there are no points.
     pub(super) fn instructed_answer(&self, random: &mut Random) -> Option<i64> {
         let scales = self.prompts.iter().map(|prompt| &prompt.scale);

@@ -1,7 +1,7 @@
 //! Stimuli and trials.
 
 use super::blocks::Blocks;
-use super::compile::{Plan, TrialsStep};
+use super::compile::{Plan, Step, StepKind, TrialsStep};
 use super::draw::{Purpose, random, word};
 use super::square::Square;
 use crate::study::file::{Design, Seeds};
@@ -146,16 +146,36 @@ impl Plan {
         }
     }
 
+    /// Everything that a participant may be shown in a browser: part, stimulus and seed (0 of gaits, which have none). Studies for
+    /// headsets alone have gaits only.
+    pub fn shown_on_the_web(&self) -> Vec<(String, Stimulus, u64)> {
+        let mut shown = Vec::new();
+        for Step { name, kind } in &self.steps {
+            let StepKind::Trials(step) = kind else { continue };
+            for stimulus in &step.stimuli {
+                if matches!(stimulus, Stimulus::Gait { .. }) {
+                    shown.push((name.clone(), stimulus.clone(), 0));
+                } else if self.shows_clips {
+                    let what = match stimulus.scene() {
+                        Some(scene) if step.seeds == Seeds::PerBlock && step.is_in_blocks() => word(scene),
+                        _ => word(&stimulus.key()),
+                    };
+                    let seeds = (0..CLIP_SEEDS).map(|clip| self.clip_seed(name, what, clip));
+                    shown.extend(seeds.map(|seed| (name.clone(), stimulus.clone(), seed)));
+                }
+            }
+        }
+        shown
+    }
+
+    fn clip_seed(&self, part: &str, what: u64, clip: usize) -> u64 {
+        random(self.seed, Purpose::Trial, &[word(part), what, clip as u64]).bits() >> 1
+    }
+
     /// The seed of what is shown. Where participants may see clips it is one of few for each `what`.
     fn trial_seed(&self, part: &str, person: u64, what: u64) -> u64 {
         let mut own = random(self.seed, Purpose::Trial, &[word(part), person, what]);
-        let seed = if self.shows_clips {
-            let clip = own.below(CLIP_SEEDS) as u64;
-            random(self.seed, Purpose::Trial, &[word(part), what, clip]).bits()
-        } else {
-            own.bits()
-        };
-        seed >> 1
+        if self.shows_clips { self.clip_seed(part, what, own.below(CLIP_SEEDS)) } else { own.bits() >> 1 }
     }
 
     /// A participant's trials of a fill design, with repeated and instructed ones among them.

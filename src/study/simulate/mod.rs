@@ -21,4 +21,5 @@ pub use habits::{Habits, hazard};
 pub use ratings::RatingModel;
 pub use run::{Minds, Setup, run};
 pub use store::Store;
+pub(super) use tables::answers;
 pub use tables::{AnswerRow, Participant, Run, mean_ratings};

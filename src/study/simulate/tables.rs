@@ -60,7 +60,7 @@ pub struct Run {
 }
 
 /// The answers of a participation, in the order of pages.
-pub(super) fn answers(plan: &Plan, number: u64, session: &Session) -> Vec<AnswerRow> {
+pub(crate) fn answers(plan: &Plan, number: u64, session: &Session) -> Vec<AnswerRow> {
     let trial = |page: &str| {
         let (part, position) = page.rsplit_once('/')?;
         let position: u32 = position.parse().ok()?;

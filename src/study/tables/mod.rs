@@ -32,10 +32,12 @@
 
 mod ratings;
 mod read;
+mod session;
 mod write;
 
 pub use ratings::ratings;
 pub use read::read;
+pub use session::of_session;
 pub use write::write;
 
 use super::file::Front;
