@@ -126,10 +126,10 @@ pub enum Error {
     #[error(transparent)]
     Library(#[from] crate::library::Error),
     /// A frozen library lacks a gait of the plan.
-    #[error("library {library:?} has no gait {gait:?}: it is not as it was frozen; restore it from the backup")]
+    #[error("part {part:?}: its frozen library has no gait {gait:?}; restore the folder of data from its backup")]
     NoGait {
-        /// The library.
-        library: String,
+        /// The part.
+        part: String,
         /// The gait.
         gait: String,
     },

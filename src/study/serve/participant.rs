@@ -146,7 +146,7 @@ fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled)
     let mark = visitor.secret.as_deref().map(mark).unwrap_or_default();
     let visit = Visit { code: &turn.code, mark: &mark };
     let consent = match &turn.page.content {
-        Content::Consent { text, .. } => version.materials.texts.get(text).map(String::as_str),
+        Content::Consent { text, .. } => version.text(text),
         _ => None,
     };
     let texts = Texts { consent: consent.unwrap_or_default(), now: now() };

@@ -9,7 +9,6 @@ use crate::emotion::Emotion;
 use crate::export::figure;
 use crate::gait::{Gait, JOINT_COUNT, Joint};
 use crate::library::GaitLibrary;
-use crate::study::file::Part;
 use crate::study::plan::Stimulus;
 use crate::study::store::{Shown, Version};
 use axum::http::HeaderMap;
@@ -84,7 +83,12 @@ fn lacking(folder: &Path, missing: &BTreeMap<String, &Shown>) -> Error {
     Error::Clips { folder: folder.to_owned(), count: missing.len(), first: named.join("; ") }
 }
 
-/// The libraries of a version, each read once.
+fn frozen(path: &Path) -> Result<HashMap<String, Gait>, Error> {
+    let read = GaitLibrary::load_glb(path)?;
+    Ok(read.gaits().iter().map(|gait| (gait.name.clone(), gait.clone())).collect())
+}
+
+/// The gaits of a version's parts.
 struct Libraries<'v> {
     version: &'v Version,
     read: BTreeMap<String, HashMap<String, Gait>>,
@@ -92,20 +96,16 @@ struct Libraries<'v> {
 
 impl Libraries<'_> {
     fn find(&mut self, shown: &Shown, gait: &str) -> Result<&Gait, Error> {
-        let part = self.version.study.file.parts.get(&shown.part);
-        let library = part.and_then(Part::trials).and_then(|trials| trials.show.gaits.clone());
-        let library = library.unwrap_or_default();
-        if !self.read.contains_key(&library) {
-            let gaits = if library == EXAMPLES { self.examples()? } else { self.frozen(&library)? };
-            self.read.insert(library.clone(), gaits);
+        let part = &shown.part;
+        if !self.read.contains_key(part) {
+            let gaits = match self.version.library(part) {
+                Some(path) => frozen(&path)?,
+                None => self.examples()?,
+            };
+            self.read.insert(part.clone(), gaits);
         }
-        let found = self.read.get(&library).and_then(|gaits| gaits.get(gait));
-        found.ok_or_else(|| Error::NoGait { library: library.clone(), gait: gait.to_owned() })
-    }
-
-    fn frozen(&self, library: &str) -> Result<HashMap<String, Gait>, Error> {
-        let read = GaitLibrary::load_glb(self.version.folder.join(library))?;
-        Ok(read.gaits().iter().map(|gait| (gait.name.clone(), gait.clone())).collect())
+        let found = self.read.get(part).and_then(|gaits| gaits.get(gait));
+        found.ok_or_else(|| Error::NoGait { part: part.clone(), gait: gait.to_owned() })
     }
 
     /// The program's examples, in the order of their names in the materials.

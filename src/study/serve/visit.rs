@@ -121,6 +121,7 @@ impl<'a> Visitor<'a> {
         let what = match trouble {
             Trouble::Unknown => Notice::Unknown,
             Trouble::Closed => Notice::Closed,
+            Trouble::Gone => Notice::Gone,
             Trouble::Refused(refusal) if is_json(&self.headers) => {
                 return (StatusCode::CONFLICT, Json(refusal)).into_response();
             }
@@ -138,7 +139,7 @@ impl<'a> Visitor<'a> {
     pub(super) fn consent_hash(&self, turn: &Turn) -> String {
         let version = self.site.version(turn.version);
         let text = match &turn.page.content {
-            Content::Consent { text, .. } => version.materials.texts.get(text),
+            Content::Consent { text, .. } => version.text(text),
             _ => None,
         };
         text.map(|text| hex(&Sha256::digest(text.as_bytes()))).unwrap_or_default()

@@ -32,7 +32,7 @@ words! {
     next optional lacking lacking_all keys_note
     play replay loading ready playing hidden broken motion_note no_scripts
     saving saved offline refused lost
-    finished_title finished_text declined_title declined_text withdrawn_title withdrawn_delete withdrawn_keep
+    finished_title finished_text declined_title declined_text gone_text withdrawn_title withdrawn_delete withdrawn_keep
     screened_out_title screened_out_text excluded_title excluded_text full_title full_text
     completion completion_note to_prolific try_again to_start go_on
     unavailable_title unavailable_text closed_title closed_text refused_title refused_text unknown_title unknown_text

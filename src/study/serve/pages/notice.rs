@@ -13,6 +13,8 @@ pub(in super::super) enum Notice {
     Unavailable,
     /// Takes no participants now.
     Closed,
+    /// The participant has withdrawn before.
+    Gone,
     /// The page is not the current one, or is not answered so.
     Refused,
     /// No participation has this code or secret.
@@ -40,7 +42,7 @@ impl Notice {
     pub(in super::super) const fn status(self) -> StatusCode {
         match self {
             Self::Unavailable | Self::Timeout => StatusCode::SERVICE_UNAVAILABLE,
-            Self::Closed => StatusCode::GONE,
+            Self::Closed | Self::Gone => StatusCode::GONE,
             Self::Refused => StatusCode::CONFLICT,
             Self::Unknown => StatusCode::UNAUTHORIZED,
             Self::NotFound => StatusCode::NOT_FOUND,
@@ -60,6 +62,7 @@ impl Notice {
         match self {
             Self::Unavailable | Self::Timeout => (&words.unavailable_title, &words.unavailable_text, again),
             Self::Closed => (&words.closed_title, &words.closed_text, None),
+            Self::Gone => (&words.withdrawn_title, &words.gone_text, None),
             Self::Refused => (&words.refused_title, &words.refused_text, on),
             Self::Unknown => (&words.unknown_title, &words.unknown_text, start),
             Self::NotFound => (&words.not_found_title, &words.not_found_text, start),
