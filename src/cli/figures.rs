@@ -1,6 +1,7 @@
 //! Sheets of stick figures: gaits drawn without any device.
 
 use crate::export;
+use crate::export::figure::line;
 use crate::export::image::{Tile, contact_sheet};
 use crate::gait::{Gait, JOINT_COUNT, Joint, Pose};
 use crate::picture::Image;
@@ -70,35 +71,6 @@ fn figure(pose: &Pose, flat: impl Fn(Vec3) -> Vec2) -> Image {
         }
     }
     image
-}
-
-/// A line with round ends, `width` pixels wide, smooth at its edge.
-pub(super) fn line(image: &mut Image, [a, b]: [Vec2; 2], width: f32, color: [u8; 4]) {
-    let (low, high) = (a.min(b) - width, a.max(b) + width);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the picture")]
-    let range = |from: f32, to: f32, end: u32| (from.max(0.0) as u32)..(to.max(0.0).ceil() as u32).min(end);
-    for y in range(low.y, high.y, image.height) {
-        for x in range(low.x, high.x, image.width) {
-            #[allow(clippy::cast_precision_loss, reason = "a small picture")]
-            let at = Vec2::new(x as f32 + 0.5, y as f32 + 0.5);
-            let along = b - a;
-            let t = ((at - a).dot(along) / along.length_squared().max(1e-9)).clamp(0.0, 1.0);
-            let cover = (0.5 * width + 0.5 - at.distance(a + along * t)).clamp(0.0, 1.0);
-            if let Some(under) = image.pixel(x, y).filter(|_| cover > 0.0) {
-                let mix = |channel: usize| {
-                    let (from, to) = (f32::from(under[channel]), f32::from(color[channel]));
-                    #[allow(
-                        clippy::cast_possible_truncation,
-                        clippy::cast_sign_loss,
-                        reason = "between two bytes"
-                    )]
-                    let mixed = (from + (to - from) * cover).round() as u8;
-                    mixed
-                };
-                image.set(x, y, [mix(0), mix(1), mix(2), 255]);
-            }
-        }
-    }
 }
 
 #[cfg(test)]

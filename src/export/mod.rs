@@ -29,6 +29,8 @@ mod agents;
 mod area;
 mod atomic;
 pub mod chart;
+#[doc(hidden)]
+pub mod figure;
 pub mod image;
 mod plane;
 #[cfg_attr(not(feature = "charts"), path = "without_charts.rs")]

@@ -36,6 +36,8 @@ mod load;
 mod materials;
 pub mod plan;
 pub mod protocol;
+#[cfg(feature = "study")]
+pub mod serve;
 pub mod simulate;
 #[cfg(feature = "study")]
 pub mod store;

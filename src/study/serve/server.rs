@@ -1,0 +1,198 @@
+//! Listeners, threads, beginning and end.
+
+use super::admin::{self, Console};
+use super::assets::Assets;
+use super::cookie::Cookie;
+use super::guard::{Limits, Origin};
+use super::patience::{Patient, Peer};
+use super::reply::hex;
+use super::site::{Site, ask};
+use super::stimulus::Stimuli;
+use super::words::Interfaces;
+use super::{Error, Settings, router};
+use crate::study::store::Store;
+use axum::Router;
+use std::net::SocketAddr;
+use std::sync::Arc;
+use std::time::Duration;
+use tokio::net::TcpListener;
+use tokio::runtime::{Builder, Runtime};
+use tokio::sync::watch;
+
+/// How often it is looked whether the server is to end.
+const LOOK: Duration = Duration::from_millis(100);
+/// How long requests that are under way may take at the end.
+const LAST_REQUESTS: Duration = Duration::from_secs(10);
+
+/// A server that listens and does not answer yet.
+#[derive(Debug)]
+pub struct Server {
+    runtime: Runtime,
+    public: (TcpListener, SocketAddr, Router),
+    console: Option<(TcpListener, SocketAddr, Router)>,
+    entrance: String,
+    first_link: Option<String>,
+}
+
+/// Serves a study until `stop` says so. `announce` is called when requests are taken: there is time to print the addresses.
+///
+/// # Errors
+/// As [`Server::bind`] and [`Server::run`].
+pub fn serve(
+    store: Store,
+    settings: &Settings,
+    announce: impl FnOnce(&Server),
+    stop: impl Fn() -> bool + Send + 'static,
+) -> Result<(), Error> {
+    let server = Server::bind(store, settings)?;
+    announce(&server);
+    server.run(stop)
+}
+
+impl Server {
+    /// Listens, and makes pages and stimuli ready. Port 0 is any free port.
+    ///
+    /// # Errors
+    /// [`Error::Listen`], [`Error::Unencrypted`], [`Error::PublicUrl`] and [`Error::Console`] for addresses; [`Error::Clips`],
+    /// [`Error::Library`] and [`Error::NoGait`] for stimuli; others when the system lacks threads or random bits.
+    pub fn bind(store: Store, settings: &Settings) -> Result<Self, Error> {
+        let origin = origin(settings)?;
+        if let Some(address) = settings.console.filter(|address| !address.ip().is_loopback()) {
+            return Err(Error::Console { address });
+        }
+        let stimuli = Stimuli::of(store.versions(), &settings.clips)?;
+        let runtime = Builder::new_multi_thread().enable_all().build();
+        let runtime = runtime.map_err(|source| Error::Failed { source })?;
+        let console = settings.console.map(|address| listen(&runtime, address)).transpose()?;
+        let (listener, address) = listen(&runtime, settings.listen)?;
+        let entrance = match &origin {
+            Origin::Public(url) => url.clone(),
+            Origin::Loopback => format!("http://{address}"),
+        };
+        let entrance = format!("{entrance}/s/{}", store.current().study.file.study.id);
+        let mut first_link = None;
+        let console = match console {
+            Some((listener, address)) => {
+                let made = Console::new(store.clone(), random()?, entrance.clone())?;
+                if runtime.block_on(ask(|then| store.operators(then)))? == 0 {
+                    let key = hex(&random()?);
+                    first_link = Some(format!("http://{address}/admin/first?key={key}"));
+                    made.expect_first(&key);
+                }
+                Some((listener, address, admin::router(Arc::new(made))))
+            }
+            None => None,
+        };
+        let site = Site {
+            store,
+            assets: Assets::new()?,
+            stimuli,
+            interfaces: Interfaces::built_in()?,
+            cookie: Cookie::of_participants(origin.is_encrypted()),
+            origin,
+            limits: Limits::new(random()?),
+            is_behind_proxy: settings.is_behind_proxy,
+            requests_per_minute: settings.requests_per_minute,
+        };
+        let public = (listener, address, router::router(Arc::new(site)));
+        Ok(Self { runtime, public, console, entrance, first_link })
+    }
+
+    /// Where it listens for participants.
+    pub const fn address(&self) -> SocketAddr {
+        self.public.1
+    }
+
+    /// The address of the first page, to be given to participants.
+    pub fn entrance(&self) -> &str {
+        &self.entrance
+    }
+
+    /// Where it listens for operators.
+    pub fn console_address(&self) -> Option<SocketAddr> {
+        self.console.as_ref().map(|(_, address, _)| *address)
+    }
+
+    /// The link by which the first operator chooses a password, once; none where there are operators.
+    pub fn first_link(&self) -> Option<&str> {
+        self.first_link.as_deref()
+    }
+
+    /// Answers requests until `stop` says so; those under way then have ten seconds.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] when a listener fails.
+    pub fn run(self, stop: impl Fn() -> bool + Send + 'static) -> Result<(), Error> {
+        let (end, ends) = watch::channel(false);
+        self.runtime.block_on(async move {
+            let mut tasks = tokio::task::JoinSet::new();
+            for (listener, _, router) in [Some(self.public), self.console].into_iter().flatten() {
+                let mut ends = ends.clone();
+                let service = router.into_make_service_with_connect_info::<Peer>();
+                let ended = async move {
+                    let _ = ends.wait_for(|&end| end).await;
+                };
+                let served = axum::serve(Patient::new(listener), service).with_graceful_shutdown(ended);
+                tasks.spawn(served.into_future());
+            }
+            while !stop() {
+                tokio::time::sleep(LOOK).await;
+            }
+            let _ = end.send(true);
+            let last = tokio::time::timeout(LAST_REQUESTS, tasks.join_all()).await;
+            let failed = last.into_iter().flatten().find_map(Result::err);
+            failed.map_or(Ok(()), |source| Err(Error::Failed { source }))
+        })
+    }
+}
+
+/// From where forms may come: the public address, or this machine.
+fn origin(settings: &Settings) -> Result<Origin, Error> {
+    let Some(url) = &settings.public_url else {
+        let is_local = settings.listen.ip().is_loopback();
+        let address = settings.listen;
+        return if is_local { Ok(Origin::Loopback) } else { Err(Error::Unencrypted { address }) };
+    };
+    let host = url.trim_end_matches('/').strip_prefix("https://").unwrap_or_default();
+    let is_host = !host.is_empty() && host.bytes().all(|b| b.is_ascii_alphanumeric() || b"-.:[]".contains(&b));
+    let wrong = || Error::PublicUrl { url: url.clone() };
+    is_host.then(|| Origin::Public(format!("https://{}", host.to_ascii_lowercase()))).ok_or_else(wrong)
+}
+
+fn listen(runtime: &Runtime, address: SocketAddr) -> Result<(TcpListener, SocketAddr), Error> {
+    let bound = runtime.block_on(TcpListener::bind(address));
+    let listened = bound.and_then(|listener| Ok((listener.local_addr()?, listener)));
+    let (own, listener) = listened.map_err(|source| Error::Listen { address, source })?;
+    Ok((listener, own))
+}
+
+/// Random bits of the system.
+pub(super) fn random() -> Result<[u8; 32], Error> {
+    let mut bytes = [0; 32];
+    getrandom::fill(&mut bytes).map_err(|error| Error::NoRandomness { reason: error.to_string() })?;
+    Ok(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn answers_travel_encrypted_or_stay_on_this_machine() {
+        let at = |listen: &str, url: Option<&str>| {
+            origin(&Settings {
+                listen: listen.parse().unwrap(),
+                public_url: url.map(str::to_owned),
+                ..Settings::default()
+            })
+        };
+        assert_eq!(at("127.0.0.1:1", None).unwrap(), Origin::Loopback);
+        assert_eq!(at("[::1]:1", None).unwrap(), Origin::Loopback);
+        assert!(matches!(at("0.0.0.0:1", None), Err(Error::Unencrypted { .. })));
+        let public = Origin::Public("https://lab.org".to_owned());
+        assert_eq!(at("0.0.0.0:1", Some("https://Lab.org/")).unwrap(), public);
+        for wrong in ["http://lab.org", "lab.org", "https://", "https://lab.org/path", "https://a b"] {
+            assert!(matches!(at("127.0.0.1:1", Some(wrong)), Err(Error::PublicUrl { .. })), "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! One request of a participant: who sends it, and what the store says to it.
+
+use super::cookie::mark;
+use super::form::Fields;
+use super::pages::Notice;
+use super::reply::hex;
+use super::router::{is_json, told};
+use super::site::{Site, ask};
+use super::LONGEST_BODY;
+use crate::study::protocol::{Content, Event};
+use crate::study::store::{Trouble, Turn};
+use axum::Json;
+use axum::body::{Bytes, to_bytes};
+use axum::extract::Request;
+use axum::http::header::{CONTENT_LENGTH, HeaderName, HeaderValue, RETRY_AFTER};
+use axum::http::{HeaderMap, StatusCode};
+use axum::response::{IntoResponse as _, Response};
+use sha2::{Digest as _, Sha256};
+
+/// The header in which scripts send a page's mark.
+const MARK: HeaderName = HeaderName::from_static("x-participation");
+
+/// One request of a participant.
+pub(super) struct Visitor<'a> {
+    pub(super) site: &'a Site,
+    /// The study, as the address has it.
+    pub(super) id: &'a str,
+    pub(super) headers: HeaderMap,
+    /// The secret of the participation.
+    pub(super) secret: Option<String>,
+}
+
+impl<'a> Visitor<'a> {
+    /// A request without a body.
+    ///
+    /// # Errors
+    /// The reply, for a study that is not served here.
+    pub(super) fn new(site: &'a Site, id: &'a str, headers: HeaderMap) -> Result<Self, Response> {
+        if site.store.current().study.file.study.id != id {
+            return Err(told(site, &headers, Notice::NotFound));
+        }
+        let secret = site.cookie.find(&headers);
+        Ok(Self { site, id, headers, secret })
+    }
+
+    /// A request with its body.
+    ///
+    /// # Errors
+    /// The reply, for a study that is not served here or a body that is too long.
+    pub(super) async fn read(site: &'a Site, id: &'a str, request: Request) -> Result<(Self, Bytes), Response> {
+        let (parts, body) = request.into_parts();
+        let visitor = Self::new(site, id, parts.headers)?;
+        let announced = visitor.headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok());
+        if announced.is_some_and(|length: usize| length > LONGEST_BODY) {
+            return Err(visitor.told(Notice::TooLarge));
+        }
+        let body = to_bytes(body, LONGEST_BODY).await.map_err(|_| visitor.told(Notice::TooLarge))?;
+        Ok((visitor, body))
+    }
+
+    /// An address of the study.
+    pub(super) fn at(&self, route: &str) -> String {
+        format!("/s/{}{route}", self.id)
+    }
+
+    /// What the request is answered with in place of a page.
+    pub(super) fn told(&self, what: Notice) -> Response {
+        told(self.site, &self.headers, what)
+    }
+
+    /// That a form is of the participation that the browser has.
+    ///
+    /// # Errors
+    /// The reply, for a page of an earlier participation or of another host.
+    pub(super) fn check_mark(&self, fields: &Fields) -> Result<(), Response> {
+        self.check(fields.get("mark").map(String::as_str))
+    }
+
+    /// The same for what a script sends.
+    ///
+    /// # Errors
+    /// As [`Visitor::check_mark`].
+    pub(super) fn check_header(&self) -> Result<(), Response> {
+        self.check(self.headers.get(MARK).and_then(|value| value.to_str().ok()))
+    }
+
+    fn check(&self, sent: Option<&str>) -> Result<(), Response> {
+        let Some(secret) = &self.secret else { return Err(self.told(Notice::Unknown)) };
+        if sent == Some(mark(secret).as_str()) { Ok(()) } else { Err(self.told(Notice::Other)) }
+    }
+
+    /// Where the participant is.
+    ///
+    /// # Errors
+    /// The reply, for an unknown participant or a store that does not answer.
+    pub(super) async fn turn(&self) -> Result<Turn, Response> {
+        let Some(secret) = &self.secret else { return Err(self.told(Notice::Unknown)) };
+        let turn = ask(|then| self.site.store.turn(secret, then)).await;
+        turn.map_err(|trouble| self.trouble(&trouble))
+    }
+
+    /// Stores an event; returns when it is on the disk.
+    ///
+    /// # Errors
+    /// What the store says.
+    pub(super) async fn offer(&self, event: Event) -> Result<Turn, Trouble> {
+        let Some(secret) = &self.secret else { return Err(Trouble::Unknown) };
+        ask(|then| self.site.store.submit(secret, event, then)).await
+    }
+
+    /// The same, with the reply where the event was not stored.
+    ///
+    /// # Errors
+    /// The reply.
+    pub(super) async fn submit(&self, event: Event) -> Result<Turn, Response> {
+        self.offer(event).await.map_err(|trouble| self.trouble(&trouble))
+    }
+
+    /// What a participant is shown when the store has not done what was asked.
+    pub(super) fn trouble(&self, trouble: &Trouble) -> Response {
+        let what = match trouble {
+            Trouble::Unknown => Notice::Unknown,
+            Trouble::Closed => Notice::Closed,
+            Trouble::Gone => Notice::Gone,
+            Trouble::Refused(refusal) if is_json(&self.headers) => {
+                return (StatusCode::CONFLICT, Json(refusal)).into_response();
+            }
+            Trouble::Refused(_) => Notice::Refused,
+            Trouble::Unavailable(_) => Notice::Unavailable,
+        };
+        let mut response = self.told(what);
+        if what == Notice::Unavailable {
+            response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("1"));
+        }
+        response
+    }
+
+    /// The hash of the text that the participant's page asks to agree to; empty on other pages.
+    pub(super) fn consent_hash(&self, turn: &Turn) -> String {
+        let version = self.site.version(turn.version);
+        let text = match &turn.page.content {
+            Content::Consent { text, .. } => version.text(text),
+            _ => None,
+        };
+        text.map(|text| hex(&Sha256::digest(text.as_bytes()))).unwrap_or_default()
+    }
+}
