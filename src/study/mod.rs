@@ -37,6 +37,8 @@ mod materials;
 pub mod plan;
 pub mod protocol;
 #[cfg(feature = "study")]
+pub mod rehearse;
+#[cfg(feature = "study")]
 pub mod serve;
 pub mod simulate;
 #[cfg(feature = "study")]

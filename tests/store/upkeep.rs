@@ -5,7 +5,9 @@ use super::{Person, open, opening};
 use gaitway::study::plan::Ending;
 use gaitway::study::protocol::Event;
 use gaitway::study::protocol::{Content, State};
-use gaitway::study::store::{Act, LINKS, Operator, Reading, Role, STORE, Store, Trouble, backup, merge, wait};
+use gaitway::study::store::{
+    Act, LINKS, Operator, Reading, Role, STORE, Store, Trouble, backup, merge, wait,
+};
 use std::path::Path;
 
 fn has(path: &Path, text: &str) -> bool {
@@ -113,6 +115,7 @@ fn a_silent_participants_place_is_given_away_and_they_get_another_when_they_come
     for table in ["event", "answer", "exposure"] {
         other.execute_batch(&format!("UPDATE {table} SET at = at - 3600000")).unwrap();
     }
+    other.execute_batch("UPDATE participant SET arrived = arrived - 3600000").unwrap();
     drop(other);
     let store = Store::open_again(folder.path()).unwrap();
     let mut waited = 0;

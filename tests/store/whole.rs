@@ -21,8 +21,8 @@ fn a_participation_survives_reopening_at_every_page() {
         person.go_on(&store, 1).unwrap();
     }
     assert_eq!(person.turn.state, State::Ended(Ending::Finished));
-    // consent, three forms and texts, a check, 3 practice walks and 12 trials of two pages but for the instructed one
-    assert_eq!(pages.len(), 1 + 3 + 2 + 1 + 2 * 3 + 2 * 12 - 1, "{pages:?}");
+    // consent, two pages before and two after, a check, 3 practice walks and 12 trials of two pages but for the instructed one
+    assert_eq!(pages.len(), 1 + 2 + 2 + 1 + 2 * 3 + 2 * 12 - 1, "{pages:?}");
     let tables = wait(|then| store.tables(then)).unwrap();
     drop(store);
     let read = Reading::open(folder.path()).unwrap();

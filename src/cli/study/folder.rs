@@ -49,7 +49,10 @@ pub(super) fn read(folder: &Path) -> Result<(Study, Tables), Error> {
     }
     if !folder.join(ANSWERS).is_file() {
         let message = format!("{}: no {ANSWERS} in it", folder.display());
-        return Err(failed(message, "name a folder that `gaitway study serve --data` or `study simulate --out` wrote"));
+        return Err(failed(
+            message,
+            "name a folder that `gaitway study serve --data` or `study simulate --out` wrote",
+        ));
     }
     let study = Study::load(folder)?;
     let text = |name: &str| {

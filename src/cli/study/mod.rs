@@ -7,6 +7,8 @@ mod folder;
 mod new;
 mod power;
 #[cfg(feature = "study")]
+mod rehearse;
+#[cfg(feature = "study")]
 mod serve;
 mod simulate;
 #[cfg(feature = "study")]
@@ -42,6 +44,9 @@ enum Command {
     /// Serve a study to browsers, until Ctrl-C
     #[cfg(feature = "study")]
     Serve(serve::Arguments),
+    /// Let simulated browsers take part at a running server
+    #[cfg(feature = "study")]
+    Rehearse(rehearse::Arguments),
     /// A running or finished study at a glance
     #[cfg(feature = "study")]
     Status(status::Arguments),
@@ -69,6 +74,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Power(arguments) => power::run(arguments),
         #[cfg(feature = "study")]
         Command::Serve(arguments) => serve::run(arguments),
+        #[cfg(feature = "study")]
+        Command::Rehearse(arguments) => rehearse::run(arguments),
         #[cfg(feature = "study")]
         Command::Status(arguments) => status::run(arguments),
         #[cfg(feature = "study")]

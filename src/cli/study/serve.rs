@@ -55,11 +55,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let study = super::study(&arguments.study)?;
     let beside = Beside::of(&study, &arguments.gaits)?;
     check(&study, &beside)?;
-    let opening = Opening {
-        libraries: files(&study, arguments)?,
-        materials: beside.materials,
-        study,
-    };
+    let opening = Opening { libraries: files(&study, arguments)?, materials: beside.materials, study };
     let heed = crate::stop::heed();
     let store = Store::open(&arguments.data, &opening)?;
     let settings = Settings {

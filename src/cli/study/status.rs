@@ -8,8 +8,10 @@ use std::path::PathBuf;
 
 /// Arguments of `gaitway study status`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  gaitway study status run1/\n  gaitway study status run1/ --json\n\nIt may be asked while the \
-                        study runs. Codes lead to participants: keep the list to yourself.")]
+#[command(
+    after_help = "Examples:\n  gaitway study status run1/\n  gaitway study status run1/ --json\n\nIt may be asked while the \
+                        study runs. Codes lead to participants: keep the list to yourself."
+)]
 pub(super) struct Arguments {
     /// Folder of the study's data
     #[arg(value_name = "DIR")]
@@ -66,7 +68,8 @@ fn print(outcome: &Outcome) {
         say(&format!("              {count} {state}"));
     }
     for (part, (fewest, most)) in &overview.answered {
-        let wanted = overview.at_least.get(part).map_or_else(String::new, |wanted| format!(" ({wanted} wanted)"));
+        let wanted =
+            overview.at_least.get(part).map_or_else(String::new, |wanted| format!(" ({wanted} wanted)"));
         say(&format!("{part:<13} {fewest} to {most} answers of each stimulus{wanted}"));
     }
     if overview.faults > 0 {

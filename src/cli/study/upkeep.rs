@@ -13,8 +13,10 @@ const OPERATOR: &str = "command line";
 
 /// Arguments of `gaitway study backup`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  gaitway study backup run1/\n\nIt may be made while the study runs, and holds no ids of the \
-                        platform. The newest 24 are kept. A running study makes one an hour by itself.")]
+#[command(
+    after_help = "Example:\n  gaitway study backup run1/\n\nIt may be made while the study runs, and holds no ids of the \
+                        platform. The newest 24 are kept. A running study makes one an hour by itself."
+)]
 pub(super) struct BackupArguments {
     /// Folder of the study's data
     #[arg(value_name = "DIR")]
@@ -23,9 +25,11 @@ pub(super) struct BackupArguments {
 
 /// Arguments of `gaitway study withdraw`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  gaitway study withdraw run1/ K7Q0-1XZB-...\n\nAs if the participant had withdrawn: answers are \
+#[command(
+    after_help = "Example:\n  gaitway study withdraw run1/ K7Q0-1XZB-...\n\nAs if the participant had withdrawn: answers are \
                         deleted or lose what leads to the participant, as consent.on_withdrawal says. Copies in backups/ keep \
-                        them for a day. While a server runs, use its admin page.")]
+                        them for a day. While a server runs, use its admin page."
+)]
 pub(super) struct WithdrawArguments {
     /// Folder of the study's data
     #[arg(value_name = "DIR")]
@@ -37,8 +41,10 @@ pub(super) struct WithdrawArguments {
 
 /// Arguments of `gaitway study purge`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  gaitway study purge run1/\n\nDeletes ids of the platform that are older than data.keep_links_days, \
-                        and participants older than data.keep_answers_days. A running study does so every hour.")]
+#[command(
+    after_help = "Example:\n  gaitway study purge run1/\n\nDeletes ids of the platform that are older than data.keep_links_days, \
+                        and participants older than data.keep_answers_days. A running study does so every hour."
+)]
 pub(super) struct PurgeArguments {
     /// Folder of the study's data
     #[arg(value_name = "DIR")]
@@ -50,8 +56,10 @@ pub(super) struct PurgeArguments {
 
 /// Arguments of `gaitway study merge`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  gaitway study merge run1/ run2/ --into all/\n\nFor analysis of what several machines collected \
-                        with the same version of a study. The folders stay as they are.")]
+#[command(
+    after_help = "Example:\n  gaitway study merge run1/ run2/ --into all/\n\nFor analysis of what several machines collected \
+                        with the same version of a study. The folders stay as they are."
+)]
 pub(super) struct MergeArguments {
     /// Folders of the study's data
     #[arg(value_name = "DIR", required = true, num_args = 2..)]

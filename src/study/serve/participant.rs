@@ -40,7 +40,9 @@ pub(super) async fn welcome(
     let platform = study.recruit.platform;
     if let Some(code) = query.get("code") {
         let arrived = ask(|then| site.store.resume(code, then)).await;
-        return arrived.map(|arrived| enter(&site, &id, &arrived)).map_err(|trouble| visitor.trouble(&trouble));
+        return arrived
+            .map(|arrived| enter(&site, &id, &arrived))
+            .map_err(|trouble| visitor.trouble(&trouble));
     }
     let is_preview = platform::is_preview(platform, &query);
     let comes_by_link = platform::id(platform, &query).is_some();
@@ -68,7 +70,8 @@ fn link(id: &str, language: &str, carried: &[(&str, &str)]) -> String {
         let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
         text.bytes().map(one).collect::<String>()
     };
-    let rest: String = carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
+    let rest: String =
+        carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
     format!("/s/{id}?lang={}{rest}", encode(language))
 }
 

@@ -69,7 +69,8 @@ async fn unknown(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response 
 /// What a request is answered with in place of a page: JSON for scripts, a page for people.
 pub(super) fn told(site: &Site, headers: &HeaderMap, what: Notice) -> Response {
     if is_json(headers) {
-        return (what.status(), axum::Json(serde_json::json!({ "notice": format!("{what:?}") }))).into_response();
+        return (what.status(), axum::Json(serde_json::json!({ "notice": format!("{what:?}") })))
+            .into_response();
     }
     let version = site.store.current();
     let language = site.language(&version, headers);
@@ -102,7 +103,8 @@ async fn pass(
     let mut response = match refused {
         Some(what) => told(&site, &headers, what),
         None => {
-            let replied = tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
+            let replied =
+                tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
             replied.unwrap_or_else(|_| told(&site, &headers, Notice::Timeout))
         }
     };

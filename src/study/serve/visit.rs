@@ -1,12 +1,12 @@
 //! One request of a participant: who sends it, and what the store says to it.
 
+use super::LONGEST_BODY;
 use super::cookie::mark;
 use super::form::Fields;
 use super::pages::Notice;
 use super::reply::hex;
 use super::router::{is_json, told};
 use super::site::{Site, ask};
-use super::LONGEST_BODY;
 use crate::study::protocol::{Content, Event};
 use crate::study::store::{Trouble, Turn};
 use axum::Json;
@@ -47,10 +47,15 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// The reply, for a study that is not served here or a body that is too long.
-    pub(super) async fn read(site: &'a Site, id: &'a str, request: Request) -> Result<(Self, Bytes), Response> {
+    pub(super) async fn read(
+        site: &'a Site,
+        id: &'a str,
+        request: Request,
+    ) -> Result<(Self, Bytes), Response> {
         let (parts, body) = request.into_parts();
         let visitor = Self::new(site, id, parts.headers)?;
-        let announced = visitor.headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok());
+        let announced =
+            visitor.headers.get(CONTENT_LENGTH).and_then(|value| value.to_str().ok()?.parse().ok());
         if announced.is_some_and(|length: usize| length > LONGEST_BODY) {
             return Err(visitor.told(Notice::TooLarge));
         }

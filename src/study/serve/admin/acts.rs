@@ -108,7 +108,14 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
         "resume" => Act::Resume,
         "note" => Act::Note { text },
         "exclude" => Act::Exclude { reason: text },
-        _ => return Err(pages::problem(&console, StatusCode::BAD_REQUEST, "Not a form", "Load the page again.")),
+        _ => {
+            return Err(pages::problem(
+                &console,
+                StatusCode::BAD_REQUEST,
+                "Not a form",
+                "Load the page again.",
+            ));
+        }
     };
     let done = ask(|then| console.store.operate(&session.name, field("code"), act, then)).await;
     done.map_err(|trouble| console.trouble(&trouble))?;
@@ -118,7 +125,8 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
 /// Counts by row or stimulus.
 pub(super) async fn balance(State(console): Shared, headers: HeaderMap) -> Result<Response, Response> {
     let session = console.signed(&headers, Role::Watch)?;
-    let overview = ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
+    let overview =
+        ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let version = console.store.current();
     let body = html! {
         p { "Answers and leases together: what is answered, and what participants under way are about to answer." }
@@ -209,7 +217,8 @@ pub(super) async fn name(State(console): Shared, request: Request) -> Result<Res
     let wrong = |why: &str| {
         page(StatusCode::UNPROCESSABLE_ENTITY, naming(&console, &session, &pages::complaint(why)))
     };
-    let role = fields.get("role").and_then(|role| Role::named(role)).ok_or_else(|| wrong("Choose a role."))?;
+    let role =
+        fields.get("role").and_then(|role| Role::named(role)).ok_or_else(|| wrong("Choose a role."))?;
     let operator = operator(&fields, role).await.map_err(|why| wrong(&why))?;
     let name = operator.name.clone();
     let done = ask(|then| console.store.set_operator(&session.name, operator, then)).await;

@@ -40,7 +40,8 @@ pub(super) async fn events(State(console): Shared, headers: HeaderMap) -> Result
 }
 
 async fn now(console: &Console) -> Result<Markup, Response> {
-    let overview = ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
+    let overview =
+        ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let is_under_way = |person: &&Person| !matches!(person.state, Stage::Ended(_) | Stage::Lapsed);
     let under_way: Vec<&Person> = people.iter().filter(is_under_way).collect();
@@ -136,8 +137,10 @@ pub(super) fn late(person: &Person) -> String {
 }
 
 async fn buttons(console: &Console, session: &Session) -> Result<Markup, Response> {
-    let overview = ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
-    let (value, text) = if overview.is_closed { ("yes", "Open admission") } else { ("no", "Close admission") };
+    let overview =
+        ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
+    let (value, text) =
+        if overview.is_closed { ("yes", "Open admission") } else { ("no", "Close admission") };
     Ok(html! {
         form.choice method="post" action="/admin/admission" {
             (pages::mark(session))

@@ -159,8 +159,10 @@ async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next)
             pages::problem(&console, what.status(), "Not allowed", text)
         }
         None => {
-            let replied = tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
-            let late = |_| pages::problem(&console, StatusCode::SERVICE_UNAVAILABLE, "Too slow", "Try again.");
+            let replied =
+                tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
+            let late =
+                |_| pages::problem(&console, StatusCode::SERVICE_UNAVAILABLE, "Too slow", "Try again.");
             replied.unwrap_or_else(late)
         }
     };

@@ -23,7 +23,11 @@ type Shared = State<Arc<Console>>;
 /// The page on which the first operator chooses name and password.
 pub(super) async fn first(State(console): Shared, Query(query): Query<Fields>) -> Response {
     let key = query.get("key").map_or("", String::as_str);
-    if console.expects(key) { page(StatusCode::OK, pages::first(&console, key, "")) } else { see_other("/admin/login") }
+    if console.expects(key) {
+        page(StatusCode::OK, pages::first(&console, key, ""))
+    } else {
+        see_other("/admin/login")
+    }
 }
 
 /// Takes the first operator's name and password.
