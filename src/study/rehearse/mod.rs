@@ -6,7 +6,7 @@
 mod browser;
 
 use crate::random::Random;
-use browser::{Browser, Lost};
+use browser::{Browser, End, Lost};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -102,17 +102,17 @@ pub fn rehearse(rehearsal: &Rehearsal) -> Outcome {
             let mut seed = Random::new(rehearsal.seed ^ (u64::from(number) << 32));
             let mut browser = Browser::new(rehearsal, Random::new(seed.bits()));
             let ended = browser.take_part();
+            let is_full = matches!(ended, Ok(End::TurnedAway));
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
             outcome.arrived += u32::from(browser.is_in());
             match ended {
-                Ok(browser::End::Finished) => outcome.finished += 1,
-                Ok(browser::End::Left) => outcome.left += 1,
-                Ok(browser::End::TurnedAway) => outcome.turned_away += 1,
+                Ok(End::Finished) => outcome.finished += 1,
+                Ok(End::Left) => outcome.left += 1,
+                Ok(End::TurnedAway) => outcome.turned_away += 1,
                 Err(Lost(reason)) => outcome.lost.push(reason),
             }
-            let full = matches!(ended, Ok(browser::End::TurnedAway));
             browser.hand_over(&mut outcome);
-            if full {
+            if is_full {
                 next.store(rehearsal.participants, Ordering::Relaxed);
             }
         }
