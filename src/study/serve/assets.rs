@@ -80,6 +80,8 @@ mod tests {
         let sent: usize = assets.files.iter().map(|(_, packed)| packed.gzipped.len()).sum();
         assert!(sent < 20_000, "{sent} bytes");
         assert!(assets.find(&assets.hash, "page.mjs", true).is_some());
-        assert!(assets.find("0", "page.mjs", true).is_none() && assets.find(&assets.hash, "x", true).is_none());
+        assert!(
+            assets.find("0", "page.mjs", true).is_none() && assets.find(&assets.hash, "x", true).is_none()
+        );
     }
 }

@@ -36,7 +36,8 @@ impl Cookie {
         let lists = headers.get_all(COOKIE).iter().filter_map(|value| value.to_str().ok());
         let mut pairs = lists.flat_map(|list| list.split(';')).filter_map(|pair| pair.trim().split_once('='));
         let (_, secret) = pairs.find(|(name, _)| *name == self.name)?;
-        let is_usable = (1..=LONGEST).contains(&secret.len()) && secret.bytes().all(|b| b.is_ascii_alphanumeric());
+        let is_usable =
+            (1..=LONGEST).contains(&secret.len()) && secret.bytes().all(|b| b.is_ascii_alphanumeric());
         is_usable.then(|| secret.to_owned())
     }
 

@@ -78,8 +78,10 @@ mod tests {
             question("left-out", Scale::Text { most: 6 }),
         ];
         let read = |body: &str| sheet(&fields(body.as_bytes()).unwrap(), "p/1", &questions, 5_000);
-        let first = read("page=p%2F1&shown=2000&q%3Aa.x=4&q%3Aage=33&q%3Aremarks=a+b%0D%0A%C3%A9&q%3Aleft-out=");
-        let values: Vec<_> = first.answers.iter().map(|answer| (answer.value, answer.text.as_deref())).collect();
+        let first =
+            read("page=p%2F1&shown=2000&q%3Aa.x=4&q%3Aage=33&q%3Aremarks=a+b%0D%0A%C3%A9&q%3Aleft-out=");
+        let values: Vec<_> =
+            first.answers.iter().map(|answer| (answer.value, answer.text.as_deref())).collect();
         assert_eq!(values, [(Some(4), None), (Some(33), None), (None, Some("a b\né"))]);
         assert_eq!((first.answers[0].ms, first.filled.lacking.len()), (3000, 0));
         assert_eq!(read("shown=2000&q%3Aa.x=4").answers[0].key, first.answers[0].key);

@@ -170,7 +170,10 @@ mod tests {
     fn only_the_own_origin_may_send() {
         let public = Origin::Public("https://lab.org".to_owned());
         assert!(public.allows(&headers(&[("origin", "https://lab.org"), ("sec-fetch-site", "same-origin")])));
-        assert!(public.allows(&headers(&[("origin", "https://lab.org")])), "older browsers lack Sec-Fetch-Site");
+        assert!(
+            public.allows(&headers(&[("origin", "https://lab.org")])),
+            "older browsers lack Sec-Fetch-Site"
+        );
         for wrong in ["https://evil.org", "null", "", "http://lab.org", "https://lab.org.evil.org"] {
             assert!(!public.allows(&headers(&[("origin", wrong)])), "{wrong}");
         }
@@ -204,7 +207,11 @@ mod tests {
         assert_ne!(prefix(ip("192.0.2.1")), prefix(ip("192.0.3.1")));
         assert_eq!(prefix(ip("2001:db8:1:2::1")), prefix(ip("2001:db8:1:3::9")));
         let forwarded = headers(&[("x-forwarded-for", "6.6.6.6, 9.9.9.9")]);
-        assert_eq!(address(ip("10.0.0.1"), &forwarded, true), ip("9.9.9.9"), "what the client wrote is not last");
+        assert_eq!(
+            address(ip("10.0.0.1"), &forwarded, true),
+            ip("9.9.9.9"),
+            "what the client wrote is not last"
+        );
         assert_eq!(address(ip("10.0.0.1"), &forwarded, false), ip("10.0.0.1"));
         assert_eq!(address(ip("10.0.0.1"), &HeaderMap::new(), true), ip("10.0.0.1"));
     }

@@ -36,7 +36,9 @@ fn tame<'t>(event: Event<'t>, kept: &mut Vec<bool>) -> Option<Event<'t>> {
             is_kept.then_some(event)
         }
         Event::End(TagEnd::Link) => kept.pop().unwrap_or(false).then_some(event),
-        Event::Start(Tag::Image { .. } | Tag::HtmlBlock) | Event::End(TagEnd::Image | TagEnd::HtmlBlock) => None,
+        Event::Start(Tag::Image { .. } | Tag::HtmlBlock) | Event::End(TagEnd::Image | TagEnd::HtmlBlock) => {
+            None
+        }
         other => Some(other),
     }
 }
@@ -72,7 +74,10 @@ mod tests {
         assert!(html.contains("<h1>A <em>short</em> study</h1>"), "{html}");
         assert!(html.contains(r#"<a href="mailto:lab@x.org">write</a>"#), "{html}");
         assert!(html.contains("&lt;b&gt;may&lt;/b&gt;") && html.contains("&lt;script&gt;"), "{html}");
-        assert!(!html.contains("<script") && !html.contains("javascript:") && !html.contains("<img"), "{html}");
+        assert!(
+            !html.contains("<script") && !html.contains("javascript:") && !html.contains("<img"),
+            "{html}"
+        );
         assert_eq!(render("no heading").title, None);
     }
 }

@@ -95,7 +95,9 @@ pub enum Error {
         source: std::io::Error,
     },
     /// Answers would travel unencrypted.
-    #[error("{address} can be reached from other machines: say with --public-url https://HOST which proxy has the certificate")]
+    #[error(
+        "{address} can be reached from other machines: say with --public-url https://HOST which proxy has the certificate"
+    )]
     Unencrypted {
         /// The address.
         address: SocketAddr,
@@ -107,7 +109,9 @@ pub enum Error {
         url: String,
     },
     /// Operators' pages would be reachable from other machines.
-    #[error("{address} can be reached from other machines: operators' pages stay on this one; reach them through ssh -L")]
+    #[error(
+        "{address} can be reached from other machines: operators' pages stay on this one; reach them through ssh -L"
+    )]
     Console {
         /// The address.
         address: SocketAddr,
@@ -126,7 +130,9 @@ pub enum Error {
     #[error(transparent)]
     Library(#[from] crate::library::Error),
     /// A frozen library lacks a gait of the plan.
-    #[error("part {part:?}: its frozen library has no gait {gait:?}; restore the folder of data from its backup")]
+    #[error(
+        "part {part:?}: its frozen library has no gait {gait:?}; restore the folder of data from its backup"
+    )]
     NoGait {
         /// The part.
         part: String,

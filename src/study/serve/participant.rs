@@ -4,7 +4,7 @@ use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
 use super::platform::{self, Query};
-use super::reply::{page, see_other, with_cookie};
+use super::reply::{Told, page, see_other, with_cookie};
 use super::router::is_json;
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
@@ -33,14 +33,16 @@ pub(super) async fn welcome(
     Path(id): Path<String>,
     Queried(query): Queried<Query>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
     let version = site.store.current();
     let study = &version.study.file;
     let platform = study.recruit.platform;
     if let Some(code) = query.get("code") {
         let arrived = ask(|then| site.store.resume(code, then)).await;
-        return arrived.map(|arrived| enter(&site, &id, &arrived)).map_err(|trouble| visitor.trouble(&trouble));
+        return arrived
+            .map(|arrived| enter(&site, &id, &arrived))
+            .map_err(|trouble| visitor.trouble(&trouble));
     }
     let is_preview = platform::is_preview(platform, &query);
     let comes_by_link = platform::id(platform, &query).is_some();
@@ -68,7 +70,8 @@ fn link(id: &str, language: &str, carried: &[(&str, &str)]) -> String {
         let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
         text.bytes().map(one).collect::<String>()
     };
-    let rest: String = carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
+    let rest: String =
+        carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
     format!("/s/{id}?lang={}{rest}", encode(language))
 }
 
@@ -82,7 +85,7 @@ pub(super) async fn begin(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
     match fields.get("agree").map(String::as_str) {
@@ -94,7 +97,7 @@ pub(super) async fn begin(
     }
 }
 
-async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Response> {
+async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {
     let site = visitor.site;
     let version = site.store.current();
     let study = &version.study.file;
@@ -117,7 +120,7 @@ async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Resp
     arrived.map(|arrived| enter(site, visitor.id, &arrived)).map_err(|trouble| visitor.trouble(&trouble))
 }
 
-async fn decide(visitor: &Visitor<'_>, is_agreed: bool) -> Result<Response, Response> {
+async fn decide(visitor: &Visitor<'_>, is_agreed: bool) -> Result<Response, Told> {
     let turn = visitor.turn().await?;
     if let Content::Consent { .. } = turn.page.content {
         let text = visitor.consent_hash(&turn);
@@ -131,7 +134,7 @@ pub(super) async fn go(
     State(site): Shared,
     Path(id): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
     if visitor.secret.is_none() {
         return Ok(see_other(&visitor.at("")));
@@ -149,7 +152,8 @@ fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled)
         Content::Consent { text, .. } => version.text(text),
         _ => None,
     };
-    let texts = Texts { consent: consent.unwrap_or_default(), now: now() };
+    let seconds = version.plan.trials_of(&turn.page.part).map_or(0.0, |trials| trials.shows.seconds);
+    let texts = Texts { consent: consent.unwrap_or_default(), seconds, now: now() };
     let frame = site.frame(&version, &turn.language, Some(visit));
     page(status, pages::turn(&frame, &turn.page, texts, filled))
 }
@@ -159,7 +163,7 @@ pub(super) async fn answer(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     if !is_json(&visitor.headers) {
         let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
@@ -167,21 +171,21 @@ pub(super) async fn answer(
         return fill_in(&visitor, &fields).await;
     }
     visitor.check_header()?;
-    let answer: Answer = serde_json::from_slice(&body).map_err(|_| visitor.told(Notice::BadRequest))?;
+    let answer: Answer =
+        serde_json::from_slice(&body).map_err(|_unreadable| visitor.told(Notice::BadRequest))?;
     let names = [&answer.page, &answer.question, &answer.key];
     if answer.key.is_empty() || names.iter().any(|name| name.len() > LONGEST_NAME) {
         return Err(visitor.told(Notice::BadRequest));
     }
-    committed(&visitor.submit(Event::Answer(answer)).await?)
+    Ok(committed(&visitor.submit(Event::Answer(answer)).await?))
 }
 
 /// The reply to a script: it is on the disk.
-#[allow(clippy::unnecessary_wraps, reason = "the last line of handlers")]
-fn committed(turn: &Turn) -> Result<Response, Response> {
-    Ok(Json(serde_json::json!({ "page": turn.page.id })).into_response())
+fn committed(turn: &Turn) -> Response {
+    Json(serde_json::json!({ "page": turn.page.id })).into_response()
 }
 
-async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Response> {
+async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {
     let turn = visitor.turn().await?;
     let asked = fields.get("page").map_or("", String::as_str);
     if asked != turn.page.id {
@@ -206,13 +210,14 @@ pub(super) async fn event(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     if !is_json(&visitor.headers) {
         return Err(visitor.told(Notice::WrongType));
     }
     visitor.check_header()?;
-    let mut event: Event = serde_json::from_slice(&body).map_err(|_| visitor.told(Notice::BadRequest))?;
+    let mut event: Event =
+        serde_json::from_slice(&body).map_err(|_unreadable| visitor.told(Notice::BadRequest))?;
     if !event.is_open_to_fronts() {
         return Err(visitor.told(Notice::Forbidden));
     }
@@ -223,7 +228,7 @@ pub(super) async fn event(
         Event::Sign { kind, .. } => shorten(kind),
         _ => {}
     }
-    committed(&visitor.submit(event).await?)
+    Ok(committed(&visitor.submit(event).await?))
 }
 
 fn shorten(text: &mut String) {
@@ -237,7 +242,7 @@ pub(super) async fn withdraw(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
     visitor.check_mark(&fields)?;

@@ -5,7 +5,7 @@ use super::guard::{self, Limits, Origin};
 use super::pages::{Notice, notice};
 use super::participant as handlers;
 use super::patience::Peer;
-use super::reply;
+use super::reply::{self, Told};
 use super::site::{Site, ask};
 use super::{PATIENCE_SECONDS, REQUESTS_OF_ONE};
 use axum::Router;
@@ -40,18 +40,18 @@ async fn stimulus(
     State(site): State<Arc<Site>>,
     Path(name): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let found = site.stimuli.reply(&name, &headers).await;
-    found.ok_or_else(|| told(&site, &headers, Notice::NotFound))
+    found.ok_or_else(|| told(&site, &headers, Notice::NotFound).into())
 }
 
 async fn file(
     State(site): State<Arc<Site>>,
     Path((hash, file)): Path<(String, String)>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let found = site.assets.find(&hash, &file, reply::takes_gzip(&headers));
-    found.ok_or_else(|| told(&site, &headers, Notice::NotFound))
+    found.ok_or_else(|| told(&site, &headers, Notice::NotFound).into())
 }
 
 /// Writes and reads one row: what a monitor asks for.
@@ -69,7 +69,8 @@ async fn unknown(State(site): State<Arc<Site>>, headers: HeaderMap) -> Response 
 /// What a request is answered with in place of a page: JSON for scripts, a page for people.
 pub(super) fn told(site: &Site, headers: &HeaderMap, what: Notice) -> Response {
     if is_json(headers) {
-        return (what.status(), axum::Json(serde_json::json!({ "notice": format!("{what:?}") }))).into_response();
+        return (what.status(), axum::Json(serde_json::json!({ "notice": format!("{what:?}") })))
+            .into_response();
     }
     let version = site.store.current();
     let language = site.language(&version, headers);
@@ -102,8 +103,9 @@ async fn pass(
     let mut response = match refused {
         Some(what) => told(&site, &headers, what),
         None => {
-            let replied = tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
-            replied.unwrap_or_else(|_| told(&site, &headers, Notice::Timeout))
+            let replied =
+                tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
+            replied.unwrap_or_else(|_late| told(&site, &headers, Notice::Timeout))
         }
     };
     reply::harden(response.headers_mut(), site.origin.is_encrypted());

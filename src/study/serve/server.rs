@@ -154,7 +154,8 @@ fn origin(settings: &Settings) -> Result<Origin, Error> {
         return if is_local { Ok(Origin::Loopback) } else { Err(Error::Unencrypted { address }) };
     };
     let host = url.trim_end_matches('/').strip_prefix("https://").unwrap_or_default();
-    let is_host = !host.is_empty() && host.bytes().all(|b| b.is_ascii_alphanumeric() || b"-.:[]".contains(&b));
+    let is_host =
+        !host.is_empty() && host.bytes().all(|b| b.is_ascii_alphanumeric() || b"-.:[]".contains(&b));
     let wrong = || Error::PublicUrl { url: url.clone() };
     is_host.then(|| Origin::Public(format!("https://{}", host.to_ascii_lowercase()))).ok_or_else(wrong)
 }

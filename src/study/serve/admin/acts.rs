@@ -1,7 +1,7 @@
 //! What operators do: with participants, with admission, with copies, with one another.
 
 use super::super::form::Fields;
-use super::super::reply::{page, see_other};
+use super::super::reply::{Told, page, see_other};
 use super::super::site::ask;
 use super::live::{clock, late, place};
 use super::sessions::Session;
@@ -43,7 +43,7 @@ pub(super) async fn participants(
     State(console): Shared,
     Query(query): Query<Fields>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let heads = ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", ""];
@@ -98,7 +98,7 @@ fn acts(session: &Session, person: &Person) -> Markup {
 }
 
 /// Does something with a participant.
-pub(super) async fn act(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn act(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Run).await?;
     let field = |name: &str| fields.get(name).map_or("", |value| value.trim());
     let text: String = field("text").chars().take(LONGEST).collect();
@@ -108,7 +108,10 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
         "resume" => Act::Resume,
         "note" => Act::Note { text },
         "exclude" => Act::Exclude { reason: text },
-        _ => return Err(pages::problem(&console, StatusCode::BAD_REQUEST, "Not a form", "Load the page again.")),
+        _ => {
+            let text = "Load the page again.";
+            return Err(pages::problem(&console, StatusCode::BAD_REQUEST, "Not a form", text).into());
+        }
     };
     let done = ask(|then| console.store.operate(&session.name, field("code"), act, then)).await;
     done.map_err(|trouble| console.trouble(&trouble))?;
@@ -116,9 +119,10 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
 }
 
 /// Counts by row or stimulus.
-pub(super) async fn balance(State(console): Shared, headers: HeaderMap) -> Result<Response, Response> {
+pub(super) async fn balance(State(console): Shared, headers: HeaderMap) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
-    let overview = ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
+    let overview =
+        ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let version = console.store.current();
     let body = html! {
         p { "Answers and leases together: what is answered, and what participants under way are about to answer." }
@@ -149,7 +153,7 @@ fn name_of(version: &Version, part: &str, index: usize, is_filled: bool) -> Stri
 }
 
 /// Opens or closes admission.
-pub(super) async fn admission(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn admission(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Run).await?;
     let is_open = fields.get("open").is_some_and(|open| open == "yes");
     let done = ask(|then| console.store.set_admission(&session.name, is_open, then)).await;
@@ -158,7 +162,7 @@ pub(super) async fn admission(State(console): Shared, request: Request) -> Resul
 }
 
 /// Copies the store.
-pub(super) async fn backup(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn backup(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, _) = console.read(request, Role::Run).await?;
     let folder = console.store.folder().to_owned();
     let written = tokio::task::spawn_blocking(move || write_backup(&folder)).await;
@@ -174,7 +178,7 @@ pub(super) async fn operators(
     State(console): Shared,
     Query(query): Query<Fields>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Own)?;
     Ok(page(StatusCode::OK, naming(&console, &session, &said(&query))))
 }
@@ -204,12 +208,13 @@ fn naming(console: &Console, session: &Session, above: &Markup) -> Markup {
 }
 
 /// Names an operator.
-pub(super) async fn name(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn name(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Own).await?;
     let wrong = |why: &str| {
         page(StatusCode::UNPROCESSABLE_ENTITY, naming(&console, &session, &pages::complaint(why)))
     };
-    let role = fields.get("role").and_then(|role| Role::named(role)).ok_or_else(|| wrong("Choose a role."))?;
+    let role =
+        fields.get("role").and_then(|role| Role::named(role)).ok_or_else(|| wrong("Choose a role."))?;
     let operator = operator(&fields, role).await.map_err(|why| wrong(&why))?;
     let name = operator.name.clone();
     let done = ask(|then| console.store.set_operator(&session.name, operator, then)).await;

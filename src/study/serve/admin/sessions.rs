@@ -1,9 +1,9 @@
 //! Who is signed in: passwords, sessions, the first password.
 
+use super::super::Error;
 use super::super::cookie::mark;
 use super::super::reply::hex;
 use super::super::server::random;
-use super::super::Error;
 use crate::study::store::Role;
 use argon2::Argon2;
 use argon2::password_hash::{PasswordHasher as _, PasswordVerifier as _};
@@ -98,7 +98,8 @@ mod tests {
         assert!(verify("a long password", Some(&hashed)) && !verify("another one", Some(&hashed)));
         assert!(!verify("a long password", None) && !verify("x", Some("no hash")));
         let sessions = Sessions::default();
-        let (one, two) = (sessions.begin("ann", Role::Run).unwrap(), sessions.begin("bob", Role::Own).unwrap());
+        let (one, two) =
+            (sessions.begin("ann", Role::Run).unwrap(), sessions.begin("bob", Role::Own).unwrap());
         assert_eq!(sessions.find(&one).unwrap().role, Role::Run);
         assert!(sessions.find("x").is_none());
         sessions.end(&one);

@@ -25,7 +25,12 @@ pub(super) struct Hidden<'a> {
 }
 
 /// The form of a page, with its questions and the button that ends it.
-pub(super) fn form(frame: &Frame<'_>, hidden: Hidden<'_>, questions: &[PageQuestion], filled: &Filled) -> Markup {
+pub(super) fn form(
+    frame: &Frame<'_>,
+    hidden: Hidden<'_>,
+    questions: &[PageQuestion],
+    filled: &Filled,
+) -> Markup {
     let words = frame.words;
     let has_rows = questions.iter().any(|question| matches!(question.scale, Scale::Points { .. }));
     html! {
@@ -57,13 +62,15 @@ fn control(frame: &Frame<'_>, question: &PageQuestion, filled: &Filled) -> Marku
     match &question.scale {
         Scale::Points { least, greatest, labels } => {
             let is_worded = i64::try_from(labels.len()).is_ok_and(|count| count > greatest - least);
-            let word = |point: i64| labels.iter().find(|(own, _)| *own == point).map(|(_, word)| word.as_str());
+            let word =
+                |point: i64| labels.iter().find(|(own, _)| *own == point).map(|(_, word)| word.as_str());
             let text = |point: i64| match word(point) {
                 Some(word) if is_worded => word.to_owned(),
                 Some(word) => format!("{point} {word}"),
                 None => point.to_string(),
             };
-            let options: Vec<(i64, String)> = (*least..=*greatest).map(|point| (point, text(point))).collect();
+            let options: Vec<(i64, String)> =
+                (*least..=*greatest).map(|point| (point, text(point))).collect();
             radios(question, &options, (given, "points"), &note)
         }
         Scale::Options { options } => radios(question, options, (given, "options"), &note),
