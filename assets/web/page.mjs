@@ -175,10 +175,11 @@ function begin() {
   const stage = main().querySelector(".film");
   if (stage && page) show(stage, main().dataset);
   // what a reload interrupted is sent now, and may lead to another page
-  if (!queue.isEmpty && !isLeaving) {
+  if (!queue.isEmpty && !isLeaving && page) {
     isLeaving = true;
     queue.empty().then(turn);
   }
+  if (main().dataset.ended) queue.empty().then(() => queue.forget());
 }
 
 document.addEventListener("keydown", choose);

@@ -114,7 +114,11 @@ export class Queue {
         store.removeItem(next);
       }
       this.say(outcome);
-      if (outcome === "refused") this.onRefused();
+      if (outcome === "refused") {
+        // the page may show an answer that the server does not have
+        store.removeItem(`${this.prefix}given`);
+        this.onRefused();
+      }
     }
   }
 
@@ -140,6 +144,11 @@ export class Queue {
   given(page) {
     const kept = JSON.parse(store.getItem(`${this.prefix}given`) ?? "null");
     return kept?.page === page ? kept.values : {};
+  }
+
+  // Leaves nothing in the browser.
+  forget() {
+    names().filter((name) => name.startsWith(this.prefix)).forEach((name) => store.removeItem(name));
   }
 
   keep(page, question, value) {

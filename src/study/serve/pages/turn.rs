@@ -25,6 +25,7 @@ pub(in super::super) fn turn(frame: &Frame<'_>, page: &Page, texts: Texts<'_>, f
     let view = View {
         progress: page.progress,
         page: (!is_ended).then(|| page.id.clone()),
+        is_ended,
         can_withdraw: view.can_withdraw || !is_ended,
         ..view
     };
