@@ -5,7 +5,7 @@ use gaitway::study::rehearse::{Rehearsal, rehearse};
 use gaitway::study::store::Reading;
 
 #[test]
-fn five_hundred_browsers_of_which_a_third_leaves_give_every_walk_its_answers() {
+fn many_browsers_at_once_of_which_some_leave_are_all_answered() {
     let lab = Lab::new();
     let server = lab.serve();
     let rehearsal = Rehearsal { participants: 120, at_once: 40, leaving: 0.03, ..lab.rehearsal() };

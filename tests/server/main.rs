@@ -25,7 +25,8 @@ impl Lab {
     fn new() -> Self {
         let folder = tempfile::tempdir().unwrap();
         let study = folder.path().join("study");
-        let made = Command::new(PROGRAM).args(["study", "new", "eva-gaits", "--out"]).arg(&study).output().unwrap();
+        let made =
+            Command::new(PROGRAM).args(["study", "new", "eva-gaits", "--out"]).arg(&study).output().unwrap();
         assert!(made.status.success(), "{made:?}");
         // what the lab has to fill in
         for name in ["study.toml", "consent.en.md"] {
@@ -115,7 +116,8 @@ fn check(data: &Path, outcome: &Outcome) {
         .unwrap();
     for answer in &outcome.answers {
         let key = [&answer.code, &answer.page, &answer.question, &answer.key];
-        let (rows, value): (u32, Option<i64>) = find.query_row(key, |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
+        let (rows, value): (u32, Option<i64>) =
+            find.query_row(key, |row| Ok((row.get(0)?, row.get(1)?))).unwrap();
         assert_eq!((rows, value), (1, answer.value), "{answer:?}");
     }
     // no browser sent two answers to one question of a page

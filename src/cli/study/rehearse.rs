@@ -61,7 +61,10 @@ struct Printed {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let Arguments { drop, pause, .. } = *arguments;
     if !(0.0..=1.0).contains(&drop) {
-        return Err(usage(format!("--drop {drop}: must be 0 to 1"), "it is the chance of leaving at each film"));
+        return Err(usage(
+            format!("--drop {drop}: must be 0 to 1"),
+            "it is the chance of leaving at each film",
+        ));
     }
     if !(0.0..=3600.0).contains(&pause) {
         return Err(usage(format!("--pause {pause}: must be 0 to 3600 s"), "each pause is drawn from 0 on"));

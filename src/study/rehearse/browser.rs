@@ -89,7 +89,11 @@ impl<'r> Browser<'r> {
         let cookie = begun.headers().get("set-cookie").and_then(|value| value.to_str().ok());
         let Some(cookie) = cookie.and_then(|cookie| cookie.split(';').next()) else {
             // the page says that no one is let in
-            return if status < 500 { Ok(End::TurnedAway) } else { Err(Lost(format!("begin: status {status}"))) };
+            return if status < 500 {
+                Ok(End::TurnedAway)
+            } else {
+                Err(Lost(format!("begin: status {status}")))
+            };
         };
         cookie.clone_into(&mut self.cookie);
         loop {
@@ -222,7 +226,9 @@ impl<'r> Browser<'r> {
         loop {
             let reply = request(&self.agent);
             let reason = match reply {
-                Ok(reply) if reply.status().as_u16() < 500 && reply.status().as_u16() != 429 => return Ok(reply),
+                Ok(reply) if reply.status().as_u16() < 500 && reply.status().as_u16() != 429 => {
+                    return Ok(reply);
+                }
                 Ok(reply) => format!("status {}", reply.status()),
                 Err(error) => error.to_string(),
             };

@@ -4,7 +4,7 @@ use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
 use super::platform::{self, Query};
-use super::reply::{page, see_other, with_cookie};
+use super::reply::{self, Told, page, see_other, with_cookie};
 use super::router::is_json;
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
@@ -14,12 +14,15 @@ use crate::study::protocol::{Answer, Content, Event, Refusal, State as Stage};
 use crate::study::store::{Arrival, Arrived, Trouble, Turn};
 use axum::Json;
 use axum::extract::{Path, Query as Queried, Request, State};
+use axum::http::header::ACCEPT;
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::{IntoResponse as _, Response};
 use std::sync::Arc;
 
 /// The field that begins a participation beside the one that the browser has, as on a shared machine.
 const NEW: &str = "new";
+/// What a program that reads pages accepts.
+const JSON: &str = "application/json";
 /// Longest name or key that a client may send, bytes.
 const LONGEST_NAME: usize = 200;
 /// Longest reason of a fault or kind of a sign, letters.
@@ -33,7 +36,7 @@ pub(super) async fn welcome(
     Path(id): Path<String>,
     Queried(query): Queried<Query>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
     let version = site.store.current();
     let study = &version.study.file;
@@ -85,7 +88,7 @@ pub(super) async fn begin(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
     match fields.get("agree").map(String::as_str) {
@@ -97,7 +100,7 @@ pub(super) async fn begin(
     }
 }
 
-async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Response> {
+async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {
     let site = visitor.site;
     let version = site.store.current();
     let study = &version.study.file;
@@ -120,7 +123,7 @@ async fn arrive(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Resp
     arrived.map(|arrived| enter(site, visitor.id, &arrived)).map_err(|trouble| visitor.trouble(&trouble))
 }
 
-async fn decide(visitor: &Visitor<'_>, is_agreed: bool) -> Result<Response, Response> {
+async fn decide(visitor: &Visitor<'_>, is_agreed: bool) -> Result<Response, Told> {
     let turn = visitor.turn().await?;
     if let Content::Consent { .. } = turn.page.content {
         let text = visitor.consent_hash(&turn);
@@ -134,13 +137,24 @@ pub(super) async fn go(
     State(site): Shared,
     Path(id): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
     if visitor.secret.is_none() {
         return Ok(see_other(&visitor.at("")));
     }
     let turn = visitor.turn().await?;
+    if reply::text(&visitor.headers, &ACCEPT) == JSON {
+        return Ok(visitor
+            .secret
+            .as_deref()
+            .map_or_else(|| see_other(&visitor.at("")), |secret| told(secret, &turn)));
+    }
     Ok(show(&visitor, &turn, StatusCode::OK, &Filled::default()))
+}
+
+/// The current page for a program in place of a browser. It tells no more than the page does.
+fn told(secret: &str, turn: &Turn) -> Response {
+    Json(serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code })).into_response()
 }
 
 fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled) -> Response {
@@ -152,7 +166,8 @@ fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled)
         Content::Consent { text, .. } => version.text(text),
         _ => None,
     };
-    let texts = Texts { consent: consent.unwrap_or_default(), now: now() };
+    let seconds = version.plan.trials_of(&turn.page.part).map_or(0.0, |trials| trials.shows.seconds);
+    let texts = Texts { consent: consent.unwrap_or_default(), seconds, now: now() };
     let frame = site.frame(&version, &turn.language, Some(visit));
     page(status, pages::turn(&frame, &turn.page, texts, filled))
 }
@@ -162,7 +177,7 @@ pub(super) async fn answer(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     if !is_json(&visitor.headers) {
         let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
@@ -170,21 +185,21 @@ pub(super) async fn answer(
         return fill_in(&visitor, &fields).await;
     }
     visitor.check_header()?;
-    let answer: Answer = serde_json::from_slice(&body).map_err(|_| visitor.told(Notice::BadRequest))?;
+    let answer: Answer =
+        serde_json::from_slice(&body).map_err(|_unreadable| visitor.told(Notice::BadRequest))?;
     let names = [&answer.page, &answer.question, &answer.key];
     if answer.key.is_empty() || names.iter().any(|name| name.len() > LONGEST_NAME) {
         return Err(visitor.told(Notice::BadRequest));
     }
-    committed(&visitor.submit(Event::Answer(answer)).await?)
+    Ok(committed(&visitor.submit(Event::Answer(answer)).await?))
 }
 
 /// The reply to a script: it is on the disk.
-#[allow(clippy::unnecessary_wraps, reason = "the last line of handlers")]
-fn committed(turn: &Turn) -> Result<Response, Response> {
-    Ok(Json(serde_json::json!({ "page": turn.page.id })).into_response())
+fn committed(turn: &Turn) -> Response {
+    Json(serde_json::json!({ "page": turn.page.id })).into_response()
 }
 
-async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Response> {
+async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {
     let turn = visitor.turn().await?;
     let asked = fields.get("page").map_or("", String::as_str);
     if asked != turn.page.id {
@@ -209,13 +224,14 @@ pub(super) async fn event(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     if !is_json(&visitor.headers) {
         return Err(visitor.told(Notice::WrongType));
     }
     visitor.check_header()?;
-    let mut event: Event = serde_json::from_slice(&body).map_err(|_| visitor.told(Notice::BadRequest))?;
+    let mut event: Event =
+        serde_json::from_slice(&body).map_err(|_unreadable| visitor.told(Notice::BadRequest))?;
     if !event.is_open_to_fronts() {
         return Err(visitor.told(Notice::Forbidden));
     }
@@ -226,7 +242,7 @@ pub(super) async fn event(
         Event::Sign { kind, .. } => shorten(kind),
         _ => {}
     }
-    committed(&visitor.submit(event).await?)
+    Ok(committed(&visitor.submit(event).await?))
 }
 
 fn shorten(text: &mut String) {
@@ -240,7 +256,7 @@ pub(super) async fn withdraw(
     State(site): Shared,
     Path(id): Path<String>,
     request: Request,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let (visitor, body) = Visitor::read(&site, &id, request).await?;
     let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
     visitor.check_mark(&fields)?;

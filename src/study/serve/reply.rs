@@ -7,7 +7,7 @@ use axum::http::header::{
     LOCATION, REFERRER_POLICY, SET_COOKIE, STRICT_TRANSPORT_SECURITY, VARY, X_CONTENT_TYPE_OPTIONS,
 };
 use axum::http::{HeaderMap, HeaderValue, StatusCode};
-use axum::response::{IntoResponse as _, Response};
+use axum::response::{IntoResponse, Response};
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use maud::Markup;
@@ -18,6 +18,22 @@ const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; i
                       connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
 /// A name that never means other bytes.
 const FOR_EVER: &str = "public, max-age=31536000, immutable";
+
+/// A reply in place of what was asked for.
+#[derive(Debug)]
+pub(super) struct Told(Box<Response>);
+
+impl From<Response> for Told {
+    fn from(response: Response) -> Self {
+        Self(Box::new(response))
+    }
+}
+
+impl IntoResponse for Told {
+    fn into_response(self) -> Response {
+        *self.0
+    }
+}
 
 /// Bytes with their type, compressed once.
 #[derive(Debug, Clone)]

@@ -5,7 +5,7 @@ use super::guard::{self, Limits, Origin};
 use super::pages::{Notice, notice};
 use super::participant as handlers;
 use super::patience::Peer;
-use super::reply;
+use super::reply::{self, Told};
 use super::site::{Site, ask};
 use super::{PATIENCE_SECONDS, REQUESTS_OF_ONE};
 use axum::Router;
@@ -40,18 +40,18 @@ async fn stimulus(
     State(site): State<Arc<Site>>,
     Path(name): Path<String>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let found = site.stimuli.reply(&name, &headers).await;
-    found.ok_or_else(|| told(&site, &headers, Notice::NotFound))
+    found.ok_or_else(|| told(&site, &headers, Notice::NotFound).into())
 }
 
 async fn file(
     State(site): State<Arc<Site>>,
     Path((hash, file)): Path<(String, String)>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let found = site.assets.find(&hash, &file, reply::takes_gzip(&headers));
-    found.ok_or_else(|| told(&site, &headers, Notice::NotFound))
+    found.ok_or_else(|| told(&site, &headers, Notice::NotFound).into())
 }
 
 /// Writes and reads one row: what a monitor asks for.
@@ -105,7 +105,7 @@ async fn pass(
         None => {
             let replied =
                 tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
-            replied.unwrap_or_else(|_| told(&site, &headers, Notice::Timeout))
+            replied.unwrap_or_else(|_late| told(&site, &headers, Notice::Timeout))
         }
     };
     reply::harden(response.headers_mut(), site.origin.is_encrypted());

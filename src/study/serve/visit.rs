@@ -4,7 +4,7 @@ use super::LONGEST_BODY;
 use super::cookie::mark;
 use super::form::Fields;
 use super::pages::Notice;
-use super::reply::hex;
+use super::reply::{Told, hex};
 use super::router::{is_json, told};
 use super::site::{Site, ask};
 use crate::study::protocol::{Content, Event};
@@ -14,7 +14,7 @@ use axum::body::{Bytes, to_bytes};
 use axum::extract::Request;
 use axum::http::header::{CONTENT_LENGTH, HeaderName, HeaderValue, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse as _, Response};
+use axum::response::IntoResponse as _;
 use sha2::{Digest as _, Sha256};
 
 /// The header in which scripts send a page's mark.
@@ -35,9 +35,9 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// The reply, for a study that is not served here.
-    pub(super) fn new(site: &'a Site, id: &'a str, headers: HeaderMap) -> Result<Self, Response> {
+    pub(super) fn new(site: &'a Site, id: &'a str, headers: HeaderMap) -> Result<Self, Told> {
         if site.store.current().study.file.study.id != id {
-            return Err(told(site, &headers, Notice::NotFound));
+            return Err(told(site, &headers, Notice::NotFound).into());
         }
         let secret = site.cookie.find(&headers);
         Ok(Self { site, id, headers, secret })
@@ -47,11 +47,7 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// The reply, for a study that is not served here or a body that is too long.
-    pub(super) async fn read(
-        site: &'a Site,
-        id: &'a str,
-        request: Request,
-    ) -> Result<(Self, Bytes), Response> {
+    pub(super) async fn read(site: &'a Site, id: &'a str, request: Request) -> Result<(Self, Bytes), Told> {
         let (parts, body) = request.into_parts();
         let visitor = Self::new(site, id, parts.headers)?;
         let announced =
@@ -59,7 +55,7 @@ impl<'a> Visitor<'a> {
         if announced.is_some_and(|length: usize| length > LONGEST_BODY) {
             return Err(visitor.told(Notice::TooLarge));
         }
-        let body = to_bytes(body, LONGEST_BODY).await.map_err(|_| visitor.told(Notice::TooLarge))?;
+        let body = to_bytes(body, LONGEST_BODY).await.map_err(|_too_long| visitor.told(Notice::TooLarge))?;
         Ok((visitor, body))
     }
 
@@ -69,15 +65,15 @@ impl<'a> Visitor<'a> {
     }
 
     /// What the request is answered with in place of a page.
-    pub(super) fn told(&self, what: Notice) -> Response {
-        told(self.site, &self.headers, what)
+    pub(super) fn told(&self, what: Notice) -> Told {
+        told(self.site, &self.headers, what).into()
     }
 
     /// That a form is of the participation that the browser has.
     ///
     /// # Errors
     /// The reply, for a page of an earlier participation or of another host.
-    pub(super) fn check_mark(&self, fields: &Fields) -> Result<(), Response> {
+    pub(super) fn check_mark(&self, fields: &Fields) -> Result<(), Told> {
         self.check(fields.get("mark").map(String::as_str))
     }
 
@@ -85,11 +81,11 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// As [`Visitor::check_mark`].
-    pub(super) fn check_header(&self) -> Result<(), Response> {
+    pub(super) fn check_header(&self) -> Result<(), Told> {
         self.check(self.headers.get(MARK).and_then(|value| value.to_str().ok()))
     }
 
-    fn check(&self, sent: Option<&str>) -> Result<(), Response> {
+    fn check(&self, sent: Option<&str>) -> Result<(), Told> {
         let Some(secret) = &self.secret else { return Err(self.told(Notice::Unknown)) };
         if sent == Some(mark(secret).as_str()) { Ok(()) } else { Err(self.told(Notice::Other)) }
     }
@@ -98,7 +94,7 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// The reply, for an unknown participant or a store that does not answer.
-    pub(super) async fn turn(&self) -> Result<Turn, Response> {
+    pub(super) async fn turn(&self) -> Result<Turn, Told> {
         let Some(secret) = &self.secret else { return Err(self.told(Notice::Unknown)) };
         let turn = ask(|then| self.site.store.turn(secret, then)).await;
         turn.map_err(|trouble| self.trouble(&trouble))
@@ -117,27 +113,27 @@ impl<'a> Visitor<'a> {
     ///
     /// # Errors
     /// The reply.
-    pub(super) async fn submit(&self, event: Event) -> Result<Turn, Response> {
+    pub(super) async fn submit(&self, event: Event) -> Result<Turn, Told> {
         self.offer(event).await.map_err(|trouble| self.trouble(&trouble))
     }
 
     /// What a participant is shown when the store has not done what was asked.
-    pub(super) fn trouble(&self, trouble: &Trouble) -> Response {
+    pub(super) fn trouble(&self, trouble: &Trouble) -> Told {
         let what = match trouble {
             Trouble::Unknown => Notice::Unknown,
             Trouble::Closed => Notice::Closed,
             Trouble::Gone => Notice::Gone,
             Trouble::Refused(refusal) if is_json(&self.headers) => {
-                return (StatusCode::CONFLICT, Json(refusal)).into_response();
+                return (StatusCode::CONFLICT, Json(refusal)).into_response().into();
             }
             Trouble::Refused(_) => Notice::Refused,
             Trouble::Unavailable(_) => Notice::Unavailable,
         };
-        let mut response = self.told(what);
+        let mut response = told(self.site, &self.headers, what);
         if what == Notice::Unavailable {
             response.headers_mut().insert(RETRY_AFTER, HeaderValue::from_static("1"));
         }
-        response
+        response.into()
     }
 
     /// The hash of the text that the participant's page asks to agree to; empty on other pages.

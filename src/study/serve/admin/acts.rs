@@ -1,7 +1,7 @@
 //! What operators do: with participants, with admission, with copies, with one another.
 
 use super::super::form::Fields;
-use super::super::reply::{page, see_other};
+use super::super::reply::{Told, page, see_other};
 use super::super::site::ask;
 use super::live::{clock, late, place};
 use super::sessions::Session;
@@ -43,7 +43,7 @@ pub(super) async fn participants(
     State(console): Shared,
     Query(query): Query<Fields>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let heads = ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", ""];
@@ -98,7 +98,7 @@ fn acts(session: &Session, person: &Person) -> Markup {
 }
 
 /// Does something with a participant.
-pub(super) async fn act(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn act(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Run).await?;
     let field = |name: &str| fields.get(name).map_or("", |value| value.trim());
     let text: String = field("text").chars().take(LONGEST).collect();
@@ -109,12 +109,8 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
         "note" => Act::Note { text },
         "exclude" => Act::Exclude { reason: text },
         _ => {
-            return Err(pages::problem(
-                &console,
-                StatusCode::BAD_REQUEST,
-                "Not a form",
-                "Load the page again.",
-            ));
+            let text = "Load the page again.";
+            return Err(pages::problem(&console, StatusCode::BAD_REQUEST, "Not a form", text).into());
         }
     };
     let done = ask(|then| console.store.operate(&session.name, field("code"), act, then)).await;
@@ -123,7 +119,7 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
 }
 
 /// Counts by row or stimulus.
-pub(super) async fn balance(State(console): Shared, headers: HeaderMap) -> Result<Response, Response> {
+pub(super) async fn balance(State(console): Shared, headers: HeaderMap) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let overview =
         ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
@@ -157,7 +153,7 @@ fn name_of(version: &Version, part: &str, index: usize, is_filled: bool) -> Stri
 }
 
 /// Opens or closes admission.
-pub(super) async fn admission(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn admission(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Run).await?;
     let is_open = fields.get("open").is_some_and(|open| open == "yes");
     let done = ask(|then| console.store.set_admission(&session.name, is_open, then)).await;
@@ -166,7 +162,7 @@ pub(super) async fn admission(State(console): Shared, request: Request) -> Resul
 }
 
 /// Copies the store.
-pub(super) async fn backup(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn backup(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, _) = console.read(request, Role::Run).await?;
     let folder = console.store.folder().to_owned();
     let written = tokio::task::spawn_blocking(move || write_backup(&folder)).await;
@@ -182,7 +178,7 @@ pub(super) async fn operators(
     State(console): Shared,
     Query(query): Query<Fields>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Own)?;
     Ok(page(StatusCode::OK, naming(&console, &session, &said(&query))))
 }
@@ -212,7 +208,7 @@ fn naming(console: &Console, session: &Session, above: &Markup) -> Markup {
 }
 
 /// Names an operator.
-pub(super) async fn name(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn name(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Own).await?;
     let wrong = |why: &str| {
         page(StatusCode::UNPROCESSABLE_ENTITY, naming(&console, &session, &pages::complaint(why)))

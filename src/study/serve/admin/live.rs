@@ -1,6 +1,6 @@
 //! The study at a glance, once a second.
 
-use super::super::reply::page as reply;
+use super::super::reply::{Told, page as reply};
 use super::super::site::ask;
 use super::{Console, pages, sessions::Session};
 use crate::study::plan::Counts;
@@ -21,7 +21,7 @@ const MOST_LISTED: usize = 200;
 type Shared = State<Arc<Console>>;
 
 /// The live page.
-pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<Response, Response> {
+pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let body = html! {
         div #live data-events="/admin/live/events" { (now(&console).await?) }
@@ -31,15 +31,15 @@ pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<R
 }
 
 /// One event: the browser asks for the next by itself, and a session that has ended gets none.
-pub(super) async fn events(State(console): Shared, headers: HeaderMap) -> Result<Response, Response> {
+pub(super) async fn events(State(console): Shared, headers: HeaderMap) -> Result<Response, Told> {
     let signed = console.signed(&headers, Role::Watch);
-    signed.map_err(|_| StatusCode::UNAUTHORIZED.into_response())?;
+    signed.map_err(|_to_the_door| StatusCode::UNAUTHORIZED.into_response())?;
     let markup = now(&console).await?.into_string();
     let lines: String = markup.lines().map(|line| format!("data: {line}\n")).collect();
     Ok(([(CONTENT_TYPE, "text/event-stream")], format!("retry: {PERIOD}\n{lines}\n")).into_response())
 }
 
-async fn now(console: &Console) -> Result<Markup, Response> {
+async fn now(console: &Console) -> Result<Markup, Told> {
     let overview =
         ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
@@ -136,7 +136,7 @@ pub(super) fn late(person: &Person) -> String {
     format!("{share} %")
 }
 
-async fn buttons(console: &Console, session: &Session) -> Result<Markup, Response> {
+async fn buttons(console: &Console, session: &Session) -> Result<Markup, Told> {
     let overview =
         ask(|then| console.store.overview(then)).await.map_err(|trouble| console.trouble(&trouble))?;
     let (value, text) =

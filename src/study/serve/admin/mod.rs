@@ -10,6 +10,7 @@ mod sign;
 use super::assets::Assets;
 use super::cookie::{Cookie, mark};
 use super::guard::{Limits, Origin};
+use super::reply::Told;
 use super::router::Gate;
 use super::{Error, PATIENCE_SECONDS, form, reply};
 use super::{LONGEST_BODY, form::Fields};
@@ -71,44 +72,44 @@ impl Console {
     ///
     /// # Errors
     /// The reply: to the sign-in page, or that the role does not allow it.
-    fn signed(&self, headers: &HeaderMap, least: Role) -> Result<Session, Response> {
+    fn signed(&self, headers: &HeaderMap, least: Role) -> Result<Session, Told> {
         let session = self.cookie.find(headers).and_then(|secret| self.sessions.find(&secret));
         let session = session.ok_or_else(|| reply::see_other("/admin/login"))?;
         if session.role >= least {
             return Ok(session);
         }
         let text = format!("Your role is {}; this takes {}.", session.role.name(), least.name());
-        Err(pages::problem(self, StatusCode::FORBIDDEN, "Not allowed", &text))
+        Err(pages::problem(self, StatusCode::FORBIDDEN, "Not allowed", &text).into())
     }
 
     /// Reads a form of an operator who is signed in.
     ///
     /// # Errors
     /// The reply, where the form is not of this session or too long.
-    async fn read(&self, request: Request, least: Role) -> Result<(Session, Fields), Response> {
+    async fn read(&self, request: Request, least: Role) -> Result<(Session, Fields), Told> {
         let session = self.signed(request.headers(), least)?;
         let fields = self.fields(request).await?;
         if fields.get("mark") == Some(&session.mark) {
             return Ok((session, fields));
         }
         let text = "The form is not of this session. Load the page again.";
-        Err(pages::problem(self, StatusCode::FORBIDDEN, "Not allowed", text))
+        Err(pages::problem(self, StatusCode::FORBIDDEN, "Not allowed", text).into())
     }
 
-    async fn fields(&self, request: Request) -> Result<Fields, Response> {
+    async fn fields(&self, request: Request) -> Result<Fields, Told> {
         let body = to_bytes(request.into_body(), LONGEST_BODY).await.ok();
         let wrong = || pages::problem(self, StatusCode::BAD_REQUEST, "Not a form", "Load the page again.");
-        body.and_then(|body| form::fields(&body)).ok_or_else(wrong)
+        body.and_then(|body| form::fields(&body)).ok_or_else(|| wrong().into())
     }
 
     /// What an operator is shown when the store has not done what was asked.
-    fn trouble(&self, trouble: &Trouble) -> Response {
+    fn trouble(&self, trouble: &Trouble) -> Told {
         let status = match trouble {
             Trouble::Unavailable(_) => StatusCode::SERVICE_UNAVAILABLE,
             Trouble::Unknown => StatusCode::NOT_FOUND,
             _ => StatusCode::CONFLICT,
         };
-        pages::problem(self, status, "Not done", &trouble.to_string())
+        pages::problem(self, status, "Not done", &trouble.to_string()).into()
     }
 }
 
@@ -141,9 +142,9 @@ async fn file(
     State(console): State<Arc<Console>>,
     Path((hash, file)): Path<(String, String)>,
     headers: HeaderMap,
-) -> Result<Response, Response> {
+) -> Result<Response, Told> {
     let found = console.assets.find(&hash, &file, reply::takes_gzip(&headers));
-    found.ok_or_else(|| pages::problem(&console, StatusCode::NOT_FOUND, "No such page", ""))
+    found.ok_or_else(|| pages::problem(&console, StatusCode::NOT_FOUND, "No such page", "").into())
 }
 
 async fn unknown(State(console): State<Arc<Console>>) -> Response {
@@ -162,7 +163,7 @@ async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next)
             let replied =
                 tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
             let late =
-                |_| pages::problem(&console, StatusCode::SERVICE_UNAVAILABLE, "Too slow", "Try again.");
+                |_late| pages::problem(&console, StatusCode::SERVICE_UNAVAILABLE, "Too slow", "Try again.");
             replied.unwrap_or_else(late)
         }
     };

@@ -1,7 +1,7 @@
 //! Signing in and out, and the first password.
 
 use super::super::form::Fields;
-use super::super::reply::{page, see_other, with_cookie};
+use super::super::reply::{Told, page, see_other, with_cookie};
 use super::super::site::ask;
 use super::sessions::{PASSWORD, hash, verify};
 use super::{Console, pages};
@@ -31,7 +31,7 @@ pub(super) async fn first(State(console): Shared, Query(query): Query<Fields>) -
 }
 
 /// Takes the first operator's name and password.
-pub(super) async fn choose(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn choose(State(console): Shared, request: Request) -> Result<Response, Told> {
     let fields = console.fields(request).await?;
     let key = fields.get("key").map_or("", String::as_str);
     if !console.expects(key) {
@@ -68,7 +68,7 @@ pub(super) async fn operator(fields: &Fields, role: Role) -> Result<Operator, St
     match hashed {
         Ok(Ok(hash)) => Ok(Operator { name, role, hash }),
         Ok(Err(error)) => Err(error.to_string()),
-        Err(_) => Err("The password could not be hashed. Try again.".to_owned()),
+        Err(_panicked) => Err("The password could not be hashed. Try again.".to_owned()),
     }
 }
 
@@ -78,14 +78,14 @@ pub(super) async fn form(State(console): Shared) -> Response {
 }
 
 /// Signs in.
-pub(super) async fn login(State(console): Shared, request: Request) -> Result<Response, Response> {
+pub(super) async fn login(State(console): Shared, request: Request) -> Result<Response, Told> {
     let fields = console.fields(request).await?;
     let field = |name: &str| fields.get(name).map_or("", |value| value.trim()).to_owned();
     let (name, password) = (field("name"), field("password"));
     let limits = &console.limits;
     if !limits.allow("attempt", name.as_bytes(), ATTEMPTS[0]) || !limits.allow("attempts", b"", ATTEMPTS[1]) {
         let why = "Too many attempts. Wait a minute.";
-        return Err(page(StatusCode::TOO_MANY_REQUESTS, pages::login(&console, why)));
+        return Err(Told::from(page(StatusCode::TOO_MANY_REQUESTS, pages::login(&console, why))));
     }
     let found = ask(|then| console.store.operator(&name, then)).await;
     let found = found.map_err(|trouble| console.trouble(&trouble))?;
@@ -98,11 +98,13 @@ pub(super) async fn login(State(console): Shared, request: Request) -> Result<Re
     noted.map_err(|trouble| console.trouble(&trouble))?;
     match role {
         Some(role) => enter(&console, &name, role),
-        None => Err(page(StatusCode::UNAUTHORIZED, pages::login(&console, "Name or password is wrong."))),
+        None => {
+            Err(page(StatusCode::UNAUTHORIZED, pages::login(&console, "Name or password is wrong.")).into())
+        }
     }
 }
 
-fn enter(console: &Console, name: &str, role: Role) -> Result<Response, Response> {
+fn enter(console: &Console, name: &str, role: Role) -> Result<Response, Told> {
     let failed = |error: super::super::Error| {
         pages::problem(console, StatusCode::SERVICE_UNAVAILABLE, "Not signed in", &error.to_string())
     };

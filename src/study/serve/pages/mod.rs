@@ -70,6 +70,8 @@ struct View {
     progress: Option<Progress>,
     /// The page's id, which events refer to.
     page: Option<String>,
+    /// Whether nothing follows.
+    is_ended: bool,
     /// Whether the participation can be withdrawn on it.
     can_withdraw: bool,
     /// What stands below the heading; the heading itself, too, if `has_heading`.
@@ -85,6 +87,7 @@ impl View {
             title: title.to_owned(),
             progress: None,
             page: None,
+            is_ended: false,
             can_withdraw: false,
             body,
             has_heading: false,
@@ -129,7 +132,7 @@ fn main(frame: &Frame<'_>, view: &View) -> Markup {
     let words = frame.words;
     let film = view.film.as_ref();
     html! {
-        main #main data-study=(frame.study.study.id) data-page=[view.page.as_deref()]
+        main #main data-study=(frame.study.study.id) data-page=[view.page.as_deref()] data-ended=[view.is_ended.then_some("yes")]
             data-mark=[frame.visit.map(|visit| visit.mark)] data-film=[film.map(|film| film.0.as_str())]
             data-seconds=[film.map(|film| film.1)] data-plays=[film.map(|film| film.2)] {
             @if !view.has_heading { h1 tabindex="-1" { (view.title) } }

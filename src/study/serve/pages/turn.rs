@@ -12,6 +12,8 @@ use maud::{Markup, html};
 pub(in super::super) struct Texts<'a> {
     /// The consent text, Markdown.
     pub(in super::super) consent: &'a str,
+    /// How long the films of the part last, s.
+    pub(in super::super) seconds: f64,
     /// Now, UTC ms.
     pub(in super::super) now: i64,
 }
@@ -23,6 +25,7 @@ pub(in super::super) fn turn(frame: &Frame<'_>, page: &Page, texts: Texts<'_>, f
     let view = View {
         progress: page.progress,
         page: (!is_ended).then(|| page.id.clone()),
+        is_ended,
         can_withdraw: view.can_withdraw || !is_ended,
         ..view
     };
@@ -57,7 +60,7 @@ fn view(frame: &Frame<'_>, page: &Page, texts: Texts<'_>, filled: &Filled) -> Vi
                 @if let Some(instruction) = instruction { p.instruction { strong { (instruction) } } }
                 (form(frame, hidden, questions, filled))
             };
-            let film = replay.as_ref().map(|name| (name.clone(), 0.0, 0));
+            let film = replay.as_ref().map(|name| (name.clone(), texts.seconds, 0));
             View { film, ..View::new(&words.ask_title, body) }
         }
         Content::Rest => {

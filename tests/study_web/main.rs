@@ -1,0 +1,16 @@
+//! A study over real HTTP: pages, forms, guards, operators.
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::print_stdout,
+    reason = "tests: a failure is a panic that prints"
+)]
+
+mod admin;
+mod client;
+mod flow;
+mod guards;
+mod lab;
+mod leaks;
+mod links;
+mod pages;
