@@ -1,15 +1,13 @@
 //! What the one writer holds: the connection, and everything that its rows tell, ready in memory.
 
-use super::super::plan::Ledger;
-use super::super::protocol::{Entry, Event, Session, State, follow};
+use super::super::protocol::{Entry, Event};
 use super::books::{Books, Participation};
 use super::request::{Arrival, Failure};
 use super::secret::{self, Hash};
 use super::version::Version;
 use super::{entries, links};
-use crate::study::file::{Front, OnWithdrawal};
+use crate::study::file::OnWithdrawal;
 use rusqlite::{Connection, OptionalExtension as _, params};
-use std::collections::{BTreeMap, HashMap};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
