@@ -141,7 +141,7 @@ pub(crate) struct Browser {
     client: Client,
     is_open: bool,
     /// How its tabs are now.
-    options: Options,
+    pub(super) options: Options,
     /// The folder of axe-core.
     pub(super) folder: PathBuf,
     _driver: Driver,
@@ -201,7 +201,7 @@ impl Browser {
     /// The DevTools forget a tab that is new, so each gets all of it.
     pub(super) fn set_up_tab(&self) {
         self.apply_dark();
-        self.apply_scripts();
+        self.let_scripts_run(self.options.scripts);
         self.apply_network();
         self.apply_size();
     }
@@ -214,10 +214,10 @@ impl Browser {
     /// Counts from the next page on.
     pub(crate) fn set_scripts(&mut self, scripts: bool) {
         self.options.scripts = scripts;
-        self.apply_scripts();
+        self.let_scripts_run(self.options.scripts);
     }
 
-    /// Of the tab of now, and of those that are opened later.
+    /// Of the tab of now, and of those that are opened later; the others keep theirs.
     pub(crate) fn set_network(&mut self, network: Network) {
         self.options.network = network;
         self.apply_network();
@@ -235,8 +235,8 @@ impl Browser {
         self.devtools("Emulation.setEmulatedMedia", &json!({ "features": [feature] }));
     }
 
-    fn apply_scripts(&self) {
-        self.devtools("Emulation.setScriptExecutionDisabled", &json!({ "value": !self.options.scripts }));
+    pub(super) fn let_scripts_run(&self, run: bool) {
+        self.devtools("Emulation.setScriptExecutionDisabled", &json!({ "value": !run }));
     }
 
     fn apply_network(&self) {
@@ -259,13 +259,25 @@ impl Browser {
         self.wait(|client| async move { client.set_window_size(width, height).await }).unwrap();
     }
 
+    /// Minimizes the window: the page is hidden, and gets no frames. Another tab in front does not hide it here, as Chromium
+    /// without a screen has no front.
+    pub(crate) fn hide(&self) {
+        self.wait(|client| async move { client.minimize_window().await }).unwrap();
+    }
+
+    /// Shows the window again.
+    pub(crate) fn show(&self) {
+        self.apply_size();
+    }
+
     /// Closes the browser as a participant does, and gives back what it remembers.
     pub(crate) fn close(mut self) -> Profile {
         self.end();
         self.profile.take().unwrap()
     }
 
-    /// Kills the browser at once, as a crash does, and gives back what is on disk.
+    /// Kills the browser at once, as a crash does, and gives back what is on disk. Chromium writes local storage up to five
+    /// seconds later: what a page stored just before is lost.
     pub(crate) fn kill(mut self) -> Profile {
         let process = self.client.capabilities().unwrap()["goog:processID"].as_u64().unwrap();
         let killed = Command::new("kill").args(["-KILL", &process.to_string()]).status().unwrap();

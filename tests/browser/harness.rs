@@ -5,7 +5,7 @@ use fantoccini::key::Key;
 use serde_json::json;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{TcpListener, TcpStream};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// As studies have it.
 const POLICY: &str =
@@ -25,6 +25,8 @@ const PAGE: &str = r#"<!doctype html><html lang="en"><head><meta charset="utf-8"
 const SCRIPT: &str = "
 const at = id => document.getElementById(id);
 at('with').textContent = 'with scripts';
+let frames = 0;
+requestAnimationFrame(function next() { document.body.dataset.frames = ++frames; requestAnimationFrame(next); });
 at('count').onclick = event => { if (event.isTrusted) event.target.textContent++; };
 at('ask').onclick = () => fetch('/now').then(got => got.text(), () => 'no answer').then(text => { at('reply').textContent = text; });
 ";
@@ -165,10 +167,30 @@ fn without_scripts_a_page_still_can_be_used() {
     browser.click("#two");
     assert_eq!((browser.text("#with"), browser.text("#count")), (String::new(), "0".to_owned()));
     assert_eq!(browser.property("#two", "checked").as_deref(), Some("true"));
+    assert_eq!(browser.violations(), []);
+    browser.reload();
+    assert_eq!(browser.count("#without"), 1, "axe-core left scripts on");
     browser.set_scripts(true);
     browser.reload();
     browser.wait_for_text("#with", "with scripts");
     assert_eq!(browser.count("#without"), 0);
+}
+
+#[test]
+fn a_hidden_page_knows_it_and_draws_nothing() {
+    let Some((browser, _)) = open(Options::default()) else { return };
+    let is_hidden = |browser: &Browser| browser.run("return document.hidden", &[]) == json!(true);
+    let frames = |browser: &Browser| browser.run("return Number(document.body.dataset.frames)", &[]).as_u64();
+    browser.until("no frames", |browser| (frames(browser) > Some(2)).then_some(()));
+    assert!(!is_hidden(&browser));
+    browser.hide();
+    browser.until("not hidden", |browser| is_hidden(browser).then_some(()));
+    let before = frames(&browser);
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(frames(&browser), before);
+    browser.show();
+    browser.until("still hidden", |browser| (!is_hidden(browser)).then_some(()));
+    browser.until("no frames", |browser| (frames(browser) > before).then_some(()));
 }
 
 #[test]
