@@ -118,7 +118,7 @@ impl Drop for Driver {
     }
 }
 
-/// A command that chromedriver has beside those of WebDriver.
+/// A command of chromedriver's own, beside the standard ones.
 #[derive(Debug)]
 struct Extra {
     path: &'static str,
@@ -179,7 +179,7 @@ impl Browser {
         self.runtime.block_on(asked(self.client.clone()))
     }
 
-    /// A command of the DevTools protocol to the tab of now, and its answer.
+    /// A command of Chromium's own protocol (`Domain.command`) to the tab of now, and its answer.
     pub(crate) fn devtools(&self, command: &str, parameters: &Value) -> Value {
         self.extra("goog/cdp/execute", json!({ "cmd": command, "params": parameters }))
     }
@@ -198,7 +198,7 @@ impl Browser {
         severe.map(|entry| entry["message"].as_str().unwrap().to_owned()).collect()
     }
 
-    /// The DevTools forget a tab that is new, so each gets all of it.
+    /// What is set belongs to one tab, so each new one gets all of it.
     pub(super) fn set_up_tab(&self) {
         self.apply_dark();
         self.let_scripts_run(self.options.scripts);

@@ -56,7 +56,7 @@ impl Browser {
     /// Opens an empty tab; commands go to it from now on.
     pub(crate) fn open_tab(&self) -> Tab {
         let handle = self.wait(|client| async move { client.new_window(true).await }).unwrap().handle;
-        let tab = Tab(WindowHandle::try_from(handle).unwrap());
+        let tab = Tab(handle);
         self.switch_to(&tab);
         self.set_up_tab();
         tab
