@@ -17,6 +17,9 @@ browser() {
     if reason=$(cannot_unpack); then
         fail "the browser is unpacked from Debian 13, and $reason" "without it the tests in tests/browser are skipped"
     fi
+    # Replace only what an earlier run made.
+    [[ ! -e $folder || -e $folder/packages.txt ]] || fail "$folder exists and was not made by this script" \
+        "move it away, or choose another folder: GAITWAY_BROWSER_ROOT=..."
     mkdir -p "$(dirname "$folder")"
     open_apt
     fresh=$(mktemp -d "$folder.new.XXXXXX")
