@@ -423,13 +423,13 @@ fn careless_simulated_raters_are_excluded_by_the_file_and_the_fill_is_counted() 
     assert!(careless.len() > 3 && excluded.is_subset(&careless) && excluded.len() + 1 >= careless.len());
     assert_eq!(analysis.exclusions.not_judged, [Rule::LateFramesShare]);
     let part = &analysis.parts[0];
-    let gaits = part.gaits.unwrap();
+    let gaits = part.gaits.clone().unwrap();
     assert_eq!((part.part.as_str(), gaits.count), ("walks", 40));
     // ten answers each, of which the excluded gave some
     assert!(gaits.fewest < 10 && part.short_of == Some(10) && analysis.is_short, "{gaits:?}");
     let whole =
         analyse(&StudyFile { exclude: Exclude::default(), ..study }, &Tables::simulated(&run)).unwrap();
-    let gaits = whole.parts[0].gaits.unwrap();
+    let gaits = whole.parts[0].gaits.clone().unwrap();
     assert_eq!((gaits.fewest, gaits.most.min(11)), (run.answered["walks"].0 as usize, gaits.most));
     assert_eq!((whole.parts[0].short_of, whole.is_short), (None, false));
 }

@@ -36,6 +36,7 @@ mod write;
 
 pub use ratings::ratings;
 pub use read::read;
+pub(super) use write::free_text;
 pub use write::write;
 
 use super::file::Front;
