@@ -90,7 +90,9 @@ pub(super) fn answers(page: &mut Page, analysis: &Analysis) {
             question(first)
         );
         page.figure(&distribution(&of, items), caption);
-        for item in items.iter().filter(|item| item.groups.len() > 1) {
+        let has_means =
+            |item: &&ItemAnswers| item.groups.iter().filter(|group| group.mean.is_some()).count() > 1;
+        for item in items.iter().filter(has_means) {
             let text = if item.text.is_empty() { String::new() } else { format!(": {}", plain(&item.text)) };
             page.figure(&means(item), format!("Means of `{}`{text}.", item.item));
         }
