@@ -6,17 +6,25 @@
 
 mod bars;
 mod canvas;
+mod funnel;
+mod likert;
 mod matrix;
+mod means;
 mod plot;
+mod strip;
 
 use super::{AtomicFile, Error};
 use crate::picture::Image;
 pub use bars::{Bar, Bars, Series};
 use canvas::Canvas;
+pub use funnel::{Funnel, FunnelStep};
+pub use likert::{Likert, LikertRow};
 pub use matrix::{Matrix, Scale};
+pub use means::{Mean, MeanSeries, Means, SERIES_COLORS};
 pub use plot::{Curve, Plot, Stroke};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
+pub use strip::{Strip, StripColumn};
 
 /// Colours of happy, angry, sad and neutral in figures, sRGB, in the order of [`crate::Emotion::ALL`]: dark enough on
 /// white and light enough on black.
@@ -138,7 +146,41 @@ mod tests {
             color: [0; 3],
         });
         let axes = [wide()[1].clone(), wide().concat()];
-        assert_legible(&Plot { title: title.clone(), axes, curves: curves.to_vec(), note: title });
+        assert_legible(&Plot { title: title.clone(), axes, curves: curves.to_vec(), note: title.clone() });
+        assert_legible_of_studies(&title);
+    }
+
+    /// The figures of studies, with texts as long.
+    fn assert_legible_of_studies(title: &str) {
+        let (title, note) = (title.to_owned(), title.to_owned());
+        let row = |name: &String| LikertRow { name: name.clone(), counts: vec![3, 4, 2, 5] };
+        let rows = wide().iter().map(row).collect();
+        assert_legible(&Likert { title: title.clone(), points: wide().to_vec(), rows, note: note.clone() });
+        let mean = |value: f64| Some(Mean { value, interval: [value - 0.8, value + 0.8] });
+        let series =
+            |name: &String| MeanSeries { name: name.clone(), means: [1.0, 3.0, 5.0, 7.0].map(mean).to_vec() };
+        let series = wide().iter().map(series).collect();
+        let (axis, groups, range) = (wide().concat(), wide().to_vec(), [1.0, 7.0]);
+        assert_legible(&Means {
+            title: title.clone(),
+            axis: axis.clone(),
+            range,
+            groups,
+            series,
+            note: note.clone(),
+        });
+        let dots = (0..90_u32).map(|value| (f64::from(value % 40) / 10.0 + 1.0, [66, 118, 190])).collect();
+        let columns =
+            ["happy", "angry"].map(|name| StripColumn { name: name.to_owned(), dots: Vec::clone(&dots) });
+        let legend = wide().map(|name| (name, [66, 118, 190])).to_vec();
+        let (columns, line, range) = (columns.to_vec(), Some((3.5, wide()[1].clone())), [1.0, 5.0]);
+        assert_legible(&Strip { title: title.clone(), axis, range, columns, line, legend, note });
+        let step = |(index, name): (usize, &String)| FunnelStep {
+            name: name.clone(),
+            count: 1000 / (1 + 60 * index),
+            losses: vec![(name.clone(), 7), (name.clone(), 12)],
+        };
+        assert_legible(&Funnel { title, steps: wide().iter().enumerate().map(step).collect() });
     }
 
     #[test]

@@ -30,6 +30,7 @@
 pub mod analyse;
 pub mod check;
 mod error;
+pub mod export;
 pub mod file;
 pub mod instrument;
 mod load;

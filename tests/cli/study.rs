@@ -42,8 +42,13 @@ fn a_study_goes_from_an_empty_folder_to_a_library_that_raters_labelled() {
     );
     let (library, rated) = (at("mine/library.glb"), at("rated.glb"));
     let ratings = at("run/ratings.csv");
+    // the loop closes in one command, too: the same library to the last byte
+    let looped = at("looped.glb");
+    good(&["study", "analyse", &run, "--library", &library, "--rated", &looped]);
     let labels = json(&["gait", "ratings", &ratings, "--library", &library, "--out", &rated, "--json"]);
     assert_eq!(labels["videos"].as_array().unwrap().len(), 48);
+    assert_eq!(std::fs::read(&looped).unwrap(), std::fs::read(&rated).unwrap());
+    assert_eq!(analysed["ratings"]["kept"]["analysis"]["videos"], labels["videos"]);
     good(&[
         "simulate",
         "crossing",
@@ -98,4 +103,77 @@ fn a_study_that_is_wrong_is_told_with_its_line_and_the_nearest_word() {
     let power = json(&["study", "power", "--w", "0.16", "--json"]);
     assert_eq!(power["people"], 31);
     assert!(fails(&["study", "power", "--w", "2"], 2).contains("W 2 lies outside [0, 1]"));
+}
+
+#[test]
+fn a_report_is_a_folder_and_a_dataset_says_what_it_keeps_back() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (run, report, data) = (at("run"), at("report"), at("data"));
+    good(&["study", "simulate", "eva-agents", "--participants", "24", "--out", &run]);
+    good(&["study", "analyse", &run, &run, "--out", &report]);
+    let read = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&read("report/results.json")).unwrap();
+    assert_eq!(json.as_array().unwrap().len(), 2);
+    assert_eq!(read("report/results.md").matches("# Walking among people\n").count(), 2);
+    assert!(read("report/index.html").matches("<figure>").count() > 12);
+    let message = fails(&["study", "analyse", &run, "--out", &report], 1);
+    assert!(message.contains("--force"), "{message}");
+    let message =
+        fails(&["study", "analyse", &run, "--library", &at("none.glb"), "--rated", &at("rated.glb")], 2);
+    assert!(message.contains("asks for no ratings"), "{message}");
+    let found = super::json(&["study", "export", &run, "--out", &data, "--json"]);
+    let notes: Vec<&str> =
+        found["notes"].as_array().unwrap().iter().map(|one| one["note"].as_str().unwrap()).collect();
+    assert_eq!(notes, ["withheld", "simulated"]);
+    for name in [
+        "dataset_description.json",
+        "data/study-evaagents_task-scenes_data.csv",
+        "analysis/models.R",
+        "materials/study.toml",
+    ] {
+        assert!(folder.path().join("data").join(name).is_file(), "{name}");
+    }
+}
+
+#[test]
+fn a_library_of_so_many_generated_gaits_has_all_emotions_alike() {
+    let folder = tempfile::tempdir().unwrap();
+    let mine = folder.path().join("mine");
+    good(&["study", "new", "eva-gaits", "--gaits", "21", "--out", mine.to_str().unwrap()]);
+    let listed = json(&["gait", "show", mine.join("library.glb").to_str().unwrap(), "--json"]);
+    let gaits = listed["gaits"].as_array().unwrap();
+    let count = |emotion: &str| gaits.iter().filter(|gait| gait["label"] == emotion).count();
+    assert_eq!(gaits.len(), 21);
+    assert_eq!(["happy", "angry", "sad", "neutral"].map(count), [6, 6, 5, 4]);
+}
+
+#[test]
+#[cfg(unix)]
+fn the_papers_whole_evaluation_runs_from_gaits_to_one_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let out = folder.path().join("paper");
+    let script = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("scripts/paper");
+    let ran = std::process::Command::new(script)
+        .arg(&out)
+        .env("GAITWAY", env!("CARGO_BIN_EXE_gaitway"))
+        .output()
+        .unwrap();
+    assert!(ran.status.success(), "{}", String::from_utf8_lossy(&ran.stderr));
+    let page = std::fs::read_to_string(out.join("report/results.md")).unwrap();
+    for part in [
+        "## Beside the paper",
+        "### Labels of gaits",
+        "### Friedman tests of `scenes.presence.*`",
+        "of 192 (",
+        "of 342 gaits keep theirs",
+    ] {
+        assert!(page.contains(part), "{part}\n{page}");
+    }
+    let json: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("report/results.json")).unwrap()).unwrap();
+    assert_eq!(json[0]["parts"][0]["gaits"]["count"], 342);
+    assert_eq!(json[1]["participants"]["analysed"], 30);
+    assert_eq!(json[2]["tests"][1]["kept"]["statistics"]["answers"], 192);
+    assert!(out.join("data-gaits/analysis/ratings.csv").is_file());
 }

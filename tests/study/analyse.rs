@@ -31,12 +31,12 @@ fn agents() -> StudyFile {
     Study::builtin("eva-agents").unwrap().file
 }
 
-fn person(name: &str, front: Front) -> Participant {
+pub(super) fn person(name: &str, front: Front) -> Participant {
     let state = State::Ended(Ending::Finished);
     Participant { participant: name.to_owned(), front, state, placed: true, frames: None }
 }
 
-fn answer(name: &str, page: &str, role: Role, question: &str, value: i64) -> Answer {
+pub(super) fn answer(name: &str, page: &str, role: Role, question: &str, value: i64) -> Answer {
     let (part, position) = page.split_once('/').unwrap();
     Answer {
         participant: name.to_owned(),
@@ -52,7 +52,7 @@ fn answer(name: &str, page: &str, role: Role, question: &str, value: i64) -> Ans
 }
 
 /// People with these answers to some items in some scenes.
-fn people(rows: &[[i64; 3]], scenes: &[&str], items: &[&str]) -> Tables {
+pub(super) fn people(rows: &[[i64; 3]], scenes: &[&str], items: &[&str]) -> Tables {
     let mut tables = Tables::default();
     for (number, row) in rows.iter().enumerate() {
         let name = format!("p{number}");
@@ -74,7 +74,7 @@ fn people(rows: &[[i64; 3]], scenes: &[&str], items: &[&str]) -> Tables {
 }
 
 /// Two answers a person to each emotion, in the order of this matrix of eight answers a row.
-fn identify(tables: &mut Tables, matrix: [[usize; 4]; 4]) {
+pub(super) fn identify(tables: &mut Tables, matrix: [[usize; 4]; 4]) {
     for (shown, row) in matrix.iter().enumerate() {
         let answers: Vec<usize> =
             row.iter().enumerate().flat_map(|(answered, &count)| vec![answered; count]).collect();
@@ -423,13 +423,13 @@ fn careless_simulated_raters_are_excluded_by_the_file_and_the_fill_is_counted() 
     assert!(careless.len() > 3 && excluded.is_subset(&careless) && excluded.len() + 1 >= careless.len());
     assert_eq!(analysis.exclusions.not_judged, [Rule::LateFramesShare]);
     let part = &analysis.parts[0];
-    let gaits = part.gaits.unwrap();
+    let gaits = part.gaits.clone().unwrap();
     assert_eq!((part.part.as_str(), gaits.count), ("walks", 40));
     // ten answers each, of which the excluded gave some
     assert!(gaits.fewest < 10 && part.short_of == Some(10) && analysis.is_short, "{gaits:?}");
     let whole =
         analyse(&StudyFile { exclude: Exclude::default(), ..study }, &Tables::simulated(&run)).unwrap();
-    let gaits = whole.parts[0].gaits.unwrap();
+    let gaits = whole.parts[0].gaits.clone().unwrap();
     assert_eq!((gaits.fewest, gaits.most.min(11)), (run.answered["walks"].0 as usize, gaits.most));
     assert_eq!((whole.parts[0].short_of, whole.is_short), (None, false));
 }

@@ -14,9 +14,11 @@
 mod analyse;
 mod blocks;
 mod check;
+mod export;
 mod fill;
 mod protocol;
 mod questionnaires;
+mod report;
 mod simulate;
 
 use gaitway::study::plan::Plan;

@@ -9,7 +9,7 @@ mod label;
 mod listing;
 mod measure;
 mod predict;
-mod ratings;
+pub(super) mod ratings;
 pub(super) mod sources;
 mod train;
 mod videos;

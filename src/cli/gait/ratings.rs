@@ -106,13 +106,8 @@ pub(super) fn run(arguments: &RatingsArguments) -> Result<bool, Error> {
     let unrated = match rated {
         None => Vec::new(),
         Some(rated) => {
-            let mut gaits = rated.gaits().to_vec();
-            let unrated = ratings::apply(&analysis, &mut gaits);
-            if let Some(out) = &arguments.out {
-                GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
-                files.push(out.clone());
-            }
-            unrated
+            files.extend(arguments.out.clone());
+            label(&rated, &analysis, arguments.out.as_deref())?
         }
     };
     if let Some(path) = &arguments.csv {
@@ -136,6 +131,21 @@ pub(super) fn run(arguments: &RatingsArguments) -> Result<bool, Error> {
         print(&outcome, &arguments.responses);
     }
     Ok(true)
+}
+
+/// Writes ratings and labels into the gaits of a library, and the library if there is a file for it; returns the gaits without
+/// ratings.
+pub(in crate::cli) fn label(
+    rated: &GaitLibrary,
+    analysis: &Analysis,
+    out: Option<&Path>,
+) -> Result<Vec<String>, Error> {
+    let mut gaits = rated.gaits().to_vec();
+    let unrated = ratings::apply(analysis, &mut gaits);
+    if let Some(out) = out {
+        GaitLibrary::from_gaits(gaits)?.save_glb(out)?;
+    }
+    Ok(unrated)
 }
 
 fn print(outcome: &Outcome, sheet: &Path) {

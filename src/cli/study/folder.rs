@@ -3,7 +3,7 @@
 use super::super::failed;
 use super::super::outputs::make_folder;
 use crate::Error;
-use crate::study::file::Part;
+use crate::study::analyse::rating_sheet;
 use crate::study::tables::{self, ANSWERS, PARTICIPANTS, Tables};
 use crate::study::{FILE_NAME, Study};
 use std::path::{Path, PathBuf};
@@ -17,10 +17,8 @@ pub(super) fn write(folder: &Path, study: &Study, tables: &Tables) -> Result<Vec
     make_folder(folder)?;
     let (answers, people) = tables::write(tables);
     let mut texts = vec![(FILE_NAME, study.text.clone()), (ANSWERS, answers), (PARTICIPANTS, people)];
-    if let Some(ratings) = &study.file.analysis.ratings {
-        let asked = study.file.parts.get(&ratings.part).and_then(Part::trials);
-        let question = asked.and_then(|trials| trials.ask.0.first()).map_or("", String::as_str);
-        texts.push((RATINGS, tables::ratings(tables, &ratings.part, question)));
+    if let Some(ratings) = rating_sheet(&study.file, tables)? {
+        texts.push((RATINGS, ratings));
     }
     let mut files = Vec::new();
     for (name, text) in texts {

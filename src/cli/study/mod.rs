@@ -3,6 +3,7 @@
 mod analyse;
 mod beside;
 mod check;
+mod export;
 mod folder;
 mod new;
 mod power;
@@ -39,6 +40,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Test what a study's answers say, as its file plans it
     Analyse(analyse::Arguments),
+    /// Write a study's data as a Psych-DS dataset, with an R script and the results
+    Export(export::Arguments),
     /// How many people Friedman's test needs
     Power(power::Arguments),
     /// Serve a study to browsers, until Ctrl-C
@@ -71,6 +74,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Check(arguments) => check::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Analyse(arguments) => analyse::run(arguments),
+        Command::Export(arguments) => export::run(arguments),
         Command::Power(arguments) => power::run(arguments),
         #[cfg(feature = "study")]
         Command::Serve(arguments) => serve::run(arguments),

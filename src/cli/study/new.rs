@@ -7,10 +7,14 @@ use super::super::usage;
 use super::beside::{libraries, texts};
 use super::folder::write_text;
 use crate::Error;
+use crate::library::{DEFAULT_SEED, GaitLibrary};
 use crate::study::check::Severity;
 use crate::study::{BUILTIN, FILE_NAME, Study, check};
 use serde::Serialize;
 use std::path::PathBuf;
+
+/// Emotions times sexes of generated gaits.
+const CLASSES: u32 = 8;
 
 /// Arguments of `gaitway study new`.
 #[derive(Debug, clap::Args)]
@@ -25,6 +29,9 @@ pub(super) struct Arguments {
     /// Library of the gaits that raters are to judge [default: the built-in one]
     #[arg(long, value_name = "LIB.glb")]
     library: Option<PathBuf>,
+    /// Number of gaits to generate as that library, of all emotions and both sexes alike
+    #[arg(long, value_name = "N", conflicts_with = "library", value_parser = clap::value_parser!(u32).range(8..=10_000))]
+    gaits: Option<u32>,
     /// Folder to write
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -48,7 +55,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         return Err(usage(error, "`gaitway study new --help` says what they are"));
     };
     let study = Study::builtin(builtin.name)?;
-    let gaits = library(arguments.library.as_deref())?;
+    let gaits = match arguments.gaits {
+        Some(count) => generated(count)?,
+        None => library(arguments.library.as_deref())?,
+    };
     let names = gaits.gaits().iter().map(|gait| gait.name.clone()).collect::<Vec<_>>();
     let mut materials = texts(&study)?;
     for name in libraries(&study) {
@@ -81,6 +91,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     say(&format!("to fill in: {}", outcome.missing.join(", ")));
     Ok(true)
+}
+
+/// So many generated gaits: the first individuals of each emotion and sex, whose numbers differ by one at most.
+fn generated(count: u32) -> Result<GaitLibrary, Error> {
+    let per_class = count.div_ceil(CLASSES);
+    let all = GaitLibrary::generated(DEFAULT_SEED, per_class)?;
+    let count = usize::try_from(count).unwrap_or(usize::MAX);
+    let per_class = usize::try_from(per_class).unwrap_or(usize::MAX);
+    let mut places: Vec<usize> = (0..all.gaits().len()).collect();
+    places.sort_by_key(|place| (place % per_class, *place));
+    places.truncate(count);
+    places.sort_unstable();
+    Ok(GaitLibrary::from_gaits(places.into_iter().map(|place| all.gaits()[place].clone()).collect())?)
 }
 
 /// What the folder is and what to do with it.

@@ -25,6 +25,9 @@ pub enum Error {
     /// The study file or the tables hold a value that does not do.
     #[error(transparent)]
     Study(#[from] StudyError),
+    /// The ratings of gaits cannot be read.
+    #[error(transparent)]
+    Ratings(#[from] crate::perception::Error),
     /// A statistic cannot be computed.
     #[error("{test}: {source}")]
     Statistics {

@@ -22,26 +22,32 @@
 //! # }
 //! ```
 
+mod answers;
 mod common;
 mod confusion;
 mod exclude;
 mod friedman;
-mod markdown;
 mod parts;
+mod questionnaires;
+mod ratings;
+mod report;
 
+pub use answers::{Group, ItemAnswers};
 pub use common::{CONFIDENCE, DRAWS, Error};
 pub use confusion::ConfusionBlock;
 pub use exclude::{Excluded, Exclusions, LEAST_ANSWERS, Reason, Rule};
 pub use friedman::{FriedmanBlock, FriedmanTest, LEVEL, Level, Outcome, Pair};
-pub use markdown::markdown;
 pub use parts::{Gaits, PartCount};
+pub use questionnaires::{Change, ChangeTest, PageScores, Questionnaire, Score, ScoreRow, scores};
+pub use ratings::{LabelStability, RatingBlock};
+pub use report::{html, markdown};
 
 use super::file::{self, Front, OnWithdrawal, StudyFile};
 use super::plan::Ending;
 use super::protocol::State;
 use super::tables::{Tables, Value};
 use serde::Serialize;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The planned analysis of a study.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -60,6 +66,12 @@ pub struct Analysis {
     pub parts: Vec<PartCount>,
     /// The tests, in the order of the file.
     pub tests: Vec<Test>,
+    /// Scores of questionnaires, in the order of the flow.
+    pub questionnaires: Sides<Vec<Questionnaire>>,
+    /// Ratings of gaits, if the file asks for labels.
+    pub ratings: Option<Box<Sides<RatingBlock>>>,
+    /// Answers to each item of each scale after trials, without the excluded.
+    pub answers: Vec<ItemAnswers>,
     /// Free texts of participants. The page does not print them, since they may tell who wrote them.
     pub free_texts: usize,
     /// Whether a part or a test has fewer participants or answers than the plan's least, without the excluded.
@@ -73,6 +85,8 @@ pub struct Participants {
     pub arrived: usize,
     /// Those with a place.
     pub placed: usize,
+    /// Those with an answer to an ordinary trial that are not excluded.
+    pub analysed: usize,
     /// Whether all are simulated. None of them is otherwise.
     pub is_simulated: bool,
     /// Participants by front.
@@ -106,12 +120,19 @@ pub struct Sides<T> {
 /// [`Error::Mixed`] for people together with simulated participants. [`Error::Study`] for a test of questions or parts that the file
 /// lacks, and for answers that do not fit the file. [`Error::Statistics`] where a statistic is undefined.
 pub fn analyse(study: &StudyFile, tables: &Tables) -> Result<Analysis, Error> {
-    let participants = participants(tables)?;
-    let deletes = study.consent.on_withdrawal == OnWithdrawal::Delete;
-    let everyone = tables.only(|one| !(deletes && one.state == State::Ended(Ending::Withdrawn)));
-    let exclusions = exclude::exclusions(&study.exclude, &everyone);
-    let kept = everyone.only(|one| !exclusions.has(&one.participant));
+    let mut participants = participants(tables)?;
+    let Split { everyone, exclusions, kept } = split(study, tables);
+    participants.analysed = analysed(&kept);
     let everyone = (!exclusions.excluded.is_empty()).then_some(&everyone);
+    let sides = |tables: &Tables| questionnaires::questionnaires(study, tables);
+    let questionnaires = Sides { kept: sides(&kept)?, everyone: everyone.map(sides).transpose()? };
+    let ratings = match ratings::Planned::new(study)? {
+        None => None,
+        Some(plan) => Some(Box::new(Sides {
+            kept: plan.block(&kept)?,
+            everyone: everyone.map(|tables| plan.block(tables)).transpose()?,
+        })),
+    };
     let mut tests = Vec::new();
     for (index, test) in study.analysis.tests.iter().enumerate() {
         let key = format!("analysis.test[{index}]");
@@ -146,9 +167,52 @@ pub fn analyse(study: &StudyFile, tables: &Tables) -> Result<Analysis, Error> {
         exclusions,
         parts,
         tests,
+        questionnaires,
+        ratings,
+        answers: answers::answers(study, &kept)?,
         free_texts: kept.answers.iter().filter(|row| matches!(row.value, Some(Value::Text(_)))).count(),
         is_short,
     })
+}
+
+/// The tables that an analysis keeps: without the answers of withdrawn participants, unless the file keeps them, and without the
+/// excluded.
+pub fn kept(study: &StudyFile, tables: &Tables) -> Tables {
+    split(study, tables).kept
+}
+
+/// The tables without the participants that withdrew, unless the file keeps their answers.
+pub fn not_withdrawn(study: &StudyFile, tables: &Tables) -> Tables {
+    let deletes = study.consent.on_withdrawal == OnWithdrawal::Delete;
+    tables.only(|one| !(deletes && one.state == State::Ended(Ending::Withdrawn)))
+}
+
+/// The sheet of ratings that `gait ratings` reads, of the participants that an analysis keeps; none unless the file asks for labels.
+///
+/// # Errors
+/// [`Error::Study`] if the part of `[analysis] ratings` does not ask about the four emotions, 1 to 5.
+pub fn rating_sheet(study: &StudyFile, tables: &Tables) -> Result<Option<String>, Error> {
+    Ok(ratings::Planned::new(study)?.map(|plan| plan.sheet(&kept(study, tables))))
+}
+
+/// Tables with and without the excluded.
+struct Split {
+    everyone: Tables,
+    exclusions: Exclusions,
+    kept: Tables,
+}
+
+fn split(study: &StudyFile, tables: &Tables) -> Split {
+    let everyone = not_withdrawn(study, tables);
+    let exclusions = exclude::exclusions(&study.exclude, &everyone);
+    let kept = everyone.only(|one| !exclusions.has(&one.participant));
+    Split { everyone, exclusions, kept }
+}
+
+/// Participants with an answer to an ordinary trial.
+fn analysed(tables: &Tables) -> usize {
+    let ordinary = tables.answers.iter().filter(|row| row.is_ordinary());
+    ordinary.map(|row| row.participant.as_str()).collect::<BTreeSet<_>>().len()
 }
 
 impl Test {
@@ -173,5 +237,5 @@ fn participants(tables: &Tables) -> Result<Participants, Error> {
         return Err(Error::Mixed { people: arrived - simulated, simulated });
     }
     let placed = tables.participants.iter().filter(|one| one.placed).count();
-    Ok(Participants { arrived, placed, is_simulated: simulated > 0, fronts, states })
+    Ok(Participants { arrived, placed, analysed: 0, is_simulated: simulated > 0, fronts, states })
 }

@@ -25,7 +25,7 @@ pub struct PartCount {
 }
 
 /// Answers of each gait. Gaits without an answer are not in the tables and do not count here.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Gaits {
     /// Gaits with an answer.
     pub count: usize,
@@ -33,6 +33,8 @@ pub struct Gaits {
     pub fewest: usize,
     /// Most answers of a gait to any of the questions.
     pub most: usize,
+    /// Numbers of gaits by their number of answers: the fewest to any of the questions.
+    pub by_answers: BTreeMap<usize, usize>,
 }
 
 /// Trials of one participant in a part, without repeated and instructed ones; none where the file alone does not tell.
@@ -78,12 +80,22 @@ fn count(name: &str, trials: &Trials, tables: &Tables) -> PartCount {
         }
     }
     let each = || gaits.values().flat_map(BTreeMap::values).copied();
-    let gaits =
-        each().min().zip(each().max()).map(|(fewest, most)| Gaits { count: gaits.len(), fewest, most });
+    let mut by_answers = BTreeMap::new();
+    for fewest in gaits.values().filter_map(|questions| questions.values().min()) {
+        *by_answers.entry(*fewest).or_default() += 1;
+    }
+    let gaits = each().min().zip(each().max()).map(|(fewest, most)| Gaits {
+        count: gaits.len(),
+        fewest,
+        most,
+        by_answers,
+    });
     let complete = trials_each(trials)
         .map_or(pages.len(), |each| pages.values().filter(|pages| pages.len() >= each).count());
     let (found, least) = match trials.design {
-        Some(Design::Fill { at_least, .. }) => (gaits.map_or(0, |gaits| gaits.fewest), at_least as usize),
+        Some(Design::Fill { at_least, .. }) => {
+            (gaits.as_ref().map_or(0, |gaits| gaits.fewest), at_least as usize)
+        }
         _ => (complete, least(trials)),
     };
     PartCount {

@@ -18,6 +18,7 @@ pub mod williams;
 pub use compile::{Ending, Plan, Shows, Step, StepKind, TrialsStep};
 pub(super) use draw::{Purpose, random, word};
 pub use ledger::{Counts, Ledger, Place};
+pub(super) use questions::prompts;
 pub use questions::{BUILT_IN_QUESTIONS, Prompt, Scale};
 pub use rows::Rows;
 pub use trials::{Role, Stimulus, Swap, Trial};

@@ -38,6 +38,7 @@ mod write;
 pub use ratings::ratings;
 pub use read::read;
 pub use session::of_session;
+pub(super) use write::free_text;
 pub use write::write;
 
 use super::file::Front;

@@ -56,14 +56,14 @@ fn answer(one: &Answer) -> [String; 15] {
         match &one.value {
             None => String::new(),
             Some(Value::Number(value)) => value.to_string(),
-            Some(Value::Text(text)) => free(text),
+            Some(Value::Text(text)) => free_text(text),
         },
         number(one.ms),
     ]
 }
 
 /// Free text as a cell: with a quote before it where a spreadsheet would compute it, and where it would be read as a number.
-fn free(text: &str) -> String {
+pub(in crate::study) fn free_text(text: &str) -> String {
     let text = text.trim();
     let is_marked = text.starts_with(['=', '+', '-', '@', '\'']) || text.parse::<i64>().is_ok();
     format!("{}{text}", if is_marked { "'" } else { "" })

@@ -1,0 +1,246 @@
+//! A study's data as a dataset that others can read: Psych-DS, with the study file, an R script and the planned analysis.
+//!
+//! ```text
+//! dataset_description.json      what it is, every column: description, unit, range, levels
+//! README.md, CHANGES.md
+//! data/study-ID_task-PART_data.csv                 one row an answer, one file a part
+//! data/study-ID_description-participants_data.csv  one row a participant
+//! data/study-ID_description-scores_data.csv        one row a participant, page and score of a questionnaire
+//! materials/                    study file, consent texts
+//! analysis/                     models.R, results of the planned analysis, ratings.csv for `gait ratings`
+//! ```
+//!
+//! Based on: Psych-DS 1.5.1 (psych-ds.github.io). A dataset holds no participant that withdrew, unless the study file keeps their answers.
+//!
+//! ```
+//! use gaitway::study::export::{Options, export};
+//! use gaitway::study::plan::Plan;
+//! use gaitway::study::simulate::{Habits, Minds, Setup, run};
+//! use gaitway::study::tables::Tables;
+//! use gaitway::study::{Materials, Study};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! let study = Study::builtin("eva-agents")?;
+//! let plan = Plan::of(&study.file, &Materials::default())?;
+//! let setup = Setup { participants: 24, at_once: 6, habits: Habits::default(), seed: 1 };
+//! let (_, run) = run(&plan, &Minds::default(), setup)?;
+//! let dataset = export(&study, &Tables::simulated(&run), &Materials::default().texts, Options::default())?;
+//! assert!(dataset.files.iter().any(|file| file.path == "data/study-evaagents_task-scenes_data.csv"));
+//! # Ok(())
+//! # }
+//! ```
+
+mod columns;
+mod describe;
+mod people;
+mod script;
+mod sheet;
+mod texts;
+
+use super::analyse::{self, Analysis, Error, analyse, html, markdown, rating_sheet};
+use super::file::StudyFile;
+use super::tables::Tables;
+use super::{FILE_NAME, Study};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt;
+
+/// Fewest people of one gender and age for which both are given away.
+pub const SMALLEST_CELL: usize = 5;
+
+/// What an export is asked.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Options {
+    /// Give gender and age away even where fewer than [`SMALLEST_CELL`] people share both.
+    pub small_cells: bool,
+}
+
+/// A file of a dataset.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct File {
+    /// From the dataset's folder, with `/`.
+    pub path: String,
+    /// What it holds.
+    pub text: String,
+}
+
+/// A dataset.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Dataset {
+    /// Its files.
+    pub files: Vec<File>,
+    /// What a person has to know before it is handed on.
+    pub notes: Vec<Note>,
+}
+
+/// What a person has to know before a dataset is handed on.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(tag = "note", rename_all = "kebab-case")]
+pub enum Note {
+    /// Gender and age are left out.
+    Withheld {
+        /// Questions left out.
+        questions: Vec<String>,
+        /// Fewest people that share gender and age.
+        smallest: usize,
+    },
+    /// Gender and age are there although few people share both.
+    SmallCells {
+        /// Fewest people that share gender and age.
+        smallest: usize,
+    },
+    /// Free texts may tell who wrote them.
+    FreeTexts {
+        /// How many there are.
+        count: usize,
+    },
+    /// No participant is a person.
+    Simulated,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Withheld { questions, smallest } => write!(
+                f,
+                "{} left out: {smallest} of the participants share the rarest combination, fewer than {SMALLEST_CELL}; --small-cells \
+                 exports them",
+                questions.join(" and ")
+            ),
+            Self::SmallCells { smallest } => write!(
+                f,
+                "gender and age are in the data, though only {smallest} of the participants share the rarest combination; who knows \
+                 them may find a participant by it"
+            ),
+            Self::FreeTexts { count } => {
+                write!(
+                    f,
+                    "free texts: {count}; read them before you share the data, since they may tell who wrote them"
+                )
+            }
+            Self::Simulated => {
+                f.write_str("all participants are simulated; the data describe a model, not people")
+            }
+        }
+    }
+}
+
+/// The dataset of a study. `texts` are the consent texts that are known, by the name of their file.
+///
+/// # Errors
+/// As [`analyse()`]: [`Error::Mixed`] for people together with simulated participants, answers that do not fit the study file.
+pub fn export(
+    study: &Study,
+    tables: &Tables,
+    texts: &BTreeMap<String, String>,
+    options: Options,
+) -> Result<Dataset, Error> {
+    let analysis = analyse(&study.file, tables)?;
+    let tables = analyse::not_withdrawn(&study.file, tables);
+    let smallest = people::smallest_cell(&tables);
+    let is_withheld = smallest.is_some_and(|smallest| smallest < SMALLEST_CELL) && !options.small_cells;
+    let names = Names::new(&study.file, &tables);
+    let mut sheets = Vec::new();
+    for (part, file) in &names.parts {
+        sheets.extend(columns::part(&tables, &analysis, part, file, is_withheld));
+    }
+    sheets.push(people::participants(
+        &study.file,
+        &tables,
+        &analysis,
+        names.of("participants"),
+        is_withheld,
+    )?);
+    sheets.extend(columns::scores(&study.file, &tables, names.of("scores"))?);
+    let notes = notes(&tables, &analysis, smallest, is_withheld);
+    let mut files = vec![
+        file("dataset_description.json", describe::dataset(&study.file, &analysis, &sheets)?),
+        file("README.md", texts::readme(&study.file, &analysis, &sheets, &notes)),
+        file("CHANGES.md", texts::changes(&study.file)),
+    ];
+    files.extend(sheets.iter().map(|sheet| file(&format!("data/{}", sheet.file), sheet.csv())));
+    files.push(file(&format!("materials/{FILE_NAME}"), study.text.clone()));
+    // the name of a consent text comes from the study file: only its last piece names a file here
+    let last = |name: &str| name.rsplit(['/', '\\']).next().unwrap_or_default().to_owned();
+    files.extend(texts.iter().map(|(name, text)| file(&format!("materials/{}", last(name)), text.clone())));
+    files.extend(results(study, &tables, &analysis, &names)?);
+    Ok(Dataset { files, notes })
+}
+
+fn file(path: &str, text: String) -> File {
+    File { path: path.to_owned(), text }
+}
+
+fn results(study: &Study, tables: &Tables, analysis: &Analysis, names: &Names) -> Result<Vec<File>, Error> {
+    let json = serde_json::to_string_pretty(analysis).unwrap_or_default() + "\n";
+    let mut files = vec![
+        file("analysis/models.R", script::script(&study.file, names)),
+        file("analysis/results.md", markdown(analysis)),
+        file("analysis/results.json", json),
+        file("analysis/index.html", html(&[analysis])),
+    ];
+    if let Some(ratings) = rating_sheet(&study.file, tables)? {
+        files.push(file("analysis/ratings.csv", ratings));
+    }
+    Ok(files)
+}
+
+fn notes(tables: &Tables, analysis: &Analysis, smallest: Option<usize>, is_withheld: bool) -> Vec<Note> {
+    let mut notes = Vec::new();
+    if let Some(smallest) = smallest.filter(|&smallest| smallest < SMALLEST_CELL) {
+        notes.push(if is_withheld {
+            Note::Withheld { questions: people::asked(tables), smallest }
+        } else {
+            Note::SmallCells { smallest }
+        });
+    }
+    let count =
+        tables.answers.iter().filter(|row| matches!(row.value, Some(super::tables::Value::Text(_)))).count();
+    if count > 0 {
+        notes.push(Note::FreeTexts { count });
+    }
+    if analysis.participants.is_simulated {
+        notes.push(Note::Simulated);
+    }
+    notes
+}
+
+/// Names of data files: keys and values of letters and digits, as Psych-DS asks.
+struct Names {
+    study: String,
+    /// Parts with answers, in the order of the flow, with their files.
+    parts: Vec<(String, String)>,
+}
+
+impl Names {
+    fn new(study: &StudyFile, tables: &Tables) -> Self {
+        let word = |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>();
+        let id = word(&study.study.id);
+        let answered: BTreeSet<&str> = tables.answers.iter().map(|row| row.part.as_str()).collect();
+        let known = study.study.flow.iter().map(String::as_str).filter(|part| answered.contains(part));
+        let unknown =
+            answered.iter().copied().filter(|part| !study.study.flow.iter().any(|known| known == part));
+        let mut taken: BTreeSet<String> = BTreeSet::new();
+        let mut parts = Vec::new();
+        for part in known.chain(unknown) {
+            // two parts may differ in signs alone
+            let base = Some(word(part)).filter(|word| !word.is_empty()).unwrap_or_else(|| "part".to_owned());
+            let numbered =
+                (1..).map(|number| if number == 1 { base.clone() } else { format!("{base}x{number}") });
+            let Some(value) = numbered.into_iter().find(|value| taken.insert(value.to_lowercase())) else {
+                continue;
+            };
+            parts.push((part.to_owned(), format!("study-{id}_task-{value}_data.csv")));
+        }
+        Self { study: id, parts }
+    }
+
+    /// The file of something else than a part.
+    fn of(&self, description: &str) -> String {
+        format!("study-{}_description-{description}_data.csv", self.study)
+    }
+
+    /// The file of a part, if it has answers.
+    fn part(&self, part: &str) -> Option<&str> {
+        self.parts.iter().find(|(name, _)| name == part).map(|(_, file)| file.as_str())
+    }
+}
