@@ -90,7 +90,7 @@ struct Server {
 
 impl Server {
     /// `kill -9`.
-    fn kill(mut self) {
+    fn kill(&mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
     }
