@@ -132,7 +132,7 @@ impl Lab {
         Self::serve(folder, store, change)
     }
 
-    fn serve(folder: TempDir, store: Store, change: impl FnOnce(&mut Settings)) -> Self {
+    pub(crate) fn serve(folder: TempDir, store: Store, change: impl FnOnce(&mut Settings)) -> Self {
         let free = std::net::SocketAddr::from(([127, 0, 0, 1], 0));
         let mut settings = Settings {
             listen: free,
