@@ -7,26 +7,26 @@ use std::net::{SocketAddr, TcpStream};
 
 /// A reply.
 #[derive(Debug, Clone)]
-pub struct Reply {
-    pub status: u16,
-    pub headers: Vec<(String, String)>,
+pub(crate) struct Reply {
+    pub(crate) status: u16,
+    pub(crate) headers: Vec<(String, String)>,
     /// Unpacked.
-    pub body: String,
+    pub(crate) body: String,
 }
 
 impl Reply {
-    pub fn header(&self, name: &str) -> &str {
+    pub(crate) fn header(&self, name: &str) -> &str {
         self.headers.iter().find(|(own, _)| own == name).map_or("", |(_, value)| value)
     }
 
     /// The value of an attribute where it comes first; empty if it does not.
-    pub fn attribute(&self, name: &str) -> String {
+    pub(crate) fn attribute(&self, name: &str) -> String {
         let Some((_, rest)) = self.body.split_once(&format!(" {name}=\"")) else { return String::new() };
         rest.split('"').next().unwrap().to_owned()
     }
 
     /// Questions with the values that can be chosen; none of fields to write in, whose kind comes instead.
-    pub fn questions(&self) -> Vec<(String, Vec<String>)> {
+    pub(crate) fn questions(&self) -> Vec<(String, Vec<String>)> {
         let blocks = self.body.split("data-question=\"").skip(1);
         let question = |block: &str| {
             let id = block.split('"').next().unwrap().to_owned();
@@ -43,7 +43,7 @@ impl Reply {
     }
 
     /// Hidden fields of the form with a page's answers.
-    pub fn hidden(&self) -> Vec<(String, String)> {
+    pub(crate) fn hidden(&self) -> Vec<(String, String)> {
         let form =
             self.body.split("id=\"answers\"").nth(1).unwrap_or_default().split("</form>").next().unwrap();
         let field = |input: &str| {
@@ -58,16 +58,16 @@ impl Reply {
 
 /// A browser: its cookies, and all that it was sent.
 #[derive(Debug)]
-pub struct Browser {
-    pub address: SocketAddr,
-    pub cookies: BTreeMap<String, String>,
+pub(crate) struct Browser {
+    pub(crate) address: SocketAddr,
+    pub(crate) cookies: BTreeMap<String, String>,
     /// Headers that every request has besides.
-    pub extra: Vec<(String, String)>,
-    pub received: Vec<String>,
+    pub(crate) extra: Vec<(String, String)>,
+    pub(crate) received: Vec<String>,
 }
 
 impl Browser {
-    pub fn new(address: SocketAddr) -> Self {
+    pub(crate) fn new(address: SocketAddr) -> Self {
         Self { address, cookies: BTreeMap::new(), extra: Vec::new(), received: Vec::new() }
     }
 
@@ -75,17 +75,17 @@ impl Browser {
         format!("http://{}", self.address)
     }
 
-    pub fn get(&mut self, path: &str) -> Reply {
+    pub(crate) fn get(&mut self, path: &str) -> Reply {
         self.send(&format!("GET {path} HTTP/1.1\r\n"), &[], "")
     }
 
     /// The same, with redirections.
-    pub fn open(&mut self, path: &str) -> Reply {
+    pub(crate) fn open(&mut self, path: &str) -> Reply {
         let reply = self.get(path);
         self.follow(reply)
     }
 
-    pub fn follow(&mut self, reply: Reply) -> Reply {
+    pub(crate) fn follow(&mut self, reply: Reply) -> Reply {
         let mut reply = reply;
         for _ in 0..5 {
             if reply.status != 303 {
@@ -97,7 +97,7 @@ impl Browser {
     }
 
     /// Sends a form as a browser does.
-    pub fn post(&mut self, path: &str, fields: &[(&str, &str)]) -> Reply {
+    pub(crate) fn post(&mut self, path: &str, fields: &[(&str, &str)]) -> Reply {
         let body: Vec<String> =
             fields.iter().map(|(name, value)| format!("{}={}", encode(name), encode(value))).collect();
         let origin = self.origin();
@@ -110,7 +110,7 @@ impl Browser {
     }
 
     /// Sends JSON as a page's script does.
-    pub fn json(&mut self, path: &str, mark: &str, body: &str) -> Reply {
+    pub(crate) fn json(&mut self, path: &str, mark: &str, body: &str) -> Reply {
         let origin = self.origin();
         let headers = [
             ("origin", origin.as_str()),
@@ -122,7 +122,7 @@ impl Browser {
     }
 
     /// Sends what it is told to.
-    pub fn send(&mut self, line: &str, headers: &[(&str, &str)], body: &str) -> Reply {
+    pub(crate) fn send(&mut self, line: &str, headers: &[(&str, &str)], body: &str) -> Reply {
         let mut request = format!("{line}connection: close\r\naccept-encoding: gzip\r\n");
         let has_host = headers.iter().any(|(name, _)| *name == "host");
         if !has_host {

@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use tempfile::TempDir;
 
 /// What no participant may read.
-pub const SECRET: &str = "Zyxgait";
+pub(crate) const SECRET: &str = "Zyxgait";
 
 const STUDY: &str = r#"
 [study]
@@ -83,14 +83,14 @@ most = 400
 const CONSENT: &str = "# Taking part\n\nYou look at figures. <b>You</b> may stop at any time.\n";
 
 /// A study that is served until it is dropped.
-pub struct Lab {
-    pub address: std::net::SocketAddr,
-    pub console: std::net::SocketAddr,
-    pub first_link: String,
-    pub store: Store,
+pub(crate) struct Lab {
+    pub(crate) address: std::net::SocketAddr,
+    pub(crate) console: std::net::SocketAddr,
+    pub(crate) first_link: String,
+    pub(crate) store: Store,
     stop: Arc<AtomicBool>,
     server: Option<JoinHandle<()>>,
-    pub folder: TempDir,
+    pub(crate) folder: TempDir,
 }
 
 impl Drop for Lab {
@@ -113,7 +113,7 @@ fn library() -> GaitLibrary {
 
 impl Lab {
     /// The study of the tests, with changes to its text and to how it is served.
-    pub fn new(changes: &[(&str, &str)], change: impl FnOnce(&mut Settings)) -> Self {
+    pub(crate) fn new(changes: &[(&str, &str)], change: impl FnOnce(&mut Settings)) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let library = library();
         let path = folder.path().join("library.glb");
@@ -132,7 +132,7 @@ impl Lab {
         Self::serve(folder, store, change)
     }
 
-    fn serve(folder: TempDir, store: Store, change: impl FnOnce(&mut Settings)) -> Self {
+    pub(crate) fn serve(folder: TempDir, store: Store, change: impl FnOnce(&mut Settings)) -> Self {
         let free = std::net::SocketAddr::from(([127, 0, 0, 1], 0));
         let mut settings = Settings {
             listen: free,
@@ -152,16 +152,16 @@ impl Lab {
         Self { address, console, first_link, store, stop, server, folder }
     }
 
-    pub fn plain() -> Self {
+    pub(crate) fn plain() -> Self {
         Self::new(&[], |_| {})
     }
 
-    pub fn browser(&self) -> Browser {
+    pub(crate) fn browser(&self) -> Browser {
         Browser::new(self.address)
     }
 
     /// A browser of a participant who has agreed.
-    pub fn agreed(&self) -> (Browser, Reply) {
+    pub(crate) fn agreed(&self) -> (Browser, Reply) {
         let mut browser = self.browser();
         let page = begin(&mut browser);
         let page = agree(&mut browser, &page);
@@ -170,19 +170,19 @@ impl Lab {
 }
 
 /// Presses the first button.
-pub fn begin(browser: &mut Browser) -> Reply {
+pub(crate) fn begin(browser: &mut Browser) -> Reply {
     let reply = browser.post("/s/looks/begin", &[("language", "en")]);
     browser.follow(reply)
 }
 
 /// Agrees on the page with the consent text.
-pub fn agree(browser: &mut Browser, page: &Reply) -> Reply {
+pub(crate) fn agree(browser: &mut Browser, page: &Reply) -> Reply {
     let reply = browser.post("/s/looks/begin", &[("mark", &page.attribute("data-mark")), ("agree", "yes")]);
     browser.follow(reply)
 }
 
 /// Goes from a page to the next one, with the first answer to every question. Films are watched by a script.
-pub fn next(browser: &mut Browser, page: &Reply) -> Reply {
+pub(crate) fn next(browser: &mut Browser, page: &Reply) -> Reply {
     let (id, mark) = (page.attribute("data-page"), page.attribute("data-mark"));
     let film = page.attribute("data-film");
     if !film.is_empty() && !page.body.contains("id=\"answers\"") {
@@ -204,7 +204,7 @@ pub fn next(browser: &mut Browser, page: &Reply) -> Reply {
 }
 
 /// Goes on until a page's id begins so; an empty one is the end. Returns all pages on the way, the last one included.
-pub fn go_on(browser: &mut Browser, page: Reply, until: &str) -> Vec<Reply> {
+pub(crate) fn go_on(browser: &mut Browser, page: Reply, until: &str) -> Vec<Reply> {
     let mut pages = vec![page];
     for _ in 0..60 {
         let last = pages.last().unwrap();
@@ -223,7 +223,7 @@ pub fn go_on(browser: &mut Browser, page: Reply, until: &str) -> Vec<Reply> {
 }
 
 /// What a store says.
-pub fn wait<T: Send + 'static, E: Send + std::fmt::Debug + 'static>(
+pub(crate) fn wait<T: Send + 'static, E: Send + std::fmt::Debug + 'static>(
     call: impl FnOnce(Box<dyn FnOnce(Result<T, E>) + Send>),
 ) -> T {
     let (tell, told) = std::sync::mpsc::channel();

@@ -8,6 +8,7 @@
 
 mod admin;
 mod client;
+mod clips;
 mod flow;
 mod guards;
 mod lab;

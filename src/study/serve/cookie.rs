@@ -1,5 +1,6 @@
 //! Cookies: the secret of a visit, and what pages show of it.
 
+use super::Error;
 use super::reply::hex;
 use axum::http::HeaderMap;
 use axum::http::header::COOKIE;
@@ -47,6 +48,13 @@ impl Cookie {
         let secure = if is_encrypted { "; Secure" } else { "" };
         format!("{name}={secret}; Path=/; Max-Age={seconds}; HttpOnly; SameSite={same_site}{secure}")
     }
+}
+
+/// Random bits of the system.
+pub(super) fn random() -> Result<[u8; 32], Error> {
+    let mut bytes = [0; 32];
+    getrandom::fill(&mut bytes).map_err(|error| Error::NoRandomness { reason: error.to_string() })?;
+    Ok(bytes)
 }
 
 /// What a page shows of a secret. A page of an earlier visit is known by it, and a page of another host lacks it.

@@ -1,13 +1,10 @@
 //! Forms that were sent without scripts: a page's answers, all at once.
 
 use super::cookie::mark;
-use super::pages::Filled;
+use super::pages::{Filled, PREFIX};
 use crate::study::plan::Scale;
 use crate::study::protocol::{Answer, PageQuestion};
 use std::collections::BTreeMap;
-
-/// What the names of fields with answers begin with.
-pub(super) const PREFIX: &str = "q:";
 
 /// The fields of a form, by name; the last of equal names counts.
 pub(super) type Fields = BTreeMap<String, String>;

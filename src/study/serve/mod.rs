@@ -25,6 +25,7 @@ mod assets;
 mod clip;
 mod cookie;
 mod form;
+mod gate;
 mod guard;
 mod markdown;
 mod pages;

@@ -2,10 +2,10 @@
 
 use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
+use super::gate::is_json;
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
 use super::platform::{self, Query};
 use super::reply::{self, Told, page, see_other, with_cookie};
-use super::router::is_json;
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
 use crate::study::file::Front;

@@ -2,7 +2,7 @@
 
 use super::admin::{self, Console};
 use super::assets::Assets;
-use super::cookie::Cookie;
+use super::cookie::{Cookie, random};
 use super::guard::{Limits, Origin};
 use super::patience::{Patient, Peer};
 use super::reply::hex;
@@ -165,13 +165,6 @@ fn listen(runtime: &Runtime, address: SocketAddr) -> Result<(TcpListener, Socket
     let listened = bound.and_then(|listener| Ok((listener.local_addr()?, listener)));
     let (own, listener) = listened.map_err(|source| Error::Listen { address, source })?;
     Ok((listener, own))
-}
-
-/// Random bits of the system.
-pub(super) fn random() -> Result<[u8; 32], Error> {
-    let mut bytes = [0; 32];
-    getrandom::fill(&mut bytes).map_err(|error| Error::NoRandomness { reason: error.to_string() })?;
-    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -3,9 +3,9 @@
 use super::LONGEST_BODY;
 use super::cookie::mark;
 use super::form::Fields;
+use super::gate::{is_json, told};
 use super::pages::Notice;
 use super::reply::{Told, hex};
-use super::router::{is_json, told};
 use super::site::{Site, ask};
 use crate::study::protocol::{Content, Event};
 use crate::study::store::{Trouble, Turn};

@@ -3,10 +3,11 @@
 use super::super::form::Fields;
 use super::super::reply::{Told, page, see_other};
 use super::super::site::ask;
+use super::console::Console;
 use super::live::{clock, late, place};
+use super::pages;
 use super::sessions::Session;
 use super::sign::operator;
-use super::{Console, pages};
 use crate::study::file::Front;
 use crate::study::plan::Stimulus;
 use crate::study::protocol::State as Stage;

@@ -2,7 +2,9 @@
 
 use super::super::reply::{Told, page as reply};
 use super::super::site::ask;
-use super::{Console, pages, sessions::Session};
+use super::console::Console;
+use super::pages;
+use super::sessions::Session;
 use crate::study::plan::Counts;
 use crate::study::protocol::State as Stage;
 use crate::study::store::{Overview, Person, Role};

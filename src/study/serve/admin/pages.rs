@@ -1,7 +1,7 @@
 //! Operators' pages as HTML.
 
 use super::super::reply;
-use super::Console;
+use super::console::Console;
 use super::sessions::{PASSWORD, Session};
 use axum::http::StatusCode;
 use axum::response::Response;

@@ -1,9 +1,8 @@
 //! Who is signed in: passwords, sessions, the first password.
 
 use super::super::Error;
-use super::super::cookie::mark;
+use super::super::cookie::{mark, random};
 use super::super::reply::hex;
-use super::super::server::random;
 use crate::study::store::Role;
 use argon2::Argon2;
 use argon2::password_hash::{PasswordHasher as _, PasswordVerifier as _};

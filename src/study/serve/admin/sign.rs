@@ -3,13 +3,14 @@
 use super::super::form::Fields;
 use super::super::reply::{Told, page, see_other, with_cookie};
 use super::super::site::ask;
+use super::console::Console;
+use super::pages;
 use super::sessions::{PASSWORD, hash, verify};
-use super::{Console, pages};
 use crate::study::store::{Operator, Role};
 use axum::extract::{Query, Request, State};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::Response;
-use std::sync::{Arc, PoisonError};
+use std::sync::Arc;
 
 /// Attempts a minute for a name, and for all names.
 const ATTEMPTS: [u32; 2] = [5, 20];
@@ -41,12 +42,12 @@ pub(super) async fn choose(State(console): Shared, request: Request) -> Result<R
     let operator = operator(&fields, Role::Own).await.map_err(|why| wrong(&why))?;
     let name = operator.name.clone();
     // from here on the link is used up
-    let taken = console.first.lock().unwrap_or_else(PoisonError::into_inner).take();
+    let taken = console.first().take();
     if taken.is_none() {
         return Ok(see_other("/admin/login"));
     }
     if let Err(trouble) = ask(|then| console.store.set_operator(&name, operator, then)).await {
-        *console.first.lock().unwrap_or_else(PoisonError::into_inner) = taken;
+        *console.first() = taken;
         return Err(console.trouble(&trouble));
     }
     enter(&console, &name, Role::Own)

@@ -1,6 +1,6 @@
 //! The last page, by how the participation ended.
 
-use super::{Frame, View};
+use super::frame::{Frame, View};
 use crate::study::file::OnWithdrawal;
 use crate::study::plan::Ending;
 use crate::study::serve::platform::way_back;

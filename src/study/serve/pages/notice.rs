@@ -1,6 +1,6 @@
 //! Pages beside the study's own: what went wrong with a way out, and the question before a withdrawal.
 
-use super::{Frame, View, document};
+use super::frame::{Frame, View, document};
 use crate::study::file::OnWithdrawal;
 use crate::study::serve::words::Interface;
 use axum::http::StatusCode;

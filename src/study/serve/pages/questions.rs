@@ -1,10 +1,13 @@
 //! Questions as native controls.
 
-use super::{FORM, Frame};
+use super::frame::{FORM, Frame};
 use crate::study::plan::Scale;
 use crate::study::protocol::PageQuestion;
 use maud::{Markup, html};
 use std::collections::{BTreeMap, BTreeSet};
+
+/// What the names of fields with answers begin with: it keeps them apart from what a page sends besides.
+pub(in super::super) const PREFIX: &str = "q:";
 
 /// What was sent before and could not be taken, and what of it is missing.
 #[derive(Debug, Clone, Default)]
@@ -119,5 +122,5 @@ fn radios(
 
 /// The name of a question's field. Its prefix keeps it apart from what the page sends besides.
 fn name(question: &PageQuestion) -> String {
-    format!("{}{}", super::super::form::PREFIX, question.id)
+    format!("{}{}", PREFIX, question.id)
 }

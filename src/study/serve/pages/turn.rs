@@ -1,7 +1,8 @@
 //! The current page of a participation, whatever it is.
 
+use super::ended;
+use super::frame::{Frame, View, document, paragraphs};
 use super::questions::{Filled, Hidden, form};
-use super::{Frame, View, document, ended, paragraphs};
 use crate::study::protocol::{Content, Page};
 use crate::study::serve::markdown;
 use crate::study::serve::words::fill;

@@ -1,6 +1,6 @@
 //! The first page: nothing is stored before its button is pressed.
 
-use super::{Frame, View, document};
+use super::frame::{Frame, View, document};
 use crate::study::serve::words::fill;
 use maud::{Markup, html};
 

@@ -1,0 +1,57 @@
+//! What all requests of operators share.
+
+use super::super::Error;
+use super::super::assets::Assets;
+use super::super::cookie::{Cookie, mark};
+use super::super::guard::{Limits, Origin};
+use super::sessions::Sessions;
+use crate::study::store::Store;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// What all requests of operators share.
+pub(in super::super) struct Console {
+    pub(super) store: Store,
+    pub(super) assets: Assets,
+    pub(super) cookie: Cookie,
+    pub(super) origin: Origin,
+    pub(super) limits: Limits,
+    pub(super) sessions: Sessions,
+    /// The address that participants use.
+    pub(super) entrance: String,
+    /// The mark of the key that the first operator comes with, once.
+    first: Mutex<Option<String>>,
+}
+
+impl Console {
+    /// Pages for operators of a store, with a key of random bits for its limits.
+    ///
+    /// # Errors
+    /// [`Error::Compress`].
+    pub(in super::super) fn new(store: Store, key: [u8; 32], entrance: String) -> Result<Self, Error> {
+        Ok(Self {
+            store,
+            assets: Assets::new()?,
+            cookie: Cookie::of_operators(false),
+            origin: Origin::Loopback,
+            limits: Limits::new(key),
+            sessions: Sessions::default(),
+            entrance,
+            first: Mutex::default(),
+        })
+    }
+
+    /// Lets whom the program has told this key choose the first password.
+    pub(in super::super) fn expect_first(&self, key: &str) {
+        *self.first() = Some(mark(key));
+    }
+
+    /// Whether a key is the one of [`Console::expect_first`].
+    pub(super) fn expects(&self, key: &str) -> bool {
+        self.first().as_deref() == Some(mark(key).as_str())
+    }
+
+    /// The mark of the key that the first operator comes with.
+    pub(super) fn first(&self) -> MutexGuard<'_, Option<String>> {
+        self.first.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
