@@ -9,7 +9,7 @@ fn many_browsers_at_once_of_which_some_leave_are_all_answered() {
     let lab = Lab::new();
     let server = lab.serve();
     let rehearsal = Rehearsal { participants: 120, at_once: 40, leaving: 0.03, ..lab.rehearsal() };
-    let outcome = rehearse(&rehearsal);
+    let outcome = rehearse(&rehearsal).unwrap();
     assert!(outcome.lost.is_empty(), "{:?}", outcome.lost);
     assert!(outcome.left > 0 && outcome.finished > 0, "{outcome:?}");
     check(&lab.data(), &outcome);

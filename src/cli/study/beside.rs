@@ -27,10 +27,10 @@ pub(super) struct Gaits {
 }
 
 impl Gaits {
-    /// The library in place of the study's own.
+    /// A library in place of the study's own, if it is one.
     #[cfg(feature = "study")]
-    pub(super) fn library(&self) -> Option<&Path> {
-        self.library.as_deref()
+    pub(super) const fn of(library: Option<PathBuf>) -> Self {
+        Self { library, gaits: None }
     }
 }
 

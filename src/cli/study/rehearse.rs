@@ -2,7 +2,7 @@
 
 use super::super::output::{note, say, say_json, thousands};
 use super::super::scene::seed;
-use super::super::usage;
+use super::super::{failed, usage};
 use crate::Error;
 use crate::study::rehearse::{Outcome, Rehearsal, rehearse};
 use serde::Serialize;
@@ -85,7 +85,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         pause: Duration::from_secs_f64(pause),
         patience: Duration::from_secs(60),
         seed: arguments.seed,
-    });
+    })
+    .map_err(|error| failed(error.to_string(), "start it with `gaitway study serve`, and give the address that it prints"))?;
     std::mem::drop(heed);
     let printed = printed(&outcome);
     if arguments.json {

@@ -28,8 +28,9 @@ pub(super) struct Arguments {
     /// Study file, or folder with study.toml
     #[arg(value_name = "STUDY")]
     study: String,
-    #[command(flatten)]
-    gaits: Gaits,
+    /// Library of gaits to take in place of the one that the study names
+    #[arg(long, value_name = "LIB.glb")]
+    library: Option<PathBuf>,
     /// Folder of the study's data; made if it is not there
     #[arg(long, value_name = "DIR")]
     data: PathBuf,
@@ -53,7 +54,7 @@ pub(super) struct Arguments {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let study = super::study(&arguments.study)?;
-    let beside = Beside::of(&study, &arguments.gaits)?;
+    let beside = Beside::of(&study, &Gaits::of(arguments.library.clone()))?;
     check(&study, &beside)?;
     let opening = Opening { libraries: files(&study, arguments)?, materials: beside.materials, study };
     let heed = crate::stop::heed();
@@ -102,7 +103,7 @@ fn files(study: &Study, arguments: &Arguments) -> Result<BTreeMap<String, PathBu
     let folder = study.folder.as_deref().unwrap_or(Path::new("."));
     let mut files = BTreeMap::new();
     for name in libraries(study) {
-        let path = arguments.gaits.library().map_or_else(|| folder.join(&name), Path::to_owned);
+        let path = arguments.library.clone().unwrap_or_else(|| folder.join(&name));
         if !path.is_file() {
             let message = format!("{}: the library of gaits is not there", path.display());
             return Err(usage(message, "put it beside the study file, or name one with --library"));

@@ -74,7 +74,8 @@ fn consent(notes: &mut Notes<'_>, materials: &Materials) {
             }
             Some(0) => {}
             Some(count) => {
-                let found = format!("{name:?} with {count} blanks");
+                let s = if count == 1 { "" } else { "s" };
+                let found = format!("{name:?} with {count} blank{s}");
                 let hint = format!("replace every {BLANK:?}, and have the ethics board approve the text");
                 notes.missing("consent.text", found, "filled in", hint);
             }

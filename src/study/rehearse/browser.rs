@@ -1,6 +1,6 @@
 //! One simulated browser.
 
-use super::{Acknowledged, Outcome, Rehearsal};
+use super::{Acknowledged, NoServer, Outcome, Rehearsal};
 use crate::random::Random;
 use crate::study::plan::{Ending, Scale};
 use crate::study::protocol::{Answer, Content, Event, Exposure, Page, PageQuestion};
@@ -68,6 +68,16 @@ impl<'r> Browser<'r> {
             answers: Vec::new(),
             latencies: Vec::new(),
             repeated: 0,
+        }
+    }
+
+    /// Whether there is a server: asked once.
+    pub(super) fn knock(&self) -> Result<(), NoServer> {
+        let address = self.rehearsal.address.clone();
+        match self.agent.get(&address).call() {
+            Ok(reply) if reply.status().is_success() => Ok(()),
+            Ok(reply) => Err(NoServer { address, reason: format!("status {}", reply.status()) }),
+            Err(error) => Err(NoServer { address, reason: error.to_string() }),
         }
     }
 

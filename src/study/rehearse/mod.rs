@@ -88,8 +88,22 @@ impl Outcome {
     }
 }
 
+/// Nothing answers at an address.
+#[derive(Debug, thiserror::Error)]
+#[error("nothing answers at {address}: {reason}")]
+pub struct NoServer {
+    /// The address.
+    pub address: String,
+    /// Why.
+    pub reason: String,
+}
+
 /// Rehearses a study that is being served. Ends when all participants are through, or none is let in any more.
-pub fn rehearse(rehearsal: &Rehearsal) -> Outcome {
+///
+/// # Errors
+/// [`NoServer`] when nothing answers at the address. Later failures are in [`Outcome::lost`].
+pub fn rehearse(rehearsal: &Rehearsal) -> Result<Outcome, NoServer> {
+    Browser::new(rehearsal, Random::new(0)).knock()?;
     let next = AtomicU32::new(0);
     let outcome = Mutex::new(Outcome::default());
     let began = Instant::now();
@@ -125,5 +139,5 @@ pub fn rehearse(rehearsal: &Rehearsal) -> Outcome {
     let mut outcome = outcome.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
     outcome.latencies.sort_by(f64::total_cmp);
     outcome.seconds = began.elapsed().as_secs_f64();
-    outcome
+    Ok(outcome)
 }
