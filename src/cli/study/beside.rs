@@ -4,14 +4,13 @@ use super::super::output::note;
 use super::super::scene::library;
 use crate::Error;
 use crate::emotion::Emotion;
+use crate::statistics::paper::GAITS;
 use crate::study::file::Part;
 use crate::study::{BUILTIN, Materials, Study};
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Gaits of the paper's rating study (section 3.2).
-const GAITS_OF_THE_PAPER: u32 = 342;
 /// Name by which a study file means the program's own examples.
 const EXAMPLES: &str = "practice";
 
@@ -46,7 +45,7 @@ impl Beside {
         let mut beside = Self { materials: texts(study)?, labels: BTreeMap::new() };
         for name in libraries(study) {
             let own = study.folder.as_ref().map(|folder| folder.join(&name)).filter(|path| path.exists());
-            let stand_in = gaits.gaits.or_else(|| study.folder.is_none().then_some(GAITS_OF_THE_PAPER));
+            let stand_in = gaits.gaits.or_else(|| study.folder.is_none().then_some(GAITS));
             let names =
                 match (gaits.library.as_ref().or(own.as_ref().filter(|_| gaits.gaits.is_none())), stand_in) {
                     (Some(path), _) => beside.read(path)?,

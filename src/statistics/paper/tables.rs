@@ -86,6 +86,9 @@ pub const CONFUSION_PERCENT: [[f64; 4]; 4] = [
 /// The counts behind [`CONFUSION_PERCENT`], of 48 answers a row; the paper does not print them.
 pub const CONFUSION: [[u64; 4]; 4] = [[29, 2, 2, 15], [9, 25, 0, 14], [0, 0, 48, 0], [4, 2, 8, 34]];
 
+/// Number of gaits that the paper's raters judged.
+pub const GAITS: u32 = 342;
+
 /// Shares of the labels of the paper's gaits, percent, in the order of [`EMOTIONS`]; its text prints the greatest and the least.
 pub const LABEL_SHARES: [Option<f64>; 4] = [Some(32.07), None, None, Some(16.35)];
 

@@ -32,20 +32,19 @@
 
 mod columns;
 mod describe;
+mod names;
+mod notes;
 mod people;
 mod script;
 mod sheet;
 mod texts;
 
 use super::analyse::{self, Analysis, Error, analyse, html, markdown, rating_sheet};
-use super::file::StudyFile;
 use super::tables::Tables;
 use super::{FILE_NAME, Study};
-use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
-
-/// Fewest people of one gender and age for which both are given away.
-pub const SMALLEST_CELL: usize = 5;
+use names::Names;
+pub use notes::{Note, SMALLEST_CELL};
+use std::collections::BTreeMap;
 
 /// What an export is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -70,58 +69,6 @@ pub struct Dataset {
     pub files: Vec<File>,
     /// What a person has to know before it is handed on.
     pub notes: Vec<Note>,
-}
-
-/// What a person has to know before a dataset is handed on.
-#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
-#[serde(tag = "note", rename_all = "kebab-case")]
-pub enum Note {
-    /// Gender and age are left out.
-    Withheld {
-        /// Questions left out.
-        questions: Vec<String>,
-        /// Fewest people that share gender and age.
-        smallest: usize,
-    },
-    /// Gender and age are there although few people share both.
-    SmallCells {
-        /// Fewest people that share gender and age.
-        smallest: usize,
-    },
-    /// Free texts may tell who wrote them.
-    FreeTexts {
-        /// How many there are.
-        count: usize,
-    },
-    /// No participant is a person.
-    Simulated,
-}
-
-impl fmt::Display for Note {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Withheld { questions, smallest } => write!(
-                f,
-                "{} left out: {smallest} of the participants share the rarest combination, fewer than {SMALLEST_CELL}; --small-cells \
-                 exports them",
-                questions.join(" and ")
-            ),
-            Self::SmallCells { smallest } => write!(
-                f,
-                "gender and age are in the data, though only {smallest} of the participants share the rarest combination; who knows \
-                 them may find a participant by it"
-            ),
-            Self::FreeTexts { count } => {
-                write!(
-                    f,
-                    "free texts: {count}; read them before you share the data, since they may tell who wrote them"
-                )
-            }
-            Self::Simulated => {
-                f.write_str("all participants are simulated; the data describe a model, not people")
-            }
-        }
-    }
 }
 
 /// The dataset of a study. `texts` are the consent texts that are known, by the name of their file.
@@ -202,45 +149,4 @@ fn notes(tables: &Tables, analysis: &Analysis, smallest: Option<usize>, is_withh
         notes.push(Note::Simulated);
     }
     notes
-}
-
-/// Names of data files: keys and values of letters and digits, as Psych-DS asks.
-struct Names {
-    study: String,
-    /// Parts with answers, in the order of the flow, with their files.
-    parts: Vec<(String, String)>,
-}
-
-impl Names {
-    fn new(study: &StudyFile, tables: &Tables) -> Self {
-        let word = |text: &str| text.chars().filter(char::is_ascii_alphanumeric).collect::<String>();
-        let id = word(&study.study.id);
-        let answered: BTreeSet<&str> = tables.answers.iter().map(|row| row.part.as_str()).collect();
-        let known = study.study.flow.iter().map(String::as_str).filter(|part| answered.contains(part));
-        let unknown =
-            answered.iter().copied().filter(|part| !study.study.flow.iter().any(|known| known == part));
-        let mut taken: BTreeSet<String> = BTreeSet::new();
-        let mut parts = Vec::new();
-        for part in known.chain(unknown) {
-            // two parts may differ in signs alone
-            let base = Some(word(part)).filter(|word| !word.is_empty()).unwrap_or_else(|| "part".to_owned());
-            let numbered =
-                (1..).map(|number| if number == 1 { base.clone() } else { format!("{base}x{number}") });
-            let Some(value) = numbered.into_iter().find(|value| taken.insert(value.to_lowercase())) else {
-                continue;
-            };
-            parts.push((part.to_owned(), format!("study-{id}_task-{value}_data.csv")));
-        }
-        Self { study: id, parts }
-    }
-
-    /// The file of something else than a part.
-    fn of(&self, description: &str) -> String {
-        format!("study-{}_description-{description}_data.csv", self.study)
-    }
-
-    /// The file of a part, if it has answers.
-    fn part(&self, part: &str) -> Option<&str> {
-        self.parts.iter().find(|(name, _)| name == part).map(|(_, file)| file.as_str())
-    }
 }

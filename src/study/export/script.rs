@@ -1,6 +1,6 @@
 //! An R script with mixed models of what the study file tests.
 
-use super::Names;
+use super::names::Names;
 use crate::study::file::{Part, StudyFile, Test};
 use std::fmt::Write as _;
 

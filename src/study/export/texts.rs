@@ -1,7 +1,8 @@
 //! The dataset's README and list of changes.
 
+use super::describe;
+use super::notes::Note;
 use super::sheet::Sheet;
-use super::{Note, describe};
 use crate::study::analyse::Analysis;
 use crate::study::file::StudyFile;
 use std::fmt::Write as _;

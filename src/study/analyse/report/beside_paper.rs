@@ -1,6 +1,6 @@
 //! The paper's tables beside those of its two studies done again.
 
-use super::page::{Page, p, percent, plain, texts};
+use super::page::{Page, many, p, percent, plain, texts};
 use crate::emotion::Emotion;
 use crate::statistics::paper;
 use crate::study::analyse::{Analysis, ConfusionBlock, FriedmanBlock, RatingBlock, Test};
@@ -30,6 +30,9 @@ pub(super) fn section(page: &mut Page, analysis: &Analysis) {
     page.paragraph(
         "Ours are the answers of this study, without the excluded. The paper's are as printed, of other people and other gaits.",
     );
+    if analysis.participants.is_simulated {
+        page.paragraph("Simulated participants answer by formulas. Agreement with the paper is no evidence.");
+    }
     page.blocks.append(&mut found.blocks);
 }
 
@@ -46,7 +49,11 @@ fn labels(page: &mut Page, found: &RatingBlock) {
     };
     page.heading(3, "Labels of gaits");
     page.table(&texts(&["label", "share, ours", "share, paper"]), 1, Emotion::ALL.map(row).to_vec());
-    page.paragraph("The paper prints the greatest and the least share.");
+    page.paragraph(format!(
+        "The paper prints the greatest and the least share. Our {} stand in for its {} recorded ones.",
+        many(analysis.videos.len(), "gait"),
+        paper::GAITS
+    ));
 }
 
 /// Place of a word in a list; case does not matter.

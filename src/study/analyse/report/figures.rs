@@ -1,6 +1,6 @@
 //! The figures of a report.
 
-use super::page::{Page, plain};
+use super::page::{Page, interval, plain, texts};
 use crate::emotion::Emotion;
 use crate::export::chart::{
     Bar, Bars, EMOTION_COLORS, Funnel, FunnelStep, Likert, LikertRow, Matrix, Mean, MeanSeries, Means,
@@ -96,7 +96,28 @@ pub(super) fn answers(page: &mut Page, analysis: &Analysis) {
             let text = if item.text.is_empty() { String::new() } else { format!(": {}", plain(&item.text)) };
             page.figure(&means(item), format!("Means of `{}`{text}.", item.item));
         }
+        table(page, items);
     }
+}
+
+/// The numbers of the figures.
+fn table(page: &mut Page, items: &[ItemAnswers]) {
+    let row = |item: &ItemAnswers, group: &Group| {
+        let name = |name: &Option<String>| name.as_deref().map_or_else(String::new, plain);
+        let answers: usize = group.counts.iter().sum();
+        let counts = [group.people, answers].map(|count| count.to_string());
+        let mean = group.mean.map_or_else(String::new, |mean| format!("{mean:.2}"));
+        let ends = group.interval.map_or_else(String::new, interval);
+        [plain(&item.item), name(&group.scene), name(&group.condition)]
+            .into_iter()
+            .chain(counts)
+            .chain([mean, ends])
+            .collect()
+    };
+    let rows = items.iter().flat_map(|item| item.groups.iter().map(move |group| row(item, group)));
+    let head = ["item", "scene", "condition", "people", "answers", "mean", "mean, 95 %"];
+    page.table(&texts(&head), 3, rows.collect());
+    page.paragraph("Means of all answers, without the excluded. Intervals by a bootstrap over people.");
 }
 
 fn distribution(of: &str, items: &[ItemAnswers]) -> Likert {

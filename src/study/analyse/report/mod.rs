@@ -9,8 +9,8 @@ mod planned;
 mod questionnaires;
 mod ratings;
 
-use super::{Analysis, Sides};
-use page::{Page, plain};
+use super::Analysis;
+use page::{Page, both, plain};
 
 /// The page as Markdown: who took part, exclusions, the tests without and with the excluded, ratings, questionnaires, remarks.
 pub fn markdown(analysis: &Analysis) -> String {
@@ -51,15 +51,4 @@ fn page(analysis: &Analysis) -> Page {
     beside_paper::section(&mut page, analysis);
     people::remarks(&mut page, analysis);
     page
-}
-
-/// A result without the excluded, and with them.
-fn both<T>(page: &mut Page, sides: &Sides<T>, of: &str, write: impl Fn(&mut Page, &T)) {
-    let without = if sides.everyone.is_some() { ", without the excluded" } else { "" };
-    page.heading(2, format!("{of}{without}"));
-    write(page, &sides.kept);
-    if let Some(everyone) = &sides.everyone {
-        page.heading(2, format!("{of}, with the excluded"));
-        write(page, everyone);
-    }
 }

@@ -3,6 +3,7 @@
 //! Texts within blocks are Markdown of three signs alone: `code`, **strong** and a backslash before a sign that means nothing.
 
 use crate::statistics::Description;
+use crate::study::analyse::Sides;
 
 /// A report.
 #[derive(Debug, Default)]
@@ -130,5 +131,16 @@ pub(super) fn mean(of: &Description) -> String {
     match of.deviation {
         Some(deviation) => format!("{:.2} ({deviation:.2})", of.mean),
         None => format!("{:.2}", of.mean),
+    }
+}
+
+/// A result without the excluded, and with them.
+pub(super) fn both<T>(page: &mut Page, sides: &Sides<T>, of: &str, write: impl Fn(&mut Page, &T)) {
+    let without = if sides.everyone.is_some() { ", without the excluded" } else { "" };
+    page.heading(2, format!("{of}{without}"));
+    write(page, &sides.kept);
+    if let Some(everyone) = &sides.everyone {
+        page.heading(2, format!("{of}, with the excluded"));
+        write(page, everyone);
     }
 }

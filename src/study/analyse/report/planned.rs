@@ -1,7 +1,7 @@
 //! The planned tests.
 
-use super::page::{Page, interval, many, mean, p, percent, percents, plain, texts};
-use super::{both, figures};
+use super::figures;
+use super::page::{Page, both, interval, many, mean, p, percent, percents, plain, texts};
 use crate::study::analyse::{ConfusionBlock, FriedmanBlock, FriedmanTest, LEVEL, Outcome, Test};
 use crate::study::file::{Adjust, Zeros};
 

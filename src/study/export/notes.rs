@@ -1,0 +1,58 @@
+//! What a person has to know before a dataset is handed on.
+
+use std::fmt;
+
+/// Fewest people of one gender and age for which both are given away.
+pub const SMALLEST_CELL: usize = 5;
+
+/// What a person has to know before a dataset is handed on.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
+#[serde(tag = "note", rename_all = "kebab-case")]
+pub enum Note {
+    /// Gender and age are left out.
+    Withheld {
+        /// Questions left out.
+        questions: Vec<String>,
+        /// Fewest people that share gender and age.
+        smallest: usize,
+    },
+    /// Gender and age are there although few people share both.
+    SmallCells {
+        /// Fewest people that share gender and age.
+        smallest: usize,
+    },
+    /// Free texts may tell who wrote them.
+    FreeTexts {
+        /// How many there are.
+        count: usize,
+    },
+    /// No participant is a person.
+    Simulated,
+}
+
+impl fmt::Display for Note {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Withheld { questions, smallest } => write!(
+                f,
+                "{} left out: {smallest} of the participants share the rarest combination, fewer than {SMALLEST_CELL}; --small-cells \
+                 exports them",
+                questions.join(" and ")
+            ),
+            Self::SmallCells { smallest } => write!(
+                f,
+                "gender and age are in the data, though only {smallest} of the participants share the rarest combination; who knows \
+                 them may find a participant by it"
+            ),
+            Self::FreeTexts { count } => {
+                write!(
+                    f,
+                    "free texts: {count}; read them before you share the data, since they may tell who wrote them"
+                )
+            }
+            Self::Simulated => {
+                f.write_str("all participants are simulated; the data describe a model, not people")
+            }
+        }
+    }
+}
