@@ -10,7 +10,8 @@ fn survive(kills: u32, pause: Duration) -> usize {
     let rehearsal = Rehearsal { participants: 1_000_000, pause, leaving: 0.002, ..lab.rehearsal() };
     let mut server = lab.serve();
     let outcome = std::thread::scope(|scope| {
-        let browsers = scope.spawn(|| rehearse(&Rehearsal { participants: 64 + kills, ..rehearsal.clone() }).unwrap());
+        let browsers =
+            scope.spawn(|| rehearse(&Rehearsal { participants: 64 + kills, ..rehearsal.clone() }).unwrap());
         for number in 0..u64::from(kills) {
             std::thread::sleep(Duration::from_millis(100 + number * 137 % 400));
             server.kill();

@@ -86,7 +86,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         patience: Duration::from_secs(60),
         seed: arguments.seed,
     })
-    .map_err(|error| failed(error.to_string(), "start it with `gaitway study serve`, and give the address that it prints"))?;
+    .map_err(|error| {
+        failed(error.to_string(), "start it with `gaitway study serve`, and give the address that it prints")
+    })?;
     std::mem::drop(heed);
     let printed = printed(&outcome);
     if arguments.json {
