@@ -1,10 +1,11 @@
 //! One simulated browser.
 
-use super::{Acknowledged, NoServer, Outcome, Rehearsal};
+use super::{Acknowledged, Hints, NoServer, Outcome, Rehearsal};
 use crate::random::Random;
 use crate::study::plan::{Ending, Scale};
 use crate::study::protocol::{Answer, Content, Event, Exposure, Page, PageQuestion};
 use serde::Deserialize;
+use std::sync::PoisonError;
 use std::time::{Duration, Instant};
 use ureq::Agent;
 use ureq::http::Response;
@@ -37,6 +38,9 @@ struct State {
 /// One simulated browser.
 pub(super) struct Browser<'r> {
     rehearsal: &'r Rehearsal,
+    hints: &'r Hints,
+    /// What was answered to the check that was just sent.
+    tried: Vec<((String, String), i64)>,
     agent: Agent,
     random: Random,
     /// Scheme and host.
@@ -50,7 +54,7 @@ pub(super) struct Browser<'r> {
 }
 
 impl<'r> Browser<'r> {
-    pub(super) fn new(rehearsal: &'r Rehearsal, random: Random) -> Self {
+    pub(super) fn new(rehearsal: &'r Rehearsal, hints: &'r Hints, random: Random) -> Self {
         let config = Agent::config_builder()
             .http_status_as_error(false)
             .max_redirects(0)
@@ -59,6 +63,8 @@ impl<'r> Browser<'r> {
         let host = rehearsal.address.splitn(4, '/').take(3).collect::<Vec<_>>();
         Self {
             rehearsal,
+            hints,
+            tried: Vec::new(),
             agent: config.into(),
             random,
             origin: host.join("/"),
@@ -109,6 +115,7 @@ impl<'r> Browser<'r> {
         loop {
             let State { page, mark, code } = self.state()?;
             (self.mark, self.code) = (mark, code);
+            self.learn(&page);
             match &page.content {
                 Content::Ended { ending: Ending::Full, .. } => return Ok(End::TurnedAway),
                 Content::Ended { .. } => return Ok(End::Finished),
@@ -116,6 +123,20 @@ impl<'r> Browser<'r> {
                 _ => self.answer_page(&page)?,
             }
         }
+    }
+
+    /// Tells the others what was answered to a check that was passed.
+    fn learn(&mut self, page: &Page) {
+        let tried = std::mem::take(&mut self.tried);
+        if !matches!(page.content, Content::Check { .. } | Content::Ended { .. }) {
+            self.hints.lock().unwrap_or_else(PoisonError::into_inner).extend(tried);
+        }
+    }
+
+    /// What has passed a check before.
+    fn hint(&self, part: &str, question: &str) -> Option<i64> {
+        let key = (part.to_owned(), question.to_owned());
+        self.hints.lock().unwrap_or_else(PoisonError::into_inner).get(&key).copied()
     }
 
     fn answer_page(&mut self, page: &Page) -> Result<(), Lost> {
@@ -133,7 +154,11 @@ impl<'r> Browser<'r> {
             }
             content => {
                 for question in content.questions() {
-                    self.answer(&id, question)?;
+                    let value = self.answer(page, question)?;
+                    if matches!(content, Content::Check { .. }) {
+                        let key = (page.part.clone(), question.id.clone());
+                        self.tried.extend(value.map(|value| (key, value)));
+                    }
                 }
                 Event::Next { page: id }
             }
@@ -142,7 +167,8 @@ impl<'r> Browser<'r> {
         self.acknowledged("/event", &body).map(drop)
     }
 
-    fn answer(&mut self, page: &str, question: &PageQuestion) -> Result<(), Lost> {
+    /// Answers a question; returns the number.
+    fn answer(&mut self, page: &Page, question: &PageQuestion) -> Result<Option<i64>, Lost> {
         let pause = self.rehearsal.pause.mul_f64(self.random.unit());
         std::thread::sleep(pause);
         let (value, text) = match &question.scale {
@@ -153,14 +179,15 @@ impl<'r> Browser<'r> {
             }
             Scale::Options { options } => {
                 let index = self.random.below(options.len());
-                (options.get(index).map(|(value, _)| *value), None)
+                let any = options.get(index).map(|(value, _)| *value);
+                (self.hint(&page.part, &question.id).or(any), None)
             }
             Scale::Text { .. } => (None, Some("rehearsal".to_owned())),
         };
         let ms = u32::try_from(pause.as_millis()).unwrap_or(u32::MAX);
         let key = format!("{:016x}", self.random.bits());
         let answer = Answer {
-            page: page.to_owned(),
+            page: page.id.clone(),
             question: question.id.clone(),
             value,
             text,
@@ -173,9 +200,9 @@ impl<'r> Browser<'r> {
         if self.acknowledged("/answer", &body)? {
             self.latencies.push(1000.0 * sent.elapsed().as_secs_f64());
         }
-        let (code, page, question) = (self.code.clone(), page.to_owned(), question.id.clone());
+        let (code, page, question) = (self.code.clone(), page.id.clone(), question.id.clone());
         self.answers.push(Acknowledged { code, page, question, value, key });
-        Ok(())
+        Ok(value)
     }
 
     /// Sends JSON until the server has stored it. Returns whether it did at once.

@@ -1,12 +1,13 @@
 //! Simulated browsers at a running server: a rehearsal before people come, and a measure of how much it stands.
 //!
 //! They speak HTTP as the page's script does: an answer is sent with a key, again and again until it is acknowledged. They know
-//! no more than a browser knows. What they answer means nothing.
+//! no more than a browser knows, but tell one another which answers have passed a check. What they answer means nothing.
 
 mod browser;
 
 use crate::random::Random;
 use browser::{Browser, End, Lost};
+use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
@@ -29,6 +30,9 @@ pub struct Rehearsal {
     /// Seed of all draws.
     pub seed: u64,
 }
+
+/// Answers that have passed checks, by page and question.
+type Hints = Mutex<BTreeMap<(String, String), i64>>;
 
 /// An answer that the server has acknowledged.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -103,7 +107,8 @@ pub struct NoServer {
 /// # Errors
 /// [`NoServer`] when nothing answers at the address. Later failures are in [`Outcome::lost`].
 pub fn rehearse(rehearsal: &Rehearsal) -> Result<Outcome, NoServer> {
-    Browser::new(rehearsal, Random::new(0)).knock()?;
+    let hints = Hints::default();
+    Browser::new(rehearsal, &hints, Random::new(0)).knock()?;
     let next = AtomicU32::new(0);
     let outcome = Mutex::new(Outcome::default());
     let began = Instant::now();
@@ -114,7 +119,7 @@ pub fn rehearse(rehearsal: &Rehearsal) -> Result<Outcome, NoServer> {
                 return;
             }
             let mut seed = Random::new(rehearsal.seed ^ (u64::from(number) << 32));
-            let mut browser = Browser::new(rehearsal, Random::new(seed.bits()));
+            let mut browser = Browser::new(rehearsal, &hints, Random::new(seed.bits()));
             let ended = browser.take_part();
             let is_full = matches!(ended, Ok(End::TurnedAway));
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
