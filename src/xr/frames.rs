@@ -7,10 +7,11 @@ use super::Error;
 use super::headset::{Failure, Headset};
 use super::input::Reading;
 use super::miniature::Miniature;
+use super::next::{Next, Venue};
 use super::pace::FrameTimes;
 use super::plan::Shot;
 use super::recording::{UserState, numbers};
-use super::rig::Terrain;
+use super::rig::{Terrain, Walk};
 use super::session::{Eyes, Frame, Session};
 use super::shown::{Crowd, Shown};
 use super::views::{self, Pose};
@@ -25,7 +26,7 @@ const LONGEST_FRAME: f32 = 0.1;
 
 /// The host's part of a frame.
 #[derive(Debug, Clone, Copy)]
-struct HostWork {
+pub(super) struct HostWork {
     /// From acquiring its image to handing it over.
     handed_over: Duration,
     /// From the wake-up on, without waits for the device and for images.
@@ -34,19 +35,24 @@ struct HostWork {
 
 /// What lives as long as a session, in the order in which it is dropped.
 pub(super) struct Running {
-    clock: Clock,
+    pub(super) clock: Clock,
+    /// The world that comes next, on the session's device.
+    pub(super) next: Next,
+    pub(super) venue: Venue,
     /// Waits for the frames that the device still draws.
     pub(super) show: Show,
     pub(super) miniature: Miniature,
     /// The host's part of the frames that the device may still draw, by slot.
-    in_flight: [Option<HostWork>; FRAMES_IN_FLIGHT],
+    pub(super) in_flight: [Option<HostWork>; FRAMES_IN_FLIGHT],
     pub(super) session: Session,
 }
 
 impl Running {
-    pub(super) fn new(show: Show, session: Session) -> Self {
+    pub(super) fn new(show: Show, session: Session, venue: Venue) -> Self {
         Self {
             clock: Clock::default(),
+            next: Next::default(),
+            venue,
             show,
             miniature: Miniature::default(),
             in_flight: [None; FRAMES_IN_FLIGHT],
@@ -59,10 +65,12 @@ impl Headset<'_> {
     /// Waits until it is time for a frame, and hands it over.
     pub(super) fn frame(&mut self, running: &mut Running) -> Result<(), Failure> {
         let shared = self.shared;
+        self.heed(running)?;
         let Running { clock, session, .. } = running;
         let frame = shared.call(|| session.wait())?;
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
-        let (seconds, periods) = clock.step(&frame, &mut self.times);
+        let Step { seconds, periods, since_ms } = clock.step(&frame, &mut self.times);
+        self.fade_on(seconds);
         let read = || Ok::<_, Error>((session.read_input(&frame)?, session.head(&frame)?));
         let (input, head) = shared.call(read)?;
         if let Some(head) = head {
@@ -77,8 +85,10 @@ impl Headset<'_> {
         let begin = Instant::now();
         let target = shared.call(|| session.acquire())?;
         let snapshot = shared.snapshot();
-        show.take(&snapshot.store, snapshot.number, snapshot.due)?;
-        let crowd = Crowd { now: shared.now(), step: shared.time_step, late: snapshot.late };
+        if snapshot.world == self.world.number {
+            show.take(&snapshot.store, snapshot.number, snapshot.due)?;
+        }
+        let crowd = Crowd { now: shared.now(), step: snapshot.step, late: snapshot.late };
         let shown = clock.shown.time(frame.display.as_nanos(), &crowd);
         show.set_level_distances(self.governor.distances(self.world.level_distances));
         let size = self.drawn_size(session.size());
@@ -94,6 +104,7 @@ impl Headset<'_> {
         let drawn = eyes.as_ref().map(|eyes| (eyes, size));
         shared.call(|| session.release().and_then(|()| session.end(frame, drawn)))?;
         self.times.drew(periods);
+        self.report_frame(periods, since_ms);
         let handed_over = begin.elapsed();
         let host = woke.elapsed().saturating_sub(session.waited().saturating_sub(waited));
         self.times.prepared(host, watch.ran());
@@ -148,7 +159,8 @@ impl Headset<'_> {
             floors: &self.world.floors,
             is_free: &|place, height| self.world.is_free(place, height),
         };
-        self.rig.walk(&input.walk, head, hand, seconds, &terrain);
+        let recentres = input.walk.recentres || std::mem::take(&mut self.recentres);
+        self.rig.walk(&Walk { recentres, ..input.walk }, head, hand, seconds, &terrain);
         let place = self.rig.user(head);
         let room = self.rig.world_from_room();
         let state = UserState {
@@ -209,6 +221,7 @@ impl Headset<'_> {
             joints: input.seen.map(|seen| seen.map(|seen| seen.within(room))),
             teleport: self.rig.teleport_shown(input.hands[1].or(input.hands[0])),
             vignette: self.rig.vignette() * self.plan.vignette,
+            fade: self.fade,
         }
     }
 
@@ -232,20 +245,31 @@ impl Headset<'_> {
 
 /// The time from frame to frame.
 #[derive(Debug, Default)]
-struct Clock {
+pub(super) struct Clock {
     display: Option<i64>,
     woke: Option<Instant>,
-    shown: Shown,
+    pub(super) shown: Shown,
+}
+
+/// From one frame to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    /// For motion: bounded.
+    seconds: f32,
+    /// Periods of the display.
+    periods: u64,
+    /// By the display's times, ms.
+    since_ms: f32,
 }
 
 impl Clock {
-    /// Seconds since the frame before, for motion; and periods of the display since then.
+    /// The time since the frame before.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         reason = "short times in nanoseconds"
     )]
-    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> (f32, u64) {
+    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> Step {
         let now = Instant::now();
         if let Some(before) = self.woke.replace(now) {
             times.woke(now - before);
@@ -254,7 +278,8 @@ impl Clock {
         let since = self.display.replace(display).map_or(0, |before| display - before);
         let period = i64::try_from(frame.period.as_nanos()).unwrap_or(0).max(1);
         let periods = u64::try_from((since + period / 2) / period).unwrap_or(0).min(1_000);
-        ((since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME), periods)
+        let seconds = (since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME);
+        Step { seconds, periods, since_ms: since as f32 * 1e-6 }
     }
 }
 
@@ -270,10 +295,9 @@ mod tests {
         let mut times = FrameTimes::default();
         let mut at = |display: i64| {
             let period = Duration::from_millis(20);
-            clock.step(
-                &Frame { display: xr::Time::from_nanos(display), period, wants_image: true },
-                &mut times,
-            )
+            let frame = Frame { display: xr::Time::from_nanos(display), period, wants_image: true };
+            let Step { seconds, periods, .. } = clock.step(&frame, &mut times);
+            (seconds, periods)
         };
         assert_eq!(at(1_000_000_000), (0.0, 0));
         let (seconds, periods) = at(1_020_000_000);
