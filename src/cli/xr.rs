@@ -11,7 +11,7 @@ use crate::Error;
 use crate::export::AtomicFile;
 use crate::file;
 use crate::kernels::Store;
-use crate::scenario::{Condition, GazeMode, User};
+use crate::scenario::User;
 use crate::scene::Scene;
 use crate::sim::measure;
 use crate::xr::{
@@ -192,30 +192,7 @@ fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
 
 /// The header of this session's recording.
 fn session(arguments: &SceneArguments, scene: &Scene, store: &Store) -> Result<RecordedSession, Error> {
-    let scenario = &scene.scenario;
-    Ok(RecordedSession {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        scene: scenario.name.clone(),
-        condition: match scenario.condition {
-            Condition::Baseline => "baseline",
-            Condition::EvaO => "eva-o",
-            Condition::EvaG => "eva-g",
-        }
-        .to_owned(),
-        gaze: match scenario.gaze.mode {
-            GazeMode::Natural => "natural",
-            GazeMode::Paper => "paper",
-        }
-        .to_owned(),
-        agents: store.step.agent_count,
-        seed: scenario.seed,
-        time_step: store.step.time_step,
-        scenario: xr::hash_scenario(scenario),
-        library: xr::hash_library(&library(arguments.library.as_deref())?),
-        avatars: xr::hash_avatars(scene.cast.avatars()),
-        start: xr::hash_start(store),
-        trial: None,
-    })
+    Ok(RecordedSession::of(scene, &library(arguments.library.as_deref())?, store))
 }
 
 fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {

@@ -25,6 +25,7 @@ impl Headset<'_> {
         {
             self.change(running, world, show)?;
         }
+        self.take_question(cues.question.as_ref());
         Ok(())
     }
 
@@ -48,8 +49,14 @@ impl Headset<'_> {
         self.world = world;
     }
 
-    /// At the begin of a session: a world that was to be seen meanwhile.
+    /// Asks for a new place of the panel: the room is another one.
+    pub(super) fn forget_place(&mut self) {
+        self.asking.iter_mut().for_each(super::asking::Asking::forget_place);
+    }
+
+    /// At the begin of a session: a world that was to be seen meanwhile, and a panel that has no place in the room yet.
     pub(super) fn adopt(&mut self) {
+        self.forget_place();
         let cues = self.shared.cues();
         let wanted =
             cues.next.filter(|next| next.number == cues.on_stage && next.number != self.world.number);

@@ -1,5 +1,6 @@
 //! What a stage asks of the headset's thread, and how far that thread is.
 
+use super::asking::{Answered, Question};
 use super::surroundings::Surroundings;
 use std::sync::Arc;
 
@@ -12,6 +13,8 @@ pub(super) struct Cues {
     pub(super) on_stage: u64,
     /// How far everything is to be covered with grey, 0 to 1; reached within [`FADE_SECONDS`].
     pub(super) fade: f32,
+    /// The panel that stands in the room.
+    pub(super) question: Option<Arc<Question>>,
 }
 
 /// A full fade takes so long, s.
@@ -28,6 +31,8 @@ pub(super) struct Report {
     pub(super) fade: f32,
     /// The frames so far.
     pub(super) frames: FrameCount,
+    /// The last answer, and to which panel.
+    pub(super) answer: Option<(u64, Answered)>,
 }
 
 /// Frames that were shown.

@@ -4,11 +4,13 @@
 //! prepares it. What the device took for a frame is known two frames later.
 
 use super::Error;
+use super::asking::Asking;
 use super::headset::{Failure, Headset};
-use super::input::Reading;
+use super::input::{Active, Reading};
 use super::miniature::Miniature;
 use super::next::{Next, Venue};
 use super::pace::FrameTimes;
+use super::panel::place::EyeImage;
 use super::plan::Shot;
 use super::recording::{UserState, numbers};
 use super::rig::{Terrain, Walk};
@@ -18,7 +20,7 @@ use super::views::{self, Pose};
 use super::watch::Watch;
 use crate::gpu::FRAMES_IN_FLIGHT;
 use crate::render::{DrawTimes, Hand, HandKind, Show, Target, User};
-use glam::{Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use std::time::{Duration, Instant};
 
 /// Longest time from frame to frame, s. A runtime that hung gives display times of long ago.
@@ -71,14 +73,20 @@ impl Headset<'_> {
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
         let Step { seconds, periods, since_ms } = clock.step(&frame, &mut self.times);
         self.fade_on(seconds);
-        let read = || Ok::<_, Error>((session.read_input(&frame)?, session.head(&frame)?));
+        let active = match (&self.asking, self.plan.moves) {
+            (Some(_), _) => Active::Answer,
+            (None, true) => Active::Walk,
+            (None, false) => Active::Hands,
+        };
+        let read = || Ok::<_, Error>((session.read_input(&frame, active)?, session.head(&frame)?));
         let (input, head) = shared.call(read)?;
         if let Some(head) = head {
             self.follow(head, &input, seconds);
         }
+        self.answer(&input, head, f64::from(since_ms.max(0.0)) * 1e-3);
         if !frame.wants_image {
             self.times.empty();
-            return Ok(shared.call(|| session.end(frame, None))?);
+            return Ok(shared.call(|| session.end(frame, None, &[]))?);
         }
         self.make_room(running, frame.period)?;
         let Running { clock, show, session, .. } = running;
@@ -102,15 +110,19 @@ impl Headset<'_> {
         };
         let Running { session, in_flight, .. } = running;
         let drawn = eyes.as_ref().map(|eyes| (eyes, size));
-        shared.call(|| session.release().and_then(|()| session.end(frame, drawn)))?;
+        let quads = self.asking.as_ref().filter(|_| eyes.is_some()).map_or_else(Vec::new, Asking::quads);
+        shared.call(|| session.release().and_then(|()| session.end(frame, drawn, &quads)))?;
+        if !quads.is_empty() {
+            self.panel_seen(&frame);
+        }
         self.times.drew(periods);
         self.report_frame(periods, since_ms);
         let handed_over = begin.elapsed();
         let host = woke.elapsed().saturating_sub(session.waited().saturating_sub(waited));
         self.times.prepared(host, watch.ran());
         in_flight[slot] = eyes.is_some().then_some(HostWork { handed_over, host });
-        if let Some(user_eyes) = shot {
-            self.shoot(running, user_eyes)?;
+        if let Some((user_eyes, clips)) = shot {
+            self.shoot(running, user_eyes, clips)?;
         }
         self.frames += 1;
         Ok(())
@@ -130,7 +142,9 @@ impl Headset<'_> {
         let Running { show, miniature, in_flight, .. } = running;
         let slot = show.renderer().slot();
         let device = show.make_room()?;
-        if let (Some(mirror), Some(copy)) = (&self.plan.mirror, miniature.take(slot)) {
+        if let (Some(mirror), Some((mut copy, clip))) = (&self.plan.mirror, miniature.take(slot)) {
+            let eye = EyeImage { left: 0, size: [copy.width, copy.height], clip };
+            self.asking.iter().for_each(|asking| asking.paste(&mut copy, &eye, self.rig.world_from_room()));
             mirror.keep(copy);
         }
         if let Some(HostWork { handed_over, host }) = in_flight[slot].take() {
@@ -143,8 +157,14 @@ impl Headset<'_> {
     }
 
     /// Hands out what the newest frame showed, once the device has drawn it.
-    fn shoot(&mut self, running: &mut Running, user_eyes: Vec3) -> Result<(), Failure> {
-        let image = running.show.finish(true)?;
+    fn shoot(&mut self, running: &mut Running, user_eyes: Vec3, clips: [Mat4; 2]) -> Result<(), Failure> {
+        let mut image = running.show.finish(true)?;
+        if let (Some(image), Some(asking)) = (&mut image, &self.asking) {
+            let size = [image.width / 2, image.height];
+            for (left, clip) in [0, size[0]].into_iter().zip(clips) {
+                asking.paste(image, &EyeImage { left, size, clip }, self.rig.world_from_room());
+            }
+        }
         let faces = running.show.faces(&self.world.store)?;
         if let (Some(image), Some((_, shots))) = (image, &mut self.plan.shots) {
             shots(&Shot { frame: self.frames, image, user_eyes, faces }).map_err(Failure::Fatal)?;
@@ -179,7 +199,8 @@ impl Headset<'_> {
         });
     }
 
-    /// Has the device draw what the eyes see. Returns the midpoint of the eyes if this frame is one of the shots.
+    /// Has the device draw what the eyes see. Returns the midpoint of the eyes, and clip from world space of each, if this
+    /// frame is one of the shots.
     fn draw(
         &mut self,
         running: &mut Running,
@@ -187,8 +208,10 @@ impl Headset<'_> {
         eyes: &Eyes,
         input: &Reading,
         times: DrawTimes,
-    ) -> Result<Option<Vec3>, Failure> {
+    ) -> Result<Option<(Vec3, [Mat4; 2])>, Failure> {
         let small = self.wants_miniature(running)?;
+        let slot = running.show.renderer().slot();
+        self.bring_panel(running, slot)?;
         let Running { show, session, miniature, .. } = running;
         let view = views::view(eyes.placed, self.rig.world_from_room());
         let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
@@ -199,14 +222,15 @@ impl Headset<'_> {
             self.outcome.hidden_triangles = session.hidden().triangles();
         }
         let is_copied = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
-        let (slot, drawn) = (renderer.slot(), [renderer.settings().width, renderer.settings().height]);
+        let drawn = [renderer.settings().width, renderer.settings().height];
         show.submit(&view, middle, times, &Target { is_copied, ..target }, |commands| {
             if small {
-                miniature.record(commands, slot, target.color.left(), drawn);
+                miniature.record(commands, slot, target.color.left(), drawn, view.clip_from_world[0]);
             }
+            session.record_panel(commands, slot);
             Ok(())
         })?;
-        Ok(is_copied.then_some(middle))
+        Ok(is_copied.then_some((middle, view.clip_from_world)))
     }
 
     /// What the frame shows of the user.

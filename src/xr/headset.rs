@@ -3,6 +3,8 @@
 //! Any failure after the first session restarts the session on a new device, with increasing back-off. Two things end the
 //! thread early: an error that waiting cannot mend and that repeats, and an error of our own, such as a full disk.
 
+use super::answer::Answering;
+use super::asking::Asking;
 use super::frames::Running;
 use super::next::Venue;
 use super::outcome::{Outage, Outcome};
@@ -46,6 +48,9 @@ pub(super) struct Headset<'a> {
     pub(super) recentres: bool,
     /// How far everything is covered with grey.
     pub(super) fade: f32,
+    /// The panel that stands in the room.
+    pub(super) asking: Option<Asking>,
+    pub(super) answering: Answering,
     pub(super) times: FrameTimes,
     pub(super) governor: Governor,
     pub(super) outcome: Outcome,
@@ -66,6 +71,8 @@ impl<'a> Headset<'a> {
             plan,
             recentres: false,
             fade: 0.0,
+            asking: None,
+            answering: Answering::default(),
             times: FrameTimes::default(),
             governor: Governor::default(),
             outcome: Outcome { least_quality: 1.0, least_resolution: 1.0, ..Outcome::default() },
@@ -178,7 +185,7 @@ impl<'a> Headset<'a> {
                         }
                     }
                     Event::Rate(rate) => self.outcome.refresh_rate = Some(rate),
-                    Event::Recentred => {}
+                    Event::Recentred => self.forget_place(),
                 }
             }
             if shared.stop_requested() && !has_requested_exit {

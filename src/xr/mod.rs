@@ -31,7 +31,9 @@
 //!
 //! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
 
+mod answer;
 mod app;
+mod asking;
 mod change;
 mod clock;
 mod cues;
@@ -46,6 +48,7 @@ mod mirror;
 mod next;
 mod outcome;
 mod pace;
+mod panel;
 mod plan;
 mod recording;
 mod rig;
@@ -62,7 +65,9 @@ mod views;
 mod watch;
 mod world;
 
+pub use answer::Means;
 pub use app::{Observer, run};
+pub use asking::Answered;
 pub use cues::FrameCount;
 pub use error::{Error, Loss};
 pub use mirror::Mirror;
@@ -70,6 +75,7 @@ pub use outcome::{Outage, Outcome};
 pub use pace::{FrameSummary, Percentiles};
 #[doc(hidden)]
 pub use pace::{FrameTimes, Governor};
+pub use panel::{Choice, MOST_CELLS, MOST_CHARACTERS, Panel, PanelError};
 pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
 pub use recording::{
     Recorder, Recording, RecordingError, Session as RecordedSession, TrialLabel, UserState, repair,

@@ -41,6 +41,9 @@ pub use place::{Way, make_way, repair};
 
 use super::views::Pose;
 use crate::kernels::Store;
+use crate::library::GaitLibrary;
+use crate::scenario::{Condition, GazeMode};
+use crate::scene::Scene;
 use glam::{Quat, Vec2, Vec3};
 use std::io::{BufRead, Write};
 
@@ -114,6 +117,34 @@ const KEYS: [&str; 11] = [
 ];
 
 impl Session {
+    /// Of a scene at its start, which stands in `store`, walked by the gaits of a library.
+    pub fn of(scene: &Scene, library: &GaitLibrary, store: &Store) -> Self {
+        let scenario = &scene.scenario;
+        let condition = match scenario.condition {
+            Condition::Baseline => "baseline",
+            Condition::EvaO => "eva-o",
+            Condition::EvaG => "eva-g",
+        };
+        let gaze = match scenario.gaze.mode {
+            GazeMode::Natural => "natural",
+            GazeMode::Paper => "paper",
+        };
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scenario.name.clone(),
+            condition: condition.to_owned(),
+            gaze: gaze.to_owned(),
+            agents: store.step.agent_count,
+            seed: scenario.seed,
+            time_step: store.step.time_step,
+            scenario: hash_scenario(scenario),
+            library: hash_library(library),
+            avatars: hash_avatars(scene.cast.avatars()),
+            start: hash_start(store),
+            trial: None,
+        }
+    }
+
     /// The values of [`KEYS`] as they are written.
     fn values(&self) -> [String; 11] {
         let hex = |hash: u64| format!("{hash:016x}");

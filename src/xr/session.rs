@@ -5,14 +5,17 @@
 
 use super::error::{Error, Loss, call, check};
 use super::hidden::Hidden;
-use super::input::Input;
+use super::input::{Active, Input};
+use super::panel::layer::PanelImages;
+use super::panel::place::Quad;
 use super::runtime::{Runtime, STEREO, handle};
 use super::state::{Event, State};
 use super::swapchain::{EyeChains, ImageKind};
 use super::views::{NEAR, Pose};
 use super::watch::DeviceWaits;
 use crate::gpu::Device;
-use crate::render::{DEPTH_FORMAT, Stereo, Target};
+use crate::picture::Image;
+use crate::render::{Commands, DEPTH_FORMAT, Stereo, Target};
 use ash::vk;
 use openxr as xr;
 use openxr::EnvironmentBlendMode as BlendMode;
@@ -48,6 +51,8 @@ pub(super) struct Session {
     views: Vec<(vk::Image, vk::ImageView)>,
     color: EyeChains,
     depth: Option<EyeChains>,
+    /// Made with the first panel.
+    panel: Option<PanelImages>,
     hidden: Hidden,
     room: xr::Space,
     head: xr::Space,
@@ -141,6 +146,7 @@ impl Session {
             views: Vec::new(),
             color,
             depth,
+            panel: None,
             hidden: Hidden::default(),
             room,
             head,
@@ -185,7 +191,8 @@ impl Session {
     /// How long the device and images of the swapchain were waited for so far.
     pub(super) fn waited(&self) -> Duration {
         let depth = self.depth.as_ref().map_or(Duration::ZERO, EyeChains::waited);
-        self.color.waited() + depth + self.device_waits.sum()
+        let panel = self.panel.as_ref().map_or(Duration::ZERO, |panel| panel.chain.waited());
+        self.color.waited() + depth + panel + self.device_waits.sum()
     }
 
     /// Pixels of one eye.
@@ -348,10 +355,10 @@ impl Session {
     }
 
     /// What hands and sticks do.
-    pub(super) fn read_input(&self, frame: &Frame) -> Result<super::input::Reading, Error> {
+    pub(super) fn read_input(&self, frame: &Frame, active: Active) -> Result<super::input::Reading, Error> {
         match &self.input {
             Some(input) if self.state == State::Focused => {
-                input.read(&self.session, &self.room, frame.display)
+                input.read(&self.session, &self.room, frame.display, active)
             }
             _ => Ok(super::input::Reading::default()),
         }
@@ -368,12 +375,52 @@ impl Session {
 
     /// Gives the images back that were acquired last; they must be in the layouts of attachments.
     pub(super) fn release(&mut self) -> Result<(), Error> {
+        self.panel.as_mut().map_or(Ok(()), PanelImages::release)?;
         self.color.release()?;
         self.depth.as_mut().map_or(Ok(()), EyeChains::release)
     }
 
-    /// Ends the frame: with the image that is drawn for these eyes, in its first rows and columns, or without one.
-    pub(super) fn end(&mut self, frame: Frame, drawn: Option<(&Eyes, [u32; 2])>) -> Result<(), Error> {
+    /// Takes what the present frame, of a slot, is to write into the panel's images.
+    pub(super) fn write_panel(&mut self, slot: usize, picture: &Image) -> Result<(), Error> {
+        if self.panel.is_none() {
+            self.panel = Some(PanelImages::new(&self.session, &self.device, self.format)?);
+        }
+        let swaps_red = self.format == vk::Format::B8G8R8A8_SRGB;
+        self.panel.as_mut().map_or(Ok(()), |panel| panel.write(slot, picture, swaps_red))
+    }
+
+    /// Records what [`Session::write_panel`] took.
+    pub(super) fn record_panel(&self, commands: &Commands<'_>, slot: usize) {
+        if let Some(panel) = &self.panel {
+            panel.record(commands, slot);
+        }
+    }
+
+    /// Rectangles of the room with parts of the panel's picture, as layers that lie before the eyes' one.
+    fn quad_layers(&self, quads: &[Quad]) -> Vec<xr::sys::CompositionLayerQuad> {
+        let Some(panel) = self.panel.as_ref().filter(|panel| panel.is_written()) else { return Vec::new() };
+        let layer = |quad: &Quad| xr::sys::CompositionLayerQuad {
+            ty: xr::sys::CompositionLayerQuad::TYPE,
+            next: std::ptr::null(),
+            layer_flags: xr::CompositionLayerFlags::BLEND_TEXTURE_SOURCE_ALPHA
+                | xr::CompositionLayerFlags::UNPREMULTIPLIED_ALPHA,
+            space: self.room.as_raw(),
+            eye_visibility: xr::EyeVisibility::BOTH,
+            sub_image: panel.part(quad.part),
+            pose: quad.pose.to_xr(),
+            size: xr::Extent2Df { width: quad.size.x, height: quad.size.y },
+        };
+        quads.iter().map(layer).collect()
+    }
+
+    /// Ends the frame: with the image that is drawn for these eyes, in its first rows and columns, or without one; and with
+    /// rectangles of the room that show parts of the panel's picture.
+    pub(super) fn end(
+        &mut self,
+        frame: Frame,
+        drawn: Option<(&Eyes, [u32; 2])>,
+        quads: &[Quad],
+    ) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
         // depth is reversed and has no end: 0 is infinitely far, 1 as near as is drawn
         let depths = self.depth.as_ref().zip(drawn).map(|(depth, (_, size))| {
@@ -407,13 +454,16 @@ impl Session {
             view_count: 2,
             views: views.as_ptr(),
         });
-        let layers = [layer.as_ref().map_or(std::ptr::null(), |layer| (&raw const *layer).cast())];
+        let quads = self.quad_layers(quads);
+        let eyes = layer.as_ref().map(|layer| (&raw const *layer).cast());
+        let layers: Vec<*const xr::sys::CompositionLayerBaseHeader> =
+            eyes.into_iter().chain(quads.iter().map(|quad| (&raw const *quad).cast())).collect();
         let info = xr::sys::FrameEndInfo {
             ty: xr::sys::FrameEndInfo::TYPE,
             next: std::ptr::null(),
             display_time: frame.display,
             environment_blend_mode: self.blend,
-            layer_count: u32::from(layer.is_some()),
+            layer_count: u32::try_from(layers.len()).unwrap_or(0),
             layers: layers.as_ptr(),
         };
         // SAFETY: the frame was begun; everything `info` points to lives until the call returns.

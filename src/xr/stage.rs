@@ -1,18 +1,21 @@
-//! One session with the headset for a sequence of worlds.
+//! One session with the headset for a sequence of worlds and panels.
 //!
 //! The caller's thread steps the crowd of the world that is seen, and never waits for the headset. The headset's thread
 //! makes all calls of OpenXR, from the first world to the last: it draws frames, and makes the next world ready beside them. A
 //! runtime that goes away is looked for again, and the same is shown again.
 
 use super::app::{Crowd, Observer};
+use super::asking::{Answered, Question};
 use super::clock::{StepClock, Watchdog};
 use super::cues::FrameCount;
 use super::headset::Headset;
 use super::mirror::Mirror;
 use super::outcome::Outcome;
+use super::panel::picture::Lettering;
+use super::panel::{Panel, PanelError};
 use super::plan::Plan;
 use super::shared::{CrowdSnapshot, Shared, user_at};
-use super::world::{Props, World};
+use super::world::{Props, World, next_number};
 use crate::render::Show;
 use crate::sim::Simulation;
 use crate::stop;
@@ -61,6 +64,7 @@ pub struct Stage {
     watchdog: Watchdog,
     /// Number of the newest snapshot, through all worlds.
     number: u64,
+    lettering: Lettering,
     sums: Sums,
 }
 
@@ -116,6 +120,7 @@ impl Stage {
             mirror,
             watchdog: Watchdog::default(),
             number: 1,
+            lettering: Lettering::default(),
             sums: Sums::default(),
         })
     }
@@ -124,6 +129,11 @@ impl Stage {
     pub fn prepare(&mut self, world: &World) {
         let next = world.props.surroundings.clone();
         self.shared.cue(|cues| cues.next = Some(next));
+    }
+
+    /// Whether a world that was [prepared](Self::prepare) is ready, so that it can be seen at once.
+    pub fn is_ready(&self, world: &World) -> bool {
+        self.shared.report(|report| report.ready == world.props.surroundings.number)
     }
 
     /// Shows another world, and waits until it is seen; the user stands where it has them begin, and faces as it says. Until
@@ -145,7 +155,9 @@ impl Stage {
             late: 0.0,
         });
         self.shared.cue(|cues| cues.on_stage = number);
-        Ok(self.wait(observer, |stage| stage.shared.report(|report| report.on_stage == number)))
+        let is_seen = self.wait(observer, |stage| stage.shared.report(|report| report.on_stage == number));
+        self.clear();
+        Ok(is_seen)
     }
 
     /// Covers everything with grey, 0 not at all to 1, from now on in about a third of a second; frames and crowd go on.
@@ -163,8 +175,45 @@ impl Stage {
         seconds: f64,
         observer: &mut dyn Observer,
     ) -> Result<Walked, crate::Error> {
+        self.clear();
         let number = world.props.surroundings.number;
         self.step_until(world.simulation(), number, |_, now| now >= seconds, observer)
+    }
+
+    /// Has a panel stand in the room and waits for its answer. The crowd stands meanwhile; the panel stays until the next
+    /// one, which stands at the same place, or until [`Stage::clear`], [`Stage::walk`] or [`Stage::show`]. None: the session is
+    /// over, or the observer has cut it.
+    ///
+    /// # Errors
+    /// When the panel cannot be shown: [`PanelError`].
+    pub fn ask(
+        &mut self,
+        panel: &Panel,
+        observer: &mut dyn Observer,
+    ) -> Result<Option<Answered>, PanelError> {
+        panel.check()?;
+        let question = Arc::new(Question {
+            number: next_number(),
+            targets: panel.targets().into_iter().map(|(choice, _)| choice).collect(),
+            picture: self.lettering.panel(panel),
+            panel: panel.clone(),
+        });
+        let number = question.number;
+        self.shared.cue(|cues| cues.question = Some(question));
+        let answer = |stage: &Self| {
+            stage
+                .shared
+                .report(|report| report.answer)
+                .filter(|(of, _)| *of == number)
+                .map(|(_, answer)| answer)
+        };
+        self.wait(observer, |stage| answer(stage).is_some());
+        Ok(answer(self))
+    }
+
+    /// Takes the panel away.
+    pub fn clear(&mut self) {
+        self.shared.cue(|cues| cues.question = None);
     }
 
     /// Waits for so many seconds in which the crowd stands. False: the session is over, or the observer has cut it.

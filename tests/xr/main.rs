@@ -32,6 +32,7 @@ mod runtimes;
 mod service;
 mod session;
 mod smooth;
+mod stage;
 mod timing;
 mod wrong;
 
