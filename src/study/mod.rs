@@ -31,6 +31,8 @@ pub mod analyse;
 pub mod check;
 mod error;
 pub mod file;
+#[cfg(feature = "xr")]
+pub mod headset;
 pub mod instrument;
 mod load;
 mod materials;

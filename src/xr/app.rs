@@ -24,8 +24,8 @@ pub trait Observer {
         Ok(())
     }
 
-    /// Whether what is going on is to end now: a walk, a panel, a wait. The session goes on.
-    fn is_cut(&self) -> bool {
+    /// Whether what is going on is to end now: a walk, a panel, a wait. The session goes on. Asked often.
+    fn is_cut(&mut self) -> bool {
         false
     }
 }

@@ -11,8 +11,8 @@ use super::cues::FrameCount;
 use super::headset::Headset;
 use super::mirror::Mirror;
 use super::outcome::Outcome;
+use super::panel::Panel;
 use super::panel::picture::Lettering;
-use super::panel::{Panel, PanelError};
 use super::plan::Plan;
 use super::shared::{CrowdSnapshot, Shared, user_at};
 use super::world::{Props, World, next_number};
@@ -185,13 +185,32 @@ impl Stage {
     /// over, or the observer has cut it.
     ///
     /// # Errors
-    /// When the panel cannot be shown: [`PanelError`].
+    /// When the panel cannot be shown: [`PanelError`](super::PanelError).
     pub fn ask(
         &mut self,
         panel: &Panel,
         observer: &mut dyn Observer,
-    ) -> Result<Option<Answered>, PanelError> {
-        panel.check()?;
+    ) -> Result<Option<Answered>, crate::Error> {
+        let number = self.put_up(panel)?;
+        let answer = |stage: &Self| {
+            let answer = stage.shared.report(|report| report.answer);
+            answer.filter(|(of, _)| *of == number).map(|(_, answer)| answer)
+        };
+        self.wait(observer, |stage| answer(stage).is_some());
+        Ok(answer(self))
+    }
+
+    /// Has a panel stand in the room, and does not wait.
+    ///
+    /// # Errors
+    /// As [`Stage::ask`].
+    pub fn tell(&mut self, panel: &Panel) -> Result<(), crate::Error> {
+        self.put_up(panel).map(drop)
+    }
+
+    /// Has a panel stand in the room; its number.
+    fn put_up(&mut self, panel: &Panel) -> Result<u64, crate::Error> {
+        panel.check().map_err(super::Error::from)?;
         let question = Arc::new(Question {
             number: next_number(),
             targets: panel.targets().into_iter().map(|(choice, _)| choice).collect(),
@@ -200,15 +219,7 @@ impl Stage {
         });
         let number = question.number;
         self.shared.cue(|cues| cues.question = Some(question));
-        let answer = |stage: &Self| {
-            stage
-                .shared
-                .report(|report| report.answer)
-                .filter(|(of, _)| *of == number)
-                .map(|(_, answer)| answer)
-        };
-        self.wait(observer, |stage| answer(stage).is_some());
-        Ok(answer(self))
+        Ok(number)
     }
 
     /// Takes the panel away.

@@ -33,6 +33,7 @@ mod service;
 mod session;
 mod smooth;
 mod stage;
+mod study;
 mod timing;
 mod wrong;
 
