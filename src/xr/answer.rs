@@ -118,7 +118,8 @@ impl Answering {
 
     /// A laser takes the focus where it comes to another target, a stick with every push.
     fn move_focus(&mut self, gestures: &Gestures, before: &Gestures, targets: &[Choice]) {
-        for hand in 0..2 {
+        // of two that come at once the right one, where the mark is
+        for hand in [1, 0] {
             let (now, then) = (gestures.lasers[hand], before.lasers[hand]);
             match (now, self.focus) {
                 (Some(choice), None) => self.focus = Some((choice, Means::Laser)),
@@ -209,6 +210,12 @@ mod tests {
         assert_eq!(hold(&mut answering, Gestures { triggers: [true, false], ..aim(1, false) }, 5), []);
         assert_eq!(hold(&mut answering, Gestures::default(), 2), []);
         assert_eq!(answering.marks(None).focus, None);
+        // of two lasers that are there from the beginning the right one
+        let both = Gestures { lasers: [Some(Choice::Cell(0)), Some(Choice::Cell(2))], ..Gestures::default() };
+        assert_eq!(hold(&mut begun(), both, 1), []);
+        let mut answering = begun();
+        hold(&mut answering, both, 3);
+        assert_eq!(answering.marks(None).focus, Some(Choice::Cell(2)));
     }
 
     #[test]
@@ -262,7 +269,7 @@ mod tests {
         let look = |cell: usize| Gestures { gaze: Some(Choice::Cell(cell)), ..Gestures::default() };
         assert_eq!(hold(&mut answering, look(1), 20), []);
         assert_eq!(answering.marks(None).dwelt, 9);
-        assert_eq!(hold(&mut answering, look(2), 20), [], "another cell begins anew");
+        assert_eq!(hold(&mut answering, look(2), 20), [], "another cell begins from nothing");
         assert_eq!(hold(&mut answering, Gestures::default(), 1), []);
         assert_eq!(hold(&mut answering, look(2), 60), [(20, Choice::Cell(2), Means::Gaze)]);
         answering.begin();

@@ -72,7 +72,7 @@ impl Headset<'_> {
         let frame = shared.call(|| session.wait())?;
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
         let Step { seconds, periods, since_ms } = clock.step(&frame, &mut self.times);
-        self.fade_on(seconds);
+        self.fade_on(since_ms * 1e-3);
         let active = match (&self.asking, self.plan.moves) {
             (Some(_), _) => Active::Answer,
             (None, true) => Active::Walk,

@@ -133,8 +133,8 @@ const PICO: [(&str, Bindings); 2] =
     [("bytedance/pico4_controller", STICKS), ("bytedance/pico_neo3_controller", STICKS)];
 const FOCUS: [(&str, Bindings); 1] = [("htc/vive_focus3_controller", STICKS)];
 const REVERB: [(&str, Bindings); 1] = [("hp/mixed_reality_controller", STICKS)];
-/// A hand that pinches, or whatever else the runtime takes for choosing what it points at, teleports and answers. Nothing else is bound:
-/// hands do much by chance.
+/// A hand that pinches, or whatever else the runtime takes for choosing what it points at, teleports and answers. Nothing else
+/// is bound: hands do much by chance.
 const HANDS: [(&str, Bindings); 1] = [(
     "ext/hand_interaction_ext",
     Bindings {

@@ -39,6 +39,7 @@ mod clock;
 mod cues;
 mod error;
 mod frames;
+mod handover;
 mod headset;
 mod hidden;
 mod input;

@@ -256,7 +256,16 @@ impl Live {
     }
 
     /// One that ends by itself and need not write JSON: what it wrote, and what it noted on the way.
-    pub(super) fn over(self) -> (String, Vec<String>) {
+    pub(super) fn over(mut self) -> (String, Vec<String>) {
+        let begin = Instant::now();
+        while self.child.try_wait().unwrap().is_none() {
+            if begin.elapsed() > 2 * PATIENCE {
+                let _ = self.child.kill();
+                let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
+                panic!("it does not end; heard: {heard:#?}");
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
         let output = self.child.wait_with_output().unwrap();
         let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
         let out = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -7,9 +7,10 @@ pub(super) mod act;
 pub(super) mod asks;
 
 use super::folder;
-use super::service::{Live, Service, is_there};
+use super::service::{Live, Service, Stick, is_there};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Which act the actor plays, and where it leaves what it makes.
 const ACT: &str = "GAITWAY_STAGE_ACT";
@@ -57,10 +58,11 @@ fn worlds(name: &str, act: &str, count: usize) {
     println!("{changes:#?}");
     assert_eq!(changes.len(), count, "{notes:#?}");
     for change in &changes {
-        // Monado's null compositor shows 20 pictures a second; the machine has other work
-        assert!(change["seconds"].as_f64().unwrap() <= 1.0, "{change}");
-        assert!(change["longest_ms"].as_f64().unwrap() <= 400.0, "{change}");
-        assert!(change["frames_meanwhile"].as_u64().unwrap() >= 1, "{change}");
+        // a software driver beside other work draws few pictures a second: then a change takes some of them
+        let frame = 1.5 / change["frames"].as_f64().unwrap();
+        assert!(change["seconds"].as_f64().unwrap() <= 1.0_f64.max(5.0 * frame), "{change}");
+        assert!(change["longest_ms"].as_f64().unwrap() <= 400.0_f64.max(5e3 * frame), "{change}");
+        assert!(change["frames_meanwhile"].as_u64().unwrap() >= 3, "{change}");
     }
     let outcome = &told(&notes, "outcome")[0];
     assert_eq!(outcome["sessions"], 1, "{outcome}");
@@ -109,8 +111,22 @@ fn a_runtime_that_is_killed_twice_is_found_again_and_the_same_is_shown() {
         service.head().set(0.0, 0.0, [0.0, 1.6, 0.0]);
         live.hear("the headset is back");
     }
+    // by stick: where the panel stands depends on where the head was when the runtime was back
     let mut head = service.head();
-    asks::point(&mut head, asks::cell(1), true);
+    let rest = Stick::default();
+    for (left, right) in [
+        (rest, rest),
+        (Stick { stick: [1.0, 0.0], ..rest }, rest),
+        (rest, rest),
+        (Stick { stick: [1.0, 0.0], ..rest }, rest),
+        (rest, rest),
+        (rest, Stick { a: true, ..rest }),
+    ] {
+        head.set_hand(0, [-3.0, 1.2, -0.3], 0.0, left);
+        head.set_hand(1, [3.0, 1.2, -0.3], 0.0, right);
+        head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
+        std::thread::sleep(Duration::from_millis(700));
+    }
     let (_, notes) = live.over();
     let outcome = &told(&notes, "outcome")[0];
     assert_eq!(

@@ -200,15 +200,13 @@ fn keep_answering(head: &mut Head, is_over: &AtomicBool) {
                 pause();
             }
         }
-        // three cells and four have their middles elsewhere
     }
 }
 
 /// Plays an act to its end while hands answer everything.
 fn answered(service: &Service, folder: &Path) -> Vec<String> {
-    let is_over = AtomicBool::new(false);
+    let (is_over, mut head) = (AtomicBool::new(false), service.head());
     std::thread::scope(|scope| {
-        let mut head = service.head();
         scope.spawn(|| keep_answering(&mut head, &is_over));
         let live = play(service, "study", folder);
         let (_, notes) = live.over();
@@ -293,9 +291,8 @@ fn a_study_that_is_killed_in_mid_trial_goes_on_with_that_trial() {
         "seconds = 4.0 }\ndesign = { kind = \"blocks\"",
     );
     std::fs::write(folder.join("study.toml"), text).unwrap();
-    let is_over = AtomicBool::new(false);
+    let (is_over, mut head) = (AtomicBool::new(false), service.head());
     let kept = std::thread::scope(|scope| {
-        let mut head = service.head();
         scope.spawn(|| keep_answering(&mut head, &is_over));
         let mut live: Live = play(&service, "study", &folder);
         live.hear("page scenes/2");

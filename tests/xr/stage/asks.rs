@@ -65,6 +65,7 @@ pub(super) fn asks(folder: &Path) {
             gaitway::export::image::write_png(&path, &image).unwrap();
         }
     }
+    eprintln!("all asked");
     stage.clear();
     see_post(&mut stage, &seen, 0.0, &mut teller);
     tell("outcome", &json!(stage.close(&mut teller).unwrap()));
@@ -137,6 +138,8 @@ fn panels_are_answered_by_laser_by_stick_and_by_a_look() {
     head.set(0.0, 5.0, [0.0, 1.6, 0.0]);
     pause();
     head.set(0.0, -12.9, [0.0, 1.6, 0.0]);
+    live.hear("all asked");
+    head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
     let (_, notes) = live.over();
     let answers = told_of(&notes, "answer");
     println!("{answers:#?}");
