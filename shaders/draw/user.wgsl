@@ -1,6 +1,7 @@
 // uses: view, light
 // What images show of the user. Hands, their joints, controllers and a teleport's arc are rounded solids. The place it leads
-// to is a ring on the floor. A vignette narrows the view while the user is moved.
+// to is a ring on the floor. A vignette narrows the view while the user is moved. A
+// fade covers everything with grey.
 
 // A solid of half lengths 1, as its twin kernels::layout::Solid.
 struct Solid {
@@ -15,7 +16,7 @@ struct UserUniforms {
     solids: array<Solid, 64>,
     target_place: vec4<f32>,  // xyz: middle of the ring, m; w: its radius, m
     target_color: vec4<f32>,  // rgb linear; w: 1 with a ring
-    vignette: vec4<f32>,      // x: strength; y, z: angles from the middle of the view where it begins and is full, rad
+    vignette: vec4<f32>,      // x: strength; y, z: angles from the middle of the view where it begins and is full, rad; w: fade to grey
 }
 
 @group(0) @binding(3) var<uniform> user: UserUniforms;
@@ -24,6 +25,7 @@ const SLICES: u32 = 12u;
 const STACKS: u32 = 8u;
 const PI: f32 = 3.14159265;
 const FLOOR: f32 = 0.02; // the ring is so high above the floor, m
+const GREY: f32 = 0.16;  // what a fade leads to, linear
 
 struct SolidVertex {
     @builtin(position) clip: vec4<f32>,
@@ -108,6 +110,9 @@ fn vignette_fragment(in: VignetteVertex, @builtin(view_index) eye: u32) -> @loca
     let matrix = view.clip_from_world[eye];
     let ahead = normalize(vec3<f32>(matrix[0].w, matrix[1].w, matrix[2].w));
     let angle = acos(clamp(dot(ray, ahead), -1.0, 1.0));
-    let dark = smoothstep(user.vignette.y, user.vignette.z, angle);
-    return vec4<f32>(0.0, 0.0, 0.0, dark * user.vignette.x);
+    let dark = smoothstep(user.vignette.y, user.vignette.z, angle) * user.vignette.x;
+    // the grey lies over the black
+    let fade = user.vignette.w;
+    let alpha = fade + dark * (1.0 - fade);
+    return vec4<f32>(vec3<f32>(GREY * fade / max(alpha, 1.0e-6)), alpha);
 }

@@ -11,7 +11,7 @@ use crate::Error;
 use crate::export::AtomicFile;
 use crate::file;
 use crate::kernels::Store;
-use crate::scenario::{Condition, GazeMode, User};
+use crate::scenario::User;
 use crate::scene::Scene;
 use crate::sim::measure;
 use crate::xr::{
@@ -192,29 +192,7 @@ fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
 
 /// The header of this session's recording.
 fn session(arguments: &SceneArguments, scene: &Scene, store: &Store) -> Result<RecordedSession, Error> {
-    let scenario = &scene.scenario;
-    Ok(RecordedSession {
-        version: env!("CARGO_PKG_VERSION").to_owned(),
-        scene: scenario.name.clone(),
-        condition: match scenario.condition {
-            Condition::Baseline => "baseline",
-            Condition::EvaO => "eva-o",
-            Condition::EvaG => "eva-g",
-        }
-        .to_owned(),
-        gaze: match scenario.gaze.mode {
-            GazeMode::Natural => "natural",
-            GazeMode::Paper => "paper",
-        }
-        .to_owned(),
-        agents: store.step.agent_count,
-        seed: scenario.seed,
-        time_step: store.step.time_step,
-        scenario: xr::hash_scenario(scenario),
-        library: xr::hash_library(&library(arguments.library.as_deref())?),
-        avatars: xr::hash_avatars(scene.cast.avatars()),
-        start: xr::hash_start(store),
-    })
+    Ok(RecordedSession::of(scene, &library(arguments.library.as_deref())?, store))
 }
 
 fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
@@ -252,6 +230,11 @@ impl Observer for Keeper {
 #[derive(Debug, Serialize)]
 struct Replayed {
     device: String,
+    /// Version of the recording's format.
+    format: u32,
+    /// The trial of a study that it names.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    trial: Option<String>,
     steps: usize,
     /// Of the crowd after the last step.
     state_hash: String,
@@ -281,12 +264,31 @@ fn read(path: &Path) -> Result<Recording, Error> {
     Recording::read(bytes.as_slice()).map_err(wrong)
 }
 
+/// Whether a crowd begins as one of format 1 says: by the hash of its state.
+fn check_start(found: &Recording, store: &Store) -> Result<(), RecordingError> {
+    let (recorded, now) = (found.session.start, measure::state_hash(store));
+    if recorded == now {
+        return Ok(());
+    }
+    Err(RecordingError::Other {
+        differences: vec![format!("start {recorded:016x} was recorded, this is {now:016x}")],
+    })
+}
+
 /// Does the steps of a recording again, with the user as they were.
 fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
     let found = read(path)?;
     let mut simulation = start(scene)?;
     let session = session(&arguments.scene, scene, simulation.state()?)?;
     found.must_be_of(&session).map_err(recording(path))?;
+    if found.is_silent() {
+        note(&format!(
+            "note: {}: format 1 says neither condition nor gaze: whether this is the condition it was recorded under cannot be \
+             told; the crowd is compared alone",
+            path.display()
+        ));
+        check_start(&found, simulation.state()?).map_err(recording(path))?;
+    }
     let mut progress = Progress::new("replaying".to_owned());
     let mut hash = SessionHash::new(&session);
     let steps = found.steps.len();
@@ -309,7 +311,8 @@ fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Err
     }
     let device = simulation.device();
     let crowd = simulation.state()?;
-    let now = hash.with(crowd);
+    let session_hash = hash.with(crowd);
+    let now = if found.is_silent() { measure::state_hash(crowd) } else { session_hash };
     if let Some(end) = found.end {
         compared_steps = steps;
         if end != now {
@@ -318,11 +321,17 @@ fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Err
     }
     let hex = |hash: u64| format!("{hash:016x}");
     let is_compared = found.end.is_some() || compared_steps > 0;
+    let trial = found.session.trial.map(|of| {
+        let xr::TrialLabel { study, participant, trial } = of;
+        format!("{study}, participant {participant}, trial {trial}")
+    });
     let replayed = Replayed {
         device,
+        format: found.format,
+        trial,
         steps,
         state_hash: hex(measure::state_hash(crowd)),
-        session_hash: hex(now),
+        session_hash: hex(session_hash),
         recorded_hash: found.end.map(hex),
         compared_steps,
         equal: is_compared.then_some(differs_after.is_none()),
@@ -337,6 +346,9 @@ fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Err
 }
 
 fn print_replayed(replayed: &Replayed) {
+    if let Some(trial) = &replayed.trial {
+        say(&format!("trial      {trial}"));
+    }
     say(&format!("replayed   {} steps on {}", replayed.steps, replayed.device));
     say(&format!("state hash {}", replayed.state_hash));
     say(&format!("session    {}", replayed.session_hash));

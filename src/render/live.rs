@@ -177,7 +177,7 @@ fn everything(view: &View) -> User {
     let place = view.center();
     let hand = Hand { place, turn: Quat::IDENTITY, kind: HandKind::Controller };
     let teleport = Teleport { from: place, to: place - Vec3::Y, is_allowed: true };
-    User { hands: [Some(hand); 2], joints: [None; 2], teleport: Some(teleport), vignette: 1.0 }
+    User { hands: [Some(hand); 2], joints: [None; 2], teleport: Some(teleport), vignette: 1.0, fade: 0.0 }
 }
 
 /// An error of a frame with these operations.

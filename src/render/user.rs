@@ -76,6 +76,8 @@ pub struct User {
     /// How far the view is narrowed for comfort while the user is moved: 0 not at all (nothing is drawn) to 1. Grow and
     /// shrink it over a few tenths of a second.
     pub vignette: f32,
+    /// How far everything is covered with grey, hands too: 0 not at all to 1.
+    pub fade: f32,
 }
 
 impl User {
@@ -98,7 +100,8 @@ impl User {
         let strength = self.vignette.clamp(0.0, 1.0);
         let begin = VIGNETTE[0] + (VIGNETTE[1] - VIGNETTE[0]) * strength;
         // a weak one is wide and fades in; from a third of the strength on it is black
-        uniforms.vignette = [(3.0 * strength).min(1.0), begin, begin + VIGNETTE[2], 0.0];
+        uniforms.vignette =
+            [(3.0 * strength).min(1.0), begin, begin + VIGNETTE[2], self.fade.clamp(0.0, 1.0)];
         let usable = solids.into_iter().filter(|solid| solid.x.iter().chain(&solid.y).all(|v| v.is_finite()));
         let mut count = 0;
         for (to, solid) in uniforms.solids.iter_mut().zip(usable) {
@@ -185,10 +188,11 @@ mod tests {
     fn everything_of_a_user_has_room_and_what_is_not_finite_is_left_out() {
         let hand = |kind| Some(Hand { place: Vec3::Y, turn: Quat::IDENTITY, kind });
         let teleport = Some(Teleport { from: Vec3::Y, to: Vec3::Z, is_allowed: true });
-        let user = User { hands: [hand(HandKind::Hand); 2], joints: [None; 2], teleport, vignette: 2.0 };
+        let user =
+            User { hands: [hand(HandKind::Hand); 2], joints: [None; 2], teleport, vignette: 2.0, fade: 3.0 };
         let (uniforms, count) = user.uniforms();
         assert_eq!(count, 2 * 7 + u32::from(BEADS), "all have room");
-        assert_eq!(uniforms.vignette[0], 1.0);
+        assert_eq!((uniforms.vignette[0], uniforms.vignette[3]), (1.0, 1.0));
         assert_eq!(uniforms.target_color[3], 1.0);
         assert_eq!(User::default().uniforms().1, 0);
         let lost = Some(Hand { place: Vec3::NAN, turn: Quat::IDENTITY, kind: HandKind::Controller });
@@ -208,7 +212,7 @@ mod tests {
         }));
         let held = Some(Hand { place: Vec3::Y, turn: Quat::IDENTITY, kind: HandKind::Controller });
         let teleport = Some(Teleport { from: Vec3::Y, to: Vec3::Z, is_allowed: true });
-        let user = User { hands: [held; 2], joints: [Some(joints); 2], teleport, vignette: 0.0 };
+        let user = User { hands: [held; 2], joints: [Some(joints); 2], teleport, ..User::default() };
         let (uniforms, count) = user.uniforms();
         assert_eq!(count, 2 * 20 + u32::from(BEADS), "all have room");
         let index = &uniforms.solids[3]; // from joint 6, number 7, to the next

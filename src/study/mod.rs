@@ -32,6 +32,8 @@ pub mod check;
 mod error;
 pub mod export;
 pub mod file;
+#[cfg(feature = "xr")]
+pub mod headset;
 pub mod instrument;
 mod load;
 mod materials;

@@ -32,6 +32,9 @@ pub enum Error {
     /// The session or the runtime went away.
     #[error("lost the headset: {0}")]
     Lost(Loss),
+    /// A panel cannot be shown.
+    #[error(transparent)]
+    Panel(#[from] super::panel::PanelError),
     /// A call failed.
     #[error("{call} failed: {result}")]
     Call {

@@ -4,20 +4,23 @@
 //! prepares it. What the device took for a frame is known two frames later.
 
 use super::Error;
+use super::asking::Asking;
 use super::headset::{Failure, Headset};
-use super::input::Reading;
+use super::input::{Active, Reading};
 use super::miniature::Miniature;
+use super::next::{Next, Venue};
 use super::pace::FrameTimes;
+use super::panel::place::EyeImage;
 use super::plan::Shot;
 use super::recording::{UserState, numbers};
-use super::rig::Terrain;
+use super::rig::{Terrain, Walk};
 use super::session::{Eyes, Frame, Session};
 use super::shown::{Crowd, Shown};
 use super::views::{self, Pose};
 use super::watch::Watch;
 use crate::gpu::FRAMES_IN_FLIGHT;
 use crate::render::{DrawTimes, Hand, HandKind, Show, Target, User};
-use glam::{Vec2, Vec3};
+use glam::{Mat4, Vec2, Vec3};
 use std::time::{Duration, Instant};
 
 /// Longest time from frame to frame, s. A runtime that hung gives display times of long ago.
@@ -25,7 +28,7 @@ const LONGEST_FRAME: f32 = 0.1;
 
 /// The host's part of a frame.
 #[derive(Debug, Clone, Copy)]
-struct HostWork {
+pub(super) struct HostWork {
     /// From acquiring its image to handing it over.
     handed_over: Duration,
     /// From the wake-up on, without waits for the device and for images.
@@ -34,19 +37,24 @@ struct HostWork {
 
 /// What lives as long as a session, in the order in which it is dropped.
 pub(super) struct Running {
-    clock: Clock,
+    pub(super) clock: Clock,
+    /// The world that comes next, on the session's device.
+    pub(super) next: Next,
+    pub(super) venue: Venue,
     /// Waits for the frames that the device still draws.
     pub(super) show: Show,
     pub(super) miniature: Miniature,
     /// The host's part of the frames that the device may still draw, by slot.
-    in_flight: [Option<HostWork>; FRAMES_IN_FLIGHT],
+    pub(super) in_flight: [Option<HostWork>; FRAMES_IN_FLIGHT],
     pub(super) session: Session,
 }
 
 impl Running {
-    pub(super) fn new(show: Show, session: Session) -> Self {
+    pub(super) fn new(show: Show, session: Session, venue: Venue) -> Self {
         Self {
             clock: Clock::default(),
+            next: Next::default(),
+            venue,
             show,
             miniature: Miniature::default(),
             in_flight: [None; FRAMES_IN_FLIGHT],
@@ -59,26 +67,36 @@ impl Headset<'_> {
     /// Waits until it is time for a frame, and hands it over.
     pub(super) fn frame(&mut self, running: &mut Running) -> Result<(), Failure> {
         let shared = self.shared;
+        self.heed(running)?;
         let Running { clock, session, .. } = running;
         let frame = shared.call(|| session.wait())?;
         let (woke, waited, watch) = (Instant::now(), session.waited(), Watch::start());
-        let (seconds, periods) = clock.step(&frame, &mut self.times);
-        let read = || Ok::<_, Error>((session.read_input(&frame)?, session.head(&frame)?));
+        let Step { seconds, periods, since_ms } = clock.step(&frame, &mut self.times);
+        self.fade_on(since_ms * 1e-3);
+        let active = match (&self.asking, self.plan.moves) {
+            (Some(_), _) => Active::Answer,
+            (None, true) => Active::Walk,
+            (None, false) => Active::Hands,
+        };
+        let read = || Ok::<_, Error>((session.read_input(&frame, active)?, session.head(&frame)?));
         let (input, head) = shared.call(read)?;
         if let Some(head) = head {
             self.follow(head, &input, seconds);
         }
+        self.answer(&input, head, f64::from(since_ms.max(0.0)) * 1e-3);
         if !frame.wants_image {
             self.times.empty();
-            return Ok(shared.call(|| session.end(frame, None))?);
+            return Ok(shared.call(|| session.end(frame, None, &[]))?);
         }
         self.make_room(running, frame.period)?;
         let Running { clock, show, session, .. } = running;
         let begin = Instant::now();
         let target = shared.call(|| session.acquire())?;
         let snapshot = shared.snapshot();
-        show.take(&snapshot.store, snapshot.number, snapshot.due)?;
-        let crowd = Crowd { now: shared.now(), step: shared.time_step, late: snapshot.late };
+        if snapshot.world == self.world.number {
+            show.take(&snapshot.store, snapshot.number, snapshot.due)?;
+        }
+        let crowd = Crowd { now: shared.now(), step: snapshot.step, late: snapshot.late };
         let shown = clock.shown.time(frame.display.as_nanos(), &crowd);
         show.set_level_distances(self.governor.distances(self.world.level_distances));
         let size = self.drawn_size(session.size());
@@ -92,14 +110,19 @@ impl Headset<'_> {
         };
         let Running { session, in_flight, .. } = running;
         let drawn = eyes.as_ref().map(|eyes| (eyes, size));
-        shared.call(|| session.release().and_then(|()| session.end(frame, drawn)))?;
+        let quads = self.asking.as_ref().filter(|_| eyes.is_some()).map_or_else(Vec::new, Asking::quads);
+        shared.call(|| session.release().and_then(|()| session.end(frame, drawn, &quads)))?;
+        if !quads.is_empty() {
+            self.panel_seen(&frame);
+        }
         self.times.drew(periods);
+        self.report_frame(periods, since_ms);
         let handed_over = begin.elapsed();
         let host = woke.elapsed().saturating_sub(session.waited().saturating_sub(waited));
         self.times.prepared(host, watch.ran());
         in_flight[slot] = eyes.is_some().then_some(HostWork { handed_over, host });
-        if let Some(user_eyes) = shot {
-            self.shoot(running, user_eyes)?;
+        if let Some((user_eyes, clips)) = shot {
+            self.shoot(running, user_eyes, clips)?;
         }
         self.frames += 1;
         Ok(())
@@ -119,7 +142,9 @@ impl Headset<'_> {
         let Running { show, miniature, in_flight, .. } = running;
         let slot = show.renderer().slot();
         let device = show.make_room()?;
-        if let (Some(mirror), Some(copy)) = (&self.plan.mirror, miniature.take(slot)) {
+        if let (Some(mirror), Some((mut copy, clip))) = (&self.plan.mirror, miniature.take(slot)) {
+            let eye = EyeImage { left: 0, size: [copy.width, copy.height], clip };
+            self.asking.iter().for_each(|asking| asking.paste(&mut copy, &eye, self.rig.world_from_room()));
             mirror.keep(copy);
         }
         if let Some(HostWork { handed_over, host }) = in_flight[slot].take() {
@@ -132,8 +157,14 @@ impl Headset<'_> {
     }
 
     /// Hands out what the newest frame showed, once the device has drawn it.
-    fn shoot(&mut self, running: &mut Running, user_eyes: Vec3) -> Result<(), Failure> {
-        let image = running.show.finish(true)?;
+    fn shoot(&mut self, running: &mut Running, user_eyes: Vec3, clips: [Mat4; 2]) -> Result<(), Failure> {
+        let mut image = running.show.finish(true)?;
+        if let (Some(image), Some(asking)) = (&mut image, &self.asking) {
+            let size = [image.width / 2, image.height];
+            for (left, clip) in [0, size[0]].into_iter().zip(clips) {
+                asking.paste(image, &EyeImage { left, size, clip }, self.rig.world_from_room());
+            }
+        }
         let faces = running.show.faces(&self.world.store)?;
         if let (Some(image), Some((_, shots))) = (image, &mut self.plan.shots) {
             shots(&Shot { frame: self.frames, image, user_eyes, faces }).map_err(Failure::Fatal)?;
@@ -148,7 +179,8 @@ impl Headset<'_> {
             floors: &self.world.floors,
             is_free: &|place, height| self.world.is_free(place, height),
         };
-        self.rig.walk(&input.walk, head, hand, seconds, &terrain);
+        let recentres = input.walk.recentres || std::mem::take(&mut self.recentres);
+        self.rig.walk(&Walk { recentres, ..input.walk }, head, hand, seconds, &terrain);
         let place = self.rig.user(head);
         let room = self.rig.world_from_room();
         let state = UserState {
@@ -167,7 +199,8 @@ impl Headset<'_> {
         });
     }
 
-    /// Has the device draw what the eyes see. Returns the midpoint of the eyes if this frame is one of the shots.
+    /// Has the device draw what the eyes see. Returns the midpoint of the eyes, and clip from world space of each, if this
+    /// frame is one of the shots.
     fn draw(
         &mut self,
         running: &mut Running,
@@ -175,8 +208,10 @@ impl Headset<'_> {
         eyes: &Eyes,
         input: &Reading,
         times: DrawTimes,
-    ) -> Result<Option<Vec3>, Failure> {
+    ) -> Result<Option<(Vec3, [Mat4; 2])>, Failure> {
         let small = self.wants_miniature(running)?;
+        let slot = running.show.renderer().slot();
+        self.bring_panel(running, slot)?;
         let Running { show, session, miniature, .. } = running;
         let view = views::view(eyes.placed, self.rig.world_from_room());
         let middle: Vec3 = (view.eyes[0] + view.eyes[1]) * 0.5;
@@ -187,14 +222,15 @@ impl Headset<'_> {
             self.outcome.hidden_triangles = session.hidden().triangles();
         }
         let is_copied = self.plan.shots.as_ref().is_some_and(|(every, _)| self.frames.is_multiple_of(*every));
-        let (slot, drawn) = (renderer.slot(), [renderer.settings().width, renderer.settings().height]);
+        let drawn = [renderer.settings().width, renderer.settings().height];
         show.submit(&view, middle, times, &Target { is_copied, ..target }, |commands| {
             if small {
-                miniature.record(commands, slot, target.color.left(), drawn);
+                miniature.record(commands, slot, target.color.left(), drawn, view.clip_from_world[0]);
             }
+            session.record_panel(commands, slot);
             Ok(())
         })?;
-        Ok(is_copied.then_some(middle))
+        Ok(is_copied.then_some((middle, view.clip_from_world)))
     }
 
     /// What the frame shows of the user.
@@ -209,6 +245,7 @@ impl Headset<'_> {
             joints: input.seen.map(|seen| seen.map(|seen| seen.within(room))),
             teleport: self.rig.teleport_shown(input.hands[1].or(input.hands[0])),
             vignette: self.rig.vignette() * self.plan.vignette,
+            fade: self.fade,
         }
     }
 
@@ -232,20 +269,31 @@ impl Headset<'_> {
 
 /// The time from frame to frame.
 #[derive(Debug, Default)]
-struct Clock {
+pub(super) struct Clock {
     display: Option<i64>,
     woke: Option<Instant>,
-    shown: Shown,
+    pub(super) shown: Shown,
+}
+
+/// From one frame to the next.
+#[derive(Debug, Clone, Copy, PartialEq)]
+struct Step {
+    /// For motion: bounded.
+    seconds: f32,
+    /// Periods of the display.
+    periods: u64,
+    /// By the display's times, ms.
+    since_ms: f32,
 }
 
 impl Clock {
-    /// Seconds since the frame before, for motion; and periods of the display since then.
+    /// The time since the frame before.
     #[allow(
         clippy::cast_precision_loss,
         clippy::cast_possible_truncation,
         reason = "short times in nanoseconds"
     )]
-    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> (f32, u64) {
+    fn step(&mut self, frame: &Frame, times: &mut FrameTimes) -> Step {
         let now = Instant::now();
         if let Some(before) = self.woke.replace(now) {
             times.woke(now - before);
@@ -254,7 +302,8 @@ impl Clock {
         let since = self.display.replace(display).map_or(0, |before| display - before);
         let period = i64::try_from(frame.period.as_nanos()).unwrap_or(0).max(1);
         let periods = u64::try_from((since + period / 2) / period).unwrap_or(0).min(1_000);
-        ((since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME), periods)
+        let seconds = (since as f32 * 1e-9).clamp(0.0, LONGEST_FRAME);
+        Step { seconds, periods, since_ms: since as f32 * 1e-6 }
     }
 }
 
@@ -270,10 +319,9 @@ mod tests {
         let mut times = FrameTimes::default();
         let mut at = |display: i64| {
             let period = Duration::from_millis(20);
-            clock.step(
-                &Frame { display: xr::Time::from_nanos(display), period, wants_image: true },
-                &mut times,
-            )
+            let frame = Frame { display: xr::Time::from_nanos(display), period, wants_image: true };
+            let Step { seconds, periods, .. } = clock.step(&frame, &mut times);
+            (seconds, periods)
         };
         assert_eq!(at(1_000_000_000), (0.0, 0));
         let (seconds, periods) = at(1_020_000_000);

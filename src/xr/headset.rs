@@ -3,7 +3,10 @@
 //! Any failure after the first session restarts the session on a new device, with increasing back-off. Two things end the
 //! thread early: an error that waiting cannot mend and that repeats, and an error of our own, such as a full disk.
 
+use super::answer::Answering;
+use super::asking::Asking;
 use super::frames::Running;
+use super::next::Venue;
 use super::outcome::{Outage, Outcome};
 use super::pace::{FrameTimes, Governor};
 use super::plan::Plan;
@@ -13,8 +16,6 @@ use super::shared::Shared;
 use super::state::{Event, State};
 use super::surroundings::Surroundings;
 use super::{Error, views};
-use crate::gpu::Device;
-use crate::render::{Settings, Show};
 use crate::stop;
 use openxr::EnvironmentBlendMode as BlendMode;
 use std::sync::Arc;
@@ -39,9 +40,17 @@ fn our_reason() -> &'static str {
 /// The headset's thread.
 pub(super) struct Headset<'a> {
     pub(super) shared: &'a Shared,
-    pub(super) world: Surroundings,
+    /// What is seen.
+    pub(super) world: Arc<Surroundings>,
     pub(super) plan: Plan,
     pub(super) rig: Rig,
+    /// Whether the user is to stand where the world has them begin from the next frame with a head on.
+    pub(super) recentres: bool,
+    /// How far everything is covered with grey.
+    pub(super) fade: f32,
+    /// The panel that stands in the room.
+    pub(super) asking: Option<Asking>,
+    pub(super) answering: Answering,
     pub(super) times: FrameTimes,
     pub(super) governor: Governor,
     pub(super) outcome: Outcome,
@@ -54,12 +63,16 @@ pub(super) struct Headset<'a> {
 }
 
 impl<'a> Headset<'a> {
-    pub(super) fn new(shared: &'a Shared, world: Surroundings, plan: Plan) -> Self {
+    pub(super) fn new(shared: &'a Shared, world: Arc<Surroundings>, plan: Plan) -> Self {
         Self {
             shared,
             rig: Rig::new(world.start),
             world,
             plan,
+            recentres: false,
+            fade: 0.0,
+            asking: None,
+            answering: Answering::default(),
             times: FrameTimes::default(),
             governor: Governor::default(),
             outcome: Outcome { least_quality: 1.0, least_resolution: 1.0, ..Outcome::default() },
@@ -126,7 +139,7 @@ impl<'a> Headset<'a> {
     fn end_outage(&mut self) {
         if let (Some((since, number)), Some(loss)) = (self.outage.take(), self.outcome.losses.last_mut()) {
             loss.seconds = since.elapsed().as_secs_f64();
-            loss.steps = self.shared.snapshot().number - number;
+            loss.steps = self.shared.snapshot().number.saturating_sub(number);
         }
     }
 
@@ -137,31 +150,20 @@ impl<'a> Headset<'a> {
         let device = shared.call(|| runtime.device(self.plan.validation))?;
         let mut session = shared.call(|| Session::new(&runtime, &device, self.plan.eye_size))?;
         self.outcome.runtime = Some(runtime.info().clone());
-        let show = self.show(&device, &mut session)?;
-        let mut running = Running::new(show, session);
-        self.outcome.sessions += 1;
-        let ended = self.run_frames(&mut running);
-        // the device is done with all frames before the runtime is asked to take its images back
-        let Running { show, miniature, session, .. } = running;
-        drop((show, miniature));
-        shared.call(|| drop((session, device, runtime)));
-        ended
-    }
-
-    /// What draws the frames of a session, ready to draw the first.
-    fn show(&mut self, device: &Arc<Device>, session: &mut Session) -> Result<Show, Failure> {
-        let [width, height] = session.size();
-        let settings = Settings { width, height, eyes: 2, stereo: session.stereo(), ..self.world.settings };
-        let Surroundings { store, meshes, scenery, gaze, .. } = &self.world;
-        let mut show = Show::on_device(device, store, meshes, scenery, settings, session.format())?;
-        show.set_gaze(gaze);
-        show.set_level_distances(self.world.level_distances);
-        let hides = session.hidden().triangles() != [0; 2];
-        show.warm_up(store, &views::at_start(self.rig.world_from_room()), hides)?;
+        self.adopt();
+        let venue = Venue::of(&device, &mut session);
+        let show = venue.show(&self.world, &views::at_start(self.rig.world_from_room()))?;
         self.outcome.device = show.device();
         self.outcome.takes_depth = session.takes_depth();
         self.report_blend(session.blend());
-        Ok(show)
+        let mut running = Running::new(show, session, venue);
+        self.outcome.sessions += 1;
+        let ended = self.run_frames(&mut running);
+        // the device is done with all frames before the runtime is asked to take its images back
+        let Running { show, miniature, next, venue, session, .. } = running;
+        drop((show, miniature, next, venue));
+        shared.call(|| drop((session, device, runtime)));
+        ended
     }
 
     /// Runs the frames of a session; returns why it ended.
@@ -183,7 +185,7 @@ impl<'a> Headset<'a> {
                         }
                     }
                     Event::Rate(rate) => self.outcome.refresh_rate = Some(rate),
-                    Event::Recentred => {}
+                    Event::Recentred => self.forget_place(),
                 }
             }
             if shared.stop_requested() && !has_requested_exit {

@@ -18,6 +18,11 @@ impl Hidden {
         *self = Self { masks, made_for: None };
     }
 
+    /// Gives the corners again: what draws has changed.
+    pub(super) fn renew(&mut self) {
+        self.made_for = None;
+    }
+
     /// Triangles that are hidden to each eye.
     pub(super) fn triangles(&self) -> [usize; 2] {
         [0, 1].map(|eye| self.masks[eye].indices.len() / 3)

@@ -18,11 +18,37 @@ pub(super) struct Reading {
     pub(super) grips: [Option<Pose>; 2],
     /// Hands that are seen.
     pub(super) seen: [Option<Seen>; 2],
+    pub(super) answer: Buttons,
 }
 
-/// The actions, bound to whatever controllers the runtime has.
+/// What answers a panel.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Buttons {
+    /// Whether the triggers of the left and the right hand are pulled.
+    pub(super) triggers: [bool; 2],
+    /// Left and right of the stick that is pushed farther, -1 to 1.
+    pub(super) stick: f32,
+    /// Whether the button A is pressed.
+    pub(super) confirms: bool,
+}
+
+/// Which actions count.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Active {
+    /// Those that move the user.
+    Walk,
+    /// Those that answer a panel.
+    Answer,
+    /// None but the hands.
+    Hands,
+}
+
+/// The actions, bound to whatever controllers the runtime has. All sets are attached, which is possible once a session. That of
+/// the hands is always active, of the others one at a time.
 pub(super) struct Input {
-    set: xr::ActionSet,
+    hands: xr::ActionSet,
+    walking: xr::ActionSet,
+    answering: Answers,
     walk: xr::Action<xr::Vector2f>,
     turn: xr::Action<xr::Vector2f>,
     teleport: xr::Action<bool>,
@@ -32,6 +58,16 @@ pub(super) struct Input {
     trackers: Option<Trackers>,
 }
 
+/// The actions that answer a panel.
+struct Answers {
+    set: xr::ActionSet,
+    /// Of the left and the right hand.
+    hands: [xr::Path; 2],
+    choose: xr::Action<bool>,
+    step: xr::Action<xr::Vector2f>,
+    confirm: xr::Action<bool>,
+}
+
 /// Which of our inputs a controller has, below `/user/hand/`.
 #[derive(Debug, Clone, Copy)]
 struct Bindings {
@@ -39,6 +75,10 @@ struct Bindings {
     sticks: Option<[&'static str; 2]>,
     teleport: &'static str,
     recentre: Option<&'static str>,
+    /// What chooses what a hand points at, below `left/input/` and `right/input/`.
+    trigger: &'static str,
+    /// What chooses what a stick went to.
+    confirms: &'static [&'static str],
 }
 
 /// Sticks on both controllers, and a button A on the right one.
@@ -46,19 +86,33 @@ const STICKS: Bindings = Bindings {
     sticks: Some(["left/input/thumbstick", "right/input/thumbstick"]),
     teleport: "right/input/a/click",
     recentre: Some("left/input/thumbstick/click"),
+    trigger: "trigger/value",
+    confirms: &["right/input/a/click", "left/input/x/click"],
 };
 
 /// Interaction profiles that every runtime knows.
 const PROFILES: [(&str, Bindings); 5] = [
     ("oculus/touch_controller", STICKS),
-    ("valve/index_controller", STICKS),
-    ("microsoft/motion_controller", Bindings { teleport: "right/input/trackpad/click", ..STICKS }),
+    (
+        "valve/index_controller",
+        Bindings { confirms: &["right/input/a/click", "left/input/a/click"], ..STICKS },
+    ),
+    (
+        "microsoft/motion_controller",
+        Bindings {
+            teleport: "right/input/trackpad/click",
+            confirms: &["right/input/trackpad/click", "left/input/trackpad/click"],
+            ..STICKS
+        },
+    ),
     (
         "htc/vive_controller",
         Bindings {
             sticks: Some(["left/input/trackpad", "right/input/trackpad"]),
             teleport: "right/input/trigger/click",
             recentre: Some("left/input/menu/click"),
+            trigger: "trigger/click",
+            confirms: &["right/input/trackpad/click", "left/input/trackpad/click"],
         },
     ),
     (
@@ -67,6 +121,8 @@ const PROFILES: [(&str, Bindings); 5] = [
             sticks: None,
             teleport: "right/input/select/click",
             recentre: Some("left/input/menu/click"),
+            trigger: "select/click",
+            confirms: &[],
         },
     ),
 ];
@@ -77,11 +133,17 @@ const PICO: [(&str, Bindings); 2] =
     [("bytedance/pico4_controller", STICKS), ("bytedance/pico_neo3_controller", STICKS)];
 const FOCUS: [(&str, Bindings); 1] = [("htc/vive_focus3_controller", STICKS)];
 const REVERB: [(&str, Bindings); 1] = [("hp/mixed_reality_controller", STICKS)];
-/// A hand that pinches, or whatever else the runtime takes for choosing what it points at, teleports. Nothing else is bound:
-/// hands do much by chance.
+/// A hand that pinches, or whatever else the runtime takes for choosing what it points at, teleports and answers. Nothing else
+/// is bound: hands do much by chance.
 const HANDS: [(&str, Bindings); 1] = [(
     "ext/hand_interaction_ext",
-    Bindings { sticks: None, teleport: "right/input/aim_activate_ext/value", recentre: None },
+    Bindings {
+        sticks: None,
+        teleport: "right/input/aim_activate_ext/value",
+        recentre: None,
+        trigger: "aim_activate_ext/value",
+        confirms: &[],
+    },
 )];
 
 /// The extensions with which runtimes know more profiles.
@@ -110,22 +172,23 @@ impl Input {
     pub(super) fn new(runtime: &Runtime, session: &xr::Session<xr::Vulkan>) -> Result<Self, Error> {
         let Runtime { instance, system, .. } = runtime;
         let path = |text: &str| instance.string_to_path(text).map_err(call("xrStringToPath"));
-        let set = instance
-            .create_action_set("walk", "Walking through the crowd", 0)
-            .map_err(call("xrCreateActionSet"))?;
+        let set = |name: &str, title: &str| {
+            instance.create_action_set(name, title, 0).map_err(call("xrCreateActionSet"))
+        };
+        let (of_hands, walking) = (set("hands", "Hands")?, set("walk", "Walking through the crowd")?);
         let hands = [path("/user/hand/left")?, path("/user/hand/right")?];
-        let walk = set.create_action("move", "Walk", &[]).map_err(call("xrCreateAction"))?;
-        let turn = set.create_action("turn", "Turn", &[]).map_err(call("xrCreateAction"))?;
-        let teleport = set.create_action("teleport", "Teleport", &[]).map_err(call("xrCreateAction"))?;
+        let walk = walking.create_action("move", "Walk", &[]).map_err(call("xrCreateAction"))?;
+        let turn = walking.create_action("turn", "Turn", &[]).map_err(call("xrCreateAction"))?;
+        let teleport = walking.create_action("teleport", "Teleport", &[]).map_err(call("xrCreateAction"))?;
         let recentre =
-            set.create_action("recentre", "Back to the start", &[]).map_err(call("xrCreateAction"))?;
+            walking.create_action("recentre", "Back to the start", &[]).map_err(call("xrCreateAction"))?;
         let aim: xr::Action<xr::Posef> =
-            set.create_action("aim", "Point", &hands).map_err(call("xrCreateAction"))?;
+            of_hands.create_action("aim", "Point", &hands).map_err(call("xrCreateAction"))?;
         let grip: xr::Action<xr::Posef> =
-            set.create_action("grip", "Hold", &hands).map_err(call("xrCreateAction"))?;
-        for (profile, Bindings { sticks, teleport: teleports, recentre: recentres }) in
-            profiles(&runtime.extensions)
-        {
+            of_hands.create_action("grip", "Hold", &hands).map_err(call("xrCreateAction"))?;
+        let answering = Answers::new(set("answer", "Answering")?, hands)?;
+        for (profile, named) in profiles(&runtime.extensions) {
+            let Bindings { sticks, teleport: teleports, recentre: recentres, .. } = named;
             let mut bindings = Vec::new();
             let hand = |rest: &str| path(&format!("/user/hand/{rest}"));
             if let Some([walks, turns]) = sticks {
@@ -140,18 +203,20 @@ impl Input {
             bindings.push(xr::Binding::new(&aim, hand("right/input/aim/pose")?));
             bindings.push(xr::Binding::new(&grip, hand("left/input/grip/pose")?));
             bindings.push(xr::Binding::new(&grip, hand("right/input/grip/pose")?));
+            answering.bind(&named, hand, &mut bindings)?;
             let profile = path(&format!("/interaction_profiles/{profile}"))?;
             // a runtime may not know a profile; the others still count
             let _ = instance.suggest_interaction_profile_bindings(profile, &bindings);
         }
-        session.attach_action_sets(&[&set]).map_err(call("xrAttachSessionActionSets"))?;
+        let sets = [&of_hands, &walking, &answering.set];
+        session.attach_action_sets(&sets).map_err(call("xrAttachSessionActionSets"))?;
         let space = |action: &xr::Action<xr::Posef>, hand| {
             action.create_space(session, hand, xr::Posef::IDENTITY).map_err(call("xrCreateActionSpace"))
         };
         let both = |action| Ok::<_, Error>([space(action, hands[0])?, space(action, hands[1])?]);
         let spaces = [both(&aim)?, both(&grip)?];
         let trackers = Trackers::new(instance, *system, session)?;
-        Ok(Self { set, walk, turn, teleport, recentre, spaces, trackers })
+        Ok(Self { hands: of_hands, walking, answering, walk, turn, teleport, recentre, spaces, trackers })
     }
 
     /// What hands and sticks do at `time`.
@@ -160,23 +225,18 @@ impl Input {
         session: &xr::Session<xr::Vulkan>,
         room: &xr::Space,
         time: xr::Time,
+        active: Active,
     ) -> Result<Reading, Error> {
-        session.sync_actions(&[xr::ActiveActionSet::new(&self.set)]).map_err(call("xrSyncActions"))?;
-        let stick = |action: &xr::Action<xr::Vector2f>| {
-            let state = action.state(session, xr::Path::NULL).map_err(call("xrGetActionStateVector2f"))?;
-            let value = Vec2::new(state.current_state.x, state.current_state.y);
-            Ok::<_, Error>(if state.is_active && value.is_finite() { value } else { Vec2::ZERO })
-        };
-        let button = |action: &xr::Action<bool>| {
-            action.state(session, xr::Path::NULL).map_err(call("xrGetActionStateBoolean"))
-        };
-        let recentre = button(&self.recentre)?;
-        let walk = Walk {
-            stick: stick(&self.walk)?,
-            turn: stick(&self.turn)?.x,
-            aims: button(&self.teleport)?.current_state,
-            recentres: recentre.current_state && recentre.changed_since_last_sync,
-        };
+        let mut sets = vec![xr::ActiveActionSet::new(&self.hands)];
+        match active {
+            Active::Walk => sets.push(xr::ActiveActionSet::new(&self.walking)),
+            Active::Answer => sets.push(xr::ActiveActionSet::new(&self.answering.set)),
+            Active::Hands => {}
+        }
+        session.sync_actions(&sets).map_err(call("xrSyncActions"))?;
+        let walk = if active == Active::Walk { self.walk(session)? } else { Walk::default() };
+        let answer =
+            if active == Active::Answer { self.answering.read(session)? } else { Buttons::default() };
         let mut poses = [[None; 2]; 2];
         for (hand, space) in poses.iter_mut().flatten().zip(self.spaces.iter().flatten()) {
             let found = space.locate(room, time).map_err(call("xrLocateSpace"))?;
@@ -188,8 +248,78 @@ impl Input {
         for (hand, seen) in hands.iter_mut().zip(&seen) {
             *hand = hand.or(seen.map(|seen| seen.palm));
         }
-        Ok(Reading { walk, hands, grips, seen })
+        Ok(Reading { walk, hands, grips, seen, answer })
     }
+
+    /// What sticks and buttons say of walking.
+    fn walk(&self, session: &xr::Session<xr::Vulkan>) -> Result<Walk, Error> {
+        let recentre = button(session, &self.recentre, xr::Path::NULL)?;
+        Ok(Walk {
+            stick: stick(session, &self.walk, xr::Path::NULL)?,
+            turn: stick(session, &self.turn, xr::Path::NULL)?.x,
+            aims: button(session, &self.teleport, xr::Path::NULL)?.current_state,
+            recentres: recentre.current_state && recentre.changed_since_last_sync,
+        })
+    }
+}
+
+impl Answers {
+    fn new(set: xr::ActionSet, hands: [xr::Path; 2]) -> Result<Self, Error> {
+        let choose = set.create_action("choose", "Choose", &hands).map_err(call("xrCreateAction"))?;
+        let step = set.create_action("step", "To the next one", &hands).map_err(call("xrCreateAction"))?;
+        let confirm = set.create_action("confirm", "Confirm", &[]).map_err(call("xrCreateAction"))?;
+        Ok(Self { set, hands, choose, step, confirm })
+    }
+
+    /// Adds the bindings of a profile.
+    fn bind<'a>(
+        &'a self,
+        named: &Bindings,
+        hand: impl Fn(&str) -> Result<xr::Path, Error>,
+        bindings: &mut Vec<xr::Binding<'a>>,
+    ) -> Result<(), Error> {
+        for side in ["left", "right"] {
+            bindings.push(xr::Binding::new(&self.choose, hand(&format!("{side}/input/{}", named.trigger))?));
+        }
+        for stick in named.sticks.iter().flatten() {
+            bindings.push(xr::Binding::new(&self.step, hand(stick)?));
+        }
+        for confirms in named.confirms {
+            bindings.push(xr::Binding::new(&self.confirm, hand(confirms)?));
+        }
+        Ok(())
+    }
+
+    fn read(&self, session: &xr::Session<xr::Vulkan>) -> Result<Buttons, Error> {
+        let [left, right] = self.hands;
+        let pulled = |hand| Ok::<_, Error>(button(session, &self.choose, hand)?.current_state);
+        let sticks = [stick(session, &self.step, left)?.x, stick(session, &self.step, right)?.x];
+        let [one, other] = sticks;
+        Ok(Buttons {
+            triggers: [pulled(left)?, pulled(right)?],
+            stick: if one.abs() > other.abs() { one } else { other },
+            confirms: button(session, &self.confirm, xr::Path::NULL)?.current_state,
+        })
+    }
+}
+
+/// Where a stick is; at rest while it is not there.
+fn stick(
+    session: &xr::Session<xr::Vulkan>,
+    action: &xr::Action<xr::Vector2f>,
+    hand: xr::Path,
+) -> Result<Vec2, Error> {
+    let state = action.state(session, hand).map_err(call("xrGetActionStateVector2f"))?;
+    let value = Vec2::new(state.current_state.x, state.current_state.y);
+    Ok(if state.is_active && value.is_finite() { value } else { Vec2::ZERO })
+}
+
+fn button(
+    session: &xr::Session<xr::Vulkan>,
+    action: &xr::Action<bool>,
+    hand: xr::Path,
+) -> Result<xr::ActionState<bool>, Error> {
+    action.state(session, hand).map_err(call("xrGetActionStateBoolean"))
 }
 
 #[cfg(test)]

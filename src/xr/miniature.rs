@@ -7,6 +7,7 @@ use crate::render::{
     first_layer,
 };
 use ash::vk;
+use glam::Mat4;
 use vk::{AccessFlags2 as Access, ImageLayout as Layout, PipelineStageFlags2 as Stage};
 
 /// Scales images down on the device and copies them to the host, as a part of the frames that drew them.
@@ -19,8 +20,8 @@ struct Made {
     size: [u32; 2],
     /// The small image, which only the device uses.
     small: GpuImage,
-    /// Where the host reads it, for each frame in flight, and whether there is a copy.
-    copies: [(Readback, bool); FRAMES_IN_FLIGHT],
+    /// Where the host reads it, for each frame in flight, and clip from world space of the eye if there is a copy.
+    copies: [(Readback, Option<Mat4>); FRAMES_IN_FLIGHT],
 }
 
 impl Miniature {
@@ -38,16 +39,23 @@ impl Miniature {
         let usage = vk::ImageUsageFlags::TRANSFER_DST | vk::ImageUsageFlags::SAMPLED;
         let spec = ImageSpec { usage, ..ImageSpec::flat("miniature", size, COLOR_FORMAT) };
         let readback = || Readback::new(renderer.device(), "miniature readback", size, 1);
-        let copies = [(readback()?, false), (readback()?, false)];
+        let copies = [(readback()?, None), (readback()?, None)];
         self.made = Some(Made { size, small: GpuImage::readable(renderer.device(), spec)?, copies });
         Ok(())
     }
 
     /// Records the copy of the first layer of an image, of `full` pixels, that was drawn by the frame of a slot. The image is in
     /// the layout of a colour attachment before and afterwards.
-    pub(super) fn record(&mut self, commands: &Commands<'_>, slot: usize, from: vk::Image, full: [u32; 2]) {
+    pub(super) fn record(
+        &mut self,
+        commands: &Commands<'_>,
+        slot: usize,
+        from: vk::Image,
+        full: [u32; 2],
+        clip: Mat4,
+    ) {
         let Some(Made { size, small, copies }) = &mut self.made else { return };
-        let (readback, is_copied) = &mut copies[slot];
+        let (readback, copied) = &mut copies[slot];
         let aspect = vk::ImageAspectFlags::COLOR;
         let drawn = ImageUse::COLOR_WRITTEN;
         let source = ImageUse { stages: Stage::BLIT, ..ImageUse::COPY_SOURCE };
@@ -78,12 +86,12 @@ impl Miniature {
         }
         commands.transition(&[change(from, source, drawn), change(small.raw, target, ImageUse::COPY_SOURCE)]);
         readback.copy(commands.raw(), commands.buffer, &[small.raw], aspect);
-        *is_copied = true;
+        *copied = Some(clip);
     }
 
-    /// The copy that the frame of a slot made, which was waited for.
-    pub(super) fn take(&mut self, slot: usize) -> Option<Image> {
-        let (readback, is_copied) = &mut self.made.as_mut()?.copies[slot];
-        std::mem::take(is_copied).then(|| readback.image())
+    /// The copy that the frame of a slot made, which was waited for, and clip from world space of its eye.
+    pub(super) fn take(&mut self, slot: usize) -> Option<(Image, Mat4)> {
+        let (readback, copied) = &mut self.made.as_mut()?.copies[slot];
+        copied.take().map(|clip| (readback.image(), clip))
     }
 }

@@ -31,18 +31,25 @@
 //!
 //! Frames: an OpenXR space is right-handed, y up, metres, as is ours; a view looks along its -z.
 
+mod answer;
 mod app;
+mod asking;
+mod change;
 mod clock;
+mod cues;
 mod error;
 mod frames;
+mod handover;
 mod headset;
 mod hidden;
 mod input;
 mod joints;
 mod miniature;
 mod mirror;
+mod next;
 mod outcome;
 mod pace;
+mod panel;
 mod plan;
 mod recording;
 mod rig;
@@ -50,30 +57,40 @@ mod runtime;
 mod session;
 mod shared;
 mod shown;
+mod stage;
 mod state;
 mod surroundings;
 mod survey;
 mod swapchain;
 mod views;
 mod watch;
+mod world;
 
+pub use answer::Means;
 pub use app::{Observer, run};
+pub use asking::Answered;
+pub use cues::FrameCount;
 pub use error::{Error, Loss};
 pub use mirror::Mirror;
 pub use outcome::{Outage, Outcome};
 pub use pace::{FrameSummary, Percentiles};
 #[doc(hidden)]
 pub use pace::{FrameTimes, Governor};
+pub use panel::{Choice, MOST_CELLS, MOST_CHARACTERS, Panel, PanelError};
 pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
-pub use recording::{Recorder, Recording, RecordingError, Session as RecordedSession, UserState, repair};
+pub use recording::{
+    Recorder, Recording, RecordingError, Session as RecordedSession, TrialLabel, UserState, repair,
+};
 #[doc(hidden)]
 pub use recording::{SessionHash, Way, hash_avatars, hash_library, hash_scenario, hash_start, make_way};
 pub use rig::Rig;
 #[doc(hidden)]
 pub use rig::{Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
+pub use stage::{Stage, Walked};
 pub use state::State;
 pub use survey::{Survey, survey};
+pub use world::World;
 
 /// Silences the OpenXR loader on standard error, since [`Error`] says the same in one line; `XR_LOADER_DEBUG` wins. Call it
 /// while the program has one thread.

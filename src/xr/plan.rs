@@ -38,6 +38,8 @@ pub struct Plan {
     pub eye_size: Option<[u32; 2]>,
     /// Refresh rate of the display to ask for, Hz: the nearest that is offered; none: the runtime's.
     pub refresh_rate: Option<f32>,
+    /// Whether sticks move the user. In a study they walk in their room.
+    pub moves: bool,
     /// How far the edge of the view is darkened while a stick moves the user, 0 not at all to 1.
     pub vignette: f32,
     /// Whether to wait for a runtime or headset that is not there yet.
@@ -67,6 +69,7 @@ impl Default for Plan {
             seconds: None,
             eye_size: None,
             refresh_rate: None,
+            moves: true,
             vignette: DEFAULT_VIGNETTE,
             waits: false,
             shots: None,

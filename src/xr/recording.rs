@@ -17,6 +17,9 @@
 //! # library 90ab...               (hash of the gaits)
 //! # avatars 77de...               (hash of the bodies)
 //! # start 5f0c2a9bd1e37744        (hash of the crowd before the first step)
+//! # study eva-agents              (of a trial of a study: these three, which no replay depends on)
+//! # participant k7q4...
+//! # trial 7
 //! step,x_m,z_m,y_m,vx,vz,head_x,...
 //! 0,0.1,-2,0,0,0,...
 //! # hash 30 81c4...               (hash of the session after so many steps: see [`SessionHash`])
@@ -25,8 +28,12 @@
 //!
 //! Each line is written when its step is done: a program that is killed leaves all steps but the one it was doing. The
 //! next start cuts a line that was not completed ([`repair`]).
+//!
+//! Format 1 is still read. It says neither condition nor gaze, has no heights and no hashes but those of the crowd at start
+//! and end.
 
 mod hash;
+mod line;
 mod place;
 
 pub use hash::{SessionHash, hash_avatars, hash_library, hash_scenario, hash_start};
@@ -34,11 +41,16 @@ pub use place::{Way, make_way, repair};
 
 use super::views::Pose;
 use crate::kernels::Store;
+use crate::library::GaitLibrary;
+use crate::scenario::{Condition, GazeMode};
+use crate::scene::Scene;
 use glam::{Quat, Vec2, Vec3};
 use std::io::{BufRead, Write};
 
 /// Version of the format.
 const VERSION: u32 = 2;
+/// The format before.
+const FIRST_VERSION: u32 = 1;
 /// How every recording begins, of whatever version.
 const FIRST: &str = "gaitway recording";
 /// Most steps of one recording: twelve hours at 100 steps a second.
@@ -69,11 +81,27 @@ pub struct Session {
     pub library: u64,
     /// [`hash_avatars`].
     pub avatars: u64,
-    /// [`hash_start`].
+    /// [`hash_start`]; in format 1 the hash of the crowd's state.
     pub start: u64,
+    /// Which trial of a study it is.
+    pub trial: Option<TrialLabel>,
 }
 
-/// Fields of the header, after the first line.
+/// Which trial of a study a recording is.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct TrialLabel {
+    /// The study.
+    pub study: String,
+    /// The participant's code.
+    pub participant: String,
+    /// Number of the trial.
+    pub trial: u32,
+}
+
+/// Fields of a [`TrialLabel`] in the header. They name the recording and are no part of what is replayed.
+const LABEL_KEYS: [&str; 3] = ["study", "participant", "trial"];
+
+/// Fields of the header, after the first line, on which a replay depends.
 const KEYS: [&str; 11] = [
     "version",
     "scene",
@@ -89,6 +117,34 @@ const KEYS: [&str; 11] = [
 ];
 
 impl Session {
+    /// Of a scene at its start, which stands in `store`, walked by the gaits of a library.
+    pub fn of(scene: &Scene, library: &GaitLibrary, store: &Store) -> Self {
+        let scenario = &scene.scenario;
+        let condition = match scenario.condition {
+            Condition::Baseline => "baseline",
+            Condition::EvaO => "eva-o",
+            Condition::EvaG => "eva-g",
+        };
+        let gaze = match scenario.gaze.mode {
+            GazeMode::Natural => "natural",
+            GazeMode::Paper => "paper",
+        };
+        Self {
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: scenario.name.clone(),
+            condition: condition.to_owned(),
+            gaze: gaze.to_owned(),
+            agents: store.step.agent_count,
+            seed: scenario.seed,
+            time_step: store.step.time_step,
+            scenario: hash_scenario(scenario),
+            library: hash_library(library),
+            avatars: hash_avatars(scene.cast.avatars()),
+            start: hash_start(store),
+            trial: None,
+        }
+    }
+
     /// The values of [`KEYS`] as they are written.
     fn values(&self) -> [String; 11] {
         let hex = |hash: u64| format!("{hash:016x}");
@@ -169,14 +225,18 @@ pub enum RecordingError {
         /// What differs, one line each: its name, as recorded, as it is now.
         differences: Vec<String>,
     },
+    /// A field of the header cannot be written.
+    #[error("recording: {key} {value:?} must be one line of at least one character")]
+    Field {
+        /// The field.
+        key: &'static str,
+        /// Its value.
+        value: String,
+    },
     /// There is something at the recording's place that must not be lost.
     #[error("{0}")]
     Taken(&'static str),
 }
-
-const COLUMNS: &str = "step,x_m,z_m,y_m,vx,vz,head_x,head_y,head_z,head_qx,head_qy,head_qz,head_qw,left_x,left_y,left_z,\
-                       left_qx,left_qy,left_qz,left_qw,right_x,right_y,right_z,right_qx,right_qy,right_qz,right_qw,\
-                       walk_x,walk_y,turn";
 
 /// Writes a recording, step by step, each line at once.
 #[derive(Debug)]
@@ -191,13 +251,20 @@ impl<W: Write> Recorder<W> {
     /// Begins a recording.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// When it cannot be written, or a field of the header is not one line.
     pub fn new(mut to: W, session: &Session) -> Result<Self, RecordingError> {
         let mut head = format!("# {FIRST} {VERSION}\n");
-        for (key, value) in KEYS.iter().zip(session.values()) {
+        let labels = session.trial.iter().flat_map(|of| {
+            let values = [of.study.clone(), of.participant.clone(), of.trial.to_string()];
+            LABEL_KEYS.into_iter().zip(values)
+        });
+        for (key, value) in KEYS.into_iter().zip(session.values()).chain(labels) {
+            if value.trim() != value || value.is_empty() || value.contains(char::is_control) {
+                return Err(RecordingError::Field { key, value });
+            }
             head += &format!("# {key} {value}\n");
         }
-        to.write_all(format!("{head}{COLUMNS}\n").as_bytes())?;
+        to.write_all(format!("{head}{}\n", line::COLUMNS).as_bytes())?;
         to.flush()?;
         Ok(Self { to, step: 0, every: session.hash_every(), hash: SessionHash::new(session) })
     }
@@ -213,19 +280,7 @@ impl<W: Write> Recorder<W> {
     /// When it cannot be written.
     pub fn step(&mut self, user: &UserState, crowd: &Store) -> Result<(), RecordingError> {
         self.hash.step(user, crowd);
-        let mut line = self.step.to_string();
-        let ([x, z], [vx, vz]) = (user.place.to_array(), user.velocity.to_array());
-        for value in [x, z, user.elevation, vx, vz] {
-            line += &format!(",{value}");
-        }
-        for pose in [user.head, user.hands[0], user.hands[1]] {
-            match pose {
-                Some(pose) => pose.iter().for_each(|value| line += &format!(",{value}")),
-                None => line += ",,,,,,,",
-            }
-        }
-        user.sticks.iter().for_each(|value| line += &format!(",{value}"));
-        line += "\n";
+        let mut line = line::written(self.step, user);
         self.step += 1;
         if self.step.is_multiple_of(self.every) {
             line += &format!("# hash {} {:016x}\n", self.step, self.hash.with(crowd));
@@ -254,13 +309,15 @@ impl<W: Write> Recorder<W> {
 /// A recording that was read.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recording {
-    /// What it is of.
+    /// Version of its format, 1 or 2.
+    pub format: u32,
+    /// What it is of. In format 1 `version`, `condition` and `gaze` are empty, and the hashes but `start` 0: it does not say.
     pub session: Session,
     /// The user, step by step.
     pub steps: Vec<UserState>,
-    /// Hashes of the session after so many steps.
+    /// Hashes of the session after so many steps; none in format 1.
     pub hashes: Vec<(u32, u64)>,
-    /// Hash of the session after the last step; none if it broke off.
+    /// Hash of the session after the last step, in format 1 of the crowd's state; none if it broke off.
     pub end: Option<u64>,
 }
 
@@ -270,65 +327,69 @@ impl Recording {
     /// # Errors
     /// When it cannot be read, or a line is not as it should be: which, and what is wrong.
     pub fn read(mut from: impl BufRead) -> Result<Self, RecordingError> {
-        let mut head: [Option<String>; 11] = Default::default();
+        let mut head = Head::default();
         let (mut steps, mut hashes, mut end) = (Vec::new(), Vec::new(), None);
-        let (mut line, mut number) = (String::new(), 0);
+        let (mut line, mut number, mut format) = (String::new(), 0, VERSION);
         while from.read_line(&mut line)? > 0 && line.ends_with('\n') {
             number += 1;
             let wrong = |message: String| RecordingError::Line { line: number, message };
             let text = line.trim_end();
             if number == 1 {
-                version(text).map_err(wrong)?;
+                format = version(text).map_err(wrong)?;
             } else if let Some((key, value)) = text.strip_prefix("# ").and_then(|text| text.split_once(' ')) {
                 match key {
                     "end" => end = Some(hex(value).map_err(|message| wrong(format!("end: {message}")))?),
                     "hash" => hashes.push(hash_after(value, steps.len()).map_err(wrong)?),
-                    key => {
-                        if let Some(place) = KEYS.iter().position(|known| *known == key) {
-                            head[place] = Some(value.to_owned());
-                        }
-                    }
+                    key => head.take(key, value),
                 }
             } else if !text.starts_with("step,") && !text.is_empty() {
                 if steps.len() >= MOST_STEPS as usize {
                     return Err(wrong(format!("more than {MOST_STEPS} steps")));
                 }
-                steps.push(user_state(text, steps.len()).map_err(wrong)?);
+                steps.push(line::user_state(text, steps.len(), format).map_err(wrong)?);
             }
             line.clear();
         }
         if number == 0 {
             version("").map_err(|message| RecordingError::Line { line: 1, message })?;
         }
-        Ok(Self { session: session(&head)?, steps, hashes, end })
+        Ok(Self { format, session: head.session(format)?, steps, hashes, end })
+    }
+
+    /// Whether it does not say its condition: format 1.
+    pub fn is_silent(&self) -> bool {
+        self.format == FIRST_VERSION
     }
 
     /// Whether it is of this session.
     ///
     /// # Errors
-    /// [`RecordingError::Other`] says what differs.
+    /// [`RecordingError::Other`] says what differs, of that which the format says.
     pub fn must_be_of(&self, session: &Session) -> Result<(), RecordingError> {
         let pairs = self.session.values().into_iter().zip(session.values());
         let differences: Vec<String> = KEYS
             .iter()
             .zip(pairs)
-            .filter(|(_, (recorded, now))| recorded != now)
+            .filter(|(key, (recorded, now))| says(self.format, key) && recorded != now)
             .map(|(key, (recorded, now))| format!("{key} {recorded} was recorded, this is {now}"))
             .collect();
         if differences.is_empty() { Ok(()) } else { Err(RecordingError::Other { differences }) }
     }
 }
 
-/// Checks the first line.
-fn version(line: &str) -> Result<(), String> {
+/// Whether the header of a format says this. The hash of the start is another one in format 1.
+fn says(format: u32, key: &str) -> bool {
+    format != FIRST_VERSION || ["scene", "agents", "seed", "time_step"].contains(&key)
+}
+
+/// The version that the first line names.
+fn version(line: &str) -> Result<u32, String> {
     let found = line.strip_prefix("# ").and_then(|line| line.strip_prefix(FIRST)).map(str::trim);
-    match found {
-        Some(version) if version.parse() == Ok(VERSION) => Ok(()),
-        Some("1") => Err(format!(
-            "format version 1, which holds neither condition nor gaze; this program reads {VERSION}. Replay it with the \
-             version of gaitway that recorded it"
-        )),
-        Some(version) => Err(format!("format version {version:?}; this program reads {VERSION}")),
+    match found.map(|found| (found, found.parse::<u32>())) {
+        Some((_, Ok(version))) if (FIRST_VERSION..=VERSION).contains(&version) => Ok(version),
+        Some((found, _)) => {
+            Err(format!("format version {found:?}; this program reads {FIRST_VERSION} and {VERSION}"))
+        }
         None => Err(format!("does not begin with `# {FIRST} {VERSION}`")),
     }
 }
@@ -347,62 +408,64 @@ fn hash_after(text: &str, steps: usize) -> Result<(u32, u64), String> {
     }
 }
 
-/// What the header says.
-fn session(head: &[Option<String>; 11]) -> Result<Session, RecordingError> {
-    let at = |key: usize, message: String| RecordingError::Line { line: key + 2, message };
-    let value = |key: usize| head[key].as_deref().ok_or_else(|| at(key, format!("no `# {}`", KEYS[key])));
-    let bad =
-        |key: usize, found: &str| at(key, format!("{} {found:?} is not a number that it may be", KEYS[key]));
-    let word = |key: usize| Ok::<_, RecordingError>(value(key)?.to_owned());
-    let hash = |key: usize| hex(value(key)?).map_err(|message| at(key, format!("{}: {message}", KEYS[key])));
-    let time_step = value(6)?.parse().ok().filter(|time_step: &f32| *time_step > 0.0 && *time_step <= 1.0);
-    Ok(Session {
-        version: word(0)?,
-        scene: word(1)?,
-        condition: word(2)?,
-        gaze: word(3)?,
-        agents: value(4)?.parse().map_err(|_error| bad(4, head[4].as_deref().unwrap_or("")))?,
-        seed: value(5)?.parse().map_err(|_error| bad(5, head[5].as_deref().unwrap_or("")))?,
-        time_step: time_step.ok_or_else(|| bad(6, head[6].as_deref().unwrap_or("")))?,
-        scenario: hash(7)?,
-        library: hash(8)?,
-        avatars: hash(9)?,
-        start: hash(10)?,
-    })
+/// The header as it was read.
+#[derive(Debug, Default)]
+struct Head {
+    values: [Option<String>; KEYS.len()],
+    labels: [Option<String>; LABEL_KEYS.len()],
 }
 
-/// One line of the table, which must be that of step `step`.
-fn user_state(line: &str, step: usize) -> Result<UserState, String> {
-    let fields: Vec<&str> = line.split(',').collect();
-    let wanted = COLUMNS.split(',').count();
-    if fields.len() != wanted {
-        return Err(format!("{} fields; there must be {wanted}", fields.len()));
-    }
-    if fields[0].parse() != Ok(step) {
-        return Err(format!("step {:?}; it should be {step}", fields[0]));
-    }
-    let number = |field: usize| match fields[field].parse::<f32>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("field {}: {:?} is not a finite number", field + 1, fields[field])),
-    };
-    let pose = |first: usize| {
-        if fields[first..first + 7].iter().all(|field| field.is_empty()) {
-            return Ok(None);
+impl Head {
+    fn take(&mut self, key: &str, value: &str) {
+        let known = KEYS.iter().zip(&mut self.values).chain(LABEL_KEYS.iter().zip(&mut self.labels));
+        if let Some((_, place)) = known.into_iter().find(|(known, _)| **known == key) {
+            *place = Some(value.to_owned());
         }
-        let mut values = [0.0; 7];
-        for (place, value) in values.iter_mut().enumerate() {
-            *value = number(first + place)?;
-        }
-        Ok::<_, String>(Some(values))
-    };
-    Ok(UserState {
-        place: Vec2::new(number(1)?, number(2)?),
-        elevation: number(3)?,
-        velocity: Vec2::new(number(4)?, number(5)?),
-        head: pose(6)?,
-        hands: [pose(13)?, pose(20)?],
-        sticks: [number(27)?, number(28)?, number(29)?],
-    })
+    }
+
+    /// What it says.
+    fn session(&self, format: u32) -> Result<Session, RecordingError> {
+        let at = |key: usize, message: String| RecordingError::Line { line: key + 2, message };
+        let value = |key: usize| match &self.values[key] {
+            Some(value) => Ok(Some(value.as_str())),
+            None if says(format, KEYS[key]) => Err(at(key, format!("no `# {}`", KEYS[key]))),
+            None => Ok(None),
+        };
+        let bad = |key: usize, found: &str| {
+            at(key, format!("{} {found:?} is not a number that it may be", KEYS[key]))
+        };
+        let word = |key: usize| Ok::<_, RecordingError>(value(key)?.unwrap_or_default().to_owned());
+        let hash = |key: usize| {
+            let read = |text| hex(text).map_err(|message| at(key, format!("{}: {message}", KEYS[key])));
+            value(key)?.map_or(Ok(0), read)
+        };
+        let number = |key: usize| Ok::<_, RecordingError>(value(key)?.unwrap_or_default());
+        let time_step = number(6)?;
+        let is_step = |step: &f32| *step > 0.0 && *step <= 1.0;
+        Ok(Session {
+            version: word(0)?,
+            scene: word(1)?,
+            condition: word(2)?,
+            gaze: word(3)?,
+            agents: number(4)?.parse().map_err(|_error| bad(4, number(4).unwrap_or_default()))?,
+            seed: number(5)?.parse().map_err(|_error| bad(5, number(5).unwrap_or_default()))?,
+            time_step: time_step.parse().ok().filter(is_step).ok_or_else(|| bad(6, time_step))?,
+            scenario: hash(7)?,
+            library: hash(8)?,
+            avatars: hash(9)?,
+            start: hash(10)?,
+            trial: self.trial()?,
+        })
+    }
+
+    /// The trial, if it names one.
+    fn trial(&self) -> Result<Option<TrialLabel>, RecordingError> {
+        let [Some(study), Some(participant), Some(trial)] = &self.labels else { return Ok(None) };
+        let line = KEYS.len() + LABEL_KEYS.len() + 1;
+        let wrong = |error| RecordingError::Line { line, message: format!("trial {trial:?}: {error}") };
+        let trial = trial.parse().map_err(wrong)?;
+        Ok(Some(TrialLabel { study: study.clone(), participant: participant.clone(), trial }))
+    }
 }
 
 #[cfg(test)]

@@ -3,13 +3,14 @@
 //! `wait` (xrWaitFrame, xrBeginFrame) is always followed by `end` (xrEndFrame), with or without an image. Where the
 //! safe wrapper loses a success code that matters (a timeout, a loss that is pending) the raw call is made instead.
 
-use super::error::{Error, Loss, call, check};
+use super::error::{Error, Loss, call};
 use super::hidden::Hidden;
-use super::input::Input;
+use super::input::{Active, Input};
+use super::panel::layer::PanelImages;
 use super::runtime::{Runtime, STEREO, handle};
 use super::state::{Event, State};
 use super::swapchain::{EyeChains, ImageKind};
-use super::views::{NEAR, Pose};
+use super::views::Pose;
 use super::watch::DeviceWaits;
 use crate::gpu::Device;
 use crate::render::{DEPTH_FORMAT, Stereo, Target};
@@ -37,7 +38,7 @@ pub(super) struct Frame {
 /// Where the eyes are and what they see, in the room.
 #[derive(Clone, Copy)]
 pub(super) struct Eyes {
-    views: [xr::View; 2],
+    pub(super) views: [xr::View; 2],
     pub(super) placed: [(Pose, xr::Fovf); 2],
 }
 
@@ -46,20 +47,22 @@ pub(super) struct Session {
     // In the order in which they must go: views of images, swapchains, spaces, the session itself.
     /// Views of both layers of the images to draw into, where they have two.
     views: Vec<(vk::Image, vk::ImageView)>,
-    color: EyeChains,
-    depth: Option<EyeChains>,
+    pub(super) color: EyeChains,
+    pub(super) depth: Option<EyeChains>,
+    /// Made with the first panel.
+    pub(super) panel: Option<PanelImages>,
     hidden: Hidden,
-    room: xr::Space,
+    pub(super) room: xr::Space,
     head: xr::Space,
     pub(super) input: Option<Input>,
     waiter: xr::FrameWaiter,
     stream: xr::FrameStream<xr::Vulkan>,
-    session: xr::Session<xr::Vulkan>,
-    instance: xr::Instance,
-    device: Arc<Device>,
+    pub(super) session: xr::Session<xr::Vulkan>,
+    pub(super) instance: xr::Instance,
+    pub(super) device: Arc<Device>,
     device_waits: DeviceWaits,
-    blend: BlendMode,
-    format: vk::Format,
+    pub(super) blend: BlendMode,
+    pub(super) format: vk::Format,
     state: State,
     is_running: bool,
 }
@@ -141,6 +144,7 @@ impl Session {
             views: Vec::new(),
             color,
             depth,
+            panel: None,
             hidden: Hidden::default(),
             room,
             head,
@@ -185,7 +189,8 @@ impl Session {
     /// How long the device and images of the swapchain were waited for so far.
     pub(super) fn waited(&self) -> Duration {
         let depth = self.depth.as_ref().map_or(Duration::ZERO, EyeChains::waited);
-        self.color.waited() + depth + self.device_waits.sum()
+        let panel = self.panel.as_ref().map_or(Duration::ZERO, |panel| panel.chain.waited());
+        self.color.waited() + depth + panel + self.device_waits.sum()
     }
 
     /// Pixels of one eye.
@@ -348,10 +353,10 @@ impl Session {
     }
 
     /// What hands and sticks do.
-    pub(super) fn read_input(&self, frame: &Frame) -> Result<super::input::Reading, Error> {
+    pub(super) fn read_input(&self, frame: &Frame, active: Active) -> Result<super::input::Reading, Error> {
         match &self.input {
             Some(input) if self.state == State::Focused => {
-                input.read(&self.session, &self.room, frame.display)
+                input.read(&self.session, &self.room, frame.display, active)
             }
             _ => Ok(super::input::Reading::default()),
         }
@@ -368,56 +373,9 @@ impl Session {
 
     /// Gives the images back that were acquired last; they must be in the layouts of attachments.
     pub(super) fn release(&mut self) -> Result<(), Error> {
+        self.panel.as_mut().map_or(Ok(()), PanelImages::release)?;
         self.color.release()?;
         self.depth.as_mut().map_or(Ok(()), EyeChains::release)
-    }
-
-    /// Ends the frame: with the image that is drawn for these eyes, in its first rows and columns, or without one.
-    pub(super) fn end(&mut self, frame: Frame, drawn: Option<(&Eyes, [u32; 2])>) -> Result<(), Error> {
-        let _queue = self.device.hold_queue();
-        // depth is reversed and has no end: 0 is infinitely far, 1 as near as is drawn
-        let depths = self.depth.as_ref().zip(drawn).map(|(depth, (_, size))| {
-            [0, 1].map(|eye| xr::sys::CompositionLayerDepthInfoKHR {
-                ty: xr::sys::CompositionLayerDepthInfoKHR::TYPE,
-                next: std::ptr::null(),
-                sub_image: depth.of_eye(eye, size),
-                min_depth: 0.0,
-                max_depth: 1.0,
-                near_z: f32::INFINITY,
-                far_z: NEAR,
-            })
-        });
-        let depth_of =
-            |eye: usize| depths.as_ref().map_or(std::ptr::null(), |depths| (&raw const depths[eye]).cast());
-        let views = |(eyes, size): (&Eyes, [u32; 2])| {
-            [0, 1].map(|eye: usize| xr::sys::CompositionLayerProjectionView {
-                ty: xr::sys::CompositionLayerProjectionView::TYPE,
-                next: depth_of(eye),
-                pose: eyes.views[eye].pose,
-                fov: eyes.views[eye].fov,
-                sub_image: self.color.of_eye(eye, size),
-            })
-        };
-        let views = drawn.map(views);
-        let layer = views.as_ref().map(|views| xr::sys::CompositionLayerProjection {
-            ty: xr::sys::CompositionLayerProjection::TYPE,
-            next: std::ptr::null(),
-            layer_flags: xr::CompositionLayerFlags::EMPTY,
-            space: self.room.as_raw(),
-            view_count: 2,
-            views: views.as_ptr(),
-        });
-        let layers = [layer.as_ref().map_or(std::ptr::null(), |layer| (&raw const *layer).cast())];
-        let info = xr::sys::FrameEndInfo {
-            ty: xr::sys::FrameEndInfo::TYPE,
-            next: std::ptr::null(),
-            display_time: frame.display,
-            environment_blend_mode: self.blend,
-            layer_count: u32::from(layer.is_some()),
-            layers: layers.as_ptr(),
-        };
-        // SAFETY: the frame was begun; everything `info` points to lives until the call returns.
-        check("xrEndFrame", unsafe { (self.instance.fp().end_frame)(self.session.as_raw(), &raw const info) })
     }
 }
 

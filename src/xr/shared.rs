@@ -1,5 +1,6 @@
 //! What the crowd's thread and the headset's thread exchange.
 
+use super::cues::{Cues, Report};
 use super::recording::UserState;
 use crate::kernels::Store;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
@@ -14,8 +15,12 @@ const AWAY: Duration = Duration::from_millis(500);
 pub(super) struct CrowdSnapshot {
     /// What frames need of it. Shared, so that no thread holds the lock while a device works.
     pub(super) store: Arc<Store>,
-    /// Number of the snapshot, from 1.
+    /// The world that it is of.
+    pub(super) world: u64,
+    /// Number of the snapshot, from 1 through all worlds.
     pub(super) number: u64,
+    /// Length of a step, s.
+    pub(super) step: f64,
     /// When it was due, s since the beginning.
     pub(super) due: f64,
     /// How long after that it was there, s.
@@ -43,9 +48,9 @@ impl SeenUser {
 
 /// What the two threads exchange.
 pub(super) struct Shared {
-    /// Length of a step, s.
-    pub(super) time_step: f64,
     snapshot: Mutex<CrowdSnapshot>,
+    cues: Mutex<Cues>,
+    report: Mutex<Report>,
     user: Mutex<SeenUser>,
     /// Milliseconds since the beginning at the last heartbeat.
     beat: AtomicU64,
@@ -58,10 +63,10 @@ pub(super) struct Shared {
 
 impl Shared {
     /// The beginning: the crowd's first state, and the user where they start.
-    pub(super) fn new(time_step: f64, crowd: Store, user: UserState) -> Self {
-        let first = CrowdSnapshot { store: Arc::new(crowd), number: 1, due: 0.0, late: 0.0 };
+    pub(super) fn new(first: CrowdSnapshot, user: UserState) -> Self {
         Self {
-            time_step,
+            cues: Mutex::new(Cues { on_stage: first.world, ..Cues::default() }),
+            report: Mutex::new(Report { on_stage: first.world, ..Report::default() }),
             snapshot: Mutex::new(first),
             user: Mutex::new(SeenUser { state: user, seen: None }),
             beat: AtomicU64::new(0),
@@ -137,9 +142,29 @@ impl Shared {
         *lock(&self.snapshot) = snapshot;
     }
 
+    /// What the headset is to show.
+    pub(super) fn cues(&self) -> Cues {
+        lock(&self.cues).clone()
+    }
+
+    /// Changes what the headset is to show.
+    pub(super) fn cue(&self, change: impl FnOnce(&mut Cues)) {
+        change(&mut lock(&self.cues));
+    }
+
+    /// How far the headset's thread is.
+    pub(super) fn report<T>(&self, look: impl FnOnce(&mut Report) -> T) -> T {
+        look(&mut lock(&self.report))
+    }
+
     /// The user as the crowd sees them now.
     pub(super) fn user(&self) -> UserState {
         lock(&self.user).at(Instant::now())
+    }
+
+    /// Puts the user somewhere else.
+    pub(super) fn set_user(&self, state: UserState) {
+        *lock(&self.user) = SeenUser { state, seen: Some(Instant::now()) };
     }
 
     /// Replaces the user's state by what `update` makes of the last one; the headset has a pose now.
@@ -147,6 +172,12 @@ impl Shared {
         let mut user = lock(&self.user);
         *user = SeenUser { state: update(&user.state), seen: Some(Instant::now()) };
     }
+}
+
+/// The user where a world has them begin.
+pub(super) fn user_at(start: super::rig::Stand) -> UserState {
+    let super::rig::Stand { position: place, elevation, .. } = start;
+    UserState { place, elevation, ..UserState::default() }
 }
 
 pub(super) fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
@@ -177,7 +208,9 @@ mod tests {
 
     #[test]
     fn messages_and_heartbeats_reach_the_other_thread_once() {
-        let shared = Shared::new(0.1, Store::default(), UserState::default());
+        let store = Arc::new(Store::default());
+        let first = CrowdSnapshot { store, world: 7, number: 1, step: 0.1, due: 0.0, late: 0.0 };
+        let shared = Shared::new(first, UserState::default());
         shared.leave_message("a".to_owned());
         assert_eq!((shared.take_messages(), shared.take_messages().len()), (vec!["a".to_owned()], 0));
         let long = Duration::from_secs(3600);

@@ -1,6 +1,7 @@
 //! What the headset shows of a scene, and where its user may go.
 
 use super::rig::Stand;
+use super::world::next_number;
 use crate::kernels::Store;
 use crate::render::Settings;
 use crate::scenario::{Clearance, EnvironmentMesh, Floors, Gaze};
@@ -14,6 +15,8 @@ const SHADOW_SIZE: u32 = 1024;
 
 /// What the headset shows, and where its user may go.
 pub(super) struct Surroundings {
+    /// Names it among all of this program.
+    pub(super) number: u64,
     /// The crowd at its start, with bodies filled in.
     pub(super) store: Store,
     /// The bodies' meshes.
@@ -36,6 +39,12 @@ pub(super) struct Surroundings {
     radius: f32,
 }
 
+impl std::fmt::Debug for Surroundings {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Surroundings").field("number", &self.number).finish_non_exhaustive()
+    }
+}
+
 impl Surroundings {
     pub(super) fn of(scene: &Scene, mut store: Store, meshes: MeshBuffers) -> Self {
         let geometry = &scene.geometry;
@@ -43,6 +52,7 @@ impl Surroundings {
         let [near, middle, far, ..] = store.frame.level_distance;
         make_room(&mut store);
         Self {
+            number: next_number(),
             store,
             meshes,
             scenery: geometry.scenery(),

@@ -137,7 +137,8 @@ pub(super) struct Swapchain {
 }
 
 impl Swapchain {
-    fn new(
+    /// Makes images of so many layers.
+    pub(super) fn new(
         session: &xr::Session<xr::Vulkan>,
         device: &Arc<Device>,
         kind: ImageKind,
@@ -165,7 +166,13 @@ impl Swapchain {
         Ok(Self { chain, images, size, device: device.clone(), waited: Duration::ZERO })
     }
 
-    fn acquire(&mut self) -> Result<vk::Image, Error> {
+    /// How long images were waited for.
+    pub(super) const fn waited(&self) -> Duration {
+        self.waited
+    }
+
+    /// An image to write to. No other is held.
+    pub(super) fn acquire(&mut self) -> Result<vk::Image, Error> {
         let _queue = self.device.hold_queue();
         let raw = self.chain.as_raw();
         let fp = self.chain.instance().fp();
@@ -190,10 +197,24 @@ impl Swapchain {
         image.ok_or(Error::Call { call: "xrAcquireSwapchainImage", result: fault })
     }
 
-    fn release(&mut self) -> Result<(), Error> {
+    /// Gives the image back that was acquired; it must be in the layout of an attachment.
+    pub(super) fn release(&mut self) -> Result<(), Error> {
         let _queue = self.device.hold_queue();
         let release = self.chain.instance().fp().release_swapchain_image;
         // SAFETY: an image was acquired and waited for, and the device has finished with it.
         check("xrReleaseSwapchainImage", unsafe { release(self.chain.as_raw(), std::ptr::null()) })
+    }
+
+    /// A part of the image that was released last: left, top, width, height.
+    pub(super) fn part(&self, part: [u32; 4]) -> xr::sys::SwapchainSubImage {
+        let [x, y, width, height] = part.map(|side| i32::try_from(side).unwrap_or(i32::MAX));
+        xr::sys::SwapchainSubImage {
+            swapchain: self.chain.as_raw(),
+            image_rect: xr::Rect2Di {
+                offset: xr::Offset2Di { x, y },
+                extent: xr::Extent2Di { width, height },
+            },
+            image_array_index: 0,
+        }
     }
 }

@@ -24,6 +24,12 @@ impl Pose {
         usable.then(|| Self { rotation: rotation.normalize(), position })
     }
 
+    /// As OpenXR has it.
+    pub(super) fn to_xr(self) -> xr::Posef {
+        let ([x, y, z], [a, b, c, w]) = (self.position.to_array(), self.rotation.to_array());
+        xr::Posef { orientation: xr::Quaternionf { x: a, y: b, z: c, w }, position: xr::Vector3f { x, y, z } }
+    }
+
     /// This pose within a space that itself stands at `outer`.
     pub(super) fn within(self, outer: Self) -> Self {
         Self {

@@ -337,6 +337,17 @@ fn hands_target_and_vignette_of_the_user_are_drawn_where_they_are() {
         let middle = (eye * W + W / 2, H / 2);
         assert_eq!(image.pixel(middle.0, middle.1), bare.pixel(middle.0, middle.1), "clear in the middle");
     }
+    renderer.set_user(User { hands, vignette: 1.0, fade: 1.0, ..User::default() });
+    let image = renderer.draw(&view, None).unwrap();
+    keep("faded", &image);
+    let grey = image.pixel(3, 3).unwrap();
+    assert!(grey[0] > 90 && grey[0] == grey[1] && grey[1] == grey[2], "{grey:?}");
+    assert!(image.pixels.chunks_exact(4).all(|pixel| pixel == grey), "a full fade leaves nothing to be seen");
+    renderer.set_user(User { fade: 0.5, ..User::default() });
+    let half = renderer.draw(&view, None).unwrap();
+    let middle = [&bare, &half].map(|image| i32::from(image.pixel(W / 2, H - 4).unwrap()[0]));
+    let way = (middle[1] - middle[0]).abs();
+    assert!(way > 3 && way < (i32::from(grey[0]) - middle[0]).abs(), "{middle:?}");
     renderer.set_user(User { teleport: forbidden, ..User::default() });
     let [r, _, b] = color(&renderer.draw(&view, None).unwrap());
     assert!(r > b + 60, "{r} {b}");

@@ -32,6 +32,8 @@ mod runtimes;
 mod service;
 mod session;
 mod smooth;
+mod stage;
+mod study;
 mod timing;
 mod wrong;
 

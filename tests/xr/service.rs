@@ -95,9 +95,16 @@ impl Service {
 
     /// A program of ours that talks to this service.
     pub(super) fn gaitway(&self, arguments: &[&str]) -> Command {
-        let mut command = Command::new(GPU_ENV);
         // pictures go into the folder that the scene stands in
-        command.arg(env!("CARGO_BIN_EXE_gaitway")).arg("--force").args(arguments);
+        let mut command = self.program(env!("CARGO_BIN_EXE_gaitway"), &["--force"]);
+        command.args(arguments);
+        command
+    }
+
+    /// Any program, on the drivers, that talks to this service.
+    pub(super) fn program(&self, path: &str, arguments: &[&str]) -> Command {
+        let mut command = Command::new(GPU_ENV);
+        command.arg(path).args(arguments);
         command.env("XDG_RUNTIME_DIR", &self.folder).env("XDG_CONFIG_HOME", &self.folder);
         command.env("GAITWAY_VALIDATION", "sync").env("OXR_NO_PRINTING", "1").stdin(Stdio::null());
         command.stdout(Stdio::piped()).stderr(Stdio::piped());
@@ -248,6 +255,25 @@ impl Live {
         self.ended(0)
     }
 
+    /// One that ends by itself and need not write JSON: what it wrote, and what it noted on the way.
+    pub(super) fn over(mut self) -> (String, Vec<String>) {
+        let begin = Instant::now();
+        while self.child.try_wait().unwrap().is_none() {
+            if begin.elapsed() > 2 * PATIENCE {
+                let _ = self.child.kill();
+                let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
+                panic!("it does not end; heard: {heard:#?}");
+            }
+            std::thread::sleep(Duration::from_millis(50));
+        }
+        let output = self.child.wait_with_output().unwrap();
+        let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
+        let out = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert!(output.status.success(), "{:?}\n{out}\n{heard:#?}", output.status);
+        assert!(!heard.iter().any(|line| line.contains("validation:")), "{heard:#?}");
+        (out, heard)
+    }
+
     fn ended(self, code: i32) -> (Value, Vec<String>) {
         let output = self.child.wait_with_output().unwrap();
         let heard: Vec<String> = self.heard.into_iter().chain(self.notes.iter()).collect();
@@ -294,10 +320,13 @@ pub(super) struct Stick {
     pub(super) click: bool,
     /// The button A.
     pub(super) a: bool,
+    /// The trigger, pulled.
+    pub(super) trigger: bool,
 }
 
 /// Where the controllers stand in a state, and in a controller its stick and its 13 flags (from "active" on).
 const HANDS: [usize; 2] = [136, 256];
+const TRIGGER: usize = 72;
 const STICK: usize = 84;
 const FLAGS: usize = 104;
 
@@ -326,9 +355,12 @@ impl Head {
         for (place, value) in thumb.stick.into_iter().enumerate() {
             self.state[at + STICK + 4 * place..][..4].copy_from_slice(&value.to_le_bytes());
         }
+        let pulled = f32::from(u8::from(thumb.trigger));
+        self.state[at + TRIGGER..][..4].copy_from_slice(&pulled.to_le_bytes());
         let flags = &mut self.state[at + FLAGS..][..13];
         flags.fill(0);
         (flags[1], flags[4], flags[10]) = (1, u8::from(thumb.a), u8::from(thumb.click));
+        flags[8] = u8::from(thumb.trigger);
     }
 
     /// Shows a hand without a controller (0 the left one) at a place of the room, m, its fingers straight; goes with the

@@ -60,12 +60,12 @@ impl UserPass {
         self.draw(commands, eye_pass, self.solid, [SOLID_VERTICES, solids]);
     }
 
-    /// Draws the ring where a teleport leads, and the vignette over everything.
+    /// Draws the ring where a teleport leads, and vignette and fade over everything.
     pub(in super::super) fn record_overlays(&self, commands: &Commands<'_>, eye_pass: usize) {
         let has_target = u32::from(self.user.teleport.is_some());
         self.draw(commands, eye_pass, self.target, [6, has_target]);
-        let has_vignette = u32::from(self.user.vignette > 0.0);
-        self.draw(commands, eye_pass, self.vignette, [3, has_vignette]);
+        let is_covered = u32::from(self.user.vignette > 0.0 || self.user.fade > 0.0);
+        self.draw(commands, eye_pass, self.vignette, [3, is_covered]);
     }
 
     fn draw(

@@ -155,6 +155,15 @@ impl Session {
         }
     }
 
+    /// The trial of the current part that comes after the current one. A headset's front makes its world ready.
+    pub fn next_trial(&self) -> Option<&Trial> {
+        let later = self.stops.get(self.stop + 1..)?;
+        later.iter().find_map(|stop| match stop {
+            Stop::Trial(index) => self.trials.get(*index),
+            _ => None,
+        })
+    }
+
     /// What a trial of the current part shows; none for an instructed one.
     pub fn stimulus<'p>(&self, plan: &'p Plan, trial: &Trial) -> Option<&'p Stimulus> {
         let shown = match trial.role {

@@ -16,6 +16,7 @@ fn session() -> Session {
         library: 2,
         avatars: 3,
         start: 0x0123,
+        trial: None,
     }
 }
 
@@ -141,7 +142,7 @@ fn a_broken_file_is_refused_at_its_line() {
         assert!(error.contains(want), "{error}");
     };
     refused(text.replace("recording 2", "recording 9"), "version \"9\"");
-    refused(text.replace("recording 2", "recording 1"), "neither condition nor gaze");
+    refused(text.replace("recording 2", "recording 0"), "version \"0\"; this program reads 1 and 2");
     refused(String::new(), "line 1: does not begin with `# gaitway recording 2`");
     refused("frame id x y\n".into(), "line 1: does not begin");
     refused(text.replace("# seed", "# sead"), "line 7: no `# seed`");
@@ -149,6 +150,86 @@ fn a_broken_file_is_refused_at_its_line() {
     refused(text.replace(",1.6,", ",NaN,"), "not a finite number");
     refused(text.replace("\n3,", "\n3,0,"), "fields");
     refused(text.replace("# hash 30", "# hash 29"), "hash after \"29\" steps; it stands after 30");
+}
+
+/// The same in format 1: no heights, no condition, no hashes but those of start and end.
+fn written_in_format_1() -> String {
+    let kept = ["# scene", "# agents", "# seed", "# time_step", "# start", "# end"];
+    let line = |line: &str| {
+        let mut fields: Vec<&str> = line.split(',').collect();
+        match fields.len() {
+            1 if line.starts_with("# gaitway") => Some("# gaitway recording 1\n".to_owned()),
+            1 => kept.iter().any(|key| line.starts_with(key)).then(|| format!("{line}\n")),
+            _ => {
+                fields.remove(3);
+                Some(fields.join(",") + "\n")
+            }
+        }
+    };
+    written().lines().filter_map(line).collect()
+}
+
+#[test]
+fn format_1_is_still_read_and_says_neither_condition_nor_heights() {
+    let read = Recording::read(written_in_format_1().as_bytes()).unwrap();
+    assert!(read.is_silent() && read.hashes.is_empty() && read.end.is_some());
+    assert_eq!((read.session.scene.as_str(), read.session.condition.as_str()), ("crossing", ""));
+    let flat: Vec<UserState> =
+        states().into_iter().map(|user| UserState { elevation: 0.0, ..user }).collect();
+    assert_eq!(read.steps, flat);
+    // of what it says, everything must be so
+    read.must_be_of(&Session { condition: "eva-o".into(), library: 9, ..session() }).unwrap();
+    let text = read.must_be_of(&Session { seed: 2, ..session() }).unwrap_err().to_string();
+    assert!(text.contains("seed 18446744073709551615 was recorded, this is 2"), "{text}");
+    assert!(!Recording::read(written().as_bytes()).unwrap().is_silent());
+    let bad = written_in_format_1().replace("# scene", "# scone");
+    assert!(Recording::read(bad.as_bytes()).unwrap_err().to_string().contains("no `# scene`"));
+}
+
+#[test]
+fn a_recording_of_a_trial_names_it_and_replays_as_any() {
+    let label = TrialLabel { study: "eva-agents".into(), participant: "k7q4".into(), trial: 7 };
+    let labelled = Session { trial: Some(label.clone()), ..session() };
+    let text = |session: &Session| {
+        let mut recorder = Recorder::new(Vec::new(), session).unwrap();
+        states().iter().for_each(|state| recorder.step(state, &crowd(true)).unwrap());
+        String::from_utf8(recorder.finish(&crowd(true)).unwrap()).unwrap()
+    };
+    let (plain, named) = (text(&session()), text(&labelled));
+    let read = Recording::read(named.as_bytes()).unwrap();
+    assert_eq!(read.session, labelled);
+    read.must_be_of(&session()).unwrap();
+    assert_eq!(read.end, Recording::read(plain.as_bytes()).unwrap().end, "a name is no part of the hash");
+    let bad = named.replace("# trial 7", "# trial x");
+    assert!(Recording::read(bad.as_bytes()).unwrap_err().to_string().contains("trial \"x\""));
+    for (study, participant) in [("a\n# end 0", "b"), ("", "b"), ("a", " b")] {
+        let trial = Some(TrialLabel { study: study.into(), participant: participant.into(), trial: 1 });
+        let error = Recorder::new(Vec::new(), &Session { trial, ..session() }).unwrap_err();
+        assert!(error.to_string().contains("must be one line"), "{error}");
+    }
+}
+
+#[test]
+fn a_file_cut_or_changed_at_any_byte_is_read_or_refused() {
+    let label = TrialLabel { study: "eva".into(), participant: "k7".into(), trial: 7 };
+    let recorder = Recorder::new(Vec::new(), &Session { trial: Some(label), ..session() }).unwrap();
+    let head = String::from_utf8(recorder.into_inner()).unwrap();
+    let (rows, first) = (written(), written_in_format_1());
+    let named = head + &rows[rows.find("\n0,").unwrap() + 1..];
+    let mut whole = 0;
+    for text in [named, first] {
+        for cut in 0..text.len() {
+            whole += usize::from(Recording::read(&text.as_bytes()[..cut]).is_ok());
+        }
+        for at in (0..text.len()).step_by(3) {
+            for byte in [b'\n', b',', b'x', 0xff] {
+                let mut changed = text.clone().into_bytes();
+                changed[at] = byte;
+                let _ = Recording::read(changed.as_slice());
+            }
+        }
+    }
+    assert!(whole > 10_000, "{whole} of the cuts are recordings");
 }
 
 #[test]
