@@ -47,6 +47,7 @@ pub mod simulate;
 #[cfg(feature = "study")]
 pub mod store;
 pub mod tables;
+pub mod theatre;
 mod words;
 
 pub use check::check;

@@ -3,9 +3,13 @@
 mod analyse;
 mod beside;
 mod check;
+#[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
+mod clips;
 mod export;
 mod folder;
 mod new;
+#[cfg(feature = "study")]
+mod opening;
 mod power;
 #[cfg(feature = "study")]
 mod rehearse;
@@ -44,6 +48,9 @@ enum Command {
     Export(export::Arguments),
     /// How many people Friedman's test needs
     Power(power::Arguments),
+    /// Film what a study in the browser shows of scenes and agents
+    #[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
+    Clips(clips::Arguments),
     /// Serve a study to browsers, until Ctrl-C
     #[cfg(feature = "study")]
     Serve(serve::Arguments),
@@ -76,6 +83,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Analyse(arguments) => analyse::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Power(arguments) => power::run(arguments),
+        #[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
+        Command::Clips(arguments) => clips::run(arguments),
         #[cfg(feature = "study")]
         Command::Serve(arguments) => serve::run(arguments),
         #[cfg(feature = "study")]

@@ -14,13 +14,11 @@
 
 mod front;
 mod panels;
-mod theatre;
 mod watch;
 
+pub use super::theatre::{Showing, Theatre};
 pub use front::{Front, Order, Setup};
-pub use theatre::Theatre;
 
-use super::plan::{Stimulus, Trial};
 use super::protocol::{Event, Page, PageQuestion};
 
 /// A participation in a store. An event is stored when the call returns.
@@ -48,15 +46,6 @@ pub trait Participation {
     /// # Errors
     /// When the store fails.
     fn next_trial(&mut self) -> Result<Option<Showing>, crate::Error>;
-}
-
-/// A trial and what it shows.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Showing {
-    /// The trial.
-    pub trial: Trial,
-    /// What it shows; none for an instructed one.
-    pub stimulus: Option<Stimulus>,
 }
 
 /// Who sits beside the participant.

@@ -117,6 +117,14 @@ impl Version {
         Some(self.folder.join(name)).filter(|path| path.is_file())
     }
 
+    /// The frozen library of the gaits that crowds walk with, and the avatars; without a crowd, none and the scenes' own.
+    pub fn crowd(&self) -> (Option<PathBuf>, Vec<String>) {
+        let crowd = self.study.file.crowd.as_ref();
+        crowd.map_or((None, Vec::new()), |crowd| {
+            (Some(self.folder.join(&crowd.library)), crowd.avatars.clone())
+        })
+    }
+
     /// The text that participants agree to, by the name of its file.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.materials.texts.get(name).map(String::as_str)

@@ -1,17 +1,26 @@
 //! What a trial shows, as a scene.
 
-use super::Showing;
+use super::plan::{Stimulus, Trial};
 use crate::library::GaitLibrary;
 use crate::scenario::{Condition, RouteMode, Scenario, Shares, User, Walker};
 use crate::scene::{Scene, SceneBuilder};
 use crate::study::error::Error;
-use crate::study::plan::Stimulus;
+use std::path::Path;
 
 /// Side of the square in which a single agent walks, m.
 const SQUARE: f32 = 20.0;
 /// How far before the user it begins and turns, m.
 const BEGINS: f32 = 7.0;
 const TURNS: f32 = 2.0;
+
+/// A trial and what it shows.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Showing {
+    /// The trial.
+    pub trial: Trial,
+    /// What it shows; none for an instructed one.
+    pub stimulus: Option<Stimulus>,
+}
 
 /// Makes scenes of what trials show. All of a study walk with the same gaits and bodies.
 #[derive(Debug, Clone)]
@@ -27,6 +36,16 @@ pub struct Theatre {
 }
 
 impl Theatre {
+    /// The gaits of a file, or the built-in ones; `avatars` as a study's crowd has them.
+    ///
+    /// # Errors
+    /// When the library cannot be read.
+    pub fn load(library: Option<&Path>, avatars: Vec<String>) -> Result<Self, crate::Error> {
+        let is_own = library.is_some();
+        let library = library.map_or_else(GaitLibrary::built_in, GaitLibrary::load_glb)?;
+        Ok(Self { library, is_own, avatars, agents: None })
+    }
+
     /// The scene of a trial, with a user in it.
     ///
     /// # Errors
@@ -115,7 +134,7 @@ fn single(emotion: &str, body: &str) -> Result<Scenario, crate::Error> {
 mod tests {
     use super::*;
     use crate::emotion::Emotion;
-    use crate::study::plan::{Role, Trial};
+    use crate::study::plan::Role;
 
     fn showing(stimulus: Option<Stimulus>, seed: u64) -> Showing {
         let (part, item, block, row) = ("scenes".to_owned(), None, None, None);

@@ -1,0 +1,67 @@
+//! Opening a folder of data with a study: what `serve`, `clips` and `run` begin with.
+
+use super::super::{failed, usage};
+use super::beside::{Beside, Gaits, libraries};
+use crate::Error;
+use crate::study::check::Severity;
+use crate::study::store::{Opening, Store};
+use crate::study::{self, Study};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// The study and its data.
+#[derive(Debug, Clone, clap::Args)]
+pub(super) struct OpeningArguments {
+    /// Study file, or folder with study.toml
+    #[arg(value_name = "STUDY")]
+    study: String,
+    /// Library of gaits to take in place of the one that the study names
+    #[arg(long, value_name = "LIB.glb")]
+    library: Option<PathBuf>,
+    /// Folder of the study's data; made if it is not there
+    #[arg(long, value_name = "DIR")]
+    pub(super) data: PathBuf,
+}
+
+impl OpeningArguments {
+    /// Opens the data. A study with errors, or with something left to fill in, is not opened.
+    pub(super) fn open(&self) -> Result<Store, Error> {
+        let study = super::study(&self.study)?;
+        let beside = Beside::of(&study, &Gaits::of(self.library.clone()))?;
+        check(&study, &beside)?;
+        let libraries = self.libraries(&study)?;
+        let opening = Opening { study, materials: beside.materials, libraries };
+        Ok(Store::open(&self.data, &opening)?)
+    }
+
+    /// Files of the libraries that the study shows, and of the one that its crowds walk with.
+    fn libraries(&self, study: &Study) -> Result<BTreeMap<String, PathBuf>, Error> {
+        let folder = study.folder.as_deref().unwrap_or(Path::new("."));
+        let shown = libraries(study).into_iter().map(|name| {
+            let path = self.library.clone().unwrap_or_else(|| folder.join(&name));
+            (name, path)
+        });
+        let crowd = study.file.crowd.iter().map(|crowd| (crowd.library.clone(), folder.join(&crowd.library)));
+        let files: BTreeMap<String, PathBuf> = shown.chain(crowd).collect();
+        match files.values().find(|path| !path.is_file()) {
+            Some(path) => {
+                let message = format!("{}: the library of gaits is not there", path.display());
+                Err(usage(message, "put it beside the study file, or delete the key that names it"))
+            }
+            None => Ok(files),
+        }
+    }
+}
+
+fn check(study: &Study, beside: &Beside) -> Result<(), Error> {
+    let report = study::check(study, &beside.materials);
+    let is_serious = |note: &&study::check::Note| note.severity != Severity::Warning;
+    let mut serious = report.notes.iter().filter(is_serious);
+    let Some(first) = serious.next() else { return Ok(()) };
+    let more = serious.count();
+    let hint = match more {
+        0 => first.hint.clone(),
+        _ => format!("`gaitway study check` lists {more} more"),
+    };
+    Err(failed(first.to_string(), hint))
+}
