@@ -289,7 +289,8 @@ fn the_papers_studies_stand_beside_the_papers_tables() {
     let mut file = Study::builtin("eva-agents").unwrap().file;
     let page = markdown(&analyse(&file, &tables).unwrap());
     for line in [
-        "| presence.q1 | garden | baseline | 12 | 12 | 2.00 | 1.50 to 2.50 |",
+        "| presence.q1 | garden | eva-o | 12 | 12 | 4.00 | 4.00 to 4.00 |",
+        "| presence.q1 | garden | eva-o | 12 | 12 | 4.00 | 4.00 to 4.00 |",
         // 12 people, all in one order: Q = 24; the paper has 4.67 and p 0.10 there
         "| q1 | Garden | 24.00 | 4.67 | < 0.001 | 0.10 | no |",
         "| q1 | Crossing | 24.00 | 9.75 | < 0.001 | 0.01 | yes |",
