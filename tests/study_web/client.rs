@@ -91,7 +91,7 @@ impl Browser {
             if reply.status != 303 {
                 return reply;
             }
-            reply = self.get(&reply.header("location").to_owned());
+            reply = self.get(reply.header("location"));
         }
         panic!("too many redirections: {reply:?}");
     }

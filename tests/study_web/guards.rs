@@ -221,7 +221,7 @@ fn what_is_written_is_shown_as_text_and_never_runs() {
 #[test]
 fn a_taken_port_and_a_console_that_others_reach_are_refused() {
     let lab = Lab::plain();
-    let taken = gaitway::study::serve::Settings { listen: lab.address, ..Default::default() };
+    let taken = gaitway::study::serve::Settings { listen: lab.address, console: None, ..Default::default() };
     let error = Server::bind(lab.store.clone(), &taken).unwrap_err();
     assert!(matches!(error, Error::Listen { address, .. } if address == lab.address), "{error}");
     let open =
