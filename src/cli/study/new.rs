@@ -76,7 +76,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         write_text(&path, text)?;
         files.push(path);
     }
-    for name in libraries(&study) {
+    let crowd = study.file.crowd.iter().map(|crowd| crowd.library.clone());
+    for name in libraries(&study).into_iter().chain(crowd) {
         let path = arguments.out.join(name);
         gaits.save_glb(&path)?;
         files.push(path);
