@@ -2,6 +2,7 @@
 
 use super::super::output::note;
 use super::super::scene::library;
+use super::super::usage;
 use crate::Error;
 use crate::emotion::Emotion;
 use crate::statistics::paper::GAITS;
@@ -66,6 +67,21 @@ impl Beside {
         self.labels.extend(gaits.iter().filter_map(|gait| Some((gait.name.clone(), gait.label?))));
         Ok(gaits.iter().map(|gait| gait.name.clone()).collect())
     }
+}
+
+/// The study of a file, of a folder with `study.toml`, or a built-in one by its id.
+pub(super) fn study(name: &str) -> Result<Study, Error> {
+    let path = Path::new(name);
+    if path.exists() {
+        return Ok(Study::load(path)?);
+    }
+    if name.contains(['/', '\\', '.']) {
+        return Err(usage(
+            format!("{name}: there is no such file or folder"),
+            "`gaitway study new` makes one",
+        ));
+    }
+    Study::builtin(name).map_err(|error| usage(error.to_string(), "or name a study file or its folder"))
 }
 
 /// Libraries that the parts of a study show.

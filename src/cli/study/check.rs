@@ -24,7 +24,7 @@ pub(super) struct Arguments {
 
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
-    let study = super::study(&arguments.study)?;
+    let study = super::beside::study(&arguments.study)?;
     let beside = Beside::of(&study, &arguments.gaits)?;
     let report = study::check(&study, &beside.materials);
     if arguments.json {

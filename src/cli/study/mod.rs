@@ -21,11 +21,8 @@ mod status;
 #[cfg(feature = "study")]
 mod upkeep;
 
-use super::usage;
 use crate::Error;
-use crate::study::Study;
 use clap::{Args, Subcommand};
-use std::path::Path;
 
 /// Arguments of `gaitway study`.
 #[derive(Debug, Args)]
@@ -100,26 +97,4 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         #[cfg(feature = "study")]
         Command::Merge(arguments) => upkeep::run_merge(arguments),
     }
-}
-
-/// A request that a store did not meet.
-#[cfg(feature = "study")]
-#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
-fn trouble(trouble: crate::study::store::Trouble) -> Error {
-    super::failed(trouble.to_string(), "the folder of data is as it was")
-}
-
-/// The study of a file, of a folder with `study.toml`, or a built-in one by its id.
-fn study(name: &str) -> Result<Study, Error> {
-    let path = Path::new(name);
-    if path.exists() {
-        return Ok(Study::load(path)?);
-    }
-    if name.contains(['/', '\\', '.']) {
-        return Err(usage(
-            format!("{name}: there is no such file or folder"),
-            "`gaitway study new` makes one",
-        ));
-    }
-    Study::builtin(name).map_err(|error| usage(error.to_string(), "or name a study file or its folder"))
 }

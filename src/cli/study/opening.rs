@@ -1,10 +1,10 @@
 //! Opening a folder of data with a study: what `serve`, `clips` and `run` begin with.
 
 use super::super::{failed, usage};
-use super::beside::{Beside, Gaits, libraries};
+use super::beside::{Beside, Gaits, libraries, study};
 use crate::Error;
 use crate::study::check::Severity;
-use crate::study::store::{Opening, Store};
+use crate::study::store::{Opening, Store, Trouble};
 use crate::study::{self, Study};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -26,7 +26,7 @@ pub(super) struct OpeningArguments {
 impl OpeningArguments {
     /// Opens the data. A study with errors, or with something left to fill in, is not opened.
     pub(super) fn open(&self) -> Result<Store, Error> {
-        let study = super::study(&self.study)?;
+        let study = study(&self.study)?;
         let beside = Beside::of(&study, &Gaits::of(self.library.clone()))?;
         check(&study, &beside)?;
         let libraries = self.libraries(&study)?;
@@ -64,4 +64,10 @@ fn check(study: &Study, beside: &Beside) -> Result<(), Error> {
         _ => format!("`gaitway study check` lists {more} more"),
     };
     Err(failed(first.to_string(), hint))
+}
+
+/// A request that a store did not meet.
+#[allow(clippy::needless_pass_by_value, reason = "for map_err")]
+pub(super) fn trouble(trouble: Trouble) -> Error {
+    failed(trouble.to_string(), "the folder of data is as it was")
 }

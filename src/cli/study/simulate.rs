@@ -97,7 +97,7 @@ struct Balance {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     shares(arguments)?;
-    let study = super::study(&arguments.study)?;
+    let study = super::beside::study(&arguments.study)?;
     let beside = Beside::of(&study, &arguments.gaits)?;
     let report = study::check(&study, &beside.materials);
     let plan = planned(&study, &beside, &report)?;

@@ -39,7 +39,7 @@ struct Outcome {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let reading = Reading::open(&arguments.data)?;
-    let overview = reading.overview().map_err(super::trouble)?;
+    let overview = reading.overview().map_err(super::opening::trouble)?;
     let people = if arguments.people { reading.people() } else { Vec::new() };
     let current = reading.versions().last().map(|version| (version.number, version));
     let (version, study, hash) = current.map_or((0, String::new(), String::new()), |(number, version)| {

@@ -90,7 +90,7 @@ pub(super) fn withdraw(arguments: &WithdrawArguments) -> Result<bool, Error> {
             let message = format!("{}: no participant has this code", arguments.code);
             return Err(usage(message, "`gaitway study status --people` lists all codes"));
         }
-        other => other.map_err(super::trouble)?,
+        other => other.map_err(super::opening::trouble)?,
     };
     say(&format!("{}  {}", turn.code, State::name(turn.state)));
     Ok(true)
@@ -99,7 +99,7 @@ pub(super) fn withdraw(arguments: &WithdrawArguments) -> Result<bool, Error> {
 /// Runs `purge`.
 pub(super) fn purge(arguments: &PurgeArguments) -> Result<bool, Error> {
     let store = Store::open_again(&arguments.data)?;
-    let (links, participants) = wait(|then| store.purge(then)).map_err(super::trouble)?;
+    let (links, participants) = wait(|then| store.purge(then)).map_err(super::opening::trouble)?;
     if arguments.json {
         say_json(&Purged { links, participants })?;
     } else {

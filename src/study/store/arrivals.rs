@@ -72,7 +72,7 @@ impl Desk {
         self.books.by_token.get(&hash).copied().ok_or(Trouble::Unknown)
     }
 
-    /// The page of a participant who is there: a lease that had lapsed begins anew.
+    /// The page of a participant who is there: a lease that had lapsed begins again.
     pub(super) fn sign(&mut self, id: i64) -> Result<Turn, Trouble> {
         let one = self.books.people.get(&id).ok_or(Trouble::Unknown)?;
         match one.session.state() {

@@ -1,6 +1,6 @@
 //! Copies of a store while it is in use.
 
-use super::STORE;
+use super::files::STORE;
 use crate::study::Error;
 use rusqlite::{Connection, OpenFlags};
 use std::path::{Path, PathBuf};

@@ -180,7 +180,7 @@ impl Desk {
         Ok(token)
     }
 
-    /// Everything that the rows tell, anew.
+    /// Everything that the rows tell, read again.
     pub(super) fn rebuild(&mut self) -> rusqlite::Result<()> {
         self.books = Books::read(&self.connection, &self.versions)?;
         Ok(())

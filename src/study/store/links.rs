@@ -1,11 +1,9 @@
 //! Who participants are on a platform: a file of its own, which is deleted on its own date.
 
+use super::files::LINKS;
 use super::request::PlatformId;
 use rusqlite::{Connection, Result, params};
 use std::path::Path;
-
-/// Name of the file.
-pub const LINKS: &str = "links.sqlite";
 
 /// Attaches the file of links to a connection. A reader gets an empty one where there is none.
 pub(super) fn attach(connection: &Connection, folder: &Path, is_reader: bool) -> Result<()> {

@@ -1,7 +1,9 @@
 //! Several folders of data as one.
 
-use super::version::Libraries;
-use super::{STORE, open};
+use super::desk::Desk;
+use super::files::STORE;
+use super::open;
+use super::version::{Libraries, Version};
 use crate::study::Error;
 use crate::study::file::Part;
 use rusqlite::{Connection, params};
@@ -44,7 +46,7 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<usize, Error> {
 }
 
 /// A new store with the versions of another one.
-fn begin(desk: &super::desk::Desk, into: &Path) -> Result<(), Error> {
+fn begin(desk: &Desk, into: &Path) -> Result<(), Error> {
     let path = into.join(STORE);
     std::fs::create_dir_all(into).map_err(|source| Error::Write { path: into.to_owned(), source })?;
     let connection = open::make(into)?;
@@ -59,7 +61,7 @@ fn begin(desk: &super::desk::Desk, into: &Path) -> Result<(), Error> {
                 libraries.insert(name, bytes);
             }
         }
-        let mut copy = super::Version::clone(version);
+        let mut copy = Version::clone(version);
         copy.folder = into.join("materials").join(version.folder.file_name().unwrap_or_default());
         copy.freeze(&libraries)?;
     }

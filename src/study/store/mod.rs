@@ -21,6 +21,7 @@ mod books;
 mod data;
 mod desk;
 mod entries;
+mod files;
 mod links;
 mod lists;
 mod merge;
@@ -32,7 +33,7 @@ mod version;
 mod writer;
 
 pub use backup::write as backup;
-pub use links::LINKS;
+pub use files::{LINKS, STORE};
 pub use lists::{Act, Overview, Person};
 pub use merge::merge;
 pub use operators::{Operator, Role};
@@ -49,9 +50,6 @@ use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use writer::Job;
-
-/// Name of the store within a folder of data.
-pub const STORE: &str = "study.sqlite";
 
 /// A handle on a store that is open for writing. When the last one is dropped the store is closed.
 #[derive(Debug, Clone)]

@@ -1,9 +1,10 @@
 //! Making and opening a folder of data.
 
 use super::desk::Desk;
+use super::files::STORE;
+use super::links;
 use super::secret;
 use super::version::{Opening, Version};
-use super::{STORE, links};
 use crate::study::{Error, Materials};
 use rusqlite::{Connection, params};
 use std::fs::{File, OpenOptions, TryLockError};

@@ -1,0 +1,6 @@
+//! Names of the files in a folder of data.
+
+/// Name of the store.
+pub const STORE: &str = "study.sqlite";
+/// Name of the file of the platform's ids.
+pub const LINKS: &str = "links.sqlite";
