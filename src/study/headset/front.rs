@@ -314,7 +314,7 @@ impl<'a> Front<'a> {
         let walked = self.stage.walk(&mut world, seconds, &mut self.beside)?;
         self.stage.fade(1.0);
         if let Some(recorder) = self.beside.take_recorder() {
-            recorder.finish(world.simulation().state()?).map_err(of_recording)?;
+            recorder.finish(world.simulation().state()?).map_err(|error| of_recording(&error))?;
         }
         if !walked.is_whole {
             return Ok(Err(self.cut()));
@@ -388,12 +388,12 @@ impl<'a> Front<'a> {
         for repeat in 1..=MOST_REPEATS {
             let again = if repeat > 1 { format!("-{repeat}") } else { String::new() };
             match crate::xr::make_way(&self.setup.recordings.join(format!("{name}{again}.csv"))) {
-                Ok(way) => return Recorder::new(way.file, &session).map_err(of_recording),
+                Ok(way) => return Recorder::new(way.file, &session).map_err(|error| of_recording(&error)),
                 Err(error @ crate::xr::RecordingError::Taken(_)) => last = Some(error),
-                Err(error) => return Err(of_recording(error)),
+                Err(error) => return Err(of_recording(&error)),
             }
         }
-        Err(of_recording(last.unwrap_or(crate::xr::RecordingError::Taken("there are too many recordings"))))
+        Err(of_recording(&last.unwrap_or(crate::xr::RecordingError::Taken("there are too many recordings"))))
     }
 }
 
@@ -427,7 +427,7 @@ fn now() -> i64 {
     i64::try_from(since.as_millis()).unwrap_or(i64::MAX)
 }
 
-fn of_recording(error: crate::xr::RecordingError) -> crate::Error {
+fn of_recording(error: &crate::xr::RecordingError) -> crate::Error {
     crate::Error::Usage {
         message: error.to_string(),
         hint: "make room on the disk, or choose a folder that can be written to".to_owned(),
