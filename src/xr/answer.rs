@@ -118,16 +118,17 @@ impl Answering {
 
     /// A laser takes the focus where it comes to another target, a stick with every push.
     fn move_focus(&mut self, gestures: &Gestures, before: &Gestures, targets: &[Choice]) {
-        // of two that come at once the right one, where the mark is
-        for hand in [1, 0] {
+        // of two the right one, where the mark is
+        for hand in 0..2 {
             let (now, then) = (gestures.lasers[hand], before.lasers[hand]);
             match (now, self.focus) {
-                (Some(choice), None) => self.focus = Some((choice, Means::Laser)),
                 (Some(choice), _) if now != then => self.focus = Some((choice, Means::Laser)),
                 (None, Some((focus, Means::Laser))) if then == Some(focus) => self.focus = None,
                 _ => {}
             }
         }
+        let [left, right] = gestures.lasers;
+        self.focus = self.focus.or_else(|| right.or(left).map(|choice| (choice, Means::Laser)));
         if gestures.stick.abs() < 0.5 * PUSHED {
             self.is_pushed = false;
         } else if gestures.stick.abs() > PUSHED && !self.is_pushed {

@@ -1,12 +1,14 @@
 //! The headset's side of a panel: it stands in the room, takes the user's gestures, and is handed over with the frames.
 
-use super::answer::{Gestures, Means};
-use super::frames::Running;
-use super::headset::{Failure, Headset};
+use super::answer::Gestures;
+use super::failure::Failure;
+use super::headset::Headset;
 use super::input::Reading;
 use super::panel::picture::{MARK, Marks, marked};
 use super::panel::place::{self, EyeImage, Quad};
-use super::panel::{Choice, HEIGHT, Panel, WIDTH};
+use super::panel::{Choice, HEIGHT, WIDTH};
+use super::question::{Answered, Question};
+use super::running::Running;
 use super::session::Frame;
 use super::views::Pose;
 use crate::picture::Image;
@@ -17,31 +19,6 @@ use std::sync::Arc;
 const MARK_SIZE: f32 = 0.022;
 /// Longest time between two frames that counts as seen, s: a runtime that hung gives times of long ago.
 const LONGEST: f64 = 1.0;
-
-/// A panel that is to be shown.
-#[derive(Debug)]
-pub(super) struct Question {
-    /// Names it among all of this program.
-    pub(super) number: u64,
-    pub(super) panel: Panel,
-    pub(super) targets: Vec<Choice>,
-    /// Without what its answer so far adds.
-    pub(super) picture: Image,
-}
-
-/// The answer to a panel.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Answered {
-    /// What was chosen.
-    pub choice: Choice,
-    /// How.
-    pub means: Means,
-    /// From the display time of the first frame that showed the panel to that of the last one before the choice, s. Time
-    /// without frames does not count.
-    pub seconds: f64,
-    /// The frames that showed it so far.
-    pub frames: u64,
-}
 
 /// A panel that is shown.
 #[derive(Debug)]

@@ -1,9 +1,10 @@
 //! What changes between two frames: the world, the grey over it.
 
 use super::cues::FADE_SECONDS;
-use super::frames::Running;
-use super::headset::{Failure, Headset};
+use super::failure::Failure;
+use super::headset::Headset;
 use super::rig::Rig;
+use super::running::Running;
 use super::shared::user_at;
 use super::surroundings::Surroundings;
 use crate::render::Show;

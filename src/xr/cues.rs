@@ -1,6 +1,6 @@
 //! What a stage asks of the headset's thread, and how far that thread is.
 
-use super::asking::{Answered, Question};
+use super::question::{Answered, Question};
 use super::surroundings::Surroundings;
 use std::sync::Arc;
 

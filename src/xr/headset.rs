@@ -5,12 +5,13 @@
 
 use super::answer::Answering;
 use super::asking::Asking;
-use super::frames::Running;
+use super::failure::Failure;
 use super::next::Venue;
 use super::outcome::{Outage, Outcome};
 use super::pace::{FrameTimes, Governor};
 use super::plan::Plan;
 use super::rig::Rig;
+use super::running::Running;
 use super::session::{Session, blend_name};
 use super::shared::Shared;
 use super::state::{Event, State};
@@ -249,31 +250,6 @@ fn give_back() {
     // SAFETY: no requirements; what is in use stays.
     unsafe {
         libc::malloc_trim(0);
-    }
-}
-
-/// Why a session could not begin, or was lost.
-pub(super) enum Failure {
-    /// A failure of the headset: another session may help.
-    Headset(Error),
-    /// A failure of our own: no session would help.
-    Fatal(crate::Error),
-}
-
-impl From<Error> for Failure {
-    fn from(error: Error) -> Self {
-        Self::Headset(error)
-    }
-}
-
-impl From<crate::Error> for Failure {
-    /// Vulkan's errors may come from the runtime's device, which the next session replaces. All others are ours.
-    fn from(error: crate::Error) -> Self {
-        match error {
-            crate::Error::Gpu(error) => Self::Headset(error.into()),
-            crate::Error::Render(error) => Self::Headset(error.into()),
-            other => Self::Fatal(other),
-        }
     }
 }
 

@@ -38,6 +38,7 @@ mod change;
 mod clock;
 mod cues;
 mod error;
+mod failure;
 mod frames;
 mod handover;
 mod headset;
@@ -47,12 +48,15 @@ mod joints;
 mod miniature;
 mod mirror;
 mod next;
+mod observer;
 mod outcome;
 mod pace;
 mod panel;
 mod plan;
+mod question;
 mod recording;
 mod rig;
+mod running;
 mod runtime;
 mod session;
 mod shared;
@@ -67,17 +71,18 @@ mod watch;
 mod world;
 
 pub use answer::Means;
-pub use app::{Observer, run};
-pub use asking::Answered;
+pub use app::run;
 pub use cues::FrameCount;
 pub use error::{Error, Loss};
 pub use mirror::Mirror;
+pub use observer::Observer;
 pub use outcome::{Outage, Outcome};
 pub use pace::{FrameSummary, Percentiles};
 #[doc(hidden)]
 pub use pace::{FrameTimes, Governor};
 pub use panel::{Choice, MOST_CELLS, MOST_CHARACTERS, Panel, PanelError};
 pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
+pub use question::Answered;
 pub use recording::{
     Recorder, Recording, RecordingError, Session as RecordedSession, TrialLabel, UserState, repair,
 };

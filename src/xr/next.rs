@@ -1,6 +1,6 @@
 //! The world that comes next, made ready on a thread of its own while frames go on.
 
-use super::headset::Failure;
+use super::failure::{Failure, no_thread, panicked};
 use super::session::Session;
 use super::surroundings::Surroundings;
 use super::views;
@@ -70,7 +70,7 @@ impl Next {
         let load =
             move || venue.show(&shown, &views::at_start(super::rig::Rig::new(shown.start).world_from_room()));
         let thread = thread::Builder::new().name("next world".to_owned()).spawn(load);
-        let thread = thread.map_err(|error| Failure::Fatal(super::stage::no_thread(&error)))?;
+        let thread = thread.map_err(|error| Failure::Fatal(no_thread(&error)))?;
         self.loading = Some(Loading { world: world.clone(), thread });
         Ok(())
     }
@@ -79,8 +79,7 @@ impl Next {
     pub(super) fn look(&mut self) -> Result<Option<u64>, Failure> {
         if let Some(Loading { world, thread }) = self.loading.take_if(|loading| loading.thread.is_finished())
         {
-            let made =
-                thread.join().unwrap_or_else(|_| Err(super::stage::panicked("that makes a world ready")));
+            let made = thread.join().unwrap_or_else(|_| Err(panicked("that makes a world ready")));
             self.ready = Some((world, made?));
         }
         Ok(self.ready.as_ref().map(|(world, _)| world.number))

@@ -4,16 +4,17 @@
 //! makes all calls of OpenXR, from the first world to the last: it draws frames, and makes the next world ready beside them. A
 //! runtime that goes away is looked for again, and the same is shown again.
 
-use super::app::{Crowd, Observer};
-use super::asking::{Answered, Question};
 use super::clock::{StepClock, Watchdog};
 use super::cues::FrameCount;
+use super::failure::{no_thread, panicked};
 use super::headset::Headset;
 use super::mirror::Mirror;
+use super::observer::{Crowd, Observer};
 use super::outcome::Outcome;
 use super::panel::Panel;
 use super::panel::picture::Lettering;
 use super::plan::Plan;
+use super::question::{Answered, Question};
 use super::shared::{CrowdSnapshot, Shared, user_at};
 use super::world::{Props, World, next_number};
 use crate::render::Show;
@@ -360,22 +361,6 @@ fn spawn(
     let shared = shared.clone();
     let thread = thread::Builder::new().name("headset".to_owned());
     thread.spawn(move || Headset::new(&shared, world, plan).run()).map_err(|error| no_thread(&error))
-}
-
-/// The system has no thread for us.
-pub(super) fn no_thread(error: &std::io::Error) -> crate::Error {
-    crate::Error::Usage {
-        message: format!("no thread for the headset: {error}"),
-        hint: "close other programs, then try again".to_owned(),
-    }
-}
-
-/// A thread has panicked.
-pub(super) fn panicked(which: &str) -> crate::Error {
-    crate::Error::Usage {
-        message: format!("the thread {which} panicked"),
-        hint: "this is a fault of the program: report it with what stands above".to_owned(),
-    }
 }
 
 /// What came of the headset's thread. One that hangs, mostly in a call of the runtime, is left behind: only the runtime can

@@ -230,6 +230,19 @@ impl Live {
         }
     }
 
+    /// Whether it says something within some time.
+    pub(super) fn says(&mut self, words: &str, within: Duration) -> bool {
+        let begin = Instant::now();
+        while let Ok(line) = self.notes.recv_timeout(within.saturating_sub(begin.elapsed())) {
+            let is_it = line.contains(words);
+            self.heard.push(line);
+            if is_it {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Memory in use, MiB.
     pub(super) fn memory(&self) -> f64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();

@@ -37,6 +37,11 @@ text = "consent.en.md"
 platform = "none"
 most_participants = 4
 lease_minutes = 120
+[crowd]
+library = "rated.glb"
+avatars = ["female", "male"]
+[headset]
+answer = ["laser", "stick", "gaze"]
 [part.how]
 kind = "text"
 text = "You will walk among people. You may stop at any time."
@@ -192,7 +197,7 @@ pub(super) fn act(folder: &Path) {
 
 /// Chooses the fourth cell and Next in turn, until it is told to stop.
 fn keep_answering(head: &mut Head, is_over: &AtomicBool) {
-    let pause = || std::thread::sleep(Duration::from_millis(160));
+    let pause = || std::thread::sleep(Duration::from_millis(500));
     while !is_over.load(Ordering::Relaxed) {
         for pixel in [asks::cell(3), asks::NEXT] {
             for pulled in [false, true] {
@@ -233,7 +238,7 @@ fn is_whole(folder: &Path, notes: &[String], trials: usize) {
     assert_eq!(end["content"], "ended", "{end}");
     for event in events.iter().filter(|event| event["event"] == "shown") {
         let seconds = event["exposure"]["seconds_visible"].as_f64().unwrap();
-        assert!(seconds > 1.0 && event["exposure"]["frames"].as_u64().unwrap() > 3, "{event}");
+        assert!(seconds > 1.0 && event["exposure"]["frames"].as_u64().unwrap() > 1, "{event}");
     }
 }
 
@@ -297,13 +302,15 @@ fn a_study_that_is_killed_in_mid_trial_goes_on_with_that_trial() {
         let mut live: Live = play(&service, "study", &folder);
         live.hear("page scenes/2");
         let recording = folder.join("scenes-2.csv");
-        super::recorded(&recording, 20, |_| true);
+        // more than a second, so that there is a hash to compare with
+        super::recorded(&recording, 45, |_| true);
         let before = steps(&recording).len();
         live.kill();
         is_over.store(true, Ordering::Relaxed);
         assert!(steps(&recording).len() >= before);
         events(&folder)
     });
+    drop(head); // Monado hears one at a time
     let notes = answered(&service, &folder);
     is_whole(&folder, &notes, 6);
     // nothing that was stored is lost, and no trial was shown twice to its end

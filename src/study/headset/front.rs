@@ -1,12 +1,13 @@
 //! The front: page after page on one stage, until the participation has ended.
 
 use super::panels::{self, BACK, NEXT};
+use super::parties::{Operator, Order, Participation, Typed};
 use super::watch::{Ahead, Beside};
-use super::{Operator, Participation, Showing, Theatre, Typed};
 use crate::library::GaitLibrary;
 use crate::scenario::{Scenario, User};
 use crate::scene::Scene;
 use crate::study::protocol::{Answer, Content, Event, Exposure, Page, PageQuestion};
+use crate::study::theatre::{Showing, Theatre};
 use crate::xr::{Choice, Outcome, Panel, Plan, RecordedSession, Recorder, Stage, TrialLabel, World};
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -29,19 +30,8 @@ pub struct Setup {
     pub participant: String,
     /// Folder of the participant's recordings.
     pub recordings: PathBuf,
-    /// Answers from which on the operator is told, by question or group of questions.
+    /// Answers from which on the operator reads a warning, by question or group of questions.
     pub stop_at: BTreeMap<String, i64>,
-}
-
-/// What an operator wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// The current trial again, from its beginning.
-    Repeat,
-    /// The current trial is left out.
-    Skip,
-    /// The session ends now: everything is grey from the next frame on. The participation can go on later.
-    End,
 }
 
 /// Shows a participation.
@@ -314,7 +304,7 @@ impl<'a> Front<'a> {
         let walked = self.stage.walk(&mut world, seconds, &mut self.beside)?;
         self.stage.fade(1.0);
         if let Some(recorder) = self.beside.take_recorder() {
-            recorder.finish(world.simulation().state()?).map_err(of_recording)?;
+            recorder.finish(world.simulation().state()?).map_err(|error| of_recording(&error))?;
         }
         if !walked.is_whole {
             return Ok(Err(self.cut()));
@@ -388,12 +378,12 @@ impl<'a> Front<'a> {
         for repeat in 1..=MOST_REPEATS {
             let again = if repeat > 1 { format!("-{repeat}") } else { String::new() };
             match crate::xr::make_way(&self.setup.recordings.join(format!("{name}{again}.csv"))) {
-                Ok(way) => return Recorder::new(way.file, &session).map_err(of_recording),
+                Ok(way) => return Recorder::new(way.file, &session).map_err(|error| of_recording(&error)),
                 Err(error @ crate::xr::RecordingError::Taken(_)) => last = Some(error),
-                Err(error) => return Err(of_recording(error)),
+                Err(error) => return Err(of_recording(&error)),
             }
         }
-        Err(of_recording(last.unwrap_or(crate::xr::RecordingError::Taken("there are too many recordings"))))
+        Err(of_recording(&last.unwrap_or(crate::xr::RecordingError::Taken("there are too many recordings"))))
     }
 }
 
@@ -427,7 +417,7 @@ fn now() -> i64 {
     i64::try_from(since.as_millis()).unwrap_or(i64::MAX)
 }
 
-fn of_recording(error: crate::xr::RecordingError) -> crate::Error {
+fn of_recording(error: &crate::xr::RecordingError) -> crate::Error {
     crate::Error::Usage {
         message: error.to_string(),
         hint: "make room on the disk, or choose a folder that can be written to".to_owned(),

@@ -1,9 +1,10 @@
 //! What the front watches beside the stage: the operator, the recording, the world that is made ahead.
 
-use super::{Operator, Order, Showing, Theatre, Typed};
+use super::parties::{Operator, Order, Typed};
 use crate::kernels::Store;
 use crate::scene::Scene;
 use crate::study::protocol::PageQuestion;
+use crate::study::theatre::{Showing, Theatre};
 use crate::xr::{Observer, Recorder, UserState, World};
 use std::fs::File;
 use std::thread::{self, JoinHandle};

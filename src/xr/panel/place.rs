@@ -180,6 +180,7 @@ mod tests {
         // +x of the world is to the left for one who faces +z
         let at = |x: f32| {
             let clip = view.clip_from_world[0].project_point3(Vec3::new(x, 1.6, 2.0));
+            #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the picture")]
             let column = (0.5 * (clip.x + 1.0) * 200.0).round() as u32;
             image.pixel(200 + column, 100).unwrap_or_default()
         };

@@ -1,0 +1,72 @@
+//! Who takes part beside the participant: the store, and the operator.
+
+use crate::study::protocol::{Event, Page, PageQuestion};
+use crate::study::theatre::Showing;
+
+/// A participation in a store. An event is stored when the call returns.
+pub trait Participation {
+    /// The current page.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn page(&mut self) -> Result<Page, crate::Error>;
+
+    /// Stores an event. Returns the page after it.
+    ///
+    /// # Errors
+    /// When the store fails or refuses it.
+    fn submit(&mut self, event: Event) -> Result<Page, crate::Error>;
+
+    /// What the current trial shows; none between trials.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn trial(&mut self) -> Result<Option<Showing>, crate::Error>;
+
+    /// What the next trial of the part will show, as far as that is known.
+    ///
+    /// # Errors
+    /// When the store fails.
+    fn next_trial(&mut self) -> Result<Option<Showing>, crate::Error>;
+}
+
+/// Who sits beside the participant.
+pub trait Operator {
+    /// Takes a line to read.
+    fn note(&mut self, line: &str);
+
+    /// What the operator wants, if anything; asked often.
+    fn order(&mut self) -> Option<Order> {
+        None
+    }
+
+    /// Whether the participant has agreed to this text and is old enough: the hash of the text. None if not.
+    fn agreed(&mut self, text: &str, minimum_age: u32) -> Option<String>;
+
+    /// The answer to a question that is not asked in the headset, as far as it was typed; asked often.
+    fn typed(&mut self, question: &PageQuestion) -> Typed;
+}
+
+/// What an operator wants.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Order {
+    /// The current trial again, from its beginning.
+    Repeat,
+    /// The current trial is left out.
+    Skip,
+    /// The session ends now: everything is grey from the next frame on. The participation can go on later.
+    End,
+}
+
+/// What the operator typed.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum Typed {
+    /// Nothing yet.
+    Waiting,
+    /// Left out.
+    LeftOut,
+    /// A number.
+    Number(i64),
+    /// A text.
+    Text(String),
+}
