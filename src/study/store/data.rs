@@ -4,7 +4,7 @@ use super::super::tables::{Frames, Participant, Tables, of_session};
 use super::desk::Desk;
 
 impl Desk {
-    /// The data of a version, or of all: every participant, and the last answers of those who have not withdrawn.
+    /// The data of a version, or of all: every participant, and the last answers, but of participants who have withdrawn.
     pub(super) fn tables(&self, version: Option<u32>) -> Tables {
         let mut tables = Tables::default();
         let chosen = |number: u32| version.is_none_or(|wanted| wanted == number);
