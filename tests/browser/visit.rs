@@ -47,12 +47,20 @@ impl Visit {
         Some(Self { browser, server, lab, hands })
     }
 
-    /// A participant who uses the mouse and has come to the first page whose id begins so.
+    /// A participant who uses the mouse and has come to a page, as `go_on` finds it.
     pub(crate) fn at(options: Options, page: &str) -> Option<(Self, Given)> {
         let visit = Self::new(options, Hands::Mouse)?;
         visit.open();
         let given = visit.go_on(page);
         Some((visit, given))
+    }
+
+    /// Closes the browser, and opens it again with what it remembers; it shows nothing.
+    pub(crate) fn reopen(&mut self) {
+        // one browser at a time uses a profile
+        let Some(next) = Browser::open(Options::default()) else { return };
+        let profile = Some(std::mem::replace(&mut self.browser, next).close());
+        self.browser = Browser::open(Options { profile, ..Options::default() }).unwrap();
     }
 
     /// Opens the first page.
@@ -81,10 +89,11 @@ impl Visit {
         panic!("Tab never comes to {css} on {}: {}", self.page(), self.browser.text("body"));
     }
 
-    /// The current page's id; empty on the first page and on the last.
+    /// The current page's id, with `:film` where a film is to be seen before the questions; empty on the first and last page.
     pub(crate) fn page(&self) -> String {
-        let id = self.browser.run("return document.getElementById('main')?.dataset.page ?? ''", &[]);
-        id.as_str().unwrap().to_owned()
+        let script = "const { page, plays } = document.getElementById('main')?.dataset ?? {}; \
+            return (page ?? '') + (plays > 0 ? ':film' : '')";
+        self.browser.run(script, &[]).as_str().unwrap().to_owned()
     }
 
     /// Whether the participation is over.
@@ -105,7 +114,7 @@ impl Visit {
         self.browser.until("no film", |browser| (browser.count(".play:enabled") == 1).then_some(()));
     }
 
-    /// Goes on to the first page whose id begins so, or to the end. Returns what was answered.
+    /// Goes on to this page, in which `*` stands for anything, or to the end if it is empty. Returns what was answered.
     pub(crate) fn go_on(&self, to: &str) -> Given {
         self.go_through(to, |_, _| {})
     }
@@ -115,7 +124,9 @@ impl Visit {
         let mut given = Given::new();
         for _ in 0..60 {
             let page = self.page();
-            if page.starts_with(to) && !page.is_empty() && !to.is_empty() {
+            let (begin, end) = to.split_once('*').unwrap_or((to, ""));
+            let is_there = page.starts_with(begin) && page.ends_with(end) && (to.contains('*') || page == to);
+            if is_there && !page.is_empty() {
                 return given;
             }
             if self.is_over() {
