@@ -3,7 +3,7 @@
 
 const PATIENCE = 10000; // ms without a byte, or from the start to the first frame
 const LATE = 1.5; // times the usual gap between two frames
-const LONGEST_WAIT = 8000; // ms
+const LONGEST_WAIT = 2000; // ms between two tries
 
 const memory = new Map();
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -20,8 +20,15 @@ async function read(reply, stop) {
   }
 }
 
-// A walk or the address of a clip, by its name. Without a connection it waits; what is broken throws.
+// Whether the server answers at all.
+const answers = () => fetch(document.querySelector("link[rel=icon]").href, {
+  method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(PATIENCE),
+}).then((reply) => reply.ok, () => false);
+
+// A walk or the address of a clip, by its name. Without a connection it waits; what is broken throws, and so does what does not
+// come while the server answers.
 async function load(name, waiting) {
+  let since = performance.now();
   for (let wait = 200; !memory.has(name); wait = Math.min(LONGEST_WAIT, wait * 2)) {
     const control = new AbortController();
     const stop = () => control.abort();
@@ -43,6 +50,8 @@ async function load(name, waiting) {
       throw new Error(`status ${reply.status}`);
     }
     waiting();
+    if (!(await answers())) since = performance.now();
+    else if (performance.now() - since > PATIENCE) throw new Error("not there in time");
     await pause(wait);
   }
   return memory.get(name);

@@ -82,7 +82,14 @@ pub(crate) struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: [1024, 768], dark: false, scripts: true, network: Network::Full, profile: None, listens: false }
+        Self {
+            size: [1024, 768],
+            dark: false,
+            scripts: true,
+            network: Network::Full,
+            profile: None,
+            listens: false,
+        }
     }
 }
 
@@ -212,7 +219,8 @@ impl Browser {
     pub(crate) fn network_events(&self) -> Vec<Value> {
         assert!(self.options.listens, "a browser that does not listen");
         let entries = self.extra("se/log", json!({ "type": "performance" }));
-        let event = |entry: &Value| -> Value { serde_json::from_str(entry["message"].as_str().unwrap()).unwrap() };
+        let event =
+            |entry: &Value| -> Value { serde_json::from_str(entry["message"].as_str().unwrap()).unwrap() };
         entries.as_array().unwrap().iter().map(|entry| event(entry)["message"].take()).collect()
     }
 

@@ -1,7 +1,7 @@
 //! Every kind of page by axe-core, in light and dark, and the pictures of the documentation.
 
 use super::driver::{Browser, Options};
-use super::visit::{Hands, Visit};
+use super::visit::{Given, Hands, Visit};
 use std::collections::BTreeSet;
 
 /// Asserts that axe-core finds nothing, neither in light nor in dark.
@@ -29,7 +29,8 @@ fn every_kind_of_page_passes_axe_in_light_and_dark() {
     for _ in 0..60 {
         let page = if visit.is_over() { "end".to_owned() } else { visit.page() };
         // the instruction has a page of its own kind
-        let kind = if visit.browser.count(".instruction") == 1 { "instruction".to_owned() } else { kind(&page) };
+        let kind =
+            if visit.browser.count(".instruction") == 1 { "instruction".to_owned() } else { kind(&page) };
         if page.ends_with(":film") {
             visit.wait_for_film();
         }
@@ -40,16 +41,13 @@ fn every_kind_of_page_passes_axe_in_light_and_dark() {
         if visit.is_over() {
             break;
         }
-        visit.pass(&mut Default::default());
-        visit.after(&visit_page(&page));
+        visit.pass(&mut Given::new());
+        visit.after(&page);
     }
-    let all = ["", "about-you", "check", "comments", "consent", "debrief", "end", "how-it-works", "instruction"];
+    let all =
+        ["", "about-you", "check", "comments", "consent", "debrief", "end", "how-it-works", "instruction"];
     let all = all.into_iter().chain(["practice", "practice film", "walks", "walks film"]);
     assert_eq!(kinds, all.map(str::to_owned).collect());
-}
-
-fn visit_page(page: &str) -> String {
-    page.to_owned()
 }
 
 #[test]
@@ -84,10 +82,14 @@ fn errors_withdrawal_and_refusals_pass_axe_too() {
     }
     visit.press("form[action$='/begin'] button");
     visit.press("button[value=no]");
-    assert!(visit.browser.text("main").contains("You do not take part") || visit.browser.text("h1").contains("do not"));
+    assert!(
+        visit.browser.text("main").contains("You do not take part")
+            || visit.browser.text("h1").contains("do not")
+    );
     assert_clean(&mut visit.browser, "declined");
     // a status of 4xx is a line in the log, and all that may be there
-    let rest = visit.browser.complaints().into_iter().filter(|one| !one.contains("responded with a status of 4"));
+    let rest =
+        visit.browser.complaints().into_iter().filter(|one| !one.contains("responded with a status of 4"));
     assert_eq!(rest.collect::<Vec<_>>(), Vec::<String>::new());
 }
 
@@ -100,7 +102,7 @@ fn pictures_of_the_documentation() {
     visit.browser.shot("study-welcome");
     visit.go_on("walks/*:film");
     let film = visit.page();
-    let mut given = Default::default();
+    let mut given = Given::new();
     visit.pass(&mut given);
     visit.after(&film);
     visit.browser.set_size([720, 1100]);

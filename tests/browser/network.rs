@@ -76,7 +76,9 @@ fn the_first_film_is_light_and_fast_on_a_slow_connection() {
     // the best of some, as the machine has other work to do
     let fastest = (0..6).map(|_| cold_start(&visit.browser)).fold(f64::INFINITY, f64::min);
     let alone = received(&visit.browser) / 6;
-    println!("{bytes} bytes before the first film; its page alone {alone} bytes, ready after {fastest:.0} ms");
+    println!(
+        "{bytes} bytes before the first film; its page alone {alone} bytes, ready after {fastest:.0} ms"
+    );
     assert!(fastest < 1000.0, "{fastest} ms");
     assert!(alone > 5_000, "the cache was on");
     visit.assert_quiet();
@@ -84,7 +86,9 @@ fn the_first_film_is_light_and_fast_on_a_slow_connection() {
 
 #[test]
 fn without_scripts_forms_work_and_a_film_says_what_it_needs() {
-    let Some(mut visit) = Visit::new(Options { scripts: false, ..Options::default() }, Hands::Mouse) else { return };
+    let Some(mut visit) = Visit::new(Options { scripts: false, ..Options::default() }, Hands::Mouse) else {
+        return;
+    };
     visit.open();
     let mut given = visit.go_through("practice/1:film", |visit, page| {
         assert_eq!(visit.browser.violations(), [], "{page}");

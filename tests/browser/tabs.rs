@@ -107,9 +107,12 @@ fn a_browser_that_was_closed_goes_on_where_it_was() {
     visit.reopen();
     visit.server = visit.lab.serve();
     visit.open();
-    visit.browser.wait_for_text("#status", "Saved");
-    assert_eq!((visit.page().as_str(), visit.browser.count("input:checked")), ("practice/1", 4));
     given.extend(here);
+    let is_stored =
+        |visit: &Visit| visit.stored("SELECT count(*) FROM answer WHERE page = 'practice/1'") == 4;
+    visit.browser.until("not sent", |_| is_stored(&visit).then_some(()));
+    assert_eq!(visit.page(), "practice/1");
+    visit.browser.until("not shown", |browser| (browser.count("input:checked") == 4).then_some(()));
     visit.assert_stored(&given);
     visit.press("button.next");
     visit.after("practice/1");

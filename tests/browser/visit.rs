@@ -28,7 +28,8 @@ pub(crate) struct Visit {
 
 /// A study of eight generated walks, of which each participant sees two.
 pub(crate) fn small(changes: &[(&str, &str)]) -> Lab {
-    let mut all = vec![("each = 10, at_least = 10", "each = 2, at_least = 2"), ("seconds = 4.0", "seconds = 0.5")];
+    let mut all =
+        vec![("each = 10, at_least = 10", "each = 2, at_least = 2"), ("seconds = 4.0", "seconds = 0.5")];
     all.extend_from_slice(changes);
     Lab::with(&["--gaits", "8"], &all)
 }
@@ -80,7 +81,9 @@ impl Visit {
     /// Presses Tab until the focus is there, or in it.
     pub(crate) fn tab_to(&self, css: &str) {
         for _ in 0..40 {
-            let here = self.browser.run("return Boolean(document.activeElement.closest(arguments[0]))", &[json!(css)]);
+            let here = self
+                .browser
+                .run("return Boolean(document.activeElement.closest(arguments[0]))", &[json!(css)]);
             if here == json!(true) {
                 return;
             }
@@ -235,7 +238,8 @@ impl Visit {
     /// Asserts that the store has these answers and no others, and that none that was chosen once is there twice.
     pub(crate) fn assert_stored(&self, given: &Given) {
         let store = self.store();
-        let mut select = store.prepare("SELECT page, question, ifnull(text, value) FROM answer ORDER BY seq").unwrap();
+        let mut select =
+            store.prepare("SELECT page, question, ifnull(text, value) FROM answer ORDER BY seq").unwrap();
         let rows = select.query_map([], |row| {
             let value: rusqlite::types::Value = row.get(2)?;
             let value = match value {

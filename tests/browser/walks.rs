@@ -35,9 +35,16 @@ fn whole(options: Options, hands: Hands, mut look: impl FnMut(&Visit, &str)) {
     assert!(visit.browser.text("main").contains("C1ABCDEF"));
     visit.assert_stored(&given);
     assert_eq!(visit.stored("SELECT count(*) FROM exposure"), 6);
-    assert_eq!(visit.stored("SELECT count(*) FROM exposure WHERE plays != 1 OR frames < 1 OR seconds_visible < 0.4"), 0);
+    assert_eq!(
+        visit.stored("SELECT count(*) FROM exposure WHERE plays != 1 OR frames < 1 OR seconds_visible < 0.4"),
+        0
+    );
     assert_eq!(visit.stored("SELECT count(*) FROM participant WHERE state = 'finished'"), 1);
-    assert_eq!(visit.browser.run("return localStorage.length", &[]), json!(0), "something stays in the browser");
+    assert_eq!(
+        visit.browser.run("return localStorage.length", &[]),
+        json!(0),
+        "something stays in the browser"
+    );
     visit.assert_quiet();
 }
 
@@ -79,12 +86,16 @@ fn in_dark_mode_with_the_film_as_it_is_in_light() {
         if page == "practice/1:film" {
             visit.wait_for_film();
             seen.insert("box", visit.browser.style(".film .box", "background-color"));
-            let pixel = "return [...document.querySelector('canvas').getContext('2d').getImageData(1, 1, 1, 1).data]";
+            let pixel =
+                "return [...document.querySelector('canvas').getContext('2d').getImageData(1, 1, 1, 1).data]";
             seen.insert("paper", visit.browser.run(pixel, &[]).to_string());
         }
     });
     if !seen.is_empty() {
-        assert_eq!((seen["box"].as_str(), seen["paper"].as_str()), ("rgba(128, 128, 128, 1)", "[240,240,238,255]"));
+        assert_eq!(
+            (seen["box"].as_str(), seen["paper"].as_str()),
+            ("rgba(128, 128, 128, 1)", "[240,240,238,255]")
+        );
     }
 }
 

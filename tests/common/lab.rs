@@ -27,7 +27,8 @@ impl Lab {
         let folder = tempfile::tempdir().unwrap();
         let study = folder.path().join("study");
         let mut new = Command::new(PROGRAM);
-        let made = new.args(["study", "new", "eva-gaits", "--out"]).arg(&study).args(arguments).output().unwrap();
+        let made =
+            new.args(["study", "new", "eva-gaits", "--out"]).arg(&study).args(arguments).output().unwrap();
         assert!(made.status.success(), "{made:?}");
         // what the lab has to fill in
         for name in ["study.toml", "consent.en.md"] {

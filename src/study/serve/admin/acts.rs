@@ -47,7 +47,8 @@ pub(super) async fn participants(
 ) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
-    let heads = ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", ""];
+    let heads =
+        ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", "Manage"];
     let body = html! {
         (said(&query))
         table {
