@@ -108,12 +108,16 @@ export function draw(context, walk, time) {
 function canvas(box, walk) {
   const element = document.createElement("canvas");
   box.replaceChildren(element);
-  const width = element.clientWidth || walk.size[0];
-  element.width = Math.round(width * (window.devicePixelRatio || 1));
-  element.height = Math.round(element.width * walk.size[1] / walk.size[0]);
   const context = element.getContext("2d", { alpha: false });
-  draw(context, walk, 0);
-  return { start: async () => {}, stop: () => {}, frame: (time) => draw(context, walk, time), length: null };
+  let at = 0;
+  const fit = () => {
+    const width = Math.round((element.clientWidth || walk.size[0]) * (window.devicePixelRatio || 1));
+    Object.assign(element, { width, height: Math.round(width * walk.size[1] / walk.size[0]) });
+    draw(context, walk, at);
+  };
+  fit();
+  new ResizeObserver(fit).observe(element);
+  return { start: async () => {}, stop: () => {}, frame: (time) => draw(context, walk, at = time), length: null };
 }
 
 // A player of a clip that has enough of it to play to the end.

@@ -8,7 +8,8 @@ use fantoccini::key::Key;
 const PASSWORD: &str = "a long password";
 
 /// A participant, and the first operator with the live page before them.
-fn operated(options: Options) -> Option<(Visit, Browser)> {
+/// `options` are the operator's.
+pub(super) fn operated(options: Options) -> Option<(Visit, Browser)> {
     let mut visit = Visit::new(Options::default(), Hands::Mouse)?;
     let operator = Browser::open(options)?;
     operator.go(&visit.server.first_link());
@@ -22,7 +23,7 @@ fn operated(options: Options) -> Option<(Visit, Browser)> {
 }
 
 /// Waits until the live page says so, without a reload.
-fn wait_for(operator: &Browser, text: &str) {
+pub(super) fn wait_for(operator: &Browser, text: &str) {
     operator.until(&format!("no {text:?}"), |operator| operator.text("#live").contains(text).then_some(()));
 }
 

@@ -1,5 +1,6 @@
-//! Every kind of page by axe-core, in light and dark, and the pictures of the documentation.
+//! Every kind of page by axe-core, in light and dark; the pictures of the documentation.
 
+use super::admin::{operated, wait_for};
 use super::driver::{Browser, Options};
 use super::visit::{Given, Hands, Visit};
 use std::collections::BTreeSet;
@@ -10,7 +11,7 @@ pub(super) fn assert_clean(browser: &mut Browser, page: &str) {
         browser.set_dark(dark);
         assert_eq!(browser.violations(), [], "{page}, dark: {dark}");
         let scheme = if dark { "dark" } else { "light" };
-        browser.shot(&format!("{scheme}-{}", page.replace(['/', ':', '?'], "-")));
+        browser.shot(&format!("{scheme}-{}", page.replace(['/', ':', '?', ' '], "-")));
     }
     browser.set_dark(false);
 }
@@ -93,22 +94,29 @@ fn errors_withdrawal_and_refusals_pass_axe_too() {
     assert_eq!(rest.collect::<Vec<_>>(), Vec::<String>::new());
 }
 
-/// As small as they can be for the documentation.
+/// `GAITWAY_SHOTS=assets/pictures` makes them anew.
 #[test]
 fn pictures_of_the_documentation() {
-    let options = Options { size: [720, 540], ..Options::default() };
-    let Some(mut visit) = Visit::new(options, Hands::Mouse) else { return };
+    let Some((mut visit, operator)) = operated(Options { size: [720, 560], ..Options::default() }) else {
+        return;
+    };
+    visit.browser.set_size([720, 400]);
     visit.open();
     visit.browser.shot("study-welcome");
     visit.go_on("walks/*:film");
+    visit.browser.set_size([720, 1280]);
     let film = visit.page();
-    let mut given = Given::new();
-    visit.pass(&mut given);
+    visit.pass(&mut Given::new());
     visit.after(&film);
-    visit.browser.set_size([720, 1100]);
     visit.wait_for_film();
     for (question, choice) in [("happy", 3), ("sad", 1)] {
         visit.choose(&format!("emotions.{question}"), choice);
     }
+    visit.browser.run("window.scrollTo(0, 0)", &[]);
     visit.browser.shot("study-film");
+    // a canvas is as sharp as the screen
+    let sharp = "const canvas = document.querySelector('canvas'); return canvas.width - canvas.clientWidth * devicePixelRatio";
+    assert_eq!(visit.browser.run(sharp, &[]).as_i64(), Some(0));
+    wait_for(&operator, "walks");
+    operator.shot("study-admin");
 }

@@ -145,13 +145,15 @@ async fn buttons(console: &Console, session: &Session) -> Result<Markup, Told> {
     let (value, text) =
         if overview.is_closed { ("yes", "Open admission") } else { ("no", "Close admission") };
     Ok(html! {
-        form.choice method="post" action="/admin/admission" {
-            (pages::mark(session))
-            button type="submit" name="open" value=(value) { (text) }
-        }
-        form.choice method="post" action="/admin/backup" {
-            (pages::mark(session))
-            button type="submit" { "Backup" }
+        div.choice {
+            form method="post" action="/admin/admission" {
+                (pages::mark(session))
+                button type="submit" name="open" value=(value) { (text) }
+            }
+            form method="post" action="/admin/backup" {
+                (pages::mark(session))
+                button.quiet type="submit" { "Backup" }
+            }
         }
     })
 }
