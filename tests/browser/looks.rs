@@ -104,7 +104,7 @@ fn pictures_of_the_documentation() {
     visit.open();
     visit.browser.shot("study-welcome");
     visit.go_on("walks/*:film");
-    visit.browser.set_size([720, 1280]);
+    visit.browser.set_size([720, 1440]);
     let film = visit.page();
     visit.pass(&mut Given::new());
     visit.after(&film);
