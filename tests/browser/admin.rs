@@ -65,13 +65,14 @@ fn the_live_page_follows_a_participant() {
 
 #[test]
 fn an_operator_pauses_resumes_and_excludes() {
-    let Some((visit, operator)) = operated(Options::default()) else { return };
+    let Some((mut visit, operator)) = operated(Options::default()) else { return };
     visit.open();
     visit.go_on("practice/1");
     operator.click("a[href='/admin/participants']");
     act(&operator, "pause", "");
     visit.choose("emotions.happy", 2);
     visit.browser.wait_for_text("h1", "Paused");
+    assert_clean(&mut visit.browser, "paused");
     act(&operator, "resume", "");
     // the page goes on by itself
     visit.browser.wait_for_text("h1", "What do you think?");
@@ -85,13 +86,14 @@ fn an_operator_pauses_resumes_and_excludes() {
     visit.wait_for_film();
     visit.press(".play");
     visit.browser.wait_for_text("h1", "The study ends here");
+    assert_clean(&mut visit.browser, "excluded");
     assert_eq!(visit.stored("SELECT count(*) FROM participant WHERE state = 'excluded'"), 1);
     assert_eq!(operator.complaints(), Vec::<String>::new());
 }
 
 #[test]
 fn operators_pages_pass_axe_in_light_and_dark_and_at_320_pixels() {
-    let Some((visit, mut operator)) = operated(Options::default()) else { return };
+    let Some((mut visit, mut operator)) = operated(Options::default()) else { return };
     visit.open();
     visit.go_on("walks/*:film");
     for page in ["live", "participants", "balance", "operators"] {
@@ -103,7 +105,16 @@ fn operators_pages_pass_axe_in_light_and_dark_and_at_320_pixels() {
         assert_eq!(operator.run(wide, &[]), serde_json::json!(true), "{page} is too wide");
         operator.set_size([1024, 768]);
     }
+    operator.click("a[href='/admin/live']");
+    operator.click("button[name=open]");
+    operator.wait_for_text("p[role=status]", "Admission is closed.");
+    visit.browser.go(&format!("{}?new", visit.lab.address()));
+    visit.press("form[action$='/begin'] button");
+    visit.browser.wait_for_text("h1", "The study is closed");
+    assert_clean(&mut visit.browser, "closed");
     assert_eq!(operator.complaints(), Vec::<String>::new());
+    operator.click("a[href='/admin/operators']");
+    operator.wait_for_text("h1", "Operators");
     let at = operator.address().replace("operators", "nothing");
     operator.go(&at);
     assert_clean(&mut operator, "admin nothing");

@@ -1,6 +1,6 @@
 //! The program as a server: `gaitway study serve` under many browsers, killed, and started again.
 
-#![allow(clippy::unwrap_used, clippy::panic, reason = "a test")]
+#![allow(clippy::unwrap_used, clippy::panic, clippy::print_stdout, reason = "a test")]
 
 #[path = "../common/mod.rs"]
 mod common;
