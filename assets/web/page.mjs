@@ -165,6 +165,7 @@ function begin() {
   if (!mark) return;
   if (queue?.mark !== mark) {
     queue = new Queue(study, mark, say);
+    queue.onMoved = () => isLeaving || turn();
     queue.onRefused = () => {
       wasRefused = true;
       if (!isLeaving) turn();

@@ -50,6 +50,7 @@ export class Queue {
     this.isLost = false;
     this.wake = () => {};
     this.onRefused = () => {};
+    this.onMoved = () => {};
     window.addEventListener("online", () => this.wake());
     // what an earlier participation in this browser has left cannot be sent any more
     names().filter((name) => name.startsWith("gaitway:") && !name.startsWith(this.prefix))
@@ -132,7 +133,11 @@ export class Queue {
         keepalive: true,
         signal: AbortSignal.timeout(PATIENCE),
       });
-      if (reply.ok) return "saved";
+      if (reply.ok) {
+        // another tab has answered the page
+        if (item.route === "answer" && (await reply.json()).page !== item.body.page) this.onMoved();
+        return "saved";
+      }
       if (reply.status === 429 || reply.status >= 500) return "again";
       return [401, 403, 404, 410].includes(reply.status) ? "lost" : "refused";
     } catch {

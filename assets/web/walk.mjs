@@ -3,7 +3,7 @@
 
 const PATIENCE = 10000; // ms without a byte, or from the start to the first frame
 const LATE = 1.5; // times the usual gap between two frames
-const LONGEST_WAIT = 8000; // ms
+const LONGEST_WAIT = 2000; // ms between two tries
 
 const memory = new Map();
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
@@ -20,8 +20,15 @@ async function read(reply, stop) {
   }
 }
 
-// A walk or the address of a clip, by its name. Without a connection it waits; what is broken throws.
+// Whether the server answers at all.
+const answers = () => fetch(document.querySelector("link[rel=icon]").href, {
+  method: "HEAD", cache: "no-store", signal: AbortSignal.timeout(PATIENCE),
+}).then((reply) => reply.ok, () => false);
+
+// A walk or the address of a clip, by its name. Without a connection it waits; what is broken throws, and so does what does not
+// come while the server answers.
 async function load(name, waiting) {
+  let since = performance.now();
   for (let wait = 200; !memory.has(name); wait = Math.min(LONGEST_WAIT, wait * 2)) {
     const control = new AbortController();
     const stop = () => control.abort();
@@ -43,6 +50,8 @@ async function load(name, waiting) {
       throw new Error(`status ${reply.status}`);
     }
     waiting();
+    if (!(await answers())) since = performance.now();
+    else if (performance.now() - since > PATIENCE) throw new Error("not there in time");
     await pause(wait);
   }
   return memory.get(name);
@@ -99,12 +108,16 @@ export function draw(context, walk, time) {
 function canvas(box, walk) {
   const element = document.createElement("canvas");
   box.replaceChildren(element);
-  const width = element.clientWidth || walk.size[0];
-  element.width = Math.round(width * (window.devicePixelRatio || 1));
-  element.height = Math.round(element.width * walk.size[1] / walk.size[0]);
   const context = element.getContext("2d", { alpha: false });
-  draw(context, walk, 0);
-  return { start: async () => {}, stop: () => {}, frame: (time) => draw(context, walk, time), length: null };
+  let at = 0;
+  const fit = () => {
+    const width = Math.round((element.clientWidth || walk.size[0]) * (window.devicePixelRatio || 1));
+    Object.assign(element, { width, height: Math.round(width * walk.size[1] / walk.size[0]) });
+    draw(context, walk, at);
+  };
+  fit();
+  new ResizeObserver(fit).observe(element);
+  return { start: async () => {}, stop: () => {}, frame: (time) => draw(context, walk, at = time), length: null };
 }
 
 // A player of a clip that has enough of it to play to the end.

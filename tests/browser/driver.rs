@@ -1,5 +1,6 @@
 //! Chromium without a screen, and its driver: started, set up, closed, killed.
 
+use fantoccini::error::CmdError;
 use fantoccini::wd::WebDriverCompatibleCommand;
 use fantoccini::{Client, ClientBuilder};
 use hyper_util::client::legacy::connect::HttpConnector;
@@ -75,11 +76,20 @@ pub(crate) struct Options {
     pub(crate) network: Network,
     /// Of an earlier visit; none: empty.
     pub(crate) profile: Option<Profile>,
+    /// Whether `network_events` has something to tell.
+    pub(crate) listens: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Self { size: [1024, 768], dark: false, scripts: true, network: Network::Full, profile: None }
+        Self {
+            size: [1024, 768],
+            dark: false,
+            scripts: true,
+            network: Network::Full,
+            profile: None,
+            listens: false,
+        }
     }
 }
 
@@ -161,7 +171,7 @@ impl Browser {
         let capabilities = json!({
             "browserName": "chrome-headless-shell",
             "goog:chromeOptions": { "binary": folder.join("chromium"), "args": arguments },
-            "goog:loggingPrefs": { "browser": "ALL" },
+            "goog:loggingPrefs": { "browser": "ALL", "performance": if options.listens { "ALL" } else { "OFF" } },
             "timeouts": { "script": PATIENCE.as_millis(), "pageLoad": PATIENCE.as_millis() },
         });
         let mut builder = ClientBuilder::new(HttpConnector::new());
@@ -184,10 +194,17 @@ impl Browser {
         self.extra("goog/cdp/execute", json!({ "cmd": command, "params": parameters }))
     }
 
+    /// The same; none where Chromium refuses.
+    pub(crate) fn try_devtools(&self, command: &str, parameters: &Value) -> Option<Value> {
+        self.try_extra("goog/cdp/execute", json!({ "cmd": command, "params": parameters })).ok()
+    }
+
+    fn try_extra(&self, path: &'static str, body: Value) -> Result<Value, CmdError> {
+        self.wait(|client| async move { client.issue_cmd(Extra { path, body }).await })
+    }
+
     fn extra(&self, path: &'static str, body: Value) -> Value {
-        let command = Extra { path, body };
-        self.wait(|client| async move { client.issue_cmd(command).await })
-            .unwrap_or_else(|error| panic!("{path}: {error}"))
+        self.try_extra(path, body).unwrap_or_else(|error| panic!("{path}: {error}"))
     }
 
     /// What the browser has complained of since the last call: exceptions of scripts, what the policy of contents forbids,
@@ -196,6 +213,15 @@ impl Browser {
         let entries = self.extra("se/log", json!({ "type": "browser" }));
         let severe = entries.as_array().unwrap().iter().filter(|entry| entry["level"] == "SEVERE");
         severe.map(|entry| entry["message"].as_str().unwrap().to_owned()).collect()
+    }
+
+    /// What the network brought since the last call, as events of Chromium's own protocol: `method` and `params`.
+    pub(crate) fn network_events(&self) -> Vec<Value> {
+        assert!(self.options.listens, "a browser that does not listen");
+        let entries = self.extra("se/log", json!({ "type": "performance" }));
+        let event =
+            |entry: &Value| -> Value { serde_json::from_str(entry["message"].as_str().unwrap()).unwrap() };
+        entries.as_array().unwrap().iter().map(|entry| event(entry)["message"].take()).collect()
     }
 
     /// What is set belongs to one tab, so each new one gets all of it.

@@ -14,6 +14,13 @@
 mod common;
 
 mod accessibility;
+mod admin;
 mod driver;
+mod films;
 mod harness;
+mod looks;
+mod network;
 mod page;
+mod tabs;
+mod visit;
+mod walks;

@@ -4,6 +4,7 @@
 #[cfg(feature = "import")]
 pub(crate) mod glb;
 pub(crate) mod gpu;
+pub(crate) mod lab;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

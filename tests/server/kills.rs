@@ -1,17 +1,18 @@
 //! `kill -9` of the server under 64 browsers: no acknowledged answer is missing or doubled.
 
-use super::{Lab, check};
+use super::{check, rehearsal};
+use crate::common::lab::Lab;
 use gaitway::study::rehearse::{Rehearsal, rehearse};
 use std::time::Duration;
 
 /// Kills the server so many times while 64 browsers answer; returns the number of acknowledged answers.
 fn survive(kills: u32, pause: Duration) -> usize {
     let lab = Lab::new();
-    let rehearsal = Rehearsal { participants: 1_000_000, pause, leaving: 0.002, ..lab.rehearsal() };
+    let plan = Rehearsal { participants: 1_000_000, pause, leaving: 0.002, ..rehearsal(&lab) };
     let mut server = lab.serve();
     let outcome = std::thread::scope(|scope| {
         let browsers =
-            scope.spawn(|| rehearse(&Rehearsal { participants: 64 + kills, ..rehearsal.clone() }).unwrap());
+            scope.spawn(|| rehearse(&Rehearsal { participants: 64 + kills, ..plan.clone() }).unwrap());
         for number in 0..u64::from(kills) {
             std::thread::sleep(Duration::from_millis(100 + number * 137 % 400));
             server.kill();

@@ -1,6 +1,7 @@
 //! Many browsers at once.
 
-use super::{Lab, check};
+use super::{check, rehearsal};
+use crate::common::lab::Lab;
 use gaitway::study::rehearse::{Rehearsal, rehearse};
 use gaitway::study::store::Reading;
 
@@ -8,7 +9,7 @@ use gaitway::study::store::Reading;
 fn many_browsers_at_once_of_which_some_leave_are_all_answered() {
     let lab = Lab::new();
     let server = lab.serve();
-    let rehearsal = Rehearsal { participants: 120, at_once: 40, leaving: 0.03, ..lab.rehearsal() };
+    let rehearsal = Rehearsal { participants: 120, at_once: 40, leaving: 0.03, ..rehearsal(&lab) };
     let outcome = rehearse(&rehearsal).unwrap();
     assert!(outcome.lost.is_empty(), "{:?}", outcome.lost);
     assert!(outcome.left > 0 && outcome.finished > 0, "{outcome:?}");

@@ -30,7 +30,7 @@ words! {
     consent_title minimum_age agree decline
     text_title form_title check_title attempt attempt_again show_title ask_title rest_title rest_text paused_title paused_text
     next optional lacking lacking_all keys_note
-    play replay loading ready playing hidden broken motion_note no_scripts
+    play replay loading ready playing hidden broken film_offline motion_note no_scripts
     saving saved offline refused lost
     finished_title finished_text declined_title declined_text gone_text withdrawn_title withdrawn_delete withdrawn_keep
     screened_out_title screened_out_text excluded_title excluded_text full_title full_text

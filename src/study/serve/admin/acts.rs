@@ -47,11 +47,12 @@ pub(super) async fn participants(
 ) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let people = ask(|then| console.store.people(then)).await.map_err(|trouble| console.trouble(&trouble))?;
-    let heads = ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", ""];
+    let heads =
+        ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", "Manage"];
     let body = html! {
         (said(&query))
         table {
-            caption { (people.len()) " participants, in the order of arrival" }
+            caption { (people.len()) @if people.len() == 1 { " participant" } @else { " participants" } ", in the order of arrival" }
             thead { tr { @for head in heads { th scope="col" { (head) } } } }
             tbody { @for person in &people { (row(&session, person)) } }
         }
@@ -89,11 +90,11 @@ fn acts(session: &Session, person: &Person) -> Markup {
         form method="post" action="/admin/participants" {
             (pages::mark(session))
             input type="hidden" name="code" value=(person.code);
-            @if is_paused { button name="act" value="resume" { "Resume" } }
-            @else if !is_over { button name="act" value="pause" { "Pause" } }
+            @if is_paused { button.quiet name="act" value="resume" { "Resume" } }
+            @else if !is_over { button.quiet name="act" value="pause" { "Pause" } }
             input name="text" maxlength=(LONGEST) placeholder="reason or note" aria-label="Reason or note";
-            button name="act" value="note" { "Note" }
-            button name="act" value="exclude" { "Exclude" }
+            button.quiet name="act" value="note" { "Note" }
+            button.quiet name="act" value="exclude" { "Exclude" }
         }
     }
 }

@@ -26,6 +26,7 @@ type Shared = State<Arc<Console>>;
 pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
     let body = html! {
+        p.lacking #old role="status" hidden { "The server does not answer. What stands here is old." }
         div #live data-events="/admin/live/events" { (now(&console).await?) }
         @if session.role >= Role::Run { (buttons(&console, &session).await?) }
     };
@@ -99,7 +100,7 @@ fn list(people: &[&Person]) -> Markup {
     html! {
         table {
             caption { "Under way" }
-            thead { tr { @for head in ["Code", "Part", "Page", "Silent", "Late frames", ""] { th scope="col" { (head) } } } }
+            thead { tr { @for head in ["Code", "Part", "Page", "Silent", "Late frames", "Manage"] { th scope="col" { (head) } } } }
             tbody {
                 @for person in people.iter().take(MOST_LISTED) {
                     tr {
@@ -144,13 +145,15 @@ async fn buttons(console: &Console, session: &Session) -> Result<Markup, Told> {
     let (value, text) =
         if overview.is_closed { ("yes", "Open admission") } else { ("no", "Close admission") };
     Ok(html! {
-        form.choice method="post" action="/admin/admission" {
-            (pages::mark(session))
-            button type="submit" name="open" value=(value) { (text) }
-        }
-        form.choice method="post" action="/admin/backup" {
-            (pages::mark(session))
-            button type="submit" { "Backup" }
+        div.choice {
+            form method="post" action="/admin/admission" {
+                (pages::mark(session))
+                button type="submit" name="open" value=(value) { (text) }
+            }
+            form method="post" action="/admin/backup" {
+                (pages::mark(session))
+                button.quiet type="submit" { "Backup" }
+            }
         }
     })
 }

@@ -102,7 +102,7 @@ fn film(frame: &Frame<'_>, button: &str, is_first: bool) -> Markup {
             div.box {}
             p.film-status role="status" data-loading=(words.loading) data-ready=[is_first.then_some(&words.ready)]
                 data-playing=(words.playing) data-hidden=(words.hidden) data-broken=(words.broken)
-                data-offline=(words.offline) {}
+                data-offline=(words.film_offline) {}
             button.play type="button" disabled { (button) }
             p.motion { (words.motion_note) }
         }
