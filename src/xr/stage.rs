@@ -103,7 +103,7 @@ impl Stage {
     /// Begins a session that shows a world.
     ///
     /// # Errors
-    /// When the headset's thread cannot be started. What keeps the session from beginning hears by [`Stage::close`].
+    /// When the headset's thread cannot be started. [`Stage::close`] says what keeps the session from beginning.
     pub fn open(world: &World, plan: Plan) -> Result<Self, crate::Error> {
         Self::begin(&world.props, plan)
     }
