@@ -19,7 +19,7 @@ const STUDY: &str = r#"
 [study]
 id = "looks"
 version = 1
-title = { en = "How do they look?", de = "Wie sehen sie aus?" }
+title = { en = "How do they look?", de = "Wie sehen Leute aus?" }
 seed = 4815162342
 languages = ["en", "de"]
 minutes = 7
