@@ -109,7 +109,7 @@ fn pictures_of_the_documentation() {
     visit.pass(&mut Given::new());
     visit.after(&film);
     visit.wait_for_film();
-    visit.browser.set_size([720, 1440]);
+    visit.browser.set_size([640, 1400]);
     let sharp = "const canvas = document.querySelector('canvas'); \
         return canvas.width === Math.round(canvas.clientWidth * devicePixelRatio) && canvas.clientWidth > 300";
     visit
