@@ -94,7 +94,7 @@ fn errors_withdrawal_and_refusals_pass_axe_too() {
     assert_eq!(rest.collect::<Vec<_>>(), Vec::<String>::new());
 }
 
-/// `GAITWAY_SHOTS=assets/pictures` makes them anew.
+/// `GAITWAY_SHOTS=assets/pictures` makes them again.
 #[test]
 fn pictures_of_the_documentation() {
     let Some((mut visit, operator)) = operated(Options { size: [720, 560], ..Options::default() }) else {
