@@ -96,8 +96,10 @@ fn operators_pages_pass_axe_in_light_and_dark_and_at_320_pixels() {
     let Some((mut visit, mut operator)) = operated(Options::default()) else { return };
     visit.open();
     visit.go_on("walks/*:film");
-    for page in ["live", "participants", "balance", "operators"] {
+    for name in ["Live", "Participants", "Balance", "Operators"] {
+        let page = name.to_lowercase();
         operator.click(&format!("a[href='/admin/{page}']"));
+        operator.wait_for_text("h1", name);
         assert_clean(&mut operator, &format!("admin {page}"));
         operator.set_size([320, 568]);
         operator.shot(&format!("narrow-admin-{page}"));

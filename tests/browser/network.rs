@@ -124,8 +124,9 @@ fn without_scripts_forms_work_and_a_film_says_what_it_needs() {
     visit.browser.shot("without-scripts");
     assert_eq!(visit.browser.violations(), []);
     visit.browser.click("form[action$='/withdraw'] button");
-    assert!(visit.browser.text("main").contains("All of your answers are then deleted."));
+    visit.browser.wait_for_text("h1", "Do you want to stop and withdraw?");
     visit.browser.click("a.button");
+    visit.browser.wait_for_text("h1", "Please watch");
     assert_eq!(visit.page(), "practice/1:film");
     visit.assert_stored(&given);
     visit.browser.set_scripts(true);

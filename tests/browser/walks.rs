@@ -117,6 +117,22 @@ fn at_twice_the_size() {
     });
 }
 
+#[test]
+fn keys_1_to_9_choose_in_the_group_that_has_the_focus() {
+    let Some((visit, _)) = Visit::at(Options::default(), "practice/1") else { return };
+    visit.choose("emotions.sad", 0);
+    for (key, value) in [("4", "4"), ("2", "2"), ("9", "2")] {
+        visit.browser.type_text(key);
+        let checked =
+            "return [...document.querySelectorAll('input:checked')].map(input => [input.name, input.value])";
+        assert_eq!(visit.browser.run(checked, &[]), json!([["q:emotions.sad", value]]));
+    }
+    let last =
+        "SELECT ifnull((SELECT value FROM answer WHERE question = 'emotions.sad' ORDER BY seq DESC), 0)";
+    visit.browser.until("not stored", |_| (visit.stored(last) == 2).then_some(()));
+    visit.assert_quiet();
+}
+
 /// The name of a picture of a page.
 fn name(way: &str, page: &str) -> String {
     format!("{way}-{}", page.replace(['/', ':'], "-"))
