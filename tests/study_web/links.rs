@@ -56,10 +56,7 @@ fn pages_speak_the_language_that_the_browser_or_the_participant_wishes() {
     let mut browser = lab.browser();
     browser.extra.push(("accept-language".to_owned(), "fr, de-AT;q=0.9, en;q=0.5".to_owned()));
     let welcome = browser.open("/s/looks");
-    assert!(
-        welcome.body.contains("<html lang=\"de\" dir=\"ltr\">")
-            && welcome.body.contains("Wie sehen")
-    );
+    assert!(welcome.body.contains("<html lang=\"de\" dir=\"ltr\">") && welcome.body.contains("Wie sehen"));
     assert!(welcome.body.contains("etwa 7 Minuten"));
     assert!(browser.open("/s/looks?lang=en").body.contains("about 7 minutes"));
     let reply = browser.post("/s/looks/begin", &[("language", "de")]);
