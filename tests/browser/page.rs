@@ -208,11 +208,14 @@ fn keep(name: &str, png: &[u8]) {
 /// Whether a page that is not ready yet explains the error.
 fn is_too_early(error: &CmdError) -> bool {
     let CmdError::Standard(error) = error else { return false };
-    matches!(
-        error.error,
-        ErrorStatus::NoSuchElement
-            | ErrorStatus::StaleElementReference
-            | ErrorStatus::ElementNotInteractable
-            | ErrorStatus::ElementClickIntercepted
-    )
+    // an element of a page that is just replaced, in chromedriver's words for what the standard calls stale
+    let is_of_another_page = error.message.contains("does not belong to the document");
+    is_of_another_page
+        || matches!(
+            error.error,
+            ErrorStatus::NoSuchElement
+                | ErrorStatus::StaleElementReference
+                | ErrorStatus::ElementNotInteractable
+                | ErrorStatus::ElementClickIntercepted
+        )
 }
