@@ -35,6 +35,16 @@ pub use crate::{file, ground, kernels, reference, stop};
 #[doc(inline)]
 pub use crate::{statistics, study};
 
+/// Headsets as studies use them: one session for many worlds, panels and their answers. Young as well.
+#[cfg(feature = "xr")]
+pub mod xr {
+    #[doc(inline)]
+    pub use crate::xr::{
+        Answered, Choice, FrameCount, MOST_CELLS, MOST_CHARACTERS, Means, Panel, PanelError, Stage, Walked,
+        World,
+    };
+}
+
 /// Parts of classifiers: matrices, margins, scaling.
 pub mod perception {
     #[doc(inline)]

@@ -8,7 +8,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Names of the options that say where results go, of all commands.
-const OUTPUTS: [&str; 9] = ["out", "rated", "render", "record", "shot", "shots", "figures", "videos", "csv"];
+const OUTPUTS: [&str; 10] =
+    ["out", "into", "rated", "render", "record", "shot", "shots", "figures", "videos", "csv"];
 
 /// Whether `--force` was given.
 static IS_FORCED: AtomicBool = AtomicBool::new(false);

@@ -70,8 +70,10 @@ mod views;
 mod watch;
 mod world;
 
+#[doc(hidden)]
 pub use answer::Means;
 pub use app::run;
+#[doc(hidden)]
 pub use cues::FrameCount;
 pub use error::{Error, Loss};
 pub use mirror::Mirror;
@@ -80,8 +82,10 @@ pub use outcome::{Outage, Outcome};
 pub use pace::{FrameSummary, Percentiles};
 #[doc(hidden)]
 pub use pace::{FrameTimes, Governor};
+#[doc(hidden)]
 pub use panel::{Choice, MOST_CELLS, MOST_CHARACTERS, Panel, PanelError};
 pub use plan::{DEFAULT_VIGNETTE, Opener, Plan, Shot, Shots};
+#[doc(hidden)]
 pub use question::Answered;
 pub use recording::{
     Recorder, Recording, RecordingError, Session as RecordedSession, TrialLabel, UserState, repair,
@@ -92,9 +96,11 @@ pub use rig::Rig;
 #[doc(hidden)]
 pub use rig::{Stand, Terrain, Walk};
 pub use runtime::{Runtime, RuntimeInfo};
+#[doc(hidden)]
 pub use stage::{Stage, Walked};
 pub use state::State;
 pub use survey::{Survey, survey};
+#[doc(hidden)]
 pub use world::World;
 
 /// Silences the OpenXR loader on standard error, since [`Error`] says the same in one line; `XR_LOADER_DEBUG` wins. Call it

@@ -20,6 +20,9 @@ fn who_withdraws_is_forgotten_and_their_place_becomes_free() {
     let store = open(folder.path(), 12);
     let mut person = Person::come(&store, Some("P1")).unwrap();
     person.go_to(&store, "comments");
+    for event in person.events().into_iter().take(1) {
+        person.send(&store, event).unwrap();
+    }
     let answered = wait(|then| store.overview(then)).unwrap().answered["walks"];
     assert_eq!(answered, (0, 1));
     person.send(&store, Event::Withdrawn).unwrap();
@@ -29,6 +32,13 @@ fn who_withdraws_is_forgotten_and_their_place_becomes_free() {
     assert_eq!(wait(|then| store.overview(then)).unwrap().answered["walks"], (0, 0));
     for table in ["answer", "exposure", "trial"] {
         assert_eq!(rusqlite_rows(folder.path(), &format!("SELECT count(*) FROM {table}")), [0], "{table}");
+    }
+    // neither in the files nor in their logs, while the store is open
+    for file in
+        [STORE, LINKS].map(str::to_owned).into_iter().chain([format!("{STORE}-wal"), format!("{LINKS}-wal")])
+    {
+        let path = folder.path().join(&file);
+        assert!(!has(&path, "=fine") && !has(&path, "P1s1"), "{file}");
     }
     // the platform may send them again: they see that they have withdrawn
     let again = Person::come(&store, Some("P1")).unwrap();

@@ -49,6 +49,8 @@ pub(super) struct Desk {
     failure: Option<String>,
     /// Whether memory is ahead of the disk.
     is_stale: bool,
+    /// Whether something was deleted that must not stay in the logs.
+    pub(super) has_forgotten: bool,
 }
 
 impl Desk {
@@ -75,6 +77,7 @@ impl Desk {
             is_writing: false,
             failure: None,
             is_stale: false,
+            has_forgotten: false,
         };
         desk.rebuild()?;
         Ok(desk)
@@ -105,10 +108,23 @@ impl Desk {
         let failure = match self.failure.take() {
             Some(reason) => Some(reason),
             None => self.commit().err().map(|error| error.to_string()),
-        }?;
+        };
+        let Some(failure) = failure else {
+            if std::mem::take(&mut self.has_forgotten) {
+                // where a reader holds the log, the next deletion or the end empties it
+                let _emptied = self.empty_logs();
+            }
+            return None;
+        };
         // without the disk there is nothing to rebuild from; the next request tries again
         self.is_stale = self.roll_back().is_err();
         Some(failure)
+    }
+
+    /// Moves everything from the logs into the files themselves: what was deleted is then overwritten everywhere.
+    pub(super) fn empty_logs(&self) -> rusqlite::Result<()> {
+        self.connection
+            .execute_batch("PRAGMA main.wal_checkpoint(TRUNCATE); PRAGMA links.wal_checkpoint(TRUNCATE)")
     }
 
     /// Rebuilds what could not be rebuilt after a failure.
@@ -198,6 +214,7 @@ impl Desk {
         let Some(one) = self.books.people.get(&id) else { return Ok(()) };
         let Some(version) = self.version(one.version) else { return Ok(()) };
         links::forget(&self.connection, id)?;
+        self.has_forgotten = true;
         if version.plan.on_withdrawal == OnWithdrawal::KeepAnonymous {
             self.connection.execute(
                 "INSERT OR IGNORE INTO gone SELECT external_hash FROM participant WHERE id = ?1 AND external_hash NOT NULL",

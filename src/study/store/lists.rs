@@ -223,6 +223,7 @@ impl Desk {
         let links = links::purge(&self.connection, now - i64::from(data.keep_links_days) * DAY)?;
         let before = now - i64::from(data.keep_answers_days) * DAY;
         let participants = self.connection.execute("DELETE FROM participant WHERE arrived < ?1", [before])?;
+        self.has_forgotten |= links + participants > 0;
         if participants > 0 {
             self.commit()?;
             self.rebuild()?;

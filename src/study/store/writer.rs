@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 const MOST: usize = 256;
 /// How often leases are looked at.
 const TICK: Duration = Duration::from_secs(1);
-/// How often a backup is made.
+/// How often a backup is made, and what is too old deleted.
 const BACKUP_EVERY: Duration = Duration::from_secs(3600);
 
 /// What is to be done at the desk. It returns the answer, which is given after the commit.
@@ -51,7 +51,7 @@ pub(super) fn start(mut desk: Desk) -> std::io::Result<(Sender<Job>, JoinHandle<
             upkeep.look(&mut desk);
         }
         // the last state goes into the file itself; what cannot be written now is in the log beside it
-        let _closing = desk.connection.execute_batch("PRAGMA wal_checkpoint(TRUNCATE)");
+        let _closing = desk.empty_logs();
     };
     let thread = std::thread::Builder::new().name("study store".to_owned()).spawn(work)?;
     Ok((sender, thread))
@@ -92,6 +92,11 @@ impl Upkeep {
         }
         if self.backup.elapsed() >= BACKUP_EVERY {
             self.backup = Instant::now();
+            if let Err(trouble) = desk.purge() {
+                desk.fail(trouble.to_string());
+            }
+            // what could not be deleted now is in an hour
+            let _failure = desk.settle();
             let folder = desk.folder.clone();
             // beside the writer, which goes on; the next one comes in an hour
             drop(
