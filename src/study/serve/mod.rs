@@ -10,7 +10,7 @@
 //! use gaitway::study::serve::{Server, Settings};
 //! # fn f(store: gaitway::study::store::Store) -> Result<(), gaitway::study::serve::Error> {
 //! let server = Server::bind(store, &Settings::default())?;
-//! println!("participants: {}   operators: {}", server.entrance(), server.console_address());
+//! println!("participants: {}", server.entrance());
 //! if let Some(link) = server.first_link() {
 //!     println!("choose the first password once at {link}");
 //! }
