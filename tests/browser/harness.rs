@@ -34,7 +34,7 @@ at('ask').onclick = () => fetch('/now').then(got => got.text(), () => 'no answer
 const STYLE: &str = "body { background: #fff; color: #000 }
 @media (prefers-color-scheme: dark) { body { background: #000; color: #fff } }";
 
-/// An image without a word for those who cannot see it, and a script that the policy forbids.
+/// Its image has no text in place of it. Its script is forbidden by the policy.
 const PLANTED: &str = r#"<!doctype html><html lang="en"><head><title>Planted</title><link rel="icon" href="/dot.svg"></head><body>
 <main><h1>Planted</h1><img id="dot" src="/dot.svg" width="20" height="20"></main><script>document.title = 'run'</script></body></html>"#;
 

@@ -149,6 +149,26 @@ fn an_operator_pauses_notes_excludes_closes_and_copies_and_all_is_noted() {
 }
 
 #[test]
+fn a_participant_who_writes_to_the_lab_is_withdrawn_after_a_word_that_confirms_it() {
+    let lab = Lab::plain();
+    let (mut participant, page) = lab.agreed();
+    go_on(&mut participant, page, "walks/");
+    let code = wait(|then| lab.store.people(then))[0].code.clone();
+    let mut browser = with_role(&lab, "run");
+    let mark = mark(&mut browser);
+    let mut withdraw = |text: &str| {
+        let fields = [("mark", mark.as_str()), ("code", code.as_str()), ("act", "withdraw"), ("text", text)];
+        let reply = browser.post("/admin/participants", &fields);
+        browser.follow(reply).body
+    };
+    assert!(withdraw("").contains("it cannot be undone"));
+    assert_eq!(wait(|then| lab.store.people(then))[0].state.name(), "placed");
+    assert!(withdraw("withdraw").contains("Done."));
+    assert_eq!(wait(|then| lab.store.people(then))[0].state.name(), "withdrawn");
+    assert_eq!(wait(|then| lab.store.tables(then)).answers.len(), 0);
+}
+
+#[test]
 fn the_live_page_counts_and_tells_when_to_ask_again() {
     let lab = Lab::plain();
     let (mut participant, page) = lab.agreed();

@@ -121,7 +121,7 @@ impl Browser {
         self.send(&format!("POST {path} HTTP/1.1\r\n"), &headers, body)
     }
 
-    /// Sends what it is told to.
+    /// Sends a request with these headers and this body.
     pub(crate) fn send(&mut self, line: &str, headers: &[(&str, &str)], body: &str) -> Reply {
         let mut request = format!("{line}connection: close\r\naccept-encoding: gzip\r\n");
         let has_host = headers.iter().any(|(name, _)| *name == "host");

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
 /// Pixels of one eye in the compositor's window: half of Monado's remote headset.
-const EYE: [u32; 2] = [480, 540];
+pub(super) const EYE: [u32; 2] = [480, 540];
 
 /// Xvfb, which keeps its screen in a file.
 pub(super) struct Screen {
@@ -68,14 +68,14 @@ impl Screen {
     }
 }
 
-/// The share of pixels that differ by more than a few levels, and the largest share in one eye's half.
-fn differs(a: &Image, b: &Image) -> [f32; 2] {
+/// The share of pixels of each eye's half that differ by more than so many levels.
+pub(super) fn differs(a: &Image, b: &Image, levels: u8) -> [f32; 2] {
     assert_eq!([a.width, a.height], [b.width, b.height]);
     [0, 1].map(|eye| {
         let half = (0..a.height).flat_map(|y| (eye * EYE[0]..(eye + 1) * EYE[0]).map(move |x| (x, y)));
         let off = half.filter(|(x, y)| {
             let (a, b) = (a.pixel(*x, *y).unwrap(), b.pixel(*x, *y).unwrap());
-            (0..3).any(|c| a[c].abs_diff(b[c]) > 6)
+            (0..3).any(|c| a[c].abs_diff(b[c]) > levels)
         });
         off.count() as f32 / (EYE[0] * EYE[1]) as f32
     })
@@ -88,14 +88,7 @@ fn the_compositor_presents_our_pictures_to_both_eyes() {
     }
     let folder = folder("presented");
     let Some(screen) = screen(&folder) else { return };
-    let window = [
-        ("XRT_COMPOSITOR_NULL", "0"),
-        ("XRT_COMPOSITOR_FORCE_XCB", "1"),
-        ("DISPLAY", screen.display.as_str()),
-        ("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "30"),
-        ("XRT_COMPOSITOR_SCALE_PERCENTAGE", "50"),
-    ];
-    let service = Service::start_with("presented", &window);
+    let service = Service::start_on("presented", &screen.display);
     let file = folder.join("post.toml");
     std::fs::write(&file, POST).unwrap();
     let (scene, shots) = (file.to_str().unwrap(), folder.to_str().unwrap());
@@ -112,7 +105,7 @@ fn the_compositor_presents_our_pictures_to_both_eyes() {
         // a sky of many tones, a ground, a post: all where and as we drew them
         let (_, (shown, off)) = shows(&folder, |ours| {
             let shown = screen.shows([2 * EYE[0], EYE[1]]);
-            let off = differs(&shown, ours);
+            let off = differs(&shown, ours, 6);
             if off.iter().all(|share| *share < 0.01) {
                 Ok((shown, off))
             } else {

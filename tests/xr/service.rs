@@ -76,6 +76,18 @@ impl Service {
         Self::start_with(name, &[])
     }
 
+    /// The same with Monado's own compositor, in a window on this display.
+    pub(super) fn start_on(name: &str, display: &str) -> Self {
+        let window = [
+            ("XRT_COMPOSITOR_NULL", "0"),
+            ("XRT_COMPOSITOR_FORCE_XCB", "1"),
+            ("DISPLAY", display),
+            ("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "30"),
+            ("XRT_COMPOSITOR_SCALE_PERCENTAGE", "50"),
+        ];
+        Self::start_with(name, &window)
+    }
+
     /// The same with variables of its own.
     pub(super) fn start_with(name: &str, environment: &[(&'static str, &str)]) -> Self {
         let folder = std::env::temp_dir().join(format!("gaitway-xr-{name}-{}", std::process::id()));

@@ -195,7 +195,7 @@ pub(super) fn act(folder: &Path) {
     act::tell("end", &json!(kept.page().unwrap()));
 }
 
-/// Chooses the fourth cell and Next in turn, until it is told to stop.
+/// Chooses the fourth cell and Next in turn until `is_over` is set.
 fn keep_answering(head: &mut Head, is_over: &AtomicBool) {
     let pause = || std::thread::sleep(Duration::from_millis(500));
     while !is_over.load(Ordering::Relaxed) {

@@ -14,7 +14,7 @@ pub const CONFIDENCE: f64 = 0.95;
 pub enum Error {
     /// Simulated participants and people are in one table.
     #[error(
-        "{people} people and {simulated} simulated participants in one analysis: must be one of them; choose by front"
+        "{people} people and {simulated} simulated participants in one analysis: must be one of them; rehearse and simulate with folders of data of their own"
     )]
     Mixed {
         /// Participants that are people.

@@ -89,8 +89,7 @@ pub(super) async fn begin(
     Path(id): Path<String>,
     request: Request,
 ) -> Result<Response, Told> {
-    let (visitor, body) = Visitor::read(&site, &id, request).await?;
-    let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
+    let (visitor, fields) = Visitor::form(&site, &id, request).await?;
     match fields.get("agree").map(String::as_str) {
         Some(answer) => {
             visitor.check_mark(&fields)?;
@@ -257,8 +256,7 @@ pub(super) async fn withdraw(
     Path(id): Path<String>,
     request: Request,
 ) -> Result<Response, Told> {
-    let (visitor, body) = Visitor::read(&site, &id, request).await?;
-    let fields = form::fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
+    let (visitor, fields) = Visitor::form(&site, &id, request).await?;
     visitor.check_mark(&fields)?;
     if fields.get("sure").is_some_and(|sure| sure == "yes") {
         let turn = visitor.submit(Event::Withdrawn).await?;

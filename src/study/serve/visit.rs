@@ -2,7 +2,7 @@
 
 use super::LONGEST_BODY;
 use super::cookie::mark;
-use super::form::Fields;
+use super::form::{Fields, fields};
 use super::gate::{is_json, told};
 use super::pages::Notice;
 use super::reply::{Told, hex};
@@ -57,6 +57,16 @@ impl<'a> Visitor<'a> {
         }
         let body = to_bytes(body, LONGEST_BODY).await.map_err(|_too_long| visitor.told(Notice::TooLarge))?;
         Ok((visitor, body))
+    }
+
+    /// A request with a form.
+    ///
+    /// # Errors
+    /// As [`Visitor::read`]; also the reply to a body that is no form.
+    pub(super) async fn form(site: &'a Site, id: &'a str, request: Request) -> Result<(Self, Fields), Told> {
+        let (visitor, body) = Self::read(site, id, request).await?;
+        let fields = fields(&body).ok_or_else(|| visitor.told(Notice::BadRequest))?;
+        Ok((visitor, fields))
     }
 
     /// An address of the study.

@@ -50,7 +50,8 @@ pub(super) fn read(folder: &Path) -> Result<Desk, Error> {
     // a log of its writer can be read by connections alone that may write
     let connection = connect(&path).map_err(failed)?;
     links::attach(&connection, folder, true).map_err(failed)?;
-    connection.execute_batch("PRAGMA query_only = ON").map_err(failed)?;
+    // one state of all tables, whatever the writer does meanwhile
+    connection.execute_batch("PRAGMA query_only = ON; BEGIN").map_err(failed)?;
     check_format(&connection, &path)?;
     let versions = versions(&connection, folder)?;
     Desk::new(folder.to_owned(), connection, versions).map_err(failed)

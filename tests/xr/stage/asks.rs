@@ -1,10 +1,9 @@
 //! Panels and their answers: by laser, stick and look.
 
-use super::super::presented::screen;
+use super::super::presented::{EYE, differs, screen};
 use super::super::service::{Head, Live, PATIENCE, Service, Stick, is_there, until};
 use super::act::{Seen, Teller, see_post, square, tell};
 use super::{folder, play, told as told_of};
-use gaitway::picture::Image;
 use gaitway::xr::{Answered, Panel, Stage, World};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -204,9 +203,6 @@ fn a_trigger_that_is_held_answers_one_panel() {
     assert!(answers[1]["seconds"].as_f64().unwrap() > 2.0, "{answers:?}");
 }
 
-/// Side of an eye in the compositor's window, and the time that a panel stands.
-const EYE: [u32; 2] = [480, 540];
-
 /// A panel stands until the test has seen it; the pictures go into the folder.
 pub(super) fn stands(folder: &Path) {
     let (mut teller, seen) = (Teller::default(), Seen::default());
@@ -233,18 +229,6 @@ pub(super) fn stands(folder: &Path) {
     tell("outcome", &json!(stage.close(&mut teller).unwrap()));
 }
 
-/// The share of pixels of each eye's half that differ by more than a few levels.
-fn differ(a: &Image, b: &Image) -> [f32; 2] {
-    [0, 1].map(|eye| {
-        let places = (0..EYE[1]).flat_map(|y| (eye * EYE[0]..(eye + 1) * EYE[0]).map(move |x| (x, y)));
-        let off = |(x, y): &(u32, u32)| {
-            let (a, b) = (a.pixel(*x, *y).unwrap(), b.pixel(*x, *y).unwrap());
-            (0..3).any(|c| a[c].abs_diff(b[c]) > 40)
-        };
-        places.filter(off).count() as f32 / (EYE[0] * EYE[1]) as f32
-    })
-}
-
 #[test]
 fn the_compositor_shows_the_panel_where_our_pictures_do() {
     if !is_there() {
@@ -252,14 +236,7 @@ fn the_compositor_shows_the_panel_where_our_pictures_do() {
     }
     let folder = folder("stands");
     let Some(screen) = screen(&folder) else { return };
-    let window = [
-        ("XRT_COMPOSITOR_NULL", "0"),
-        ("XRT_COMPOSITOR_FORCE_XCB", "1"),
-        ("DISPLAY", screen.display.as_str()),
-        ("XRT_COMPOSITOR_DEFAULT_FRAMERATE", "30"),
-        ("XRT_COMPOSITOR_SCALE_PERCENTAGE", "50"),
-    ];
-    let service = Service::start_with("stands", &window);
+    let service = Service::start_on("stands", &screen.display);
     let mut head = service.head();
     head.set(0.0, 0.0, [0.0, 1.6, 0.0]);
     let mut live = play(&service, "stands", &folder);
@@ -271,7 +248,7 @@ fn the_compositor_shows_the_panel_where_our_pictures_do() {
             let shown = screen.shows([2 * EYE[0], EYE[1]]);
             gaitway::export::image::write_png(&folder.join(format!("presented-{number}.png")), &shown)
                 .unwrap();
-            let off = differ(&shown, &ours);
+            let off = differs(&shown, &ours, 40);
             if off.iter().all(|share| *share < 0.03) { Ok(off) } else { Err(format!("{off:?} differ")) }
         });
         println!("{number}: {off:.4?} of the pixels differ");

@@ -20,14 +20,17 @@ use std::sync::Arc;
 
 /// Longest reason or note, letters.
 const LONGEST: usize = 2000;
+/// The act that cannot be undone, and what confirms it.
+const WITHDRAW: &str = "withdraw";
 /// What pages say after something was done, by the word in their address.
-const SAID: [(&str, &str); 6] = [
+const SAID: [(&str, &str); 7] = [
     ("act", "Done."),
     ("opened", "Admission is open."),
     ("closed", "Admission is closed."),
     ("backup", "A copy is in the folder backups of the data."),
     ("operator", "The operator is named."),
     ("reason", "Give a reason or a text."),
+    ("sure", "To withdraw a participant write \"withdraw\" into their field: it cannot be undone."),
 ];
 
 type Shared = State<Arc<Console>>;
@@ -95,6 +98,7 @@ fn acts(session: &Session, person: &Person) -> Markup {
             input name="text" maxlength=(LONGEST) placeholder="reason or note" aria-label="Reason or note";
             button.quiet name="act" value="note" { "Note" }
             button.quiet name="act" value="exclude" { "Exclude" }
+            button.quiet name="act" value=(WITHDRAW) { "Withdraw" }
         }
     }
 }
@@ -106,6 +110,8 @@ pub(super) async fn act(State(console): Shared, request: Request) -> Result<Resp
     let text: String = field("text").chars().take(LONGEST).collect();
     let act = match field("act") {
         "note" | "exclude" if text.is_empty() => return Ok(see_other("/admin/participants?said=reason")),
+        WITHDRAW if text != WITHDRAW => return Ok(see_other("/admin/participants?said=sure")),
+        WITHDRAW => Act::Withdraw,
         "pause" => Act::Pause,
         "resume" => Act::Resume,
         "note" => Act::Note { text },
