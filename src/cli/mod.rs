@@ -20,6 +20,8 @@ mod perceive;
 mod place;
 mod preference;
 mod progress;
+#[cfg(feature = "xr")]
+mod recorded;
 #[cfg(feature = "vulkan")]
 mod render;
 mod replay;

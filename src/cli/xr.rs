@@ -4,31 +4,24 @@ use super::failed;
 #[cfg(feature = "view")]
 use super::mirror;
 use super::output::{note, say, say_json};
-use super::progress::Progress;
+use super::recorded;
 use super::render::size;
 use super::scene::{SceneArguments, build, check_seconds, library, start, tell_place};
 use crate::Error;
 use crate::export::AtomicFile;
-use crate::file;
 use crate::kernels::Store;
 use crate::scenario::User;
 use crate::scene::Scene;
-use crate::sim::measure;
 use crate::xr::{
-    self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Recording, RecordingError, SessionHash,
-    Shot, UserState, Way,
+    self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Shot, UserState, Way,
 };
 use clap::Args;
-use serde::Serialize;
 use std::fmt::Write as _;
 use std::fs::File;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 #[cfg(feature = "view")]
 use std::sync::Arc;
-
-/// Longest recording that is replayed, bytes: some days.
-const MOST_RECORDED: u64 = 1 << 30;
 
 #[derive(Debug, Args)]
 #[command(
@@ -84,7 +77,7 @@ impl Arguments {
 }
 
 /// A rate in Hz that a display may have.
-fn refresh_rate(text: &str) -> Result<f32, String> {
+pub(super) fn refresh_rate(text: &str) -> Result<f32, String> {
     let rate: f32 = text.parse().map_err(|error| format!("{error}"))?;
     if (1.0..=1000.0).contains(&rate) { Ok(rate) } else { Err("must be 1 to 1000 Hz".to_owned()) }
 }
@@ -131,11 +124,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let mut observer = Keeper { record: None };
     if let Some(path) = &arguments.record {
         let session = session(&arguments.scene, &scene, simulation.state()?)?;
-        let Way { file, note: kept } = xr::make_way(path).map_err(recording(path))?;
+        let Way { file, note: kept } = xr::make_way(path).map_err(recorded::of(path))?;
         if let Some(kept) = kept {
             note(&format!("note: {}: {kept}", path.display()));
         }
-        let recorder = Recorder::new(file, &session).map_err(recording(path))?;
+        let recorder = Recorder::new(file, &session).map_err(recorded::of(path))?;
         observer.record = Some((path.clone(), recorder));
     }
     let _heed = crate::stop::heed();
@@ -145,7 +138,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     // what the user did is kept even if the session ended in an error
     match observer.record {
         Some((path, recorder)) if recorder.steps() > 0 => {
-            recorder.finish(simulation.state()?).map_err(recording(&path))?;
+            recorder.finish(simulation.state()?).map_err(recorded::of(&path))?;
         }
         Some((path, recorder)) => {
             drop(recorder.into_inner());
@@ -195,19 +188,6 @@ fn session(arguments: &SceneArguments, scene: &Scene, store: &Store) -> Result<R
     Ok(RecordedSession::of(scene, &library(arguments.library.as_deref())?, store))
 }
 
-fn recording(path: &Path) -> impl Fn(RecordingError) -> Error + '_ {
-    move |error| {
-        let hint = match error {
-            RecordingError::Taken(_) => "choose another name, or move the file away",
-            _ => {
-                "a recording is written by `gaitway xr --record`; replay it with the same scene, condition, agents, seed \
-                 and library, by the same version"
-            }
-        };
-        failed(format!("{}: {error}", path.display()), hint)
-    }
-}
-
 /// Prints notes and keeps what the user did.
 struct Keeper {
     record: Option<(PathBuf, Recorder<File>)>,
@@ -220,148 +200,24 @@ impl Observer for Keeper {
 
     fn step(&mut self, user: &UserState, crowd: &Store) -> Result<(), Error> {
         match &mut self.record {
-            Some((path, recorder)) => recorder.step(user, crowd).map_err(recording(path)),
+            Some((path, recorder)) => recorder.step(user, crowd).map_err(recorded::of(path)),
             None => Ok(()),
         }
     }
 }
 
-/// What a replay came to.
-#[derive(Debug, Serialize)]
-struct Replayed {
-    device: String,
-    /// Version of the recording's format.
-    format: u32,
-    /// The trial of a study that it names.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    trial: Option<String>,
-    steps: usize,
-    /// Of the crowd after the last step.
-    state_hash: String,
-    /// Of the session: [`SessionHash`].
-    session_hash: String,
-    recorded_hash: Option<String>,
-    /// Steps up to which the recording has hashes to compare with.
-    compared_steps: usize,
-    /// Whether all of these are equal; null if there is none.
-    equal: Option<bool>,
-    /// Steps after which the first hash differs.
-    differs_after: Option<usize>,
-}
-
-/// Reads a recording; one that broke off is repaired first.
-fn read(path: &Path) -> Result<Recording, Error> {
-    let wrong = recording(path);
-    file::regular(path).map_err(|error| wrong(error.into()))?;
-    match xr::repair(path) {
-        Ok(0) => {}
-        Ok(_) => note(&format!("note: {} broke off in a step: cut at its last whole one", path.display())),
-        // one that cannot be written is still read
-        Err(error) if error.kind() == std::io::ErrorKind::PermissionDenied => {}
-        Err(error) => return Err(wrong(error.into())),
-    }
-    let bytes = file::read(path, MOST_RECORDED).map_err(|error| wrong(error.into()))?;
-    Recording::read(bytes.as_slice()).map_err(wrong)
-}
-
-/// Whether a crowd begins as one of format 1 says: by the hash of its state.
-fn check_start(found: &Recording, store: &Store) -> Result<(), RecordingError> {
-    let (recorded, now) = (found.session.start, measure::state_hash(store));
-    if recorded == now {
-        return Ok(());
-    }
-    Err(RecordingError::Other {
-        differences: vec![format!("start {recorded:016x} was recorded, this is {now:016x}")],
-    })
-}
-
 /// Does the steps of a recording again, with the user as they were.
 fn replay(arguments: &Arguments, scene: &Scene, path: &Path) -> Result<bool, Error> {
-    let found = read(path)?;
+    let found = recorded::read(path)?;
     let mut simulation = start(scene)?;
     let session = session(&arguments.scene, scene, simulation.state()?)?;
-    found.must_be_of(&session).map_err(recording(path))?;
-    if found.is_silent() {
-        note(&format!(
-            "note: {}: format 1 says neither condition nor gaze: whether this is the condition it was recorded under cannot be \
-             told; the crowd is compared alone",
-            path.display()
-        ));
-        check_start(&found, simulation.state()?).map_err(recording(path))?;
-    }
-    let mut progress = Progress::new("replaying".to_owned());
-    let mut hash = SessionHash::new(&session);
-    let steps = found.steps.len();
-    let mut recorded = found.hashes.iter().peekable();
-    let (mut compared_steps, mut differs_after) = (0, None);
-    for (step, user) in found.steps.iter().enumerate() {
-        simulation.set_user(user.place, user.elevation, user.velocity);
-        simulation.step(1)?;
-        let crowd = simulation.state()?;
-        hash.step(user, crowd);
-        if let Some((after, is)) = recorded.next_if(|(after, _)| *after as usize == step + 1) {
-            compared_steps = *after as usize;
-            if hash.with(crowd) != *is {
-                differs_after.get_or_insert(compared_steps);
-            }
-        }
-        #[allow(clippy::cast_precision_loss, reason = "a share of a few million")]
-        let share = step as f64 / steps as f64;
-        progress.at(&format!("step {step} of {steps}"), share);
-    }
-    let device = simulation.device();
-    let crowd = simulation.state()?;
-    let session_hash = hash.with(crowd);
-    let now = if found.is_silent() { measure::state_hash(crowd) } else { session_hash };
-    if let Some(end) = found.end {
-        compared_steps = steps;
-        if end != now {
-            differs_after.get_or_insert(steps);
-        }
-    }
-    let hex = |hash: u64| format!("{hash:016x}");
-    let is_compared = found.end.is_some() || compared_steps > 0;
-    let trial = found.session.trial.map(|of| {
-        let xr::TrialLabel { study, participant, trial } = of;
-        format!("{study}, participant {participant}, trial {trial}")
-    });
-    let replayed = Replayed {
-        device,
-        format: found.format,
-        trial,
-        steps,
-        state_hash: hex(measure::state_hash(crowd)),
-        session_hash: hex(session_hash),
-        recorded_hash: found.end.map(hex),
-        compared_steps,
-        equal: is_compared.then_some(differs_after.is_none()),
-        differs_after,
-    };
+    let replayed = recorded::replay(path, found, &session, &mut simulation)?;
     if arguments.json {
         say_json(&replayed)?;
     } else {
-        print_replayed(&replayed);
+        recorded::print(&replayed);
     }
-    Ok(replayed.equal != Some(false))
-}
-
-fn print_replayed(replayed: &Replayed) {
-    if let Some(trial) = &replayed.trial {
-        say(&format!("trial      {trial}"));
-    }
-    say(&format!("replayed   {} steps on {}", replayed.steps, replayed.device));
-    say(&format!("state hash {}", replayed.state_hash));
-    say(&format!("session    {}", replayed.session_hash));
-    if replayed.recorded_hash.is_none() {
-        say(&format!("the recording broke off; it can be compared up to step {}", replayed.compared_steps));
-    }
-    match (replayed.equal, replayed.differs_after) {
-        (Some(true), _) => say("the session is that of the recording, bit for bit"),
-        (_, Some(after)) => {
-            say(&format!("the session is NOT that of the recording: it differs after {after} steps"));
-        }
-        _ => say("there is nothing to compare with"),
-    }
+    Ok(replayed.is_good())
 }
 
 fn print(outcome: &Outcome, device: &str) {

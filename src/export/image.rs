@@ -103,6 +103,18 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), Error> {
     written.and_then(|()| partial.finish()).map_err(Error::write(path))
 }
 
+/// A picture as PNG in memory.
+///
+/// # Errors
+/// When the picture is empty, or this build has no feature `png`.
+#[cfg(all(feature = "cli", feature = "study", feature = "xr"))]
+pub(crate) fn png(image: &Image) -> Result<Vec<u8>, Error> {
+    check(image)?;
+    let mut bytes = Vec::new();
+    encode_png(&mut bytes, image).map_err(Error::write(Path::new("memory")))?;
+    Ok(bytes)
+}
+
 #[cfg(not(feature = "png"))]
 fn encode_png(_: impl std::io::Write, _: &Image) -> std::io::Result<()> {
     Err(std::io::Error::new(std::io::ErrorKind::Unsupported, "this build has no feature `png`"))

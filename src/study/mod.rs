@@ -35,6 +35,7 @@ pub mod file;
 #[cfg(feature = "xr")]
 pub mod headset;
 pub mod instrument;
+pub mod lab;
 mod load;
 mod materials;
 pub mod plan;

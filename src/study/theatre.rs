@@ -5,6 +5,7 @@ use crate::library::GaitLibrary;
 use crate::scenario::{Condition, RouteMode, Scenario, Shares, User, Walker};
 use crate::scene::{Scene, SceneBuilder};
 use crate::study::error::Error;
+use crate::study::file::Crowd;
 use std::path::Path;
 
 /// Side of the square in which a single agent walks, m.
@@ -36,14 +37,17 @@ pub struct Theatre {
 }
 
 impl Theatre {
-    /// The gaits of a file, or the built-in ones; `avatars` as a study's crowd has them.
+    /// The people of a study; its library lies in a folder. Without a crowd they are those of each scene.
     ///
     /// # Errors
     /// When the library cannot be read.
-    pub fn load(library: Option<&Path>, avatars: Vec<String>) -> Result<Self, crate::Error> {
-        let is_own = library.is_some();
-        let library = library.map_or_else(GaitLibrary::built_in, GaitLibrary::load_glb)?;
-        Ok(Self { library, is_own, avatars, agents: None })
+    pub fn load(crowd: Option<&Crowd>, folder: &Path) -> Result<Self, crate::Error> {
+        let Some(Crowd { library, avatars, agents }) = crowd else {
+            let library = GaitLibrary::built_in()?;
+            return Ok(Self { library, is_own: false, avatars: Vec::new(), agents: None });
+        };
+        let library = GaitLibrary::load_glb(folder.join(library))?;
+        Ok(Self { library, is_own: true, avatars: avatars.clone(), agents: *agents })
     }
 
     /// The scene of a trial, with a user in it.

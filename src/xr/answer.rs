@@ -1,7 +1,7 @@
 //! From gestures to an answer: what is pointed at, and when it is chosen.
 //!
-//! Three means, whatever there is: a laser from a hand and its trigger; a stick to the left and right and the button A; and,
-//! while no hand is there, a look that rests. After an answer nothing counts for [`DEAF`], nor before every button was
+//! Three means, as far as the plan allows them: a laser from a hand and its trigger; a stick to the left and right and the
+//! button A; and, while no hand is there or the plan prefers it, a look that rests. After an answer nothing counts for [`DEAF`], nor before every button was
 //! released and the look has left what it chose.
 
 use super::panel::Choice;
@@ -26,6 +26,9 @@ pub enum Means {
 }
 
 impl Means {
+    /// All of them, in the order in which they are offered.
+    pub const ALL: [Self; 3] = [Self::Laser, Self::Stick, Self::Gaze];
+
     /// Lower-case name.
     pub const fn name(self) -> &'static str {
         match self {
@@ -52,6 +55,20 @@ pub(super) struct Gestures {
 }
 
 impl Gestures {
+    /// What of them counts where these means are allowed, and a hand is there or not.
+    pub(super) fn by(self, means: &[Means], has_hand: bool) -> Self {
+        let allows = |wanted: Means| means.contains(&wanted);
+        let looks = allows(Means::Gaze) && (!has_hand || means.first() == Some(&Means::Gaze));
+        let (has_laser, has_stick) = (allows(Means::Laser), allows(Means::Stick));
+        Self {
+            lasers: self.lasers.map(|at| at.filter(|_| has_laser)),
+            triggers: self.triggers.map(|pulled| pulled && has_laser),
+            stick: if has_stick { self.stick } else { 0.0 },
+            confirms: self.confirms && has_stick,
+            gaze: self.gaze.filter(|_| looks),
+        }
+    }
+
     fn is_pressed(&self) -> bool {
         self.confirms || self.triggers.contains(&true)
     }
@@ -244,6 +261,26 @@ mod tests {
         answering.begin();
         assert_eq!(hold(&mut answering, aim(0, false), 2), []);
         assert_eq!(hold(&mut answering, aim(0, true), 3), []);
+    }
+
+    #[test]
+    fn only_the_means_of_the_plan_count_and_a_look_where_there_is_no_hand() {
+        let all = Gestures {
+            lasers: [None, Some(Choice::Next)],
+            triggers: [false, true],
+            stick: 1.0,
+            confirms: true,
+            gaze: Some(Choice::Cell(0)),
+        };
+        assert_eq!(all.by(&Means::ALL, false), all);
+        assert_eq!(all.by(&Means::ALL, true), Gestures { gaze: None, ..all });
+        let laser = Gestures { stick: 0.0, confirms: false, gaze: None, ..all };
+        assert_eq!(all.by(&[Means::Laser], false), laser);
+        let stick = Gestures { lasers: [None; 2], triggers: [false; 2], gaze: None, ..all };
+        assert_eq!(all.by(&[Means::Stick], false), stick);
+        let gaze = Gestures { gaze: all.gaze, ..Gestures::default() };
+        assert_eq!(all.by(&[Means::Gaze], true), gaze);
+        assert_eq!(all.by(&[Means::Gaze, Means::Laser], true).gaze, all.gaze);
     }
 
     #[test]

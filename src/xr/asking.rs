@@ -1,6 +1,7 @@
 //! The headset's side of a panel: it stands in the room, takes the user's gestures, and is handed over with the frames.
 
-use super::answer::Gestures;
+use super::answer::{Gestures, Means};
+use super::cues::LONGEST_SEEN;
 use super::failure::Failure;
 use super::headset::Headset;
 use super::input::Reading;
@@ -17,8 +18,6 @@ use std::sync::Arc;
 
 /// Side of the mark at the end of a laser, m.
 const MARK_SIZE: f32 = 0.022;
-/// Longest time between two frames that counts as seen, s: a runtime that hung gives times of long ago.
-const LONGEST: f64 = 1.0;
 
 /// A panel that is shown.
 #[derive(Debug)]
@@ -86,13 +85,13 @@ impl Asking {
     /// Notes that a frame of that display time shows it.
     fn seen(&mut self, display: i64) {
         #[allow(clippy::cast_precision_loss, reason = "a short time")]
-        let since = |before: i64| (display.saturating_sub(before) as f64 * 1e-9).clamp(0.0, LONGEST);
+        let since = |before: i64| (display.saturating_sub(before) as f64 * 1e-9).clamp(0.0, LONGEST_SEEN);
         self.seconds += self.last.replace(display).map_or(0.0, since);
         self.frames += 1;
     }
 
     /// What the user does, and where a laser is.
-    fn gestures(&mut self, input: &Reading, head: Option<Pose>) -> Gestures {
+    fn gestures(&mut self, input: &Reading, head: Option<Pose>, means: &[Means]) -> Gestures {
         let Some(pose) = self.pose else { return Gestures::default() };
         let panel = &self.question.panel;
         let hits = input.hands.map(|hand| hand.and_then(|hand| place::hit(pose, hand)));
@@ -102,16 +101,18 @@ impl Asking {
             let [width, height] = [WIDTH as f32, HEIGHT as f32];
             (0.0..width).contains(&at[0]) && (0.0..height).contains(&at[1])
         };
-        self.pointed = [hits[1], hits[0]].into_iter().flatten().find(on_panel);
+        let points = means.contains(&Means::Laser);
+        self.pointed = [hits[1], hits[0]].into_iter().flatten().find(on_panel).filter(|_| points);
         let has_hand = input.hands.iter().any(Option::is_some);
-        let look = head.filter(|_| !has_hand).and_then(|head| place::hit(pose, head));
-        Gestures {
+        let look = head.and_then(|head| place::hit(pose, head));
+        let gestures = Gestures {
             lasers: hits.map(|hit| hit.and_then(|at| panel.at(at))),
             triggers: input.answer.triggers,
             stick: input.answer.stick,
             confirms: input.answer.confirms,
             gaze: look.and_then(|at| panel.at(at)),
-        }
+        };
+        gestures.by(means, has_hand)
     }
 
     /// Draws the picture again if the marks have changed.
@@ -141,7 +142,7 @@ impl Headset<'_> {
         if let (None, Some(head)) = (asking.pose, head) {
             asking.pose = Some(place::before(head));
         }
-        let gestures = asking.gestures(input, head);
+        let gestures = asking.gestures(input, head, &self.plan.means);
         let chosen = self.answering.frame(gestures, seconds, &asking.question.targets);
         // a panel that was not seen yet cannot be answered, and none twice
         if let Some((choice, means)) = chosen.filter(|_| asking.frames > 0 && asking.answer.is_none()) {

@@ -68,8 +68,9 @@ impl Headset<'_> {
 
     /// Brings the grey nearer to what is wanted, after so many seconds by the display.
     pub(super) fn fade_on(&mut self, seconds: f32) {
-        let most = (seconds / FADE_SECONDS).clamp(0.0, 1.0);
-        self.fade += (self.shared.cues().fade - self.fade).clamp(-most, most);
+        let (cues, most) = (self.shared.cues(), (seconds / FADE_SECONDS).clamp(0.0, 1.0));
+        let most = if cues.fades_at_once { 1.0 } else { most };
+        self.fade += (cues.fade - self.fade).clamp(-most, most);
         self.shared.report(|report| report.fade = self.fade);
     }
 

@@ -16,6 +16,7 @@ const PAUSE: Duration = Duration::from_millis(33);
 #[derive(Debug)]
 pub struct Mirror {
     rows: u32,
+    pause: Duration,
     is_closed: AtomicBool,
     latest: Mutex<Latest>,
 }
@@ -31,7 +32,14 @@ struct Latest {
 impl Mirror {
     /// A place for copies of that many rows of pixels, or fewer where the eye has fewer.
     pub fn new(rows: u32) -> Self {
-        Self { rows: rows.max(1), is_closed: AtomicBool::new(false), latest: Mutex::default() }
+        let is_closed = AtomicBool::new(false);
+        Self { rows: rows.max(1), pause: PAUSE, is_closed, latest: Mutex::default() }
+    }
+
+    /// The same with at least so much time between two copies.
+    #[must_use]
+    pub fn every(self, pause: Duration) -> Self {
+        Self { pause: pause.max(PAUSE), ..self }
     }
 
     /// Whether copies are still wanted.
@@ -60,7 +68,7 @@ impl Mirror {
     /// Pixels of the copy that is due at `now` of an eye's image of this size, if one is. The next is due a while later.
     pub(super) fn wants(&self, [width, height]: [u32; 2], now: Instant) -> Option<[u32; 2]> {
         let mut latest = lock(&self.latest);
-        let is_due = latest.wanted.is_none_or(|wanted| now.saturating_duration_since(wanted) >= PAUSE);
+        let is_due = latest.wanted.is_none_or(|wanted| now.saturating_duration_since(wanted) >= self.pause);
         if !self.is_open() || !is_due || height == 0 {
             return None;
         }

@@ -1,6 +1,7 @@
 //! The parameters of a session.
 
 use super::Error;
+use super::answer::Means;
 use super::mirror::Mirror;
 use super::runtime::Runtime;
 use crate::gpu::Validation;
@@ -42,6 +43,8 @@ pub struct Plan {
     pub moves: bool,
     /// How far the edge of the view is darkened while a stick moves the user, 0 not at all to 1.
     pub vignette: f32,
+    /// How panels may be answered. A look counts only while no controller is there, unless it comes first.
+    pub means: Vec<Means>,
     /// Whether to wait for a runtime or headset that is not there yet.
     pub waits: bool,
     /// Takes what every n-th frame shows: n, and the callback.
@@ -71,6 +74,7 @@ impl Default for Plan {
             refresh_rate: None,
             moves: true,
             vignette: DEFAULT_VIGNETTE,
+            means: Means::ALL.to_vec(),
             waits: false,
             shots: None,
             mirror: None,

@@ -17,8 +17,9 @@
 //! # library 90ab...               (hash of the gaits)
 //! # avatars 77de...               (hash of the bodies)
 //! # start 5f0c2a9bd1e37744        (hash of the crowd before the first step)
-//! # study eva-agents              (of a trial of a study: these three, which no replay depends on)
+//! # study eva-agents              (of a trial of a study: these four, which no replay depends on)
 //! # participant k7q4...
+//! # part scenes
 //! # trial 7
 //! step,x_m,z_m,y_m,vx,vz,head_x,...
 //! 0,0.1,-2,0,0,0,...
@@ -94,12 +95,14 @@ pub struct TrialLabel {
     pub study: String,
     /// The participant's code.
     pub participant: String,
-    /// Number of the trial.
+    /// The part of the study.
+    pub part: String,
+    /// Number of the trial in its part, from 1.
     pub trial: u32,
 }
 
 /// Fields of a [`TrialLabel`] in the header. They name the recording and are no part of what is replayed.
-const LABEL_KEYS: [&str; 3] = ["study", "participant", "trial"];
+const LABEL_KEYS: [&str; 4] = ["study", "participant", "part", "trial"];
 
 /// Fields of the header, after the first line, on which a replay depends.
 const KEYS: [&str; 11] = [
@@ -255,7 +258,7 @@ impl<W: Write> Recorder<W> {
     pub fn new(mut to: W, session: &Session) -> Result<Self, RecordingError> {
         let mut head = format!("# {FIRST} {VERSION}\n");
         let labels = session.trial.iter().flat_map(|of| {
-            let values = [of.study.clone(), of.participant.clone(), of.trial.to_string()];
+            let values = [of.study.clone(), of.participant.clone(), of.part.clone(), of.trial.to_string()];
             LABEL_KEYS.into_iter().zip(values)
         });
         for (key, value) in KEYS.into_iter().zip(session.values()).chain(labels) {
@@ -460,11 +463,12 @@ impl Head {
 
     /// The trial, if it names one.
     fn trial(&self) -> Result<Option<TrialLabel>, RecordingError> {
-        let [Some(study), Some(participant), Some(trial)] = &self.labels else { return Ok(None) };
+        let [Some(study), Some(participant), Some(part), Some(trial)] = &self.labels else { return Ok(None) };
         let line = KEYS.len() + LABEL_KEYS.len() + 1;
         let wrong = |error| RecordingError::Line { line, message: format!("trial {trial:?}: {error}") };
         let trial = trial.parse().map_err(wrong)?;
-        Ok(Some(TrialLabel { study: study.clone(), participant: participant.clone(), trial }))
+        let [study, participant, part] = [study, participant, part].map(Clone::clone);
+        Ok(Some(TrialLabel { study, participant, part, trial }))
     }
 }
 

@@ -163,7 +163,12 @@ impl Stage {
 
     /// Covers everything with grey, 0 not at all to 1, from now on in about a third of a second; frames and crowd go on.
     pub fn fade(&mut self, to: f32) {
-        self.shared.cue(|cues| cues.fade = to.clamp(0.0, 1.0));
+        self.shared.cue(|cues| (cues.fade, cues.fades_at_once) = (to.clamp(0.0, 1.0), false));
+    }
+
+    /// Covers everything with grey in the next frame.
+    pub fn blank(&mut self) {
+        self.shared.cue(|cues| (cues.fade, cues.fades_at_once) = (1.0, true));
     }
 
     /// Has the crowd of the world that is seen walk for so many seconds. A time of 0 is one without a step.

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
 mod failures;
+mod headset;
 mod upkeep;
 mod whole;
 
@@ -21,7 +22,7 @@ fn opening(walks: usize, change: impl Fn(String) -> String) -> Opening {
     let materials = Materials::default()
         .with_gaits("library.glb", names)
         .with_text("consent.en.md", "# Consent\n\nDo you agree?");
-    Opening { study: Study::parse(&text, "a test").unwrap(), materials, libraries: BTreeMap::new() }
+    Opening { study: Study::parse(&text, "a test").unwrap(), materials, libraries: BTreeMap::new(), rows: None }
 }
 
 fn open(folder: &Path, walks: usize) -> Store {
@@ -39,7 +40,16 @@ impl Person {
     fn come(store: &Store, platform: Option<&str>) -> Result<Self, Trouble> {
         let platform =
             platform.map(|id| PlatformId { participant: id.to_owned(), submission: "s1".to_owned() });
-        let arrival = Arrival { front: Front::Web, language: "en".to_owned(), platform };
+        Self::arrive(store, Arrival { front: Front::Web, language: "en".to_owned(), platform })
+    }
+
+    /// A new participant in a headset.
+    fn come_to_headset(store: &Store) -> Self {
+        let arrival = Arrival { front: Front::Headset, language: "en".to_owned(), platform: None };
+        Self::arrive(store, arrival).unwrap()
+    }
+
+    fn arrive(store: &Store, arrival: Arrival) -> Result<Self, Trouble> {
         let arrived = wait(|then| store.arrive(arrival, then))?;
         Ok(Self { token: arrived.token, turn: arrived.turn, keys: 0 })
     }
@@ -105,6 +115,13 @@ impl Person {
             }
         }
         Ok(())
+    }
+
+    /// Goes on to a page.
+    fn go_to_page(&mut self, store: &Store, page: &str) {
+        while self.page().id != page {
+            self.go_on(store, 1).unwrap();
+        }
     }
 
     /// Goes on to the first page of a part.

@@ -6,7 +6,7 @@ use gaitway::study::plan::Ending;
 use gaitway::study::protocol::Event;
 use gaitway::study::protocol::{Content, State};
 use gaitway::study::store::{
-    Act, LINKS, Operator, Reading, Role, STORE, Store, Trouble, backup, merge, wait,
+    Act, LINKS, Operator, RECORDINGS, Reading, Role, STORE, Store, Trouble, backup, merge, wait,
 };
 use std::path::Path;
 
@@ -19,6 +19,13 @@ fn who_withdraws_is_forgotten_and_their_place_becomes_free() {
     let folder = tempfile::tempdir().unwrap();
     let store = open(folder.path(), 12);
     let mut person = Person::come(&store, Some("P1")).unwrap();
+    let other = Person::come(&store, Some("P2")).unwrap();
+    let recordings = [&person, &other].map(|one| {
+        let recording = folder.path().join(RECORDINGS).join(&one.turn.code);
+        std::fs::create_dir_all(&recording).unwrap();
+        std::fs::write(recording.join("walks-1.csv"), "steps").unwrap();
+        recording
+    });
     person.go_to(&store, "comments");
     for event in person.events().into_iter().take(1) {
         person.send(&store, event).unwrap();
@@ -33,6 +40,10 @@ fn who_withdraws_is_forgotten_and_their_place_becomes_free() {
     for table in ["answer", "exposure", "trial"] {
         assert_eq!(rusqlite_rows(folder.path(), &format!("SELECT count(*) FROM {table}")), [0], "{table}");
     }
+    // what the participant did in a headset goes with the answers; others' stays
+    wait(|then| store.overview(then)).unwrap();
+    assert_eq!(recordings.each_ref().map(|path| path.exists()), [false, true]);
+    std::fs::create_dir_all(&recordings[0]).unwrap(); // as if the program had been killed before it deleted them
     // neither in the files nor in their logs, while the store is open
     for file in
         [STORE, LINKS].map(str::to_owned).into_iter().chain([format!("{STORE}-wal"), format!("{LINKS}-wal")])
@@ -45,9 +56,10 @@ fn who_withdraws_is_forgotten_and_their_place_becomes_free() {
     assert_eq!(again.turn.page, person.turn.page);
     drop(store);
     let store = Store::open_again(folder.path()).unwrap();
+    assert_eq!(recordings.each_ref().map(|path| path.exists()), [false, true]);
     assert_eq!(wait(|then| store.turn(&person.token, then)).unwrap().page, person.turn.page);
     let tables = wait(|then| store.tables(then)).unwrap();
-    assert_eq!((tables.participants.len(), tables.answers.len()), (1, 0));
+    assert_eq!((tables.participants.len(), tables.answers.len()), (2, 0));
     drop(store);
     for file in [STORE, LINKS] {
         assert!(

@@ -75,7 +75,7 @@ fn any_prefix_of_participants_is_balanced_as_far_as_it_can_be() {
             let orders = blocks.rows() / blocks.scene_rows();
             let mut of_scene = vec![0_u32; blocks.scene_rows()];
             for place in 1..=2 * blocks.rows() {
-                let row = rows.admit(|cycle| blocks.cycle(seed, cycle)).unwrap();
+                let row = rows.admit(None, |cycle| blocks.cycle(seed, cycle)).unwrap();
                 of_scene[row / orders] += 1;
                 assert!(rows.gap() <= 1);
                 let (least, most) = (of_scene.iter().min().unwrap(), of_scene.iter().max().unwrap());
@@ -114,15 +114,15 @@ fn a_lapsed_row_is_handed_out_next() {
     let blocks = Blocks::new(4, 3);
     let mut rows = Rows::new(24);
     let order = |cycle| blocks.cycle(7, cycle);
-    let given: Vec<usize> = (0..24).map(|_| rows.admit(order).unwrap()).collect();
+    let given: Vec<usize> = (0..24).map(|_| rows.admit(None, order).unwrap()).collect();
     assert_eq!(given, blocks.cycle(7, 0));
     rows.lapse(given[5]);
     rows.finish(given[6]);
-    assert_eq!(rows.admit(order), Some(given[5]));
-    assert_eq!(rows.admit(order), Some(blocks.cycle(7, 1)[0]));
+    assert_eq!(rows.admit(None, order), Some(given[5]));
+    assert_eq!(rows.admit(None, order), Some(blocks.cycle(7, 1)[0]));
     let square = Square::new(8);
     let mut rows = Rows::new(square.rows());
-    let places: Vec<usize> = (0..20).map(|_| rows.admit(|_| square.cycle()).unwrap()).collect();
+    let places: Vec<usize> = (0..20).map(|_| rows.admit(None, |_| square.cycle()).unwrap()).collect();
     assert_eq!(places, (0..20).map(|place| place % 8).collect::<Vec<_>>());
 }
 
@@ -164,7 +164,7 @@ fn lapses_and_returns_keep_rows_as_near_as_the_lemma_says() {
         let (mut lost, mut late) = (vec![0; blocks.rows()], 0);
         for _ in 0..120 {
             match below(6) {
-                0..=2 => leased.push(rows.admit(|cycle| blocks.cycle(seed, cycle)).unwrap()),
+                0..=2 => leased.push(rows.admit(None, |cycle| blocks.cycle(seed, cycle)).unwrap()),
                 3 if !leased.is_empty() => {
                     rows.finish(leased.swap_remove(below(leased.len())));
                     finished += 1;

@@ -34,6 +34,7 @@ fn clips_are_demanded_at_the_start_and_sent_whole_or_in_part() {
         study: Study::parse(STUDY, "test").unwrap(),
         materials: Materials::default().with_text("consent.md", "# Consent"),
         libraries: BTreeMap::new(),
+        rows: None,
     };
     let store = Store::open(&folder.path().join("run"), &opening).unwrap();
     let clips = folder.path().join("clips");

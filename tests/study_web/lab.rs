@@ -127,6 +127,7 @@ impl Lab {
             study: Study::parse(&text, "test").unwrap(),
             materials: Materials::default().with_gaits("library.glb", names).with_text("consent.md", CONSENT),
             libraries: BTreeMap::from([("library.glb".to_owned(), path)]),
+            rows: None,
         };
         let store = Store::open(&folder.path().join("run"), &opening).unwrap();
         Self::serve(folder, store, change)

@@ -7,8 +7,10 @@ use super::service::{Head, Live, Service, is_there};
 use super::stage::{act, asks, play, told};
 use super::{folder, steps};
 use gaitway::library::GaitLibrary;
-use gaitway::study::headset::{Front, Operator, Order, Participation, Setup, Showing, Theatre, Typed};
-use gaitway::study::plan::Plan;
+use gaitway::study::headset::{
+    ConsentText, Front, Operator, Order, Participation, Setup, Showing, Theatre, Typed,
+};
+use gaitway::study::plan::{Plan, Scale};
 use gaitway::study::protocol::{Content, Entry, Event, Page, PageQuestion};
 use gaitway::study::simulate::Store;
 use gaitway::study::{Materials, Study};
@@ -130,6 +132,10 @@ impl Participation for Kept<'_> {
         Ok(page)
     }
 
+    fn consent(&mut self, name: &str) -> gaitway::Result<ConsentText> {
+        Ok(ConsentText { text: name.to_owned(), hash: format!("hash of {name}") })
+    }
+
     fn trial(&mut self) -> gaitway::Result<Option<Showing>> {
         let session = self.store.session(PERSON).unwrap();
         Ok(session.trial().map(|(trial, _)| Showing {
@@ -164,12 +170,20 @@ impl Operator for Desk {
         if self.asked.is_multiple_of(4000) { self.orders.pop() } else { None }
     }
 
-    fn agreed(&mut self, text: &str, _: u32) -> Option<String> {
-        Some(format!("hash of {text}"))
+    fn agreed(&mut self, _: &str, _: u32) -> Option<bool> {
+        Some(true)
     }
 
+    fn asks(&mut self, _: &str, _: &PageQuestion) {}
+
     fn typed(&mut self, question: &PageQuestion) -> Typed {
-        if question.optional { Typed::LeftOut } else { Typed::Text("nothing".to_owned()) }
+        match question.scale {
+            Scale::Text { .. } if question.optional => Typed::LeftOut,
+            Scale::Text { .. } => Typed::Text("nothing".to_owned()),
+            Scale::Number { least, .. } => Typed::Number(least),
+            // the hands answer
+            _ => Typed::Waiting,
+        }
     }
 }
 
@@ -185,6 +199,7 @@ pub(super) fn act(folder: &Path) {
     let setup = Setup {
         study: study.file.study.id.clone(),
         participant: "k7".to_owned(),
+        language: "en".to_owned(),
         recordings: folder.to_owned(),
         stop_at: BTreeMap::from([("presence".to_owned(), 4)]),
     };

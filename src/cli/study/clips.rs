@@ -39,8 +39,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let all = wanted(&version, &folder);
     let missing: Vec<_> = all.iter().filter(|(path, _)| !path.is_file()).collect();
     note(&format!("note: {} clips, {} to be made", all.len(), missing.len()));
-    let (library, avatars) = version.crowd();
-    let theatre = Theatre::load(library.as_deref(), avatars)?;
+    let theatre = version.theatre()?;
     let heed = stop::heed();
     for (number, (path, shown)) in missing.iter().enumerate() {
         if stop::asked() {

@@ -13,11 +13,17 @@ mod opening;
 mod power;
 #[cfg(feature = "study")]
 mod rehearse;
+#[cfg(all(feature = "study", feature = "xr"))]
+mod replay;
+#[cfg(all(feature = "study", feature = "xr"))]
+mod run;
 #[cfg(feature = "study")]
 mod serve;
 mod simulate;
 #[cfg(feature = "study")]
 mod status;
+#[cfg(all(feature = "study", feature = "xr"))]
+mod terminal;
 #[cfg(feature = "study")]
 mod upkeep;
 
@@ -51,6 +57,12 @@ enum Command {
     /// Serve a study to browsers, until Ctrl-C
     #[cfg(feature = "study")]
     Serve(serve::Arguments),
+    /// Show a study in a headset to one participant
+    #[cfg(all(feature = "study", feature = "xr"))]
+    Run(Box<run::Arguments>),
+    /// Do recorded trials of a headset again, and compare
+    #[cfg(all(feature = "study", feature = "xr"))]
+    Replay(replay::Arguments),
     /// Let simulated browsers take part at a running server
     #[cfg(feature = "study")]
     Rehearse(rehearse::Arguments),
@@ -84,6 +96,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Clips(arguments) => clips::run(arguments),
         #[cfg(feature = "study")]
         Command::Serve(arguments) => serve::run(arguments),
+        #[cfg(all(feature = "study", feature = "xr"))]
+        Command::Run(arguments) => run::run(arguments),
+        #[cfg(all(feature = "study", feature = "xr"))]
+        Command::Replay(arguments) => replay::run(arguments),
         #[cfg(feature = "study")]
         Command::Rehearse(arguments) => rehearse::run(arguments),
         #[cfg(feature = "study")]

@@ -7,6 +7,7 @@ use crate::study::check::Severity;
 use crate::study::store::{Opening, Store, Trouble};
 use crate::study::{self, Study};
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// The study and its data.
@@ -26,11 +27,16 @@ pub(super) struct OpeningArguments {
 impl OpeningArguments {
     /// Opens the data. A study with errors, or with something left to fill in, is not opened.
     pub(super) fn open(&self) -> Result<Store, Error> {
+        self.open_with(None)
+    }
+
+    /// The same, where this folder gives rows of a range alone from now on.
+    pub(super) fn open_with(&self, rows: Option<Range<u32>>) -> Result<Store, Error> {
         let study = study(&self.study)?;
         let beside = Beside::of(&study, &Gaits::of(self.library.clone()))?;
         check(&study, &beside)?;
         let libraries = self.libraries(&study)?;
-        let opening = Opening { study, materials: beside.materials, libraries };
+        let opening = Opening { study, materials: beside.materials, libraries, rows };
         Ok(Store::open(&self.data, &opening)?)
     }
 

@@ -8,6 +8,8 @@ use crate::study::materials::Materials;
 
 /// The longest that anything is kept, days: a century.
 const MOST_DAYS: u32 = 36_500;
+/// Most people of a scene.
+const MOST_AGENTS: u32 = 100_000;
 
 pub(super) fn check(notes: &mut Notes<'_>, materials: &Materials) {
     study(notes);
@@ -116,6 +118,10 @@ fn crowd(notes: &mut Notes<'_>) {
             }
             if crowd.avatars.is_empty() {
                 notes.error("crowd.avatars", "[]", "one name or more", "try [\"female\", \"male\"]");
+            }
+            if let Some(agents) = crowd.agents {
+                let hint = "without it each scene has its own number of people";
+                notes.within("crowd.agents", agents, [1, MOST_AGENTS], hint);
             }
         }
         None => {}

@@ -105,6 +105,9 @@ pub struct Crowd {
     pub library: String,
     /// Names or files of avatars.
     pub avatars: Vec<String>,
+    /// People in a scene, 1 to 100,000; none: the scene's own number.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub agents: Option<u32>,
 }
 
 /// Rules by which an analysis leaves participants out. An analysis reports with and without them.
@@ -157,7 +160,7 @@ pub enum Pointer {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Headset {
-    /// The first of these that the controllers allow.
+    /// The ways that count. A look counts where there is no controller, or always if it comes first.
     pub answer: Vec<Pointer>,
     /// Answers from which on the operator is asked whether to end, by question.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]

@@ -1,12 +1,9 @@
 //! Pages as panels, and what is chosen on them as answers.
 
+use super::words::Phrases;
 use crate::study::plan::{Ending, Scale};
 use crate::study::protocol::{Page, PageQuestion};
 use crate::xr::{MOST_CELLS, MOST_CHARACTERS, Panel};
-
-/// Labels of the buttons.
-pub(super) const BACK: &str = "Back";
-pub(super) const NEXT: &str = "Next";
 
 /// The cells of a question and the answer that each stands for; none for one that is not asked in the headset.
 pub(super) fn cells(question: &PageQuestion) -> Option<Vec<(String, i64)>> {
@@ -25,6 +22,7 @@ pub(super) fn cells(question: &PageQuestion) -> Option<Vec<(String, i64)>> {
 
 /// The panel of a question with the answer so far. `place` says which question of how many it is.
 pub(super) fn question(
+    words: &Phrases,
     page: &Page,
     question: &PageQuestion,
     place: [usize; 2],
@@ -46,25 +44,27 @@ pub(super) fn question(
     let texts = [question.heading.trim(), question.text.trim()];
     let text: Vec<&str> = texts.into_iter().filter(|text| !text.is_empty()).collect();
     Panel {
-        title: title(page, place),
+        title: title(words, page, place),
         question: short(&text.join("\n")),
         chosen: answer.and_then(|answer| cells.iter().position(|(_, value)| *value == answer)),
         cells: cells.into_iter().map(|(text, _)| short(&text)).collect(),
         ends: ends.map(|end| short(&end)),
-        back: (place[0] > 0).then(|| BACK.to_owned()),
-        next: is_answered.then(|| NEXT.to_owned()),
+        back: (place[0] > 0).then(|| words.back.clone()),
+        next: is_answered.then(|| words.next.clone()),
     }
 }
 
+/// The panel of a question that the participant answers aloud.
+pub(super) fn spoken(words: &Phrases, question: &PageQuestion, panel: Panel) -> Panel {
+    let next = question.optional.then(|| words.next.clone());
+    Panel { title: words.aloud.clone(), cells: Vec::new(), next, ..panel }
+}
+
 /// How far the participant is: the trial, and the question of the page.
-fn title(page: &Page, [number, of]: [usize; 2]) -> String {
-    let question = format!("question {} of {of}", number + 1);
-    match page.progress {
-        Some(progress) if of > 1 => format!("{} of {} · {question}", progress.trial, progress.of),
-        Some(progress) => format!("{} of {}", progress.trial, progress.of),
-        None if of > 1 => question,
-        None => String::new(),
-    }
+fn title(words: &Phrases, page: &Page, [number, of]: [usize; 2]) -> String {
+    let trial = page.progress.map(|progress| words.progress(progress.trial, progress.of));
+    let question = (of > 1).then(|| words.question(number + 1, of));
+    trial.into_iter().chain(question).collect::<Vec<_>>().join(" · ")
 }
 
 /// A text on as many panels as it needs, cut at its paragraphs, else at its words.
@@ -88,22 +88,27 @@ fn short(text: &str) -> String {
     text.chars().take(MOST_CHARACTERS).collect()
 }
 
-/// A panel with a text and one button.
-pub(super) fn text(text: &str, has_back: bool) -> Panel {
+/// A panel with a text and the buttons to its neighbours.
+pub(super) fn text(words: &Phrases, text: &str, has_back: bool) -> Panel {
     Panel {
         question: short(text),
-        back: has_back.then(|| BACK.to_owned()),
-        next: Some(NEXT.to_owned()),
+        back: has_back.then(|| words.back.clone()),
+        next: Some(words.next.clone()),
         ..Panel::default()
     }
 }
 
+/// A panel that nothing answers.
+pub(super) fn notice(text: &str) -> Panel {
+    Panel { question: short(text), ..Panel::default() }
+}
+
 /// What the participant reads at the end.
-pub(super) const fn farewell(ending: Ending) -> &'static str {
+pub(super) const fn farewell(words: &Phrases, ending: Ending) -> &String {
     match ending {
-        Ending::Finished => "Thank you. This is the end. You can take the headset off.",
-        Ending::Full => "There is no place at the moment. Please take the headset off.",
-        _ => "This is the end. Please take the headset off.",
+        Ending::Finished => &words.finished,
+        Ending::Full => &words.full,
+        _ => &words.ended,
     }
 }
 
@@ -112,6 +117,10 @@ pub(super) const fn farewell(ending: Ending) -> &'static str {
 mod tests {
     use super::*;
     use crate::study::protocol::{Content, Progress};
+
+    fn words() -> Phrases {
+        Phrases::of("en")
+    }
 
     fn page(progress: Option<(u32, u32)>) -> Page {
         let progress = progress.map(|(trial, of)| Progress { trial, of });
@@ -131,21 +140,21 @@ mod tests {
     #[test]
     fn a_scale_is_a_row_of_cells_whose_ends_have_words() {
         let seven = asked(points(1, 7, &[(1, "not at all"), (7, "very much")]));
-        let panel = question(&page(Some((3, 12))), &seven, [1, 5], None);
+        let panel = question(&words(), &page(Some((3, 12))), &seven, [1, 5], None);
         assert_eq!(panel.title, "3 of 12 · question 2 of 5");
         assert_eq!((panel.cells.len(), panel.cells[6].as_str()), (7, "7"));
         assert_eq!(panel.ends, ["not at all", "very much"]);
         // on with an answer alone; back from the second question on
-        assert_eq!((panel.next, panel.back.as_deref(), panel.chosen), (None, Some(BACK), None));
-        let panel = question(&page(None), &seven, [0, 1], Some(4));
+        assert_eq!((panel.next, panel.back.as_deref(), panel.chosen), (None, Some("Back"), None));
+        let panel = question(&words(), &page(None), &seven, [0, 1], Some(4));
         assert_eq!((panel.title.as_str(), panel.chosen, panel.back), ("", Some(3), None));
         assert!(panel.next.is_some() && panel.question == seven.text);
-        panel_is_good(&question(&page(None), &asked(points(0, 20, &[])), [0, 1], Some(20)));
+        panel_is_good(&question(&words(), &page(None), &asked(points(0, 20, &[])), [0, 1], Some(20)));
         let words = asked(points(0, 1, &[(0, "no"), (1, "yes")]));
         assert_eq!(cells(&words).unwrap(), [("no".to_owned(), 0), ("yes".to_owned(), 1)]);
-        assert_eq!(question(&page(None), &words, [0, 1], None).ends, ["", ""]);
+        assert_eq!(question(&words(), &page(None), &words, [0, 1], None).ends, ["", ""]);
         let optional = PageQuestion { optional: true, ..seven };
-        assert!(question(&page(None), &optional, [0, 1], None).next.is_some());
+        assert!(question(&words(), &page(None), &optional, [0, 1], None).next.is_some());
     }
 
     fn panel_is_good(panel: &Panel) {
@@ -157,7 +166,7 @@ mod tests {
         let options = vec![(3, "sad".to_owned()), (0, "happy".to_owned())];
         let which = asked(Scale::Options { options });
         assert_eq!(cells(&which).unwrap(), [("sad".to_owned(), 3), ("happy".to_owned(), 0)]);
-        assert_eq!(question(&page(None), &which, [0, 1], Some(0)).chosen, Some(1));
+        assert_eq!(question(&words(), &page(None), &which, [0, 1], Some(0)).chosen, Some(1));
         for scale in [Scale::Text { most: 9 }, Scale::Number { least: 18, greatest: 99 }, points(0, 100, &[])]
         {
             assert_eq!(cells(&asked(scale)), None);
@@ -174,6 +183,6 @@ mod tests {
         assert!(pages[0].ends_with("first part") && pages[1].starts_with("second part"));
         assert_eq!(texts(""), Vec::<String>::new());
         assert_eq!(texts("one\n\ntwo"), ["one\n\ntwo"]);
-        panel_is_good(&super::text(&pages[0], false));
+        panel_is_good(&super::text(&words(), &pages[0], false));
     }
 }

@@ -1,5 +1,6 @@
 //! Who takes part beside the participant: the store, and the operator.
 
+use crate::study::lab::Order;
 use crate::study::protocol::{Event, Page, PageQuestion};
 use crate::study::theatre::Showing;
 
@@ -17,6 +18,12 @@ pub trait Participation {
     /// When the store fails or refuses it.
     fn submit(&mut self, event: Event) -> Result<Page, crate::Error>;
 
+    /// The text to agree to, by the name that the page gives it.
+    ///
+    /// # Errors
+    /// When there is no such text.
+    fn consent(&mut self, name: &str) -> Result<ConsentText, crate::Error>;
+
     /// What the current trial shows; none between trials.
     ///
     /// # Errors
@@ -30,6 +37,15 @@ pub trait Participation {
     fn next_trial(&mut self) -> Result<Option<Showing>, crate::Error>;
 }
 
+/// A text to agree to.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct ConsentText {
+    /// The text, Markdown.
+    pub text: String,
+    /// Its hash, which the store keeps.
+    pub hash: String,
+}
+
 /// Who sits beside the participant.
 pub trait Operator {
     /// Takes a line to read.
@@ -40,22 +56,14 @@ pub trait Operator {
         None
     }
 
-    /// Whether the participant has agreed to this text and is old enough: the hash of the text. None if not.
-    fn agreed(&mut self, text: &str, minimum_age: u32) -> Option<String>;
+    /// Whether the participant has agreed to this text and is old enough (years); none while that is not said. Asked often.
+    fn agreed(&mut self, text: &str, minimum_age: u32) -> Option<bool>;
 
-    /// The answer to a question that is not asked in the headset, as far as it was typed; asked often.
+    /// The participant is asked a question of a page from now on.
+    fn asks(&mut self, page: &str, question: &PageQuestion);
+
+    /// The answer to that question as far as it was typed; asked often.
     fn typed(&mut self, question: &PageQuestion) -> Typed;
-}
-
-/// What an operator wants.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Order {
-    /// The current trial again, from its beginning.
-    Repeat,
-    /// The current trial is left out.
-    Skip,
-    /// The session ends now: everything is grey from the next frame on. The participation can go on later.
-    End,
 }
 
 /// What the operator typed.

@@ -1,8 +1,9 @@
 //! What the front watches beside the stage: the operator, the recording, the world that is made ahead.
 
-use super::parties::{Operator, Order, Typed};
+use super::parties::{Operator, Typed};
 use crate::kernels::Store;
 use crate::scene::Scene;
+use crate::study::lab::Order;
 use crate::study::protocol::PageQuestion;
 use crate::study::theatre::{Showing, Theatre};
 use crate::xr::{Observer, Recorder, UserState, World};
@@ -43,12 +44,9 @@ impl<'a> Beside<'a> {
     }
 
     /// From now on what the operator types answers this question.
-    pub(super) fn wait_for(&mut self, question: &PageQuestion) {
+    pub(super) fn wait_for(&mut self, page: &str, question: &PageQuestion) {
+        self.operator.asks(page, question);
         (self.awaited, self.typed) = (Some(question.clone()), None);
-    }
-
-    pub(super) const fn has_typed(&self) -> bool {
-        self.typed.is_some()
     }
 
     /// What was typed; nothing is awaited any more.

@@ -9,6 +9,7 @@ use super::square::Square;
 use super::trials::{Swap, Trial, small};
 use crate::study::file::Design;
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 #[derive(Debug, Clone)]
 pub(super) enum Account {
@@ -76,18 +77,33 @@ impl Account {
         }
     }
 
-    pub(super) fn admit(&mut self, plan: &Plan, name: &str, step: &TrialsStep, person: u64) -> Vec<Trial> {
+    /// Rows of its design; 0 without one.
+    pub(super) fn rows(&self) -> usize {
+        match self {
+            Self::Blocks(_, rows) | Self::Square(_, rows) => rows.len(),
+            Self::Fill(_) | Self::Same => 0,
+        }
+    }
+
+    /// The trials of a new participant, with a row of `among` if that is given.
+    pub(super) fn admit(
+        &mut self,
+        plan: &Plan,
+        (name, step): (&str, &TrialsStep),
+        person: u64,
+        among: Option<&Range<u32>>,
+    ) -> Vec<Trial> {
         match self {
             // another fill part may be the one that still lacks answers: this one is then not asked
             Self::Fill(fill) => {
                 fill.admit(person).map_or_else(Vec::new, |items| plan.fill_trials(name, step, person, &items))
             }
             Self::Blocks(blocks, rows) => {
-                let row = rows.admit(|cycle| blocks.cycle(plan.seed, cycle)).unwrap_or_default();
+                let row = rows.admit(among, |cycle| blocks.cycle(plan.seed, cycle)).unwrap_or_default();
                 plan.block_trials(name, step, person, (blocks, row))
             }
             Self::Square(square, rows) => {
-                let row = rows.admit(|_| square.cycle()).unwrap_or_default();
+                let row = rows.admit(among, |_| square.cycle()).unwrap_or_default();
                 plan.square_trials(name, step, person, (square, row))
             }
             Self::Same => plan.fixed_trials(name, step),

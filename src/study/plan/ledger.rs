@@ -7,6 +7,7 @@ use super::compile::{Plan, TrialsStep};
 use super::trials::{Swap, Trial, small};
 use crate::study::file::OnWithdrawal;
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Range;
 
 /// A place that was given.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub struct Ledger {
     accounts: Vec<(String, Account)>,
     holders: BTreeMap<u64, Holder>,
     places: u64,
+    /// Rows of the longest design that are given here; none: all.
+    rows: Option<Range<u32>>,
 }
 
 impl Ledger {
@@ -39,7 +42,18 @@ impl Ledger {
     pub fn new(plan: &Plan) -> Self {
         let account =
             |(_, name, step): (usize, &str, &TrialsStep)| (name.to_owned(), Account::of(plan, name, step));
-        Self { accounts: plan.counted().map(account).collect(), holders: BTreeMap::new(), places: 0 }
+        Self { accounts: plan.counted().map(account).collect(), holders: BTreeMap::new(), places: 0, rows: None }
+    }
+
+    /// The same, giving rows of a range alone where several machines collect: of the parts that have the most rows.
+    #[must_use]
+    pub fn with_rows(self, rows: Option<Range<u32>>) -> Self {
+        Self { rows, ..self }
+    }
+
+    /// Rows of the longest design; 0 without one.
+    pub fn most_rows(&self) -> usize {
+        self.accounts.iter().map(|(_, account)| account.rows()).max().unwrap_or(0)
     }
 
     /// Participants that are under way, or have answered all of their trials.
@@ -101,9 +115,11 @@ impl Ledger {
             return None;
         }
         let mut trials = Vec::new();
+        let most = self.most_rows();
         for (name, account) in &mut self.accounts {
+            let rows = self.rows.as_ref().filter(|_| account.rows() == most);
             if let Some(step) = plan.trials_of(name) {
-                trials.extend(account.admit(plan, name, step, person));
+                trials.extend(account.admit(plan, (name, step), person, rows));
             }
         }
         let holder =

@@ -4,6 +4,8 @@
 //! number is that least c. Without lapses the orders of the cycles follow one another unchanged, and rows never differ by more
 //! than one; a lapsed row is handed out next.
 
+use std::ops::Range;
+
 /// How often each row was handed out.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Rows {
@@ -28,11 +30,18 @@ impl Rows {
         counts.iter().max().unwrap_or(&0) - counts.iter().min().unwrap_or(&0)
     }
 
-    /// The row of a new participant; `order` gives the order of rows in a cycle. None without rows.
-    pub fn admit(&mut self, order: impl Fn(u32) -> Vec<usize>) -> Option<usize> {
+    /// Number of rows.
+    pub fn len(&self) -> usize {
+        self.finished.len()
+    }
+
+    /// The row of a new participant, of those in `among` if it is given; `order` gives the order of rows in a cycle. None
+    /// without rows.
+    pub fn admit(&mut self, among: Option<&Range<u32>>, order: impl Fn(u32) -> Vec<usize>) -> Option<usize> {
         let counts = self.counts();
-        let least = *counts.iter().min()?;
-        let row = order(least).into_iter().find(|&row| counts.get(row) == Some(&least))?;
+        let (from, to) = among.map_or((0, counts.len()), |rows| (rows.start as usize, rows.end as usize));
+        let least = *counts.get(from..to.min(counts.len()))?.iter().min()?;
+        let row = order(least).into_iter().find(|&row| (from..to).contains(&row) && counts.get(row) == Some(&least))?;
         self.leased[row] += 1;
         Some(row)
     }

@@ -164,13 +164,27 @@ impl Session {
         })
     }
 
-    /// What a trial of the current part shows; none for an instructed one.
+    /// The trials of a part; none of a counted one before there is a place.
+    pub fn trials_of(&self, plan: &Plan, part: &str) -> Vec<Trial> {
+        match plan.trials_of(part) {
+            Some(step) if step.counted => {
+                let placed = self.placed.iter().flatten();
+                placed.filter(|trial| trial.part == part).cloned().collect()
+            }
+            Some(step) => plan.fixed_trials(part, step),
+            None => Vec::new(),
+        }
+    }
+
+    /// What a trial shows; none for an instructed one.
     pub fn stimulus<'p>(&self, plan: &'p Plan, trial: &Trial) -> Option<&'p Stimulus> {
-        let shown = match trial.role {
-            Role::Repeat { of } => self.trials.iter().find(|first| first.position == of)?,
-            _ => trial,
+        let item = match trial.role {
+            Role::Repeat { of } => {
+                self.trials_of(plan, &trial.part).iter().find(|first| first.position == of)?.item
+            }
+            _ => trial.item,
         };
-        plan.trials_of(&trial.part)?.stimuli.get(shown.item? as usize)
+        plan.trials_of(&trial.part)?.stimuli.get(item? as usize)
     }
 
     pub(super) fn has_arrived(&self) -> bool {
@@ -361,12 +375,7 @@ impl Session {
             if part.counted && self.placed.is_none() {
                 return;
             }
-            self.trials = match &self.placed {
-                Some(placed) if part.counted => {
-                    placed.iter().filter(|trial| trial.part == *name).cloned().collect()
-                }
-                _ => plan.fixed_trials(name, part),
-            };
+            self.trials = self.trials_of(plan, name);
             self.stops = stops(part, &self.trials);
             if !self.stops.is_empty() {
                 return;

@@ -10,6 +10,7 @@ use super::site::{Site, ask};
 use super::stimulus::Stimuli;
 use super::words::Interfaces;
 use super::{Error, Settings, router};
+use crate::study::lab::Lab;
 use crate::study::store::Store;
 use axum::Router;
 use std::net::SocketAddr;
@@ -28,11 +29,13 @@ const LAST_REQUESTS: Duration = Duration::from_secs(10);
 #[derive(Debug)]
 pub struct Server {
     runtime: Runtime,
-    public: (TcpListener, SocketAddr, Router),
-    console: Option<(TcpListener, SocketAddr, Router)>,
+    public: Option<Listening>,
+    console: Option<Listening>,
     entrance: String,
     first_link: Option<String>,
 }
+
+type Listening = (TcpListener, SocketAddr, Router);
 
 /// Serves a study until `stop` says so. `announce` is called when requests are taken: there is time to print the addresses.
 ///
@@ -70,18 +73,13 @@ impl Server {
             Origin::Loopback => format!("http://{address}"),
         };
         let entrance = format!("{entrance}/s/{}", store.current().study.file.study.id);
-        let mut first_link = None;
-        let console = match console {
-            Some((listener, address)) => {
-                let made = Console::new(store.clone(), random()?, entrance.clone())?;
-                if runtime.block_on(ask(|then| store.operators(then)))? == 0 {
-                    let key = hex(&random()?);
-                    first_link = Some(format!("http://{address}/admin/first?key={key}"));
-                    made.expect_first(&key);
-                }
-                Some((listener, address, admin::router(Arc::new(made))))
+        let (console, first_link) = match console {
+            Some(at) => {
+                let made = Console::new(store.clone(), random()?, Some(entrance.clone()), None)?;
+                let (console, first_link) = open(&runtime, at, made)?;
+                (Some(console), first_link)
             }
-            None => None,
+            None => (None, None),
         };
         let site = Site {
             store,
@@ -94,16 +92,32 @@ impl Server {
             is_behind_proxy: settings.is_behind_proxy,
             requests_per_minute: settings.requests_per_minute,
         };
-        let public = (listener, address, router::router(Arc::new(site)));
+        let public = Some((listener, address, router::router(Arc::new(site))));
         Ok(Self { runtime, public, console, entrance, first_link })
     }
 
-    /// Where it listens for participants.
-    pub const fn address(&self) -> SocketAddr {
-        self.public.1
+    /// Listens for operators alone, who sit beside a headset. Port 0 is any free port.
+    ///
+    /// # Errors
+    /// [`Error::Listen`] and [`Error::Console`]; others when the system lacks threads or random bits.
+    pub fn beside(store: &Store, address: SocketAddr, lab: Arc<Lab>) -> Result<Self, Error> {
+        if !address.ip().is_loopback() {
+            return Err(Error::Console { address });
+        }
+        let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
+        let runtime = runtime.map_err(|source| Error::Failed { source })?;
+        let at = listen(&runtime, address)?;
+        let made = Console::new(store.clone(), random()?, None, Some(lab))?;
+        let (console, first_link) = open(&runtime, at, made)?;
+        Ok(Self { runtime, public: None, console: Some(console), entrance: String::new(), first_link })
     }
 
-    /// The address of the first page, to be given to participants.
+    /// Where it listens for participants, if it does.
+    pub fn address(&self) -> Option<SocketAddr> {
+        self.public.as_ref().map(|(_, address, _)| *address)
+    }
+
+    /// The address of the first page, to be given to participants; empty where it does not listen for them.
     pub fn entrance(&self) -> &str {
         &self.entrance
     }
@@ -126,7 +140,7 @@ impl Server {
         let (end, ends) = watch::channel(false);
         self.runtime.block_on(async move {
             let mut tasks = tokio::task::JoinSet::new();
-            for (listener, _, router) in [Some(self.public), self.console].into_iter().flatten() {
+            for (listener, _, router) in [self.public, self.console].into_iter().flatten() {
                 let mut ends = ends.clone();
                 let service = router.into_make_service_with_connect_info::<Peer>();
                 let ended = async move {
@@ -144,6 +158,21 @@ impl Server {
             failed.map_or(Ok(()), |source| Err(Error::Failed { source }))
         })
     }
+}
+
+/// Operators' pages, and the link for the first operator where there is none yet.
+fn open(
+    runtime: &Runtime,
+    (listener, address): (TcpListener, SocketAddr),
+    console: Console,
+) -> Result<(Listening, Option<String>), Error> {
+    let mut first_link = None;
+    if runtime.block_on(ask(|then| console.store.operators(then)))? == 0 {
+        let key = hex(&random()?);
+        first_link = Some(format!("http://{address}/admin/first?key={key}"));
+        console.expect_first(&key);
+    }
+    Ok(((listener, address, admin::router(Arc::new(console))), first_link))
 }
 
 /// From where forms may come: the public address, or this machine.

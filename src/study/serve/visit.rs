@@ -5,7 +5,7 @@ use super::cookie::mark;
 use super::form::{Fields, fields};
 use super::gate::{is_json, told};
 use super::pages::Notice;
-use super::reply::{Told, hex};
+use super::reply::Told;
 use super::site::{Site, ask};
 use crate::study::protocol::{Content, Event};
 use crate::study::store::{Trouble, Turn};
@@ -15,7 +15,6 @@ use axum::extract::Request;
 use axum::http::header::{CONTENT_LENGTH, HeaderName, HeaderValue, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
 use axum::response::IntoResponse as _;
-use sha2::{Digest as _, Sha256};
 
 /// The header in which scripts send a page's mark.
 const MARK: HeaderName = HeaderName::from_static("x-participation");
@@ -149,10 +148,9 @@ impl<'a> Visitor<'a> {
     /// The hash of the text that the participant's page asks to agree to; empty on other pages.
     pub(super) fn consent_hash(&self, turn: &Turn) -> String {
         let version = self.site.version(turn.version);
-        let text = match &turn.page.content {
-            Content::Consent { text, .. } => version.text(text),
-            _ => None,
-        };
-        text.map(|text| hex(&Sha256::digest(text.as_bytes()))).unwrap_or_default()
+        match &turn.page.content {
+            Content::Consent { text, .. } => version.text_hash(text),
+            _ => String::new(),
+        }
     }
 }

@@ -1,8 +1,9 @@
 //! Who comes, and what they are given.
 
-use super::super::plan::Ending;
+use super::super::plan::{Ending, Trial};
 use super::super::protocol::{Entry, Event, State, conduct};
 use super::super::tables::name;
+use super::super::theatre::Showing;
 use super::books::Participation;
 use super::desk::Desk;
 use super::request::{Arrival, Arrived, Failure, Trouble, Turn};
@@ -94,6 +95,17 @@ impl Desk {
             state: one.session.state(),
             page: one.session.page(&version.plan),
         })
+    }
+
+    /// What the current trial of a participant shows, and the one after it in the same part.
+    pub(super) fn showing(&self, id: i64) -> Result<[Option<Showing>; 2], Trouble> {
+        let one = self.books.people.get(&id).ok_or(Trouble::Unknown)?;
+        let version = self.version(one.version).ok_or(Trouble::Unknown)?;
+        let showing = |trial: &Trial| Showing {
+            trial: trial.clone(),
+            stimulus: one.session.stimulus(&version.plan, trial).cloned(),
+        };
+        Ok([one.session.trial().map(|(trial, _)| trial), one.session.next_trial()].map(|trial| trial.map(showing)))
     }
 
     /// Takes an event of a participant, or of nothing but the time, and writes what follows from it.

@@ -47,8 +47,12 @@ impl Books {
     pub(super) fn read(connection: &Connection, versions: &[Arc<Version>]) -> rusqlite::Result<Self> {
         let version = |number: u32| versions.iter().find(|version| version.number == number);
         let mut books = Self::default();
+        let rows = connection.query_row("SELECT rows_from, rows_to FROM secret", [], |row| {
+            Ok(row.get::<_, Option<u32>>(0)?.zip(row.get::<_, Option<u32>>(1)?))
+        })?;
         for version in versions {
-            books.ledgers.insert(version.number, Ledger::new(&version.plan));
+            let ledger = Ledger::new(&version.plan).with_rows(rows.map(|(from, to)| from..to));
+            books.ledgers.insert(version.number, ledger);
         }
         let mut people = connection.prepare(
             "SELECT id, version, code, front, language, person, arrived, external_hash FROM participant ORDER BY id",

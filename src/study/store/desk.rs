@@ -113,6 +113,8 @@ impl Desk {
             if std::mem::take(&mut self.has_forgotten) {
                 // where a reader holds the log, the next deletion or the end empties it
                 let _emptied = self.empty_logs();
+                // what is left, the next deletion or the next start deletes
+                let _deleted = self.forget_recordings();
             }
             return None;
         };

@@ -222,6 +222,14 @@ impl Desk {
         self.begin()?;
         let links = links::purge(&self.connection, now - i64::from(data.keep_links_days) * DAY)?;
         let before = now - i64::from(data.keep_answers_days) * DAY;
+        let mut old = self.connection.prepare("SELECT code FROM participant WHERE arrived < ?1")?;
+        let codes: Vec<String> = old.query_map([before], |row| row.get(0))?.collect::<Result<_, _>>()?;
+        drop(old);
+        // first what no row leads to afterwards
+        for code in &codes {
+            let failed = |error: std::io::Error| Trouble::Unavailable(error.to_string());
+            self.delete_recordings(code).map_err(failed)?;
+        }
         let participants = self.connection.execute("DELETE FROM participant WHERE arrived < ?1", [before])?;
         self.has_forgotten |= links + participants > 0;
         if participants > 0 {

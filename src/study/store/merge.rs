@@ -1,7 +1,7 @@
 //! Several folders of data as one.
 
 use super::desk::Desk;
-use super::files::STORE;
+use super::files::{RECORDINGS, STORE};
 use super::open;
 use super::version::{Libraries, Version};
 use crate::study::Error;
@@ -9,8 +9,8 @@ use crate::study::file::Part;
 use rusqlite::{Connection, params};
 use std::path::{Path, PathBuf};
 
-/// Writes the data of several folders into a new one, for analysis: participants, trials, answers, exposures, events, notes and
-/// audit. The platform's ids, browsers' secrets and operators stay where they are. Codes never collide. Returns the number of
+/// Writes the data of several folders into a new one, for analysis: participants, trials, answers, exposures, events, notes,
+/// audit and recordings. The platform's ids, browsers' secrets and operators stay where they are. Codes never collide. Returns the number of
 /// participants.
 ///
 /// # Errors
@@ -39,6 +39,7 @@ pub fn merge(from: &[PathBuf], into: &Path) -> Result<usize, Error> {
     let connection = Connection::open(&path).map_err(failed)?;
     for folder in from {
         add(&connection, &folder.join(STORE)).map_err(failed)?;
+        copy(&folder.join(RECORDINGS), &into.join(RECORDINGS))?;
     }
     let count = "SELECT count(*) FROM participant";
     let count: i64 = connection.query_row(count, [], |row| row.get(0)).map_err(failed)?;
@@ -52,9 +53,9 @@ fn begin(desk: &Desk, into: &Path) -> Result<(), Error> {
     let connection = open::make(into)?;
     for version in desk.versions.iter() {
         let mut libraries = Libraries::new();
-        for name in
-            version.study.file.parts.values().filter_map(Part::trials).filter_map(|t| t.show.gaits.clone())
-        {
+        let file = &version.study.file;
+        let shown = file.parts.values().filter_map(Part::trials).filter_map(|trials| trials.show.gaits.clone());
+        for name in shown.chain(file.crowd.iter().map(|crowd| crowd.library.clone())) {
             let from = version.folder.join(&name);
             if from.is_file() {
                 let bytes = std::fs::read(&from).map_err(|source| Error::Read { path: from, source })?;
@@ -71,6 +72,26 @@ fn begin(desk: &Desk, into: &Path) -> Result<(), Error> {
         connection.execute_batch("INSERT INTO study SELECT * FROM other.study; DETACH other")
     };
     copied().map_err(|source: rusqlite::Error| Error::store("write", &path, source))
+}
+
+/// Copies a folder of recordings, if it is there: a folder for each code.
+fn copy(from: &Path, into: &Path) -> Result<(), Error> {
+    let entries = |folder: &Path| -> Result<Vec<PathBuf>, Error> {
+        let read = std::fs::read_dir(folder).and_then(|found| found.map(|entry| Ok(entry?.path())).collect());
+        read.map_err(|source| Error::Read { path: folder.to_owned(), source })
+    };
+    if !from.is_dir() {
+        return Ok(());
+    }
+    for person in entries(from)?.into_iter().filter(|path| path.is_dir()) {
+        let own = into.join(person.file_name().unwrap_or_default());
+        std::fs::create_dir_all(&own).map_err(|source| Error::Write { path: own.clone(), source })?;
+        for file in entries(&person)?.into_iter().filter(|path| path.is_file()) {
+            let to = own.join(file.file_name().unwrap_or_default());
+            std::fs::copy(&file, &to).map_err(|source| Error::Write { path: to, source })?;
+        }
+    }
+    Ok(())
 }
 
 /// Adds the data of a store, with numbers beyond those that are there.

@@ -5,6 +5,7 @@
 //!  RUN/links.sqlite   who participants are on a platform; deleted on its own date
 //!  RUN/materials/     the study file, texts and libraries of each version
 //!  RUN/backups/       a copy an hour, the newest 24
+//!  RUN/recordings/    what participants did in a headset, in a folder for each code
 //!  RUN/lock           held by the program that writes
 //! ```
 //!
@@ -27,13 +28,14 @@ mod lists;
 mod merge;
 mod open;
 mod operators;
+mod recordings;
 mod request;
 mod secret;
 mod version;
 mod writer;
 
 pub use backup::write as backup;
-pub use files::{LINKS, STORE};
+pub use files::{LINKS, RECORDINGS, STORE};
 pub use lists::{Act, Overview, Person};
 pub use merge::merge;
 pub use operators::{Operator, Role};
@@ -43,6 +45,7 @@ pub use version::{Opening, Shown, Version};
 use super::Error;
 use super::protocol::Event;
 use super::tables::Tables;
+use super::theatre::Showing;
 use desk::Desk;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -171,6 +174,16 @@ impl Store {
     ) {
         let token = token.to_owned();
         self.ask(move |desk| desk.known(&token).and_then(|id| desk.conduct(id, Some(event))), then);
+    }
+
+    /// What the current trial of the participant of a secret shows, and the one after it in the same part.
+    pub fn showing(
+        &self,
+        token: &str,
+        then: impl FnOnce(Result<[Option<Showing>; 2], Trouble>) + Send + 'static,
+    ) {
+        let token = token.to_owned();
+        self.ask(move |desk| desk.known(&token).and_then(|id| desk.showing(id)), then);
     }
 
     /// The study at a glance.
@@ -303,6 +316,16 @@ impl Reading {
     /// All participants, in the order of arrival.
     pub fn people(&self) -> Vec<Person> {
         self.desk.list()
+    }
+
+    /// What a trial of the participant of a code showed, and the version of the study; none if there is no such trial.
+    pub fn showing(&self, code: &str, part: &str, trial: u32) -> Option<(Showing, Arc<Version>)> {
+        let one = self.desk.books.people.get(self.desk.books.by_code.get(code)?)?;
+        let version = self.desk.version(one.version)?;
+        let trials = one.session.trials_of(&version.plan, part);
+        let trial = trials.into_iter().find(|own| own.position == trial)?;
+        let stimulus = one.session.stimulus(&version.plan, &trial).cloned();
+        Some((Showing { trial, stimulus }, version))
     }
 
     /// The data of a version, or of all.

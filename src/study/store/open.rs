@@ -1,13 +1,15 @@
 //! Making and opening a folder of data.
 
 use super::desk::Desk;
-use super::files::STORE;
+use super::files::{RECORDINGS, STORE};
 use super::links;
 use super::secret;
 use super::version::{Opening, Version};
+use crate::study::plan::Ledger;
 use crate::study::{Error, Materials};
 use rusqlite::{Connection, params};
 use std::fs::{File, OpenOptions, TryLockError};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::Duration;
@@ -35,8 +37,15 @@ pub(super) fn open(folder: &Path, opening: Option<&Opening>) -> Result<(Desk, Fi
     let mut versions = versions(&connection, folder)?;
     if let Some(opening) = opening {
         versions.extend(add(&connection, folder, opening, &versions)?);
+        if let (Some(rows), Some(version)) = (&opening.rows, versions.last()) {
+            check_rows(version, rows)?;
+            let sql = "UPDATE secret SET rows_from = ?1, rows_to = ?2";
+            connection.execute(sql, [rows.start, rows.end]).map_err(failed)?;
+        }
     }
     let desk = Desk::new(folder.to_owned(), connection, versions).map_err(failed)?;
+    let recordings = || folder.join(RECORDINGS);
+    desk.forget_recordings().map_err(|source| Error::Write { path: recordings(), source })?;
     Ok((desk, lock))
 }
 
@@ -100,7 +109,7 @@ fn prepare(connection: &Connection, path: &Path) -> Result<(), Error> {
     let made = || {
         connection.execute_batch("BEGIN IMMEDIATE")?;
         connection.execute_batch(SCHEMA)?;
-        connection.execute("INSERT INTO secret VALUES (1, ?1, ?2, 0)", params![names, key])?;
+        connection.execute("INSERT INTO secret VALUES (1, ?1, ?2, 0, NULL, NULL)", params![names, key])?;
         connection.execute_batch("COMMIT")
     };
     made().map_err(|source: rusqlite::Error| Error::store("make", path, source))
@@ -175,6 +184,16 @@ fn add(
         .execute(sql, params![number, study.file.study.id, hash, study.text, materials, program])
         .map_err(failed)?;
     Ok(Some(Arc::new(version)))
+}
+
+/// Whether a design has these rows.
+fn check_rows(version: &Version, rows: &Range<u32>) -> Result<(), Error> {
+    let most = Ledger::new(&version.plan).most_rows();
+    if rows.start < rows.end && rows.end as usize <= most {
+        return Ok(());
+    }
+    let hint = "rows count from 0; `gaitway study check` says how many a design has";
+    Err(Error::value("rows".to_owned(), format!("{}..{}", rows.start, rows.end), format!("within 0..{most}"), hint))
 }
 
 /// The path of a store in a folder of data.

@@ -16,7 +16,8 @@ CREATE TABLE secret (
     one       INTEGER PRIMARY KEY CHECK (one = 1),
     names     INTEGER NOT NULL,       -- what names of stimuli are made from
     ids       BLOB NOT NULL,          -- key of the hashes of platform ids
-    is_closed INTEGER NOT NULL        -- whether the operator has closed admission
+    is_closed INTEGER NOT NULL,       -- whether the operator has closed admission
+    rows_from INTEGER, rows_to INTEGER  -- rows of the longest design that are given here; null: all
 ) STRICT;
 
 CREATE TABLE participant (

@@ -2,10 +2,12 @@
 
 use super::super::file::Part;
 use super::super::plan::{Plan, Stimulus};
+use super::super::theatre::Theatre;
 use super::super::{Error, FILE_NAME, Materials, Study};
-use super::secret::{hash_of, hex};
+use super::secret::{hash, hash_of, hex};
 use crate::file;
 use std::collections::{BTreeMap, HashMap};
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 /// Largest library that is frozen, bytes.
@@ -20,6 +22,8 @@ pub struct Opening {
     pub materials: Materials,
     /// Files of the libraries, by the name that the study gives them.
     pub libraries: BTreeMap<String, PathBuf>,
+    /// Rows of the longest design that this folder gives from now on; none: as before, or all.
+    pub rows: Option<Range<u32>>,
 }
 
 /// A frozen version of a study.
@@ -117,17 +121,22 @@ impl Version {
         Some(self.folder.join(name)).filter(|path| path.is_file())
     }
 
-    /// The frozen library of the gaits that crowds walk with, and the avatars; without a crowd, none and the scenes' own.
-    pub fn crowd(&self) -> (Option<PathBuf>, Vec<String>) {
-        let crowd = self.study.file.crowd.as_ref();
-        crowd.map_or((None, Vec::new()), |crowd| {
-            (Some(self.folder.join(&crowd.library)), crowd.avatars.clone())
-        })
+    /// What its trials show, with the frozen library.
+    ///
+    /// # Errors
+    /// When the library cannot be read.
+    pub fn theatre(&self) -> Result<Theatre, crate::Error> {
+        Theatre::load(self.study.file.crowd.as_ref(), &self.folder)
     }
 
     /// The text that participants agree to, by the name of its file.
     pub fn text(&self, name: &str) -> Option<&str> {
         self.materials.texts.get(name).map(String::as_str)
+    }
+
+    /// What says which text was agreed to: its SHA-256, 64 hexadecimal digits. Empty for a text that is not there.
+    pub fn text_hash(&self, name: &str) -> String {
+        self.text(name).map(|text| hex(&hash(text.as_bytes()))).unwrap_or_default()
     }
 }
 

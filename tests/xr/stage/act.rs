@@ -83,7 +83,7 @@ fn scene(name: &str) -> Scene {
 fn record(scene: &Scene, world: &mut World, path: &Path, trial: u32) -> Recorder<File> {
     let library = GaitLibrary::built_in().unwrap();
     let of = RecordedSession::of(scene, &library, world.simulation().state().unwrap());
-    let label = TrialLabel { study: "test".into(), participant: "k7".into(), trial };
+    let label = TrialLabel { study: "test".into(), participant: "k7".into(), part: "scenes".into(), trial };
     let session = RecordedSession { trial: Some(label), ..of };
     Recorder::new(make_way(path).unwrap().file, &session).unwrap()
 }

@@ -5,19 +5,22 @@ use super::super::assets::Assets;
 use super::super::cookie::{Cookie, mark};
 use super::super::guard::{Limits, Origin};
 use super::sessions::Sessions;
+use crate::study::lab::Lab;
 use crate::study::store::Store;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// What all requests of operators share.
 pub(in super::super) struct Console {
-    pub(super) store: Store,
+    pub(in super::super) store: Store,
     pub(super) assets: Assets,
     pub(super) cookie: Cookie,
     pub(super) origin: Origin,
     pub(super) limits: Limits,
     pub(super) sessions: Sessions,
-    /// The address that participants use.
-    pub(super) entrance: String,
+    /// The address that participants use; none where they wear a headset.
+    pub(super) entrance: Option<String>,
+    /// The headset that the operator sits beside.
+    pub(super) lab: Option<Arc<Lab>>,
     /// The mark of the key that the first operator comes with, once.
     first: Mutex<Option<String>>,
 }
@@ -27,7 +30,12 @@ impl Console {
     ///
     /// # Errors
     /// [`Error::Compress`].
-    pub(in super::super) fn new(store: Store, key: [u8; 32], entrance: String) -> Result<Self, Error> {
+    pub(in super::super) fn new(
+        store: Store,
+        key: [u8; 32],
+        entrance: Option<String>,
+        lab: Option<Arc<Lab>>,
+    ) -> Result<Self, Error> {
         Ok(Self {
             store,
             assets: Assets::new()?,
@@ -36,6 +44,7 @@ impl Console {
             limits: Limits::new(key),
             sessions: Sessions::default(),
             entrance,
+            lab,
             first: Mutex::default(),
         })
     }

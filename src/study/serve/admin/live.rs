@@ -3,7 +3,7 @@
 use super::super::reply::{Told, page as reply};
 use super::super::site::ask;
 use super::console::Console;
-use super::pages;
+use super::{headset, pages};
 use super::sessions::Session;
 use crate::study::plan::Counts;
 use crate::study::protocol::State as Stage;
@@ -28,6 +28,9 @@ pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<R
     let body = html! {
         p.lacking #old role="status" hidden { "The server does not answer. What stands here is old." }
         div #live data-events="/admin/live/events" { (now(&console).await?) }
+        @if let Some(lab) = console.lab.as_ref().filter(|_| session.role >= Role::Run) {
+            (headset::orders(lab, &session))
+        }
         @if session.role >= Role::Run { (buttons(&console, &session).await?) }
     };
     Ok(reply(StatusCode::OK, pages::document(&console, Some(&session), "Live", &body)))
@@ -59,7 +62,8 @@ async fn now(console: &Console) -> Result<Markup, Told> {
             strong { (version.study.file.study.id) " · " (admission) }
             " · v" (version.number) " · " (under_way.len()) " under way"
         }
-        p { "Participants begin at " a href=(console.entrance) { (console.entrance) } }
+        @if let Some(entrance) = &console.entrance { p { "Participants begin at " a href=(entrance) { (entrance) } } }
+        @if let Some(lab) = &console.lab { (headset::view(lab)) }
         (answers(&overview))
         (states(&overview))
         (list(&under_way))

@@ -4,6 +4,7 @@
 mod acts;
 mod console;
 mod gate;
+mod headset;
 mod live;
 mod pages;
 mod sessions;
@@ -37,6 +38,8 @@ pub(super) fn router(console: Arc<Console>) -> Router {
         .route("/admin/balance", get(acts::balance))
         .route("/admin/admission", post(acts::admission))
         .route("/admin/backup", post(acts::backup))
+        .route("/admin/headset", post(headset::order))
+        .route("/admin/headset/eye", get(headset::eye))
         .route("/admin/operators", get(acts::operators).post(acts::name))
         .route("/static/{hash}/{file}", get(file))
         .fallback(unknown)
