@@ -12,9 +12,7 @@ use crate::export::AtomicFile;
 use crate::kernels::Store;
 use crate::scenario::User;
 use crate::scene::Scene;
-use crate::xr::{
-    self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Shot, UserState, Way,
-};
+use crate::xr::{self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Shot, UserState, Way};
 use clap::Args;
 use std::fmt::Write as _;
 use std::fs::File;

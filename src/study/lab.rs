@@ -91,7 +91,10 @@ mod tests {
         assert_eq!((lab.next_order(), lab.eye().is_none()), (None, true));
         lab.order(Order::Skip);
         lab.order(Order::End);
-        assert_eq!([lab.next_order(), lab.next_order(), lab.next_order()], [Some(Order::Skip), Some(Order::End), None]);
+        assert_eq!(
+            [lab.next_order(), lab.next_order(), lab.next_order()],
+            [Some(Order::Skip), Some(Order::End), None]
+        );
         (0..20).for_each(|line| lab.note(&line.to_string()));
         assert_eq!((lab.lines().len(), lab.lines()[0].as_str(), lab.lines()[11].as_str()), (12, "8", "19"));
         lab.show(vec![1]);

@@ -32,7 +32,10 @@ fn a_trial_shows_what_the_plan_says_and_the_next_one_is_known() {
     person.go_to_page(&store, "practice/1");
     let [now, next] = wait(|then| store.showing(&person.token, then)).unwrap();
     let practice = now.unwrap();
-    assert_eq!((practice.trial.part.as_str(), practice.stimulus.as_ref().unwrap().scene()), ("practice", Some("garden")));
+    assert_eq!(
+        (practice.trial.part.as_str(), practice.stimulus.as_ref().unwrap().scene()),
+        ("practice", Some("garden"))
+    );
     assert!(next.is_none(), "the next part has no place yet");
     person.go_to_page(&store, "scenes/1");
     let mut seen = BTreeSet::new();
@@ -50,7 +53,9 @@ fn a_trial_shows_what_the_plan_says_and_the_next_one_is_known() {
     }
     let reading = Reading::open(folder.path()).unwrap();
     assert_eq!(reading.showing(&person.turn.code, "practice", 1).unwrap().0, practice);
-    for (code, part, trial) in [("K7", "scenes", 1), (person.turn.code.as_str(), "scenes", 13), (&person.turn.code, "walks", 1)] {
+    for (code, part, trial) in
+        [("K7", "scenes", 1), (person.turn.code.as_str(), "scenes", 13), (&person.turn.code, "walks", 1)]
+    {
         assert!(reading.showing(code, part, trial).is_none(), "{code} {part} {trial}");
     }
 }

@@ -22,7 +22,12 @@ fn opening(walks: usize, change: impl Fn(String) -> String) -> Opening {
     let materials = Materials::default()
         .with_gaits("library.glb", names)
         .with_text("consent.en.md", "# Consent\n\nDo you agree?");
-    Opening { study: Study::parse(&text, "a test").unwrap(), materials, libraries: BTreeMap::new(), rows: None }
+    Opening {
+        study: Study::parse(&text, "a test").unwrap(),
+        materials,
+        libraries: BTreeMap::new(),
+        rows: None,
+    }
 }
 
 fn open(folder: &Path, walks: usize) -> Store {

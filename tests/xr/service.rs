@@ -225,13 +225,24 @@ impl Live {
     /// Waits until it says something; the time that took.
     pub(super) fn hear(&mut self, words: &str) -> Duration {
         let begin = Instant::now();
+        self.hear_line(words);
+        begin.elapsed()
+    }
+
+    /// Types a line.
+    pub(super) fn type_line(&mut self, line: &str) {
+        writeln!(self.child.stdin.as_mut().unwrap(), "{line}").unwrap();
+    }
+
+    /// Waits until it says something; the line.
+    pub(super) fn hear_line(&mut self, words: &str) -> String {
+        let begin = Instant::now();
         loop {
             match self.notes.recv_timeout(PATIENCE.saturating_sub(begin.elapsed())) {
                 Ok(line) => {
-                    let is_it = line.contains(words);
-                    self.heard.push(line);
-                    if is_it {
-                        return begin.elapsed();
+                    self.heard.push(line.clone());
+                    if line.contains(words) {
+                        return line;
                     }
                 }
                 Err(_) => {

@@ -43,7 +43,6 @@ fn actor() {
         "asks" => asks::asks(&folder),
         "asked-on" => asks::asked_on(&folder),
         "stands" => asks::stands(&folder),
-        "study" => super::study::act(&folder),
         act => panic!("{act}?"),
     }
 }

@@ -1,28 +1,21 @@
-//! A study in a headset: the whole protocol on one stage, answered by hands that are moved from here.
-//!
-//! The participant's store is that of simulated participants, with its events in a file, so that a program that is killed goes on
-//! where it was.
+//! A study in a headset by the real command: answers typed by the operator or given by hands that are moved from here.
 
 use super::service::{Head, Live, Service, is_there};
-use super::stage::{act, asks, play, told};
+use super::stage::asks;
 use super::{folder, steps};
-use gaitway::library::GaitLibrary;
-use gaitway::study::headset::{
-    ConsentText, Front, Operator, Order, Participation, Setup, Showing, Theatre, Typed,
-};
-use gaitway::study::plan::{Plan, Scale};
-use gaitway::study::protocol::{Content, Entry, Event, Page, PageQuestion};
-use gaitway::study::simulate::Store;
-use gaitway::study::{Materials, Study};
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::io::Write as _;
+use gaitway::study::protocol::State;
+use gaitway::study::store::{RECORDINGS, Reading};
+use serde_json::Value;
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
-/// Two places under two conditions, two questions each.
-const SMALL: &str = r#"
+/// Places under conditions, then single people: as long as a test can wait.
+fn study(scenes: &str, conditions: &str, seconds: &str) -> String {
+    format!(
+        r#"
 [study]
 id = "small"
 version = 1
@@ -32,337 +25,319 @@ languages = ["en"]
 minutes = 2
 contact = "nowhere"
 where = ["headset"]
-flow = ["consent", "how", "scenes", "identify", "debrief"]
+flow = ["consent", "about-you", "how", "scenes", "identify", "debrief"]
 [consent]
 text = "consent.en.md"
 [recruit]
 platform = "none"
-most_participants = 4
+most_participants = 24
 lease_minutes = 120
 [crowd]
 library = "rated.glb"
 avatars = ["female", "male"]
+agents = 20
 [headset]
 answer = ["laser", "stick", "gaze"]
+stop_at = {{ presence = 6 }}
+[part.about-you]
+kind = "form"
+ask = ["age"]
 [part.how]
 kind = "text"
 text = "You will walk among people. You may stop at any time."
 [part.scenes]
 kind = "trials"
-show = { scenes = ["crossing", "garden"], conditions = ["eva-o", "eva-g"], seconds = 1.5 }
-design = { kind = "blocks", blocks = "scenes", within = "conditions" }
+show = {{ scenes = [{scenes}], conditions = [{conditions}], seconds = {seconds} }}
+design = {{ kind = "blocks", blocks = "scenes", within = "conditions" }}
 seeds = "per-block"
 ask = "presence"
-rest_after_blocks = 1
+rest_after_blocks = 2
 [part.identify]
 kind = "trials"
-show = { agents = { each_of = ["happy", "sad"], bodies = ["female"] }, condition = "eva-g", seconds = 1.5 }
-design = { kind = "square" }
+show = {{ agents = {{ each_of = ["happy", "angry", "sad", "neutral"], bodies = ["female"] }}, condition = "eva-g", seconds = {seconds} }}
+design = {{ kind = "square" }}
 ask = "which"
 [part.debrief]
 kind = "text"
 text = "Thank you."
 [questions.presence]
 kind = "likert"
-points = { 1 = "disagree strongly", 7 = "agree strongly" }
-items = [{ id = "q1", text = "It was as if the people and I were in one place" }, { id = "q2", text = "The people seemed to notice me" }]
+points = {{ 1 = "disagree strongly", 7 = "agree strongly" }}
+items = [{{ id = "q1", text = "It was as if the people and I were in one place" }}, {{ id = "q2", text = "The people seemed to notice me" }}]
 [questions.which]
 kind = "choice"
 text = "How does this person feel?"
 options = ["happy", "angry", "sad", "neutral"]
-"#;
-
-/// The study of the paper, with short trials.
-fn whole() -> String {
-    let text = gaitway::study::BUILTIN.iter().find(|study| study.name == "eva-agents").unwrap().toml;
-    text.replace("seconds = 45", "seconds = 2")
-        .replace("seconds = 20,", "seconds = 2,")
-        .replace("seconds = 8", "seconds = 2")
+"#
+    )
 }
 
-/// The bits by which the plan draws.
-const PERSON: u64 = 7;
-
-/// One participant of a store, whose events are in a file.
-struct Kept<'p> {
-    plan: &'p Plan,
-    store: Store<'p>,
-    file: PathBuf,
-    /// Entries that the file has.
-    written: usize,
+/// The files of a study and its data.
+struct Lab {
+    service: Service,
+    study: PathBuf,
+    data: PathBuf,
 }
 
-impl<'p> Kept<'p> {
-    fn open(plan: &'p Plan, file: PathBuf) -> Self {
-        let text = std::fs::read_to_string(&file).unwrap_or_default();
-        let entries: Vec<Entry> = text.lines().filter_map(|line| serde_json::from_str(line).ok()).collect();
-        let written = entries.len();
-        let logs = (written > 0).then_some((PERSON, entries));
-        let mut kept = Self { plan, store: Store::rebuilt(plan, logs), file, written };
-        kept.store.arrive(PERSON, "en", now()).unwrap();
-        kept.write();
-        kept
+impl Lab {
+    fn open(name: &str, text: &str) -> Self {
+        let (service, folder) = (Service::start(name), folder(name));
+        let (study, data) = (folder.join("study"), folder.join("data"));
+        let made = Command::new(env!("CARGO_BIN_EXE_gaitway"))
+            .args(["study", "new", "eva-agents", "--out"])
+            .arg(&study)
+            .output()
+            .unwrap();
+        assert!(made.status.success(), "{made:?}");
+        std::fs::write(study.join("study.toml"), text).unwrap();
+        std::fs::write(study.join("consent.en.md"), "# Consent\n\nDo you agree?").unwrap();
+        Self { service, study, data }
     }
 
-    fn write(&mut self) {
-        let (_, entries) = self.store.logs().find(|(person, _)| *person == PERSON).unwrap();
-        let mut file = std::fs::OpenOptions::new().create(true).append(true).open(&self.file).unwrap();
-        for entry in &entries[self.written..] {
-            writeln!(file, "{}", serde_json::to_string(entry).unwrap()).unwrap();
+    /// A session: of a new participant, or of one who goes on.
+    fn run(&self, code: Option<&str>) -> Live {
+        let paths = [self.study.to_str().unwrap(), "--data", self.data.to_str().unwrap()];
+        let mut arguments = [&["study", "run"][..], &paths, &["--eye-size", "200x200", "--json"]].concat();
+        arguments.extend(code.iter().flat_map(|code| ["--code", code]));
+        let mut command = self.service.gaitway(&arguments);
+        command.stdin(Stdio::piped());
+        Live::start(command)
+    }
+
+    /// What a command says of the data, whether it ends well or not.
+    fn ask(&self, arguments: &[&str]) -> (bool, String) {
+        let output = self.service.gaitway(arguments).output().unwrap();
+        let said = [output.stdout, output.stderr].concat();
+        (output.status.success(), String::from_utf8_lossy(&said).into_owned())
+    }
+
+    fn recording(&self, code: &str, name: &str) -> PathBuf {
+        self.data.join(RECORDINGS).join(code).join(name)
+    }
+}
+
+/// The code that a session begins with.
+fn code(live: &mut Live) -> String {
+    let line = live.hear_line("participant   ");
+    line.split_whitespace().last().unwrap().to_owned()
+}
+
+/// Types what answers every question, until a line has these words. Returns the answers that were acknowledged.
+fn type_answers(live: &mut Live, until: &str) -> Vec<String> {
+    let mut acknowledged = Vec::new();
+    loop {
+        let line = live.hear_line("");
+        if line.contains(" = ") && line.contains('/') {
+            acknowledged.push(line.clone());
         }
-        self.written = entries.len();
-    }
-}
-
-fn now() -> i64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_millis() as i64
-}
-
-impl Participation for Kept<'_> {
-    fn page(&mut self) -> gaitway::Result<Page> {
-        Ok(self.store.session(PERSON).unwrap().page(self.plan))
-    }
-
-    fn submit(&mut self, event: Event) -> gaitway::Result<Page> {
-        let page = self.store.submit(PERSON, event, now()).unwrap();
-        self.write();
-        if let Content::Show { .. } = page.content {
-            eprintln!("page {}", page.id);
+        if line.contains(until) {
+            return acknowledged;
         }
-        Ok(page)
-    }
-
-    fn consent(&mut self, name: &str) -> gaitway::Result<ConsentText> {
-        Ok(ConsentText { text: name.to_owned(), hash: format!("hash of {name}") })
-    }
-
-    fn trial(&mut self) -> gaitway::Result<Option<Showing>> {
-        let session = self.store.session(PERSON).unwrap();
-        Ok(session.trial().map(|(trial, _)| Showing {
-            trial: trial.clone(),
-            stimulus: session.stimulus(self.plan, trial).cloned(),
-        }))
-    }
-
-    fn next_trial(&mut self) -> gaitway::Result<Option<Showing>> {
-        let session = self.store.session(PERSON).unwrap();
-        Ok(session.next_trial().map(|trial| Showing {
-            trial: trial.clone(),
-            stimulus: session.stimulus(self.plan, trial).cloned(),
-        }))
-    }
-}
-
-/// An operator who agrees, types and orders what the test wants.
-struct Desk {
-    orders: Vec<Order>,
-    asked: u32,
-}
-
-impl Operator for Desk {
-    fn note(&mut self, line: &str) {
-        eprintln!("{line}");
-    }
-
-    fn order(&mut self) -> Option<Order> {
-        self.asked += 1;
-        // some time after the beginning
-        if self.asked.is_multiple_of(4000) { self.orders.pop() } else { None }
-    }
-
-    fn agreed(&mut self, _: &str, _: u32) -> Option<bool> {
-        Some(true)
-    }
-
-    fn asks(&mut self, _: &str, _: &PageQuestion) {}
-
-    fn typed(&mut self, question: &PageQuestion) -> Typed {
-        match question.scale {
-            Scale::Text { .. } if question.optional => Typed::LeftOut,
-            Scale::Text { .. } => Typed::Text("nothing".to_owned()),
-            Scale::Number { least, .. } => Typed::Number(least),
-            // the hands answer
-            _ => Typed::Waiting,
+        match line.rsplit_once('(').map(|(_, allowed)| allowed) {
+            Some("1 to 7)") => live.type_line("4"),
+            Some(allowed) if allowed.contains("0 happy") => live.type_line("happy"),
+            Some(allowed) if allowed.starts_with("0 to 120") => live.type_line("30"),
+            _ if line.contains("agree / decline") => live.type_line("agree"),
+            _ => {}
         }
     }
 }
 
-/// Shows the study of a file to its end.
-pub(super) fn act(folder: &Path) {
-    let text = std::fs::read_to_string(folder.join("study.toml")).unwrap();
-    let study = Study::parse(&text, "study.toml").unwrap();
-    let plan = Plan::of(&study.file, &Materials::default()).unwrap();
-    let mut kept = Kept::open(&plan, folder.join("events.jsonl"));
-    let mut desk = Desk { orders: Vec::new(), asked: 0 };
-    let library = GaitLibrary::built_in().unwrap();
-    let theatre = Theatre { library, is_own: false, avatars: Vec::new(), agents: Some(20) };
-    let setup = Setup {
-        study: study.file.study.id.clone(),
-        participant: "k7".to_owned(),
-        language: "en".to_owned(),
-        recordings: folder.to_owned(),
-        stop_at: BTreeMap::from([("presence".to_owned(), 4)]),
-    };
-    let plan = gaitway::xr::Plan { eye_size: Some([200; 2]), waits: true, ..Default::default() };
-    let front = Front::open(plan, &mut kept, &mut desk, theatre, setup).unwrap();
-    let outcome = front.run().unwrap();
-    act::tell("outcome", &json!(outcome));
-    act::tell("end", &json!(kept.page().unwrap()));
-}
-
-/// Chooses the fourth cell and Next in turn until `is_over` is set.
-fn keep_answering(head: &mut Head, is_over: &AtomicBool) {
-    let pause = || std::thread::sleep(Duration::from_millis(500));
+/// Points at cells and buttons and pulls the trigger in turn until `is_over` is set.
+fn keep_pulling(head: &mut Head, pixels: &[[f32; 2]], is_over: &AtomicBool) {
     while !is_over.load(Ordering::Relaxed) {
-        for pixel in [asks::cell(3), asks::NEXT] {
+        for pixel in pixels {
             for pulled in [false, true] {
-                asks::point(head, pixel, pulled);
-                pause();
+                asks::point(head, *pixel, pulled);
+                std::thread::sleep(Duration::from_millis(500));
             }
         }
     }
 }
 
-/// Plays an act to its end while hands answer everything.
-fn answered(service: &Service, folder: &Path) -> Vec<String> {
+/// Does something while a hand of the participant pulls the trigger at these places.
+fn with_hand<T>(service: &Service, pixels: &[[f32; 2]], work: impl FnOnce() -> T) -> T {
+    /// Ends the pulling however the work ends.
+    struct End<'a>(&'a AtomicBool);
+    impl Drop for End<'_> {
+        fn drop(&mut self) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
     let (is_over, mut head) = (AtomicBool::new(false), service.head());
     std::thread::scope(|scope| {
-        scope.spawn(|| keep_answering(&mut head, &is_over));
-        let live = play(service, "study", folder);
-        let (_, notes) = live.over();
-        is_over.store(true, Ordering::Relaxed);
-        notes
+        scope.spawn(|| keep_pulling(&mut head, pixels, &is_over));
+        let _end = End(&is_over);
+        work()
     })
 }
 
-/// The events that the store has.
-fn events(folder: &Path) -> Vec<Value> {
-    let text = std::fs::read_to_string(folder.join("events.jsonl")).unwrap_or_default();
-    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
-}
-
-fn count(events: &[Value], kind: &str) -> usize {
-    events.iter().filter(|event| event["event"] == kind).count()
-}
-
-/// Asserts that the participation is whole: trials shown, questions answered, each trial recorded to its end.
-fn is_whole(folder: &Path, notes: &[String], trials: usize) {
-    let events = events(folder);
-    assert_eq!(count(&events, "shown"), trials, "{notes:#?}");
-    let end = &told(notes, "end")[0];
-    assert_eq!(end["content"], "ended", "{end}");
-    for event in events.iter().filter(|event| event["event"] == "shown") {
-        let seconds = event["exposure"]["seconds_visible"].as_f64().unwrap();
-        assert!(seconds > 1.0 && event["exposure"]["frames"].as_u64().unwrap() > 1, "{event}");
-    }
-}
-
-/// Replays a recording of a scene: the header names everything that is needed.
-fn replay(service: &Service, recording: &Path) -> Value {
-    let text = std::fs::read_to_string(recording).unwrap();
-    let field = |key: &str| {
-        let line = text.lines().find_map(|line| line.strip_prefix(&format!("# {key} ")));
-        line.unwrap().to_owned()
-    };
-    let [scene, condition, seed] = ["scene", "condition", "seed"].map(field);
-    let run = ["xr", &scene, "--agents", "20", "--backend", "cpu", "--json", "--seed", &seed];
-    let more = ["--condition", &condition, "--replay", recording.to_str().unwrap()];
-    let output = service.gaitway(&[&run[..], &more[..]].concat()).output().unwrap();
-    serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {output:?}"))
-}
-
-#[test]
-fn a_study_runs_from_consent_to_its_end_in_one_session() {
-    if !is_there() {
-        return;
-    }
-    let service = Service::start("study");
-    let folder = folder("study");
-    std::fs::write(folder.join("study.toml"), SMALL).unwrap();
-    let notes = answered(&service, &folder);
-    is_whole(&folder, &notes, 6);
-    let events = events(&folder);
-    assert_eq!((count(&events, "consented"), count(&events, "fault")), (1, 0));
-    // two questions after each of four scenes, one after each of two people
-    let questions: std::collections::BTreeSet<String> = events
+/// Asserts that the data have every answer that was acknowledged, once, and so many trials.
+fn has_all(data: &Path, code: &str, acknowledged: &[String], trials: usize) {
+    let reading = Reading::open(data).unwrap();
+    let person = reading.people().into_iter().find(|person| person.code == code).unwrap();
+    assert_eq!(person.state.name(), "finished");
+    let tables = reading.tables(None);
+    let named: BTreeSet<String> = acknowledged
         .iter()
-        .filter(|event| event["event"] == "answer")
-        .map(|event| format!("{} {}", event["page"], event["question"]))
+        .map(|line| line.rsplit_once(" = ").unwrap().0.trim_start_matches("note: ").to_owned())
         .collect();
-    assert_eq!(questions.len(), 4 * 2 + 2, "{questions:#?}");
-    let outcome = &told(&notes, "outcome")[0];
-    assert_eq!(outcome["sessions"], 1, "{outcome}");
-    assert!(notes.iter().any(|line| line.contains("ask whether to end")), "{notes:#?}");
-    for position in 1..=4 {
-        let found = replay(&service, &folder.join(format!("scenes-{position}.csv")));
-        assert!(found["equal"] == true && found["trial"].is_string(), "{found}");
-    }
+    let found: Vec<String> = tables
+        .answers
+        .iter()
+        .map(|row| format!("{}: {}", row.page, row.question))
+        .filter(|name| named.contains(name))
+        .collect();
+    assert_eq!(found.len(), named.len(), "{found:#?}\n{named:#?}");
+    assert_eq!(found.iter().collect::<BTreeSet<_>>().len(), named.len());
+    let shown: BTreeSet<&str> = tables
+        .answers
+        .iter()
+        .filter(|row| row.part == "scenes" || row.part == "identify")
+        .map(|row| row.page.as_str())
+        .collect();
+    assert_eq!(shown.len(), trials, "{shown:?}");
+}
+
+/// Asserts that all recordings replay, and that one is refused under another condition.
+fn replay(lab: &Lab, code: &str, recordings: usize) {
+    let data = lab.data.to_str().unwrap();
+    let (is_good, said) = lab.ask(&["study", "replay", data]);
+    assert!(is_good, "{said}");
+    let equal = said.lines().filter(|line| line.contains("  equal")).count();
+    assert_eq!(equal, recordings, "{said}");
+    // whatever it was shown under, one of two is wrong
+    let first = lab.recording(code, "scenes-1.csv");
+    let refused = ["baseline", "eva-o", "eva-g"]
+        .into_iter()
+        .filter(|condition| {
+            let arguments = ["study", "replay", data, first.to_str().unwrap(), "--condition", condition];
+            let (is_good, said) = lab.ask(&arguments);
+            assert!(is_good || said.contains("condition"), "{said}");
+            !is_good
+        })
+        .count();
+    assert_eq!(refused, 2);
 }
 
 #[test]
-fn a_study_that_is_killed_in_mid_trial_goes_on_with_that_trial() {
+fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
     if !is_there() {
         return;
     }
-    let service = Service::start("study-killed");
-    let folder = folder("study-killed");
-    let text = SMALL.replace(
-        "seconds = 1.5 }\ndesign = { kind = \"blocks\"",
-        "seconds = 4.0 }\ndesign = { kind = \"blocks\"",
-    );
-    std::fs::write(folder.join("study.toml"), text).unwrap();
-    let (is_over, mut head) = (AtomicBool::new(false), service.head());
-    let kept = std::thread::scope(|scope| {
-        scope.spawn(|| keep_answering(&mut head, &is_over));
-        let mut live: Live = play(&service, "study", &folder);
-        live.hear("page scenes/2");
-        let recording = folder.join("scenes-2.csv");
-        // more than a second, so that there is a hash to compare with
-        super::recorded(&recording, 45, |_| true);
-        let before = steps(&recording).len();
-        live.kill();
-        is_over.store(true, Ordering::Relaxed);
-        assert!(steps(&recording).len() >= before);
-        events(&folder)
-    });
-    drop(head); // Monado hears one at a time
-    let notes = answered(&service, &folder);
-    is_whole(&folder, &notes, 6);
-    // nothing that was stored is lost, and no trial was shown twice to its end
-    assert_eq!(events(&folder)[..kept.len()], kept);
-    let first = std::fs::read_to_string(folder.join("scenes-2.broken-off.csv")).unwrap();
-    assert!(first.contains("# trial 2") && !first.contains("# end"), "{first}");
-    assert_eq!(replay(&service, &folder.join("scenes-2.broken-off.csv"))["equal"], true);
-    assert_eq!(replay(&service, &folder.join("scenes-2.csv"))["equal"], true);
-}
-
-#[test]
-#[ignore = "takes many minutes"]
-fn the_whole_study_of_the_paper_outlives_a_runtime_that_is_killed_twice() {
-    if !is_there() {
-        return;
+    let text = study(r#""crossing", "garden", "parking", "scifi""#, r#""baseline", "eva-o", "eva-g""#, "1.5");
+    let mut lab = Lab::open("study-whole", &text);
+    let mut live = lab.run(None);
+    let code = code(&mut live);
+    let mut acknowledged = Vec::new();
+    // the first page with questions about a scene is answered by a hand, all else by the operator
+    acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || type_answers(&mut live, "scenes/1: seen")));
+    acknowledged.extend(with_hand(&lab.service, &[asks::cell(3), asks::NEXT], || {
+        ["scenes/1: presence.q1 = 4", "scenes/1: presence.q2 = 4"].map(|answer| live.hear_line(answer))
+    }));
+    for lost_at in ["scenes/4: presence.q2 = 4", "scenes/9: presence.q2 = 4"] {
+        acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || type_answers(&mut live, lost_at)));
+        lab.service.kill();
+        live.hear("lost the headset");
+        lab.service.restart();
+        live.hear("the headset is back");
     }
-    let mut service = Service::start("study-whole");
-    let folder = folder("study-whole");
-    std::fs::write(folder.join("study.toml"), whole()).unwrap();
-    let mut live = play(&service, "study", &folder);
-    for page in ["page scenes/2", "page scenes/7", ""] {
-        let is_over = AtomicBool::new(false);
-        let mut head = service.head();
-        std::thread::scope(|scope| {
-            scope.spawn(|| keep_answering(&mut head, &is_over));
-            live.hear(if page.is_empty() { "outcome" } else { page });
-            is_over.store(true, Ordering::Relaxed);
+    // killed in the middle of a trial
+    acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || {
+        let said = type_answers(&mut live, "scenes/10: presence.q2 = 4");
+        let recording = lab.recording(&code, "scenes-11.csv");
+        super::until(|| match steps(&recording).len() {
+            0..20 => Err("no steps".to_owned()),
+            _ => Ok(()),
         });
-        if !page.is_empty() {
-            service.kill();
-            live.hear("lost the headset");
-            service.restart();
-            live.hear("the headset is back");
-        }
+        said
+    }));
+    live.kill();
+    let mut live = lab.run(Some(&code));
+    acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || {
+        let said = type_answers(&mut live, "identify/4: which = 0");
+        let (outcome, _) = live.wait();
+        assert_eq!(
+            (&outcome["state"], &outcome["participant"]),
+            (&Value::from("finished"), &Value::from(code.as_str()))
+        );
+        said
+    }));
+    has_all(&lab.data, &code, &acknowledged, 16);
+    let broken = std::fs::read_to_string(lab.recording(&code, "scenes-11.broken-off.csv")).unwrap();
+    assert!(broken.contains("# part scenes") && !broken.contains("# end"), "{broken}");
+    replay(&lab, &code, 17);
+}
+
+#[test]
+fn the_operator_repeats_skips_pauses_and_ends_and_the_participation_goes_on() {
+    if !is_there() {
+        return;
     }
-    let (_, notes) = live.over();
-    is_whole(&folder, &notes, 1 + 12 + 8);
-    let outcome = &told(&notes, "outcome")[0];
-    assert_eq!(outcome["sessions"], 3, "{outcome}");
+    let lab = Lab::open("study-orders", &study(r#""crossing", "garden""#, r#""eva-o", "eva-g""#, "3.0"));
+    let mut live = lab.run(None);
+    let code = code(&mut live);
+    let is_seen = |name: &str| {
+        super::until(|| match steps(&lab.recording(&code, name)).len() {
+            0..5 => Err(format!("{name}: too few steps")),
+            _ => Ok(()),
+        });
+    };
+    with_hand(&lab.service, &[asks::NEXT], || {
+        type_answers(&mut live, "about-you: age = 30");
+        is_seen("scenes-1.csv");
+        live.type_line("/repeat");
+        live.hear("scenes/1: again from its beginning");
+        type_answers(&mut live, "scenes/1: presence.q2 = 4");
+        is_seen("scenes-2.csv");
+        live.type_line("/skip");
+        live.hear("scenes/2: left out");
+        is_seen("scenes-3.csv");
+        live.type_line("/pause");
+        live.hear("pause: done");
+        live.type_line("/note asked for water");
+        live.hear("note: done");
+        live.type_line("/dance");
+        live.hear("/dance is no order");
+        let person = || Reading::open(&lab.data).unwrap().people().remove(0);
+        assert_eq!((person().state, person().page.as_str()), (State::Paused, "scenes/3"));
+        live.type_line("/resume");
+        live.hear("resume: done");
+        is_seen("scenes-3-2.csv");
+        type_answers(&mut live, "scenes/4: presence.q2 = 4");
+        // what is out of range is said and not taken
+        live.hear("How does this person feel?");
+        live.type_line("bored");
+        live.hear("\"bored\" is no answer: 0 happy");
+        live.type_line("sad");
+        live.hear("identify/1: which = 2");
+        is_seen("identify-2.csv");
+        live.type_line("/end");
+    });
+    let (outcome, _) = live.wait();
+    assert_eq!((&outcome["state"], &outcome["page"]), (&Value::from("placed"), &Value::from("identify/2")));
+    let mut live = lab.run(Some(&code));
+    with_hand(&lab.service, &[asks::NEXT], || {
+        type_answers(&mut live, "identify/4: which = 0");
+        assert_eq!(live.wait().0["state"], "finished");
+    });
+    // one was left out
+    has_all(&lab.data, &code, &[], 3 + 4);
+    let (is_good, said) = lab.ask(&["study", "replay", lab.data.to_str().unwrap()]);
+    assert!(is_good && !said.contains("DIFFERS"), "{said}");
+    // none of those that were cut is lost: repeated, skipped, paused, ended
+    for name in ["scenes-1", "scenes-1-2", "scenes-2", "scenes-3", "scenes-3-2", "identify-2", "identify-2-2"]
+    {
+        assert!(said.contains(&format!("/{name}.csv  ")), "{name}: {said}");
+    }
+    let (is_good, said) = lab.ask(&[
+        "study",
+        "run",
+        lab.study.to_str().unwrap(),
+        "--data",
+        lab.data.to_str().unwrap(),
+        "--code",
+        &code,
+    ]);
+    assert!(!is_good && said.contains("this participation has ended: finished"), "{said}");
 }

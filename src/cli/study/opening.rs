@@ -69,7 +69,8 @@ fn check(study: &Study, beside: &Beside) -> Result<(), Error> {
         0 => first.hint.clone(),
         _ => format!("`gaitway study check` lists {more} more"),
     };
-    Err(failed(first.to_string(), hint))
+    let study::check::Note { place, key, value, allowed, .. } = first;
+    Err(failed(format!("{place}: {key} = {value}: must be {allowed}"), hint))
 }
 
 /// A request that a store did not meet.

@@ -1,6 +1,6 @@
 //! `gaitway study replay`: recordings of trials, done again and compared.
 
-use super::super::output::{note, say, say_json};
+use super::super::output::{note, say, say_json, warn};
 use super::super::recorded::{self, Replayed};
 use super::super::{failed, scene};
 use crate::Error;
@@ -10,6 +10,8 @@ use crate::study::store::{RECORDINGS, Reading, Version};
 use crate::study::theatre::Theatre;
 use crate::xr::RecordedSession;
 use serde::Serialize;
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 use std::path::{Path, PathBuf};
 
 /// Arguments of `gaitway study replay`.
@@ -45,36 +47,54 @@ struct One {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let reading = Reading::open(&arguments.data)?;
     let files = if arguments.files.is_empty() { all(&arguments.data)? } else { arguments.files.clone() };
-    let mut theatre: Option<(u32, Theatre)> = None;
+    if files.is_empty() {
+        note("note: there are no recordings");
+    }
+    let mut theatres = BTreeMap::new();
     let (mut done, mut is_good) = (Vec::new(), true);
     for file in files {
-        let found = recorded::read(&file)?;
-        let (showing, version) = trial(&reading, &file, &found)?;
-        let showing = match &arguments.condition {
-            Some(condition) => under(showing, condition),
-            None => showing,
-        };
-        if theatre.as_ref().is_none_or(|(number, _)| *number != version.number) {
-            theatre = Some((version.number, version.theatre()?));
+        match one(arguments, &reading, &mut theatres, &file) {
+            Ok(replayed) => {
+                is_good &= replayed.is_good();
+                if !arguments.json {
+                    print(&file, &replayed);
+                }
+                done.push(One { file, replayed });
+            }
+            // the others are replayed all the same
+            Err(error) => {
+                is_good = false;
+                warn(&format!("refused: {error}"));
+            }
         }
-        let Some((_, theatre)) = &theatre else { continue };
-        let scene = theatre.scene(&showing)?;
-        let mut simulation = scene::start(&scene)?;
-        let session = RecordedSession::of(&scene, &theatre.library, simulation.state()?);
-        let replayed = recorded::replay(&file, found, &session, &mut simulation)?;
-        is_good &= replayed.is_good();
-        if !arguments.json {
-            print(&file, &replayed);
-        }
-        done.push(One { file, replayed });
-    }
-    if done.is_empty() {
-        note("note: there are no recordings");
     }
     if arguments.json {
         say_json(&done)?;
     }
     Ok(is_good)
+}
+
+/// Replays one recording.
+fn one(
+    arguments: &Arguments,
+    reading: &Reading,
+    theatres: &mut BTreeMap<u32, Theatre>,
+    file: &Path,
+) -> Result<Replayed, Error> {
+    let found = recorded::read(file)?;
+    let (showing, version) = trial(reading, file, &found)?;
+    let showing = match &arguments.condition {
+        Some(condition) => under(showing, condition),
+        None => showing,
+    };
+    let theatre = match theatres.entry(version.number) {
+        Entry::Occupied(known) => known.into_mut(),
+        Entry::Vacant(new) => new.insert(version.theatre()?),
+    };
+    let scene = theatre.scene(&showing)?;
+    let mut simulation = scene::start(&scene)?;
+    let session = RecordedSession::of(&scene, &theatre.library, simulation.state()?);
+    recorded::replay(file, found, &session, &mut simulation)
 }
 
 /// All recordings of a folder of data, in the order of their names.
@@ -89,7 +109,9 @@ fn all(data: &Path) -> Result<Vec<PathBuf>, Error> {
     };
     if folder.is_dir() {
         for person in list(&folder)?.into_iter().filter(|path| path.is_dir()) {
-            files.extend(list(&person)?.into_iter().filter(|file| file.extension().is_some_and(|is| is == "csv")));
+            files.extend(
+                list(&person)?.into_iter().filter(|file| file.extension().is_some_and(|is| is == "csv")),
+            );
         }
     }
     files.sort();

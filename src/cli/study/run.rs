@@ -95,7 +95,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let is_over = Arc::new(AtomicBool::new(false));
     let server = console(arguments, &store, &lab, &is_over)?;
     let mirror = arguments.console.map(|_| Arc::new(Mirror::new(ROWS).every(PERIOD)));
-    let painter = mirror.clone().map(|mirror| watch(mirror, Arc::clone(&lab), Arc::clone(&is_over))).transpose()?;
+    let painter =
+        mirror.clone().map(|mirror| watch(mirror, Arc::clone(&lab), Arc::clone(&is_over))).transpose()?;
     warn(&format!("participant   {}", kept.code()));
     let heed = stop::heed();
     let outcome = show(arguments, &kept, &lab, mirror);
@@ -113,7 +114,10 @@ fn begin(arguments: &Arguments, store: &Store) -> Result<Kept, Error> {
     let study = &store.current().study.file;
     if !study.study.fronts.contains(&Place::Headset) {
         let message = format!("study.where of {} has no \"headset\"", study.study.id);
-        return Err(failed(message, "add it, and a section [headset]; `gaitway study check` says what is missing"));
+        return Err(failed(
+            message,
+            "add it, and a section [headset]; `gaitway study check` says what is missing",
+        ));
     }
     let languages = &study.study.languages;
     let language = arguments.language.as_ref().or_else(|| languages.first()).map_or("en", String::as_str);
@@ -125,7 +129,10 @@ fn begin(arguments: &Arguments, store: &Store) -> Result<Kept, Error> {
     match kept.turn().map_err(trouble)?.state {
         State::Ended(_) if arguments.code.is_some() => {
             let state = kept.turn().map_err(trouble)?.state.name();
-            Err(failed(format!("this participation has ended: {state}"), "leave --code out for a new participant"))
+            Err(failed(
+                format!("this participation has ended: {state}"),
+                "leave --code out for a new participant",
+            ))
         }
         _ => Ok(kept),
     }
@@ -156,7 +163,11 @@ fn console(
 }
 
 /// Brings what the left eye sees to the operators' page.
-fn watch(mirror: Arc<Mirror>, lab: Arc<Lab>, is_over: Arc<AtomicBool>) -> Result<thread::JoinHandle<()>, Error> {
+fn watch(
+    mirror: Arc<Mirror>,
+    lab: Arc<Lab>,
+    is_over: Arc<AtomicBool>,
+) -> Result<thread::JoinHandle<()>, Error> {
     let paint = move || {
         while !is_over.load(Ordering::Relaxed) {
             if let Some(png) = mirror.take().and_then(|image| png(&image).ok()) {
@@ -170,7 +181,9 @@ fn watch(mirror: Arc<Mirror>, lab: Arc<Lab>, is_over: Arc<AtomicBool>) -> Result
 
 fn spawn(name: &str, work: impl FnOnce() + Send + 'static) -> Result<thread::JoinHandle<()>, Error> {
     let thread = thread::Builder::new().name(name.to_owned()).spawn(work);
-    thread.map_err(|error| failed(format!("no thread for {name}: {error}"), "close other programs, then try again"))
+    thread.map_err(|error| {
+        failed(format!("no thread for {name}: {error}"), "close other programs, then try again")
+    })
 }
 
 /// Shows the participation until it has ended, or the session is over.

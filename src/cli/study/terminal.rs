@@ -89,7 +89,13 @@ impl Terminal {
             _ => return warn(&format!("/{word} is no order. {ORDERS}")),
         };
         match self.kept.operate(OPERATOR, act) {
-            Ok(_) => self.note(&format!("{word}: done")),
+            Ok(_) => {
+                if word == "pause" {
+                    self.lab.order(Order::Look);
+                    self.was_cut_off = true;
+                }
+                self.note(&format!("{word}: done"));
+            }
             Err(trouble) => warn(&format!("{word}: {trouble}")),
         }
     }
@@ -150,7 +156,8 @@ impl Operator for Terminal {
         // what was typed before it was asked is no answer to it
         self.hear();
         self.said.clear();
-        let optional = if question.optional { format!(", {LEFT_OUT} to leave it out") } else { String::new() };
+        let optional =
+            if question.optional { format!(", {LEFT_OUT} to leave it out") } else { String::new() };
         warn(&format!("{page}: {} ({}{optional})", question.text.trim(), allowed(&question.scale)));
     }
 
@@ -171,7 +178,8 @@ fn allowed(scale: &Scale<String>) -> String {
             format!("{least} to {greatest}")
         }
         Scale::Options { options } => {
-            let options: Vec<String> = options.iter().map(|(value, text)| format!("{value} {text}")).collect();
+            let options: Vec<String> =
+                options.iter().map(|(value, text)| format!("{value} {text}")).collect();
             options.join(", ")
         }
         Scale::Text { most } => format!("a text of up to {most} letters"),
@@ -191,7 +199,8 @@ fn answer(line: &str, question: &PageQuestion) -> Result<Typed, String> {
             number.filter(|value| (least..=greatest).contains(&value)).map(Typed::Number).ok_or_else(wrong)
         }
         Scale::Options { options } => {
-            let is_meant = |(value, text): &&(i64, String)| number == Some(*value) || text.eq_ignore_ascii_case(line);
+            let is_meant =
+                |(value, text): &&(i64, String)| number == Some(*value) || text.eq_ignore_ascii_case(line);
             options.iter().find(is_meant).map(|(value, _)| Typed::Number(*value)).ok_or_else(wrong)
         }
         Scale::Text { most } if line.chars().count() <= *most as usize => Ok(Typed::Text(line.to_owned())),

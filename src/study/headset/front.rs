@@ -122,10 +122,10 @@ impl<'a> Front<'a> {
             }
             Content::Show { seconds, plays, .. } => self.trial(page, seconds * f64::from((*plays).max(1))),
             Content::Rest => self.read(page, &self.words.rest.clone()),
-            Content::Paused => self.wait(&self.words.paused.clone()),
+            Content::Paused => self.wait(page, &self.words.paused.clone()),
             // the store owes the next page
             Content::Place | Content::Lapsed | Content::Broken | Content::Ended { .. } => {
-                self.wait(&self.words.wait.clone())
+                self.wait(page, &self.words.wait.clone())
             }
         }
     }
@@ -139,15 +139,20 @@ impl<'a> Front<'a> {
         Ok(())
     }
 
-    /// Waits a little with a notice, then asks for the page again. None: the session is over.
-    fn wait(&mut self, text: &str) -> Result<Option<Page>, crate::Error> {
+    /// Waits with a notice until there is another page than this one. None: the session is over.
+    fn wait(&mut self, page: &Page, text: &str) -> Result<Option<Page>, crate::Error> {
         self.stage.tell(&panels::notice(text))?;
-        if !self.stage.rest(LOOK, &mut self.beside)
-            && let Cut::Over = self.cut()
-        {
-            return Ok(None);
+        loop {
+            if !self.stage.rest(LOOK, &mut self.beside)
+                && let Cut::Over = self.cut()
+            {
+                return Ok(None);
+            }
+            let next = self.participation.page()?;
+            if next != *page {
+                return Ok(Some(next));
+            }
         }
-        self.participation.page().map(Some)
     }
 
     /// Waits until the operator says whether the participant agrees. None: the session is over.

@@ -46,15 +46,16 @@ impl Front<'_> {
         let mut given: Vec<Given> = vec![Given::default(); questions.len()];
         let mut at = 0;
         while let Some(question) = questions.get(at) {
-            let said = match self.question(page, question, [at, questions.len()], (given[at].value, instruction))? {
-                Ok(said) => said,
-                Err(Cut::Over) => return Ok(None),
-                Err(Cut::Order(Order::Look)) => return self.participation.page().map(Some),
-                Err(Cut::Order(order)) => {
-                    self.refuse(order);
-                    continue;
-                }
-            };
+            let said =
+                match self.question(page, question, [at, questions.len()], (given[at].value, instruction))? {
+                    Ok(said) => said,
+                    Err(Cut::Over) => return Ok(None),
+                    Err(Cut::Order(Order::Look)) => return self.participation.page().map(Some),
+                    Err(Cut::Order(order)) => {
+                        self.refuse(order);
+                        continue;
+                    }
+                };
             match self.take(page, question, &mut given[at], said)? {
                 Some(Choice::Next) => at += 1,
                 Some(Choice::Back) => at = at.saturating_sub(1),

@@ -77,7 +77,11 @@ impl Front<'_> {
         self.beside.record(self.recorder(showing, &scene, &mut world)?);
         let walked = self.stage.walk(&mut world, seconds, &mut self.beside)?;
         // what was cut is gone at once
-        if walked.is_whole { self.stage.fade(1.0) } else { self.stage.blank() }
+        if walked.is_whole {
+            self.stage.fade(1.0)
+        } else {
+            self.stage.blank()
+        }
         if let Some(recorder) = self.beside.take_recorder() {
             recorder.finish(world.simulation().state()?).map_err(|error| of_recording(&error))?;
         }

@@ -42,7 +42,12 @@ impl Ledger {
     pub fn new(plan: &Plan) -> Self {
         let account =
             |(_, name, step): (usize, &str, &TrialsStep)| (name.to_owned(), Account::of(plan, name, step));
-        Self { accounts: plan.counted().map(account).collect(), holders: BTreeMap::new(), places: 0, rows: None }
+        Self {
+            accounts: plan.counted().map(account).collect(),
+            holders: BTreeMap::new(),
+            places: 0,
+            rows: None,
+        }
     }
 
     /// The same, giving rows of a range alone where several machines collect: of the parts that have the most rows.

@@ -41,7 +41,9 @@ impl Rows {
         let counts = self.counts();
         let (from, to) = among.map_or((0, counts.len()), |rows| (rows.start as usize, rows.end as usize));
         let least = *counts.get(from..to.min(counts.len()))?.iter().min()?;
-        let row = order(least).into_iter().find(|&row| (from..to).contains(&row) && counts.get(row) == Some(&least))?;
+        let row = order(least)
+            .into_iter()
+            .find(|&row| (from..to).contains(&row) && counts.get(row) == Some(&least))?;
         self.leased[row] += 1;
         Some(row)
     }

@@ -105,7 +105,8 @@ impl Desk {
             trial: trial.clone(),
             stimulus: one.session.stimulus(&version.plan, trial).cloned(),
         };
-        Ok([one.session.trial().map(|(trial, _)| trial), one.session.next_trial()].map(|trial| trial.map(showing)))
+        Ok([one.session.trial().map(|(trial, _)| trial), one.session.next_trial()]
+            .map(|trial| trial.map(showing)))
     }
 
     /// Takes an event of a participant, or of nothing but the time, and writes what follows from it.

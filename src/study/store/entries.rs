@@ -177,6 +177,12 @@ fn join(kind: &str, detail: &str, trials: Vec<Trial>) -> Result<Event> {
     serde_json::from_value(Value::Object(fields)).map_err(unreadable)
 }
 
+/// The stimulus of a trial as its place was given.
+pub(super) fn placed_item(connection: &Connection, participant: i64, trial: &Trial) -> Result<Option<u32>> {
+    let sql = "SELECT item FROM trial WHERE participant = ?1 AND part = ?2 AND position = ?3";
+    connection.query_row(sql, params![participant, trial.part, trial.position], |row| row.get(0))
+}
+
 fn read_trials(connection: &Connection, participant: i64) -> Result<Vec<Trial>> {
     let mut statement = connection.prepare_cached(
         "SELECT part, position, item, block, row, seed, role, again, wanted FROM trial WHERE participant = ?1 \

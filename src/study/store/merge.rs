@@ -54,7 +54,8 @@ fn begin(desk: &Desk, into: &Path) -> Result<(), Error> {
     for version in desk.versions.iter() {
         let mut libraries = Libraries::new();
         let file = &version.study.file;
-        let shown = file.parts.values().filter_map(Part::trials).filter_map(|trials| trials.show.gaits.clone());
+        let shown =
+            file.parts.values().filter_map(Part::trials).filter_map(|trials| trials.show.gaits.clone());
         for name in shown.chain(file.crowd.iter().map(|crowd| crowd.library.clone())) {
             let from = version.folder.join(&name);
             if from.is_file() {

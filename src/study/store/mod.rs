@@ -43,6 +43,7 @@ pub use request::{Arrival, Arrived, PlatformId, Trouble, Turn};
 pub use version::{Opening, Shown, Version};
 
 use super::Error;
+use super::plan::Role as TrialRole;
 use super::protocol::Event;
 use super::tables::Tables;
 use super::theatre::Showing;
@@ -320,10 +321,15 @@ impl Reading {
 
     /// What a trial of the participant of a code showed, and the version of the study; none if there is no such trial.
     pub fn showing(&self, code: &str, part: &str, trial: u32) -> Option<(Showing, Arc<Version>)> {
-        let one = self.desk.books.people.get(self.desk.books.by_code.get(code)?)?;
+        let id = *self.desk.books.by_code.get(code)?;
+        let one = self.desk.books.people.get(&id)?;
         let version = self.desk.version(one.version)?;
         let trials = one.session.trials_of(&version.plan, part);
-        let trial = trials.into_iter().find(|own| own.position == trial)?;
+        let mut trial = trials.into_iter().find(|own| own.position == trial)?;
+        if trial.role == TrialRole::Ordinary && trial.item.is_none() {
+            // left out since; what it was to show is in the plan as it was given
+            trial.item = entries::placed_item(&self.desk.connection, id, &trial).ok()?;
+        }
         let stimulus = one.session.stimulus(&version.plan, &trial).cloned();
         Some((Showing { trial, stimulus }, version))
     }

@@ -193,7 +193,12 @@ fn check_rows(version: &Version, rows: &Range<u32>) -> Result<(), Error> {
         return Ok(());
     }
     let hint = "rows count from 0; `gaitway study check` says how many a design has";
-    Err(Error::value("rows".to_owned(), format!("{}..{}", rows.start, rows.end), format!("within 0..{most}"), hint))
+    Err(Error::value(
+        "rows".to_owned(),
+        format!("{}..{}", rows.start, rows.end),
+        format!("within 0..{most}"),
+        hint,
+    ))
 }
 
 /// The path of a store in a folder of data.

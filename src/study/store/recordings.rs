@@ -13,11 +13,10 @@ impl Desk {
         let is_deleted = |version: u32| {
             self.version(version).is_some_and(|version| version.plan.on_withdrawal == OnWithdrawal::Delete)
         };
-        let mut withdrawn = self
-            .books
-            .people
-            .values()
-            .filter(|one| one.session.state() == State::Ended(Ending::Withdrawn) && is_deleted(one.version));
+        let mut withdrawn =
+            self.books.people.values().filter(|one| {
+                one.session.state() == State::Ended(Ending::Withdrawn) && is_deleted(one.version)
+            });
         withdrawn.try_for_each(|one| self.delete_recordings(&one.code))
     }
 

@@ -188,7 +188,12 @@ fn format_1_is_still_read_and_says_neither_condition_nor_heights() {
 
 #[test]
 fn a_recording_of_a_trial_names_it_and_replays_as_any() {
-    let label = TrialLabel { study: "eva-agents".into(), participant: "k7q4".into(), part: "scenes".into(), trial: 7 };
+    let label = TrialLabel {
+        study: "eva-agents".into(),
+        participant: "k7q4".into(),
+        part: "scenes".into(),
+        trial: 7,
+    };
     let labelled = Session { trial: Some(label.clone()), ..session() };
     let text = |session: &Session| {
         let mut recorder = Recorder::new(Vec::new(), session).unwrap();
@@ -203,7 +208,12 @@ fn a_recording_of_a_trial_names_it_and_replays_as_any() {
     let bad = named.replace("# trial 7", "# trial x");
     assert!(Recording::read(bad.as_bytes()).unwrap_err().to_string().contains("trial \"x\""));
     for (study, participant) in [("a\n# end 0", "b"), ("", "b"), ("a", " b")] {
-        let trial = Some(TrialLabel { study: study.into(), participant: participant.into(), part: "scenes".into(), trial: 1 });
+        let trial = Some(TrialLabel {
+            study: study.into(),
+            participant: participant.into(),
+            part: "scenes".into(),
+            trial: 1,
+        });
         let error = Recorder::new(Vec::new(), &Session { trial, ..session() }).unwrap_err();
         assert!(error.to_string().contains("must be one line"), "{error}");
     }

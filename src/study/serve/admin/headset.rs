@@ -55,27 +55,24 @@ pub(super) fn orders(lab: &Lab, session: &Session) -> Markup {
 pub(super) async fn order(State(console): Shared, request: Request) -> Result<Response, Told> {
     let (session, fields) = console.read(request, Role::Run).await?;
     let lab = console.lab.as_ref().ok_or_else(|| no_headset(&console))?;
-    let order = match fields.get("act").map_or("", String::as_str) {
-        // the headset's operator sees in the store that there is a pause
-        "pause" => Err(Act::Pause),
-        "resume" => Err(Act::Resume),
-        "repeat" => Ok((Order::Repeat, "repeat a trial")),
-        "skip" => Ok((Order::Skip, "skip a trial")),
-        "end" => Ok((Order::End, "end the session")),
+    let (act, order) = match fields.get("act").map_or("", String::as_str) {
+        "pause" => (Ok(Act::Pause), Some(Order::Look)),
+        "resume" => (Ok(Act::Resume), None),
+        "repeat" => (Err("repeat a trial"), Some(Order::Repeat)),
+        "skip" => (Err("skip a trial"), Some(Order::Skip)),
+        "end" => (Err("end the session"), Some(Order::End)),
         _ => {
             let text = "Load the page again.";
             return Err(pages::problem(&console, StatusCode::BAD_REQUEST, "Not a form", text).into());
         }
     };
     let (name, code) = (&session.name, &lab.participant);
-    match order {
-        Err(act) => ask(|then| console.store.operate(name, code, act, then)).await.map(drop),
-        Ok((order, what)) => {
-            let noted = ask(|then| console.store.audit(name, what, code, then)).await;
-            noted.map(|()| lab.order(order))
-        }
+    match act {
+        Ok(act) => ask(|then| console.store.operate(name, code, act, then)).await.map(drop),
+        Err(what) => ask(|then| console.store.audit(name, what, code, then)).await,
     }
     .map_err(|trouble| console.trouble(&trouble))?;
+    order.into_iter().for_each(|order| lab.order(order));
     Ok(see_other("/admin/live"))
 }
 

@@ -3,8 +3,8 @@
 use super::super::reply::{Told, page as reply};
 use super::super::site::ask;
 use super::console::Console;
-use super::{headset, pages};
 use super::sessions::Session;
+use super::{headset, pages};
 use crate::study::plan::Counts;
 use crate::study::protocol::State as Stage;
 use crate::study::store::{Overview, Person, Role};
