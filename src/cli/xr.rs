@@ -156,7 +156,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
 }
 
 /// Writes a picture, and beside it where everyone in it looks.
-fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
+pub(super) fn write_shot(folder: &Path, shot: &Shot) -> Result<(), Error> {
     let name = folder.join(format!("frame-{:06}", shot.frame));
     crate::export::image::write_png(&name.with_extension("png"), &shot.image)
         .map_err(crate::export::Error::from)?;

@@ -177,3 +177,39 @@ fn the_papers_whole_evaluation_runs_from_gaits_to_one_report() {
     assert_eq!(json[2]["tests"][1]["kept"]["statistics"]["answers"], 192);
     assert!(out.join("data-gaits/analysis/ratings.csv").is_file());
 }
+
+#[test]
+#[cfg(all(feature = "study", feature = "xr"))]
+fn what_keeps_a_study_from_a_headset_is_said_before_anything_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    for study in ["eva-gaits", "eva-agents"] {
+        good(&["study", "new", study, "--out", &at(study)]);
+    }
+    let (mine, data) = (at("eva-agents"), at("data"));
+    let message = fails(&["study", "run", &mine, "--data", &data], 1);
+    assert!(message.contains("study.contact"), "{message}");
+    let message = fails(&["study", "run", &at("eva-gaits"), "--data", &data], 1);
+    assert!(message.contains("study.where of eva-gaits has no \"headset\""), "{message}");
+    for (option, value, wanted) in [
+        ("--rows", "3", "0..12"),
+        ("--language", "tlh", "the study is in en"),
+        ("--rate", "0", "1 to 1000 Hz"),
+    ] {
+        let message = fails(&["study", "run", &mine, "--data", &data, option, value], 2);
+        assert!(message.contains(wanted), "{message}");
+    }
+    assert!(!folder.path().join("data").exists());
+    for name in ["study.toml", "consent-vr.en.md"] {
+        let file = folder.path().join("eva-agents").join(name);
+        let text = std::fs::read_to_string(&file).unwrap();
+        std::fs::write(&file, text.replace("TO FILL IN", "Lab of Gaits")).unwrap();
+    }
+    let message = fails(&["study", "run", &mine, "--data", &data, "--rows", "0..25"], 1);
+    assert!(message.contains("0..24"), "{message}");
+    let message = fails(&["study", "run", &mine, "--data", &data, "--code", "K7Q01"], 1);
+    assert!(message.contains("there is no such participant"), "{message}");
+    let message = fails(&["study", "replay", &at("nothing")], 1);
+    assert!(message.contains("nothing"), "{message}");
+    assert!(good(&["study", "replay", &data]).contains("there are no recordings"));
+}

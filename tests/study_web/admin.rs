@@ -3,11 +3,12 @@
 use crate::client::{Browser, Reply};
 use crate::lab::{Lab, go_on, wait};
 use gaitway::study::store::Role;
+use std::net::SocketAddr;
 
 const PASSWORD: &str = "a long password";
 
 /// An operator who has come by the first link.
-fn owner(lab: &Lab) -> Browser {
+pub(crate) fn owner(lab: &Lab) -> Browser {
     let mut browser = Browser::new(lab.console);
     let key = lab.first_link.split("key=").nth(1).unwrap();
     let form = browser.open(&format!("/admin/first?key={key}"));
@@ -19,27 +20,35 @@ fn owner(lab: &Lab) -> Browser {
 
 /// The mark of an operator's forms.
 fn mark(browser: &mut Browser) -> String {
-    browser
-        .open("/admin/participants")
-        .body
-        .split("name=\"mark\" value=\"")
-        .nth(1)
-        .map_or_else(String::new, |rest| rest.split('"').next().unwrap().to_owned())
+    mark_of(&browser.open("/admin/participants"))
+}
+
+/// The mark of the forms on a page; empty without forms.
+pub(crate) fn mark_of(page: &Reply) -> String {
+    let rest = page.body.split("name=\"mark\" value=\"").nth(1);
+    rest.map_or_else(String::new, |rest| rest.split('"').next().unwrap().to_owned())
 }
 
 fn sign_in(lab: &Lab, name: &str, password: &str) -> (Browser, Reply) {
-    let mut browser = Browser::new(lab.console);
+    sign_in_with(lab.console, name, password)
+}
+
+/// The first operator at another address.
+pub(crate) fn sign_in_at(console: SocketAddr, name: &str) -> (Browser, Reply) {
+    sign_in_with(console, name, PASSWORD)
+}
+
+pub(crate) fn sign_in_with(console: SocketAddr, name: &str, password: &str) -> (Browser, Reply) {
+    let mut browser = Browser::new(console);
     let reply = browser.post("/admin/login", &[("name", name), ("password", password)]);
     let page = browser.follow(reply);
     (browser, page)
 }
 
 /// An owner's browser, and one of an operator with a role.
-fn with_role(lab: &Lab, role: &str) -> Browser {
+pub(crate) fn with_role(lab: &Lab, role: &str) -> Browser {
     let mut own = owner(lab);
-    let page = own.open("/admin/operators");
-    let mark =
-        page.body.split("name=\"mark\" value=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
+    let mark = mark_of(&own.open("/admin/operators"));
     let fields = [("mark", mark.as_str()), ("name", "bob"), ("password", "another password"), ("role", role)];
     let reply = own.post("/admin/operators", &fields);
     assert!(own.follow(reply).body.contains("The operator is named."));

@@ -144,7 +144,7 @@ impl Lab {
         };
         change(&mut settings);
         let server = Server::bind(store.clone(), &settings).unwrap();
-        let (address, console) = (server.address(), server.console_address().unwrap());
+        let (address, console) = (server.address().unwrap(), server.console_address().unwrap());
         let first_link = server.first_link().unwrap_or_default().to_owned();
         let stop = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&stop);

@@ -11,6 +11,7 @@ mod client;
 mod clips;
 mod flow;
 mod guards;
+mod headset;
 mod lab;
 mod leaks;
 mod links;

@@ -27,16 +27,20 @@ pub(super) struct OpeningArguments {
 impl OpeningArguments {
     /// Opens the data. A study with errors, or with something left to fill in, is not opened.
     pub(super) fn open(&self) -> Result<Store, Error> {
-        self.open_with(None)
+        self.open_checked(&self.study()?, None)
     }
 
-    /// The same, where this folder gives rows of a range alone from now on.
-    pub(super) fn open_with(&self, rows: Option<Range<u32>>) -> Result<Store, Error> {
-        let study = study(&self.study)?;
-        let beside = Beside::of(&study, &Gaits::of(self.library.clone()))?;
-        check(&study, &beside)?;
-        let libraries = self.libraries(&study)?;
-        let opening = Opening { study, materials: beside.materials, libraries, rows };
+    /// The study.
+    pub(super) fn study(&self) -> Result<Study, Error> {
+        study(&self.study)
+    }
+
+    /// Opens the data of the study, which give rows of a range alone from now on if there is one.
+    pub(super) fn open_checked(&self, study: &Study, rows: Option<Range<u32>>) -> Result<Store, Error> {
+        let beside = Beside::of(study, &Gaits::of(self.library.clone()))?;
+        check(study, &beside)?;
+        let libraries = self.libraries(study)?;
+        let opening = Opening { study: study.clone(), materials: beside.materials, libraries, rows };
         Ok(Store::open(&self.data, &opening)?)
     }
 

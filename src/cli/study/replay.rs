@@ -1,6 +1,6 @@
 //! `gaitway study replay`: recordings of trials, done again and compared.
 
-use super::super::output::{note, say, say_json, warn};
+use super::super::output::{say, say_json, warn};
 use super::super::recorded::{self, Replayed};
 use super::super::{failed, scene};
 use crate::Error;
@@ -47,8 +47,8 @@ struct One {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let reading = Reading::open(&arguments.data)?;
     let files = if arguments.files.is_empty() { all(&arguments.data)? } else { arguments.files.clone() };
-    if files.is_empty() {
-        note("note: there are no recordings");
+    if files.is_empty() && !arguments.json {
+        say("there are no recordings");
     }
     let mut theatres = BTreeMap::new();
     let (mut done, mut is_good) = (Vec::new(), true);

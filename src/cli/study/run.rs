@@ -1,23 +1,25 @@
 //! `gaitway study run`: one participant of a study in a headset.
 
 use super::super::output::{say, say_json, warn};
+use super::super::outputs::make_folder;
 use super::super::render::size;
+use super::super::xr::write_shot;
 use super::super::{failed, usage};
 use super::opening::{OpeningArguments, trouble};
 use super::terminal::Terminal;
 use crate::export::image::png;
-use crate::study::file::{Front as Place, Pointer};
+use crate::study::file::{Front as Place, Pointer, StudyFile};
 use crate::study::headset::{Front, Kept, Setup};
 use crate::study::lab::Lab;
 use crate::study::protocol::{Content, State};
 use crate::study::serve::Server;
 use crate::study::store::{RECORDINGS, Store};
-use crate::xr::{self, Means, Mirror, Outcome, Plan};
+use crate::xr::{self, Means, Mirror, Outcome, Plan, Shot, Shots};
 use crate::{Error, stop};
 use serde::Serialize;
 use std::net::SocketAddr;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -26,6 +28,8 @@ use std::time::Duration;
 /// Rows of pixels of the eye on the operator's page, and how often it is new.
 const ROWS: u32 = 360;
 const PERIOD: Duration = Duration::from_secs(1);
+/// Frames from one picture to the next.
+const EVERY: u64 = 30;
 /// How often threads look whether the session has ended.
 const LOOK: Duration = Duration::from_millis(100);
 
@@ -60,6 +64,9 @@ pub(super) struct Arguments {
     /// Ask for this refresh rate of the display, Hz, or the nearest there is [default: the runtime's]
     #[arg(long, value_name = "HZ", value_parser = super::super::xr::refresh_rate)]
     rate: Option<f32>,
+    /// Write pictures of both eyes, panels included, into this folder, one of thirty frames
+    #[arg(long, value_name = "FOLDER")]
+    shots: Option<PathBuf>,
     /// Print one JSON object at the end
     #[arg(long)]
     json: bool,
@@ -89,8 +96,10 @@ struct Done {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     xr::hush_loader();
-    let store = arguments.opening.open_with(arguments.rows.clone())?;
-    let kept = begin(arguments, &store)?;
+    let study = arguments.opening.study()?;
+    let language = language(arguments, &study.file)?;
+    let store = arguments.opening.open_checked(&study, arguments.rows.clone())?;
+    let kept = begin(arguments, &store, language)?;
     let lab = Arc::new(Lab::new(kept.code()));
     let is_over = Arc::new(AtomicBool::new(false));
     let server = console(arguments, &store, &lab, &is_over)?;
@@ -109,33 +118,33 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     end(arguments, &kept, outcome?)
 }
 
-/// The participant: a new one, or the one of a code.
-fn begin(arguments: &Arguments, store: &Store) -> Result<Kept, Error> {
-    let study = &store.current().study.file;
-    if !study.study.fronts.contains(&Place::Headset) {
-        let message = format!("study.where of {} has no \"headset\"", study.study.id);
+/// The language of a new participant, in a study for headsets.
+fn language<'a>(arguments: &'a Arguments, file: &'a StudyFile) -> Result<&'a str, Error> {
+    if !file.study.fronts.contains(&Place::Headset) {
+        let message = format!("study.where of {} has no \"headset\"", file.study.id);
         return Err(failed(
             message,
             "add it, and a section [headset]; `gaitway study check` says what is missing",
         ));
     }
-    let languages = &study.study.languages;
+    let languages = &file.study.languages;
     let language = arguments.language.as_ref().or_else(|| languages.first()).map_or("en", String::as_str);
-    if !languages.iter().any(|own| own == language) {
-        let message = format!("--language {language}: the study is in {}", languages.join(", "));
-        return Err(usage(message, "choose one of these, or leave it out"));
+    if languages.iter().any(|own| own == language) {
+        return Ok(language);
     }
+    let message = format!("--language {language}: the study is in {}", languages.join(", "));
+    Err(usage(message, "choose one of these, or leave it out"))
+}
+
+/// The participant: a new one, or the one of a code, who has not come to an end.
+fn begin(arguments: &Arguments, store: &Store, language: &str) -> Result<Kept, Error> {
     let kept = Kept::begin(store, arguments.code.as_deref(), language).map_err(trouble)?;
-    match kept.turn().map_err(trouble)?.state {
-        State::Ended(_) if arguments.code.is_some() => {
-            let state = kept.turn().map_err(trouble)?.state.name();
-            Err(failed(
-                format!("this participation has ended: {state}"),
-                "leave --code out for a new participant",
-            ))
-        }
-        _ => Ok(kept),
+    let state = kept.turn().map_err(trouble)?.state;
+    if let (State::Ended(_), Some(_)) = (state, &arguments.code) {
+        let message = format!("this participation has ended: {}", state.name());
+        return Err(failed(message, "leave --code out for a new participant"));
     }
+    Ok(kept)
 }
 
 /// The operators' pages, if they are wanted, on a thread of their own.
@@ -201,6 +210,7 @@ fn show(
         refresh_rate: arguments.rate,
         means: if means.is_empty() { Means::ALL.to_vec() } else { means },
         mirror,
+        shots: arguments.shots.clone().map(shots).transpose()?,
         waits: true,
         ..Plan::default()
     };
@@ -215,6 +225,12 @@ fn show(
     Front::open(plan, &mut participation, &mut operator, version.theatre()?, setup)?.run()
 }
 
+/// Writes pictures into a folder.
+fn shots(folder: PathBuf) -> Result<(u64, Shots), Error> {
+    make_folder(&folder)?;
+    Ok((EVERY, Box::new(move |shot: &Shot| write_shot(&folder, shot))))
+}
+
 const fn means(pointer: &Pointer) -> Means {
     match pointer {
         Pointer::Laser => Means::Laser,
@@ -224,12 +240,9 @@ const fn means(pointer: &Pointer) -> Means {
 }
 
 /// The folder of a participant's recordings.
-fn recordings(data: &Path, code: &str) -> Result<std::path::PathBuf, Error> {
+fn recordings(data: &Path, code: &str) -> Result<PathBuf, Error> {
     let folder = data.join(RECORDINGS).join(code);
-    match std::fs::create_dir_all(&folder) {
-        Ok(()) => Ok(folder),
-        Err(source) => Err(crate::study::Error::Write { path: folder, source }.into()),
-    }
+    make_folder(&folder).map(|()| folder)
 }
 
 /// Says how it ended, and how it goes on.
