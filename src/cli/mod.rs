@@ -8,6 +8,8 @@ mod bench;
 #[cfg(feature = "vulkan")]
 mod demo;
 mod devices;
+#[cfg(all(test, feature = "study", feature = "video", feature = "view", feature = "xr"))]
+mod documents;
 mod failure;
 mod figures;
 mod gait;

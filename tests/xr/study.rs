@@ -214,12 +214,12 @@ fn has_all(data: &Path, code: &str, acknowledged: &[String], trials: usize) {
 }
 
 /// Asserts that all recordings replay, and that one is refused under another condition.
-fn replay(lab: &Lab, code: &str, recordings: usize) {
+fn replay(lab: &Lab, code: &str, at_least: usize) {
     let data = lab.data.to_str().unwrap();
     let (is_good, said) = lab.ask(&["study", "replay", data]);
     assert!(is_good, "{said}");
-    let equal = said.lines().filter(|line| line.contains("  equal")).count();
-    assert_eq!(equal, recordings, "{said}");
+    let (equal, all) = (said.matches("  equal").count(), said.matches(" steps  ").count());
+    assert!(equal == all && all >= at_least, "{said}");
     // whatever it was shown under, one of two is wrong
     let first = lab.recording(code, "scenes-1.csv");
     let refused = ["baseline", "eva-o", "eva-g"]
@@ -234,34 +234,22 @@ fn replay(lab: &Lab, code: &str, recordings: usize) {
     assert_eq!(refused, 2);
 }
 
-/// How answers are given.
-#[derive(Clone, Copy, PartialEq)]
-enum Answers {
-    /// The first page about a scene by a hand, all others by the operator.
-    Typed,
-    /// By a hand.
-    ByHand,
-}
-
-/// A whole study of sixteen trials: the runtime is lost twice, the program is killed once, nothing is missing.
-fn whole(name: &str, answers: Answers) {
+#[test]
+fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
     if !is_there() {
         return;
     }
-    let text = study(r#""crossing", "garden", "parking", "scifi""#, r#""baseline", "eva-o", "eva-g""#, "1.5");
-    let mut lab = Lab::open(name, &text);
+    let text = study(r#""crossing", "garden", "parking", "scifi""#, r#""baseline", "eva-o", "eva-g""#, "2.5");
+    let mut lab = Lab::open("study-whole", &text);
     let mut live = lab.run(None);
     let code = code(&mut live);
     let mut acknowledged = Vec::new();
-    // to a line: the answers that were acknowledged until then
-    let go_on = |service: &Service, live: &mut Live, until: &str| match answers {
-        Answers::Typed => with_hand(service, &[asks::NEXT], || type_answers(live, until)),
-        Answers::ByHand => with_hand(service, &[asks::cell(3), asks::NEXT], || hear_answers(live, until)),
+    // to a line by a hand that answers: what was acknowledged until then
+    let go_on = |service: &Service, live: &mut Live, until: &str| {
+        with_hand(service, &[asks::cell(3), asks::NEXT], || hear_answers(live, until))
     };
+    // what the participant says aloud is typed
     acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || type_answers(&mut live, "scenes/1: seen")));
-    acknowledged.extend(with_hand(&lab.service, &[asks::cell(3), asks::NEXT], || {
-        hear_answers(&mut live, "scenes/1: presence.q2 = 4")
-    }));
     for lost_at in ["scenes/4: presence.q2 = 4", "scenes/9: presence.q2 = 4"] {
         acknowledged.extend(go_on(&lab.service, &mut live, lost_at));
         lab.service.kill();
@@ -270,15 +258,15 @@ fn whole(name: &str, answers: Answers) {
         live.hear("the headset is back");
     }
     acknowledged.extend(go_on(&lab.service, &mut live, "scenes/10: presence.q2 = 4"));
-    // killed in the middle of a trial
+    // killed in the middle of a trial, when there is a hash to compare with
     with_hand(&lab.service, &[asks::NEXT], || {
         let recording = lab.recording(&code, "scenes-11.csv");
         super::until(|| match steps(&recording).len() {
-            0..20 => Err("no steps".to_owned()),
+            0..32 => Err("too few steps".to_owned()),
             _ => Ok(()),
         });
+        live.kill();
     });
-    live.kill();
     let mut live = lab.run(Some(&code));
     acknowledged.extend(go_on(&lab.service, &mut live, "identify/4: which = "));
     let (outcome, _) = with_hand(&lab.service, &[asks::NEXT], || live.wait());
@@ -286,18 +274,8 @@ fn whole(name: &str, answers: Answers) {
     has_all(&lab.data, &code, &acknowledged, 16);
     let broken = std::fs::read_to_string(lab.recording(&code, "scenes-11.broken-off.csv")).unwrap();
     assert!(broken.contains("# part scenes") && !broken.contains("# end"), "{broken}");
+    // one that broke off, and perhaps some in which the headset was lost
     replay(&lab, &code, 17);
-}
-
-#[test]
-fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
-    whole("study-whole", Answers::Typed);
-}
-
-#[test]
-#[ignore = "takes four minutes"]
-fn a_study_that_a_hand_answers_outlives_two_lost_runtimes_and_a_kill() {
-    whole("study-by-hand", Answers::ByHand);
 }
 
 #[test]
