@@ -1,6 +1,5 @@
 //! What stands before both groups of pages: what is refused, and how it is said.
 
-use super::REQUESTS_OF_ONE;
 use super::cookie::Cookie;
 use super::guard::{Limits, Origin};
 use super::pages::{Notice, notice};
@@ -38,6 +37,8 @@ pub(super) struct Gate<'a> {
     pub(super) origin: &'a Origin,
     pub(super) limits: &'a Limits,
     pub(super) cookie: Cookie,
+    /// Requests a minute of one secret; 0 is without limit.
+    pub(super) requests_of_one: u32,
 }
 
 impl Gate<'_> {
@@ -47,7 +48,7 @@ impl Gate<'_> {
             return Some(Notice::Forbidden);
         }
         let secret = self.cookie.find(headers);
-        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), REQUESTS_OF_ONE)) {
+        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), self.requests_of_one)) {
             return Some(Notice::TooMany);
         }
         if *method == Method::GET || *method == Method::HEAD {

@@ -74,7 +74,12 @@ async fn pass(
 ) -> Response {
     let headers = request.headers().clone();
     let address = guard::address(peer.ip(), &headers, site.is_behind_proxy);
-    let gate = Gate { origin: &site.origin, limits: &site.limits, cookie: site.cookie };
+    let gate = Gate {
+        origin: &site.origin,
+        limits: &site.limits,
+        cookie: site.cookie,
+        requests_of_one: site.requests_of_one,
+    };
     let is_within = site.limits.allow_address("address", address, site.requests_per_minute);
     let refused = if is_within { gate.refuses(request.method(), &headers) } else { Some(Notice::TooMany) };
     let mut response = match refused {

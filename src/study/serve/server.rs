@@ -12,12 +12,16 @@ use super::words::Interfaces;
 use super::{Error, Settings, router};
 use crate::study::store::Store;
 use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::extract::ConnectInfo;
+use axum::http::{Request, Response};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::watch;
+use tower_service::Service as _;
 
 /// How often it is looked whether the server is to end.
 const LOOK: Duration = Duration::from_millis(100);
@@ -73,7 +77,7 @@ impl Server {
         let mut first_link = None;
         let console = match console {
             Some((listener, address)) => {
-                let made = Console::new(store.clone(), random()?, entrance.clone())?;
+                let made = Console::new(store.clone(), random()?, entrance.clone(), settings.requests_of_one)?;
                 if runtime.block_on(ask(|then| store.operators(then)))? == 0 {
                     let key = hex(&random()?);
                     first_link = Some(format!("http://{address}/admin/first?key={key}"));
@@ -93,6 +97,7 @@ impl Server {
             limits: Limits::new(random()?),
             is_behind_proxy: settings.is_behind_proxy,
             requests_per_minute: settings.requests_per_minute,
+            requests_of_one: settings.requests_of_one,
         };
         let public = (listener, address, router::router(Arc::new(site)));
         Ok(Self { runtime, public, console, entrance, first_link })
@@ -116,6 +121,34 @@ impl Server {
     /// The link by which the first operator chooses a password, once; none where there are operators.
     pub fn first_link(&self) -> Option<&str> {
         self.first_link.as_deref()
+    }
+
+    /// Answers one request of a participant without a connection: what the pages say, for tests and for other servers.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] where the reply breaks off.
+    pub fn answer(&self, request: Request<Vec<u8>>) -> Result<Response<Vec<u8>>, Error> {
+        self.pass(&self.public.2, request)
+    }
+
+    /// The same for a request of an operator; none where operators have no pages.
+    ///
+    /// # Errors
+    /// As [`Server::answer`].
+    pub fn answer_operator(&self, request: Request<Vec<u8>>) -> Option<Result<Response<Vec<u8>>, Error>> {
+        self.console.as_ref().map(|(_, _, router)| self.pass(router, request))
+    }
+
+    fn pass(&self, router: &Router, request: Request<Vec<u8>>) -> Result<Response<Vec<u8>>, Error> {
+        let mut request = request.map(Body::from);
+        request.extensions_mut().insert(ConnectInfo(Peer(self.public.1)));
+        self.runtime.block_on(async {
+            let Ok(response) = router.clone().call(request).await;
+            let (head, body) = response.into_parts();
+            let bytes = to_bytes(body, usize::MAX).await;
+            let bytes = bytes.map_err(|error| Error::Failed { source: std::io::Error::other(error) })?;
+            Ok(Response::from_parts(head, bytes.to_vec()))
+        })
     }
 
     /// Answers requests until `stop` says so; those under way then have ten seconds.

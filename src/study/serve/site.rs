@@ -24,6 +24,7 @@ pub(super) struct Site {
     pub(super) limits: Limits,
     pub(super) is_behind_proxy: bool,
     pub(super) requests_per_minute: u32,
+    pub(super) requests_of_one: u32,
 }
 
 impl Site {

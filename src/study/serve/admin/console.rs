@@ -15,6 +15,7 @@ pub(in super::super) struct Console {
     pub(super) cookie: Cookie,
     pub(super) origin: Origin,
     pub(super) limits: Limits,
+    pub(super) requests_of_one: u32,
     pub(super) sessions: Sessions,
     /// The address that participants use.
     pub(super) entrance: String,
@@ -23,17 +24,23 @@ pub(in super::super) struct Console {
 }
 
 impl Console {
-    /// Pages for operators of a store, with a key of random bits for its limits.
+    /// Pages for operators of a store, with a key of random bits for its limits and the most requests a minute of one operator.
     ///
     /// # Errors
     /// [`Error::Compress`].
-    pub(in super::super) fn new(store: Store, key: [u8; 32], entrance: String) -> Result<Self, Error> {
+    pub(in super::super) fn new(
+        store: Store,
+        key: [u8; 32],
+        entrance: String,
+        requests_of_one: u32,
+    ) -> Result<Self, Error> {
         Ok(Self {
             store,
             assets: Assets::new()?,
             cookie: Cookie::of_operators(false),
             origin: Origin::Loopback,
             limits: Limits::new(key),
+            requests_of_one,
             sessions: Sessions::default(),
             entrance,
             first: Mutex::default(),

@@ -63,7 +63,12 @@ async fn unknown(State(console): State<Arc<Console>>) -> Response {
 
 /// What every request passes through.
 async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next) -> Response {
-    let gate = Gate { origin: &console.origin, limits: &console.limits, cookie: console.cookie };
+    let gate = Gate {
+        origin: &console.origin,
+        limits: &console.limits,
+        cookie: console.cookie,
+        requests_of_one: console.requests_of_one,
+    };
     let mut response = match gate.refuses(request.method(), request.headers()) {
         Some(what) => {
             let text = "The request came from another page, too often, or is no form.";
