@@ -12,6 +12,8 @@ mod crowds;
 mod memory;
 mod mutate;
 mod people;
+#[cfg(feature = "study")]
+mod requests;
 mod studies;
 mod targets;
 #[cfg(feature = "study")]

@@ -316,6 +316,6 @@ pub(crate) fn hostile() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     ];
     all.extend(studies::hostile());
     #[cfg(feature = "study")]
-    all.extend(crate::visits::hostile());
+    all.extend(crate::requests::hostile());
     all
 }

@@ -5,6 +5,7 @@
 //! `@seal0@` for an operator's. So an input means the same in every run. A participant that a request has moved on is replaced.
 
 use crate::mutate::Form;
+use crate::requests::{FORM, STUDY, operations, visits};
 use crate::targets::Target;
 use axum::http::{HeaderMap, HeaderName, HeaderValue, Method, Request, Response, Uri};
 use gaitway::gait::Gait;
@@ -35,7 +36,12 @@ pub(crate) static TARGETS: [Target; 3] = [
         seeds: || visits("mturk"),
         read: |bytes| ask(Door::Participants("mturk"), bytes),
     },
-    Target { name: "operate", form: Form::Text, seeds: operations, read: |bytes| ask(Door::Operators, bytes) },
+    Target {
+        name: "operate",
+        form: Form::Text,
+        seeds: operations,
+        read: |bytes| ask(Door::Operators, bytes),
+    },
 ];
 
 /// What no participant may read: part of the names of all gaits.
@@ -47,62 +53,6 @@ const STATUSES: [u16; 17] =
     [200, 206, 303, 400, 401, 403, 404, 405, 409, 410, 411, 413, 414, 415, 416, 422, 431];
 /// Requests that changed something, after which a study begins with an empty store: it would only grow.
 const MOST_CHANGES: usize = 1500;
-
-const STUDY: &str = r#"
-[study]
-id = "looks"
-version = 1
-title = { en = "How do they look?", de = "Wie sehen Leute aus?" }
-seed = 4815162342
-languages = ["en", "de"]
-minutes = 7
-contact = "Lab"
-flow = ["consent", "about-you", "check", "practice", "walks", "scenes", "remarks"]
-[consent]
-text = "consent.md"
-[recruit]
-platform = "PLATFORM"
-codes = { complete = "C1DONE", screened-out = "C2OUT", withdrawn = "C3GONE" }
-most_participants = 1000000
-[part.about-you]
-kind = "form"
-ask = ["gender", "age"]
-[part.check]
-kind = "comprehension"
-attempts = 2
-questions = [{ text = "What do you look at?", options = ["figures", "clouds"], right = 0 }]
-[part.practice]
-kind = "trials"
-show = { gaits = "practice", seconds = 0.5 }
-ask = "health"
-counted = false
-[part.walks]
-kind = "trials"
-show = { gaits = "library.glb", seconds = 0.5, replay = true }
-design = { kind = "fill", each = 2, at_least = 100000 }
-ask = "health"
-[part.scenes]
-kind = "trials"
-show = { scenes = ["garden"], conditions = ["baseline", "eva-g"], seconds = 2 }
-ask = "which"
-[part.remarks]
-kind = "form"
-ask = "words"
-[crowd]
-library = "library.glb"
-avatars = ["female"]
-[questions.health]
-kind = "likert"
-points = ["no", "rather", "yes"]
-items = [{ id = "well", text = "looks well" }, { id = "ill", text = "looks ill" }]
-[questions.which]
-kind = "choice"
-options = ["one", "two"]
-[questions.words]
-kind = "text"
-text = "Anything else?"
-most = 400
-"#;
 
 /// Where a participant is whose words stand in a request.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -182,8 +132,7 @@ static LIBRARY: LazyLock<(Vec<u8>, Vec<String>)> = LazyLock::new(|| {
         ..gait.clone()
     };
     let walkers = GaitLibrary::generated(7, 1).unwrap();
-    let library =
-        GaitLibrary::from_gaits(walkers.gaits().iter().enumerate().map(renamed).collect()).unwrap();
+    let library = GaitLibrary::from_gaits(walkers.gaits().iter().enumerate().map(renamed).collect()).unwrap();
     (library.to_glb_bytes(), library.gaits().iter().map(|gait| gait.name.clone()).collect())
 });
 
@@ -244,12 +193,16 @@ impl Lab {
             Content::Ask { replay, .. } => replay.clone().unwrap_or_default(),
             _ => String::new(),
         };
-        let request = format!("GET /s/looks/go HTTP/1.1\nhost: localhost\ncookie: gaitway={}\naccept: application/json\n\n", arrived.token);
+        let request = format!(
+            "GET /s/looks/go HTTP/1.1\nhost: localhost\ncookie: gaitway={}\naccept: application/json\n\n",
+            arrived.token
+        );
         let told = self.send(&parsed(request.as_bytes()).unwrap());
         let told: serde_json::Value = serde_json::from_slice(told.body()).unwrap();
         let mark = told["mark"].as_str().unwrap().to_owned();
         let Turn { page, code, .. } = turn;
-        let pairs = [("token", arrived.token), ("mark", mark), ("page", page.id), ("film", film), ("code", code)];
+        let pairs =
+            [("token", arrived.token), ("mark", mark), ("page", page.id), ("film", film), ("code", code)];
         BTreeMap::from(pairs)
     }
 
@@ -258,13 +211,13 @@ impl Lab {
         let arrival = Arrival { front: Front::Web, language: "en".to_owned(), platform: None };
         let code = wait(|then| self.store.arrive(arrival, then)).unwrap().turn.code;
         let key = self.server.first_link().unwrap().split_once("key=").unwrap().1.to_owned();
-        let form = format!(
-            "POST /admin/first HTTP/1.1\n{FORM}\nkey={key}&name=ann&password=a+long+enough+password"
-        );
+        let form =
+            format!("POST /admin/first HTTP/1.1\n{FORM}\nkey={key}&name=ann&password=a+long+enough+password");
         let entered = self.send(&parsed(form.as_bytes()).unwrap());
         let cookie = entered.headers()["set-cookie"].to_str().unwrap();
         let key = cookie.split([';', '=']).nth(1).unwrap().to_owned();
-        let page = format!("GET /admin/participants HTTP/1.1\nhost: localhost\ncookie: gaitway-admin={key}\n\n");
+        let page =
+            format!("GET /admin/participants HTTP/1.1\nhost: localhost\ncookie: gaitway-admin={key}\n\n");
         let page = self.send(&parsed(page.as_bytes()).unwrap());
         let page = String::from_utf8_lossy(page.body()).into_owned();
         let seal = page.split("name=\"mark\" value=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
@@ -393,7 +346,11 @@ fn ask(door: Door, input: &[u8]) -> Result<String, String> {
 fn judge(door: Door, asked: &[u8], response: &Response<Vec<u8>>) -> String {
     let status = response.status().as_u16();
     let is_busy = door == Door::Operators && status == 429;
-    assert!(STATUSES.contains(&status) || is_busy, "status {status}: {}", String::from_utf8_lossy(response.body()));
+    assert!(
+        STATUSES.contains(&status) || is_busy,
+        "status {status}: {}",
+        String::from_utf8_lossy(response.body())
+    );
     let header = |name: &str| response.headers().get(name).map_or("", |value| value.to_str().unwrap_or("?"));
     assert!(header("content-security-policy").starts_with("default-src 'none'"), "no policy: {response:?}");
     assert_eq!(header("x-content-type-options"), "nosniff");
@@ -404,15 +361,20 @@ fn judge(door: Door, asked: &[u8], response: &Response<Vec<u8>>) -> String {
         body = String::from_utf8_lossy(response.body()).into_owned();
     }
     let kind = header("content-type");
-    assert!(kind.is_empty() || !kind.starts_with("text/plain") || body == "ok\n", "bare words: {status} {body}");
+    assert!(
+        kind.is_empty() || !kind.starts_with("text/plain") || body == "ok\n",
+        "bare words: {status} {body}"
+    );
     if kind.starts_with("text/html") {
         assert!(!body.contains(&MARKUP[..4]), "what was sent is not escaped: {body}");
     }
     if matches!(door, Door::Participants(_)) {
-        let head: String = response.headers().iter().map(|(name, value)| format!("{name}: {value:?}\n")).collect();
+        let head: String =
+            response.headers().iter().map(|(name, value)| format!("{name}: {value:?}\n")).collect();
         let told = told(&body).into_iter().chain(told(&head));
         let asked = String::from_utf8_lossy(asked);
-        let known = told.filter(|word| !asked.to_lowercase().contains(&word.to_lowercase()) && !asked.contains('%'));
+        let known =
+            told.filter(|word| !asked.to_lowercase().contains(&word.to_lowercase()) && !asked.contains('%'));
         let known: Vec<String> = known.collect();
         assert!(known.is_empty(), "tells {known:?}: {body}");
     }
@@ -433,120 +395,4 @@ fn told(text: &str) -> Vec<String> {
     let words = text.split(|letter: char| !letter.is_ascii_alphanumeric());
     found.extend(words.filter(is_label).map(str::to_owned));
     found
-}
-
-const FORM: &str = "host: localhost\norigin: http://localhost\nsec-fetch-site: same-origin\n\
-                    content-type: application/x-www-form-urlencoded\n";
-const JSON: &str = "host: localhost\norigin: http://localhost\nsec-fetch-site: same-origin\n\
-                    content-type: application/json\n";
-
-/// Requests of participants: one or more of every route.
-fn visits(platform: &str) -> Vec<Vec<u8>> {
-    let get = |path: &str, headers: &str| format!("GET {path} HTTP/1.1\nhost: localhost\n{headers}\n");
-    let form = |route: &str, stage: usize, body: &str| {
-        let cookie = format!("cookie: a=b; gaitway=@token{stage}@\n");
-        format!("POST /s/looks/{route} HTTP/1.1\n{FORM}{cookie}\nmark=@mark{stage}@&{body}")
-    };
-    let json = |route: &str, stage: usize, body: &str| {
-        let cookie = format!("cookie: gaitway=@token{stage}@\nx-participation: @mark{stage}@\n");
-        format!("POST /s/looks/{route} HTTP/1.1\n{JSON}{cookie}\n{body}")
-    };
-    let answer = |stage: usize, question: &str, value: &str| {
-        let body = format!(
-            r#"{{"page":"@page{stage}@","question":"{question}",{value},"first_ms":10,"ms":20,"key":"ab12"}}"#
-        );
-        json("answer", stage, &body)
-    };
-    let link = match platform {
-        "mturk" => "/s/looks?workerId=W1&assignmentId=ASSIGNMENT_ID_NOT_AVAILABLE&hitId=h&turkSubmitTo=https%3A%2F%2Fx",
-        _ => "/s/looks?PROLIFIC_PID=p1%3Czyx%3E&STUDY_ID=x&SESSION_ID=s1",
-    };
-    let mut all = vec![
-        get("/s/looks", "accept-language: de-AT,de;q=0.8,en;q=0.5\n"),
-        get(link, ""),
-        get("/s/looks?new&lang=de", "cookie: gaitway=@token1@\n"),
-        get("/s/looks?code=@code3@", ""),
-        get("/stimuli/@film3@", "accept-encoding: gzip, br;q=0\n"),
-        get("/stimuli/@film7@", "range: bytes=100-299\n"),
-        get("/static/0000000000000000/page.mjs", ""),
-        get("/healthz", ""),
-        get("/nothing/%3Czyx%3E", "cookie: gaitway=x\n"),
-        get("/s/looks/go", "cookie: gaitway=@token6@\naccept: application/json\n"),
-        format!("POST /s/looks/begin HTTP/1.1\n{FORM}\nlanguage=de&PROLIFIC_PID=p2&SESSION_ID=%3Czyx%3E&workerId=w"),
-        form("begin", 0, "agree=yes"),
-        form("begin", 0, "agree=no"),
-        form("answer", 1, "page=@page1@&shown=1700000000000&q%3Aage=33&q%3Agender=1"),
-        form("answer", 1, "page=@page1@&shown=x&q%3Aage=%3Czyx%3E"),
-        form("answer", 2, "page=@page2@&shown=1&q%3Aquestion-1=0"),
-        form("answer", 4, "page=@page4@&q%3Ahealth.well=2"),
-        form("answer", 6, "page=@page6@&shown=1&q%3Ahealth.well=1&q%3Ahealth.ill=3"),
-        form("answer", 8, "page=@page8@&q%3Awords=%3Czyx%3E+%22a%22%0D%0A%C3%A9"),
-        form("withdraw", 1, "x=y"),
-        form("withdraw", 4, "sure=yes"),
-        answer(1, "age", r#""value":30"#),
-        answer(6, "health.ill", r#""value":2"#),
-        answer(8, "words", r#""text":"=1+1 <zyx>""#),
-        json("event", 8, r#"{"event":"next","page":"@page8@"}"#),
-        json("event", 6, r#"{"event":"sign","page":"@page6@","kind":"hidden <zyx>"}"#),
-        json("event", 0, r#"{"event":"consented","text":"x"}"#),
-        json("event", 9, r#"{"event":"withdrawn"}"#),
-        json("event", 5, r#"{"event":"fault","page":"@page5@","reason":"status 500 <zyx>"}"#),
-        json("event", 2, r#"{"event":"excluded","reason":"x"}"#),
-    ];
-    for stage in [3, 5, 7] {
-        let shown = r#""exposure":{"started":1,"seconds_visible":0.5,"plays":1,"frames":30,"late_frames":1,"longest_ms":20.5}"#;
-        all.push(json("event", stage, &format!(r#"{{"event":"shown","page":"@page{stage}@",{shown}}}"#)));
-    }
-    all.extend((0..10).map(|stage| get("/s/looks/go", &format!("cookie: gaitway=@token{stage}@\n"))));
-    all.into_iter().map(String::into_bytes).collect()
-}
-
-/// Requests of operators: one or more of every route. Passwords are too short or wrong, as a hash takes its time by design.
-fn operations() -> Vec<Vec<u8>> {
-    let get = |path: &str| {
-        format!("GET {path} HTTP/1.1\nhost: localhost\ncookie: gaitway-admin=@key0@\n\n")
-    };
-    let form = |route: &str, body: &str| {
-        format!("POST /admin/{route} HTTP/1.1\n{FORM}cookie: gaitway-admin=@key0@\n\nmark=@seal0@&{body}")
-    };
-    let act = |act: &str, text: &str| form("participants", &format!("code=@code0@&act={act}&text={text}"));
-    let pages = ["live", "live/events", "participants?said=act", "balance", "operators?said=operator", "login"];
-    let mut all: Vec<String> = pages.iter().map(|page| get(&format!("/admin/{page}"))).collect();
-    all.extend([
-        get("/"),
-        get("/admin/first?key=%3Czyx%3E"),
-        get("/static/0000000000000000/admin.mjs"),
-        act("pause", ""),
-        act("resume", ""),
-        act("note", "tired+%3Czyx%3E"),
-        act("exclude", ""),
-        act("withdraw", "with"),
-        form("admission", "open=yes"),
-        form("admission", "open=no"),
-        form("operators", "name=bob+%3Czyx%3E&password=short&role=run"),
-        format!("POST /admin/backup HTTP/1.1\n{FORM}cookie: gaitway-admin=@key0@\n\nmark=x"),
-        format!("POST /admin/first HTTP/1.1\n{FORM}\nkey=0&name=eve&password=another+long+password"),
-        format!("POST /admin/login HTTP/1.1\n{FORM}\nname=ann%3Czyx%3E&password=wrong"),
-        format!("POST /admin/logout HTTP/1.1\n{FORM}cookie: gaitway-admin=x\n\nmark=x"),
-    ]);
-    all.into_iter().map(String::into_bytes).collect()
-}
-
-/// Requests that ask for much: reader, what they do, bytes.
-pub(crate) fn hostile() -> Vec<(&'static str, &'static str, Vec<u8>)> {
-    let long = "x".repeat(1 << 18);
-    let many = "a=b&".repeat(4000);
-    let deep = "[".repeat(16_000);
-    vec![
-        ("visit", "a body that is too long", format!("POST /s/looks/begin HTTP/1.1\n{FORM}\n{long}").into_bytes()),
-        ("visit", "many fields", format!("POST /s/looks/answer HTTP/1.1\n{FORM}cookie: gaitway=@token1@\n\n{many}").into_bytes()),
-        (
-            "visit",
-            "nested brackets",
-            format!("POST /s/looks/event HTTP/1.1\n{JSON}cookie: gaitway=@token1@\nx-participation: @mark1@\n\n{{\"event\":{deep}")
-                .into_bytes(),
-        ),
-        ("visit", "a long cookie", format!("GET /s/looks HTTP/1.1\nhost: localhost\ncookie: gaitway={long}\n\n").into_bytes()),
-        ("operate", "a body that is too long", format!("POST /admin/login HTTP/1.1\n{FORM}\n{long}").into_bytes()),
-    ]
 }

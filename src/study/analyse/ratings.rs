@@ -58,8 +58,7 @@ impl<'s> Planned<'s> {
         if trials.show.gaits.is_none() {
             return Err(bad(key, &asked.part, "a part that shows gaits", "only gaits are rated"));
         }
-        let is_rating =
-            |name: &&String| study.questions.get(*name).is_some_and(Question::rates_emotions);
+        let is_rating = |name: &&String| study.questions.get(*name).is_some_and(Question::rates_emotions);
         let Some(question) = trials.ask.0.iter().find(is_rating) else {
             let allowed = "a part that asks how happy, angry, sad and neutral a gait looks, 1 to 5";
             return Err(bad(key, &asked.part, allowed, "a likert question of these four items is missing"));

@@ -48,7 +48,8 @@ impl Gate<'_> {
             return Some(Notice::Forbidden);
         }
         let secret = self.cookie.find(headers);
-        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), self.requests_of_one)) {
+        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), self.requests_of_one))
+        {
             return Some(Notice::TooMany);
         }
         if *method == Method::GET || *method == Method::HEAD {

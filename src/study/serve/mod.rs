@@ -110,6 +110,12 @@ pub enum Error {
         /// What was given.
         url: String,
     },
+    /// A page that may show the study in a frame is named by more or less than its origin.
+    #[error("recruit.embed_in: {origin:?} must be https:// and a host, without a path")]
+    Embedding {
+        /// What the study file says.
+        origin: String,
+    },
     /// Operators' pages would be reachable from other machines.
     #[error(
         "{address} can be reached from other machines: operators' pages stay on this one; reach them through ssh -L"

@@ -90,6 +90,6 @@ async fn pass(
             replied.unwrap_or_else(|_late| told(&site, &headers, Notice::Timeout))
         }
     };
-    reply::harden(response.headers_mut(), site.origin.is_encrypted());
+    reply::harden(response.headers_mut(), site.origin.is_encrypted(), &site.framing);
     response
 }

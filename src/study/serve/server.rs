@@ -5,7 +5,7 @@ use super::assets::Assets;
 use super::cookie::{Cookie, random};
 use super::guard::{Limits, Origin};
 use super::patience::{Patient, Peer};
-use super::reply::hex;
+use super::reply::{Framing, hex};
 use super::site::{Site, ask};
 use super::stimulus::Stimuli;
 use super::words::Interfaces;
@@ -57,13 +57,14 @@ impl Server {
     /// Listens, and makes pages and stimuli ready. Port 0 is any free port.
     ///
     /// # Errors
-    /// [`Error::Listen`], [`Error::Unencrypted`], [`Error::PublicUrl`] and [`Error::Console`] for addresses; [`Error::Clips`],
+    /// [`Error::Listen`], [`Error::Unencrypted`], [`Error::PublicUrl`], [`Error::Embedding`] and [`Error::Console`] for addresses; [`Error::Clips`],
     /// [`Error::Library`] and [`Error::NoGait`] for stimuli; others when the system lacks threads or random bits.
     pub fn bind(store: Store, settings: &Settings) -> Result<Self, Error> {
         let origin = origin(settings)?;
         if let Some(address) = settings.console.filter(|address| !address.ip().is_loopback()) {
             return Err(Error::Console { address });
         }
+        let framing = Framing::of(&store.current().study.file.recruit.embed_in)?;
         let stimuli = Stimuli::of(store.versions(), &settings.clips)?;
         let runtime = Builder::new_multi_thread().enable_all().build();
         let runtime = runtime.map_err(|source| Error::Failed { source })?;
@@ -77,7 +78,8 @@ impl Server {
         let mut first_link = None;
         let console = match console {
             Some((listener, address)) => {
-                let made = Console::new(store.clone(), random()?, entrance.clone(), settings.requests_of_one)?;
+                let made =
+                    Console::new(store.clone(), random()?, entrance.clone(), settings.requests_of_one)?;
                 if runtime.block_on(ask(|then| store.operators(then)))? == 0 {
                     let key = hex(&random()?);
                     first_link = Some(format!("http://{address}/admin/first?key={key}"));
@@ -92,7 +94,8 @@ impl Server {
             assets: Assets::new()?,
             stimuli,
             interfaces: Interfaces::built_in()?,
-            cookie: Cookie::of_participants(origin.is_encrypted()),
+            cookie: Cookie::of_participants(origin.is_encrypted(), framing.is_open),
+            framing,
             origin,
             limits: Limits::new(random()?),
             is_behind_proxy: settings.is_behind_proxy,

@@ -4,6 +4,7 @@ use super::super::Error;
 use super::super::assets::Assets;
 use super::super::cookie::{Cookie, mark};
 use super::super::guard::{Limits, Origin};
+use super::super::reply::Framing;
 use super::sessions::Sessions;
 use crate::study::store::Store;
 use std::sync::{Mutex, MutexGuard, PoisonError};
@@ -16,6 +17,7 @@ pub(in super::super) struct Console {
     pub(super) origin: Origin,
     pub(super) limits: Limits,
     pub(super) requests_of_one: u32,
+    pub(super) framing: Framing,
     pub(super) sessions: Sessions,
     /// The address that participants use.
     pub(super) entrance: String,
@@ -41,6 +43,7 @@ impl Console {
             origin: Origin::Loopback,
             limits: Limits::new(key),
             requests_of_one,
+            framing: Framing::of(&[])?,
             sessions: Sessions::default(),
             entrance,
             first: Mutex::default(),

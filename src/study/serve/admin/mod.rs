@@ -82,6 +82,6 @@ async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next)
             replied.unwrap_or_else(late)
         }
     };
-    reply::harden(response.headers_mut(), console.origin.is_encrypted());
+    reply::harden(response.headers_mut(), console.origin.is_encrypted(), &console.framing);
     response
 }
