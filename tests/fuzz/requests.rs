@@ -147,6 +147,7 @@ pub(crate) fn operations() -> Vec<Vec<u8>> {
         act("resume", ""),
         act("note", "tired+%3Czyx%3E"),
         act("exclude", ""),
+        act("exclude", "slept+%3Czyx%3E"),
         act("withdraw", "with"),
         form("admission", "open=yes"),
         form("admission", "open=no"),

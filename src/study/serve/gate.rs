@@ -20,6 +20,12 @@ pub(super) fn told(site: &Site, headers: &HeaderMap, what: Notice) -> Response {
     reply::page(what.status(), notice(&site.frame(&version, &language, None), what))
 }
 
+/// Whether a reply is the bare words with which axum refuses an address that it cannot read: a page takes their place.
+pub(super) fn is_bare(response: &Response) -> bool {
+    response.status().is_client_error()
+        && reply::text(response.headers(), &CONTENT_TYPE).starts_with("text/plain")
+}
+
 /// Whether the body is JSON, which only scripts send.
 pub(super) fn is_json(headers: &HeaderMap) -> bool {
     kind(headers) == "application/json"

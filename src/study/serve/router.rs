@@ -1,7 +1,7 @@
 //! The addresses of participants, and what every request passes through.
 
 use super::PATIENCE_SECONDS;
-use super::gate::{Gate, told};
+use super::gate::{Gate, is_bare, told};
 use super::guard;
 use super::pages::Notice;
 use super::participant as handlers;
@@ -87,7 +87,11 @@ async fn pass(
         None => {
             let replied =
                 tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
-            replied.unwrap_or_else(|_late| told(&site, &headers, Notice::Timeout))
+            match replied {
+                Ok(response) if is_bare(&response) => told(&site, &headers, Notice::BadRequest),
+                Ok(response) => response,
+                Err(_late) => told(&site, &headers, Notice::Timeout),
+            }
         }
     };
     reply::harden(response.headers_mut(), site.origin.is_encrypted(), &site.framing);
