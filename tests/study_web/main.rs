@@ -15,3 +15,4 @@ mod lab;
 mod leaks;
 mod links;
 mod pages;
+mod proxies;
