@@ -15,12 +15,17 @@ mod common;
 
 mod accessibility;
 mod admin;
+#[cfg(feature = "video")]
+mod clips;
+mod crashes;
 mod driver;
 mod films;
+mod frames;
 mod harness;
 mod looks;
 mod network;
 mod page;
+mod refusals;
 mod tabs;
 mod visit;
 mod walks;

@@ -48,6 +48,16 @@ impl Browser {
         self.wait(|client| async move { client.title().await }).unwrap()
     }
 
+    /// Commands go to the first frame of the page from now on, until the page is left.
+    pub(crate) fn enter_frame(&self) {
+        self.wait(|client| async move { client.enter_frame(0).await }).unwrap();
+    }
+
+    /// Commands go to the page around the frame again.
+    pub(crate) fn leave_frame(&self) {
+        self.wait(|client| async move { client.enter_parent_frame().await }).unwrap();
+    }
+
     /// The tab that commands go to.
     pub(crate) fn tab(&self) -> Tab {
         Tab(self.wait(|client| async move { client.window().await }).unwrap())

@@ -1,7 +1,7 @@
 //! A participant of the built-in study of gaits, in a browser, at the real program: short films, few walks.
 
 use super::common::lab::{Lab, Server};
-use super::driver::{Browser, Options};
+use super::driver::{Browser, Options, Profile};
 use fantoccini::key::Key;
 use rusqlite::{Connection, OpenFlags};
 use serde_json::{Value, json};
@@ -43,9 +43,13 @@ impl Visit {
     /// The same, to a study with changes to its file.
     pub(crate) fn to(options: Options, hands: Hands, changes: &[(&str, &str)]) -> Option<Self> {
         let browser = Browser::open(options)?;
-        let lab = small(changes);
+        Some(Self::of(browser, small(changes), hands))
+    }
+
+    /// The same, to any study.
+    pub(crate) fn of(browser: Browser, lab: Lab, hands: Hands) -> Self {
         let server = lab.serve();
-        Some(Self { browser, server, lab, hands })
+        Self { browser, server, lab, hands }
     }
 
     /// A participant who uses the mouse and has come to a page, as `go_on` finds it.
@@ -58,9 +62,18 @@ impl Visit {
 
     /// Closes the browser, and opens it again with what it remembers; it shows nothing.
     pub(crate) fn reopen(&mut self) {
+        self.reopen_after(Browser::close);
+    }
+
+    /// The same after `kill -9` of the browser.
+    pub(crate) fn reopen_after_a_crash(&mut self) {
+        self.reopen_after(Browser::kill);
+    }
+
+    fn reopen_after(&mut self, end: impl FnOnce(Browser) -> Profile) {
         // one browser at a time uses a profile
         let Some(next) = Browser::open(Options::default()) else { return };
-        let profile = Some(std::mem::replace(&mut self.browser, next).close());
+        let profile = Some(end(std::mem::replace(&mut self.browser, next)));
         self.browser = Browser::open(Options { profile, ..Options::default() }).unwrap();
     }
 
@@ -125,7 +138,7 @@ impl Visit {
     /// The same with a look at every page before it is answered; the first page is called `welcome`, the last one `end`.
     pub(crate) fn go_through(&self, to: &str, mut look: impl FnMut(&Self, &str)) -> Given {
         let mut given = Given::new();
-        for _ in 0..60 {
+        for _ in 0..90 {
             let page = self.page();
             let (begin, end) = to.split_once('*').unwrap_or((to, ""));
             let is_there = page.starts_with(begin) && page.ends_with(end) && (to.contains('*') || page == to);

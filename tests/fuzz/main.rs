@@ -25,7 +25,12 @@ mod crowds;
 mod memory;
 mod mutate;
 mod people;
+#[cfg(feature = "study")]
+mod requests;
+mod studies;
 mod targets;
+#[cfg(feature = "study")]
+mod visits;
 #[path = "../gait/import/walker.rs"]
 #[allow(dead_code, reason = "shared with the tests of import; not all of it is needed here")]
 mod walker;

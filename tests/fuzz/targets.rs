@@ -3,7 +3,7 @@
 use crate::containers::{c3d, npy, npz, trc};
 use crate::mutate::Form;
 use crate::walker::{self, Walker};
-use crate::{crowds, people};
+use crate::{crowds, people, studies};
 use gaitway::Emotion;
 use gaitway::gait::import::{
     JointMap, Options, asf_amc, bvh, c3d as c3d_file, csv, npz as npz_file, trc as trc_file,
@@ -25,7 +25,10 @@ pub(crate) struct Target {
 
 /// Every reader there is.
 pub(crate) fn all() -> impl Iterator<Item = &'static Target> {
-    MOTION.iter().chain(&crowds::TARGETS).chain(&people::TARGETS)
+    let files = MOTION.iter().chain(&crowds::TARGETS).chain(&people::TARGETS).chain(&studies::TARGETS);
+    #[cfg(feature = "study")]
+    let files = files.chain(&crate::visits::TARGETS);
+    files
 }
 
 /// Readers of motion capture and gaits.
@@ -280,7 +283,7 @@ pub(crate) fn hostile() -> Vec<(&'static str, &'static str, Vec<u8>)> {
     c3d_few[8] = 0xff;
     c3d_few[9] = 0xff;
     let nested = "[".repeat(BYTES);
-    vec![
+    let mut all = vec![
         ("bvh", "frames of one channel", one.into_bytes()),
         ("bvh", "frames of six channels", six.into_bytes()),
         ("bvh", "joints in joints", deep.into_bytes()),
@@ -310,5 +313,9 @@ pub(crate) fn hostile() -> Vec<(&'static str, &'static str, Vec<u8>)> {
         ("map", "nested brackets", format!("head = {nested}").into_bytes()),
         ("scenario", "nested brackets", format!("name = {nested}").into_bytes()),
         ("asf", "bones without end", ":bonedata\nbegin\nname a\n".repeat(BYTES / 24).into_bytes()),
-    ]
+    ];
+    all.extend(studies::hostile());
+    #[cfg(feature = "study")]
+    all.extend(crate::requests::hostile());
+    all
 }

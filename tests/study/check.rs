@@ -360,3 +360,30 @@ fn torn_files_are_refused_and_never_a_panic() {
 fn a_hundred_thousand_torn_files_are_refused_and_never_a_panic() {
     println!("{:?}", torn(1_000_000, 100_000));
 }
+
+#[test]
+fn only_origins_may_show_the_study_in_a_frame() {
+    let with = |list: &str| {
+        changed("eva-gaits", "lease_minutes = 30", &format!("embed_in = {list}\nlease_minutes = 30"))
+    };
+    let right = with("[\"https://survey.example.org\", \"https://a.org:8443\", \"http://localhost:8000\"]");
+    assert_eq!(of(&right, Severity::Error), Vec::<String>::new());
+    for wrong in [
+        "https://survey.example.org/page",
+        "http://survey.example.org",
+        "*",
+        "https://*.example.org",
+        "'self'",
+    ] {
+        let errors = of(&with(&format!("[\"https://a.org\", \"{wrong}\"]")), Severity::Error);
+        assert!(errors.len() == 1 && errors[0].contains("recruit.embed_in[1]"), "{wrong}: {errors:?}");
+    }
+}
+
+#[test]
+fn ratings_that_no_analysis_takes_are_an_error_before_the_first_participant() {
+    let report = changed("eva-gaits", "id = \"neutral\"", "id = \"calm\"");
+    let errors = of(&report, Severity::Error);
+    assert!(errors.len() == 1 && errors[0].contains("analysis.ratings.part"), "{errors:?}");
+    assert!(errors[0].contains("four items is missing"), "{errors:?}");
+}

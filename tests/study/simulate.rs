@@ -6,6 +6,7 @@ use gaitway::study::protocol::{Event, Session, State, page};
 use gaitway::study::simulate::{
     Habits, LinearModel, Minds, PAPER_CONFUSION, RatingModel, Run, Setup, Store, hazard, mean_ratings, run,
 };
+use gaitway::study::{Materials, Study};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// Pages at which a participant of `eva-gaits` may leave: 12 trials, remarks, debrief.
@@ -289,4 +290,39 @@ fn the_hazard_gives_the_share() {
         let left = 1.0 - (1.0 - hazard(share, pages)).powi(i32::try_from(pages).unwrap());
         assert!((left - share).abs() < 1e-9, "{left}");
     }
+}
+
+#[test]
+fn simulated_participants_keep_to_the_options_and_the_scale_of_the_file() {
+    let change = |name: &str, pairs: &[(&str, &str)]| {
+        let mut text = Study::builtin(name).unwrap().text;
+        for (old, new) in pairs {
+            assert!(text.contains(old), "{old}");
+            text = text.replace(old, new);
+        }
+        let materials = Materials::default().with_gaits("library.glb", super::walks(12));
+        Plan::of(&Study::parse(&text, "x").unwrap().file, &materials).unwrap()
+    };
+    let answered = |plan: &Plan, part: &str| -> Vec<(Option<Stimulus>, i64)> {
+        let setup = Setup { participants: 24, at_once: 6, habits: Habits::default(), seed: 3 };
+        let (_, run) = run(plan, &Minds::default(), setup).unwrap();
+        let rows = run.answers.into_iter().filter(|row| row.page.starts_with(part));
+        rows.filter_map(|row| Some((row.stimulus, row.value?))).collect()
+    };
+    // sad, who is always recognised, is the first of three options here
+    let named = [(
+        "options = [\"happy\", \"angry\", \"sad\", \"neutral\"]",
+        "options = [\"sad\", \"neutral\", \"happy\"]",
+    )];
+    let named = answered(&change("eva-agents", &named), "identify");
+    assert!(named.len() > 100 && named.iter().all(|(_, value)| (0..3).contains(value)), "{named:?}");
+    for (stimulus, value) in named {
+        if matches!(&stimulus, Some(Stimulus::Agent { emotion, .. }) if emotion == "sad") {
+            assert_eq!(value, 0, "{stimulus:?}");
+        }
+    }
+    let points = "points = [\"strongly disagree\", \"disagree\", \"neither\", \"agree\", \"strongly agree\"]";
+    let short =
+        answered(&change("eva-gaits", &[(points, "points = [\"no\", \"rather\", \"yes\"]")]), "walks");
+    assert!(short.len() > 100 && short.iter().all(|(_, value)| (1..=3).contains(value)), "{short:?}");
 }

@@ -1,5 +1,6 @@
 //! Nothing that a browser gets names a gait, an emotion of a stimulus, a condition or the order of the library.
 
+use crate::client::Reply;
 use crate::lab::{Lab, SECRET, go_on};
 use gaitway::Emotion;
 use std::collections::BTreeSet;
@@ -36,6 +37,63 @@ fn no_byte_of_a_whole_participation_tells_what_is_shown() {
         ["Zyxgait", "sad", "seed"],
         "the search finds what is there"
     );
+}
+
+#[test]
+fn no_refusal_of_any_route_tells_what_is_shown() {
+    let lab = Lab::plain();
+    let (mut browser, page) = lab.agreed();
+    let page = go_on(&mut browser, page, "walks/").pop().unwrap();
+    let mark = page.attribute("data-mark");
+    let id = page.attribute("data-page");
+    let long = "x".repeat(20_000);
+    let mut statuses = BTreeSet::new();
+    let mut note = |reply: Reply| {
+        assert_eq!(told(&format!("{:?} {}", reply.headers, reply.body)), Vec::<String>::new(), "{reply:?}");
+        assert!(!reply.header("content-type").starts_with("text/plain"), "bare words: {reply:?}");
+        statuses.insert(reply.status);
+    };
+    for path in
+        ["/nothing", "/s/other", "/s/%ff", "/s/looks?code=NO", "/stimuli/no", "/stimuli/%ff", "/static/%ff/x"]
+    {
+        note(browser.get(path));
+    }
+    for method in ["PUT", "DELETE", "POST", "OPTIONS"] {
+        note(browser.send(&format!("{method} /s/looks/go HTTP/1.1\r\n"), &[], ""));
+    }
+    let off_scale =
+        format!(r#"{{"page":"{id}","question":"health.well","value":99,"first_ms":1,"ms":1,"key":"k"}}"#);
+    let other_page = off_scale.replace(&id, "walks/99");
+    for (route, body) in [
+        ("answer", off_scale.as_str()),
+        ("answer", &other_page),
+        ("answer", "{"),
+        ("answer", &long),
+        ("event", r#"{"event":"next","page":"walks/77"}"#),
+        ("event", r#"{"event":"placed","place":1,"trials":[]}"#),
+        ("event", r#"{"event":"nonsense"}"#),
+        ("begin", "{}"),
+    ] {
+        note(browser.json(&format!("/s/looks/{route}"), &mark, body));
+        note(browser.json(&format!("/s/looks/{route}"), "0123456789abcdef", body));
+    }
+    let page_field = ("page", id.as_str());
+    for fields in [
+        vec![("mark", mark.as_str()), page_field, ("q:health.well", "99")],
+        vec![("mark", "wrong"), page_field],
+        vec![("mark", mark.as_str()), ("page", "walks/99")],
+        vec![("long", long.as_str())],
+    ] {
+        for route in ["begin", "answer", "withdraw", "event"] {
+            note(browser.post(&format!("/s/looks/{route}"), &fields));
+        }
+    }
+    let evil = [("origin", "https://evil.example.org"), ("content-type", "application/json")];
+    note(browser.send("POST /s/looks/answer HTTP/1.1\r\n", &evil, "{}"));
+    note(lab.browser().json("/s/looks/answer", &mark, &off_scale));
+    for status in [400, 401, 403, 404, 409, 413, 415] {
+        assert!(statuses.contains(&status), "no refusal of status {status}: {statuses:?}");
+    }
 }
 
 #[test]

@@ -16,3 +16,4 @@ mod lab;
 mod leaks;
 mod links;
 mod pages;
+mod proxies;

@@ -49,6 +49,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         requests_per_minute: arguments.requests_per_minute,
         console: Some(arguments.console),
         clips: arguments.opening.data.join(CLIPS),
+        ..Settings::default()
     };
     serve(store, &settings, announce, crate::stop::asked)?;
     drop(heed);

@@ -6,13 +6,10 @@ use crate::perception::ratings::{self, Analysis, label};
 use crate::statistics::icc::{IccModels, icc};
 use crate::statistics::kappa::{SelfAgreement, self_agreement};
 use crate::statistics::stability::label_stability;
-use crate::study::file::{Question, StudyFile};
+use crate::study::file::{Question, RATING_POINTS, StudyFile};
 use crate::study::tables::{self, Role, Tables};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
-
-/// Points of the scale of ratings.
-const POINTS: i64 = 5;
 
 /// The ratings of a study, evaluated.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -61,13 +58,7 @@ impl<'s> Planned<'s> {
         if trials.show.gaits.is_none() {
             return Err(bad(key, &asked.part, "a part that shows gaits", "only gaits are rated"));
         }
-        let is_rating = |name: &&String| match study.questions.get(*name) {
-            Some(Question::Likert { items, points, .. }) => {
-                let has = |emotion: Emotion| items.iter().any(|item| item.id == emotion.name());
-                points.ends() == Some((1, POINTS)) && Emotion::ALL.into_iter().all(has)
-            }
-            _ => false,
-        };
+        let is_rating = |name: &&String| study.questions.get(*name).is_some_and(Question::rates_emotions);
         let Some(question) = trials.ask.0.iter().find(is_rating) else {
             let allowed = "a part that asks how happy, angry, sad and neutral a gait looks, 1 to 5";
             return Err(bad(key, &asked.part, allowed, "a likert question of these four items is missing"));
@@ -142,7 +133,7 @@ impl<'s> Planned<'s> {
         if pairs.iter().any(Vec::is_empty) {
             return Ok(None);
         }
-        let points = u8::try_from(POINTS).unwrap_or(u8::MAX);
+        let points = u8::try_from(RATING_POINTS).unwrap_or(u8::MAX);
         let [happy, angry, sad, neutral] = pairs.map(|pairs| self_agreement(&pairs, points).map_err(wrong));
         Ok(Some([happy?, angry?, sad?, neutral?]))
     }

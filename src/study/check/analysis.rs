@@ -1,11 +1,16 @@
 //! The planned analysis.
 
 use super::notes::Notes;
-use crate::study::file::{Part, Question, Test, Trials};
+use crate::study::file::{Part, Question, StudyFile, Test, Trials};
 use crate::study::instrument::{self, Instrument};
 
 /// By what answers about scenes can be compared.
 const FACTORS: [&str; 2] = ["condition", "scene"];
+
+/// Whether a question asks for the ratings that become labels.
+fn is_rating(file: &StudyFile, name: &str) -> bool {
+    file.questions.get(name).is_some_and(Question::rates_emotions)
+}
 
 pub(super) fn check(notes: &mut Notes<'_>) {
     let analysis = &notes.file().analysis;
@@ -25,6 +30,10 @@ pub(super) fn check(notes: &mut Notes<'_>) {
                 "a part that shows gaits",
                 hint,
             );
+        } else if rated.is_some_and(|trials| !trials.ask.0.iter().any(|name| is_rating(notes.file(), name))) {
+            let allowed = "a part that asks how happy, angry, sad and neutral a gait looks, 1 to 5";
+            let hint = "a likert question of these four items is missing";
+            notes.error("analysis.ratings.part", format!("{:?}", ratings.part), allowed, hint);
         }
     }
     for (index, test) in analysis.tests.iter().enumerate() {

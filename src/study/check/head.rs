@@ -1,7 +1,7 @@
 //! The sections beside parts and questions.
 
 use super::notes::Notes;
-use crate::study::file::{Codes, Data, Exclude, Front, Platform};
+use crate::study::file::{Codes, Data, Exclude, Front, Platform, Recruit};
 use crate::study::instrument;
 use crate::study::load::BLANK;
 use crate::study::materials::Materials;
@@ -89,6 +89,13 @@ fn recruit(notes: &mut Notes<'_>) {
     let recruit = &notes.file().recruit;
     notes.within("recruit.most_participants", recruit.most_participants, [1, 1_000_000], "what you can pay");
     notes.within("recruit.lease_minutes", recruit.lease_minutes, [1, 10_080], "30 suits studies of minutes");
+    for (index, origin) in recruit.embed_in.iter().enumerate() {
+        if !Recruit::is_origin(origin) {
+            let hint = "scheme, host and port alone, in lower case; * is no host";
+            let key = format!("recruit.embed_in[{index}]");
+            notes.error(&key, format!("{origin:?}"), "https:// and a host, without a path", hint);
+        }
+    }
     let Codes { complete, screened_out, withdrawn } = &recruit.codes;
     let platform = recruit.platform;
     if matches!(platform, Platform::Prolific | Platform::Mturk | Platform::Sona) && complete.is_none() {

@@ -10,6 +10,7 @@ mod sections;
 pub use analysis::{Adjust, Analysis, FollowUp, Ratings, Scoring, Test, Zeros};
 pub use helpers::Names;
 pub use parts::{Agents, Check, Design, Form, Part, RightChoice, Seeds, Show, Text, Trials};
+pub(super) use questions::RATING_POINTS;
 pub use questions::{ItemOrder, LikertItem, Points, Question};
 pub use schema::{Introduction, StudyFile};
 pub use sections::{

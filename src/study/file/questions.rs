@@ -1,5 +1,6 @@
 //! Questions.
 
+use crate::emotion::Emotion;
 use crate::study::words::Words;
 use serde::de::{MapAccess, SeqAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
@@ -60,6 +61,18 @@ pub enum Question {
         #[serde(default = "a_page")]
         most: u32,
     },
+}
+
+/// Points of the scale by which emotions are rated, from 1.
+pub(in crate::study) const RATING_POINTS: i64 = 5;
+
+impl Question {
+    /// Whether it asks how happy, angry, sad and neutral something looks, by which gaits get their labels.
+    pub(in crate::study) fn rates_emotions(&self) -> bool {
+        let Self::Likert { items, points, .. } = self else { return false };
+        let has = |emotion: Emotion| items.iter().any(|item| item.id == emotion.name());
+        points.ends() == Some((1, RATING_POINTS)) && Emotion::ALL.into_iter().all(has)
+    }
 }
 
 const fn a_page() -> u32 {

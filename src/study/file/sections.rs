@@ -74,11 +74,34 @@ pub struct Recruit {
     pub most_participants: u32,
     /// Longest silence before a place is given to another participant, min, 1 to 10,080.
     pub lease_minutes: u32,
+    /// Origins whose pages may show the study in a frame, such as `https://survey.example.org`; none: no page may.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub embed_in: Vec<String>,
+}
+
+impl Recruit {
+    /// Whether a text is an origin as headers have it: `https://HOST[:PORT]`, or `http://` of this machine for trials.
+    pub(in crate::study) fn is_origin(text: &str) -> bool {
+        let is_plain = |b: u8| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-' || b == b'.';
+        let is_host =
+            |host: &str| host.bytes().all(is_plain) && host.bytes().any(|b| b.is_ascii_alphanumeric());
+        let (scheme, rest) = text.split_once("://").unwrap_or_default();
+        let (host, port) = rest.split_once(':').map_or((rest, None), |(host, port)| (host, Some(port)));
+        let is_here = matches!(host, "localhost" | "127.0.0.1");
+        let has_port = port.is_none_or(|port| port.parse::<u16>().is_ok_and(|port| port > 0));
+        (scheme == "https" || scheme == "http" && is_here) && is_host(host) && has_port
+    }
 }
 
 impl Default for Recruit {
     fn default() -> Self {
-        Self { platform: Platform::None, codes: Codes::default(), most_participants: 1000, lease_minutes: 30 }
+        Self {
+            platform: Platform::None,
+            codes: Codes::default(),
+            most_participants: 1000,
+            lease_minutes: 30,
+            embed_in: Vec::new(),
+        }
     }
 }
 

@@ -15,21 +15,24 @@ pub(super) const PARTICIPATION: u32 = 30 * 24 * 3600;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Cookie {
     name: &'static str,
-    is_encrypted: bool,
+    is_secure: bool,
     same_site: &'static str,
 }
 
 impl Cookie {
-    /// The participant's. Only without TLS, on this machine, it lacks prefix and `Secure`.
-    pub(super) const fn of_participants(is_encrypted: bool) -> Self {
+    /// The participant's. Only without TLS, on this machine, it lacks the prefix, and `Secure` unless it is for frames. In a frame
+    /// of another site browsers keep only a cookie that belongs to both sites.
+    pub(super) const fn of_participants(is_encrypted: bool, is_framed: bool) -> Self {
         let name = if is_encrypted { "__Host-gaitway" } else { "gaitway" };
-        Self { name, is_encrypted, same_site: "Lax" }
+        // browsers take this machine for safe without TLS
+        let same_site = if is_framed { "None; Partitioned" } else { "Lax" };
+        Self { name, is_secure: is_encrypted || is_framed, same_site }
     }
 
     /// The operator's.
     pub(super) const fn of_operators(is_encrypted: bool) -> Self {
         let name = if is_encrypted { "__Host-gaitway-admin" } else { "gaitway-admin" };
-        Self { name, is_encrypted, same_site: "Strict" }
+        Self { name, is_secure: is_encrypted, same_site: "Strict" }
     }
 
     /// The secret in a request.
@@ -44,8 +47,8 @@ impl Cookie {
 
     /// The header that stores a secret for some seconds; 0 forgets it.
     pub(super) fn set(self, secret: &str, seconds: u32) -> String {
-        let Self { name, same_site, is_encrypted } = self;
-        let secure = if is_encrypted { "; Secure" } else { "" };
+        let Self { name, same_site, is_secure } = self;
+        let secure = if is_secure { "; Secure" } else { "" };
         format!("{name}={secret}; Path=/; Max-Age={seconds}; HttpOnly; SameSite={same_site}{secure}")
     }
 }
@@ -70,11 +73,13 @@ mod tests {
 
     #[test]
     fn a_secret_is_kept_from_scripts_and_found_again() {
-        let cookie = Cookie::of_participants(true);
+        let cookie = Cookie::of_participants(true, false);
         let set = cookie.set("abc", 60);
         assert_eq!(set, "__Host-gaitway=abc; Path=/; Max-Age=60; HttpOnly; SameSite=Lax; Secure");
-        let open = Cookie::of_participants(false).set("abc", 60);
+        let open = Cookie::of_participants(false, false).set("abc", 60);
         assert!(!open.contains("Secure") && !open.contains("__Host-"), "{open}");
+        let framed = Cookie::of_participants(true, true).set("abc", 60);
+        assert!(framed.ends_with("; HttpOnly; SameSite=None; Partitioned; Secure"), "{framed}");
         let asked = |value: &str| HeaderMap::from_iter([(COOKIE, HeaderValue::from_str(value).unwrap())]);
         assert_eq!(cookie.find(&asked("a=b; __Host-gaitway=abc; c=d")).as_deref(), Some("abc"));
         for wrong in ["__Host-gaitway=", "gaitway=abc", "__Host-gaitway=a b\"", "x"] {

@@ -1,6 +1,5 @@
 //! What stands before both groups of pages: what is refused, and how it is said.
 
-use super::REQUESTS_OF_ONE;
 use super::cookie::Cookie;
 use super::guard::{Limits, Origin};
 use super::pages::{Notice, notice};
@@ -21,6 +20,12 @@ pub(super) fn told(site: &Site, headers: &HeaderMap, what: Notice) -> Response {
     reply::page(what.status(), notice(&site.frame(&version, &language, None), what))
 }
 
+/// Whether a reply is the bare words with which axum refuses an address that it cannot read: a page takes their place.
+pub(super) fn is_bare(response: &Response) -> bool {
+    response.status().is_client_error()
+        && reply::text(response.headers(), &CONTENT_TYPE).starts_with("text/plain")
+}
+
 /// Whether the body is JSON, which only scripts send.
 pub(super) fn is_json(headers: &HeaderMap) -> bool {
     kind(headers) == "application/json"
@@ -38,6 +43,8 @@ pub(super) struct Gate<'a> {
     pub(super) origin: &'a Origin,
     pub(super) limits: &'a Limits,
     pub(super) cookie: Cookie,
+    /// Requests a minute of one secret; 0 is without limit.
+    pub(super) requests_of_one: u32,
 }
 
 impl Gate<'_> {
@@ -47,7 +54,8 @@ impl Gate<'_> {
             return Some(Notice::Forbidden);
         }
         let secret = self.cookie.find(headers);
-        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), REQUESTS_OF_ONE)) {
+        if secret.is_some_and(|secret| !self.limits.allow("secret", secret.as_bytes(), self.requests_of_one))
+        {
             return Some(Notice::TooMany);
         }
         if *method == Method::GET || *method == Method::HEAD {

@@ -45,8 +45,6 @@ pub use server::{Server, serve};
 use std::net::SocketAddr;
 use std::path::PathBuf;
 
-/// Requests a minute that one participant may make.
-const REQUESTS_OF_ONE: u32 = 300;
 /// Longest body of a form or of JSON, bytes.
 const LONGEST_BODY: usize = 16 << 10;
 /// Longest time until a reply, s.
@@ -63,6 +61,8 @@ pub struct Settings {
     pub is_behind_proxy: bool,
     /// Requests a minute from neighbouring addresses (/24, or /48 of IPv6); 0 is without limit.
     pub requests_per_minute: u32,
+    /// Requests a minute of one participant or one operator; 0 is without limit.
+    pub requests_of_one: u32,
     /// Where operators' requests arrive, on this machine; none for no operators' pages.
     pub console: Option<SocketAddr>,
     /// Folder with the clips of stimuli that are no walks, `NAME.mp4`.
@@ -77,6 +77,7 @@ impl Default for Settings {
             public_url: None,
             is_behind_proxy: false,
             requests_per_minute: 600,
+            requests_of_one: 300,
             console: Some(SocketAddr::from(([127, 0, 0, 1], 8081))),
             clips: PathBuf::from("clips"),
         }
@@ -108,6 +109,12 @@ pub enum Error {
     PublicUrl {
         /// What was given.
         url: String,
+    },
+    /// A page that may show the study in a frame is named by more or less than its origin.
+    #[error("recruit.embed_in: {origin:?} must be https:// and a host, without a path")]
+    Embedding {
+        /// What the study file says.
+        origin: String,
     },
     /// Operators' pages would be reachable from other machines.
     #[error(

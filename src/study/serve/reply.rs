@@ -1,6 +1,7 @@
 //! Replies: their headers, bodies that are compressed once, hexadecimal digits.
 
 use super::Error;
+use crate::study::file::Recruit;
 use axum::body::{Body, Bytes};
 use axum::http::header::{
     ACCEPT_ENCODING, CACHE_CONTROL, CONTENT_ENCODING, CONTENT_SECURITY_POLICY, CONTENT_TYPE, HeaderName,
@@ -13,9 +14,9 @@ use flate2::write::GzEncoder;
 use maud::Markup;
 use std::io::Write as _;
 
-/// What a page may load: only what comes from its own host.
+/// What a page may load: only what comes from its own host. Who may show it in a frame follows.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; media-src 'self'; \
-                      connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors 'none'";
+                      connect-src 'self'; form-action 'self'; base-uri 'none'; frame-ancestors";
 /// A name that never means other bytes.
 const FOR_EVER: &str = "public, max-age=31536000, immutable";
 
@@ -111,18 +112,45 @@ pub(super) fn with_cookie(mut response: Response, cookie: &str) -> Response {
     response
 }
 
+/// Who may show the pages in a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Framing {
+    policy: HeaderValue,
+    /// Whether any page may.
+    pub(super) is_open: bool,
+}
+
+impl Framing {
+    /// Pages of these origins may; of none, no page may.
+    ///
+    /// # Errors
+    /// [`Error::Embedding`] for what is no origin: it would change the policy.
+    pub(super) fn of(origins: &[String]) -> Result<Self, Error> {
+        if let Some(wrong) = origins.iter().find(|origin| !Recruit::is_origin(origin)) {
+            return Err(Error::Embedding { origin: wrong.clone() });
+        }
+        let list = if origins.is_empty() { "'none'".to_owned() } else { origins.join(" ") };
+        let policy = HeaderValue::from_str(&format!("{POLICY} {list}"));
+        let policy = policy.map_err(|_unprintable| Error::Embedding { origin: list })?;
+        Ok(Self { policy, is_open: !origins.is_empty() })
+    }
+}
+
 /// Adds the headers that every reply has.
-pub(super) fn harden(headers: &mut HeaderMap, is_encrypted: bool) {
+pub(super) fn harden(headers: &mut HeaderMap, is_encrypted: bool, framing: &Framing) {
+    headers.entry(CONTENT_SECURITY_POLICY).or_insert_with(|| framing.policy.clone());
     let mut set = |name: HeaderName, value: &'static str| {
         headers.entry(name).or_insert(HeaderValue::from_static(value));
     };
-    set(CONTENT_SECURITY_POLICY, POLICY);
     set(X_CONTENT_TYPE_OPTIONS, "nosniff");
     set(REFERRER_POLICY, "same-origin");
     set(CACHE_CONTROL, "no-store");
     set(HeaderName::from_static("cross-origin-opener-policy"), "same-origin");
     set(HeaderName::from_static("cross-origin-resource-policy"), "same-origin");
-    set(HeaderName::from_static("x-frame-options"), "DENY");
+    if !framing.is_open {
+        // older than the policy, and knows no origins
+        set(HeaderName::from_static("x-frame-options"), "DENY");
+    }
     set(
         HeaderName::from_static("permissions-policy"),
         "camera=(), geolocation=(), microphone=(), payment=(), usb=()",
@@ -154,5 +182,32 @@ mod tests {
         assert!(takes("br, gzip") && takes("GZIP;q=0.5"));
         assert!(!takes("br") && !takes("gzip;q=0") && !takes_gzip(&HeaderMap::new()));
         assert_eq!(hex(&[0, 171]), "00ab");
+    }
+
+    #[test]
+    fn only_origins_come_into_the_policy() {
+        let framing =
+            |origins: &[&str]| Framing::of(&origins.iter().map(|&own| own.to_owned()).collect::<Vec<_>>());
+        let none = framing(&[]).unwrap();
+        assert!(none.policy.to_str().unwrap().ends_with("; frame-ancestors 'none'") && !none.is_open);
+        let two = framing(&["https://lab.example.org", "http://localhost:8000"]).unwrap();
+        let end = "; frame-ancestors https://lab.example.org http://localhost:8000";
+        assert!(two.policy.to_str().unwrap().ends_with(end) && two.is_open);
+        for wrong in [
+            "*",
+            "https://*",
+            "https://*.org",
+            "http://lab.org",
+            "https://lab.org/x",
+            "https://a; script-src *",
+            "https://a b",
+            "https://a:0",
+            "https://",
+            "https://.",
+            "'self'",
+            "",
+        ] {
+            assert!(matches!(framing(&[wrong]), Err(Error::Embedding { .. })), "{wrong}");
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! The addresses of participants, and what every request passes through.
 
 use super::PATIENCE_SECONDS;
-use super::gate::{Gate, told};
+use super::gate::{Gate, is_bare, told};
 use super::guard;
 use super::pages::Notice;
 use super::participant as handlers;
@@ -74,7 +74,12 @@ async fn pass(
 ) -> Response {
     let headers = request.headers().clone();
     let address = guard::address(peer.ip(), &headers, site.is_behind_proxy);
-    let gate = Gate { origin: &site.origin, limits: &site.limits, cookie: site.cookie };
+    let gate = Gate {
+        origin: &site.origin,
+        limits: &site.limits,
+        cookie: site.cookie,
+        requests_of_one: site.requests_of_one,
+    };
     let is_within = site.limits.allow_address("address", address, site.requests_per_minute);
     let refused = if is_within { gate.refuses(request.method(), &headers) } else { Some(Notice::TooMany) };
     let mut response = match refused {
@@ -82,9 +87,13 @@ async fn pass(
         None => {
             let replied =
                 tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
-            replied.unwrap_or_else(|_late| told(&site, &headers, Notice::Timeout))
+            match replied {
+                Ok(response) if is_bare(&response) => told(&site, &headers, Notice::BadRequest),
+                Ok(response) => response,
+                Err(_late) => told(&site, &headers, Notice::Timeout),
+            }
         }
     };
-    reply::harden(response.headers_mut(), site.origin.is_encrypted());
+    reply::harden(response.headers_mut(), site.origin.is_encrypted(), &site.framing);
     response
 }

@@ -5,7 +5,7 @@ use super::assets::Assets;
 use super::cookie::{Cookie, random};
 use super::guard::{Limits, Origin};
 use super::patience::{Patient, Peer};
-use super::reply::hex;
+use super::reply::{Framing, hex};
 use super::site::{Site, ask};
 use super::stimulus::Stimuli;
 use super::words::Interfaces;
@@ -13,12 +13,16 @@ use super::{Error, Settings, router};
 use crate::study::lab::Lab;
 use crate::study::store::Store;
 use axum::Router;
+use axum::body::{Body, to_bytes};
+use axum::extract::ConnectInfo;
+use axum::http::{Request, Response};
 use std::net::SocketAddr;
 use std::sync::Arc;
 use std::time::Duration;
 use tokio::net::TcpListener;
 use tokio::runtime::{Builder, Runtime};
 use tokio::sync::watch;
+use tower_service::Service as _;
 
 /// How often it is looked whether the server is to end.
 const LOOK: Duration = Duration::from_millis(100);
@@ -56,13 +60,14 @@ impl Server {
     /// Listens, and makes pages and stimuli ready. Port 0 is any free port.
     ///
     /// # Errors
-    /// [`Error::Listen`], [`Error::Unencrypted`], [`Error::PublicUrl`] and [`Error::Console`] for addresses; [`Error::Clips`],
+    /// [`Error::Listen`], [`Error::Unencrypted`], [`Error::PublicUrl`], [`Error::Embedding`] and [`Error::Console`] for addresses; [`Error::Clips`],
     /// [`Error::Library`] and [`Error::NoGait`] for stimuli; others when the system lacks threads or random bits.
     pub fn bind(store: Store, settings: &Settings) -> Result<Self, Error> {
         let origin = origin(settings)?;
         if let Some(address) = settings.console.filter(|address| !address.ip().is_loopback()) {
             return Err(Error::Console { address });
         }
+        let framing = Framing::of(&store.current().study.file.recruit.embed_in)?;
         let stimuli = Stimuli::of(store.versions(), &settings.clips)?;
         let runtime = Builder::new_multi_thread().enable_all().build();
         let runtime = runtime.map_err(|source| Error::Failed { source })?;
@@ -75,7 +80,7 @@ impl Server {
         let entrance = format!("{entrance}/s/{}", store.current().study.file.study.id);
         let (console, first_link) = match console {
             Some(at) => {
-                let made = Console::new(store.clone(), random()?, Some(entrance.clone()), None)?;
+                let made = Console::new(store.clone(), random()?, settings.requests_of_one, Some(entrance.clone()))?;
                 let (console, first_link) = open(&runtime, at, made)?;
                 (Some(console), first_link)
             }
@@ -86,11 +91,13 @@ impl Server {
             assets: Assets::new()?,
             stimuli,
             interfaces: Interfaces::built_in()?,
-            cookie: Cookie::of_participants(origin.is_encrypted()),
+            cookie: Cookie::of_participants(origin.is_encrypted(), framing.is_open),
+            framing,
             origin,
             limits: Limits::new(random()?),
             is_behind_proxy: settings.is_behind_proxy,
             requests_per_minute: settings.requests_per_minute,
+            requests_of_one: settings.requests_of_one,
         };
         let public = Some((listener, address, router::router(Arc::new(site))));
         Ok(Self { runtime, public, console, entrance, first_link })
@@ -107,7 +114,7 @@ impl Server {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime = runtime.map_err(|source| Error::Failed { source })?;
         let at = listen(&runtime, address)?;
-        let made = Console::new(store.clone(), random()?, None, Some(lab))?;
+        let made = Console::new(store.clone(), random()?, Settings::default().requests_of_one, None)?.beside(lab);
         let (console, first_link) = open(&runtime, at, made)?;
         Ok(Self { runtime, public: None, console: Some(console), entrance: String::new(), first_link })
     }
@@ -130,6 +137,39 @@ impl Server {
     /// The link by which the first operator chooses a password, once; none where there are operators.
     pub fn first_link(&self) -> Option<&str> {
         self.first_link.as_deref()
+    }
+
+    /// Answers one request of a participant without a connection: what the pages say, for tests and for other servers. None
+    /// where participants have no pages.
+    ///
+    /// # Errors
+    /// [`Error::Failed`] where the reply breaks off.
+    pub fn answer(&self, request: Request<Vec<u8>>) -> Option<Result<Response<Vec<u8>>, Error>> {
+        self.public.as_ref().map(|listening| self.pass(listening, request))
+    }
+
+    /// The same for a request of an operator; none where operators have no pages.
+    ///
+    /// # Errors
+    /// As [`Server::answer`].
+    pub fn answer_operator(&self, request: Request<Vec<u8>>) -> Option<Result<Response<Vec<u8>>, Error>> {
+        self.console.as_ref().map(|listening| self.pass(listening, request))
+    }
+
+    fn pass(
+        &self,
+        (_, address, router): &Listening,
+        request: Request<Vec<u8>>,
+    ) -> Result<Response<Vec<u8>>, Error> {
+        let mut request = request.map(Body::from);
+        request.extensions_mut().insert(ConnectInfo(Peer(*address)));
+        self.runtime.block_on(async {
+            let Ok(response) = router.clone().call(request).await;
+            let (head, body) = response.into_parts();
+            let bytes = to_bytes(body, usize::MAX).await;
+            let bytes = bytes.map_err(|error| Error::Failed { source: std::io::Error::other(error) })?;
+            Ok(Response::from_parts(head, bytes.to_vec()))
+        })
     }
 
     /// Answers requests until `stop` says so; those under way then have ten seconds.

@@ -4,6 +4,7 @@ use super::assets::Assets;
 use super::cookie::Cookie;
 use super::guard::{Limits, Origin};
 use super::pages::{Frame, Visit};
+use super::reply::Framing;
 use super::stimulus::Stimuli;
 use super::words::{Interfaces, negotiate};
 use crate::study::store::{Store, Trouble, Version};
@@ -21,9 +22,11 @@ pub(super) struct Site {
     pub(super) interfaces: Interfaces,
     pub(super) origin: Origin,
     pub(super) cookie: Cookie,
+    pub(super) framing: Framing,
     pub(super) limits: Limits,
     pub(super) is_behind_proxy: bool,
     pub(super) requests_per_minute: u32,
+    pub(super) requests_of_one: u32,
 }
 
 impl Site {

@@ -141,19 +141,28 @@ impl Person {
             return Some(answer);
         }
         match (session.stimulus(plan, trial)?, &question.scale) {
-            (Stimulus::Gait { gait }, Scale::Points { .. }) => {
+            (Stimulus::Gait { gait }, Scale::Points { least, greatest, .. }) => {
                 let (_, item) = question.id.split_once('.')?;
                 let emotion = item.parse::<Emotion>().ok()?;
-                Some(minds.ratings.rate(gait, emotion, self.deviate, &mut self.random))
+                let rating = minds.ratings.rate(gait, emotion, self.deviate, &mut self.random);
+                // the model has five points, and a scale may have others
+                Some(rating.max(*least).min(*greatest))
             }
             (Stimulus::Scene { scene, condition }, Scale::Points { least, greatest, .. }) => {
                 let seen = Seen { scene, condition, position: trial.position };
                 Some(minds.scenes.answer(seen, self.deviate, (*least, *greatest), &mut self.random))
             }
-            (Stimulus::Agent { emotion, .. }, Scale::Options { .. }) => {
+            (Stimulus::Agent { emotion, .. }, Scale::Options { options }) => {
                 let shown = emotion.parse::<Emotion>().ok()?;
                 let answered = identify(minds.confusion[shown.index()], &mut self.random);
-                i64::try_from(answered).ok()
+                let named = |text: &str| text.parse::<Emotion>().ok();
+                let has_names = options.iter().any(|(_, text)| named(text).is_some());
+                let is_it = |(value, text): &&(i64, String)| match named(text) {
+                    Some(emotion) => emotion.index() == answered,
+                    // in another language: in the order of the program
+                    None => !has_names && usize::try_from(*value).is_ok_and(|value| value == answered),
+                };
+                options.iter().find(is_it).map(|(value, _)| *value)
             }
             _ => None,
         }

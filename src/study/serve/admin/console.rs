@@ -4,6 +4,7 @@ use super::super::Error;
 use super::super::assets::Assets;
 use super::super::cookie::{Cookie, mark};
 use super::super::guard::{Limits, Origin};
+use super::super::reply::Framing;
 use super::sessions::Sessions;
 use crate::study::lab::Lab;
 use crate::study::store::Store;
@@ -16,6 +17,8 @@ pub(in super::super) struct Console {
     pub(super) cookie: Cookie,
     pub(super) origin: Origin,
     pub(super) limits: Limits,
+    pub(super) requests_of_one: u32,
+    pub(super) framing: Framing,
     pub(super) sessions: Sessions,
     /// The address that participants use; none where they wear a headset.
     pub(super) entrance: Option<String>,
@@ -26,15 +29,15 @@ pub(in super::super) struct Console {
 }
 
 impl Console {
-    /// Pages for operators of a store, with a key of random bits for its limits.
+    /// Pages for operators of a store, with a key of random bits for its limits and the most requests a minute of one operator.
     ///
     /// # Errors
     /// [`Error::Compress`].
     pub(in super::super) fn new(
         store: Store,
         key: [u8; 32],
+        requests_of_one: u32,
         entrance: Option<String>,
-        lab: Option<Arc<Lab>>,
     ) -> Result<Self, Error> {
         Ok(Self {
             store,
@@ -42,11 +45,18 @@ impl Console {
             cookie: Cookie::of_operators(false),
             origin: Origin::Loopback,
             limits: Limits::new(key),
+            requests_of_one,
+            framing: Framing::of(&[])?,
             sessions: Sessions::default(),
             entrance,
-            lab,
+            lab: None,
             first: Mutex::default(),
         })
+    }
+
+    /// The same beside a headset.
+    pub(in super::super) fn beside(self, lab: Arc<Lab>) -> Self {
+        Self { lab: Some(lab), ..self }
     }
 
     /// Lets whom the program has told this key choose the first password.

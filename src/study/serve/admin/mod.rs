@@ -12,7 +12,7 @@ mod sign;
 
 pub(super) use console::Console;
 
-use super::gate::Gate;
+use super::gate::{Gate, is_bare};
 use super::reply::Told;
 use super::{PATIENCE_SECONDS, reply};
 use axum::Router;
@@ -66,7 +66,12 @@ async fn unknown(State(console): State<Arc<Console>>) -> Response {
 
 /// What every request passes through.
 async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next) -> Response {
-    let gate = Gate { origin: &console.origin, limits: &console.limits, cookie: console.cookie };
+    let gate = Gate {
+        origin: &console.origin,
+        limits: &console.limits,
+        cookie: console.cookie,
+        requests_of_one: console.requests_of_one,
+    };
     let mut response = match gate.refuses(request.method(), request.headers()) {
         Some(what) => {
             let text = "The request came from another page, too often, or is no form.";
@@ -77,9 +82,14 @@ async fn pass(State(console): State<Arc<Console>>, request: Request, next: Next)
                 tokio::time::timeout(Duration::from_secs(PATIENCE_SECONDS), next.run(request)).await;
             let late =
                 |_late| pages::problem(&console, StatusCode::SERVICE_UNAVAILABLE, "Too slow", "Try again.");
-            replied.unwrap_or_else(late)
+            match replied.unwrap_or_else(late) {
+                bare if is_bare(&bare) => {
+                    pages::problem(&console, bare.status(), "Not a page", "The pages are listed above.")
+                }
+                response => response,
+            }
         }
     };
-    reply::harden(response.headers_mut(), console.origin.is_encrypted());
+    reply::harden(response.headers_mut(), console.origin.is_encrypted(), &console.framing);
     response
 }
