@@ -39,6 +39,7 @@ mod load;
 mod materials;
 pub mod plan;
 pub mod protocol;
+pub mod register;
 #[cfg(feature = "study")]
 pub mod rehearse;
 #[cfg(feature = "study")]

@@ -17,6 +17,7 @@ pub(super) fn check(notes: &mut Notes<'_>, materials: &Materials) {
     exclude(notes, &notes.file().exclude);
     data(notes, notes.file().data);
     headset(notes);
+    registration(notes);
 }
 
 fn study(notes: &mut Notes<'_>) {
@@ -181,5 +182,22 @@ fn headset(notes: &mut Notes<'_>) {
     let known: Vec<&str> = own.chain(instrument::names()).collect();
     for name in headset.stop_at.keys() {
         notes.known(&format!("headset.stop_at.{name}"), name, &known, "a question or questionnaire");
+    }
+}
+
+fn registration(notes: &mut Notes<'_>) {
+    let registration = &notes.file().registration;
+    if let Some(w) = registration.smallest_w
+        && !(w > 0.0 && w < 1.0)
+    {
+        let hint = "0.1 is a small effect, 0.3 a medium one, 0.5 a large one (Cohen 1988)";
+        notes.error("registration.smallest_w", w, "above 0 and below 1", hint);
+    }
+    let texts = [("authors", &registration.authors), ("hypotheses", &registration.hypotheses)];
+    for (key, texts) in texts {
+        for (index, _) in texts.iter().enumerate().filter(|(_, text)| text.trim().is_empty()) {
+            let key = format!("registration.{key}[{index}]");
+            notes.error(&key, "\"\"", "a text", "or leave it out: the page of registration then has a blank");
+        }
     }
 }

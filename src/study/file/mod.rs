@@ -14,4 +14,5 @@ pub use questions::{ItemOrder, LikertItem, Points, Question};
 pub use schema::{Introduction, StudyFile};
 pub use sections::{
     Codes, Consent, Crowd, Data, Exclude, Front, Headset, OnWithdrawal, Platform, Pointer, Recruit,
+    Registration,
 };

@@ -163,3 +163,18 @@ pub struct Headset {
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub stop_at: BTreeMap<String, i64>,
 }
+
+/// What a registration says that the rest of the file does not.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Registration {
+    /// Names of the authors.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub authors: Vec<String>,
+    /// The hypotheses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hypotheses: Vec<String>,
+    /// Smallest effect of interest in Friedman tests, as Kendall's W, above 0 and below 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smallest_w: Option<f64>,
+}
