@@ -177,3 +177,39 @@ fn the_papers_whole_evaluation_runs_from_gaits_to_one_report() {
     assert_eq!(json[2]["tests"][1]["kept"]["statistics"]["answers"], 192);
     assert!(out.join("data-gaits/analysis/ratings.csv").is_file());
 }
+
+#[test]
+fn people_and_simulated_participants_are_analysed_apart_and_the_command_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let at = run.to_str().unwrap();
+    good(&["study", "simulate", "eva-agents", "--participants", "24", "--out", at]);
+    // half of them are people
+    for name in ["answers.csv", "participants.csv"] {
+        let text = std::fs::read_to_string(run.join(name)).unwrap();
+        let of = |line: &str| line.split(',').next().and_then(|number| number.parse::<u32>().ok());
+        let line = |line: &str| match of(line) {
+            Some(number) if number % 2 == 0 => line.replacen(",simulated,", ",web,", 1),
+            Some(1) => line.replacen(",simulated,", ",headset,", 1),
+            _ => line.to_owned(),
+        };
+        std::fs::write(run.join(name), text.lines().map(|one| line(one) + "\n").collect::<String>()).unwrap();
+    }
+    let message = fails(&["study", "analyse", at], 1);
+    assert!(message.contains("12 people took part in a browser and 1 in a headset"), "{message}");
+    assert!(message.contains("--front"), "{message}");
+    let analyse = |front: &str| {
+        let output = super::gaitway(&["study", "analyse", at, "--front", front, "--json"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (found["participants"].clone(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (found, notes) = analyse("web");
+    assert_eq!(found["fronts"], serde_json::json!({ "web": 12 }));
+    assert_eq!(found["left_out"], serde_json::json!({ "headset": 1, "simulated": 11 }));
+    assert!(notes.contains("11 participants of the front simulated are left out"), "{notes}");
+    assert_eq!(analyse("people").0["fronts"], serde_json::json!({ "web": 12, "headset": 1 }));
+    assert_eq!(analyse("simulated").0["is_simulated"], true);
+    let data = folder.path().join("data");
+    let message = fails(&["study", "export", at, "--out", data.to_str().unwrap()], 1);
+    assert!(message.contains("1 in a headset") && !data.exists(), "{message}");
+}

@@ -7,7 +7,7 @@ use gaitway::study::file::{Front, OnWithdrawal};
 use gaitway::study::plan::Ending;
 use gaitway::study::protocol::State;
 use gaitway::study::simulate::{Habits, Minds, Setup, run};
-use gaitway::study::tables::{Role, Tables, Value};
+use gaitway::study::tables::{Fronts, Role, Tables, Value};
 use gaitway::study::{Materials, Study};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -148,7 +148,7 @@ fn the_rules_of_psych_ds_hold_for_both_studies() {
     for (name, count) in [("eva-gaits", 30), ("eva-agents", 0)] {
         let (study, tables) = simulated(name, count);
         for small_cells in [false, true] {
-            let dataset = with_texts(&study, &tables, Options { small_cells });
+            let dataset = with_texts(&study, &tables, Options { small_cells, ..Options::default() });
             assert_eq!(faults(&dataset), Vec::<String>::new());
             assert!(dataset.notes.contains(&Note::Simulated));
             assert_eq!(text(&dataset, "materials/consent.en.md"), "I agree.");
@@ -200,7 +200,7 @@ fn the_rules_of_psych_ds_hold_for_both_studies() {
 #[test]
 fn every_answer_is_in_one_file_and_ratings_are_what_gait_ratings_reads() {
     let (study, tables) = simulated("eva-gaits", 30);
-    let dataset = with_texts(&study, &tables, Options { small_cells: true });
+    let dataset = with_texts(&study, &tables, Options { small_cells: true, ..Options::default() });
     let data = dataset.files.iter().filter(|file| file.path.contains("_task-"));
     let rows: BTreeMap<&str, usize> = data.map(|file| (&*file.path, table(&file.text).len() - 1)).collect();
     assert_eq!(rows.values().sum::<usize>(), tables.answers.len(), "{rows:?}");
@@ -260,7 +260,7 @@ fn gender_and_age_stay_out_where_fewer_than_five_people_share_them() {
     let is_told =
         |file: &gaitway::study::export::File| file.path.starts_with("data/") && file.text.contains("77");
     assert!(!dataset.files.iter().any(is_told) && !dataset.files.iter().any(|file| file.path == about));
-    let dataset = with_texts(&study, &said(&one_more), Options { small_cells: true });
+    let dataset = with_texts(&study, &said(&one_more), Options { small_cells: true, ..Options::default() });
     assert_eq!(dataset.notes, [Note::SmallCells { smallest: 1 }]);
     assert!(text(&dataset, participants).contains(",man,77\n"));
     // a participant that withdrew is in no table
@@ -301,7 +301,26 @@ fn free_texts_cannot_be_computed_and_names_of_files_differ() {
 fn people_and_simulated_participants_are_never_in_one_dataset() {
     let study = Study::builtin("eva-agents").unwrap();
     let mut tables = people(&[[1, 2, 3], [2, 3, 4]], &["garden"], &["q1"]);
-    tables.participants.push(person("7", Front::Simulated));
-    let wrong = export(&study, &tables, &BTreeMap::new(), Options::default()).unwrap_err();
-    assert!(wrong.to_string().contains("2 people and 1 simulated"), "{wrong}");
+    tables.participants.push(person("s7", Front::Simulated));
+    let mut one = answer("s7", "scenes/1", Role::Ordinary, "presence.q1", 4);
+    one.front = Front::Simulated;
+    tables.answers.push(one);
+    let own = |fronts| with_texts(&study, &tables, Options { fronts, ..Options::default() });
+    let is_told = |dataset: &Dataset, name: &str| {
+        let mut data = dataset.files.iter().filter(|file| file.path.starts_with("data/"));
+        data.any(|file| file.text.contains(&format!("{name},")))
+    };
+    let dataset = own(None);
+    assert_eq!(dataset.notes, [Note::LeftOut { front: Front::Simulated, count: 1 }]);
+    assert!(is_told(&dataset, "p1") && !is_told(&dataset, "s7"));
+    assert!(text(&dataset, "README.md").contains("1 participants of the front simulated"));
+    let dataset = own(Some(Fronts::Simulated));
+    assert_eq!(dataset.notes, [Note::Simulated, Note::LeftOut { front: Front::Web, count: 2 }]);
+    assert!(!is_told(&dataset, "p1") && is_told(&dataset, "s7"));
+    let options = Options { fronts: Some(Fronts::Headset), ..Options::default() };
+    let wrong = export(&study, &tables, &BTreeMap::new(), options).unwrap_err().to_string();
+    assert!(
+        wrong.contains("no participant took part on the front \"headset\"; there are web, simulated"),
+        "{wrong}"
+    );
 }

@@ -16,6 +16,7 @@ mod blocks;
 mod check;
 mod export;
 mod fill;
+mod fronts;
 mod protocol;
 mod questionnaires;
 mod report;

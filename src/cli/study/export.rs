@@ -2,7 +2,8 @@
 
 use super::super::output::{note, say, say_json};
 use super::super::outputs::make_folder;
-use super::{beside, folder};
+use super::beside;
+use super::folder::{self, FrontArguments};
 use crate::Error;
 use crate::study::export::{Note, Options, export};
 use serde::Serialize;
@@ -22,6 +23,8 @@ pub(super) struct Arguments {
     /// Folder to write
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
+    #[command(flatten)]
+    front: FrontArguments,
     /// Export gender and age even where fewer than 5 people share both
     #[arg(long)]
     small_cells: bool,
@@ -40,7 +43,10 @@ struct Outcome {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let (study, tables) = folder::read(&arguments.data)?;
     let texts = beside::texts(&study)?.texts;
-    let dataset = export(&study, &tables, &texts, Options { small_cells: arguments.small_cells })?;
+    let fronts = arguments.front.fronts();
+    // asked here for an error that names the folder
+    arguments.front.choose(&tables, &arguments.data)?;
+    let dataset = export(&study, &tables, &texts, Options { small_cells: arguments.small_cells, fronts })?;
     let mut files = Vec::new();
     for file in &dataset.files {
         let path = arguments.out.join(&file.path);

@@ -40,7 +40,7 @@ mod sheet;
 mod texts;
 
 use super::analyse::{self, Analysis, Error, analyse, html, markdown, rating_sheet};
-use super::tables::Tables;
+use super::tables::{Chosen, Fronts, Tables};
 use super::{FILE_NAME, Study};
 use names::Names;
 pub use notes::{Note, SMALLEST_CELL};
@@ -51,6 +51,8 @@ use std::collections::BTreeMap;
 pub struct Options {
     /// Give gender and age away even where fewer than [`SMALLEST_CELL`] people share both.
     pub small_cells: bool,
+    /// Whose answers are wanted, as [`Tables::choose`] takes it.
+    pub fronts: Option<Fronts>,
 }
 
 /// A file of a dataset.
@@ -74,13 +76,15 @@ pub struct Dataset {
 /// The dataset of a study. `texts` are the consent texts that are known, by the name of their file.
 ///
 /// # Errors
-/// As [`analyse()`]: [`Error::Mixed`] for people together with simulated participants, answers that do not fit the study file.
+/// As [`Tables::choose`], which keeps people and simulated participants apart, and as [`analyse()`]: answers that do not fit the
+/// study file.
 pub fn export(
     study: &Study,
     tables: &Tables,
     texts: &BTreeMap<String, String>,
     options: Options,
 ) -> Result<Dataset, Error> {
+    let Chosen { tables, left_out } = &tables.choose(options.fronts)?;
     let analysis = analyse(&study.file, tables)?;
     let tables = analyse::not_withdrawn(&study.file, tables);
     let smallest = people::smallest_cell(&tables);
@@ -98,7 +102,8 @@ pub fn export(
         is_withheld,
     )?);
     sheets.extend(columns::scores(&study.file, &tables, names.of("scores"))?);
-    let notes = notes(&tables, &analysis, smallest, is_withheld);
+    let mut notes = notes(&tables, &analysis, smallest, is_withheld);
+    notes.extend(left_out.iter().map(|(&front, &count)| Note::LeftOut { front, count }));
     let mut files = vec![
         file("dataset_description.json", describe::dataset(&study.file, &analysis, &sheets)?),
         file("README.md", texts::readme(&study.file, &analysis, &sheets, &notes)),

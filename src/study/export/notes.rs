@@ -1,5 +1,7 @@
 //! What a person has to know before a dataset is handed on.
 
+use crate::study::file::Front;
+use crate::study::tables::name;
 use std::fmt;
 
 /// Fewest people of one gender and age for which both are given away.
@@ -28,6 +30,13 @@ pub enum Note {
     },
     /// No participant is a person.
     Simulated,
+    /// Participants of another front are not in the dataset.
+    LeftOut {
+        /// Their front.
+        front: Front,
+        /// How many there are.
+        count: usize,
+    },
 }
 
 impl fmt::Display for Note {
@@ -48,6 +57,13 @@ impl fmt::Display for Note {
                 write!(
                     f,
                     "free texts: {count}; read them before you share the data, since they may tell who wrote them"
+                )
+            }
+            Self::LeftOut { front, count } => {
+                write!(
+                    f,
+                    "left out: {count} participants of the front {}; they belong into a dataset of their own",
+                    name(front)
                 )
             }
             Self::Simulated => {
