@@ -234,7 +234,7 @@ fn every_answer_is_in_one_file_and_ratings_are_what_gait_ratings_reads() {
 }
 
 #[test]
-fn gender_and_age_stay_out_where_fewer_than_five_people_share_them() {
+fn gender_and_age_are_given_in_bands_or_not_at_all_where_fewer_than_five_people_share_them() {
     let mut study = Study::builtin("eva-agents").unwrap();
     let many: Vec<(i64, i64)> = (0..10).map(|number| (number % 2, 30)).collect();
     let about = "data/study-evaagents_task-aboutyou_data.csv";
@@ -248,17 +248,43 @@ fn gender_and_age_stay_out_where_fewer_than_five_people_share_them() {
     );
     assert_eq!(faults(&dataset), Vec::<String>::new());
     assert!(text(&dataset, about).contains("gender"));
-    // one more of another age: it would be found by it
+    // ages differ, and bands hide which one is whose
+    let ages: Vec<(i64, i64)> = (0..12).map(|number| (number % 2, 25 + number % 10)).collect();
+    let dataset = with_texts(&study, &said(&ages), Options::default());
+    assert_eq!(dataset.notes, [Note::Banded { smallest: 1 }]);
+    assert_eq!(faults(&dataset), Vec::<String>::new());
+    let people = table(text(&dataset, participants));
+    assert_eq!(people[0].last().unwrap(), "age_band");
+    assert!(
+        people[1..].iter().all(|row| row.last().unwrap() == "25-34")
+            && !people[0].contains(&"age".to_owned())
+    );
+    let asked = table(text(&dataset, about));
+    let question = asked[0].iter().position(|name| name == "question").unwrap();
+    assert!(asked[1..].iter().all(|row| row[question] == "gender"), "no exact age is left anywhere");
+    let dictionary = text(&dataset, "dataset_description.json");
+    assert!(dictionary.contains("Age in a band") && dictionary.contains("\"25-34\""));
+    // one more of another age: even in bands it would be found by it
     let mut one_more = many;
     one_more.push((1, 77));
     let dataset = with_texts(&study, &said(&one_more), Options::default());
-    let questions = ["gender", "age"].map(str::to_owned).to_vec();
-    assert_eq!(dataset.notes, [Note::Withheld { questions, smallest: 1 }]);
-    assert!(dataset.notes[0].to_string().contains("gender and age left out: 1 of the participants"));
+    let withheld = |questions: &[&str]| Note::Withheld {
+        questions: questions.iter().map(|&question| question.to_owned()).collect(),
+        smallest: 1,
+    };
+    assert_eq!(dataset.notes, [withheld(&["age"])]);
+    assert!(dataset.notes[0].to_string().contains("age left out: 1 of the participants"));
     assert!(text(&dataset, "README.md").contains("--small-cells"));
     assert_eq!(faults(&dataset), Vec::<String>::new());
+    assert!(text(&dataset, participants).lines().nth(1).unwrap().ends_with(",woman"));
     let is_told =
         |file: &gaitway::study::export::File| file.path.starts_with("data/") && file.text.contains("77");
+    assert!(!dataset.files.iter().any(is_told));
+    // and one of another gender
+    let mut two_more = one_more.clone();
+    two_more.push((2, 30));
+    let dataset = with_texts(&study, &said(&two_more), Options::default());
+    assert_eq!(dataset.notes, [withheld(&["gender", "age"])]);
     assert!(!dataset.files.iter().any(is_told) && !dataset.files.iter().any(|file| file.path == about));
     let dataset = with_texts(&study, &said(&one_more), Options { small_cells: true, ..Options::default() });
     assert_eq!(dataset.notes, [Note::SmallCells { smallest: 1 }]);

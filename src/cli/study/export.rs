@@ -14,7 +14,7 @@ use std::path::PathBuf;
 #[command(
     after_help = "Examples:\n  gaitway study export run/ --out data/\n\nThe dataset follows Psych-DS: one CSV a part, every column \
                   explained in dataset_description.json. analysis/ has an R script with mixed models, the planned analysis and, for \
-                  ratings, ratings.csv.\nGender and age are left out where fewer than 5 people share both."
+                  ratings, ratings.csv.\nWhere fewer than 5 people share gender and age, ages are given in bands; where that does not help, they are left out."
 )]
 pub(super) struct Arguments {
     /// Folder with study.toml, answers.csv and participants.csv
@@ -25,7 +25,7 @@ pub(super) struct Arguments {
     out: PathBuf,
     #[command(flatten)]
     front: FrontArguments,
-    /// Export gender and age even where fewer than 5 people share both
+    /// Export gender and exact age even where fewer than 5 people share both
     #[arg(long)]
     small_cells: bool,
     /// Print one JSON object
