@@ -1,5 +1,6 @@
 //! Links of platforms, languages, and a study that is closed.
 
+use crate::client::Reply;
 use crate::lab::{Lab, begin, go_on, wait};
 
 const PROLIFIC: &[(&str, &str)] = &[("platform = \"none\"", "platform = \"prolific\"")];
@@ -62,6 +63,14 @@ fn pages_speak_the_language_that_the_browser_or_the_participant_wishes() {
     let reply = browser.post("/s/looks/begin", &[("language", "de")]);
     let consent = browser.follow(reply);
     assert!(consent.body.contains("Ich stimme zu") && consent.body.contains("Abbrechen und zurückziehen"));
+    // what the program asks by itself, too
+    let about = crate::lab::agree(&mut browser, &consent);
+    for word in ["Ihr Geschlecht", "Frau", "Das möchte ich nicht sagen", "Ihr Alter in Jahren"] {
+        assert!(about.body.contains(word), "{word}: {}", about.body);
+    }
+    let pages = go_on(&mut browser, about, "");
+    let instructed = |page: &&Reply| page.body.contains("Diese Seite prüft, ob sie gelesen wird");
+    assert_eq!(pages.iter().filter(instructed).count(), 1);
     // a language that the study does not have
     let mut other = lab.browser();
     let reply = other.post("/s/looks/begin", &[("language", "xx")]);
