@@ -70,6 +70,10 @@ pub struct Recruit {
     pub platform: Platform,
     /// The platform's codes of completion.
     pub codes: Codes,
+    /// Sona's address that grants credit, as Sona shows it: `https://..survey_code=XXXX`. The participant's code takes the place
+    /// of `XXXX`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub credit: Option<String>,
     /// Most participants that are under way or finished at a time, 1 to 1,000,000; lapsed ones do not count.
     pub most_participants: u32,
     /// Longest silence before a place is given to another participant, min, 1 to 10,080.
@@ -78,7 +82,13 @@ pub struct Recruit {
 
 impl Default for Recruit {
     fn default() -> Self {
-        Self { platform: Platform::None, codes: Codes::default(), most_participants: 1000, lease_minutes: 30 }
+        Self {
+            platform: Platform::None,
+            codes: Codes::default(),
+            credit: None,
+            most_participants: 1000,
+            lease_minutes: 30,
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
 use super::gate::is_json;
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
-use super::platform::{self, Query};
+use super::platform::{self, Query, encoded};
 use super::reply::{self, Told, page, see_other, with_cookie};
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
@@ -68,14 +68,9 @@ pub(super) async fn welcome(
 
 /// The address of the first page in a language, with what the platform sent.
 fn link(id: &str, language: &str, carried: &[(&str, &str)]) -> String {
-    let encode = |text: &str| {
-        let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
-        let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
-        text.bytes().map(one).collect::<String>()
-    };
-    let rest: String =
-        carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
-    format!("/s/{id}?lang={}{rest}", encode(language))
+    let pair = |(name, value): &(&str, &str)| format!("&{}={}", encoded(name), encoded(value));
+    let rest: String = carried.iter().map(pair).collect();
+    format!("/s/{id}?lang={}{rest}", encoded(language))
 }
 
 /// Gives the browser its secret and shows the current page.
@@ -148,7 +143,22 @@ pub(super) async fn go(
             .as_deref()
             .map_or_else(|| see_other(&visitor.at("")), |secret| told(secret, &turn)));
     }
-    Ok(show(&visitor, &turn, StatusCode::OK, &Filled::default()))
+    let credit = credit(&visitor, &turn).await?;
+    Ok(show(&visitor, &turn, StatusCode::OK, credit.as_deref(), &Filled::default()))
+}
+
+/// The address that grants credit to a participant who has finished, where there is one.
+async fn credit(visitor: &Visitor<'_>, turn: &Turn) -> Result<Option<String>, Told> {
+    let version = visitor.site.version(turn.version);
+    let recruit = &version.study.file.recruit;
+    let is_finished = turn.state == Stage::Ended(Ending::Finished);
+    let Some(secret) = visitor.secret.as_deref().filter(|_| is_finished && platform::grants_credit(recruit))
+    else {
+        return Ok(None);
+    };
+    let id = ask(|then| visitor.site.store.platform_id(secret, then)).await;
+    let id = id.map_err(|trouble| visitor.trouble(&trouble))?;
+    Ok(id.and_then(|id| platform::credit_of(recruit, &id)))
 }
 
 /// The current page for a program in place of a browser. It tells no more than the page does.
@@ -156,7 +166,13 @@ fn told(secret: &str, turn: &Turn) -> Response {
     Json(serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code })).into_response()
 }
 
-fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled) -> Response {
+fn show(
+    visitor: &Visitor<'_>,
+    turn: &Turn,
+    status: StatusCode,
+    credit: Option<&str>,
+    filled: &Filled,
+) -> Response {
     let site = visitor.site;
     let version = site.version(turn.version);
     let mark = visitor.secret.as_deref().map(mark).unwrap_or_default();
@@ -166,7 +182,7 @@ fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled)
         _ => None,
     };
     let seconds = version.plan.trials_of(&turn.page.part).map_or(0.0, |trials| trials.shows.seconds);
-    let texts = Texts { consent: consent.unwrap_or_default(), seconds, now: now() };
+    let texts = Texts { consent: consent.unwrap_or_default(), seconds, credit, now: now() };
     let frame = site.frame(&version, &turn.language, Some(visit));
     page(status, pages::turn(&frame, &turn.page, texts, filled))
 }
@@ -215,7 +231,7 @@ async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Tol
             Err(trouble) => return Err(visitor.trouble(&trouble)),
         }
     }
-    Ok(show(visitor, &turn, StatusCode::UNPROCESSABLE_ENTITY, &filled))
+    Ok(show(visitor, &turn, StatusCode::UNPROCESSABLE_ENTITY, None, &filled))
 }
 
 /// What happened on a page, from a script.
@@ -260,7 +276,7 @@ pub(super) async fn withdraw(
     visitor.check_mark(&fields)?;
     if fields.get("sure").is_some_and(|sure| sure == "yes") {
         let turn = visitor.submit(Event::Withdrawn).await?;
-        return Ok(show(&visitor, &turn, StatusCode::OK, &Filled::default()));
+        return Ok(show(&visitor, &turn, StatusCode::OK, None, &Filled::default()));
     }
     let turn = visitor.turn().await?;
     if matches!(turn.state, Stage::Ended(Ending::Withdrawn | Ending::Declined)) {

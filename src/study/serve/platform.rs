@@ -1,6 +1,6 @@
 //! Links of recruiting platforms: who comes, and whether it is a preview only.
 
-use crate::study::file::Platform;
+use crate::study::file::{Platform, Recruit, credit};
 use crate::study::store::PlatformId;
 use std::collections::BTreeMap;
 
@@ -54,6 +54,25 @@ pub(super) fn way_back(platform: Platform, code: &str) -> Option<String> {
     is_usable.then(|| format!("{PROLIFIC}{code}"))
 }
 
+/// Whether a participant who finishes gets credit by an address of their own.
+pub(super) const fn grants_credit(recruit: &Recruit) -> bool {
+    matches!(recruit.platform, Platform::Sona) && recruit.credit.is_some()
+}
+
+/// The address that grants credit to the participant whom the platform knows by an id.
+pub(super) fn credit_of(recruit: &Recruit, id: &str) -> Option<String> {
+    let address = recruit.credit.as_ref().filter(|_| grants_credit(recruit))?;
+    let (before, after) = credit(address).ok()?;
+    Some(format!("{before}{}{after}", encoded(id)))
+}
+
+/// A text as it stands behind the question mark of an address.
+pub(super) fn encoded(text: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
+    let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    text.bytes().map(one).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,5 +96,17 @@ mod tests {
         assert!(is_preview(Platform::Mturk, &looks) && !is_preview(Platform::Prolific, &looks));
         assert_eq!(way_back(Platform::Prolific, "C1").unwrap(), format!("{PROLIFIC}C1"));
         assert!(way_back(Platform::Mturk, "C1").is_none() && way_back(Platform::Prolific, "a&b").is_none());
+    }
+
+    #[test]
+    fn credit_is_granted_at_sona_to_the_code_that_the_participant_came_with() {
+        let address = "https://school.sona-systems.com/webstudy_credit.aspx?experiment_id=1&credit_token=2&survey_code=XXXX";
+        let recruit = |platform| Recruit { platform, credit: Some(address.to_owned()), ..Recruit::default() };
+        assert_eq!(
+            credit_of(&recruit(Platform::Sona), "7 7&x=1").unwrap(),
+            address.replace("XXXX", "7%207%26x%3D1")
+        );
+        assert!(credit_of(&recruit(Platform::Prolific), "77").is_none());
+        assert!(credit_of(&Recruit { platform: Platform::Sona, ..Recruit::default() }, "77").is_none());
     }
 }

@@ -34,7 +34,7 @@ words! {
     saving saved offline refused lost
     finished_title finished_text declined_title declined_text gone_text withdrawn_title withdrawn_delete withdrawn_keep
     screened_out_title screened_out_text excluded_title excluded_text full_title full_text
-    completion completion_note to_prolific try_again to_start go_on
+    completion completion_note to_prolific to_sona credit_note try_again to_start go_on
     unavailable_title unavailable_text closed_title closed_text refused_title refused_text unknown_title unknown_text
     not_found_title not_found_text too_many_title too_many_text too_large_title too_large_text
     bad_request_title bad_request_text forbidden_title forbidden_text other_title other_text
