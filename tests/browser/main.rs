@@ -15,6 +15,7 @@ mod common;
 
 mod accessibility;
 mod admin;
+mod credit;
 mod driver;
 mod films;
 mod harness;
