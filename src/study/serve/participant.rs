@@ -4,7 +4,7 @@ use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
 use super::gate::is_json;
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
-use super::platform::{self, Query, encoded};
+use super::platform::{self, encoded};
 use super::reply::{self, Told, page, see_other, with_cookie};
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
@@ -12,11 +12,10 @@ use crate::study::file::Front;
 use crate::study::plan::Ending;
 use crate::study::protocol::{Answer, Content, Event, Refusal, State as Stage};
 use crate::study::store::{Arrival, Arrived, Trouble, Turn};
-use axum::Json;
-use axum::extract::{Path, Query as Queried, Request, State};
+use axum::extract::{Path, Request, State};
 use axum::http::header::ACCEPT;
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse as _, Response};
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::Response;
 use std::sync::Arc;
 
 /// The field that begins a participation beside the one that the browser has, as on a shared machine.
@@ -34,10 +33,11 @@ type Shared = State<Arc<Site>>;
 pub(super) async fn welcome(
     State(site): Shared,
     Path(id): Path<String>,
-    Queried(query): Queried<Query>,
+    address: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
+    let query = form::query(&address);
     let version = site.store.current();
     let study = &version.study.file;
     let platform = study.recruit.platform;
@@ -163,7 +163,10 @@ async fn credit(visitor: &Visitor<'_>, turn: &Turn) -> Result<Option<String>, To
 
 /// The current page for a program in place of a browser. It tells no more than the page does.
 fn told(secret: &str, turn: &Turn) -> Response {
-    Json(serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code })).into_response()
+    reply::json(
+        StatusCode::OK,
+        &serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code }),
+    )
 }
 
 fn show(
@@ -211,7 +214,7 @@ pub(super) async fn answer(
 
 /// The reply to a script: it is on the disk.
 fn committed(turn: &Turn) -> Response {
-    Json(serde_json::json!({ "page": turn.page.id })).into_response()
+    reply::json(StatusCode::OK, &serde_json::json!({ "page": turn.page.id }))
 }
 
 async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {

@@ -1,11 +1,8 @@
 //! Links of recruiting platforms: who comes, and whether it is a preview only.
 
+use super::form::Fields;
 use crate::study::file::{Platform, Recruit, credit};
 use crate::study::store::PlatformId;
-use std::collections::BTreeMap;
-
-/// What an address carries behind its question mark; the first of equal names counts.
-pub(super) type Query = BTreeMap<String, String>;
 
 /// Longest id of a platform, bytes.
 const LONGEST: usize = 128;
@@ -25,7 +22,7 @@ fn names(platform: Platform) -> Option<[&'static str; 2]> {
 }
 
 /// The fields of a link that come along to the first form.
-pub(super) fn carried(platform: Platform, query: &Query) -> Vec<(&'static str, &str)> {
+pub(super) fn carried(platform: Platform, query: &Fields) -> Vec<(&'static str, &str)> {
     let [participant, submission] = match names(platform) {
         Some(names) => names,
         None => return Vec::new(),
@@ -36,14 +33,14 @@ pub(super) fn carried(platform: Platform, query: &Query) -> Vec<(&'static str, &
 }
 
 /// The ids in a link, if it has usable ones.
-pub(super) fn id(platform: Platform, query: &Query) -> Option<PlatformId> {
+pub(super) fn id(platform: Platform, query: &Fields) -> Option<PlatformId> {
     let usable = |name: &str| query.get(name).filter(|id| (1..=LONGEST).contains(&id.len())).cloned();
     let [participant, submission] = names(platform)?;
     Some(PlatformId { participant: usable(participant)?, submission: usable(submission).unwrap_or_default() })
 }
 
 /// Whether the platform only shows the study to a person who has not taken it.
-pub(super) fn is_preview(platform: Platform, query: &Query) -> bool {
+pub(super) fn is_preview(platform: Platform, query: &Fields) -> bool {
     platform == Platform::Mturk && query.get("assignmentId").is_some_and(|id| id == PREVIEW)
 }
 
@@ -77,7 +74,7 @@ pub(super) fn encoded(text: &str) -> String {
 mod tests {
     use super::*;
 
-    fn query(pairs: &[(&str, &str)]) -> Query {
+    fn query(pairs: &[(&str, &str)]) -> Fields {
         pairs.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())).collect()
     }
 
