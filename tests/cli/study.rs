@@ -213,3 +213,37 @@ fn people_and_simulated_participants_are_analysed_apart_and_the_command_says_so(
     let message = fails(&["study", "export", at, "--out", data.to_str().unwrap()], 1);
     assert!(message.contains("1 in a headset") && !data.exists(), "{message}");
 }
+
+#[test]
+#[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
+fn films_of_a_study_are_made_once_and_a_missing_device_is_noted_once() {
+    if !super::has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (mine, run) = (at("mine"), at("run"));
+    good(&["study", "new", "eva-agents", "--out", &mine]);
+    let file = folder.path().join("mine/study.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    // two scenes, no agents, nothing left to fill in: three conditions and the practice, each with three seeds
+    let flow = text.lines().find(|line| line.starts_with("flow = ")).unwrap();
+    let short = text
+        .replace(flow, "flow = [\"consent\", \"practice\", \"scenes\"]")
+        .replace("\"crossing\", \"garden\", \"parking\", \"scifi\"", "\"crossing\", \"garden\"")
+        .replace("seconds = 45", "seconds = 0.5")
+        .replace("seconds = 20,", "seconds = 0.5,")
+        .replace("TO FILL IN", "A lab");
+    std::fs::write(&file, short.split("\n[[analysis.test]]").next().unwrap()).unwrap();
+    let consent = folder.path().join("mine/consent-vr.en.md");
+    std::fs::write(&consent, "# Consent").unwrap();
+    let clips = || super::gaitway(&["study", "clips", &mine, "--data", &run, "--size", "64x36"]);
+    let first = clips();
+    let notes = String::from_utf8(first.stderr).unwrap();
+    assert!(first.status.success(), "{notes}");
+    let made = notes.matches("note: clip ").count();
+    assert!(made > 3, "{notes}");
+    assert!(notes.matches("simulating on the CPU").count() <= 1, "{notes}");
+    let again = String::from_utf8(clips().stderr).unwrap();
+    assert!(again.contains(&format!("{made} clips, 0 to be made")), "{again}");
+}
