@@ -20,6 +20,7 @@ mod fronts;
 mod protocol;
 mod questionnaires;
 mod report;
+mod scoring_keys;
 mod simulate;
 
 use gaitway::study::plan::Plan;
