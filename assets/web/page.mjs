@@ -183,7 +183,7 @@ function begin() {
   if (main().dataset.ended) queue.empty().then(() => queue.forget()).then(back);
 }
 
-// Goes to where credit is granted, once: who comes back to this page may stay.
+// Goes to where credit is granted, once: a participant who comes back to this page may stay.
 function back() {
   const link = main().querySelector("a[data-credit]");
   if (!link || history.state?.went) return;

@@ -7,7 +7,7 @@ use super::visit::{Hands, Visit};
 const SONA: &str = "https://127.0.0.1:9/credit?experiment_id=1&credit_token=2&survey_code=";
 
 #[test]
-fn who_finishes_is_taken_to_sona_once_and_may_come_back() {
+fn a_participant_who_finishes_is_taken_to_sona_once_and_may_come_back() {
     let sona = format!("platform = \"sona\"\ncredit = \"{SONA}XXXX\"");
     let changes = [("platform = \"prolific\"", sona.as_str())];
     let Some(visit) = Visit::to(Options::default(), Hands::Mouse, &changes) else { return };
@@ -18,7 +18,7 @@ fn who_finishes_is_taken_to_sona_once_and_may_come_back() {
         Some(browser.address()).filter(|address| address.starts_with("https:"))
     };
     assert_eq!(visit.browser.until("never at Sona", at_sona), format!("{SONA}4711"));
-    // back on the last page, which does not send anyone away again
+    // back on the last page, which sends no participant away again
     visit.browser.back();
     visit.browser.until("no last page", |_| visit.is_over().then_some(()));
     std::thread::sleep(std::time::Duration::from_millis(500));

@@ -106,7 +106,7 @@ fn pages_speak_the_language_that_the_browser_or_the_participant_wishes() {
         assert!(about.body.contains(word), "{word}: {}", about.body);
     }
     let pages = go_on(&mut browser, about, "");
-    let instructed = |page: &&Reply| page.body.contains("Diese Seite prüft, ob sie gelesen wird");
+    let instructed = |page: &&Reply| page.body.contains("gelesen wird. Bitte");
     assert_eq!(pages.iter().filter(instructed).count(), 1);
     // a language that the study does not have
     let mut other = lab.browser();
