@@ -180,7 +180,15 @@ function begin() {
     isLeaving = true;
     queue.empty().then(turn);
   }
-  if (main().dataset.ended) queue.empty().then(() => queue.forget());
+  if (main().dataset.ended) queue.empty().then(() => queue.forget()).then(back);
+}
+
+// Goes to where credit is granted, once: a participant who comes back to this page may stay.
+function back() {
+  const link = main().querySelector("a[data-credit]");
+  if (!link || history.state?.went) return;
+  history.replaceState({ went: true }, "");
+  location.assign(link.href);
 }
 
 document.addEventListener("keydown", choose);

@@ -13,6 +13,7 @@ use clap::builder::{ArgPredicate, TypedValueParser};
 use clap::{Args, ValueEnum, value_parser};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
+use std::sync::Once;
 
 /// How the joints of avatars are called.
 #[derive(Debug, Clone, Default, Args)]
@@ -215,11 +216,15 @@ pub(super) fn start(scene: &Scene) -> Result<Simulation, Error> {
     Ok(simulation)
 }
 
-/// Prints the device of a crowd, with `--verbose`, and a note when it runs on the CPU for want of a device.
+/// Prints the device of a crowd, with `--verbose`, and a note when it runs on the CPU for want of a device: once, however many
+/// crowds a command has.
 pub(super) fn tell_place(simulation: &Simulation) {
+    static FELL_BACK: Once = Once::new();
     detail(&format!("simulating on {}, {} threads", simulation.device(), rayon::current_num_threads()));
     if let Some(reason) = simulation.fallback() {
-        note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says more)"));
+        FELL_BACK.call_once(|| {
+            note(&format!("note: simulating on the CPU, since {reason} (`gaitway devices` says more)"));
+        });
     }
 }
 

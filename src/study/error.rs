@@ -155,6 +155,22 @@ pub enum Error {
         /// The way out.
         hint: String,
     },
+    /// People took part on two fronts, and which of them count was not said.
+    #[error("{web} people took part in a browser and {headset} in a headset; what they saw differs")]
+    SeveralFronts {
+        /// Participants in a browser.
+        web: usize,
+        /// Participants in a headset.
+        headset: usize,
+    },
+    /// No participant took part on the front that was chosen.
+    #[error("no participant took part on the front {wanted:?}; there are {}", found.join(", "))]
+    NoFront {
+        /// What was chosen.
+        wanted: String,
+        /// The fronts there are.
+        found: Vec<String>,
+    },
 }
 
 impl Error {

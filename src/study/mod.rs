@@ -28,6 +28,7 @@
 //! Times are UTC milliseconds, and always an argument: nothing here asks a clock, a disk or a network.
 
 pub mod analyse;
+mod asked;
 pub mod check;
 mod error;
 pub mod export;
@@ -40,6 +41,7 @@ mod load;
 mod materials;
 pub mod plan;
 pub mod protocol;
+pub mod register;
 #[cfg(feature = "study")]
 pub mod rehearse;
 #[cfg(feature = "study")]

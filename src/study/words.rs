@@ -74,7 +74,7 @@ impl Words {
 }
 
 /// The part of a tag before its region: `pt` of `pt-BR`.
-fn primary(tag: &str) -> &str {
+pub(super) fn primary(tag: &str) -> &str {
     tag.split(['-', '_']).next().unwrap_or(tag)
 }
 

@@ -18,6 +18,7 @@ mod admin;
 #[cfg(feature = "video")]
 mod clips;
 mod crashes;
+mod credit;
 mod driver;
 mod films;
 mod frames;

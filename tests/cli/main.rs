@@ -22,6 +22,8 @@ mod measures;
 mod odd;
 mod outcomes;
 mod pictures;
+#[cfg(feature = "study")]
+mod registration;
 mod simulate;
 mod study;
 mod words;

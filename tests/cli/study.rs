@@ -213,3 +213,73 @@ fn what_keeps_a_study_from_a_headset_is_said_before_anything_is_made() {
     assert!(message.contains("nothing"), "{message}");
     assert!(good(&["study", "replay", &data]).contains("there are no recordings"));
 }
+
+#[test]
+fn people_and_simulated_participants_are_analysed_apart_and_the_command_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let run = folder.path().join("run");
+    let at = run.to_str().unwrap();
+    good(&["study", "simulate", "eva-agents", "--participants", "24", "--out", at]);
+    // half of them are people
+    for name in ["answers.csv", "participants.csv"] {
+        let text = std::fs::read_to_string(run.join(name)).unwrap();
+        let of = |line: &str| line.split(',').next().and_then(|number| number.parse::<u32>().ok());
+        let line = |line: &str| match of(line) {
+            Some(number) if number % 2 == 0 => line.replacen(",simulated,", ",web,", 1),
+            Some(1) => line.replacen(",simulated,", ",headset,", 1),
+            _ => line.to_owned(),
+        };
+        std::fs::write(run.join(name), text.lines().map(|one| line(one) + "\n").collect::<String>()).unwrap();
+    }
+    let message = fails(&["study", "analyse", at], 1);
+    assert!(message.contains("12 people took part in a browser and 1 in a headset"), "{message}");
+    assert!(message.contains("--front"), "{message}");
+    let analyse = |front: &str| {
+        let output = super::gaitway(&["study", "analyse", at, "--front", front, "--json"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        (found["participants"].clone(), String::from_utf8(output.stderr).unwrap())
+    };
+    let (found, notes) = analyse("web");
+    assert_eq!(found["fronts"], serde_json::json!({ "web": 12 }));
+    assert_eq!(found["left_out"], serde_json::json!({ "headset": 1, "simulated": 11 }));
+    assert!(notes.contains("11 participants of the front simulated are left out"), "{notes}");
+    assert_eq!(analyse("people").0["fronts"], serde_json::json!({ "web": 12, "headset": 1 }));
+    assert_eq!(analyse("simulated").0["is_simulated"], true);
+    let data = folder.path().join("data");
+    let message = fails(&["study", "export", at, "--out", data.to_str().unwrap()], 1);
+    assert!(message.contains("1 in a headset") && !data.exists(), "{message}");
+}
+
+#[test]
+#[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
+fn films_of_a_study_are_made_once_and_a_missing_device_is_noted_once() {
+    if !super::has_vulkan() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (mine, run) = (at("mine"), at("run"));
+    good(&["study", "new", "eva-agents", "--out", &mine]);
+    let file = folder.path().join("mine/study.toml");
+    let text = std::fs::read_to_string(&file).unwrap();
+    // two scenes, no agents, nothing left to fill in: three conditions and the practice, each with three seeds
+    let flow = text.lines().find(|line| line.starts_with("flow = ")).unwrap();
+    let short = text
+        .replace(flow, "flow = [\"consent\", \"practice\", \"scenes\"]")
+        .replace("\"crossing\", \"garden\", \"parking\", \"scifi\"", "\"crossing\", \"garden\"")
+        .replace("seconds = 45", "seconds = 0.5")
+        .replace("seconds = 20,", "seconds = 0.5,")
+        .replace("TO FILL IN", "A lab");
+    std::fs::write(&file, short.split("\n[[analysis.test]]").next().unwrap()).unwrap();
+    let consent = folder.path().join("mine/consent-vr.en.md");
+    std::fs::write(&consent, "# Consent").unwrap();
+    let clips = || super::gaitway(&["study", "clips", &mine, "--data", &run, "--size", "64x36"]);
+    let first = clips();
+    let notes = String::from_utf8(first.stderr).unwrap();
+    assert!(first.status.success(), "{notes}");
+    let made = notes.matches("note: clip ").count();
+    assert!(made > 3, "{notes}");
+    assert!(notes.matches("simulating on the CPU").count() <= 1, "{notes}");
+    let again = String::from_utf8(clips().stderr).unwrap();
+    assert!(again.contains(&format!("{made} clips, 0 to be made")), "{again}");
+}

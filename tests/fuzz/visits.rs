@@ -154,6 +154,7 @@ impl Lab {
                 .with_gaits("library.glb", LIBRARY.1.clone())
                 .with_text("consent.md", "# Taking part\n\nYou may <b>stop</b>.\n"),
             libraries: BTreeMap::from([("library.glb".to_owned(), library)]),
+            rows: None,
         };
         let store = Store::open(&folder.path().join("run"), &opening).unwrap();
         let free = std::net::SocketAddr::from(([127, 0, 0, 1], 0));

@@ -387,3 +387,29 @@ fn ratings_that_no_analysis_takes_are_an_error_before_the_first_participant() {
     assert!(errors.len() == 1 && errors[0].contains("analysis.ratings.part"), "{errors:?}");
     assert!(errors[0].contains("four items is missing"), "{errors:?}");
 }
+
+#[test]
+fn an_address_of_credit_is_sonas_and_names_the_participant() {
+    let address = "https://school.sona-systems.com/webstudy_credit.aspx?experiment_id=1&credit_token=2&survey_code=XXXX";
+    let codes = "codes = { complete = \"C1ABCDEF\", screened-out = \"C2ABCDEF\", withdrawn = \"C3ABCDEF\" }";
+    let with = |platform: &str, credit: &str| {
+        let file =
+            text("eva-gaits").replace("platform = \"prolific\"", &format!("platform = \"{platform}\""));
+        let credit = if credit.is_empty() { String::new() } else { format!("credit = \"{credit}\"") };
+        check(&Study::parse(&file.replace(codes, &credit), "study.toml").unwrap(), &materials())
+    };
+    assert_eq!(of(&with("sona", address), Severity::Error), Vec::<String>::new());
+    let missing =
+        |report: &Report| of(report, Severity::Missing).iter().any(|note| note.contains("recruit.credit"));
+    assert!(missing(&with("sona", "")) && !missing(&with("sona", address)));
+    for (credit, allowed) in [
+        (address.replace("https", "http"), "must be https:// with a host"),
+        (address.replace("survey_code", "code"), "must be an address with survey_code= once"),
+        (address.replace("XXXX", "X X"), "must be an address without spaces, quotes and #"),
+    ] {
+        let errors = of(&with("sona", &credit), Severity::Error);
+        assert!(errors.len() == 1 && errors[0].contains(allowed), "{errors:?}");
+    }
+    let errors = of(&with("prolific", address), Severity::Error);
+    assert!(errors[0].contains("platform = \"sona\" alone"), "{errors:?}");
+}

@@ -7,7 +7,7 @@ use gaitway::study::file::{Front, OnWithdrawal};
 use gaitway::study::plan::Ending;
 use gaitway::study::protocol::State;
 use gaitway::study::simulate::{Habits, Minds, Setup, run};
-use gaitway::study::tables::{Role, Tables, Value};
+use gaitway::study::tables::{Fronts, Role, Tables, Value};
 use gaitway::study::{Materials, Study};
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -148,7 +148,7 @@ fn the_rules_of_psych_ds_hold_for_both_studies() {
     for (name, count) in [("eva-gaits", 30), ("eva-agents", 0)] {
         let (study, tables) = simulated(name, count);
         for small_cells in [false, true] {
-            let dataset = with_texts(&study, &tables, Options { small_cells });
+            let dataset = with_texts(&study, &tables, Options { small_cells, ..Options::default() });
             assert_eq!(faults(&dataset), Vec::<String>::new());
             assert!(dataset.notes.contains(&Note::Simulated));
             assert_eq!(text(&dataset, "materials/consent.en.md"), "I agree.");
@@ -200,7 +200,7 @@ fn the_rules_of_psych_ds_hold_for_both_studies() {
 #[test]
 fn every_answer_is_in_one_file_and_ratings_are_what_gait_ratings_reads() {
     let (study, tables) = simulated("eva-gaits", 30);
-    let dataset = with_texts(&study, &tables, Options { small_cells: true });
+    let dataset = with_texts(&study, &tables, Options { small_cells: true, ..Options::default() });
     let data = dataset.files.iter().filter(|file| file.path.contains("_task-"));
     let rows: BTreeMap<&str, usize> = data.map(|file| (&*file.path, table(&file.text).len() - 1)).collect();
     assert_eq!(rows.values().sum::<usize>(), tables.answers.len(), "{rows:?}");
@@ -234,7 +234,7 @@ fn every_answer_is_in_one_file_and_ratings_are_what_gait_ratings_reads() {
 }
 
 #[test]
-fn gender_and_age_stay_out_where_fewer_than_five_people_share_them() {
+fn gender_and_age_are_given_in_bands_or_not_at_all_where_fewer_than_five_people_share_them() {
     let mut study = Study::builtin("eva-agents").unwrap();
     let many: Vec<(i64, i64)> = (0..10).map(|number| (number % 2, 30)).collect();
     let about = "data/study-evaagents_task-aboutyou_data.csv";
@@ -248,19 +248,45 @@ fn gender_and_age_stay_out_where_fewer_than_five_people_share_them() {
     );
     assert_eq!(faults(&dataset), Vec::<String>::new());
     assert!(text(&dataset, about).contains("gender"));
-    // one more of another age: it would be found by it
+    // ages differ, and bands hide which one is whose
+    let ages: Vec<(i64, i64)> = (0..12).map(|number| (number % 2, 25 + number % 10)).collect();
+    let dataset = with_texts(&study, &said(&ages), Options::default());
+    assert_eq!(dataset.notes, [Note::Banded { smallest: 1 }]);
+    assert_eq!(faults(&dataset), Vec::<String>::new());
+    let people = table(text(&dataset, participants));
+    assert_eq!(people[0].last().unwrap(), "age_band");
+    assert!(
+        people[1..].iter().all(|row| row.last().unwrap() == "25-34")
+            && !people[0].contains(&"age".to_owned())
+    );
+    let asked = table(text(&dataset, about));
+    let question = asked[0].iter().position(|name| name == "question").unwrap();
+    assert!(asked[1..].iter().all(|row| row[question] == "gender"), "no exact age is left anywhere");
+    let dictionary = text(&dataset, "dataset_description.json");
+    assert!(dictionary.contains("Age in a band") && dictionary.contains("\"25-34\""));
+    // one more of another age: even in bands it would be found by it
     let mut one_more = many;
     one_more.push((1, 77));
     let dataset = with_texts(&study, &said(&one_more), Options::default());
-    let questions = ["gender", "age"].map(str::to_owned).to_vec();
-    assert_eq!(dataset.notes, [Note::Withheld { questions, smallest: 1 }]);
-    assert!(dataset.notes[0].to_string().contains("gender and age left out: 1 of the participants"));
+    let withheld = |questions: &[&str]| Note::Withheld {
+        questions: questions.iter().map(|&question| question.to_owned()).collect(),
+        smallest: 1,
+    };
+    assert_eq!(dataset.notes, [withheld(&["age"])]);
+    assert!(dataset.notes[0].to_string().contains("age left out: 1 of the participants"));
     assert!(text(&dataset, "README.md").contains("--small-cells"));
     assert_eq!(faults(&dataset), Vec::<String>::new());
+    assert!(text(&dataset, participants).lines().nth(1).unwrap().ends_with(",woman"));
     let is_told =
         |file: &gaitway::study::export::File| file.path.starts_with("data/") && file.text.contains("77");
+    assert!(!dataset.files.iter().any(is_told));
+    // and one of another gender
+    let mut two_more = one_more.clone();
+    two_more.push((2, 30));
+    let dataset = with_texts(&study, &said(&two_more), Options::default());
+    assert_eq!(dataset.notes, [withheld(&["gender", "age"])]);
     assert!(!dataset.files.iter().any(is_told) && !dataset.files.iter().any(|file| file.path == about));
-    let dataset = with_texts(&study, &said(&one_more), Options { small_cells: true });
+    let dataset = with_texts(&study, &said(&one_more), Options { small_cells: true, ..Options::default() });
     assert_eq!(dataset.notes, [Note::SmallCells { smallest: 1 }]);
     assert!(text(&dataset, participants).contains(",man,77\n"));
     // a participant that withdrew is in no table
@@ -301,7 +327,26 @@ fn free_texts_cannot_be_computed_and_names_of_files_differ() {
 fn people_and_simulated_participants_are_never_in_one_dataset() {
     let study = Study::builtin("eva-agents").unwrap();
     let mut tables = people(&[[1, 2, 3], [2, 3, 4]], &["garden"], &["q1"]);
-    tables.participants.push(person("7", Front::Simulated));
-    let wrong = export(&study, &tables, &BTreeMap::new(), Options::default()).unwrap_err();
-    assert!(wrong.to_string().contains("2 people and 1 simulated"), "{wrong}");
+    tables.participants.push(person("s7", Front::Simulated));
+    let mut one = answer("s7", "scenes/1", Role::Ordinary, "presence.q1", 4);
+    one.front = Front::Simulated;
+    tables.answers.push(one);
+    let own = |fronts| with_texts(&study, &tables, Options { fronts, ..Options::default() });
+    let is_told = |dataset: &Dataset, name: &str| {
+        let mut data = dataset.files.iter().filter(|file| file.path.starts_with("data/"));
+        data.any(|file| file.text.contains(&format!("{name},")))
+    };
+    let dataset = own(None);
+    assert_eq!(dataset.notes, [Note::LeftOut { front: Front::Simulated, count: 1 }]);
+    assert!(is_told(&dataset, "p1") && !is_told(&dataset, "s7"));
+    assert!(text(&dataset, "README.md").contains("1 participants of the front simulated"));
+    let dataset = own(Some(Fronts::Simulated));
+    assert_eq!(dataset.notes, [Note::Simulated, Note::LeftOut { front: Front::Web, count: 2 }]);
+    assert!(!is_told(&dataset, "p1") && is_told(&dataset, "s7"));
+    let options = Options { fronts: Some(Fronts::Headset), ..Options::default() };
+    let wrong = export(&study, &tables, &BTreeMap::new(), options).unwrap_err().to_string();
+    assert!(
+        wrong.contains("no participant took part on the front \"headset\"; there are web, simulated"),
+        "{wrong}"
+    );
 }

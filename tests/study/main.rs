@@ -16,9 +16,11 @@ mod blocks;
 mod check;
 mod export;
 mod fill;
+mod fronts;
 mod protocol;
 mod questionnaires;
 mod report;
+mod scoring_keys;
 mod simulate;
 
 use gaitway::study::plan::Plan;

@@ -4,12 +4,12 @@ use gaitway::study::Error;
 use gaitway::study::instrument::{Instrument, names};
 use std::collections::BTreeMap;
 
-fn instrument(name: &str) -> Instrument {
+pub(super) fn instrument(name: &str) -> Instrument {
     Instrument::builtin(name).unwrap().unwrap()
 }
 
 /// All items answered alike but those named.
-fn answers(name: &str, all: i64, but: &[(&str, i64)]) -> BTreeMap<String, i64> {
+pub(super) fn answers(name: &str, all: i64, but: &[(&str, i64)]) -> BTreeMap<String, i64> {
     let mut answers: BTreeMap<String, i64> =
         instrument(name).items.iter().map(|item| (item.id.clone(), all)).collect();
     for &(item, value) in but {
@@ -18,7 +18,7 @@ fn answers(name: &str, all: i64, but: &[(&str, i64)]) -> BTreeMap<String, i64> {
     answers
 }
 
-fn scores(name: &str, answers: &BTreeMap<String, i64>, variants: &[&str]) -> Vec<f64> {
+pub(super) fn scores(name: &str, answers: &BTreeMap<String, i64>, variants: &[&str]) -> Vec<f64> {
     let variants: Vec<String> = variants.iter().map(|&variant| variant.to_owned()).collect();
     let scores = instrument(name).score(answers, &variants).unwrap();
     // to two decimals: what papers print

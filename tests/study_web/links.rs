@@ -1,5 +1,6 @@
 //! Links of platforms, languages, and a study that is closed.
 
+use crate::client::Reply;
 use crate::lab::{Lab, begin, go_on, wait};
 
 const PROLIFIC: &[(&str, &str)] = &[("platform = \"none\"", "platform = \"prolific\"")];
@@ -51,6 +52,43 @@ fn a_preview_of_mechanical_turk_takes_no_place() {
 }
 
 #[test]
+fn sona_grants_credit_to_the_code_that_it_sent_the_participant_with() {
+    let sona = "platform = \"sona\"\ncredit = \"https://school.sona-systems.com/webstudy_credit.aspx?experiment_id=12&credit_token=ab&survey_code=XXXX\"";
+    let lab = Lab::new(&[("platform = \"none\"", sona), ("complete = \"C1DONE\", ", "")], |_| {});
+    let finish = |code: &str| {
+        let mut browser = lab.browser();
+        let link =
+            if code.is_empty() { "/s/looks".to_owned() } else { format!("/s/looks?survey_code={code}") };
+        let welcome = browser.open(&link);
+        let sent = format!("name=\"survey_code\" value=\"{code}\"");
+        assert_eq!(welcome.body.contains(&sent), !code.is_empty());
+        let fields = [("survey_code", code)];
+        let reply = browser.post("/s/looks/begin", if code.is_empty() { &[] } else { &fields[..] });
+        let page = browser.follow(reply);
+        let page = crate::lab::agree(&mut browser, &page);
+        let pages = go_on(&mut browser, page, "");
+        let before_the_end = &pages[..pages.len() - 1];
+        assert!(
+            before_the_end.iter().all(|page| !page.body.contains("credit_token")),
+            "only who has finished"
+        );
+        (browser, pages.last().unwrap().body.clone())
+    };
+    let (mut browser, last) = finish("4711");
+    let address = "href=\"https://school.sona-systems.com/webstudy_credit.aspx?experiment_id=12&amp;credit_token=ab&amp;survey_code=4711\"";
+    assert!(last.contains(address) && last.contains("Back to Sona"), "{last}");
+    assert!(finish("815").1.contains("survey_code=815\""));
+    // it stays under the same link, for each participant their own
+    assert!(browser.open("/s/looks/go").body.contains(address));
+    // a participant whom Sona did not send has nothing to be credited to
+    assert!(!finish("").1.contains("sona-systems"));
+    // nor has one whose id is deleted, as it is after its time
+    let links = rusqlite::Connection::open(lab.folder.path().join("run/links.sqlite")).unwrap();
+    links.execute("DELETE FROM link", []).unwrap();
+    assert!(!browser.open("/s/looks/go").body.contains("sona-systems"));
+}
+
+#[test]
 fn pages_speak_the_language_that_the_browser_or_the_participant_wishes() {
     let lab = Lab::plain();
     let mut browser = lab.browser();
@@ -62,6 +100,14 @@ fn pages_speak_the_language_that_the_browser_or_the_participant_wishes() {
     let reply = browser.post("/s/looks/begin", &[("language", "de")]);
     let consent = browser.follow(reply);
     assert!(consent.body.contains("Ich stimme zu") && consent.body.contains("Abbrechen und zurückziehen"));
+    // what the program asks by itself, too
+    let about = crate::lab::agree(&mut browser, &consent);
+    for word in ["Ihr Geschlecht", "Frau", "Das möchte ich nicht sagen", "Ihr Alter in Jahren"] {
+        assert!(about.body.contains(word), "{word}: {}", about.body);
+    }
+    let pages = go_on(&mut browser, about, "");
+    let instructed = |page: &&Reply| page.body.contains("gelesen wird. Bitte");
+    assert_eq!(pages.iter().filter(instructed).count(), 1);
     // a language that the study does not have
     let mut other = lab.browser();
     let reply = other.post("/s/looks/begin", &[("language", "xx")]);

@@ -5,12 +5,12 @@ use super::super::output::{note, say, say_json};
 use super::super::outputs::make_folder;
 use super::super::scene::library;
 use super::super::usage;
-use super::folder;
+use super::folder::{self, FrontArguments};
 use crate::Error;
 use crate::perception::ratings;
 use crate::study::Study;
-use crate::study::analyse::{Analysis, analyse, html, markdown, rating_sheet};
-use crate::study::tables::Tables;
+use crate::study::analyse::{Analysis, analyse_chosen, html, markdown, rating_sheet};
+use crate::study::tables::{Tables, name};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -20,7 +20,8 @@ use std::path::{Path, PathBuf};
     after_help = "Examples:\n  gaitway study simulate eva-agents --effect eva-g=0.9 --out run/\n  gaitway study analyse run/\n  gaitway \
                   study analyse run/ --out report/\n  gaitway study analyse run/ --out results.md\n  gaitway study analyse run/ \
                   --library library.glb --rated rated.glb\n\nThe tests are those of [[analysis.test]] in the study file. Ratings of \
-                  gaits become labels as by `gaitway gait ratings`.\nExit code 1: fewer people or answers than a study's plan needs."
+                  gaits become labels as by `gaitway gait ratings`.\nPeople and simulated participants are never in one analysis. Where \
+                  people took part in a browser and in a headset, --front says who counts.\nExit code 1: fewer people or answers than a study's plan needs."
 )]
 pub(super) struct Arguments {
     /// Folders with study.toml, answers.csv and participants.csv; several stand in one report
@@ -29,6 +30,8 @@ pub(super) struct Arguments {
     /// Folder for results.md, results.json and index.html with figures; a name that ends in .md is the page alone
     #[arg(long, value_name = "REPORT")]
     out: Option<PathBuf>,
+    #[command(flatten)]
+    front: FrontArguments,
     /// The library whose gaits were rated
     #[arg(long, value_name = "LIB.glb", requires = "rated")]
     library: Option<PathBuf>,
@@ -45,11 +48,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let mut found: Vec<Analysis> = Vec::new();
     for data in &arguments.data {
         let (study, tables) = folder::read(data)?;
-        found.push(analyse(&study.file, &tables)?);
+        let chosen = arguments.front.choose(&tables, data)?;
+        for (front, count) in &chosen.left_out {
+            note(&format!(
+                "note: {}: {count} participants of the front {} are left out",
+                data.display(),
+                name(front)
+            ));
+        }
+        found.push(analyse_chosen(&study.file, &chosen)?);
         if let (Some(library), Some(rated)) = (&arguments.library, &arguments.rated)
             && (study.file.analysis.ratings.is_some() || arguments.data.len() == 1)
         {
-            close_the_loop(&study, &tables, library, rated)?;
+            close_the_loop(&study, &chosen.tables, library, rated)?;
         }
     }
     let page = found.iter().map(markdown).collect::<Vec<_>>().join("\n");

@@ -2,7 +2,8 @@
 
 use super::super::output::{note, say, say_json};
 use super::super::outputs::make_folder;
-use super::{beside, folder};
+use super::beside;
+use super::folder::{self, FrontArguments};
 use crate::Error;
 use crate::study::export::{Note, Options, export};
 use serde::Serialize;
@@ -13,7 +14,7 @@ use std::path::PathBuf;
 #[command(
     after_help = "Examples:\n  gaitway study export run/ --out data/\n\nThe dataset follows Psych-DS: one CSV a part, every column \
                   explained in dataset_description.json. analysis/ has an R script with mixed models, the planned analysis and, for \
-                  ratings, ratings.csv.\nGender and age are left out where fewer than 5 people share both."
+                  ratings, ratings.csv.\nWhere fewer than 5 people share gender and age, ages are given in bands; where that does not help, they are left out."
 )]
 pub(super) struct Arguments {
     /// Folder with study.toml, answers.csv and participants.csv
@@ -22,7 +23,9 @@ pub(super) struct Arguments {
     /// Folder to write
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
-    /// Export gender and age even where fewer than 5 people share both
+    #[command(flatten)]
+    front: FrontArguments,
+    /// Export gender and exact age even where fewer than 5 people share both
     #[arg(long)]
     small_cells: bool,
     /// Print one JSON object
@@ -40,7 +43,10 @@ struct Outcome {
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let (study, tables) = folder::read(&arguments.data)?;
     let texts = beside::texts(&study)?.texts;
-    let dataset = export(&study, &tables, &texts, Options { small_cells: arguments.small_cells })?;
+    let fronts = arguments.front.fronts();
+    // asked here for an error that names the folder
+    arguments.front.choose(&tables, &arguments.data)?;
+    let dataset = export(&study, &tables, &texts, Options { small_cells: arguments.small_cells, fronts })?;
     let mut files = Vec::new();
     for file in &dataset.files {
         let path = arguments.out.join(&file.path);

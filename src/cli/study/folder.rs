@@ -4,13 +4,51 @@ use super::super::failed;
 use super::super::outputs::make_folder;
 use crate::Error;
 use crate::study::analyse::rating_sheet;
-use crate::study::tables::{self, ANSWERS, PARTICIPANTS, Tables};
+use crate::study::tables::{self, ANSWERS, Chosen, Fronts, PARTICIPANTS, Tables};
 use crate::study::{FILE_NAME, Study};
 use std::path::{Path, PathBuf};
 
 /// Longest table that is read, bytes.
 const MOST_BYTES: u64 = 1 << 30;
 const RATINGS: &str = "ratings.csv";
+
+/// Whose answers are wanted.
+#[derive(Debug, Clone, Copy, clap::Args)]
+pub(super) struct FrontArguments {
+    /// Whose answers count [default: those of people, or of simulated participants where no person took part]
+    #[arg(long, value_enum)]
+    front: Option<Whose>,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum Whose {
+    /// People in a browser
+    Web,
+    /// People in a headset
+    Headset,
+    /// People in a browser and in a headset together
+    People,
+    /// Simulated participants
+    Simulated,
+}
+
+impl FrontArguments {
+    /// What the library calls it.
+    pub(super) fn fronts(self) -> Option<Fronts> {
+        self.front.map(|front| match front {
+            Whose::Web => Fronts::Web,
+            Whose::Headset => Fronts::Headset,
+            Whose::People => Fronts::People,
+            Whose::Simulated => Fronts::Simulated,
+        })
+    }
+
+    /// The tables of the participants that are wanted.
+    pub(super) fn choose(self, tables: &Tables, data: &Path) -> Result<Chosen, Error> {
+        let hint = "--front web, headset, people or simulated says who counts";
+        tables.choose(self.fronts()).map_err(|error| failed(format!("{}: {error}", data.display()), hint))
+    }
+}
 
 /// Writes the study file and its tables into a folder; returns the files.
 pub(super) fn write(folder: &Path, study: &Study, tables: &Tables) -> Result<Vec<PathBuf>, Error> {

@@ -12,6 +12,8 @@ mod new;
 mod opening;
 mod power;
 #[cfg(feature = "study")]
+mod register;
+#[cfg(feature = "study")]
 mod rehearse;
 #[cfg(all(feature = "study", feature = "xr"))]
 mod replay;
@@ -51,6 +53,9 @@ enum Command {
     Export(export::Arguments),
     /// How many people Friedman's test needs
     Power(power::Arguments),
+    /// Write a page that registers a study before its first participant
+    #[cfg(feature = "study")]
+    Register(register::Arguments),
     /// Film what a study in the browser shows of scenes and agents
     #[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
     Clips(clips::Arguments),
@@ -92,6 +97,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         Command::Analyse(arguments) => analyse::run(arguments),
         Command::Export(arguments) => export::run(arguments),
         Command::Power(arguments) => power::run(arguments),
+        #[cfg(feature = "study")]
+        Command::Register(arguments) => register::run(arguments),
         #[cfg(all(feature = "study", feature = "video", feature = "vulkan"))]
         Command::Clips(arguments) => clips::run(arguments),
         #[cfg(feature = "study")]

@@ -1,7 +1,7 @@
 //! Opening a folder of data with a study: what `serve`, `clips` and `run` begin with.
 
 use super::super::{failed, usage};
-use super::beside::{Beside, Gaits, libraries, study};
+use super::beside::{self, Beside, Gaits, study};
 use crate::Error;
 use crate::study::check::Severity;
 use crate::study::store::{Opening, Store, Trouble};
@@ -44,15 +44,9 @@ impl OpeningArguments {
         Ok(Store::open(&self.data, &opening)?)
     }
 
-    /// Files of the libraries that the study shows, and of the one that its crowds walk with.
+    /// Files of the libraries, each of which is there.
     fn libraries(&self, study: &Study) -> Result<BTreeMap<String, PathBuf>, Error> {
-        let folder = study.folder.as_deref().unwrap_or(Path::new("."));
-        let shown = libraries(study).into_iter().map(|name| {
-            let path = self.library.clone().unwrap_or_else(|| folder.join(&name));
-            (name, path)
-        });
-        let crowd = study.file.crowd.iter().map(|crowd| (crowd.library.clone(), folder.join(&crowd.library)));
-        let files: BTreeMap<String, PathBuf> = shown.chain(crowd).collect();
+        let files = libraries(study, self.library.as_deref());
         match files.values().find(|path| !path.is_file()) {
             Some(path) => {
                 let message = format!("{}: the library of gaits is not there", path.display());
@@ -61,6 +55,17 @@ impl OpeningArguments {
             None => Ok(files),
         }
     }
+}
+
+/// Files of the libraries that a study shows, or of `instead` of them, and of the one that its crowds walk with.
+pub(super) fn libraries(study: &Study, instead: Option<&Path>) -> BTreeMap<String, PathBuf> {
+    let folder = study.folder.as_deref().unwrap_or(Path::new("."));
+    let shown = beside::libraries(study).into_iter().map(|name| {
+        let path = instead.map_or_else(|| folder.join(&name), Path::to_owned);
+        (name, path)
+    });
+    let crowd = study.file.crowd.iter().map(|crowd| (crowd.library.clone(), folder.join(&crowd.library)));
+    shown.chain(crowd).collect()
 }
 
 fn check(study: &Study, beside: &Beside) -> Result<(), Error> {

@@ -45,7 +45,7 @@ pub use report::{html, markdown};
 use super::file::{self, Front, OnWithdrawal, StudyFile};
 use super::plan::Ending;
 use super::protocol::State;
-use super::tables::{Tables, Value};
+use super::tables::{Chosen, Tables, Value};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -91,6 +91,8 @@ pub struct Participants {
     pub is_simulated: bool,
     /// Participants by front.
     pub fronts: BTreeMap<Front, usize>,
+    /// Participants of the data that the analysis is not of, by front.
+    pub left_out: BTreeMap<Front, usize>,
     /// Participants by state.
     pub states: BTreeMap<String, usize>,
 }
@@ -175,6 +177,16 @@ pub fn analyse(study: &StudyFile, tables: &Tables) -> Result<Analysis, Error> {
     })
 }
 
+/// Analyses the participants that were chosen. The analysis says who was left out.
+///
+/// # Errors
+/// As [`analyse()`].
+pub fn analyse_chosen(study: &StudyFile, chosen: &Chosen) -> Result<Analysis, Error> {
+    let mut found = analyse(study, &chosen.tables)?;
+    found.participants.left_out.clone_from(&chosen.left_out);
+    Ok(found)
+}
+
 /// The tables that an analysis keeps: without the answers of withdrawn participants, unless the file keeps them, and without the
 /// excluded.
 pub fn kept(study: &StudyFile, tables: &Tables) -> Tables {
@@ -225,10 +237,9 @@ impl Test {
 }
 
 fn participants(tables: &Tables) -> Result<Participants, Error> {
-    let mut fronts = BTreeMap::new();
+    let fronts = tables.fronts();
     let mut states = BTreeMap::new();
     for one in &tables.participants {
-        *fronts.entry(one.front).or_insert(0) += 1;
         *states.entry(super::tables::name(&one.state)).or_insert(0) += 1;
     }
     let arrived = tables.participants.len();
@@ -237,5 +248,6 @@ fn participants(tables: &Tables) -> Result<Participants, Error> {
         return Err(Error::Mixed { people: arrived - simulated, simulated });
     }
     let placed = tables.participants.iter().filter(|one| one.placed).count();
-    Ok(Participants { arrived, placed, analysed: 0, is_simulated: simulated > 0, fronts, states })
+    let left_out = BTreeMap::new();
+    Ok(Participants { arrived, placed, analysed: 0, is_simulated: simulated > 0, fronts, left_out, states })
 }

@@ -1,7 +1,7 @@
 //! The sections beside parts and questions.
 
 use super::notes::Notes;
-use crate::study::file::{Codes, Data, Exclude, Front, Platform, Recruit};
+use crate::study::file::{Codes, CreditFault, Data, Exclude, Front, Platform, Recruit, credit};
 use crate::study::instrument;
 use crate::study::load::BLANK;
 use crate::study::materials::Materials;
@@ -19,6 +19,7 @@ pub(super) fn check(notes: &mut Notes<'_>, materials: &Materials) {
     exclude(notes, &notes.file().exclude);
     data(notes, notes.file().data);
     headset(notes);
+    registration(notes);
 }
 
 fn study(notes: &mut Notes<'_>) {
@@ -98,15 +99,39 @@ fn recruit(notes: &mut Notes<'_>) {
     }
     let Codes { complete, screened_out, withdrawn } = &recruit.codes;
     let platform = recruit.platform;
-    if matches!(platform, Platform::Prolific | Platform::Mturk | Platform::Sona) && complete.is_none() {
+    if matches!(platform, Platform::Prolific | Platform::Mturk) && complete.is_none() {
         let hint = "the platform pays by it; copy it from there";
         notes.missing("recruit.codes", "no `complete`", "a code of completion", hint);
+    }
+    if platform == Platform::Sona && complete.is_none() && recruit.credit.is_none() {
+        let hint = "copy the client-side completion URL from the study's page at Sona; its study URL has ?survey_code=%SURVEY_CODE%";
+        notes.missing("recruit.credit", "nothing", "the address that grants credit", hint);
+    }
+    if let Some(address) = &recruit.credit {
+        credit_address(notes, platform, address);
     }
     let codes: Vec<&String> = [complete, screened_out, withdrawn].into_iter().flatten().collect();
     if codes.iter().enumerate().any(|(at, code)| codes[..at].contains(code)) {
         let hint = "or else the platform pays all of them alike";
         notes.warn("recruit.codes", "equal codes", "different from one another", hint);
     }
+}
+
+/// The address that grants credit.
+fn credit_address(notes: &mut Notes<'_>, platform: Platform, address: &str) {
+    let key = "recruit.credit";
+    if platform != Platform::Sona {
+        let hint = "remove it; the other platforms take codes";
+        notes.error(key, format!("{address:?}"), "there with platform = \"sona\" alone", hint);
+    }
+    let allowed = match credit(address) {
+        Ok(_) => return,
+        Err(CreditFault::NoHttps) => "https:// with a host".to_owned(),
+        Err(CreditFault::Characters) => "an address without spaces, quotes and #".to_owned(),
+        Err(CreditFault::Field(field)) => format!("an address with {field}= once"),
+    };
+    let hint = "it looks like https://SCHOOL.sona-systems.com/webstudy_credit.aspx?experiment_id=1&credit_token=2&survey_code=XXXX";
+    notes.error(key, format!("{address:?}"), allowed, hint);
 }
 
 fn crowd(notes: &mut Notes<'_>) {
@@ -194,5 +219,22 @@ fn headset(notes: &mut Notes<'_>) {
     let known: Vec<&str> = own.chain(instrument::names()).collect();
     for name in headset.stop_at.keys() {
         notes.known(&format!("headset.stop_at.{name}"), name, &known, "a question or questionnaire");
+    }
+}
+
+fn registration(notes: &mut Notes<'_>) {
+    let registration = &notes.file().registration;
+    if let Some(w) = registration.smallest_w
+        && !(w > 0.0 && w < 1.0)
+    {
+        let hint = "0.1 is a small effect, 0.3 a medium one, 0.5 a large one (Cohen 1988)";
+        notes.error("registration.smallest_w", w, "above 0 and below 1", hint);
+    }
+    let texts = [("authors", &registration.authors), ("hypotheses", &registration.hypotheses)];
+    for (key, texts) in texts {
+        for (index, _) in texts.iter().enumerate().filter(|(_, text)| text.trim().is_empty()) {
+            let key = format!("registration.{key}[{index}]");
+            notes.error(&key, "\"\"", "a text", "or leave it out: the page of registration then has a blank");
+        }
     }
 }

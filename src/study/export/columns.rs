@@ -1,9 +1,9 @@
 //! Tables of answers and of scores.
 
+use super::people::Detail;
 use super::sheet::Sheet;
 use crate::study::analyse::{Analysis, Error, scores as scores_of};
 use crate::study::file::StudyFile;
-use crate::study::plan::BUILT_IN_QUESTIONS;
 use crate::study::tables::{Answer, Role, Tables, Value, free_text, name};
 
 /// Columns of a table of answers.
@@ -34,11 +34,9 @@ pub(super) fn part(
     analysis: &Analysis,
     part: &str,
     file: &str,
-    is_withheld: bool,
+    detail: Detail,
 ) -> Option<Sheet> {
-    let is_ours = |row: &&Answer| {
-        row.part == part && !(is_withheld && BUILT_IN_QUESTIONS.contains(&row.question.as_str()))
-    };
+    let is_ours = |row: &&Answer| row.part == part && detail.has(&row.question);
     let rows: Vec<Vec<String>> =
         tables.answers.iter().filter(is_ours).map(|row| cells(row, analysis).to_vec()).collect();
     (!rows.is_empty()).then(|| Sheet::new((file.to_owned(), "an answer"), &COLUMNS, &ALWAYS, rows))

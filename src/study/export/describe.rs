@@ -13,7 +13,7 @@ use std::collections::BTreeSet;
 const PSYCH_DS: &str = "Psych-DS 1.5.1";
 
 /// A column: what it is, its unit.
-const COLUMNS: [(&str, &str, &str); 25] = [
+const COLUMNS: [(&str, &str, &str); 26] = [
     ("participant", "Code or number of the participant", ""),
     ("front", "Where the participant took part", ""),
     ("excluded", "Whether the rules of the study file exclude the participant from the main analysis", ""),
@@ -41,6 +41,11 @@ const COLUMNS: [(&str, &str, &str); 25] = [
     ("late_frames", "Frames of all stimuli that were shown late", ""),
     ("gender", "Gender, as the participant said it", ""),
     ("age", "Age, as the participant said it", "years"),
+    (
+        "age_band",
+        "Age in a band, first and last year included; in place of the age where too few people share gender and age",
+        "years",
+    ),
     ("part", "Part of the study", ""),
     ("questionnaire", "Published questionnaire", ""),
 ];
@@ -144,6 +149,7 @@ fn levels(column: &str, study: &StudyFile, sheets: &[Sheet]) -> Option<Vec<Value
         "state",
         "placed",
         "gender",
+        "age_band",
         "questionnaire",
         "score",
     ];

@@ -40,17 +40,20 @@ mod sheet;
 mod texts;
 
 use super::analyse::{self, Analysis, Error, analyse, html, markdown, rating_sheet};
-use super::tables::Tables;
+use super::tables::{Chosen, Fronts, Tables};
 use super::{FILE_NAME, Study};
 use names::Names;
 pub use notes::{Note, SMALLEST_CELL};
+use people::Detail;
 use std::collections::BTreeMap;
 
 /// What an export is asked.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Options {
-    /// Give gender and age away even where fewer than [`SMALLEST_CELL`] people share both.
+    /// Give gender and exact age away even where fewer than [`SMALLEST_CELL`] people share both.
     pub small_cells: bool,
+    /// Whose answers are wanted, as [`Tables::choose`] takes it.
+    pub fronts: Option<Fronts>,
 }
 
 /// A file of a dataset.
@@ -74,31 +77,27 @@ pub struct Dataset {
 /// The dataset of a study. `texts` are the consent texts that are known, by the name of their file.
 ///
 /// # Errors
-/// As [`analyse()`]: [`Error::Mixed`] for people together with simulated participants, answers that do not fit the study file.
+/// As [`Tables::choose`], which keeps people and simulated participants apart, and as [`analyse()`]: answers that do not fit the
+/// study file.
 pub fn export(
     study: &Study,
     tables: &Tables,
     texts: &BTreeMap<String, String>,
     options: Options,
 ) -> Result<Dataset, Error> {
+    let Chosen { tables, left_out } = &tables.choose(options.fronts)?;
     let analysis = analyse(&study.file, tables)?;
     let tables = analyse::not_withdrawn(&study.file, tables);
-    let smallest = people::smallest_cell(&tables);
-    let is_withheld = smallest.is_some_and(|smallest| smallest < SMALLEST_CELL) && !options.small_cells;
+    let detail = if options.small_cells { Detail::Exact } else { Detail::of(&tables) };
     let names = Names::new(&study.file, &tables);
     let mut sheets = Vec::new();
     for (part, file) in &names.parts {
-        sheets.extend(columns::part(&tables, &analysis, part, file, is_withheld));
+        sheets.extend(columns::part(&tables, &analysis, part, file, detail));
     }
-    sheets.push(people::participants(
-        &study.file,
-        &tables,
-        &analysis,
-        names.of("participants"),
-        is_withheld,
-    )?);
+    sheets.push(people::participants(&study.file, &tables, &analysis, names.of("participants"), detail)?);
     sheets.extend(columns::scores(&study.file, &tables, names.of("scores"))?);
-    let notes = notes(&tables, &analysis, smallest, is_withheld);
+    let mut notes = notes(&tables, &analysis, detail);
+    notes.extend(left_out.iter().map(|(&front, &count)| Note::LeftOut { front, count }));
     let mut files = vec![
         file("dataset_description.json", describe::dataset(&study.file, &analysis, &sheets)?),
         file("README.md", texts::readme(&study.file, &analysis, &sheets, &notes)),
@@ -131,13 +130,17 @@ fn results(study: &Study, tables: &Tables, analysis: &Analysis, names: &Names) -
     Ok(files)
 }
 
-fn notes(tables: &Tables, analysis: &Analysis, smallest: Option<usize>, is_withheld: bool) -> Vec<Note> {
+fn notes(tables: &Tables, analysis: &Analysis, detail: Detail) -> Vec<Note> {
     let mut notes = Vec::new();
-    if let Some(smallest) = smallest.filter(|&smallest| smallest < SMALLEST_CELL) {
-        notes.push(if is_withheld {
-            Note::Withheld { questions: people::asked(tables), smallest }
-        } else {
-            Note::SmallCells { smallest }
+    if let Some(smallest) = people::smallest_cell(tables).filter(|&smallest| smallest < SMALLEST_CELL) {
+        notes.push(match detail {
+            Detail::Exact => Note::SmallCells { smallest },
+            Detail::Bands => Note::Banded { smallest },
+            Detail::Gender | Detail::Nothing => {
+                let mut questions = people::asked(tables);
+                questions.retain(|question| !detail.has(question));
+                Note::Withheld { questions, smallest }
+            }
         });
     }
     let count =

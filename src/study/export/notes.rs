@@ -1,15 +1,22 @@
 //! What a person has to know before a dataset is handed on.
 
+use crate::study::file::Front;
+use crate::study::tables::name;
 use std::fmt;
 
-/// Fewest people of one gender and age for which both are given away.
+/// Fewest people of one gender and age, or band of age, for which both are given away.
 pub const SMALLEST_CELL: usize = 5;
 
 /// What a person has to know before a dataset is handed on.
 #[derive(Debug, Clone, PartialEq, Eq, serde::Serialize)]
 #[serde(tag = "note", rename_all = "kebab-case")]
 pub enum Note {
-    /// Gender and age are left out.
+    /// Ages are given in bands.
+    Banded {
+        /// Fewest people that share gender and exact age.
+        smallest: usize,
+    },
+    /// Age, or gender and age, are left out.
     Withheld {
         /// Questions left out.
         questions: Vec<String>,
@@ -28,15 +35,27 @@ pub enum Note {
     },
     /// No participant is a person.
     Simulated,
+    /// Participants of another front are not in the dataset.
+    LeftOut {
+        /// Their front.
+        front: Front,
+        /// How many there are.
+        count: usize,
+    },
 }
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::Banded { smallest } => write!(
+                f,
+                "ages are given in bands: {smallest} of the participants share the rarest combination of gender and exact age, fewer \
+                 than {SMALLEST_CELL}; --small-cells exports ages"
+            ),
             Self::Withheld { questions, smallest } => write!(
                 f,
-                "{} left out: {smallest} of the participants share the rarest combination, fewer than {SMALLEST_CELL}; --small-cells \
-                 exports them",
+                "{} left out: {smallest} of the participants share the rarest combination, fewer than {SMALLEST_CELL}, and bands of age do \
+                 not change that; --small-cells exports them",
                 questions.join(" and ")
             ),
             Self::SmallCells { smallest } => write!(
@@ -48,6 +67,13 @@ impl fmt::Display for Note {
                 write!(
                     f,
                     "free texts: {count}; read them before you share the data, since they may tell who wrote them"
+                )
+            }
+            Self::LeftOut { front, count } => {
+                write!(
+                    f,
+                    "left out: {count} participants of the front {}; they belong into a dataset of their own",
+                    name(front)
                 )
             }
             Self::Simulated => {

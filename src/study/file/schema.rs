@@ -1,6 +1,6 @@
 //! A whole study file.
 
-use super::{Analysis, Consent, Crowd, Data, Exclude, Front, Headset, Part, Question, Recruit};
+use super::{Analysis, Consent, Crowd, Data, Exclude, Front, Headset, Part, Question, Recruit, Registration};
 use crate::study::words::Words;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -40,6 +40,9 @@ pub struct StudyFile {
     /// The planned analysis.
     #[serde(default)]
     pub analysis: Analysis,
+    /// What a registration says besides.
+    #[serde(default)]
+    pub registration: Registration,
 }
 
 /// What a study is and in which order it goes.

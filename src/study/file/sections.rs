@@ -70,6 +70,10 @@ pub struct Recruit {
     pub platform: Platform,
     /// The platform's codes of completion.
     pub codes: Codes,
+    /// Sona's address that grants credit, as Sona shows it: `https://..survey_code=XXXX`. The participant's code takes the place
+    /// of `XXXX`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub credit: Option<String>,
     /// Most participants that are under way or finished at a time, 1 to 1,000,000; lapsed ones do not count.
     pub most_participants: u32,
     /// Longest silence before a place is given to another participant, min, 1 to 10,080.
@@ -98,6 +102,7 @@ impl Default for Recruit {
         Self {
             platform: Platform::None,
             codes: Codes::default(),
+            credit: None,
             most_participants: 1000,
             lease_minutes: 30,
             embed_in: Vec::new(),
@@ -188,4 +193,19 @@ pub struct Headset {
     /// Answers from which on the operator is asked whether to end, by question.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub stop_at: BTreeMap<String, i64>,
+}
+
+/// What a registration says that the rest of the file does not.
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Registration {
+    /// Names of the authors.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub authors: Vec<String>,
+    /// The hypotheses.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hypotheses: Vec<String>,
+    /// Smallest effect of interest in Friedman tests, as Kendall's W, above 0 and below 1.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smallest_w: Option<f64>,
 }

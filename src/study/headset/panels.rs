@@ -118,7 +118,7 @@ mod tests {
     use super::*;
     use crate::study::protocol::{Content, Progress};
 
-    fn words() -> Phrases {
+    fn phrases() -> Phrases {
         Phrases::of("en")
     }
 
@@ -138,23 +138,23 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_is_a_row_of_cells_whose_ends_have_words() {
+    fn a_scale_is_a_row_of_cells_whose_ends_have_phrases() {
         let seven = asked(points(1, 7, &[(1, "not at all"), (7, "very much")]));
-        let panel = question(&words(), &page(Some((3, 12))), &seven, [1, 5], None);
+        let panel = question(&phrases(), &page(Some((3, 12))), &seven, [1, 5], None);
         assert_eq!(panel.title, "3 of 12 · question 2 of 5");
         assert_eq!((panel.cells.len(), panel.cells[6].as_str()), (7, "7"));
         assert_eq!(panel.ends, ["not at all", "very much"]);
         // on with an answer alone; back from the second question on
         assert_eq!((panel.next, panel.back.as_deref(), panel.chosen), (None, Some("Back"), None));
-        let panel = question(&words(), &page(None), &seven, [0, 1], Some(4));
+        let panel = question(&phrases(), &page(None), &seven, [0, 1], Some(4));
         assert_eq!((panel.title.as_str(), panel.chosen, panel.back), ("", Some(3), None));
         assert!(panel.next.is_some() && panel.question == seven.text);
-        panel_is_good(&question(&words(), &page(None), &asked(points(0, 20, &[])), [0, 1], Some(20)));
+        panel_is_good(&question(&phrases(), &page(None), &asked(points(0, 20, &[])), [0, 1], Some(20)));
         let words = asked(points(0, 1, &[(0, "no"), (1, "yes")]));
         assert_eq!(cells(&words).unwrap(), [("no".to_owned(), 0), ("yes".to_owned(), 1)]);
-        assert_eq!(question(&words(), &page(None), &words, [0, 1], None).ends, ["", ""]);
+        assert_eq!(question(&phrases(), &page(None), &words, [0, 1], None).ends, ["", ""]);
         let optional = PageQuestion { optional: true, ..seven };
-        assert!(question(&words(), &page(None), &optional, [0, 1], None).next.is_some());
+        assert!(question(&phrases(), &page(None), &optional, [0, 1], None).next.is_some());
     }
 
     fn panel_is_good(panel: &Panel) {
@@ -166,7 +166,7 @@ mod tests {
         let options = vec![(3, "sad".to_owned()), (0, "happy".to_owned())];
         let which = asked(Scale::Options { options });
         assert_eq!(cells(&which).unwrap(), [("sad".to_owned(), 3), ("happy".to_owned(), 0)]);
-        assert_eq!(question(&words(), &page(None), &which, [0, 1], Some(0)).chosen, Some(1));
+        assert_eq!(question(&phrases(), &page(None), &which, [0, 1], Some(0)).chosen, Some(1));
         for scale in [Scale::Text { most: 9 }, Scale::Number { least: 18, greatest: 99 }, points(0, 100, &[])]
         {
             assert_eq!(cells(&asked(scale)), None);
@@ -183,6 +183,6 @@ mod tests {
         assert!(pages[0].ends_with("first part") && pages[1].starts_with("second part"));
         assert_eq!(texts(""), Vec::<String>::new());
         assert_eq!(texts("one\n\ntwo"), ["one\n\ntwo"]);
-        panel_is_good(&super::text(&words(), &pages[0], false));
+        panel_is_good(&super::text(&phrases(), &pages[0], false));
     }
 }

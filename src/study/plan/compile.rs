@@ -5,6 +5,7 @@ use super::questions::{Prompt, Scale, prompts};
 use super::trials::Stimulus;
 use crate::random::Random;
 use crate::spelling::suggestion;
+use crate::study::asked::words;
 use crate::study::error::Error;
 use crate::study::file::{
     Check, Codes, Design, Front, Names, OnWithdrawal, Part, Question, Seeds, Show, StudyFile, Trials,
@@ -14,8 +15,6 @@ use crate::study::words::Words;
 
 /// The name of the step that is no part.
 pub(crate) const CONSENT: &str = "consent";
-/// What an instructed trial says, unless the file words it.
-const INSTRUCTION: &str = "This page checks that it is read. Please choose “{answer}” for every statement.";
 
 /// A study made ready: what [`page`](crate::study::protocol::page) and [`Ledger`](super::Ledger) need.
 #[derive(Debug, Clone, PartialEq)]
@@ -245,13 +244,15 @@ fn kind(file: &StudyFile, materials: &Materials, name: &str, part: &Part) -> Res
             StepKind::Trials(Box::new(TrialsStep {
                 prompts: asked(file, &key("ask"), &trials.ask)?,
                 after_block: after.map_or(Ok(Vec::new()), |names| asked(file, &key("after_block"), names))?,
-                ..ready(trials, stimuli, conditions)
+                ..ready(&file.study.languages, trials, (stimuli, conditions))
             }))
         }
     })
 }
 
-fn ready(trials: &Trials, stimuli: Vec<Stimulus>, conditions: usize) -> TrialsStep {
+/// Trials of these stimuli under so many conditions, before anything is asked.
+fn ready(languages: &[String], trials: &Trials, (stimuli, conditions): (Vec<Stimulus>, usize)) -> TrialsStep {
+    let instruction = || words(languages, |asked| &asked.instruction);
     let Show { seconds, plays, replay, .. } = trials.show;
     TrialsStep {
         shows: Shows { seconds, plays, replay },
@@ -261,7 +262,7 @@ fn ready(trials: &Trials, stimuli: Vec<Stimulus>, conditions: usize) -> TrialsSt
         counted: trials.counted,
         repeat: trials.repeat,
         catches: trials.catches,
-        instruction: trials.instruction.clone().unwrap_or_else(|| INSTRUCTION.into()),
+        instruction: trials.instruction.clone().unwrap_or_else(instruction),
         seeds: trials.seeds,
         prompts: Vec::new(),
         after_block: Vec::new(),

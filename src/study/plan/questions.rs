@@ -1,5 +1,6 @@
 //! Questions spelled out: one prompt for every answer.
 
+use crate::study::asked::{Asked, words};
 use crate::study::error::Error;
 use crate::study::file::{ItemOrder, Question, StudyFile};
 use crate::study::instrument::Instrument;
@@ -85,24 +86,27 @@ pub(crate) fn prompts(file: &StudyFile, name: &str) -> Result<Option<Vec<Prompt>
     if let Some(instrument) = Instrument::builtin(name)? {
         return Ok(Some(of_instrument(file, &instrument)));
     }
-    Ok(built_in(name).map(|question| of_question(name, &question)))
+    Ok(built_in(&file.study.languages, name).map(|question| of_question(name, &question)))
 }
 
 /// The questions of [`BUILT_IN_QUESTIONS`].
-fn built_in(name: &str) -> Option<Question> {
+fn built_in(languages: &[String], name: &str) -> Option<Question> {
+    let say = |text: fn(&Asked) -> &String| words(languages, text);
     match name {
         "gender" => Some(Question::Choice {
-            text: "Your gender".into(),
-            options: ["woman", "man", "another", "I do not wish to say"].map(Words::from).to_vec(),
+            text: say(|asked| &asked.gender),
+            options: vec![
+                say(|asked| &asked.woman),
+                say(|asked| &asked.man),
+                say(|asked| &asked.another),
+                say(|asked| &asked.not_said),
+            ],
             order: ItemOrder::Fixed,
             optional: true,
         }),
-        "age" => Some(Question::Number {
-            text: "Your age in years".into(),
-            least: 0,
-            greatest: 120,
-            optional: true,
-        }),
+        "age" => {
+            Some(Question::Number { text: say(|asked| &asked.age), least: 0, greatest: 120, optional: true })
+        }
         _ => None,
     }
 }

@@ -1,19 +1,18 @@
 //! One simulated browser.
 
+use super::client::{Client, Failure, Reply, Sent};
 use super::{Acknowledged, Hints, NoServer, Outcome, Rehearsal};
 use crate::random::Random;
 use crate::study::plan::{Ending, Scale};
 use crate::study::protocol::{Answer, Content, Event, Exposure, Page, PageQuestion};
+use axum::http::Method;
 use serde::Deserialize;
 use std::sync::PoisonError;
 use std::time::{Duration, Instant};
-use ureq::Agent;
-use ureq::http::Response;
+use tokio::runtime::Runtime;
 
 /// First and longest wait before a request is sent again.
 const WAITS: [Duration; 2] = [Duration::from_millis(200), Duration::from_secs(8)];
-/// Longest reply that is read, bytes.
-const LONGEST_REPLY: u64 = 4 << 20;
 
 /// How a participation ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,10 +40,12 @@ pub(super) struct Browser<'r> {
     hints: &'r Hints,
     /// What was answered to the check that was just sent.
     tried: Vec<((String, String), i64)>,
-    agent: Agent,
+    client: Client<'r>,
     random: Random,
     /// Scheme and host.
     origin: String,
+    /// What follows the host in the address of the first page.
+    path: String,
     cookie: String,
     mark: String,
     code: String,
@@ -54,20 +55,23 @@ pub(super) struct Browser<'r> {
 }
 
 impl<'r> Browser<'r> {
-    pub(super) fn new(rehearsal: &'r Rehearsal, hints: &'r Hints, random: Random) -> Self {
-        let config = Agent::config_builder()
-            .http_status_as_error(false)
-            .max_redirects(0)
-            .timeout_global(Some(Duration::from_secs(20)))
-            .build();
-        let host = rehearsal.address.splitn(4, '/').take(3).collect::<Vec<_>>();
+    pub(super) fn new(
+        runtime: &'r Runtime,
+        rehearsal: &'r Rehearsal,
+        hints: &'r Hints,
+        random: Random,
+    ) -> Self {
+        let (scheme, rest) = rehearsal.address.split_once("://").unwrap_or(("http", &rehearsal.address));
+        let (host, path) = rest.split_once('/').unwrap_or((rest, ""));
+        let port = if host.contains(':') { "" } else { ":80" };
         Self {
             rehearsal,
             hints,
             tried: Vec::new(),
-            agent: config.into(),
+            client: Client::new(runtime, format!("{host}{port}")),
             random,
-            origin: host.join("/"),
+            origin: format!("{scheme}://{host}"),
+            path: format!("/{path}"),
             cookie: String::new(),
             mark: String::new(),
             code: String::new(),
@@ -78,13 +82,14 @@ impl<'r> Browser<'r> {
     }
 
     /// Whether there is a server: asked once.
-    pub(super) fn knock(&self) -> Result<(), NoServer> {
-        let address = self.rehearsal.address.clone();
-        match self.agent.get(&address).call() {
-            Ok(reply) if reply.status().is_success() => Ok(()),
-            Ok(reply) => Err(NoServer { address, reason: format!("status {}", reply.status()) }),
-            Err(error) => Err(NoServer { address, reason: error.to_string() }),
-        }
+    pub(super) fn knock(&mut self) -> Result<(), NoServer> {
+        let sent = Sent { method: Method::GET, path: &self.path, headers: &[], body: String::new() };
+        let reason = match self.client.send(&sent) {
+            Ok(reply) if (200..300).contains(&reply.status) => return Ok(()),
+            Ok(reply) => format!("status {}", reply.status),
+            Err(error) => error.to_string(),
+        };
+        Err(NoServer { address: self.rehearsal.address.clone(), reason })
     }
 
     /// Whether the server has let it in.
@@ -101,9 +106,8 @@ impl<'r> Browser<'r> {
     /// Takes part from the first page to the last, or leaves.
     pub(super) fn take_part(&mut self) -> Result<End, Lost> {
         let begun = self.send("/begin", "application/x-www-form-urlencoded", "new=1")?;
-        let status = begun.status().as_u16();
-        let cookie = begun.headers().get("set-cookie").and_then(|value| value.to_str().ok());
-        let Some(cookie) = cookie.and_then(|cookie| cookie.split(';').next()) else {
+        let status = begun.status;
+        let Some(cookie) = begun.cookie.as_deref().and_then(|cookie| cookie.split(';').next()) else {
             // the page says that no one is let in
             return if status < 500 {
                 Ok(End::TurnedAway)
@@ -144,7 +148,7 @@ impl<'r> Browser<'r> {
         let event = match &page.content {
             Content::Consent { .. } => Event::Consented { text: String::new() },
             Content::Show { name, plays, .. } => {
-                self.fetch(&format!("{}/stimuli/{name}", self.origin))?;
+                self.fetch(&format!("/stimuli/{name}"))?;
                 let exposure = Exposure { plays: *plays, frames: 240, ..Exposure::default() };
                 Event::Shown { page: id, exposure }
             }
@@ -208,10 +212,7 @@ impl<'r> Browser<'r> {
     /// Sends JSON until the server has stored it. Returns whether it did at once.
     fn acknowledged(&mut self, route: &str, body: &str) -> Result<bool, Lost> {
         let before = self.repeated;
-        let mut reply = self.send(route, "application/json", body)?;
-        let status = reply.status().as_u16();
-        // the body belongs to the reply: the connection is used again
-        let text = reply.body_mut().with_config().limit(LONGEST_REPLY).read_to_string().unwrap_or_default();
+        let Reply { status, text, .. } = self.send(route, "application/json", body)?;
         match status {
             200 => Ok(self.repeated == before),
             _ => Err(Lost(format!("{route}: status {status}: {text:.200}"))),
@@ -219,58 +220,48 @@ impl<'r> Browser<'r> {
     }
 
     fn state(&mut self) -> Result<State, Lost> {
-        let url = format!("{}/go", self.rehearsal.address);
-        let text = self.fetch(&url)?;
-        serde_json::from_str(&text).map_err(|error| Lost(format!("{url}: {error}: {text:.200}")))
+        let path = format!("{}/go", self.path);
+        let text = self.fetch(&path)?;
+        serde_json::from_str(&text).map_err(|error| Lost(format!("{path}: {error}: {text:.200}")))
     }
 
-    fn fetch(&mut self, url: &str) -> Result<String, Lost> {
+    fn fetch(&mut self, path: &str) -> Result<String, Lost> {
         let cookie = self.cookie.clone();
-        let mut reply = self.insist(url, |agent| {
-            agent.get(url).header("cookie", &cookie).header("accept", "application/json").call()
-        })?;
-        let status = reply.status().as_u16();
-        let text = reply.body_mut().with_config().limit(LONGEST_REPLY).read_to_string();
-        match (status, text) {
-            (200, Ok(text)) => Ok(text),
-            (status, text) => Err(Lost(format!("{url}: status {status}: {:.200}", text.unwrap_or_default()))),
+        let headers = [("cookie", cookie.as_str()), ("accept", "application/json")];
+        let sent = Sent { method: Method::GET, path, headers: &headers, body: String::new() };
+        let Reply { status, text, .. } = self.insist(&sent)?;
+        match status {
+            200 => Ok(text),
+            _ => Err(Lost(format!("{path}: status {status}: {text:.200}"))),
         }
     }
 
-    fn send(&mut self, route: &str, kind: &str, body: &str) -> Result<Response<ureq::Body>, Lost> {
-        let url = format!("{}{route}", self.rehearsal.address);
+    fn send(&mut self, route: &str, kind: &str, body: &str) -> Result<Reply, Lost> {
+        let path = format!("{}{route}", self.path);
         let (origin, cookie, mark) = (self.origin.clone(), self.cookie.clone(), self.mark.clone());
-        self.insist(&url, |agent| {
-            agent
-                .post(&url)
-                .header("origin", &origin)
-                .header("sec-fetch-site", "same-origin")
-                .header("content-type", kind)
-                .header("cookie", &cookie)
-                .header("x-participation", &mark)
-                .send(body)
-        })
+        let headers = [
+            ("origin", origin.as_str()),
+            ("sec-fetch-site", "same-origin"),
+            ("content-type", kind),
+            ("cookie", cookie.as_str()),
+            ("x-participation", mark.as_str()),
+        ];
+        self.insist(&Sent { method: Method::POST, path: &path, headers: &headers, body: body.to_owned() })
     }
 
     /// Sends a request again until it is answered by something else than a failure of the server.
-    fn insist(
-        &mut self,
-        url: &str,
-        request: impl Fn(&Agent) -> Result<Response<ureq::Body>, ureq::Error>,
-    ) -> Result<Response<ureq::Body>, Lost> {
+    fn insist(&mut self, sent: &Sent<'_>) -> Result<Reply, Lost> {
         let began = Instant::now();
         let mut wait = WAITS[0];
         loop {
-            let reply = request(&self.agent);
-            let reason = match reply {
-                Ok(reply) if reply.status().as_u16() < 500 && reply.status().as_u16() != 429 => {
-                    return Ok(reply);
-                }
-                Ok(reply) => format!("status {}", reply.status()),
-                Err(error) => error.to_string(),
+            let reason = match self.client.send(sent) {
+                Ok(reply) if reply.status < 500 && reply.status != 429 => return Ok(reply),
+                Ok(reply) => format!("status {}", reply.status),
+                Err(failure @ Failure::Request(_)) => return Err(Lost(format!("{}: {failure}", sent.path))),
+                Err(failure) => failure.to_string(),
             };
             if began.elapsed() > self.rehearsal.patience || crate::stop::asked() {
-                return Err(Lost(format!("{url}: {reason}")));
+                return Err(Lost(format!("{}: {reason}", sent.path)));
             }
             self.repeated += 1;
             std::thread::sleep(wait);

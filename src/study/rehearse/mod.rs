@@ -4,6 +4,7 @@
 //! no more than a browser knows, but tell one another which answers have passed a check. What they answer means nothing.
 
 mod browser;
+mod client;
 
 use crate::random::Random;
 use browser::{Browser, End, Lost};
@@ -11,6 +12,10 @@ use std::collections::BTreeMap;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
+use tokio::runtime::Builder;
+
+/// Threads that wait for all connections.
+const WORKERS: usize = 2;
 
 /// How many simulated browsers come, and what they do.
 #[derive(Debug, Clone, PartialEq)]
@@ -108,7 +113,10 @@ pub struct NoServer {
 /// [`NoServer`] when nothing answers at the address. Later failures are in [`Outcome::lost`].
 pub fn rehearse(rehearsal: &Rehearsal) -> Result<Outcome, NoServer> {
     let hints = Hints::default();
-    Browser::new(rehearsal, &hints, Random::new(0)).knock()?;
+    let failed =
+        |error: std::io::Error| NoServer { address: rehearsal.address.clone(), reason: error.to_string() };
+    let runtime = Builder::new_multi_thread().worker_threads(WORKERS).enable_all().build().map_err(failed)?;
+    Browser::new(&runtime, rehearsal, &hints, Random::new(0)).knock()?;
     let next = AtomicU32::new(0);
     let outcome = Mutex::new(Outcome::default());
     let began = Instant::now();
@@ -119,7 +127,7 @@ pub fn rehearse(rehearsal: &Rehearsal) -> Result<Outcome, NoServer> {
                 return;
             }
             let mut seed = Random::new(rehearsal.seed ^ (u64::from(number) << 32));
-            let mut browser = Browser::new(rehearsal, &hints, Random::new(seed.bits()));
+            let mut browser = Browser::new(&runtime, rehearsal, &hints, Random::new(seed.bits()));
             let ended = browser.take_part();
             let is_full = matches!(ended, Ok(End::TurnedAway));
             let mut outcome = outcome.lock().unwrap_or_else(std::sync::PoisonError::into_inner);

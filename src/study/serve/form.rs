@@ -4,17 +4,30 @@ use super::cookie::mark;
 use super::pages::{Filled, PREFIX};
 use crate::study::plan::Scale;
 use crate::study::protocol::{Answer, PageQuestion};
+use axum::http::Uri;
 use std::collections::BTreeMap;
 
 /// The fields of a form, by name; the last of equal names counts.
 pub(super) type Fields = BTreeMap<String, String>;
 
-/// Reads a form's body; none if it is none.
+/// Reads a form's body, or what stands behind the question mark of an address (`application/x-www-form-urlencoded`); none if it
+/// is no UTF-8.
 pub(super) fn fields(body: &[u8]) -> Option<Fields> {
-    let query = std::str::from_utf8(body).ok()?;
-    let address: axum::http::Uri = format!("/?{query}").parse().ok()?;
-    let axum::extract::Query(fields) = axum::extract::Query::try_from_uri(&address).ok()?;
-    Some(fields)
+    let text = std::str::from_utf8(body).ok()?;
+    let decoded = |text: &str| {
+        let spaced = text.replace('+', " ");
+        urlencoding::decode(&spaced).map(std::borrow::Cow::into_owned).ok()
+    };
+    let pair = |pair: &str| {
+        let (name, value) = pair.split_once('=').unwrap_or((pair, ""));
+        Some((decoded(name)?, decoded(value)?))
+    };
+    text.split('&').filter(|piece| !piece.is_empty()).map(pair).collect()
+}
+
+/// The fields of an address.
+pub(super) fn query(address: &Uri) -> Fields {
+    address.query().and_then(|query| fields(query.as_bytes())).unwrap_or_default()
 }
 
 /// A page's answers as a form has them.

@@ -7,13 +7,12 @@ use super::reply;
 use super::site::Site;
 use axum::http::header::CONTENT_TYPE;
 use axum::http::{HeaderMap, Method};
-use axum::response::{IntoResponse as _, Response};
+use axum::response::Response;
 
 /// What a request is answered with in place of a page: JSON for scripts, a page for people.
 pub(super) fn told(site: &Site, headers: &HeaderMap, what: Notice) -> Response {
     if is_json(headers) {
-        return (what.status(), axum::Json(serde_json::json!({ "notice": format!("{what:?}") })))
-            .into_response();
+        return reply::json(what.status(), &serde_json::json!({ "notice": format!("{what:?}") }));
     }
     let version = site.store.current();
     let language = site.language(&version, headers);

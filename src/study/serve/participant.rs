@@ -4,7 +4,7 @@ use super::cookie::{PARTICIPATION, mark};
 use super::form::{self, Fields, Sheet};
 use super::gate::is_json;
 use super::pages::{self, Filled, Notice, Texts, Visit, Welcome};
-use super::platform::{self, Query};
+use super::platform::{self, encoded};
 use super::reply::{self, Told, page, see_other, with_cookie};
 use super::site::{Site, ask, now};
 use super::visit::Visitor;
@@ -12,11 +12,10 @@ use crate::study::file::Front;
 use crate::study::plan::Ending;
 use crate::study::protocol::{Answer, Content, Event, Refusal, State as Stage};
 use crate::study::store::{Arrival, Arrived, Trouble, Turn};
-use axum::Json;
-use axum::extract::{Path, Query as Queried, Request, State};
+use axum::extract::{Path, Request, State};
 use axum::http::header::ACCEPT;
-use axum::http::{HeaderMap, StatusCode};
-use axum::response::{IntoResponse as _, Response};
+use axum::http::{HeaderMap, StatusCode, Uri};
+use axum::response::Response;
 use std::sync::Arc;
 
 /// The field that begins a participation beside the one that the browser has, as on a shared machine.
@@ -34,10 +33,11 @@ type Shared = State<Arc<Site>>;
 pub(super) async fn welcome(
     State(site): Shared,
     Path(id): Path<String>,
-    Queried(query): Queried<Query>,
+    address: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Told> {
     let visitor = Visitor::new(&site, &id, headers)?;
+    let query = form::query(&address);
     let version = site.store.current();
     let study = &version.study.file;
     let platform = study.recruit.platform;
@@ -68,14 +68,9 @@ pub(super) async fn welcome(
 
 /// The address of the first page in a language, with what the platform sent.
 fn link(id: &str, language: &str, carried: &[(&str, &str)]) -> String {
-    let encode = |text: &str| {
-        let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
-        let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
-        text.bytes().map(one).collect::<String>()
-    };
-    let rest: String =
-        carried.iter().map(|(name, value)| format!("&{}={}", encode(name), encode(value))).collect();
-    format!("/s/{id}?lang={}{rest}", encode(language))
+    let pair = |(name, value): &(&str, &str)| format!("&{}={}", encoded(name), encoded(value));
+    let rest: String = carried.iter().map(pair).collect();
+    format!("/s/{id}?lang={}{rest}", encoded(language))
 }
 
 /// Gives the browser its secret and shows the current page.
@@ -148,15 +143,39 @@ pub(super) async fn go(
             .as_deref()
             .map_or_else(|| see_other(&visitor.at("")), |secret| told(secret, &turn)));
     }
-    Ok(show(&visitor, &turn, StatusCode::OK, &Filled::default()))
+    let credit = credit(&visitor, &turn).await?;
+    Ok(show(&visitor, &turn, StatusCode::OK, credit.as_deref(), &Filled::default()))
+}
+
+/// The address that grants credit to a participant who has finished, where there is one.
+async fn credit(visitor: &Visitor<'_>, turn: &Turn) -> Result<Option<String>, Told> {
+    let version = visitor.site.version(turn.version);
+    let recruit = &version.study.file.recruit;
+    let is_finished = turn.state == Stage::Ended(Ending::Finished);
+    let Some(secret) = visitor.secret.as_deref().filter(|_| is_finished && platform::grants_credit(recruit))
+    else {
+        return Ok(None);
+    };
+    let id = ask(|then| visitor.site.store.platform_id(secret, then)).await;
+    let id = id.map_err(|trouble| visitor.trouble(&trouble))?;
+    Ok(id.and_then(|id| platform::credit_of(recruit, &id)))
 }
 
 /// The current page for a program in place of a browser. It tells no more than the page does.
 fn told(secret: &str, turn: &Turn) -> Response {
-    Json(serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code })).into_response()
+    reply::json(
+        StatusCode::OK,
+        &serde_json::json!({ "page": turn.page, "mark": mark(secret), "code": turn.code }),
+    )
 }
 
-fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled) -> Response {
+fn show(
+    visitor: &Visitor<'_>,
+    turn: &Turn,
+    status: StatusCode,
+    credit: Option<&str>,
+    filled: &Filled,
+) -> Response {
     let site = visitor.site;
     let version = site.version(turn.version);
     let mark = visitor.secret.as_deref().map(mark).unwrap_or_default();
@@ -166,7 +185,7 @@ fn show(visitor: &Visitor<'_>, turn: &Turn, status: StatusCode, filled: &Filled)
         _ => None,
     };
     let seconds = version.plan.trials_of(&turn.page.part).map_or(0.0, |trials| trials.shows.seconds);
-    let texts = Texts { consent: consent.unwrap_or_default(), seconds, now: now() };
+    let texts = Texts { consent: consent.unwrap_or_default(), seconds, credit, now: now() };
     let frame = site.frame(&version, &turn.language, Some(visit));
     page(status, pages::turn(&frame, &turn.page, texts, filled))
 }
@@ -195,7 +214,7 @@ pub(super) async fn answer(
 
 /// The reply to a script: it is on the disk.
 fn committed(turn: &Turn) -> Response {
-    Json(serde_json::json!({ "page": turn.page.id })).into_response()
+    reply::json(StatusCode::OK, &serde_json::json!({ "page": turn.page.id }))
 }
 
 async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Told> {
@@ -215,7 +234,7 @@ async fn fill_in(visitor: &Visitor<'_>, fields: &Fields) -> Result<Response, Tol
             Err(trouble) => return Err(visitor.trouble(&trouble)),
         }
     }
-    Ok(show(visitor, &turn, StatusCode::UNPROCESSABLE_ENTITY, &filled))
+    Ok(show(visitor, &turn, StatusCode::UNPROCESSABLE_ENTITY, None, &filled))
 }
 
 /// What happened on a page, from a script.
@@ -260,7 +279,7 @@ pub(super) async fn withdraw(
     visitor.check_mark(&fields)?;
     if fields.get("sure").is_some_and(|sure| sure == "yes") {
         let turn = visitor.submit(Event::Withdrawn).await?;
-        return Ok(show(&visitor, &turn, StatusCode::OK, &Filled::default()));
+        return Ok(show(&visitor, &turn, StatusCode::OK, None, &Filled::default()));
     }
     let turn = visitor.turn().await?;
     if matches!(turn.state, Stage::Ended(Ending::Withdrawn | Ending::Declined)) {

@@ -1,11 +1,8 @@
 //! Links of recruiting platforms: who comes, and whether it is a preview only.
 
-use crate::study::file::Platform;
+use super::form::Fields;
+use crate::study::file::{Platform, Recruit, credit};
 use crate::study::store::PlatformId;
-use std::collections::BTreeMap;
-
-/// What an address carries behind its question mark; the first of equal names counts.
-pub(super) type Query = BTreeMap<String, String>;
 
 /// Longest id of a platform, bytes.
 const LONGEST: usize = 128;
@@ -25,7 +22,7 @@ fn names(platform: Platform) -> Option<[&'static str; 2]> {
 }
 
 /// The fields of a link that come along to the first form.
-pub(super) fn carried(platform: Platform, query: &Query) -> Vec<(&'static str, &str)> {
+pub(super) fn carried(platform: Platform, query: &Fields) -> Vec<(&'static str, &str)> {
     let [participant, submission] = match names(platform) {
         Some(names) => names,
         None => return Vec::new(),
@@ -36,14 +33,14 @@ pub(super) fn carried(platform: Platform, query: &Query) -> Vec<(&'static str, &
 }
 
 /// The ids in a link, if it has usable ones.
-pub(super) fn id(platform: Platform, query: &Query) -> Option<PlatformId> {
+pub(super) fn id(platform: Platform, query: &Fields) -> Option<PlatformId> {
     let usable = |name: &str| query.get(name).filter(|id| (1..=LONGEST).contains(&id.len())).cloned();
     let [participant, submission] = names(platform)?;
     Some(PlatformId { participant: usable(participant)?, submission: usable(submission).unwrap_or_default() })
 }
 
 /// Whether the platform only shows the study to a person who has not taken it.
-pub(super) fn is_preview(platform: Platform, query: &Query) -> bool {
+pub(super) fn is_preview(platform: Platform, query: &Fields) -> bool {
     platform == Platform::Mturk && query.get("assignmentId").is_some_and(|id| id == PREVIEW)
 }
 
@@ -54,11 +51,30 @@ pub(super) fn way_back(platform: Platform, code: &str) -> Option<String> {
     is_usable.then(|| format!("{PROLIFIC}{code}"))
 }
 
+/// Whether a participant who finishes gets credit by an address of their own.
+pub(super) const fn grants_credit(recruit: &Recruit) -> bool {
+    matches!(recruit.platform, Platform::Sona) && recruit.credit.is_some()
+}
+
+/// The address that grants credit to the participant whom the platform knows by an id.
+pub(super) fn credit_of(recruit: &Recruit, id: &str) -> Option<String> {
+    let address = recruit.credit.as_ref().filter(|_| grants_credit(recruit))?;
+    let (before, after) = credit(address).ok()?;
+    Some(format!("{before}{}{after}", encoded(id)))
+}
+
+/// A text as it stands behind the question mark of an address.
+pub(super) fn encoded(text: &str) -> String {
+    let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_.~".contains(&byte);
+    let one = |byte: u8| if plain(byte) { char::from(byte).to_string() } else { format!("%{byte:02X}") };
+    text.bytes().map(one).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn query(pairs: &[(&str, &str)]) -> Query {
+    fn query(pairs: &[(&str, &str)]) -> Fields {
         pairs.iter().map(|&(name, value)| (name.to_owned(), value.to_owned())).collect()
     }
 
@@ -77,5 +93,17 @@ mod tests {
         assert!(is_preview(Platform::Mturk, &looks) && !is_preview(Platform::Prolific, &looks));
         assert_eq!(way_back(Platform::Prolific, "C1").unwrap(), format!("{PROLIFIC}C1"));
         assert!(way_back(Platform::Mturk, "C1").is_none() && way_back(Platform::Prolific, "a&b").is_none());
+    }
+
+    #[test]
+    fn credit_is_granted_at_sona_to_the_code_that_the_participant_came_with() {
+        let address = "https://school.sona-systems.com/webstudy_credit.aspx?experiment_id=1&credit_token=2&survey_code=XXXX";
+        let recruit = |platform| Recruit { platform, credit: Some(address.to_owned()), ..Recruit::default() };
+        assert_eq!(
+            credit_of(&recruit(Platform::Sona), "7 7&x=1").unwrap(),
+            address.replace("XXXX", "7%207%26x%3D1")
+        );
+        assert!(credit_of(&recruit(Platform::Prolific), "77").is_none());
+        assert!(credit_of(&Recruit { platform: Platform::Sona, ..Recruit::default() }, "77").is_none());
     }
 }

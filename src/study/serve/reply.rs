@@ -95,6 +95,12 @@ pub(super) fn page(status: StatusCode, markup: Markup) -> Response {
     (status, kind, markup.into_string()).into_response()
 }
 
+/// A reply to a script.
+pub(super) fn json<T: serde::Serialize>(status: StatusCode, value: &T) -> Response {
+    let body = serde_json::to_vec(value).unwrap_or_default();
+    (status, [(CONTENT_TYPE, "application/json")], body).into_response()
+}
+
 /// Sends the browser to another address of this host, by GET.
 pub(super) fn see_other(address: &str) -> Response {
     let mut response = StatusCode::SEE_OTHER.into_response();

@@ -5,16 +5,14 @@ use super::cookie::mark;
 use super::form::{Fields, fields};
 use super::gate::{is_json, told};
 use super::pages::Notice;
-use super::reply::Told;
+use super::reply::{Told, json};
 use super::site::{Site, ask};
 use crate::study::protocol::{Content, Event};
 use crate::study::store::{Trouble, Turn};
-use axum::Json;
 use axum::body::{Bytes, to_bytes};
 use axum::extract::Request;
 use axum::http::header::{CONTENT_LENGTH, HeaderName, HeaderValue, RETRY_AFTER};
 use axum::http::{HeaderMap, StatusCode};
-use axum::response::IntoResponse as _;
 
 /// The header in which scripts send a page's mark.
 const MARK: HeaderName = HeaderName::from_static("x-participation");
@@ -133,7 +131,7 @@ impl<'a> Visitor<'a> {
             Trouble::Closed => Notice::Closed,
             Trouble::Gone => Notice::Gone,
             Trouble::Refused(refusal) if is_json(&self.headers) => {
-                return (StatusCode::CONFLICT, Json(refusal)).into_response().into();
+                return json(StatusCode::CONFLICT, refusal).into();
             }
             Trouble::Refused(_) => Notice::Refused,
             Trouble::Unavailable(_) => Notice::Unavailable,

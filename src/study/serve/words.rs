@@ -1,13 +1,13 @@
 //! The words of the interface, by language.
 
 use super::Error;
+use crate::study::asked::{FALLBACK, TABLE};
+use crate::study::words::primary;
 use serde::Deserialize;
 use std::collections::BTreeMap;
 
-/// The table of words.
-const TABLE: &str = include_str!("../../../assets/web/words.toml");
-/// The language of participants whose language has no words.
-const FALLBACK: &str = "en";
+/// Where the table has what the program asks by itself, which is no word of the pages.
+const ASKED: &str = "asked";
 /// Languages that are written from right to left.
 const FROM_THE_RIGHT: [&str; 9] = ["ar", "ckb", "dv", "fa", "he", "ps", "sd", "ur", "yi"];
 
@@ -34,7 +34,7 @@ words! {
     saving saved offline refused lost
     finished_title finished_text declined_title declined_text gone_text withdrawn_title withdrawn_delete withdrawn_keep
     screened_out_title screened_out_text excluded_title excluded_text full_title full_text
-    completion completion_note to_prolific try_again to_start go_on
+    completion completion_note to_prolific to_sona credit_note try_again to_start go_on
     unavailable_title unavailable_text closed_title closed_text refused_title refused_text unknown_title unknown_text
     not_found_title not_found_text too_many_title too_many_text too_large_title too_large_text
     bad_request_title bad_request_text forbidden_title forbidden_text other_title other_text
@@ -50,8 +50,7 @@ impl Interfaces {
     /// # Errors
     /// [`Error::Words`] if a language lacks one, which a test excludes.
     pub(super) fn built_in() -> Result<Self, Error> {
-        let all: BTreeMap<String, Interface> =
-            toml::from_str(TABLE).map_err(|error| Error::Words { message: error.to_string() })?;
+        let all = read(TABLE).map_err(|error| Error::Words { message: error.to_string() })?;
         if all.contains_key(FALLBACK) {
             return Ok(Self(all));
         }
@@ -67,13 +66,18 @@ impl Interfaces {
     }
 }
 
+/// The words of the pages, out of a table that has more.
+fn read(table: &str) -> Result<BTreeMap<String, Interface>, toml::de::Error> {
+    let all: BTreeMap<String, toml::Table> = toml::from_str(table)?;
+    let pages = |(tag, mut table): (String, toml::Table)| {
+        table.remove(ASKED);
+        Ok((tag, table.try_into()?))
+    };
+    all.into_iter().map(pages).collect()
+}
+
 /// The words of a table that has none, which [`Interfaces::built_in`] excludes.
 static EMPTY: std::sync::LazyLock<Interface> = std::sync::LazyLock::new(Interface::default);
-
-/// The part of a tag before its region: `pt` of `pt-BR`.
-fn primary(tag: &str) -> &str {
-    tag.split(['-', '_']).next().unwrap_or(tag)
-}
 
 /// In which direction a language is written, for the attribute `dir`.
 pub(super) fn direction(language: &str) -> &'static str {
@@ -115,7 +119,8 @@ mod tests {
 
     #[test]
     fn every_language_has_every_word_with_its_braces() {
-        let all: BTreeMap<String, BTreeMap<String, String>> = toml::from_str(TABLE).unwrap();
+        let mut all: BTreeMap<String, toml::Table> = toml::from_str(TABLE).unwrap();
+        all.values_mut().for_each(|words| assert!(words.remove(ASKED).is_some()));
         assert_eq!(all.keys().collect::<Vec<_>>(), ["de", "en", "es", "fr"]);
         Interfaces::built_in().unwrap();
         let braces = |text: &str| {
@@ -126,12 +131,13 @@ mod tests {
         };
         for (language, words) in &all {
             for (word, text) in words {
+                let text = text.as_str().unwrap();
                 assert!(!text.trim().is_empty(), "{language}.{word}");
-                assert_eq!(braces(text), braces(&all["en"][word]), "{language}.{word}");
+                assert_eq!(braces(text), braces(all["en"][word].as_str().unwrap()), "{language}.{word}");
             }
         }
         let lacking = TABLE.replacen("skip = ", "skap = ", 1);
-        assert!(toml::from_str::<BTreeMap<String, Interface>>(&lacking).is_err());
+        assert!(read(&lacking).is_err());
     }
 
     #[test]

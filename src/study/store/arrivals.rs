@@ -73,6 +73,11 @@ impl Desk {
         self.books.by_token.get(&hash).copied().ok_or(Trouble::Unknown)
     }
 
+    /// The id by which the platform knows the participant of a secret.
+    pub(super) fn platform_id(&self, token: &str) -> Result<Option<String>, Trouble> {
+        Ok(links::read(&self.connection, self.known(token)?)?)
+    }
+
     /// The page of a participant who is there: a lease that had lapsed begins again.
     pub(super) fn sign(&mut self, id: i64) -> Result<Turn, Trouble> {
         let one = self.books.people.get(&id).ok_or(Trouble::Unknown)?;

@@ -2,7 +2,7 @@
 
 use super::files::LINKS;
 use super::request::PlatformId;
-use rusqlite::{Connection, Result, params};
+use rusqlite::{Connection, OptionalExtension as _, Result, params};
 use std::path::Path;
 
 /// Attaches the file of links to a connection. A reader gets an empty one where there is none.
@@ -23,6 +23,13 @@ pub(super) fn write(connection: &Connection, id: i64, platform: &PlatformId, at:
     let mut statement =
         connection.prepare_cached("INSERT OR REPLACE INTO links.link VALUES (?1, ?2, ?3, ?4)")?;
     statement.execute(params![id, platform.participant, platform.submission, at]).map(drop)
+}
+
+/// The id by which the platform knows a participant; none where it is not there any more.
+pub(super) fn read(connection: &Connection, id: i64) -> Result<Option<String>> {
+    let mut statement =
+        connection.prepare_cached("SELECT platform_id FROM links.link WHERE participant = ?1")?;
+    statement.query_row([id], |row| row.get(0)).optional()
 }
 
 /// Deletes who a participant is.

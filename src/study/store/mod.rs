@@ -165,6 +165,16 @@ impl Store {
         self.ask(move |desk| desk.known(&token).and_then(|id| desk.sign(id)), then);
     }
 
+    /// The id by which the platform knows the participant of a secret; none without a platform, or after it was deleted.
+    pub fn platform_id(
+        &self,
+        token: &str,
+        then: impl FnOnce(Result<Option<String>, Trouble>) + Send + 'static,
+    ) {
+        let token = token.to_owned();
+        self.ask(move |desk| desk.platform_id(&token), then);
+    }
+
     /// Takes an event of the participant of a secret. Only events that are [open to fronts](Event::is_open_to_fronts) may come
     /// from outside.
     pub fn submit(

@@ -60,6 +60,14 @@ pub struct Shown {
 pub(super) type Libraries = BTreeMap<String, Vec<u8>>;
 
 impl Opening {
+    /// SHA-256 of study file, texts and libraries, as the store keeps it; 64 hexadecimal digits.
+    ///
+    /// # Errors
+    /// [`Error::Read`] for a library that cannot be read.
+    pub fn hash(&self) -> Result<String, Error> {
+        self.read().map(|(_, hash)| hash)
+    }
+
     /// The libraries' bytes, and the hash of everything.
     pub(super) fn read(&self) -> Result<(Libraries, String), Error> {
         let mut libraries = Libraries::new();

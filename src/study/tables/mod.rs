@@ -30,11 +30,13 @@
 //! # }
 //! ```
 
+mod choice;
 mod ratings;
 mod read;
 mod session;
 mod write;
 
+pub use choice::{Chosen, Fronts};
 pub use ratings::ratings;
 pub use read::read;
 pub use session::of_session;
@@ -258,7 +260,7 @@ impl From<&Stimulus> for Shown {
 }
 
 /// The name of a value that serde writes as one word.
-pub(super) fn name<T: Serialize>(value: &T) -> String {
+pub(crate) fn name<T: Serialize>(value: &T) -> String {
     match serde_json::to_value(value) {
         Ok(serde_json::Value::String(name)) => name,
         _ => String::new(),

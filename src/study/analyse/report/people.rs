@@ -12,6 +12,10 @@ pub(super) fn participants(page: &mut Page, analysis: &Analysis) {
         all.fronts.iter().map(|(front, count)| format!("{count} {}", name(front))).collect();
     let by = if fronts.is_empty() { String::new() } else { format!(" ({})", fronts.join(", ")) };
     page.paragraph(format!("{} arrived{by}. {} got a place.", many(all.arrived, "participant"), all.placed));
+    if !all.left_out.is_empty() {
+        let fronts = all.left_out.iter().map(|(front, count)| format!("{count} {}", name(front)));
+        page.paragraph(format!("Left out of this analysis: {}.", fronts.collect::<Vec<_>>().join(", ")));
+    }
     let rows: Vec<Vec<String>> =
         all.states.iter().map(|(state, count)| vec![state.clone(), count.to_string()]).collect();
     page.table(&texts(&["state", "participants"]), 1, rows);

@@ -1,6 +1,6 @@
 //! What operators do: with participants, with admission, with copies, with one another.
 
-use super::super::form::Fields;
+use super::super::form::{Fields, query};
 use super::super::reply::{Told, page, see_other};
 use super::super::site::ask;
 use super::console::Console;
@@ -12,8 +12,8 @@ use crate::study::file::Front;
 use crate::study::plan::Stimulus;
 use crate::study::protocol::State as Stage;
 use crate::study::store::{Act, Person, Role, Version, backup as write_backup};
-use axum::extract::{Query, Request, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::Response;
 use maud::{Markup, html};
 use std::sync::Arc;
@@ -45,7 +45,7 @@ fn said(query: &Fields) -> Markup {
 /// All participants, with what can be done.
 pub(super) async fn participants(
     State(console): Shared,
-    Query(query): Query<Fields>,
+    address: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Watch)?;
@@ -53,7 +53,7 @@ pub(super) async fn participants(
     let heads =
         ["Code", "State", "Front", "Version", "Part", "Page", "Silent", "Late frames", "Reason", "Manage"];
     let body = html! {
-        (said(&query))
+        (said(&query(&address)))
         table {
             caption { (people.len()) @if people.len() == 1 { " participant" } @else { " participants" } ", in the order of arrival" }
             thead { tr { @for head in heads { th scope="col" { (head) } } } }
@@ -184,11 +184,11 @@ pub(super) async fn backup(State(console): Shared, request: Request) -> Result<R
 /// The page to name operators.
 pub(super) async fn operators(
     State(console): Shared,
-    Query(query): Query<Fields>,
+    address: Uri,
     headers: HeaderMap,
 ) -> Result<Response, Told> {
     let session = console.signed(&headers, Role::Own)?;
-    Ok(page(StatusCode::OK, naming(&console, &session, &said(&query))))
+    Ok(page(StatusCode::OK, naming(&console, &session, &said(&query(&address)))))
 }
 
 fn naming(console: &Console, session: &Session, above: &Markup) -> Markup {

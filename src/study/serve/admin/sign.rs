@@ -1,14 +1,14 @@
 //! Signing in and out, and the first password.
 
-use super::super::form::Fields;
+use super::super::form::{Fields, query};
 use super::super::reply::{Told, page, see_other, with_cookie};
 use super::super::site::ask;
 use super::console::Console;
 use super::pages;
 use super::sessions::{PASSWORD, hash, verify};
 use crate::study::store::{Operator, Role};
-use axum::extract::{Query, Request, State};
-use axum::http::{HeaderMap, StatusCode};
+use axum::extract::{Request, State};
+use axum::http::{HeaderMap, StatusCode, Uri};
 use axum::response::Response;
 use std::sync::Arc;
 
@@ -22,7 +22,8 @@ const TWELVE_HOURS: u32 = 12 * 3600;
 type Shared = State<Arc<Console>>;
 
 /// The page on which the first operator chooses name and password.
-pub(super) async fn first(State(console): Shared, Query(query): Query<Fields>) -> Response {
+pub(super) async fn first(State(console): Shared, address: Uri) -> Response {
+    let query = query(&address);
     let key = query.get("key").map_or("", String::as_str);
     if console.expects(key) {
         page(StatusCode::OK, pages::first(&console, key, ""))

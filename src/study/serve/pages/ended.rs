@@ -6,7 +6,7 @@ use crate::study::plan::Ending;
 use crate::study::serve::platform::way_back;
 use maud::{Markup, html};
 
-pub(super) fn view(frame: &Frame<'_>, ending: Ending, code: Option<&str>) -> View {
+pub(super) fn view(frame: &Frame<'_>, ending: Ending, code: Option<&str>, credit: Option<&str>) -> View {
     let words = frame.words;
     let withdrawn = match frame.study.consent.on_withdrawal {
         OnWithdrawal::Delete => &words.withdrawn_delete,
@@ -21,8 +21,12 @@ pub(super) fn view(frame: &Frame<'_>, ending: Ending, code: Option<&str>) -> Vie
         Ending::Full => (&words.full_title, &words.full_text),
     };
     let body = html! {
-        p { (text) }
-        @if let Some(code) = code { (completion(frame, code)) }
+        p { @if credit.is_some() { (words.credit_note) } @else { (text) } }
+        @if let Some(address) = credit {
+            // the script goes there once; the link is for browsers without scripts, and for coming back
+            p { a.button href=(address) rel="noreferrer" data-credit="" { (words.to_sona) } }
+        }
+        @if let Some(code) = code.filter(|_| credit.is_none()) { (completion(frame, code)) }
         @if ending == Ending::Full {
             p { a.button href=(frame.at("/go")) { (words.try_again) } }
         }

@@ -15,6 +15,8 @@ pub(in super::super) struct Texts<'a> {
     pub(in super::super) consent: &'a str,
     /// How long the films of the part last, s.
     pub(in super::super) seconds: f64,
+    /// The address that grants credit to the participant.
+    pub(in super::super) credit: Option<&'a str>,
     /// Now, UTC ms.
     pub(in super::super) now: i64,
 }
@@ -73,7 +75,7 @@ fn view(frame: &Frame<'_>, page: &Page, texts: Texts<'_>, filled: &Filled) -> Vi
         Content::Place | Content::Lapsed | Content::Broken => {
             View::new(&words.unavailable_title, wait(frame, &words.unavailable_text))
         }
-        Content::Ended { ending, code } => ended::view(frame, *ending, code.as_deref()),
+        Content::Ended { ending, code } => ended::view(frame, *ending, code.as_deref(), texts.credit),
     }
 }
 
