@@ -6,8 +6,8 @@ use serde_json::json;
 use std::io::{BufRead as _, BufReader, Write as _};
 use std::net::{TcpListener, TcpStream};
 
-/// A page with the study in a frame, served until the process ends; its port.
-fn host(listener: TcpListener, study: String) {
+/// Serves a page with the study in a frame until the process ends.
+fn host(listener: TcpListener, study: &str) {
     let page = format!(
         "<!doctype html><html lang=\"en\"><title>Host</title><iframe title=\"study\" src=\"{study}\" \
          width=\"1000\" height=\"700\"></iframe></html>"
@@ -46,7 +46,7 @@ fn shows(browser: &Browser, address: &str) -> bool {
 fn no_page_may_show_the_study_in_a_frame() {
     let Some(visit) = Visit::new(Options::default(), Hands::Mouse) else { return };
     let (listener, port) = listen();
-    host(listener, visit.lab.address());
+    host(listener, &visit.lab.address());
     for name in ["localhost", "127.0.0.1"] {
         assert!(!shows(&visit.browser, &format!("http://{name}:{port}/")), "{name} frames the study");
     }
@@ -60,8 +60,8 @@ fn only_the_origin_that_the_study_file_names_may_and_people_take_part_there() {
     let named_in_file = format!("[recruit]\nembed_in = [\"{origin}\"]");
     let lab = small(&[("[recruit]", &named_in_file)]);
     let visit = Visit::of(browser, lab, Hands::Mouse);
-    host(named, visit.lab.address());
-    host(other, visit.lab.address());
+    host(named, &visit.lab.address());
+    host(other, &visit.lab.address());
     for wrong in [format!("http://127.0.0.1:{port}/"), format!("http://localhost:{another}/")] {
         assert!(!shows(&visit.browser, &wrong), "{wrong} frames the study");
     }

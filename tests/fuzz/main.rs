@@ -14,6 +14,7 @@
 //! are new, though nothing is wrong with them. The same readers guided by coverage: `scripts/test fuzz` (`docs/fuzzing.md`).
 #![allow(
     clippy::unwrap_used,
+    clippy::panic,
     clippy::print_stdout,
     reason = "helpers of tests: a failed unwrap is a failed test, and what was measured is printed"
 )]

@@ -307,14 +307,16 @@ fn parsed(text: &[u8]) -> Result<Request<Vec<u8>>, String> {
     let mut lines = head.split(|&byte| byte == b'\n');
     let mut words = lines.next().unwrap_or_default().split(|&byte| byte == b' ');
     let mut word = || words.next().unwrap_or_default();
-    let method = Method::from_bytes(word()).map_err(|_| "no request: method".to_owned())?;
+    let method = Method::from_bytes(word()).map_err(|_invalid| "no request: method".to_owned())?;
     let address = Uri::try_from(word()).map_err(|error| format!("no request: {error}"))?;
     let mut headers = HeaderMap::new();
     for line in lines {
         let colon = line.iter().position(|&byte| byte == b':').ok_or("no request: header")?;
-        let name = HeaderName::from_bytes(&line[..colon]).map_err(|_| "no request: name".to_owned())?;
+        let name =
+            HeaderName::from_bytes(&line[..colon]).map_err(|_invalid| "no request: name".to_owned())?;
         let value = line[colon + 1..].trim_ascii();
-        headers.append(name, HeaderValue::from_bytes(value).map_err(|_| "no request: value".to_owned())?);
+        headers
+            .append(name, HeaderValue::from_bytes(value).map_err(|_invalid| "no request: value".to_owned())?);
     }
     let mut request = Request::new(body.to_vec());
     (*request.method_mut(), *request.uri_mut(), *request.headers_mut()) = (method, address, headers);

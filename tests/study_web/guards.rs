@@ -1,6 +1,6 @@
 //! What is refused, and the headers of what is not.
 
-use crate::client::Reply;
+use crate::client::{Browser, Reply};
 use crate::lab::{Lab, begin, go_on};
 use gaitway::study::serve::{Error, Server};
 
@@ -227,4 +227,23 @@ fn a_taken_port_and_a_console_that_others_reach_are_refused() {
     let open =
         gaitway::study::serve::Settings { console: Some(([0, 0, 0, 0], 0).into()), ..Default::default() };
     assert!(matches!(Server::bind(lab.store.clone(), &open), Err(Error::Console { .. })));
+}
+
+#[test]
+fn only_pages_of_participants_go_into_frames_and_only_of_the_origins_of_the_file() {
+    let named = "platform = \"none\"\nembed_in = [\"https://a.example.org\", \"https://b.example.org:8443\"]";
+    let lab = Lab::new(&[("platform = \"none\"", named)], |_| {});
+    let page = lab.browser().get("/s/looks");
+    let policy = page.header("content-security-policy").to_owned();
+    assert!(
+        policy.ends_with("; frame-ancestors https://a.example.org https://b.example.org:8443"),
+        "{policy}"
+    );
+    assert_eq!(page.header("x-frame-options"), "", "it knows no origins");
+    let cookie = lab.browser().post("/s/looks/begin", &[]).header("set-cookie").to_owned();
+    assert!(cookie.ends_with("; HttpOnly; SameSite=None; Partitioned; Secure"), "{cookie}");
+    let console = Browser::new(lab.console).get("/admin/login");
+    assert!(console.header("content-security-policy").ends_with("; frame-ancestors 'none'"), "{console:?}");
+    assert_eq!(console.header("x-frame-options"), "DENY");
+    assert_eq!(Lab::plain().browser().get("/s/looks").header("x-frame-options"), "DENY");
 }
