@@ -242,7 +242,7 @@ fn people_and_simulated_participants_are_analysed_apart_and_the_command_says_so(
     let (found, notes) = analyse("web");
     assert_eq!(found["fronts"], serde_json::json!({ "web": 12 }));
     assert_eq!(found["left_out"], serde_json::json!({ "headset": 1, "simulated": 11 }));
-    assert!(notes.contains("11 participants of the front simulated are left out"), "{notes}");
+    assert!(notes.contains("left out: 11 participants of the front simulated"), "{notes}");
     assert_eq!(analyse("people").0["fronts"], serde_json::json!({ "web": 12, "headset": 1 }));
     assert_eq!(analyse("simulated").0["is_simulated"], true);
     let data = folder.path().join("data");

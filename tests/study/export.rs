@@ -339,7 +339,7 @@ fn people_and_simulated_participants_are_never_in_one_dataset() {
     let dataset = own(None);
     assert_eq!(dataset.notes, [Note::LeftOut { front: Front::Simulated, count: 1 }]);
     assert!(is_told(&dataset, "p1") && !is_told(&dataset, "s7"));
-    assert!(text(&dataset, "README.md").contains("1 participants of the front simulated"));
+    assert!(text(&dataset, "README.md").contains("1 participant of the front simulated"));
     let dataset = own(Some(Fronts::Simulated));
     assert_eq!(dataset.notes, [Note::Simulated, Note::LeftOut { front: Front::Web, count: 2 }]);
     assert!(!is_told(&dataset, "p1") && is_told(&dataset, "s7"));

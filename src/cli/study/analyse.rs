@@ -50,11 +50,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         let (study, tables) = folder::read(data)?;
         let chosen = arguments.front.choose(&tables, data)?;
         for (front, count) in &chosen.left_out {
-            note(&format!(
-                "note: {}: {count} participants of the front {} are left out",
-                data.display(),
-                name(front)
-            ));
+            let (data, s, front) = (data.display(), if *count == 1 { "" } else { "s" }, name(front));
+            note(&format!("note: {data}: left out: {count} participant{s} of the front {front}"));
         }
         found.push(analyse_chosen(&study.file, &chosen)?);
         if let (Some(library), Some(rated)) = (&arguments.library, &arguments.rated)

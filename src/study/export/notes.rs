@@ -70,9 +70,10 @@ impl fmt::Display for Note {
                 )
             }
             Self::LeftOut { front, count } => {
+                let s = if *count == 1 { "" } else { "s" };
                 write!(
                     f,
-                    "left out: {count} participants of the front {}; they belong into a dataset of their own",
+                    "left out: {count} participant{s} of the front {}; a dataset of their own takes them",
                     name(front)
                 )
             }
