@@ -5,7 +5,7 @@ use super::looks::assert_clean;
 use super::visit::{Given, Hands, Visit};
 use fantoccini::key::Key;
 
-const PASSWORD: &str = "a long password";
+pub(super) const PASSWORD: &str = "a long password";
 
 /// A participant, and the first operator with the live page before them.
 /// `options` are the operator's.

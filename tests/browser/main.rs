@@ -23,6 +23,7 @@ mod driver;
 mod films;
 mod frames;
 mod harness;
+mod headset;
 mod looks;
 mod network;
 mod page;

@@ -80,7 +80,8 @@ impl Server {
         let entrance = format!("{entrance}/s/{}", store.current().study.file.study.id);
         let (console, first_link) = match console {
             Some(at) => {
-                let made = Console::new(store.clone(), random()?, settings.requests_of_one, Some(entrance.clone()))?;
+                let made =
+                    Console::new(store.clone(), random()?, settings.requests_of_one, Some(entrance.clone()))?;
                 let (console, first_link) = open(&runtime, at, made)?;
                 (Some(console), first_link)
             }
@@ -114,7 +115,8 @@ impl Server {
         let runtime = Builder::new_multi_thread().worker_threads(1).enable_all().build();
         let runtime = runtime.map_err(|source| Error::Failed { source })?;
         let at = listen(&runtime, address)?;
-        let made = Console::new(store.clone(), random()?, Settings::default().requests_of_one, None)?.beside(lab);
+        let made =
+            Console::new(store.clone(), random()?, Settings::default().requests_of_one, None)?.beside(lab);
         let (console, first_link) = open(&runtime, at, made)?;
         Ok(Self { runtime, public: None, console: Some(console), entrance: String::new(), first_link })
     }

@@ -27,10 +27,10 @@ pub(super) async fn page(State(console): Shared, headers: HeaderMap) -> Result<R
     let session = console.signed(&headers, Role::Watch)?;
     let body = html! {
         p.lacking #old role="status" hidden { "The server does not answer. What stands here is old." }
-        div #live data-events="/admin/live/events" { (now(&console).await?) }
         @if let Some(lab) = console.lab.as_ref().filter(|_| session.role >= Role::Run) {
             (headset::orders(lab, &session))
         }
+        div #live data-events="/admin/live/events" { (now(&console).await?) }
         @if session.role >= Role::Run { (buttons(&console, &session).await?) }
     };
     Ok(reply(StatusCode::OK, pages::document(&console, Some(&session), "Live", &body)))
