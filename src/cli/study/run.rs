@@ -76,8 +76,8 @@ pub(super) struct Arguments {
 fn rows(text: &str) -> Result<Range<u32>, String> {
     let wrong = || format!("{text:?} must be a range such as 0..12, from a row to one after it");
     let (from, to) = text.split_once("..").ok_or_else(wrong)?;
-    let (from, to): (u32, u32) = (from.parse().map_err(|_| wrong())?, to.parse().map_err(|_| wrong())?);
-    if from < to { Ok(from..to) } else { Err(wrong()) }
+    let row = |text: &str| text.parse::<u32>().ok();
+    row(from).zip(row(to)).map(|(from, to)| from..to).filter(|rows| !rows.is_empty()).ok_or_else(wrong)
 }
 
 /// What a session came to.

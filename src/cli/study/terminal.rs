@@ -22,6 +22,9 @@ const LEFT_OUT: &str = "-";
 const ORDERS: &str = "orders: /pause, /resume, /repeat (the trial, from its beginning), /skip (the trial), /note TEXT, /end (grey at \
                       once; the participation can go on later), /help. All else is the answer to the question";
 
+/// What came of looking where the participation is.
+type Looked = Result<Turn, Trouble>;
+
 /// The operator at the terminal.
 pub(super) struct Terminal {
     kept: Kept,
@@ -31,7 +34,7 @@ pub(super) struct Terminal {
     said: VecDeque<String>,
     /// Whether the text to agree to was printed.
     has_asked_consent: bool,
-    turns: (Sender<Result<Turn, Trouble>>, Receiver<Result<Turn, Trouble>>),
+    turns: (Sender<Looked>, Receiver<Looked>),
     /// When the store was asked last, and whether it has not answered yet.
     looked: (Instant, bool),
     /// Whether the participation was cut off when it was looked last.

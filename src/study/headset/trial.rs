@@ -78,9 +78,9 @@ impl Front<'_> {
         let walked = self.stage.walk(&mut world, seconds, &mut self.beside)?;
         // what was cut is gone at once
         if walked.is_whole {
-            self.stage.fade(1.0)
+            self.stage.fade(1.0);
         } else {
-            self.stage.blank()
+            self.stage.blank();
         }
         if let Some(recorder) = self.beside.take_recorder() {
             recorder.finish(world.simulation().state()?).map_err(|error| of_recording(&error))?;

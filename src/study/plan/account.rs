@@ -80,7 +80,7 @@ impl Account {
     /// Rows of its design; 0 without one.
     pub(super) fn rows(&self) -> usize {
         match self {
-            Self::Blocks(_, rows) | Self::Square(_, rows) => rows.len(),
+            Self::Blocks(_, rows) | Self::Square(_, rows) => rows.count(),
             Self::Fill(_) | Self::Same => 0,
         }
     }
