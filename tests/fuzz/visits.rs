@@ -375,14 +375,27 @@ fn judge(door: Door, asked: &[u8], response: &Response<Vec<u8>>) -> String {
         let head: String =
             response.headers().iter().map(|(name, value)| format!("{name}: {value:?}\n")).collect();
         let told = told(&body).into_iter().chain(told(&head));
-        let asked = String::from_utf8_lossy(asked);
-        let known =
-            told.filter(|word| !asked.to_lowercase().contains(&word.to_lowercase()) && !asked.contains('%'));
+        // what the request itself says may come back
+        let asked =
+            [asked.to_vec(), decoded(asked)].map(|text| String::from_utf8_lossy(&text).to_lowercase());
+        let known = told.filter(|word| !asked.iter().any(|text| text.contains(&word.to_lowercase())));
         let known: Vec<String> = known.collect();
         assert!(known.is_empty(), "tells {known:?}: {body}");
     }
     let heading = body.split_once("<h1").and_then(|(_, rest)| rest.split_once('>')?.1.split_once('<'));
     heading.map_or_else(|| kind.to_owned(), |(heading, _)| heading.chars().take(40).collect())
+}
+
+/// The bytes that `%3A` and the like stand for.
+fn decoded(text: &[u8]) -> Vec<u8> {
+    let (mut found, mut rest) = (Vec::with_capacity(text.len()), text);
+    while let Some((&first, behind)) = rest.split_first() {
+        let digits = behind.get(..2).and_then(|two| std::str::from_utf8(two).ok());
+        let byte = digits.filter(|_| first == b'%').and_then(|two| u8::from_str_radix(two, 16).ok());
+        found.push(byte.unwrap_or(first));
+        rest = if byte.is_some() { &behind[2..] } else { behind };
+    }
+    found
 }
 
 /// What a text tells of what is shown: names of gaits, labels, conditions, scenes, the study's seed.
