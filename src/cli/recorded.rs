@@ -133,7 +133,7 @@ pub(super) fn replay(
     let is_compared = found.end.is_some() || compared_steps > 0;
     let trial = found.session.trial.map(|of| {
         let xr::TrialLabel { study, participant, part, trial } = of;
-        format!("{study}, participant {participant}, {part} {trial}")
+        format!("{study}, participant {participant}, trial {trial} of {part}")
     });
     Ok(Replayed {
         device,

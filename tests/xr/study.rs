@@ -234,13 +234,13 @@ fn replay(lab: &Lab, code: &str, at_least: usize) {
     assert_eq!(refused, 2);
 }
 
-#[test]
-fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
+/// A whole study with so many trials in scenes, and four with single people: the runtime is lost after the questions about these
+/// trials, and the program is killed in another one.
+fn whole(name: &str, text: &str, lost_after: &[u32], killed_in: u32, in_scenes: usize) {
     if !is_there() {
         return;
     }
-    let text = study(r#""crossing", "garden", "parking", "scifi""#, r#""baseline", "eva-o", "eva-g""#, "2.5");
-    let mut lab = Lab::open("study-whole", &text);
+    let mut lab = Lab::open(name, text);
     let mut live = lab.run(None);
     let code = code(&mut live);
     let mut acknowledged = Vec::new();
@@ -250,17 +250,18 @@ fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
     };
     // what the participant says aloud is typed
     acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || type_answers(&mut live, "scenes/1: seen")));
-    for lost_at in ["scenes/4: presence.q2 = 4", "scenes/9: presence.q2 = 4"] {
-        acknowledged.extend(go_on(&lab.service, &mut live, lost_at));
+    let answered = |trial: u32| format!("scenes/{trial}: presence.q2 = 4");
+    for trial in lost_after {
+        acknowledged.extend(go_on(&lab.service, &mut live, &answered(*trial)));
         lab.service.kill();
         live.hear("lost the headset");
         lab.service.restart();
         live.hear("the headset is back");
     }
-    acknowledged.extend(go_on(&lab.service, &mut live, "scenes/10: presence.q2 = 4"));
+    acknowledged.extend(go_on(&lab.service, &mut live, &answered(killed_in - 1)));
     // killed in the middle of a trial, when there is a hash to compare with
     with_hand(&lab.service, &[asks::NEXT], || {
-        let recording = lab.recording(&code, "scenes-11.csv");
+        let recording = lab.recording(&code, &format!("scenes-{killed_in}.csv"));
         super::until(|| match steps(&recording).len() {
             0..32 => Err("too few steps".to_owned()),
             _ => Ok(()),
@@ -271,11 +272,25 @@ fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
     acknowledged.extend(go_on(&lab.service, &mut live, "identify/4: which = "));
     let (outcome, _) = with_hand(&lab.service, &[asks::NEXT], || live.wait());
     assert_eq!(outcome["participant"], Value::from(code.as_str()));
-    has_all(&lab.data, &code, &acknowledged, 16);
-    let broken = std::fs::read_to_string(lab.recording(&code, "scenes-11.broken-off.csv")).unwrap();
+    has_all(&lab.data, &code, &acknowledged, in_scenes + 4);
+    let broken =
+        std::fs::read_to_string(lab.recording(&code, &format!("scenes-{killed_in}.broken-off.csv"))).unwrap();
     assert!(broken.contains("# part scenes") && !broken.contains("# end"), "{broken}");
     // one that broke off, and perhaps some in which the headset was lost
-    replay(&lab, &code, 17);
+    replay(&lab, &code, in_scenes + 5);
+}
+
+#[test]
+fn a_study_outlives_a_lost_runtime_and_a_kill() {
+    let text = study(r#""crossing", "garden""#, r#""eva-o", "eva-g""#, "2.5");
+    whole("study-short", &text, &[2], 4, 4);
+}
+
+#[test]
+#[ignore = "takes three minutes"]
+fn a_study_of_sixteen_trials_outlives_two_lost_runtimes_and_a_kill() {
+    let text = study(r#""crossing", "garden", "parking", "scifi""#, r#""baseline", "eva-o", "eva-g""#, "2.5");
+    whole("study-whole", &text, &[4, 9], 11, 12);
 }
 
 #[test]
