@@ -49,7 +49,7 @@ pub struct FrameCount {
     pub missed: u64,
     /// Longest time from one frame to the next, ms.
     pub longest_ms: f32,
-    /// Time that they were seen for, s. Of a gap between two frames no more than [`LONGEST_SEEN`] counts.
+    /// Time that they were seen for, s. Of a gap between two frames no more than a second counts.
     pub seconds: f64,
 }
 
