@@ -1,6 +1,7 @@
 //! A participation in a headset: what its trials show, and rows that one machine of several gives.
 
 use super::Person;
+use gaitway::study::file::Front;
 use gaitway::study::plan::Stimulus;
 use gaitway::study::store::{Opening, Reading, Store, merge, wait};
 use gaitway::study::{Materials, Study};
@@ -84,5 +85,20 @@ fn several_machines_give_rows_of_their_own_and_together_each_once() {
     for wrong in [0..25, 24..25] {
         let error = Store::open(folders[0].path(), &opening(Some(wrong))).unwrap_err().to_string();
         assert!(error.contains("0..24"), "{error}");
+    }
+}
+
+#[test]
+fn a_participant_goes_on_where_they_began() {
+    let folder = tempfile::tempdir().unwrap();
+    let store = Store::open(folder.path(), &opening(None)).unwrap();
+    for (person, front, other, wanted) in [
+        (Person::come_to_headset(&store), Front::Headset, Front::Web, "in a headset"),
+        (Person::come(&store, None).unwrap(), Front::Web, Front::Headset, "in a browser"),
+    ] {
+        let code = person.turn.code.clone();
+        assert_eq!(wait(|then| store.resume(&code, front, then)).unwrap().turn, person.turn);
+        let refused = wait(|then| store.resume(&code, other, then)).unwrap_err();
+        assert!(refused.to_string().contains(wanted), "{refused}");
     }
 }

@@ -1,6 +1,7 @@
 //! Whole participations.
 
 use super::{Person, open, opening};
+use gaitway::study::file::Front;
 use gaitway::study::plan::Ending;
 use gaitway::study::protocol::{Content, Event, State};
 use gaitway::study::store::{Reading, Store, Trouble, wait};
@@ -79,9 +80,9 @@ fn a_platforms_participant_is_one_participant_however_often_they_come() {
     // both browsers are known, and each sees what the other did
     second.go_on(&store, 1).unwrap();
     assert_eq!(wait(|then| store.turn(&first.token, then)).unwrap(), second.turn);
-    let resumed = wait(|then| store.resume(&first.turn.code.to_lowercase(), then)).unwrap();
+    let resumed = wait(|then| store.resume(&first.turn.code.to_lowercase(), Front::Web, then)).unwrap();
     assert_eq!(resumed.turn, second.turn);
-    assert_eq!(wait(|then| store.resume("0", then)), Err(Trouble::Unknown));
+    assert_eq!(wait(|then| store.resume("0", Front::Web, then)), Err(Trouble::Unknown));
     assert_eq!(wait(|then| store.turn("stolen", then)), Err(Trouble::Unknown));
 }
 

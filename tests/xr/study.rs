@@ -122,8 +122,8 @@ fn code(live: &mut Live) -> String {
     line.split_whitespace().last().unwrap().to_owned()
 }
 
-/// Types what answers every question, until a line has these words. Returns the answers that were acknowledged.
-fn type_answers(live: &mut Live, until: &str) -> Vec<String> {
+/// Does something with every line until one has these words. Returns the answers that were acknowledged.
+fn listen(live: &mut Live, until: &str, mut take: impl FnMut(&mut Live, &str)) -> Vec<String> {
     let mut acknowledged = Vec::new();
     loop {
         let line = live.hear_line("");
@@ -133,28 +133,19 @@ fn type_answers(live: &mut Live, until: &str) -> Vec<String> {
         if line.contains(until) {
             return acknowledged;
         }
-        match line.rsplit_once('(').map(|(_, allowed)| allowed) {
-            Some("1 to 7)") => live.type_line("4"),
-            Some(allowed) if allowed.contains("0 happy") => live.type_line("happy"),
-            Some(allowed) if allowed.starts_with("0 to 120") => live.type_line("30"),
-            _ if line.contains("agree / decline") => live.type_line("agree"),
-            _ => {}
-        }
+        take(live, &line);
     }
 }
 
-/// The answers that are acknowledged, until a line has these words.
-fn hear_answers(live: &mut Live, until: &str) -> Vec<String> {
-    let mut acknowledged = Vec::new();
-    loop {
-        let line = live.hear_line("");
-        if line.contains(" = ") && line.contains('/') {
-            acknowledged.push(line.clone());
-        }
-        if line.contains(until) {
-            return acknowledged;
-        }
-    }
+/// Types what answers every question, until a line has these words. Returns the answers that were acknowledged.
+fn type_answers(live: &mut Live, until: &str) -> Vec<String> {
+    listen(live, until, |live, line| match line.rsplit_once('(').map(|(_, allowed)| allowed) {
+        Some("1 to 7)") => live.type_line("4"),
+        Some(allowed) if allowed.contains("0 happy") => live.type_line("happy"),
+        Some(allowed) if allowed.starts_with("0 to 120") => live.type_line("30"),
+        _ if line.contains("agree / decline") => live.type_line("agree"),
+        _ => {}
+    })
 }
 
 /// Points at cells and buttons and pulls the trigger in turn until `is_over` is set.
@@ -246,7 +237,7 @@ fn whole(name: &str, text: &str, lost_after: &[u32], killed_in: u32, in_scenes: 
     let mut acknowledged = Vec::new();
     // to a line by a hand that answers: what was acknowledged until then
     let go_on = |service: &Service, live: &mut Live, until: &str| {
-        with_hand(service, &[asks::cell(3), asks::NEXT], || hear_answers(live, until))
+        with_hand(service, &[asks::cell(3), asks::NEXT], || listen(live, until, |_, _| {}))
     };
     // what the participant says aloud is typed
     acknowledged.extend(with_hand(&lab.service, &[asks::NEXT], || type_answers(&mut live, "scenes/1: seen")));

@@ -21,10 +21,10 @@ impl Kept {
     /// A new participant in a headset, or the participant of a code, who goes on.
     ///
     /// # Errors
-    /// [`Trouble::Unknown`] for a code that no participant has, [`Trouble::Closed`] while admission is closed, and the store's.
+    /// [`Trouble::Unknown`] for a code that no participant has, [`Trouble::Elsewhere`] for that of one in a browser, [`Trouble::Closed`] while admission is closed, and the store's.
     pub fn begin(store: &Store, code: Option<&str>, language: &str) -> Result<Self, Trouble> {
         let Arrived { token, turn } = match code {
-            Some(code) => wait(|then| store.resume(code, then))?,
+            Some(code) => wait(|then| store.resume(code, Front::Headset, then))?,
             None => {
                 let (front, language) = (Front::Headset, language.to_owned());
                 wait(|then| store.arrive(Arrival { front, language, platform: None }, then))?

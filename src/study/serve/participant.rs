@@ -42,7 +42,7 @@ pub(super) async fn welcome(
     let study = &version.study.file;
     let platform = study.recruit.platform;
     if let Some(code) = query.get("code") {
-        let arrived = ask(|then| site.store.resume(code, then)).await;
+        let arrived = ask(|then| site.store.resume(code, Front::Web, then)).await;
         return arrived
             .map(|arrived| enter(&site, &id, &arrived))
             .map_err(|trouble| visitor.trouble(&trouble));

@@ -127,7 +127,7 @@ impl<'a> Visitor<'a> {
     /// What a participant is shown when the store has not done what was asked.
     pub(super) fn trouble(&self, trouble: &Trouble) -> Told {
         let what = match trouble {
-            Trouble::Unknown => Notice::Unknown,
+            Trouble::Unknown | Trouble::Elsewhere(_) => Notice::Unknown,
             Trouble::Closed => Notice::Closed,
             Trouble::Gone => Notice::Gone,
             Trouble::Refused(refusal) if is_json(&self.headers) => {

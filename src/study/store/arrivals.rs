@@ -8,6 +8,7 @@ use super::books::Participation;
 use super::desk::Desk;
 use super::request::{Arrival, Arrived, Failure, Trouble, Turn};
 use super::{links, secret};
+use crate::study::file::Front;
 use rusqlite::params;
 
 impl Desk {
@@ -61,9 +62,17 @@ impl Desk {
         Ok(Arrived { token: self.issue(id)?, turn: self.turn(id)? })
     }
 
-    /// Lets a participant go on in another browser.
-    pub(super) fn resume(&mut self, code: &str) -> Result<Arrived, Trouble> {
+    /// Lets a participant go on where they began: in another browser, or in a headset.
+    pub(super) fn resume(&mut self, code: &str, front: Front) -> Result<Arrived, Trouble> {
         let id = *self.books.by_code.get(&secret::normal(code)).ok_or(Trouble::Unknown)?;
+        let began = self.books.people.get(&id).map_or(front, |one| one.front);
+        if began != front {
+            return Err(Trouble::Elsewhere(match began {
+                Front::Headset => "in a headset",
+                Front::Web => "in a browser",
+                Front::Simulated => "as a simulated participant",
+            }));
+        }
         Ok(Arrived { token: self.issue(id)?, turn: self.sign(id)? })
     }
 

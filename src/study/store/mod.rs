@@ -43,6 +43,7 @@ pub use request::{Arrival, Arrived, PlatformId, Trouble, Turn};
 pub use version::{Opening, Shown, Version};
 
 use super::Error;
+use super::file::Front;
 use super::plan::Role as TrialRole;
 use super::protocol::Event;
 use super::tables::Tables;
@@ -153,10 +154,15 @@ impl Store {
         self.ask(move |desk| desk.arrive(&arrival), then);
     }
 
-    /// Lets the participant of a code go on in another browser.
-    pub fn resume(&self, code: &str, then: impl FnOnce(Result<Arrived, Trouble>) + Send + 'static) {
+    /// Lets the participant of a code go on: in another browser, or in the headset where they began.
+    pub fn resume(
+        &self,
+        code: &str,
+        front: Front,
+        then: impl FnOnce(Result<Arrived, Trouble>) + Send + 'static,
+    ) {
         let code = code.to_owned();
-        self.ask(move |desk| desk.resume(&code), then);
+        self.ask(move |desk| desk.resume(&code, front), then);
     }
 
     /// Where the participant of a secret is. One whose lease has lapsed gets a place again.

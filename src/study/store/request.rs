@@ -59,6 +59,9 @@ pub enum Trouble {
     /// The operator has closed admission.
     #[error("the study takes no new participants")]
     Closed,
+    /// The participant began on another front, and goes on there.
+    #[error("this participant takes part {0}")]
+    Elsewhere(&'static str),
     /// The participant withdrew before, and left nothing that leads to them.
     #[error("this participant has withdrawn")]
     Gone,
