@@ -130,6 +130,14 @@ impl Visit {
         self.browser.until("no film", |browser| (browser.count(".play:enabled") == 1).then_some(()));
     }
 
+    /// Waits until the film of this page is ready; false if the page was left, as it is where a film cannot be played.
+    fn film_is_ready(&self, page: &str) -> bool {
+        self.browser.until("neither a film nor another page", |browser| {
+            let is_ready = browser.count(".play:enabled") == 1;
+            (is_ready || self.page() != page).then_some(is_ready)
+        })
+    }
+
     /// Goes on to this page, in which `*` stands for anything, or to the end if it is empty. Returns what was answered.
     pub(crate) fn go_on(&self, to: &str) -> Given {
         self.go_through(to, |_, _| {})
@@ -162,9 +170,10 @@ impl Visit {
         match self.page().as_str() {
             "" => self.press("form[action$='/begin'] button"),
             "consent" => self.press("button[value=yes]"),
-            _ if self.browser.count("form#answers") == 0 => {
-                self.wait_for_film();
-                self.press(".play");
+            page if self.browser.count("form#answers") == 0 => {
+                if self.film_is_ready(page) {
+                    self.press(".play");
+                }
             }
             page => {
                 self.answer(page, given);
