@@ -7,16 +7,17 @@ use std::str::FromStr;
 
 /// One of the four emotions; the order is the paper's and is the index used in every table and buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[repr(u32)]
 pub enum Emotion {
-    /// Index 0.
+    /// Pleasant and excited, index 0.
     Happy = 0,
-    /// Index 1.
+    /// Unpleasant and excited, index 1.
     Angry = 1,
-    /// Index 2.
+    /// Unpleasant and calm, index 2.
     Sad = 2,
-    /// Index 3.
+    /// None of these, index 3.
     Neutral = 3,
 }
 

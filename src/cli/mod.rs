@@ -27,6 +27,7 @@ mod recorded;
 #[cfg(feature = "vulkan")]
 mod render;
 mod replay;
+mod scenario;
 mod scene;
 mod scenes;
 #[cfg(feature = "vulkan")]
@@ -131,7 +132,7 @@ enum Command {
     #[cfg(all(feature = "view", feature = "xr"))]
     #[command(hide = true)]
     Mirror(mirror::Arguments),
-    /// Take scenes of other programs over, list the built-in ones
+    /// Begin, check and explain scenario files, take scenes of other programs over, list the built-in ones
     Scene(place::Arguments),
     /// Ask a classifier which emotions the crowd shows
     Perceive(perceive::Arguments),

@@ -1,7 +1,7 @@
-//! `gaitway scene`: other programs' scenes as scenario files, and the built-in ones listed.
+//! `gaitway scene`: scenes of one's own, other programs' scenes as scenario files, and the built-in ones listed.
 
 use super::output::{note, say, say_json, thousands};
-use super::{outputs, scenes, usage};
+use super::{outputs, scenario, scenes, usage};
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::scenario::menge;
@@ -19,6 +19,14 @@ pub(super) struct Arguments {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    /// Write a scenario to begin with: a hall, a street, a museum, a corridor
+    New(scenario::NewArguments),
+    /// Say whether scenario files are right and what they contain, without simulating
+    Check(scenario::CheckArguments),
+    /// Print a scene with its generated place written out, to be edited
+    Show(scenario::ShowArguments),
+    /// Print all keys of a scenario file: as JSON Schema for editors, or as a page
+    Schema(scenario::SchemaArguments),
     /// Take a Menge project over: its scene and behaviour as a scenario file
     Import(ImportArguments),
     /// List the built-in scenes
@@ -67,6 +75,10 @@ struct Outcome {
 /// Runs the subcommand.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     match &arguments.command {
+        Command::New(arguments) => scenario::new(arguments),
+        Command::Check(arguments) => scenario::check(arguments),
+        Command::Show(arguments) => scenario::show(arguments),
+        Command::Schema(arguments) => scenario::schema(arguments),
         Command::Import(arguments) => import(arguments),
         Command::List(arguments) => scenes::list(arguments.json),
     }

@@ -49,12 +49,16 @@ pub mod polygon;
 mod populate;
 #[doc(hidden)]
 pub mod random;
+#[cfg(feature = "schema")]
+mod schema;
 mod setting;
 
 pub use crate::wkt::Error as WktError;
 #[doc(hidden)]
 pub(crate) use check::external::MAX_EXTERNAL_SPEED;
 pub use error::{BadValue, Error};
+#[doc(hidden)]
+pub use file::MAX_COORDINATE;
 pub use file::{
     Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
     Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground,
@@ -65,10 +69,14 @@ pub use file::{
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
 pub use place::{Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, external_bodies};
 #[doc(hidden)]
-pub use polygon::{MAX_COORDINATE, UnionError};
+pub use polygon::UnionError;
 pub use populate::{AgentStart, Avoidance, Crowd, Entry, Stop, StopKind, populate};
 #[doc(hidden)]
 pub use populate::{
     ExternalPerson, ROUTE_CLEARANCE, SourceStart, populate_from, populate_people, populate_with,
 };
+#[cfg(feature = "schema")]
+pub use schema::json_schema;
+#[cfg(feature = "cli")]
+pub(crate) use schema::reference;
 pub use setting::{Setting, SettingError};

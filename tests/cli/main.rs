@@ -24,6 +24,7 @@ mod outcomes;
 mod pictures;
 #[cfg(feature = "study")]
 mod registration;
+mod scenario;
 mod simulate;
 mod study;
 mod words;

@@ -19,3 +19,4 @@ mod export;
 mod menge;
 mod replay;
 mod scenes;
+mod schema;

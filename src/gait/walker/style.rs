@@ -7,6 +7,7 @@ use std::str::FromStr;
 
 /// Which of the two mean bodies a walker has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 #[allow(missing_docs, reason = "the variants say it")]
 pub enum Sex {

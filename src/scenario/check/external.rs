@@ -2,8 +2,7 @@
 
 use super::ranges::within;
 use crate::scenario::error::Error;
-use crate::scenario::file::{ExternalKind, Scenario};
-use crate::scenario::polygon::MAX_COORDINATE;
+use crate::scenario::file::{DAY, ExternalKind, MAX_COORDINATE, Scenario};
 
 /// Most external agents of a scenario.
 const MAX_OUTSIDERS: usize = 1024;
@@ -20,8 +19,8 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
     }
     for (index, outsider) in scenario.outsiders.iter().enumerate() {
         let key = |name: &str| format!("outsiders[{index}].{name}");
-        within(&key("radius"), outsider.radius(scenario), 0.05, 5.0, "metres; a car is 1 wide each side")?;
-        within(&key("comfort"), outsider.comfort, 0.0, 5.0, "metres; 0.5 is usual")?;
+        within(&key("radius"), outsider.radius(scenario))?;
+        within(&key("comfort"), outsider.comfort)?;
         let is_person = outsider.kind == ExternalKind::Person;
         if let Some(file) = outsider.model.as_ref().filter(|file| is_person || file.trim().is_empty()) {
             let allowed = "left out, or for a robot or vehicle the name of a .glb or .gltf file";
@@ -29,8 +28,8 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
             return Err(Error::value(key("model"), format!("{file:?}"), allowed, hint));
         }
         if let Some(size) = outsider.size {
-            for (axis, metres) in ["width", "height", "length"].iter().zip(size) {
-                within(&key("size"), metres, 0.05, 50.0, &format!("metres: {axis}"))?;
+            for (i, metres) in size.into_iter().enumerate() {
+                within(&key(&format!("size[{i}]")), metres)?;
             }
             if outsider.model.is_none() {
                 let hint = "without a model it is as large as its radius";
@@ -55,11 +54,9 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
                 let allowed = format!("[time, x, z] within {MAX_COORDINATE} m of the origin");
                 return Err(wrong(allowed, "shift the scene towards the origin"));
             }
-            if !(0.0..=86_400.0).contains(&time) || before.is_some_and(|[t, ..]| time - t < 0.001) {
-                return Err(wrong(
-                    "a time of 0 to 86400 s, after the one before".to_owned(),
-                    "put it in order",
-                ));
+            if !(0.0..=DAY).contains(&time) || before.is_some_and(|[t, ..]| time - t < 0.001) {
+                let allowed = format!("a time of 0 to {DAY} s, after the one before");
+                return Err(wrong(allowed, "put it in order"));
             }
             if let Some([t, from_x, from_z]) = before {
                 let speed = libm::hypotf(x - from_x, z - from_z) / (time - t);

@@ -1,6 +1,6 @@
 //! Feelings that change, and events.
 
-use super::ranges::{point, within};
+use super::ranges::{ends, point, within};
 use crate::scenario::error::Error;
 use crate::scenario::file::Scenario;
 
@@ -11,20 +11,16 @@ const MAX_EVENTS: usize = 256;
 pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
     if let Some(dynamics) = &scenario.emotion_dynamics {
         let key = |name: &str| format!("emotion_dynamics.{name}");
-        within(&key("radius"), dynamics.radius, 0.0, 10.0, "metres; 3 is usual, 0 is no contagion")?;
-        within(&key("contagion"), dynamics.contagion, 0.0, 100.0, "1/s; 0.2 is usual")?;
-        within(&key("decay"), dynamics.decay, 0.0, 100.0, "1/s; 0.05 is usual, 0 is never")?;
-        let traits = [
+        within(&key("radius"), dynamics.radius)?;
+        within(&key("contagion"), dynamics.contagion)?;
+        within(&key("decay"), dynamics.decay)?;
+        for (name, spread) in [
             ("expressiveness", dynamics.expressiveness),
             ("openness", dynamics.openness),
             ("amplification", dynamics.amplification),
             ("bias", dynamics.bias),
-        ];
-        for (name, [low, high]) in traits {
-            if !(low >= 0.0 && low <= high && high <= 1.0) {
-                let allowed = "a number or [least, greatest] within 0 to 1";
-                return Err(Error::value(key(name), format!("[{low}, {high}]"), allowed, "try [0.3, 0.9]"));
-            }
+        ] {
+            ends(&key(name), spread, "a number or ")?;
         }
     } else if !scenario.events.is_empty() {
         let hint = "add an [emotion_dynamics] table: without one feelings do not change";
@@ -36,11 +32,11 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
     }
     for (index, event) in scenario.events.iter().enumerate() {
         let key = |name: &str| format!("events[{index}].{name}");
-        within(&key("time"), event.time, 0.0, 86_400.0, "seconds since the start")?;
-        within(&key("duration"), event.duration, 0.0, 86_400.0, "seconds; 1 to 5 is usual")?;
+        within(&key("time"), event.time)?;
+        within(&key("duration"), event.duration)?;
         point(&key("place"), event.place)?;
-        within(&key("radius"), event.radius, 0.1, 10_000.0, "metres; 10 is usual")?;
-        within(&key("strength"), event.strength, 0.0, 1.0, "the weight that the emotion gets")?;
+        within(&key("radius"), event.radius)?;
+        within(&key("strength"), event.strength)?;
     }
     Ok(())
 }

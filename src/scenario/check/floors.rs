@@ -1,12 +1,15 @@
 //! Floors, the heights of obstacles, and what stands on floors.
 
-use super::ranges::{point, within};
+use super::ranges::{point, within, within_from};
 use crate::kernels::shared::climb::STEP;
 use crate::scenario::error::Error;
 use crate::scenario::file::{Floor, MAX_FLOORS, Obstacle, Point, Scenario};
 use crate::scenario::place::{Floors, MAX_FLOOR_CORNERS};
 use crate::scenario::polygon;
 use glam::Vec2;
+
+/// Steepest floor: rise over run.
+const MOST_SLOPE: f32 = 1.0;
 
 fn floor(floor: &Floor, key: &str) -> Result<(), Error> {
     let count = floor.polygon.len();
@@ -33,11 +36,14 @@ fn floor(floor: &Floor, key: &str) -> Result<(), Error> {
         return Err(Error::value(format!("{key}.heights"), found, "1 or 3 numbers", hint));
     }
     for (index, &height) in floor.heights.iter().enumerate() {
-        within(&format!("{key}.heights[{index}]"), height, -100.0, 100.0, "metres above the ground")?;
+        within(&format!("{key}.heights[{index}]"), height)?;
     }
     let slope = floor.plane().truncate().length();
-    let hint = "a slope up to 1: people climb no more than 45 degrees, make the ramp longer";
-    within(&format!("{key}.heights"), slope, 0.0, 1.0, hint)?;
+    if !(0.0..=MOST_SLOPE).contains(&slope) {
+        let hint = "people climb no more than 45 degrees: make the ramp longer";
+        let allowed = format!("a slope of 0 to {MOST_SLOPE}");
+        return Err(Error::value(format!("{key}.heights"), slope, allowed, hint));
+    }
     for (index, &edge) in floor.railings.iter().enumerate() {
         if edge as usize >= count {
             let (key, allowed) = (format!("{key}.railings[{index}]"), format!("0 to {}", count - 1));
@@ -66,8 +72,9 @@ pub(super) fn check_places(scenario: &Scenario) -> Result<(), Error> {
     let sources = scenario.sources.iter().map(|s| ("sources", middle(&s.polygon), s.elevation)).enumerate();
     for (index, (name, at, elevation)) in stages.chain(spawns).chain(sources) {
         if let Some(elevation) = elevation {
-            let hint = "choose one of these heights, or leave elevation out";
-            stands(&floors, &format!("{name}[{index}].elevation"), at, elevation, hint)?;
+            let key = format!("{name}[{index}].elevation");
+            within(&key, elevation)?;
+            stands(&floors, &key, at, elevation, "choose one of these heights, or leave elevation out")?;
         }
     }
     Ok(())
@@ -97,8 +104,8 @@ pub(super) fn check(floors: &[Floor], obstacles: &[Obstacle]) -> Result<(), Erro
     }
     for (index, obstacle) in obstacles.iter().enumerate() {
         let (low, high) = (obstacle.low.unwrap_or(-1000.0), obstacle.high.unwrap_or(1000.0));
-        within(&format!("obstacles[{index}].low"), low, -1000.0, 1000.0, "metres above the ground")?;
-        within(&format!("obstacles[{index}].high"), high, low, 1000.0, "metres, above its low")?;
+        within(&format!("obstacles[{index}].low"), low)?;
+        within_from(&format!("obstacles[{index}].high"), high, low)?;
         if obstacle.is_raised() && floors.is_empty() {
             let hint = "without [[floors]] everyone is on the ground: leave low and high out";
             return Err(Error::value(format!("obstacles[{index}]"), "low or high", "left out", hint));

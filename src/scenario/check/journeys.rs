@@ -1,6 +1,6 @@
 //! Whether stages, journeys and sources can be walked.
 
-use super::ranges::{outline, point, within};
+use super::ranges::{count, outline, point, within, within_from};
 use crate::scenario::error::Error;
 use crate::scenario::file::{
     Journey, Layout, MOST_WAYS, Point, SPACING, Scenario, Source, Stage, StageKind, journey_names,
@@ -15,10 +15,6 @@ use std::collections::BTreeMap;
 const MOST: usize = 1000;
 /// Most stages of one journey.
 const MOST_LEGS: usize = 64;
-/// A day, s.
-const DAY: f32 = 86_400.0;
-/// Most places of a queue.
-const MOST_PLACES: u32 = 1000;
 
 /// Checks stages, journeys and sources.
 pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
@@ -109,20 +105,16 @@ fn stage(key: &str, stage: &Stage) -> Result<(), Error> {
     if queues {
         let Some(service) = stage.service_time else {
             let hint = "seconds for which the first is served";
-            return Err(Error::value(of("service_time"), "none", format!("0 to {DAY} for a queue"), hint));
+            return Err(Error::value(of("service_time"), "none", "given for a queue", hint));
         };
-        within(&of("service_time"), service, 0.0, DAY, "seconds; a day is the most")?;
-        let places = stage.places.unwrap_or(0);
-        if !(1..=MOST_PLACES).contains(&places) {
-            let (found, allowed) = (places, format!("1 to {MOST_PLACES} for a queue"));
-            return Err(Error::value(of("places"), found, allowed, "how many people can stand in it"));
-        }
-        within(&of("spacing"), stage.spacing.unwrap_or(SPACING), 0.3, 10.0, "metres; 0.8 is usual")?;
+        within(&of("service_time"), service)?;
+        count(&of("places"), stage.places.unwrap_or(0))?;
+        within(&of("spacing"), stage.spacing.unwrap_or(SPACING))?;
     }
     idle(of("wait"), !waits && stage.wait != 0.0, "kind = \"waiting\" waits")?;
     idle(of("until"), !waits && stage.until != 0.0, "kind = \"waiting\" waits")?;
     if let Some(radius) = stage.radius {
-        within(&of("radius"), radius, 0.1, 50.0, "metres; 1 to 3 is usual")?;
+        within(&of("radius"), radius)?;
     }
     match stage.size {
         None if is_region => {
@@ -132,13 +124,13 @@ fn stage(key: &str, stage: &Stage) -> Result<(), Error> {
         None => {}
         Some(size) => {
             for (i, length) in size.into_iter().enumerate() {
-                within(&format!("{key}.size[{i}]"), length, 0.2, 10_000.0, "metres")?;
+                within(&format!("{key}.size[{i}]"), length)?;
             }
         }
     }
-    within(&of("heading_deg"), stage.heading_deg, -360.0, 360.0, "degrees about +y")?;
-    within(&of("wait"), stage.wait, 0.0, DAY, "seconds; a day is the most")?;
-    within(&of("until"), stage.until, 0.0, DAY, "seconds since the start; a day is the most")?;
+    within(&of("heading_deg"), stage.heading_deg)?;
+    within(&of("wait"), stage.wait)?;
+    within(&of("until"), stage.until)?;
     if waits && stage.wait == 0.0 && stage.until == 0.0 {
         let hint = "or set until = SECONDS, or kind = \"goal\"";
         return Err(Error::value(of("wait"), 0, "above 0 for a waiting area", hint));
@@ -152,13 +144,13 @@ fn journey(
     names: &BTreeMap<&str, usize>,
     stages: &[Stage],
 ) -> Result<(), Error> {
-    let count = journey.stages.len();
+    let legs = journey.stages.len();
     let least = if journey.repeat { 2 } else { 1 };
-    if !(least..=MOST_LEGS).contains(&count) {
+    if !(least..=MOST_LEGS).contains(&legs) {
         let allowed = format!("{least} to {MOST_LEGS} stages");
         return Err(Error::value(
             format!("{key}.stages"),
-            format!("{count} stages"),
+            format!("{legs} stages"),
             allowed,
             "list them in order",
         ));
@@ -169,7 +161,7 @@ fn journey(
         let choices = leg.choices();
         for &(name, share) in &choices {
             let Some(&stage) = names.get(name) else { return Err(unknown(key, name, names, "stage")) };
-            let is_last = index + 1 == count && !journey.repeat;
+            let is_last = index + 1 == legs && !journey.repeat;
             if stages[stage].kind == StageKind::Exit && !is_last {
                 let found = format!("{name:?}");
                 let hint = "who has left goes nowhere: put it last, and leave repeat out";
@@ -179,7 +171,7 @@ fn journey(
                 let hint = "put an exit or a goal behind it";
                 return Err(Error::value(key, format!("{name:?}"), "no queue as the last stage", hint));
             }
-            within(&format!("{key}.{name}"), share, 0.0, 1e6, "shares are relative: 1 and 1 is half each")?;
+            within(&format!("{key}.{name}"), share)?;
         }
         if choices.iter().all(|(_, share)| *share <= 0.0) {
             return Err(Error::value(key, "all 0", "a sum of shares above 0", "give one of them a share"));
@@ -191,14 +183,14 @@ fn journey(
         let allowed = format!("at most {MOST_WAYS} ways through the shares of its stages");
         return Err(Error::value(format!("{key}.stages"), found, allowed, "make several journeys of it"));
     }
-    within(&format!("{key}.weight"), journey.weight, 0.0, 1e6, "1 is as many as of the other journeys")
+    within(&format!("{key}.weight"), journey.weight)
 }
 
 fn source(key: &str, source: &Source, scenario: &Scenario) -> Result<(), Error> {
     let of = |field: &str| format!("{key}.{field}");
     outline(&of("polygon"), &source.polygon, "the corners of the region")?;
     match (source.rate, source.schedule.is_empty()) {
-        (Some(rate), true) => within(&of("rate"), rate, 1e-4, 1000.0, "agents a second")?,
+        (Some(rate), true) => within(&of("rate"), rate)?,
         (None, false) => {}
         (Some(_), false) => {
             let hint = "make two sources of it, or put everything into the schedule";
@@ -209,9 +201,9 @@ fn source(key: &str, source: &Source, scenario: &Scenario) -> Result<(), Error> 
             return Err(Error::value(of("rate"), "none", "given where there is no schedule", hint));
         }
     }
-    within(&of("begin"), source.begin, 0.0, DAY, "seconds since the start")?;
+    within(&of("begin"), source.begin)?;
     if let Some(end) = source.end {
-        within(&of("end"), end, source.begin, DAY, "seconds since the start, after begin")?;
+        within_from(&of("end"), end, source.begin)?;
     }
     if !source.schedule.is_empty() && (source.end.is_some() || source.begin != 0.0) {
         let name = if source.end.is_some() { "end" } else { "begin" };
@@ -220,12 +212,13 @@ fn source(key: &str, source: &Source, scenario: &Scenario) -> Result<(), Error> 
     }
     let mut last = 0.0;
     for (index, arrivals) in source.schedule.iter().enumerate() {
-        let key = format!("{key}.schedule[{index}].time");
-        within(&key, arrivals.time, last, DAY, "seconds since the start, in order")?;
+        let of = |field: &str| format!("{key}.schedule[{index}].{field}");
+        within_from(&of("time"), arrivals.time, last)?;
+        count(&of("count"), arrivals.count)?;
         last = arrivals.time;
     }
     if let Some(share) = source.share {
-        within(&of("share"), share, 0.0, 1.0, "of population.agents")?;
+        within(&of("share"), share)?;
     }
     if !source.journeys.is_empty() && !source.routes.is_empty() {
         let hint = "make two sources of it";
@@ -252,7 +245,7 @@ fn present(scenario: &Scenario) -> Result<(), Error> {
     let has_sources = !scenario.sources.is_empty();
     let key = "population.present";
     match scenario.population.present {
-        Some(share) => within(key, share, 0.0, 1.0, "share of the agents that are there from the start")?,
+        Some(share) => within(key, share)?,
         None if has_sources && !scenario.spawns.is_empty() => {
             let hint =
                 "the share of the agents that starts in the spawn regions; the rest comes from the sources";

@@ -7,10 +7,10 @@ use crate::scenario::file::Prop;
 pub(super) fn check(index: usize, prop: &Prop) -> Result<(), Error> {
     point(&format!("environment.props[{index}].position"), prop.position)?;
     let key = format!("environment.props[{index}].heading_deg");
-    within(&key, prop.heading_deg, -360.0, 360.0, "degrees about +y")?;
+    within(&key, prop.heading_deg)?;
     for (i, &length) in prop.size.iter().enumerate() {
         let key = format!("environment.props[{index}].size[{i}]");
-        within(&key, length, 0.01, 20_000.0, "metres: [width, height, depth]")?;
+        within(&key, length)?;
     }
     Ok(())
 }

@@ -30,16 +30,11 @@ pub(super) fn check(scenario: &Scenario) -> Result<(), Error> {
         for (k, place) in walker.waypoints.iter().enumerate() {
             point(&format!("walkers[{index}].waypoints[{k}]"), *place)?;
         }
-        let reach = "metres; 0.5 is usual, a metre or more where many share a place";
-        within(&key("arrival"), walker.arrival, 0.01, 100.0, reach)?;
-        for (name, value, low, high, hint) in [
-            ("goal_arrival", walker.goal_arrival, 0.01, 100.0, reach),
-            ("radius", walker.radius, 0.05, 2.0, "metres; 0.2 is usual"),
-            ("speed", walker.speed, 0.05, 5.0, "metres per second; 1.3 is usual"),
-        ] {
-            if let Some(value) = value {
-                within(&key(name), value, low, high, hint)?;
-            }
+        within(&key("arrival"), walker.arrival)?;
+        let given =
+            [("goal_arrival", walker.goal_arrival), ("radius", walker.radius), ("speed", walker.speed)];
+        for (name, value) in given {
+            value.map_or(Ok(()), |value| within(&key(name), value))?;
         }
         for (name, [low, high]) in walker.teleport.iter().flat_map(|t| [("from", t.from), ("to", t.to)]) {
             let key = key(&format!("teleport.{name}"));

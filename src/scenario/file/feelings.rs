@@ -1,5 +1,7 @@
 //! How feelings change in time, and events that rouse them.
 
+#[cfg(feature = "schema")]
+use super::population::Range;
 use super::population::range;
 use super::regions::Point;
 use crate::emotion::Emotion;
@@ -12,6 +14,7 @@ use serde::{Deserialize, Serialize};
 /// numbers: they are to be chosen for a scene. Each of the four traits is one number or `[least, greatest]`, of which
 /// every agent draws its own.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct EmotionDynamics {
     /// Feelings pass between people who are nearer than this, the more the nearer, m; 0: they do not.
@@ -22,15 +25,19 @@ pub struct EmotionDynamics {
     pub decay: f32,
     /// How much people show of what they feel, 0 to 1 (epsilon).
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub expressiveness: [f32; 2],
     /// How much they take from what others show, 0 to 1 (delta).
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub openness: [f32; 2],
     /// Whether they take over what they see (0) or amplify it (1) (eta).
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub amplification: [f32; 2],
     /// Whether amplification lowers (0) or raises (1) feelings (beta).
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub bias: [f32; 2],
 }
 
@@ -50,6 +57,7 @@ impl Default for EmotionDynamics {
 
 /// Something that happens at a place and time and rouses an emotion, such as a scare.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Event {
     /// When it begins, s.

@@ -8,6 +8,7 @@ pub const MAX_FLOORS: usize = 1024;
 
 /// A convex piece of a plane above the ground that people walk on: a bridge, a ramp, a storey.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Floor {
     /// Corners in order, 3 to 8, convex.

@@ -7,6 +7,7 @@ pub const DEFAULT_BUDGET: u32 = 12;
 
 /// How gaze angles are found (paper section 4.5; departures ).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GazeMode {
     /// Signed angles by atan2, anatomical limits, a field of regard, smoothing.
@@ -31,6 +32,17 @@ impl Serialize for Budget {
             Self::All => serializer.serialize_str("all"),
             Self::Most(count) => serializer.serialize_u32(*count),
         }
+    }
+}
+
+#[cfg(feature = "schema")]
+impl schemars::JsonSchema for Budget {
+    fn schema_name() -> std::borrow::Cow<'static, str> {
+        "Budget".into()
+    }
+
+    fn json_schema(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+        schemars::json_schema!({ "anyOf": [{ "type": "integer" }, { "const": "all" }] })
     }
 }
 
@@ -65,6 +77,7 @@ impl<'de> Deserialize<'de> for Budget {
 
 /// How agents gaze.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Gaze {
     /// The formulas.

@@ -12,6 +12,7 @@ pub(crate) const SPACING: f32 = 0.8;
 
 /// What a stage is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum StageKind {
     /// A point to pass within `radius`.
@@ -29,6 +30,7 @@ pub enum StageKind {
 
 /// A place on a journey.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Stage {
     /// Unique name.
@@ -40,7 +42,7 @@ pub struct Stage {
     /// Height of the floor that it lies on, m; left out: whichever floor people come to it on.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub elevation: Option<f32>,
-    /// Width and depth of the region (along x and z before it is turned), m; not for waypoints.
+    /// Width and depth of the region (along x and z before it is turned), m; left out for waypoints and queues, which have none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub size: Option<Point>,
     /// Turn of the region about +y, degrees; of a queue: where its end is, 0 towards +z, 90 towards +x.
@@ -55,13 +57,13 @@ pub struct Stage {
     /// Time of the simulation before which no agent leaves a waiting area, s.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub until: f32,
-    /// Places in a queue.
+    /// Places in a queue; left out for all others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub places: Option<u32>,
     /// Distance from one place of a queue to the next, m; left out: 0.8.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spacing: Option<f32>,
-    /// How long the first in a queue is served once it stands at its place, s.
+    /// How long the first in a queue is served once it stands at its place, s; left out for all others.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub service_time: Option<f32>,
 }
@@ -73,6 +75,7 @@ fn is_zero(value: &f32) -> bool {
 
 /// One step of a journey: a stage, or one of several by shares.
 #[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(untagged))]
 pub enum Leg {
     /// Everyone goes to this stage.
     All(String),
@@ -134,6 +137,7 @@ impl<'de> Deserialize<'de> for Leg {
 
 /// A way through stages.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Journey {
     /// Unique name.
@@ -159,6 +163,7 @@ const fn one() -> f32 {
 
 /// People who come in together.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Arrivals {
     /// Time of the simulation, s.
@@ -169,6 +174,7 @@ pub struct Arrivals {
 
 /// Where people come in while the simulation runs: by rate, or by schedule.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Source {
     /// Corners in order, at least 3: they appear somewhere in it, where there is room.
@@ -182,7 +188,7 @@ pub struct Source {
     /// Names of the routes walked from here.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub routes: Vec<String>,
-    /// Agents a second, at even distances of time.
+    /// Agents a second, at even distances of time; left out where there is a `schedule`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub rate: Option<f32>,
     /// Time of the first agent of `rate`, s.

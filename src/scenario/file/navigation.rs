@@ -7,6 +7,7 @@ pub const MAX_NEIGHBOURS: u32 = 10;
 
 /// The navigation model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Model {
     /// Optimal reciprocal collision avoidance, 2011, by linear programming.
@@ -22,6 +23,7 @@ pub const BODY_RADIUS: f32 = 0.2;
 
 /// How agents find their way past one another (spec 1.7).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Navigation {
     /// The model.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 
 /// A number, or how it is spread over people.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub enum Spread {
     /// The same for all.
@@ -17,6 +18,7 @@ pub enum Spread {
 
 /// A normal distribution, cut off.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Normal {
     /// Mean.
@@ -47,13 +49,14 @@ impl Spread {
 
 /// Some of the people, and how they differ from what `[navigation]` says and from one another.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Class {
     /// Name, for people.
     pub name: String,
     /// Share of the agents, relative to the other classes; 0: none.
     pub share: f32,
-    /// Age, years: gives the speed after Weidmann (1993), see [`speed_of_age`](crate::scenario::personality::speed_of_age).
+    /// Age, years: gives the speed after Weidmann (1993). Left out: the speed is that of the gait, or `speed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub age: Option<Spread>,
     /// Walks with difficulty: 0.46 to 0.76 m/s (Weidmann 1993, in test 7 of `RiMEA`).
@@ -75,13 +78,14 @@ pub struct Class {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub neighbour_cap: Option<u32>,
     /// Priority, 0 to 1: of two people the one of higher priority takes clamp(0.5 - half the difference) of the avoidance. Where people
-    /// press the same way (`navigation.crowding`), a difference of 0.1 counts like 0.2 m further ahead.
+    /// press the same way (`navigation.crowding`), a difference of 0.1 counts like 0.2 m further ahead. Left out: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub priority: Option<Spread>,
-    /// Time from the start until the person begins to walk, s.
+    /// Time from the start until the person begins to walk, s; left out: 0.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reaction: Option<Spread>,
-    /// Traits, -1 to 1: names of [`TRAITS`](crate::scenario::personality::TRAITS) or of `population.traits`.
+    /// Traits, -1 to 1, 0 is average: `psychoticism`, `extraversion`, `neuroticism`, `aggressive`, `assertive`, `shy`, `active`,
+    /// `tense`, `impulsive` (Guy et al. 2011), or names of `population.traits`.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub personality: BTreeMap<String, Spread>,
     /// Names of the avatars of this class, out of `population.avatars`; empty: any.

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 
 /// How a gait is chosen out of GEA(e) (S-18).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GaitChoice {
     /// At random, as in the paper, all alike or as [`Prefer`] weighs them.
@@ -21,6 +22,7 @@ pub enum GaitChoice {
 
 /// How `emotions` becomes the emotion of one agent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum EmotionMode {
     /// Each agent draws one emotion; `emotions` are the shares (the paper).
@@ -34,18 +36,20 @@ pub enum EmotionMode {
 
 /// Which gaits out of GEA(e) are more likely with [`GaitChoice::Random`]; by default all alike, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Prefer {
     /// Least and greatest preferred speed, m/s: each agent draws its own and takes a gait near it. One number: the same
-    /// for all. The gait's speed is that of its own walker; size and avatar change it a little.
+    /// for all. The gait's speed is that of its own walker; size and avatar change it a little. Left out: any speed.
     #[serde(deserialize_with = "maybe_range", skip_serializing_if = "Option::is_none")]
+    #[cfg_attr(feature = "schema", schemars(with = "Option<Range>"))]
     pub speed: Option<[f32; 2]>,
     /// How far around the preferred speed gaits spread (a standard deviation), m/s; 0: the nearest.
     pub speed_tolerance: f32,
     /// Walked by whom, as far as the library knows and has such gaits.
     pub gender: GenderChoice,
     /// Prefer gaits that show the emotion clearly: one whose mean rating of it leads the next emotion by this many points
-    /// more is 2.7 times as likely; 0: the clearest always.
+    /// more is 2.7 times as likely; 0: the clearest always. Left out: clear or not, all are alike.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub margin_temperature: Option<f32>,
 }
@@ -75,6 +79,7 @@ impl Prefer {
 
 /// Whose gait an agent walks with.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum GenderChoice {
     /// Anyone's.
@@ -92,14 +97,29 @@ pub enum GenderChoice {
 
 /// Where on the circumplex agents feel: least and greatest, or one number, -1 to 1.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Affect {
     /// Unpleasant to pleasant.
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub valence: [f32; 2],
     /// Calm to excited.
     #[serde(deserialize_with = "range")]
+    #[cfg_attr(feature = "schema", schemars(with = "Range"))]
     pub arousal: [f32; 2],
+}
+
+/// What [`range`] reads.
+#[cfg(feature = "schema")]
+#[derive(schemars::JsonSchema)]
+#[schemars(untagged)]
+#[allow(dead_code, reason = "a schema alone")]
+pub(super) enum Range {
+    /// The same for all.
+    Exactly(f32),
+    /// Least and greatest.
+    Between([f32; 2]),
 }
 
 /// One number, or least and greatest.
@@ -146,6 +166,7 @@ fn is_usual(expression: &f32) -> bool {
 
 /// The crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Population {
     /// How many agents, 0 to 1,000,000: all that there are at any time, with those of the sources.
@@ -158,6 +179,7 @@ pub struct Population {
     /// How strongly the generated gaits show their emotion: 0 not at all, 1 as people do who are perceived so, 2 as actors do,
     /// 3 as on a stage. Gaits of a library are walked as they are.
     #[serde(skip_serializing_if = "is_usual")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = EXPRESSION)))]
     pub expression: f32,
     /// How much each agent differs from the person whose gait it walks with: 0 not at all, 1 as people differ. Left out: 1 of the
     /// generated gaits; 0 of a library, whose gaits are walked as they are, and of the baseline, which has one gait for all.
@@ -167,10 +189,9 @@ pub struct Population {
     pub emotion_mode: EmotionMode,
     /// Least and greatest body size relative to the avatar.
     pub scale: [f32; 2],
-    /// Names of the avatars in use; `AgentStart::avatar` is an index into this list.
+    /// The avatars in use: `female`, `male`, or the path of a rigged glTF or VRM file beside the scenario's.
     pub avatars: Vec<String>,
-    /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised, see
-    /// [`crate::avatar::RigMap`].
+    /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub rig_maps: Vec<String>,
     /// Gender of each avatar, in their order; left out: that of the built-in ones is known, that of files is not.
@@ -178,7 +199,7 @@ pub struct Population {
     pub avatar_genders: Vec<Sex>,
     /// Share (or weight) of each emotion; any scale, left out means 0.
     pub emotions: Shares,
-    /// Where agents feel, with `emotion_mode = "affect"`.
+    /// Where agents feel; given with `emotion_mode = "affect"`, else left out.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub affect: Option<Affect>,
     /// Which gaits out of GEA(e) are more likely.
@@ -198,6 +219,7 @@ pub struct Population {
 
 /// Groups that walk together (`shaders/group_cohesion.wgsl`).
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Groups {
     /// Shares of groups (not of people) of one, two, ... five; any scale, left out means 0. Empty: everyone walks alone.
@@ -248,12 +270,16 @@ impl Default for Population {
 
 /// One number per emotion.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
-#[allow(missing_docs, reason = "the fields are the emotions and say so")]
 pub struct Shares {
+    /// Share of those who look happy; left out: 0.
     pub happy: f32,
+    /// Share of those who look angry; left out: 0.
     pub angry: f32,
+    /// Share of those who look sad; left out: 0.
     pub sad: f32,
+    /// Share of those who look neutral; left out: 0.
     pub neutral: f32,
 }
 

@@ -6,9 +6,10 @@ use serde::{Deserialize, Serialize};
 
 /// Ground and props.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
-    /// The ground everywhere under the scene; a generated layout brings its own.
+    /// The ground everywhere under the scene; left out: that of the layout, else concrete.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<Ground>,
     /// Everything that lies or stands on the ground.
@@ -18,6 +19,7 @@ pub struct Environment {
 
 /// What the ground is made of.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 #[allow(missing_docs, reason = "materials, which say so")]
 pub enum Ground {
@@ -31,6 +33,7 @@ pub enum Ground {
 
 /// What a prop is. Size is `[width, height, depth]`; a heading of 0 faces +z.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum PropKind {
     /// A raised light slab with kerbs, flat.
@@ -87,6 +90,7 @@ impl PropKind {
 
 /// One thing that lies or stands on the ground.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Prop {
     /// What it is.

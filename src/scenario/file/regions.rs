@@ -7,6 +7,7 @@ pub type Point = [f32; 2];
 
 /// A solid, closed polygon.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Obstacle {
     /// Corners in order, at least 3, not crossing itself.
@@ -28,6 +29,7 @@ impl Obstacle {
 
 /// A region in which agents start.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Spawn {
     /// Corners in order, at least 3.

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 
 /// What follows the last waypoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum RouteMode {
     /// The same way back, over and over.
@@ -19,6 +20,7 @@ pub enum RouteMode {
 
 /// A way through the scene, walked on several parallel lanes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Route {
     /// Unique name.

@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// The person in the headset.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct User {
     /// Start on the ground, m; left out: where the layout puts the user (custom layouts: the origin).

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// What the second coordinate of well-known text is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Plane {
     /// y = -z, as JuPedSim, PedPy and this program's trajectories have it.

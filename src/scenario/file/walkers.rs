@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 /// One agent, in addition to those of `population`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Walker {
     /// Start (x, z), m.
@@ -16,6 +17,7 @@ pub struct Walker {
     pub waypoints: Vec<Point>,
     /// What follows the last one: stay (`once`), the same way back (`patrol`), on to the first (`loop`).
     #[serde(default = "once", skip_serializing_if = "is_once")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = once())))]
     pub mode: RouteMode,
     /// Distance at which a waypoint counts as reached, m.
     #[serde(default = "arrival")]
@@ -32,13 +34,14 @@ pub struct Walker {
     /// How it finds the way to its waypoints; left out: as `way_finding.way` says.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub way: Option<Way>,
-    /// A place where it is taken away, and where it is put.
+    /// A place where it is taken away, and where it is put; left out: none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub teleport: Option<Teleport>,
 }
 
 /// Two boxes, each by its least and greatest corner (x, z), m: a walker that enters the first is put at random into the second.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Teleport {
     /// Where it is taken away.

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 /// Who asks a field for the way.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
     /// None: all walk straight to the next waypoint or goal.
@@ -18,6 +19,7 @@ pub enum Way {
 
 /// How agents find the way to their goals.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct WayFinding {
     /// Straight, or along a field round obstacles.

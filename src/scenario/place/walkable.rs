@@ -3,8 +3,8 @@
 //! Well-known text has x to the right and y up the page; on the ground that is x and z = -y, as in trajectories. A
 //! scenario may say that its text has z instead ([`Plane`]).
 
-use crate::scenario::file::Plane;
-use crate::scenario::polygon::{self, MAX_COORDINATE, UnionError};
+use crate::scenario::file::{MAX_COORDINATE, Plane};
+use crate::scenario::polygon::{self, UnionError};
 use crate::{avatar, file, wkt};
 use glam::{DVec2, Vec2, Vec3};
 use std::path::Path;

@@ -15,9 +15,6 @@ pub(crate) use union::{pieces, union};
 
 use glam::Vec2;
 
-/// Farthest coordinate, m: beyond it an f32 no longer resolves a centimetre.
-pub const MAX_COORDINATE: f32 = 50_000.0;
-
 /// Twice-halved cross sum, m²: positive when the polygon is counter-clockwise on (x, z).
 ///
 /// Summed in f64 about the first vertex, so that far-off polygons keep their sign.

@@ -8,7 +8,7 @@
 //! the hashes of crowds. It stands in where the pieces here do not close,
 //! as happens where many edges cross at small angles.
 
-use super::MAX_COORDINATE;
+use crate::scenario::file::MAX_COORDINATE;
 use glam::{DVec2, I64Vec2, Vec2};
 use i_overlay::core::fill_rule::FillRule;
 use i_overlay::core::overlay::{Overlay, ShapeType};

@@ -3,7 +3,6 @@
 use super::Error;
 use crate::study::asked::{FALLBACK, TABLE};
 use crate::study::words::primary;
-use serde::Deserialize;
 use std::collections::BTreeMap;
 
 /// Where the table has what the program asks by itself, which is no word of the pages.
@@ -11,16 +10,34 @@ const ASKED: &str = "asked";
 /// Languages that are written from right to left.
 const FROM_THE_RIGHT: [&str; 9] = ["ar", "ckb", "dv", "fa", "he", "ps", "sd", "ur", "yi"];
 
-/// Declares the words: a language that lacks one, or has one more, cannot be read.
+/// Declares the words: a language that lacks one, or has one more, cannot be read. (Derived code for so many fields takes the
+/// compiler seconds.)
 macro_rules! words {
     ($($name:ident)*) => {
         /// The words of one language.
-        #[derive(Debug, Clone, Default, Deserialize)]
-        #[serde(deny_unknown_fields)]
+        #[derive(Debug, Clone, Default)]
         pub(super) struct Interface {
             $(pub(super) $name: String,)*
         }
+
+        impl Interface {
+            /// Takes all words out of a table.
+            fn of(mut table: BTreeMap<String, String>) -> Result<Self, String> {
+                let mut lacking = None;
+                let mut take = |name: &str| take(&mut table, name, &mut lacking);
+                let words = Self { $($name: take(stringify!($name)),)* };
+                let excess = table.into_keys().next().map(|name| format!("{name:?} is no word of the pages"));
+                lacking.or(excess).map_or(Ok(words), Err)
+            }
+        }
     };
+}
+
+fn take(table: &mut BTreeMap<String, String>, name: &str, lacking: &mut Option<String>) -> String {
+    table.remove(name).unwrap_or_else(|| {
+        lacking.get_or_insert_with(|| format!("{name:?} is lacking"));
+        String::new()
+    })
 }
 
 words! {
@@ -50,7 +67,7 @@ impl Interfaces {
     /// # Errors
     /// [`Error::Words`] if a language lacks one, which a test excludes.
     pub(super) fn built_in() -> Result<Self, Error> {
-        let all = read(TABLE).map_err(|error| Error::Words { message: error.to_string() })?;
+        let all = read(TABLE).map_err(|message| Error::Words { message })?;
         if all.contains_key(FALLBACK) {
             return Ok(Self(all));
         }
@@ -67,11 +84,12 @@ impl Interfaces {
 }
 
 /// The words of the pages, out of a table that has more.
-fn read(table: &str) -> Result<BTreeMap<String, Interface>, toml::de::Error> {
-    let all: BTreeMap<String, toml::Table> = toml::from_str(table)?;
+fn read(table: &str) -> Result<BTreeMap<String, Interface>, String> {
+    let all: BTreeMap<String, toml::Table> = toml::from_str(table).map_err(|error| error.to_string())?;
     let pages = |(tag, mut table): (String, toml::Table)| {
         table.remove(ASKED);
-        Ok((tag, table.try_into()?))
+        let words = table.try_into().map_err(|error| format!("{tag}: {error}"))?;
+        Interface::of(words).map(|words| (tag.clone(), words)).map_err(|reason| format!("{tag}: {reason}"))
     };
     all.into_iter().map(pages).collect()
 }
@@ -136,8 +154,10 @@ mod tests {
                 assert_eq!(braces(text), braces(all["en"][word].as_str().unwrap()), "{language}.{word}");
             }
         }
-        let lacking = TABLE.replacen("skip = ", "skap = ", 1);
-        assert!(read(&lacking).is_err());
+        let misspelt = TABLE.replacen("skip = ", "skap = ", 1);
+        assert!(read(&misspelt).unwrap_err().ends_with("\"skip\" is lacking"));
+        let doubled = TABLE.replacen("skip = ", "skap = \"\"\nskip = ", 1);
+        assert!(read(&doubled).unwrap_err().ends_with("\"skap\" is no word of the pages"));
     }
 
     #[test]

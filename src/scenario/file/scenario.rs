@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 /// Who walks where, how, and how they feel. Serialises to TOML and back without loss. The default has no name and no place.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Scenario {
     /// Name, 1 to 64 letters, digits, `-` or `_`.
@@ -25,7 +26,7 @@ pub struct Scenario {
     /// One line for people.
     #[serde(default)]
     pub description: String,
-    /// Seed of every random draw.
+    /// Seed of every random draw, 0 to 2^63 - 1: what TOML can write.
     #[serde(default = "default_seed")]
     pub seed: u64,
     /// Which of the paper's three algorithms moves the agents (S-26).
@@ -44,6 +45,7 @@ pub struct Scenario {
     pub walkable_wkt: String,
     /// The plane of `walkable_wkt` or of the text in `walkable_file`: `xy` has y = -z, `xz` has z as it is.
     #[serde(default, skip_serializing_if = "Plane::is_default")]
+    #[cfg_attr(feature = "schema", schemars(extend("default" = Plane::default())))]
     pub walkable_plane: Plane,
     /// A file with it, beside the scenario's: well-known text (`.wkt`, `.txt`), or a model (`.glb`, `.gltf`) whose floor it is.
     /// When the scenario is read it becomes `walkable_wkt`, in the plane `xy`.
@@ -111,6 +113,7 @@ const fn default_seed() -> u64 {
 
 /// The paper's three algorithms (S-26).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Condition {
     /// One neutral gait for all, no gaze.
@@ -124,6 +127,7 @@ pub enum Condition {
 
 /// Where bounds, obstacles, routes and scenery come from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Layout {
     /// From the file.
