@@ -124,10 +124,10 @@ fn a_key_that_is_left_out_has_its_default_and_one_that_is_required_is_missed() {
         let read = |document: &Value| toml::from_str::<Scenario>(&toml_of(document));
         match (default, read(&left_out)) {
             (Some(default), Ok(left_out)) => {
-                assert!(read(&given).unwrap() == left_out, "{key:?}: not {default}")
+                assert!(read(&given).unwrap() == left_out, "{key:?}: not {default}");
             }
             (None, Err(error)) => {
-                assert!(is_required && error.to_string().contains(name.as_str()), "{key:?}: {error}")
+                assert!(is_required && error.to_string().contains(name.as_str()), "{key:?}: {error}");
             }
             (None, Ok(_)) => assert!(!is_required, "{key:?} may be left out"),
             (Some(default), Err(error)) => panic!("{key:?} = {default}: {error}"),
