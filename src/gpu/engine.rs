@@ -3,15 +3,18 @@
 mod embed;
 mod encode;
 mod repeat;
+mod together;
 
 use self::embed::Embedded;
 use self::repeat::Repeated;
-use super::pipeline::{self, Pipeline};
+pub(crate) use self::together::{Part, Together};
+use super::pipeline::{self, Pipeline, Program};
 use super::plan::Op;
 use super::{Buffer, Device, Error, FRAMES_IN_FLIGHT, Memory, call};
 use crate::kernels::{BufferId, Dispatch, Kernel, KernelId, NEEDS, Phase, Store};
 use ash::vk;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
 /// Most dispatches that one submission can time.
@@ -48,6 +51,13 @@ pub struct Engine {
     embedded: [Embedded; FRAMES_IN_FLIGHT],
     /// What is submitted again and again: [`Engine::repeat`].
     repeated: Repeated,
+    /// A number that no other engine has, and that is new whenever buffers are: what was recorded with it can be used again.
+    version: u64,
+}
+
+fn next_version() -> u64 {
+    static NEXT: AtomicU64 = AtomicU64::new(1);
+    NEXT.fetch_add(1, Ordering::Relaxed)
 }
 
 impl std::fmt::Debug for Engine {
@@ -75,6 +85,33 @@ impl Engine {
         kernels: &[KernelId],
         code: impl Fn(&'static Kernel) -> Result<Vec<pipeline::Code>, Error>,
     ) -> Result<Self, Error> {
+        Self::of_programs(device, store, kernels, |kernel| {
+            let code = code(kernel)?.into_iter().zip(kernel.phases);
+            code.map(|(code, phase)| Program::new(device, phase.entry(), &code).map(Arc::new)).collect()
+        })
+    }
+
+    /// An engine on the same device, with the programs of this one and buffers of its own.
+    ///
+    /// # Errors
+    /// As of [`Engine::new`], and when this engine lacks a kernel.
+    pub fn beside(&self, store: &Store, kernels: &[KernelId]) -> Result<Self, Error> {
+        Self::of_programs(&self.device, store, kernels, |kernel| {
+            let program = |phase: &Phase| match &self.pipelines[*phase as usize] {
+                Some(pipeline) => Ok(pipeline.program.clone()),
+                None => Err(Error::NoKernel(phase.entry().label)),
+            };
+            kernel.phases.iter().map(program).collect()
+        })
+    }
+
+    /// An engine of programs, which `programs` gives for the phases of a kernel.
+    fn of_programs(
+        device: &Arc<Device>,
+        store: &Store,
+        kernels: &[KernelId],
+        programs: impl Fn(&'static Kernel) -> Result<Vec<Arc<Program>>, Error>,
+    ) -> Result<Self, Error> {
         let mut engine = Self {
             device: device.clone(),
             buffers: BufferId::ALL.iter().map(|_| None).collect(),
@@ -87,14 +124,16 @@ impl Engine {
             staging: [None, None],
             embedded: Default::default(),
             repeated: Repeated::default(),
+            version: next_version(),
         };
         engine.make_commands(kernels.iter().map(|kernel| kernel.kernel().phases.len()).sum())?;
         for kernel in kernels.iter().map(|kernel| kernel.kernel()) {
             for binding in kernel.bindings {
                 engine.make_buffer(binding.buffer, store.bytes(binding.buffer).len() as u64)?;
             }
-            for (&phase, code) in kernel.phases.iter().zip(code(kernel)?) {
-                let made = Pipeline::new(device, phase.entry(), &code, engine.descriptors, &engine.buffers)?;
+            for (&phase, program) in kernel.phases.iter().zip(programs(kernel)?) {
+                let entry = phase.entry();
+                let made = Pipeline::new(device, entry, program, engine.descriptors, &engine.buffers)?;
                 engine.pipelines[phase as usize] = Some(made);
             }
         }
@@ -200,6 +239,7 @@ impl Engine {
             }
         }
         if !made.is_empty() {
+            self.version = next_version();
             for entry in Phase::ALL.map(Phase::entry) {
                 let binds = entry.bindings.iter().any(|b| made.contains(&b.buffer));
                 if let Some(pipeline) = self.pipelines[entry.phase as usize].as_ref().filter(|_| binds) {

@@ -44,6 +44,7 @@ pub use device::Device;
 pub use drivers::Draws;
 pub(crate) use engine::ticks;
 pub use engine::{DispatchTime, Engine};
+pub(crate) use engine::{Part, Together};
 pub use error::Error;
 pub(crate) use error::call;
 pub use instance::{DeviceInfo, DeviceKind, list};

@@ -1,4 +1,4 @@
-//! A phase of a kernel as a Vulkan pipeline with its descriptor set.
+//! A phase of a kernel as a Vulkan pipeline, which engines on one device share, and with the buffers of one of them.
 
 use super::{Buffer, Device, Error, call};
 use crate::kernels::{Access, Entry, Kernel};
@@ -6,14 +6,19 @@ use ash::vk;
 use std::ffi::CString;
 use std::sync::Arc;
 
-/// One phase of a kernel, ready to be launched.
-pub(super) struct Pipeline {
+/// One phase of a kernel, compiled.
+pub(super) struct Program {
     device: Arc<Device>,
     pub(super) raw: vk::Pipeline,
     pub(super) layout: vk::PipelineLayout,
     set_layout: vk::DescriptorSetLayout,
-    pub(super) set: vk::DescriptorSet,
     pub(super) label: CString,
+}
+
+/// The same with the buffers of an engine, ready to be launched.
+pub(super) struct Pipeline {
+    pub(super) program: Arc<Program>,
+    pub(super) set: vk::DescriptorSet,
 }
 
 const fn kind(access: Access) -> vk::DescriptorType {
@@ -23,15 +28,9 @@ const fn kind(access: Access) -> vk::DescriptorType {
     }
 }
 
-impl Pipeline {
-    /// Makes the pipeline of an entry point and the descriptor set, with the buffers that it binds by name.
-    pub(super) fn new(
-        device: &Arc<Device>,
-        entry: &'static Entry,
-        spirv: &[u32],
-        descriptors: vk::DescriptorPool,
-        buffers: &[Option<Buffer>],
-    ) -> Result<Self, Error> {
+impl Program {
+    /// Compiles an entry point.
+    pub(super) fn new(device: &Arc<Device>, entry: &'static Entry, spirv: &[u32]) -> Result<Self, Error> {
         let bindings: Vec<_> = entry
             .bindings
             .iter()
@@ -53,13 +52,11 @@ impl Pipeline {
             raw: vk::Pipeline::null(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
-            set: vk::DescriptorSet::null(),
             label,
         };
         let raw = &device.raw;
         let create = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: all create-infos are complete, the SPIR-V was validated when the crate was built, and the buffers
-        // written into the descriptor set live as long as the engine.
+        // SAFETY: all create-infos are complete, and the SPIR-V was validated when the crate was built.
         unsafe {
             made.set_layout = raw
                 .create_descriptor_set_layout(&create, None)
@@ -69,15 +66,6 @@ impl Pipeline {
                 vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(word);
             made.layout =
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
-            let allocate = vk::DescriptorSetAllocateInfo::default()
-                .descriptor_pool(descriptors)
-                .set_layouts(&set_layouts);
-            made.set = raw
-                .allocate_descriptor_sets(&allocate)
-                .map_err(call("vkAllocateDescriptorSets"))?
-                .first()
-                .copied()
-                .unwrap_or_default();
             let module = raw
                 .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(spirv), None)
                 .map_err(call("vkCreateShaderModule"))?;
@@ -95,6 +83,26 @@ impl Pipeline {
                 .unwrap_or_default();
         }
         device.name(made.raw, entry.label);
+        Ok(made)
+    }
+}
+
+impl Pipeline {
+    /// Makes the descriptor set of a program, with the buffers that its entry point binds by name.
+    pub(super) fn new(
+        device: &Device,
+        entry: &'static Entry,
+        program: Arc<Program>,
+        descriptors: vk::DescriptorPool,
+        buffers: &[Option<Buffer>],
+    ) -> Result<Self, Error> {
+        let set_layouts = [program.set_layout];
+        let allocate =
+            vk::DescriptorSetAllocateInfo::default().descriptor_pool(descriptors).set_layouts(&set_layouts);
+        // SAFETY: the create-info is complete; pool and layout are alive, and the set goes with its pool.
+        let sets = unsafe { device.raw.allocate_descriptor_sets(&allocate) };
+        let set = sets.map_err(call("vkAllocateDescriptorSets"))?.first().copied().unwrap_or_default();
+        let made = Self { program, set };
         made.bind(device, entry, buffers);
         Ok(made)
     }
@@ -126,10 +134,10 @@ impl Pipeline {
     }
 }
 
-impl Drop for Pipeline {
+impl Drop for Program {
     fn drop(&mut self) {
         let raw = &self.device.raw;
-        // SAFETY: every submission was waited for; null handles are ignored. The set goes with its pool.
+        // SAFETY: every submission was waited for; null handles are ignored.
         unsafe {
             raw.destroy_pipeline(self.raw, None);
             raw.destroy_pipeline_layout(self.layout, None);
@@ -186,12 +194,11 @@ mod tests {
             let create = vk::PipelineLayoutCreateInfo::default();
             (set_layout, device.raw.create_pipeline_layout(&create, None).unwrap())
         };
-        drop(Pipeline {
+        drop(Program {
             device: device.clone(),
             raw: vk::Pipeline::null(),
             layout,
             set_layout,
-            set: vk::DescriptorSet::null(),
             label: CString::default(),
         });
         drop(device); // the validation layer reports what is left

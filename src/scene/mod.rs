@@ -111,6 +111,16 @@ impl Scene {
         self.simulate(self.buffers()?)
     }
 
+    /// The crowd in motion on the device of another crowd, without bodies to draw: this scene's own choice of a device is not
+    /// asked. What the other one has compiled is not compiled again.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_beside(&self, other: &Simulation) -> Result<Simulation, crate::Error> {
+        let start = self.buffers()?;
+        Ok(self.introduce(other.beside(start.store)?, start.ways))
+    }
+
     /// The crowd in motion with its bodies, and their meshes.
     ///
     /// # Errors

@@ -110,6 +110,24 @@ impl Machine {
         Ok(Self::Vulkan(Box::new(Engine::new(device, store, kernels)?)))
     }
 
+    /// The same once more, with the buffers of `store`: on a device with the kernels that are there.
+    pub(super) fn beside(&self, store: &Store) -> Result<Self, crate::Error> {
+        match self {
+            Self::Cpu => {
+                _ = store; // the store is all the memory there is
+                Ok(Self::Cpu)
+            }
+            #[cfg(feature = "vulkan")]
+            Self::Vulkan(engine) => {
+                let kernels = order::kernels(store);
+                if !engine.has(&kernels) {
+                    return Self::on(engine.device(), store, &kernels);
+                }
+                Ok(Self::Vulkan(Box::new(engine.beside(store, &kernels)?)))
+            }
+        }
+    }
+
     /// Opens the device again, with the buffers of `store`; on the CPU there is nothing to be lost.
     pub(super) fn renew(&mut self, store: &Store) -> Result<(), crate::Error> {
         match self {
@@ -173,10 +191,9 @@ impl Machine {
             }
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => {
-                let new = [BufferId::Step, BufferId::StepCount].map(|id| (id, store.bytes(id).to_vec()));
-                let sets = if is_new { new.as_slice() } else { &[] };
+                let sets = if is_new { news(store) } else { Vec::new() };
                 if times.is_none() {
-                    engine.repeat(sets, ops, count)?;
+                    engine.repeat(&sets, ops, count)?;
                 } else {
                     let set = sets.iter().map(|(id, _)| Op::Set(*id));
                     let all: Vec<Op> = set.chain(ops.repeat(count as usize)).collect();
@@ -257,6 +274,12 @@ impl Machine {
             Self::Vulkan(engine) => Some(engine),
         }
     }
+}
+
+/// The uniforms of a step, for a device.
+#[cfg(feature = "vulkan")]
+pub(super) fn news(store: &Store) -> Vec<(BufferId, Vec<u8>)> {
+    [BufferId::Step, BufferId::StepCount].map(|id| (id, store.bytes(id).to_vec())).into()
 }
 
 /// Runs operations on the reference kernels.

@@ -35,6 +35,7 @@ pub mod departures;
 mod error;
 #[doc(hidden)]
 pub mod flow;
+mod islands;
 pub mod measure;
 pub(crate) mod measured;
 #[doc(hidden)]
@@ -53,6 +54,7 @@ mod ways;
 pub use avatar_set::{AvatarSet, MAX_AVATARS};
 pub use backend::Backend;
 pub use error::Error;
+pub use islands::Islands;
 pub use people::Person;
 
 #[cfg(feature = "vulkan")]
@@ -164,6 +166,15 @@ impl Simulation {
         find_alike(&mut store);
         let (machine, fallback) = Machine::open(&store, backend, device, gives_way)?;
         let mut new = Self { fallback, ..Self::on(machine, store) };
+        new.solve_ways()?;
+        Ok(new)
+    }
+
+    /// A simulation on the device of this one, and with its kernels.
+    pub(crate) fn beside(&self, mut store: Store) -> Result<Self, crate::Error> {
+        find_alike(&mut store);
+        let machine = self.machine.beside(&store)?;
+        let mut new = Self { fallback: self.fallback.clone(), ..Self::on(machine, store) };
         new.solve_ways()?;
         Ok(new)
     }
@@ -310,21 +321,13 @@ impl Simulation {
 
     /// Does `count` steps with the present flow fields.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
-        if self.is_lead_newer {
-            self.machine.take(&self.store, &[BufferId::Lead, BufferId::Paths])?;
-            self.is_lead_newer = false;
-        }
-        let dispatches = order::step_dispatches(&self.store.step).into_iter().map(Op::Dispatch);
-        let one: Vec<Op> = std::iter::once(Op::CountStep).chain(dispatches).collect();
+        let one = self.begin_walk()?;
         let mut left = count;
         while left > 0 {
             let batch = left.min(BATCH);
-            let step = self.store.step;
-            let is_new = self.given.replace(step) != Some(step);
-            self.store.step_count[0] = step.step_index;
+            let is_new = self.begin_batch();
             self.machine.steps(&mut self.store, is_new, &one, batch, self.times.as_mut())?;
-            self.store.step = StepUniforms { step_index: step.step_index + batch, ..step };
-            self.given = Some(self.store.step);
+            self.end_batch(batch);
             left -= batch;
         }
         self.is_current = !self.machine.is_ahead();
@@ -333,6 +336,29 @@ impl Simulation {
             self.check()?;
         }
         Ok(())
+    }
+
+    /// The operations of a step from now on.
+    fn begin_walk(&mut self) -> Result<Vec<Op>, crate::Error> {
+        if self.is_lead_newer {
+            self.machine.take(&self.store, &[BufferId::Lead, BufferId::Paths])?;
+            self.is_lead_newer = false;
+        }
+        let dispatches = order::step_dispatches(&self.store.step).into_iter().map(Op::Dispatch);
+        Ok(std::iter::once(Op::CountStep).chain(dispatches).collect())
+    }
+
+    /// Whether the uniforms of the steps to come are new to the machine.
+    fn begin_batch(&mut self) -> bool {
+        let step = self.store.step;
+        self.store.step_count[0] = step.step_index;
+        self.given.replace(step) != Some(step)
+    }
+
+    /// Notes that so many steps are done.
+    fn end_batch(&mut self, steps: u32) {
+        self.store.step.step_index += steps;
+        self.given = Some(self.store.step);
     }
 
     /// Waits until all steps are done.

@@ -23,6 +23,7 @@ mod emotion;
 mod equivalence;
 mod flow;
 mod invariance;
+mod islands;
 mod jams;
 mod journeys;
 mod lead;

@@ -116,6 +116,16 @@ impl Engine {
         Ok(())
     }
 
+    /// Records an operation that is no [`Op::Set`].
+    pub(super) fn encode_op(&self, commands: vk::CommandBuffer, op: Op) -> Result<(), Error> {
+        match op {
+            Op::Set(_) => {}
+            Op::CountStep => self.count_step(commands),
+            Op::Dispatch(dispatch) => self.dispatch(commands, dispatch, None)?,
+        }
+        Ok(())
+    }
+
     /// Records that a buffer, if the engine has it, holds these contents.
     pub(super) fn set(
         &self,
@@ -156,6 +166,7 @@ impl Engine {
         let Some(pipeline) = &self.pipelines[dispatch.phase as usize] else {
             return Err(Error::NoKernel(entry.label));
         };
+        let program = &pipeline.program;
         if let Extent::Indirect(buffer, element) = dispatch.extent {
             let size = self.buffer(buffer).map_or(0, Buffer::size);
             if u64::from(element) * 4 + ARGUMENTS > size {
@@ -166,23 +177,23 @@ impl Engine {
         // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
         // within what every Vulkan device takes; indirect arguments lie within their buffer, as was just seen.
         unsafe {
-            self.label(commands, Some(&pipeline.label));
+            self.label(commands, Some(&program.label));
             if let Some(query) = query {
                 let stage = vk::PipelineStageFlags2::TOP_OF_PIPE;
                 raw.cmd_write_timestamp2(commands, stage, self.queries, query);
             }
-            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, pipeline.raw);
+            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, program.raw);
             raw.cmd_bind_descriptor_sets(
                 commands,
                 vk::PipelineBindPoint::COMPUTE,
-                pipeline.layout,
+                program.layout,
                 0,
                 &[pipeline.set],
                 &[],
             );
             if entry.immediate.is_some() {
                 let word = dispatch.immediate.to_ne_bytes();
-                raw.cmd_push_constants(commands, pipeline.layout, vk::ShaderStageFlags::COMPUTE, 0, &word);
+                raw.cmd_push_constants(commands, program.layout, vk::ShaderStageFlags::COMPUTE, 0, &word);
             }
             match dispatch.extent {
                 Extent::Invocations(count) => {

@@ -133,7 +133,7 @@ impl Engine {
     }
 
     /// Records that whatever comes waits for whatever was.
-    fn barrier_to_all(&self, commands: vk::CommandBuffer) {
+    pub(super) fn barrier_to_all(&self, commands: vk::CommandBuffer) {
         let barrier = [vk::MemoryBarrier2::default()
             .src_stage_mask(vk::PipelineStageFlags2::ALL_COMMANDS)
             .src_access_mask(vk::AccessFlags2::MEMORY_WRITE)
