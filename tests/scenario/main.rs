@@ -17,5 +17,6 @@ mod common;
 mod choice;
 mod export;
 mod menge;
+mod parquet;
 mod replay;
 mod scenes;
