@@ -201,6 +201,13 @@ impl Recording {
         Ok(Self { path: path.to_owned(), every, writer })
     }
 
+    /// Begins a table of agents, without their trajectories.
+    pub(super) fn of_agents(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
+        let every = steps_per_frame(rate, scene)?;
+        let writer = TrajectoryWriter::of_agents(path, rate, scene.agents_info())?;
+        Ok(Self { path: path.to_owned(), every, writer })
+    }
+
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;

@@ -13,8 +13,9 @@ use super::agents::{AgentInfo, AgentKind, Presence, strongest_emotion};
 use super::area::{Area, Ground};
 use super::atomic::AtomicFile;
 pub use super::plane::plane_from_ground;
-use super::trajectory_parquet::Parquet;
+use super::trajectory_parquet::{self, Parquet};
 use super::trajectory_sqlite::Sqlite;
+use crate::file::Partial;
 use crate::ground::is_absent;
 use crate::scenario::Geometry;
 use glam::Vec2;
@@ -111,6 +112,8 @@ enum Sink {
     // Boxed: it holds a database's statements and is far larger than the other.
     Sqlite(Box<Sqlite>),
     Parquet(Parquet),
+    /// Nothing but the table of agents.
+    Agents,
     Text(AtomicFile),
     Csv(AtomicFile),
 }
@@ -186,6 +189,13 @@ impl TrajectoryWriter {
         Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
     }
 
+    /// Begins a table of agents as Parquet, without their trajectories: frames tell when they enter and leave.
+    pub(crate) fn of_agents(path: &Path, frame_rate: f64, agents: Vec<AgentInfo>) -> Result<Self, Error> {
+        Partial::create(path).map_err(super::atomic::wrong(path))?;
+        let (path, sink) = (path.to_owned(), Sink::Agents);
+        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
+    }
+
     /// Frames written so far.
     pub const fn frames(&self) -> u32 {
         self.frames
@@ -217,6 +227,7 @@ impl TrajectoryWriter {
                 database.frame(number, people, others)?;
             }
             Sink::Parquet(file) => file.frame(number, frame)?,
+            Sink::Agents => {}
             Sink::Text(file) => {
                 text_frame(file, number, people()).map_err(super::atomic::wrong(&self.path))?;
             }
@@ -272,6 +283,10 @@ impl TrajectoryWriter {
         match self.sink {
             Sink::Sqlite(database) => database.finish(agents, self.frames, self.rate),
             Sink::Parquet(file) => file.finish(agents, self.frames, self.rate),
+            Sink::Agents => {
+                trajectory_parquet::write_agents(&self.path, agents, self.frames, self.rate)?;
+                Ok(Ground::default())
+            }
             Sink::Text(file) | Sink::Csv(file) => file.finish().map(|()| Ground::default()),
         }
     }

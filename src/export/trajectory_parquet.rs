@@ -148,12 +148,21 @@ impl Parquet {
     ) -> Result<Ground, Error> {
         self.send(Message::End)?;
         let Some((file, ground)) = self.join()? else { return Err(self.ended()) };
-        let beside = agents_path(&self.path);
-        let table = super::agents_parquet::write(&beside, agents, frames, frame_rate)?;
-        table.sync().and_then(|()| table.finish()).map_err(wrong(&beside))?;
+        write_agents(&agents_path(&self.path), agents, frames, frame_rate)?;
         file.sync().and_then(|()| file.finish()).map_err(wrong(&self.path))?;
         Ok(ground)
     }
+}
+
+/// Writes the table of agents.
+pub(super) fn write_agents<'a>(
+    path: &Path,
+    agents: impl Iterator<Item = (Option<&'a AgentInfo>, Option<Presence>)>,
+    frames: u32,
+    frame_rate: f64,
+) -> Result<(), Error> {
+    let table = super::agents_parquet::write(path, agents, frames, frame_rate)?;
+    table.sync().and_then(|()| table.finish()).map_err(wrong(path))
 }
 
 impl Drop for Parquet {

@@ -11,11 +11,24 @@ use std::path::Path;
 #[derive(Debug)]
 pub(super) struct Parquet(Infallible);
 
+/// Refuses to write a table of agents.
+pub(super) fn write_agents<'a>(
+    path: &Path,
+    _: impl Iterator<Item = (Option<&'a AgentInfo>, Option<Presence>)>,
+    _: u32,
+    _: f64,
+) -> Result<(), Error> {
+    Err(missing(path))
+}
+
+fn missing(path: &Path) -> Error {
+    let message = "this build writes no Parquet: build it with the feature `parquet`, or write .txt or .csv";
+    Error::Unusable { path: path.to_owned(), message: message.to_owned() }
+}
+
 impl Parquet {
     pub(super) fn create(path: &Path, _: f64, _: Option<Area>, _: &[AgentInfo]) -> Result<Self, Error> {
-        let message =
-            "this build writes no Parquet: build it with the feature `parquet`, or write .txt or .csv";
-        Err(Error::Unusable { path: path.to_owned(), message: message.to_owned() })
+        Err(missing(path))
     }
 
     pub(super) fn frame(&mut self, _: u32, _: &Frame<'_>) -> Result<(), Error> {
