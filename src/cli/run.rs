@@ -50,10 +50,15 @@ pub(super) struct Arguments {
 #[derive(Debug, Clone, PartialEq, Eq)]
 struct Indices(Vec<[usize; 2]>);
 
-impl FromStr for Indices {
-    type Err = String;
+/// Text that names no runs.
+#[derive(Debug, thiserror::Error)]
+#[error("use a number such as 7, a range such as 0..100, or several: 3,7..9")]
+struct NoIndices;
 
-    fn from_str(text: &str) -> Result<Self, String> {
+impl FromStr for Indices {
+    type Err = NoIndices;
+
+    fn from_str(text: &str) -> Result<Self, NoIndices> {
         let one = |part: &str| -> Option<[usize; 2]> {
             let part = part.trim();
             let (begin, end) = match part.split_once("..") {
@@ -66,9 +71,7 @@ impl FromStr for Indices {
             (begin < end).then_some([begin, end])
         };
         let parts: Option<Vec<_>> = text.split(',').map(one).collect();
-        parts
-            .map(Self)
-            .ok_or_else(|| "use a number such as 7, a range such as 0..100, or several: 3,7..9".to_owned())
+        parts.map(Self).ok_or(NoIndices)
     }
 }
 
@@ -80,9 +83,9 @@ impl Indices {
         }
         for name in INDICES {
             if let Ok(text) = std::env::var(name) {
-                let index = text
-                    .parse()
-                    .map_err(|hint: String| usage(format!("{name}={text}: no number of a run"), hint))?;
+                let wrong =
+                    |error: NoIndices| usage(format!("{name}={text}: no number of a run"), error.to_string());
+                let index = text.parse().map_err(wrong)?;
                 return Ok(Some(index));
             }
         }

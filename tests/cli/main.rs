@@ -26,6 +26,7 @@ mod pictures;
 mod registration;
 mod simulate;
 mod study;
+mod sweeps;
 mod words;
 #[cfg(feature = "vulkan")]
 mod wrong;
