@@ -3,11 +3,13 @@
 //! A few bytes may stand for a million equal values, so rows are bounded by the file's size: [`ROWS_A_BYTE`] of them a byte
 //! and [`ROWS_BESIDE`] more. [`pages`] looks at what pages claim before the library believes it.
 
-use super::{Column, Columns, Error, Format, Found, MAX_BYTES, Row, area, infer, pages, syntax, unusable};
+use super::pages::{self, Bounds};
+use super::{Column, Columns, Error, Format, Found, MAX_BYTES, Row, area, infer, syntax, unusable};
 use crate::export::columns::{AREA_KEY, FRAME_RATE_KEY, HEADING, IS_PERSON, VERSION_KEY};
 use crate::file;
 use bytes::Bytes;
 use glam::DVec2;
+use parquet::basic::Type as Physical;
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl};
 use parquet::data_type::DataType;
 use parquet::errors::ParquetError;
@@ -146,9 +148,16 @@ impl Part<'_> {
             let name = self.group.metadata().column(at).column_descr().name();
             unusable(self.path, format!("column {name:?}: {message}"), "write its rows as .csv")
         };
-        let chunk = chunk(self.bytes, self.group.metadata().column(at)).ok_or("it lies outside the file");
-        chunk.map_err(str::to_owned).and_then(|chunk| pages::check(chunk, self.most)).map_err(named)?;
-        let is_optional = self.group.metadata().column(at).column_descr().max_def_level() > 0;
+        let of = self.group.metadata().column(at);
+        let is_optional = of.column_descr().max_def_level() > 0;
+        let width = match of.column_type() {
+            Physical::INT64 | Physical::DOUBLE => 8,
+            _ => 4,
+        };
+        let bounds =
+            Bounds { most: self.most, rows: self.rows as u64, width: (!is_optional).then_some(width) };
+        let chunk = chunk(self.bytes, of).ok_or("it lies outside the file");
+        chunk.map_err(str::to_owned).and_then(|chunk| pages::check(chunk, bounds)).map_err(named)?;
         let values = Decoding { rows: self.rows, is_optional };
         #[allow(clippy::cast_precision_loss, reason = "within 53 bits, or refused as no number")]
         let whole = |value: &i64| if value.abs() <= MOST_WHOLE { *value as f64 } else { f64::INFINITY };

@@ -4,13 +4,29 @@
 /// Deepest nesting of a page's header; it has two levels.
 const DEEPEST: u8 = 8;
 
-/// Refuses a column whose pages claim more bytes than `most`, or a dictionary of more entries than it has room for.
-/// `chunk` are the bytes of the column, header after header.
-pub(super) fn check(mut chunk: &[u8], most: u64) -> Result<(), String> {
+/// What a column may claim.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Bounds {
+    /// Bytes of a page.
+    pub(super) most: u64,
+    /// Values, with those that are missing.
+    pub(super) rows: u64,
+    /// Bytes of a value, where none may be missing.
+    pub(super) width: Option<u64>,
+}
+
+/// Number of the encoding whose decoder looks for all values that a page claims: byte-stream-split.
+const SPLIT: i64 = 9;
+
+/// Refuses a column whose pages claim more than it may, or than they have room for. `chunk` are its bytes, header after
+/// header.
+pub(super) fn check(mut chunk: &[u8], bounds: Bounds) -> Result<(), String> {
+    let Bounds { most, rows, width } = bounds;
+    let mut left = rows;
     while !chunk.is_empty() {
         let mut input = Compact { bytes: chunk, at: 0 };
         let header = Header::read(&mut input).ok_or("the header of a page is broken")?;
-        let Header { unfolded, stored, entries } = header;
+        let Header { unfolded, stored, entries, values, encoding } = header;
         let room = u64::try_from(unfolded).map_err(|_| format!("a page of {unfolded} bytes"))?;
         if room > most {
             return Err(format!("a page of {room} bytes; up to {most} are read"));
@@ -19,6 +35,12 @@ pub(super) fn check(mut chunk: &[u8], most: u64) -> Result<(), String> {
         if entries < 0 || entries.unsigned_abs() > room / 4 {
             return Err(format!("a dictionary of {entries} entries in {room} bytes"));
         }
+        let count = u64::try_from(values).ok().filter(|values| *values <= left);
+        let is_room = |count: u64| encoding != SPLIT || width.is_none_or(|width| count <= room / width);
+        let Some(count) = count.filter(|count| is_room(*count)) else {
+            return Err(format!("a page of {values} values in {room} bytes, of {rows} rows"));
+        };
+        left -= count;
         let end = usize::try_from(stored).ok().and_then(|stored| input.at.checked_add(stored));
         chunk = end.and_then(|end| chunk.get(end..)).ok_or("a page is longer than its column")?;
     }
@@ -32,6 +54,9 @@ struct Header {
     stored: i64,
     /// Of a dictionary.
     entries: i64,
+    /// Of data.
+    values: i64,
+    encoding: i64,
 }
 
 impl Header {
@@ -41,9 +66,12 @@ impl Header {
             match (field, kind) {
                 (2, INT) => header.unfolded = input.zigzag()?,
                 (3, INT) => header.stored = input.zigzag()?,
-                (7, STRUCT) => input.fields(|input, field, kind| {
-                    match (field, kind) {
-                        (1, INT) => header.entries = input.zigzag()?,
+                // pages of data of both versions, and of dictionaries
+                (5 | 7 | 8, STRUCT) => input.fields(|input, inner, kind| {
+                    match (field, inner, kind) {
+                        (7, 1, INT) => header.entries = input.zigzag()?,
+                        (_, 1, INT) => header.values = input.zigzag()?,
+                        (5, 2, INT) | (8, 4, INT) => header.encoding = input.zigzag()?,
                         _ => input.skip(kind, DEEPEST)?,
                     }
                     Some(())
@@ -138,28 +166,42 @@ impl Compact<'_> {
 mod tests {
     use super::*;
 
-    /// A page of type 0 with these sizes and bytes.
-    fn page(unfolded: u8, stored: u8, dictionary: Option<u8>) -> Vec<u8> {
-        let mut bytes = vec![0x15, 0, 0x15, 2 * unfolded, 0x15, 2 * stored];
-        if let Some(entries) = dictionary {
-            bytes.extend([0x4c, 0x15, 2 * entries, 0x15, 0, 0x11, 0]); // field 7, with a flag
-        }
-        bytes.push(0);
-        bytes.extend(vec![0xaa; stored.into()]);
-        bytes
+    /// A page of these sizes and bytes, with fields of one struct.
+    fn page(unfolded: u8, stored: u8, inner: &[u8]) -> Vec<u8> {
+        let head = [0x15, 0, 0x15, 2 * unfolded, 0x15, 2 * stored];
+        [&head[..], inner, &[0], &vec![0xaa; stored.into()]].concat()
+    }
+
+    /// A dictionary, with a flag behind its encoding.
+    fn dictionary(entries: u8) -> [u8; 7] {
+        [0x4c, 0x15, 2 * entries, 0x15, 0, 0x11, 0]
+    }
+
+    /// Data of version 1.
+    fn data(values: u8, encoding: u8) -> [u8; 6] {
+        [0x2c, 0x15, 2 * values, 0x15, 2 * encoding, 0]
     }
 
     #[test]
     fn pages_that_claim_too_much_are_refused_before_they_are_read() {
-        let two = [page(40, 3, Some(10)), page(60, 5, None)].concat();
-        assert_eq!(check(&two, 60), Ok(()));
-        assert!(check(&two, 59).unwrap_err().contains("a page of 60 bytes"));
-        assert!(check(&page(40, 3, Some(11)), 60).unwrap_err().contains("11 entries in 40 bytes"));
+        let bounds = Bounds { most: 60, rows: 20, width: Some(4) };
+        let two = [page(40, 3, &dictionary(10)), page(60, 5, &data(15, 9))].concat();
+        assert_eq!(check(&two, bounds), Ok(()));
+        let wrong = |bytes: &[u8], bounds: Bounds| check(bytes, bounds).unwrap_err();
+        assert!(wrong(&two, Bounds { most: 59, ..bounds }).contains("a page of 60 bytes"));
+        assert!(wrong(&two, Bounds { rows: 14, ..bounds }).contains("15 values"));
+        assert!(
+            wrong(&[page(60, 0, &data(12, 0)), page(60, 0, &data(9, 0))].concat(), bounds)
+                .contains("9 values")
+        );
+        assert!(wrong(&page(60, 5, &data(16, 9)), bounds).contains("16 values in 60 bytes"));
+        assert_eq!(check(&page(60, 5, &data(16, 9)), Bounds { width: None, ..bounds }), Ok(()));
+        assert!(wrong(&page(40, 3, &dictionary(11)), bounds).contains("11 entries in 40 bytes"));
         for cut in 1..two.len() - 1 {
-            let whole = cut == page(40, 3, Some(10)).len();
-            assert_eq!(check(&two[..cut], 60).is_ok(), whole, "{cut}");
+            let whole = cut == page(40, 3, &dictionary(10)).len();
+            assert_eq!(check(&two[..cut], bounds).is_ok(), whole, "{cut}");
         }
         let negative = [0x15, 0, 0x15, 1, 0x15, 0, 0];
-        assert!(check(&negative, 60).unwrap_err().contains("-1 bytes"));
+        assert!(wrong(&negative, bounds).contains("-1 bytes"));
     }
 }
