@@ -41,6 +41,10 @@ pub enum Error {
     #[cfg(feature = "study")]
     #[error(transparent)]
     Serve(#[from] crate::study::serve::Error),
+    /// A sweep, a plan or the folder of its runs could not be used.
+    #[cfg(feature = "cli")]
+    #[error(transparent)]
+    Sweep(#[from] crate::sweep::Error),
     /// The simulation refused its input or failed.
     #[error(transparent)]
     Sim(#[from] crate::sim::Error),
@@ -96,6 +100,8 @@ impl Error {
             Self::Avatar(error) => error.hint(),
             Self::Scene(error) => error.hint(),
             Self::Replay(error) => error.hint(),
+            #[cfg(feature = "cli")]
+            Self::Sweep(error) => error.hint(),
             #[cfg(feature = "xr")]
             Self::Xr(error) => error.hint(),
             #[cfg(feature = "view")]

@@ -107,6 +107,9 @@ pub mod statistics;
 pub mod stop;
 #[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
+#[cfg(feature = "cli")]
+pub mod sweep;
 mod table;
 #[allow(clippy::disallowed_methods, reason = "judges crowds, makes none")]
 pub mod validate;

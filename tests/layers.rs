@@ -34,7 +34,7 @@ const ORDER: &[&[&str]] = &[
     &["render"],
     &["scene"],
     &["view", "xr"],
-    &["closed_loop", "study", "validate", "verify"],
+    &["closed_loop", "study", "sweep", "validate", "verify"],
     &["bench"],
     &["cli"],
 ];

@@ -20,6 +20,7 @@ mod output;
 mod outputs;
 mod perceive;
 mod place;
+mod plan;
 mod preference;
 mod progress;
 #[cfg(feature = "xr")]
@@ -27,6 +28,7 @@ mod recorded;
 #[cfg(feature = "vulkan")]
 mod render;
 mod replay;
+mod run;
 mod scenario;
 mod scene;
 mod scenes;
@@ -123,6 +125,10 @@ enum Command {
     /// Look at a crowd in a window: stop it, ask it, change it, film it
     #[cfg(feature = "view")]
     View(view::Arguments),
+    /// Plan a sweep: many runs of one scenario, for this machine or a cluster
+    Plan(plan::Arguments),
+    /// Do runs of a plan; those that are done are skipped
+    Run(run::Arguments),
     /// Walk other people's crowds, recorded or simulated, with bodies, gaits and emotions
     Replay(replay::Arguments),
     /// Walk through a crowd with a headset
@@ -163,7 +169,7 @@ impl Command {
     /// Whether it can do its work without a Vulkan device, with `--backend cpu`.
     fn has_backend(&self) -> bool {
         match self {
-            Self::Simulate(_) | Self::Perceive(_) | Self::Validate(_) | Self::Bench(_) => true,
+            Self::Simulate(_) | Self::Run(_) | Self::Perceive(_) | Self::Validate(_) | Self::Bench(_) => true,
             Self::Replay(arguments) => !arguments.draws(),
             _ => false,
         }
@@ -275,6 +281,8 @@ fn run(command: Command) -> Result<bool, Error> {
         Command::Render(arguments) => render::run(&arguments),
         #[cfg(feature = "view")]
         Command::View(arguments) => view::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::run(&arguments),
         #[cfg(feature = "xr")]
         Command::Xr(arguments) => xr::run(&arguments),

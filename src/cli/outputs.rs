@@ -11,6 +11,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const OUTPUTS: [&str; 10] =
     ["out", "into", "rated", "render", "record", "shot", "shots", "figures", "videos", "csv"];
 
+/// Commands whose options have rules of their own. Recordings of a headset: a broken-off one is kept under another name, and
+/// none is ever replaced. Folders of runs: what is there is kept and added to.
+const OWN_RULES: [(&str, &str); 3] = [("xr", "record"), ("run", "out"), ("plan", "out")];
+
 /// Whether `--force` was given.
 static IS_FORCED: AtomicBool = AtomicBool::new(false);
 
@@ -21,8 +25,7 @@ pub(super) fn check(found: &ArgMatches, is_forced: bool) -> Result<(), Error> {
     while let Some((name, deeper)) = found.subcommand() {
         (found, command) = (deeper, name);
     }
-    // recordings of a headset have their own rule: a broken-off one is kept under another name, and none is ever replaced
-    for name in OUTPUTS.into_iter().filter(|name| (command, *name) != ("xr", "record")) {
+    for name in OUTPUTS.into_iter().filter(|name| !OWN_RULES.contains(&(command, *name))) {
         // an error: this command has no such option
         for path in found.try_get_many::<PathBuf>(name).ok().flatten().into_iter().flatten() {
             free(path)?;

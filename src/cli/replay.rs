@@ -32,7 +32,7 @@ use std::time::Instant;
                   (`read as`)."
 )]
 pub(super) struct Arguments {
-    /// A recording: .sqlite (JuPedSim), .txt (Pedestrian Dynamics Data Archive, obsmat of ETH/UCY, TrajNet, SGAN), .vsp
+    /// A recording: .sqlite (JuPedSim), .parquet (ours, or with named columns), .txt (Pedestrian Dynamics Data Archive, obsmat of ETH/UCY, TrajNet, SGAN), .vsp
     /// (UCY), or named columns (.csv, Vadere's .traj, Pathfinder, Viswalk, Crowd:it)
     #[arg(value_name = "FILE")]
     file: PathBuf,
@@ -65,7 +65,8 @@ pub(super) struct Arguments {
     /// How much of it [default: to its end; of a video, 10 s]
     #[arg(long)]
     seconds: Option<f64>,
-    /// Trajectories: .sqlite (JuPedSim, PedPy), .txt (Pedestrian Dynamics Data Archive) or .csv
+    /// Trajectories: .sqlite (JuPedSim, PedPy), .parquet (polars, pandas, DuckDB; the table of agents beside it), .txt
+    /// (Pedestrian Dynamics Data Archive) or .csv
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Frames per second of --out and of videos; a divisor of the step rate [default: as in the recording; videos: the
@@ -149,6 +150,7 @@ struct PictureArguments {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum FormatName {
     Sqlite,
+    Parquet,
     Archive,
     Obsmat,
     Vsp,
@@ -247,6 +249,7 @@ fn scene(arguments: &Arguments, from: f64) -> Result<(Scene, Report), Error> {
     let options = Options {
         format: reading.format.map(|format| match format {
             FormatName::Sqlite => Format::Sqlite,
+            FormatName::Parquet => Format::Parquet,
             FormatName::Archive => Format::Archive,
             FormatName::Obsmat => Format::Obsmat,
             FormatName::Vsp => Format::Vsp,

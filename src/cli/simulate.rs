@@ -3,7 +3,8 @@
 use super::output::{note, rate, say, say_json, thousands};
 use super::progress::Progress;
 use super::scene::{SceneArguments, check_seconds, start};
-use super::usage;
+use super::{outputs, usage};
+use crate::export::columns::agents_path;
 use crate::export::{Frame, Ground, TrajectoryFormat, TrajectoryWriter, Walkable};
 use crate::replay::Replay;
 use crate::scene::Scene;
@@ -41,8 +42,8 @@ pub(super) struct Arguments {
     /// Stop earlier: once all people have left by an exit
     #[arg(long, value_enum, value_name = "empty")]
     until: Option<Until>,
-    /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .txt (Pedestrian Dynamics Data Archive; people
-    /// only) or .csv
+    /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .parquet (polars, pandas, DuckDB; that table beside
+    /// it, as NAME.agents.parquet), .txt (Pedestrian Dynamics Data Archive; people only) or .csv
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,
     /// Frames per second of the trajectories; a divisor of the step rate (30)
@@ -185,8 +186,11 @@ impl Recording {
     /// Begins a file.
     pub(super) fn create(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
         let every = steps_per_frame(rate, scene)?;
-        let endings = "use .sqlite, .txt or .csv";
+        let endings = "use .sqlite, .parquet, .txt or .csv";
         let format = TrajectoryFormat::from_path(path).map_err(|error| usage(error.to_string(), endings))?;
+        if format == TrajectoryFormat::Parquet {
+            outputs::free(&agents_path(path))?;
+        }
         let writer = TrajectoryWriter::create(
             path,
             format,
@@ -194,6 +198,13 @@ impl Recording {
             &Walkable::from(&scene.geometry),
             scene.agents_info(),
         )?;
+        Ok(Self { path: path.to_owned(), every, writer })
+    }
+
+    /// Begins a table of agents, without their trajectories.
+    pub(super) fn of_agents(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
+        let every = steps_per_frame(rate, scene)?;
+        let writer = TrajectoryWriter::of_agents(path, rate, scene.agents_info())?;
         Ok(Self { path: path.to_owned(), every, writer })
     }
 

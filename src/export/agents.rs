@@ -112,3 +112,11 @@ pub(super) struct Presence {
     pub(super) first: u32,
     pub(super) last: u32,
 }
+
+impl Presence {
+    /// When an agent entered, and when it had left, s; none for one that is there in the last of these frames.
+    pub(super) fn times(self, frames: u32, frame_rate: f64) -> (f64, Option<f64>) {
+        let time = |frame: u32| f64::from(frame) / frame_rate;
+        (time(self.first), (self.last + 1 < frames).then(|| time(self.last + 1)))
+    }
+}

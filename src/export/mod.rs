@@ -26,17 +26,24 @@
 //! ```
 
 mod agents;
+#[cfg(feature = "parquet")]
+mod agents_parquet;
 mod area;
 mod atomic;
 pub mod chart;
+pub(crate) mod columns;
 #[doc(hidden)]
 pub mod figure;
 pub mod image;
+#[cfg(feature = "parquet")]
+mod parquet_table;
 mod plane;
 #[cfg_attr(not(feature = "charts"), path = "without_charts.rs")]
 mod raster;
 mod svg;
 pub mod trajectory;
+#[cfg_attr(not(feature = "parquet"), path = "without_parquet.rs")]
+mod trajectory_parquet;
 #[cfg_attr(not(feature = "sqlite"), path = "without_sqlite.rs")]
 mod trajectory_sqlite;
 pub mod video;
@@ -63,6 +70,14 @@ pub enum Error {
     /// The trajectory database refused.
     #[error("cannot write {path:?}: {source}")]
     Sqlite {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
+    /// The Parquet file could not be encoded or written.
+    #[error("cannot write {path:?}: {source}")]
+    Parquet {
         /// The file.
         path: PathBuf,
         /// Why.

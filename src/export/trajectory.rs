@@ -1,4 +1,4 @@
-//! Trajectories, streamed frame by frame: JuPedSim SQLite, Pedestrian Dynamics Data Archive text, CSV.
+//! Trajectories, streamed frame by frame: JuPedSim SQLite, Parquet, Pedestrian Dynamics Data Archive text, CSV.
 //!
 //! The plane of these formats is x to the right, y up the page, seen from above. Ours is the ground (x, z), which
 //! seen from above is mirrored, so z is negated: x = x, y = -z ([`plane_from_ground`]). A turn to the left stays a
@@ -6,14 +6,16 @@
 //! ours and keeps x, z and the heading.
 //!
 //! Where a file holds people, robots and vehicles are not among them: the database keeps these apart, the CSV names the
-//! kind in every row, the text of the archive leaves them out.
+//! kind in every row, Parquet has a column that is false for them, the text of the archive leaves them out.
 
 use super::Error;
 use super::agents::{AgentInfo, AgentKind, Presence, strongest_emotion};
 use super::area::{Area, Ground};
 use super::atomic::AtomicFile;
 pub use super::plane::plane_from_ground;
+use super::trajectory_parquet::{self, Parquet};
 use super::trajectory_sqlite::Sqlite;
+use crate::file::Partial;
 use crate::ground::is_absent;
 use crate::scenario::Geometry;
 use glam::Vec2;
@@ -28,6 +30,8 @@ const MAX_FRAMES: u32 = i32::MAX as u32;
 pub enum TrajectoryFormat {
     /// JuPedSim's SQLite database, version 2: with orientation, walkable area, and the table `agents`. `.sqlite`
     Sqlite,
+    /// Parquet: frame, id, x, y, heading, velocity, feelings; the table of agents beside it. `.parquet`
+    Parquet,
     /// The text of the Pedestrian Dynamics Data Archive: id, frame, x, y, z. `.txt`
     Text,
     /// frame, time, id, x, z, heading and velocity in our own frame, emotion and kind. `.csv`
@@ -35,7 +39,7 @@ pub enum TrajectoryFormat {
 }
 
 impl TrajectoryFormat {
-    /// The format a file name asks for: `.sqlite`, `.sqlite3` or `.db`; `.txt`; `.csv`.
+    /// The format a file name asks for: `.sqlite`, `.sqlite3` or `.db`; `.parquet`; `.txt`; `.csv`.
     ///
     /// # Errors
     /// [`Error::Unusable`] names the endings there are.
@@ -43,13 +47,14 @@ impl TrajectoryFormat {
         let ending = path.extension().and_then(|ending| ending.to_str()).unwrap_or("").to_ascii_lowercase();
         match ending.as_str() {
             "sqlite" | "sqlite3" | "db" => Ok(Self::Sqlite),
+            "parquet" => Ok(Self::Parquet),
             "txt" => Ok(Self::Text),
             "csv" => Ok(Self::Csv),
             _ => Err(Error::Unusable {
                 path: path.to_owned(),
                 message: format!(
-                    "no trajectory format ends in {ending:?}; use .sqlite (JuPedSim, PedPy), .txt (Pedestrian \
-                     Dynamics Data Archive) or .csv"
+                    "no trajectory format ends in {ending:?}; use .sqlite (JuPedSim, PedPy), .parquet (polars, pandas, \
+                     DuckDB), .txt (Pedestrian Dynamics Data Archive) or .csv"
                 ),
             }),
         }
@@ -106,6 +111,9 @@ pub(super) struct Sample {
 enum Sink {
     // Boxed: it holds a database's statements and is far larger than the other.
     Sqlite(Box<Sqlite>),
+    Parquet(Parquet),
+    /// Nothing but the table of agents.
+    Agents,
     Text(AtomicFile),
     Csv(AtomicFile),
 }
@@ -158,6 +166,12 @@ impl TrajectoryWriter {
                 }
                 Sink::Sqlite(Box::new(Sqlite::create(path, frame_rate, area)?))
             }
+            TrajectoryFormat::Parquet => {
+                let area = (walkable.bounds.len() >= 3)
+                    .then(|| Area::new(&walkable.bounds, &walkable.obstacles))
+                    .filter(|area| !area.is_empty());
+                Sink::Parquet(Parquet::create(path, frame_rate, area, &agents)?)
+            }
             TrajectoryFormat::Text => {
                 let mut file = AtomicFile::create(path)?;
                 write!(file, "# framerate: {frame_rate:.6}\n# id frame x/m y/m z/m\n")
@@ -175,6 +189,13 @@ impl TrajectoryWriter {
         Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
     }
 
+    /// Begins a table of agents as Parquet, without their trajectories: frames tell when they enter and leave.
+    pub(crate) fn of_agents(path: &Path, frame_rate: f64, agents: Vec<AgentInfo>) -> Result<Self, Error> {
+        Partial::create(path).map_err(super::atomic::wrong(path))?;
+        let (path, sink) = (path.to_owned(), Sink::Agents);
+        Ok(Self { path, sink, frames: 0, rate: frame_rate, agents, presence: Vec::new() })
+    }
+
     /// Frames written so far.
     pub const fn frames(&self) -> u32 {
         self.frames
@@ -184,7 +205,8 @@ impl TrajectoryWriter {
     ///
     /// # Errors
     /// [`Error::Unusable`] when the lists differ in length or hold a number that is not finite (agent named);
-    /// [`Error::Write`] or [`Error::Sqlite`] when the disc is full.
+    /// [`Error::Write`], [`Error::Sqlite`] or [`Error::Parquet`] when the disc is full; of Parquet, which a thread writes, with
+    /// a later frame.
     pub fn frame(&mut self, frame: &Frame<'_>) -> Result<(), Error> {
         self.check(frame)?;
         let number = self.frames;
@@ -204,6 +226,8 @@ impl TrajectoryWriter {
                 let others = there().filter(|sample| kind(sample) != AgentKind::Person);
                 database.frame(number, people, others)?;
             }
+            Sink::Parquet(file) => file.frame(number, frame)?,
+            Sink::Agents => {}
             Sink::Text(file) => {
                 text_frame(file, number, people()).map_err(super::atomic::wrong(&self.path))?;
             }
@@ -246,19 +270,22 @@ impl TrajectoryWriter {
         Ok(())
     }
 
-    /// Completes the file and gives it its name. Returns the parts of a database's walkable area.
+    /// Completes the file and gives it its name. Returns the parts of a database's or Parquet file's walkable area.
     ///
     /// # Errors
-    /// [`Error::Write`] or [`Error::Sqlite`]; the name is then as it was before.
+    /// [`Error::Write`], [`Error::Sqlite`] or [`Error::Parquet`]; the name is then as it was before.
     pub fn finish(self) -> Result<Ground, Error> {
+        let known = self.presence.len().max(self.agents.len());
+        let agents = (0..known).map(|id| {
+            let presence = self.presence.get(id).copied().flatten();
+            (self.agents.get(id), presence)
+        });
         match self.sink {
-            Sink::Sqlite(database) => {
-                let known = self.presence.len().max(self.agents.len());
-                let agents = (0..known).map(|id| {
-                    let presence = self.presence.get(id).copied().flatten();
-                    (self.agents.get(id), presence)
-                });
-                database.finish(agents, self.frames, self.rate)
+            Sink::Sqlite(database) => database.finish(agents, self.frames, self.rate),
+            Sink::Parquet(file) => file.finish(agents, self.frames, self.rate),
+            Sink::Agents => {
+                trajectory_parquet::write_agents(&self.path, agents, self.frames, self.rate)?;
+                Ok(Ground::default())
             }
             Sink::Text(file) | Sink::Csv(file) => file.finish().map(|()| Ground::default()),
         }

@@ -143,7 +143,7 @@ impl Sqlite {
                     &connection,
                     id,
                     agent,
-                    presence.map(|presence| times(presence, frames, frame_rate)),
+                    presence.map(|presence| presence.times(frames, frame_rate)),
                 )?;
             }
             connection.execute_batch("COMMIT; CREATE INDEX frame_id_idx ON trajectory_data(frame, id);")
@@ -172,12 +172,6 @@ fn insert(
         count += 1;
     }
     Ok(count)
-}
-
-/// When an agent entered, and when it had left, s.
-fn times(presence: Presence, frames: u32, frame_rate: f64) -> (f64, Option<f64>) {
-    let time = |frame: u32| f64::from(frame) / frame_rate;
-    (time(presence.first), (presence.last + 1 < frames).then(|| time(presence.last + 1)))
 }
 
 fn insert_agent(

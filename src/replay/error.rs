@@ -22,6 +22,14 @@ pub enum Error {
         /// Why.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+    /// The Parquet file is broken, or has what is not read.
+    #[error("cannot read {path:?}: {source}")]
+    Parquet {
+        /// The file.
+        path: PathBuf,
+        /// Why.
+        source: Box<dyn std::error::Error + Send + Sync>,
+    },
     /// A line is not what the format says.
     #[error("{path:?}, line {line}: {message}")]
     Syntax {

@@ -33,17 +33,17 @@ impl Scenario {
     /// # Errors
     /// As [`Scenario::builtin`] and [`Scenario::load_with`].
     pub fn builtin_with(name: &str, settings: &[Setting]) -> Result<Self, Error> {
-        match builtin::BUILTIN.iter().find(|scene| scene.name.eq_ignore_ascii_case(name)) {
-            Some(scene) => {
-                let origin = format!("built-in scene {}", scene.name);
-                Source { text: scene.toml, origin: &origin, settings }.read(None)
-            }
-            None => {
-                let known = Self::builtin_names();
-                let nearest = nearest(name, &known);
-                Err(Error::UnknownScene { name: name.to_owned(), nearest, known: known.join(", ") })
-            }
-        }
+        let scene = builtin_scene(name)?;
+        let origin = format!("built-in scene {}", scene.name);
+        Source { text: scene.toml, origin: &origin, settings }.read(None)
+    }
+
+    /// The text of a built-in scene's file.
+    ///
+    /// # Errors
+    /// As [`Scenario::builtin`].
+    pub(crate) fn builtin_text(name: &str) -> Result<&'static str, Error> {
+        Ok(builtin_scene(name)?.toml)
     }
 
     /// Reads a scenario file and validates it.
@@ -70,6 +70,19 @@ impl Scenario {
     /// [`Error::Syntax`] or [`Error::Value`], with origin and line.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Error> {
         Source { text, origin, settings: &[] }.read(None)
+    }
+
+    /// [`Scenario::parse`] with other values for some keys; a `walkable_file` is looked for in `folder`.
+    ///
+    /// # Errors
+    /// As [`Scenario::load_with`].
+    pub(crate) fn parse_with(
+        text: &str,
+        origin: &str,
+        settings: &[Setting],
+        folder: Option<&Path>,
+    ) -> Result<Self, Error> {
+        Source { text, origin, settings }.read(folder)
     }
 
     /// Takes the area of a `walkable_file` over, which is looked for in `folder`.
@@ -119,6 +132,14 @@ impl Scenario {
         self.condition = condition;
         self
     }
+}
+
+/// The built-in scene of a name.
+fn builtin_scene(name: &str) -> Result<&'static builtin::Builtin, Error> {
+    builtin::BUILTIN.iter().find(|scene| scene.name.eq_ignore_ascii_case(name)).ok_or_else(|| {
+        let known = Scenario::builtin_names();
+        Error::UnknownScene { name: name.to_owned(), nearest: nearest(name, &known), known: known.join(", ") }
+    })
 }
 
 /// The text of a scenario, and what is set besides.

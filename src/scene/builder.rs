@@ -69,9 +69,24 @@ impl SceneBuilder {
         } else {
             Scenario::builtin_with(name, settings)?
         };
+        Ok(Self::of_settings(scenario, settings).folder(path.parent()))
+    }
+
+    /// The same from a text, which messages call `origin`; files that it names are looked for in `folder`.
+    pub(crate) fn parse(
+        text: &str,
+        origin: &str,
+        settings: &[Setting],
+        folder: Option<&Path>,
+    ) -> Result<Self, crate::Error> {
+        let scenario = Scenario::parse_with(text, origin, settings, folder)?;
+        Ok(Self::of_settings(scenario, settings).folder(folder))
+    }
+
+    /// A scene of a scenario that has these settings.
+    fn of_settings(scenario: Scenario, settings: &[Setting]) -> Self {
         let is_set = settings.iter().any(|setting| setting.holds("condition"));
-        let condition = is_set.then_some(scenario.condition);
-        Ok(Self { condition, folder: path.parent().map(Path::to_owned), ..Self::new(scenario) })
+        Self { condition: is_set.then_some(scenario.condition), ..Self::new(scenario) }
     }
 
     /// The scenario as it stands.

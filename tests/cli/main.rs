@@ -27,6 +27,7 @@ mod registration;
 mod scenario;
 mod simulate;
 mod study;
+mod sweeps;
 mod words;
 #[cfg(feature = "vulkan")]
 mod wrong;

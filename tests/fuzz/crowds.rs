@@ -7,7 +7,7 @@ use gaitway::scenario::{Area, Scenario, Setting, SettingError, menge};
 use gaitway::validate::files;
 use std::path::Path;
 
-pub(crate) static TARGETS: [Target; 16] = [
+pub(crate) static TARGETS: [Target; 17] = [
     Target {
         name: "scenario",
         form: Form::Text,
@@ -129,6 +129,12 @@ pub(crate) static TARGETS: [Target; 16] = [
         form: Form::Binary,
         seeds: database_seeds,
         read: |bytes| with_files(&[("a.sqlite", bytes)], |folder| walks(&folder.join("a.sqlite"))),
+    },
+    Target {
+        name: "crowd-parquet",
+        form: Form::Binary,
+        seeds: parquet_seeds,
+        read: |bytes| with_files(&[("a.parquet", bytes)], |folder| walks(&folder.join("a.parquet"))),
     },
     Target {
         name: "crowd-area",
@@ -290,6 +296,37 @@ const VISWALK: &str =
 const SPLINES: &str = "1 - the number of splines\n2 - Num of control points\n\
     -100.0 50.0 0 -90.0 - (2D point, m_id)\n100.0 50.0 100 0.0 - (2D point, m_id)\n";
 const HOMOGRAPHY: &str = "0.02 0 7\n0 0.024 6\n0 0 1\n";
+
+/// Three people and a robot, ours.
+fn parquet_seeds() -> Vec<Vec<u8>> {
+    use gaitway::export::{AgentInfo, AgentKind, Frame, TrajectoryFormat, TrajectoryWriter, Walkable};
+    use glam::Vec2;
+    let robot = AgentInfo { kind: AgentKind::Robot, ..AgentInfo::default() };
+    let room = [[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]].map(Vec2::from).to_vec();
+    let write = |feels: bool, bounds: Vec<Vec2>| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.parquet");
+        let walkable = Walkable { bounds, obstacles: Vec::new() };
+        let agents = vec![AgentInfo::default(), robot.clone()];
+        let mut writer =
+            TrajectoryWriter::create(&path, TrajectoryFormat::Parquet, 10.0, &walkable, agents).unwrap();
+        for frame in 0..12_u8 {
+            let x = 0.1 * f32::from(frame);
+            let positions = [Vec2::new(x, 1.0), Vec2::new(2.0, x), Vec2::new(x, 3.0), Vec2::new(4.0, 4.0)];
+            let feelings = [[0.5, 0.25, 0.25, 0.0]; 4];
+            let emotions = if feels { &feelings[..] } else { &[] };
+            let velocities = [Vec2::X; 4];
+            let velocities = if feels { &[] } else { &velocities[..] };
+            let headings = [x; 4];
+            writer
+                .frame(&Frame { positions: &positions, headings: &headings, velocities, emotions })
+                .unwrap();
+        }
+        writer.finish().unwrap();
+        std::fs::read(path).unwrap()
+    };
+    vec![write(false, room), write(true, Vec::new())]
+}
 
 fn database(path: &Path, area: &str) {
     let connection = rusqlite::Connection::open(path).unwrap();

@@ -114,7 +114,7 @@ fn the_archive_text_and_the_csv_say_what_their_columns_are() {
 fn an_abandoned_file_leaves_nothing_and_the_old_one_in_place() {
     let folder = tempfile::tempdir().unwrap();
     let scene = scene("garden", 4);
-    for name in ["a.sqlite", "a.txt", "a.csv"] {
+    for name in ["a.sqlite", "a.parquet", "a.txt", "a.csv"] {
         let path = folder.path().join(name);
         std::fs::write(&path, "old").unwrap();
         let format = TrajectoryFormat::from_path(&path).unwrap();
@@ -183,7 +183,7 @@ fn the_table_of_agents_says_who_felt_what_and_robots_are_no_pedestrians() {
         }
     }
     let headings = vec![0.0; 601];
-    for name in ["run.sqlite", "run.txt", "run.csv"] {
+    for name in ["run.sqlite", "run.parquet", "run.txt", "run.csv"] {
         let path = folder.path().join(name);
         let format = TrajectoryFormat::from_path(&path).unwrap();
         let mut writer = TrajectoryWriter::create(&path, format, 2.0, &walkable, agents.clone()).unwrap();

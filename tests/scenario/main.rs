@@ -17,6 +17,7 @@ mod common;
 mod choice;
 mod export;
 mod menge;
+mod parquet;
 mod replay;
 mod scenes;
 mod schema;

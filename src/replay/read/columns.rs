@@ -215,8 +215,8 @@ impl Columns {
         (self, missing)
     }
 
-    /// The columns of a head, and metres per unit where a name says them.
-    pub(super) fn of_head(path: &Path, line: usize, head: &[&str]) -> Result<(Self, Option<f64>), Error> {
+    /// The columns of names, metres per unit where a name says them, and what is needed and not among them.
+    pub(super) fn of_names(head: &[&str]) -> (Self, Option<f64>, Option<&'static str>) {
         let named: Vec<(String, Option<f64>)> = head.iter().map(|cell| base_name(cell)).collect();
         let is_ours = ["x_m", "z_m"].iter().all(|name| head.iter().any(|cell| plain(cell) == *name));
         let mut columns = Self::default();
@@ -240,9 +240,15 @@ impl Columns {
             }
             columns.0.push(column);
         }
-        match columns.lacking() {
-            (columns, None) => Ok((columns, metres)),
-            (_, Some(missing)) => {
+        let (columns, missing) = columns.lacking();
+        (columns, metres, missing)
+    }
+
+    /// The columns of a head, and metres per unit where a name says them.
+    pub(super) fn of_head(path: &Path, line: usize, head: &[&str]) -> Result<(Self, Option<f64>), Error> {
+        match Self::of_names(head) {
+            (columns, metres, None) => Ok((columns, metres)),
+            (.., Some(missing)) => {
                 let known: Vec<String> = head.iter().take(12).map(|cell| plain(cell)).collect();
                 let list = clip(&known.join(", "));
                 let person = if missing == "id" { "the person (id)" } else { missing };

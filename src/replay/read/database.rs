@@ -1,14 +1,10 @@
 //! `JuPedSim`'s SQLite trajectories, versions 1 and 2: tables `trajectory_data(frame, id, pos_x, pos_y, ori_x, ori_y)`,
 //! `metadata(key, value)` with `version` and `fps`, `geometry(.., wkt)`.
 
-use super::{Error, Format, Found, Row, unusable};
-use crate::wkt::{self, Polygon};
+use super::{Error, Format, Found, Row, area, unusable};
 use glam::DVec2;
 use rusqlite::{Connection, OpenFlags};
 use std::path::Path;
-
-/// Most corners of a walkable area.
-const MAX_CORNERS: usize = 100_000;
 
 pub(super) fn read(path: &Path) -> Result<Found, Error> {
     let wrong = |source: rusqlite::Error| Error::Sqlite { path: path.to_owned(), source: source.into() };
@@ -30,7 +26,7 @@ pub(super) fn read(path: &Path) -> Result<Found, Error> {
     let rate = text("fps").map_err(wrong)?.and_then(|fps| fps.trim().parse().ok());
     found.frame_rate = rate.map(|rate| (rate, "file"));
     rows(&connection, path, &mut found)?;
-    area(&connection, &mut found).map_err(wrong)?;
+    find_area(&connection, &mut found).map_err(wrong)?;
     Ok(found)
 }
 
@@ -62,17 +58,7 @@ fn rows(connection: &Connection, path: &Path, found: &mut Found) -> Result<(), E
     Ok(())
 }
 
-/// The polygon with the largest outer ring.
-fn largest(polygons: Vec<Polygon>) -> Option<Polygon> {
-    let size = |ring: &Vec<DVec2>| {
-        let next = ring.iter().cycle().skip(1);
-        (0.5 * ring.iter().zip(next).map(|(a, b)| a.perp_dot(*b)).sum::<f64>()).abs()
-    };
-    let area = |polygon: &Polygon| polygon.first().map_or(0.0, size);
-    polygons.into_iter().max_by(|a, b| area(a).total_cmp(&area(b)))
-}
-
-fn area(connection: &Connection, found: &mut Found) -> rusqlite::Result<()> {
+fn find_area(connection: &Connection, found: &mut Found) -> rusqlite::Result<()> {
     let Ok(mut statement) = connection.prepare("SELECT wkt FROM geometry LIMIT 2") else {
         found.notes.push("no walkable area".to_owned());
         return Ok(());
@@ -81,26 +67,7 @@ fn area(connection: &Connection, found: &mut Found) -> rusqlite::Result<()> {
     if areas.len() > 1 {
         found.notes.push("the walkable area changes in time; the first one is taken throughout".to_owned());
     }
-    match areas.first().map(|text| wkt::polygons(text, f64::MAX)) {
-        Some(Ok(polygons)) => {
-            let (count, largest) = (polygons.len(), largest(polygons));
-            let corners: usize = largest.iter().flatten().map(Vec::len).sum();
-            match largest {
-                None => found.notes.push("walkable area left out: it has no polygon".to_owned()),
-                Some(_) if corners > MAX_CORNERS => {
-                    found.notes.push(format!("walkable area left out: more than {MAX_CORNERS} corners"));
-                }
-                Some(rings) => {
-                    if count > 1 {
-                        found.notes.push(format!("{count} walkable polygons; the largest is taken"));
-                    }
-                    found.area = Some(rings);
-                }
-            }
-        }
-        Some(Err(why)) => found.notes.push(format!("walkable area left out: {why}")),
-        None => found.notes.push("no walkable area".to_owned()),
-    }
+    area::take(areas.first().map(String::as_str), found);
     Ok(())
 }
 
@@ -114,7 +81,7 @@ mod tests {
         connection.execute_batch("CREATE TABLE geometry(wkt TEXT)").unwrap();
         connection.execute("INSERT INTO geometry VALUES (?1)", [text]).unwrap();
         let mut found = Found::default();
-        area(&connection, &mut found).unwrap();
+        find_area(&connection, &mut found).unwrap();
         found
     }
 

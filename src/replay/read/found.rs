@@ -32,6 +32,8 @@ pub const MAX_MEDIAN_SPEED: f64 = 4.0;
 pub enum Format {
     /// `JuPedSim`'s SQLite database, version 1 or 2.
     Sqlite,
+    /// Parquet with named columns; among them gaitway's own.
+    Parquet,
     /// The text of the Pedestrian Dynamics Data Archive: id, frame, x, y, z.
     Archive,
     /// Columns without names in another order: frame, id, x, y as `TrajNet` and SGAN have them, or as asked for.

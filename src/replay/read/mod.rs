@@ -1,4 +1,4 @@
-//! Recordings of crowds in, [`Trajectories`] out: `JuPedSim`'s databases, texts of columns (the Pedestrian Dynamics Data
+//! Recordings of crowds in, [`Trajectories`] out: `JuPedSim`'s databases, Parquet, texts of columns (the Pedestrian Dynamics Data
 //! Archive, the `obsmat` of the ETH and UCY data, TrajNet and SGAN, Vadere, Pathfinder, gaitway, any with named columns),
 //! UCY's splines with head directions. What is none of these is named by its first bytes.
 //!
@@ -6,11 +6,16 @@
 //! duplicates, gaps, limits) is done once, in `infer` and [`tracks`]. Nothing is allocated beyond a small multiple of
 //! what the file really holds.
 
+mod area;
+#[cfg_attr(not(feature = "parquet"), path = "without_columnar.rs")]
+mod columnar;
 mod columns;
 #[cfg_attr(not(feature = "sqlite"), path = "without_database.rs")]
 mod database;
 mod found;
 mod infer;
+#[cfg(feature = "parquet")]
+mod pages;
 mod signature;
 mod splines;
 mod text;
@@ -32,7 +37,7 @@ use tracks::Trajectories;
 /// Reads a recording.
 ///
 /// # Errors
-/// [`Error::Read`] or [`Error::Sqlite`] when the file cannot be read, [`Error::Syntax`] with the line of what is not as
+/// [`Error::Read`], [`Error::Sqlite`] or [`Error::Parquet`] when the file cannot be read, [`Error::Syntax`] with the line of what is not as
 /// it must be, [`Error::Unusable`] when the file is of a kind that is not read (named by its first bytes), the columns, the
 /// frame rate or the homography are missing, people are faster than [`MAX_MEDIAN_SPEED`], or a limit ([`MAX_BYTES`],
 /// [`MAX_SECONDS`], [`MAX_COORDINATE`], [`MAX_PEOPLE`]) is passed.
@@ -41,21 +46,29 @@ pub fn read(path: &Path, options: &Options) -> Result<Trajectories, Error> {
     let ending = path.extension().and_then(|e| e.to_str()).unwrap_or("").to_ascii_lowercase();
     let by_name = match ending.as_str() {
         "sqlite" | "sqlite3" | "db" => Some(Format::Sqlite),
+        "parquet" => Some(Format::Parquet),
         "vsp" => Some(Format::Vsp),
         _ => None,
     };
-    let is_database = head.starts_with(signature::SQLITE);
-    if !is_database && let Some(known) = signature::of(&head) {
+    let by_head = match head.as_slice() {
+        head if head.starts_with(signature::SQLITE) => Some(Format::Sqlite),
+        head if head.starts_with(signature::PARQUET) => Some(Format::Parquet),
+        _ => None,
+    };
+    if by_head.is_none()
+        && let Some(known) = signature::of(&head)
+    {
         return Err(unusable(path, format!("it is {}, which is not read", known.name), known.hint));
     }
-    let format = if is_database { Some(Format::Sqlite) } else { options.format.or(by_name) };
-    let is_text = !matches!(format, Some(Format::Sqlite | Format::Vsp));
+    let format = by_head.or(options.format).or(by_name);
+    let is_text = !matches!(format, Some(Format::Sqlite | Format::Parquet | Format::Vsp));
     if options.columns.is_some() && !is_text {
         let hint = "leave --columns out; it is for texts of columns";
         return Err(unusable(path, "its columns are known", hint));
     }
     let found = match format {
         Some(Format::Sqlite) => database::read(path)?,
+        Some(Format::Parquet) => columnar::read(path)?,
         Some(Format::Vsp) => splines::parse(path, &text_of(path)?, &homography(path, options)?)?,
         _ => text::parse(path, &text_of(path)?, options)?,
     };

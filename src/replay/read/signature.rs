@@ -11,13 +11,15 @@ pub(super) struct Known {
 
 /// First bytes of an SQLite database.
 pub(super) const SQLITE: &[u8] = b"SQLite format 3\0";
+/// First bytes of Parquet.
+pub(super) const PARQUET: &[u8] = b"PAR1";
 
 const TO_CSV: &str = "in Python with PedPy: t = pedpy.load_trajectory_from_ped_data_archive_hdf5(trajectory_file=pathlib.Path(\"FILE\")); \
      t.data[[\"id\", \"frame\", \"x\", \"y\"]].to_csv(\"crowd.csv\", index=False); print(t.frame_rate); then replay crowd.csv with --fps";
 const UNPICKLE: &str = "in Python: t = pandas.read_pickle(\"FILE\"), only if you trust where it is from; then write the columns id, \
      frame, x, y with to_csv(\"crowd.csv\", index=False) and replay crowd.csv with --fps";
 
-const SIGNATURES: [(&[u8], &str, &str); 13] = [
+const SIGNATURES: [(&[u8], &str, &str); 12] = [
     (b"\x89HDF\r\n\x1a\n", "HDF5, as PedPy and the Pedestrian Dynamics Data Archive write it", TO_CSV),
     (b"\x1f\x8b", "compressed with gzip", "decompress it first: gunzip -k FILE"),
     (b"BZh", "compressed with bzip2", "decompress it first: bunzip2 -k FILE"),
@@ -29,11 +31,6 @@ const SIGNATURES: [(&[u8], &str, &str); 13] = [
         "unpack it first: unzip FILE; export tables as .csv",
     ),
     (b"7z\xbc\xaf\x27\x1c", "a 7z archive", "unpack it first: 7z x FILE"),
-    (
-        b"PAR1",
-        "Parquet",
-        "in Python: pandas.read_parquet(\"FILE\").to_csv(\"crowd.csv\", index=False); then replay crowd.csv",
-    ),
     (
         b"\x93NUMPY",
         "a NumPy array",

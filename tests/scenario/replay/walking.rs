@@ -196,7 +196,7 @@ fn what_a_simulation_wrote_is_walked_again_and_written_again_in_every_format() {
         }
     }
     let walkable = Walkable::from(&scenario.geometry());
-    for name in ["run.sqlite", "run.txt", "run.csv"] {
+    for name in ["run.sqlite", "run.parquet", "run.txt", "run.csv"] {
         let path = folder.path().join(name);
         let format = TrajectoryFormat::from_path(&path).unwrap();
         let agents = AgentInfo::of_crowd(&scenario, &crowd, &cast, None);

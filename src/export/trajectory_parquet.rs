@@ -1,0 +1,324 @@
+//! Trajectories as Parquet: a row for each agent and frame, in the plane of the databases (y = -z), with ids from 1.
+//!
+//! Places are those of the simulation to the last bit. Headings, velocities and feelings are rounded to 1/1024, below what a
+//! camera sees. In a row group rows stand by agent, then by frame: what changes slowly takes a quarter less.
+//!
+//! A thread encodes, compresses and writes, so a step waits only for a copy of its numbers. [`QUEUE`] rows may wait for the
+//! thread; then the steps wait for it. What goes wrong in it is the error of a later frame, or of the end.
+
+use super::Error;
+use super::agents::{AgentInfo, AgentKind, Presence};
+use super::area::{Area, Ground};
+use super::atomic::wrong;
+use super::columns::{
+    AREA_KEY, EMOTIONS, FRAME, FRAME_RATE_KEY, HEADING, ID, IS_PERSON, VX, VY, X, Y, agents_path,
+};
+use super::parquet_table::{ColumnOf, Kind, Table, Values, refused};
+use super::trajectory::Frame;
+use crate::file::Partial;
+use crate::ground::is_absent;
+use glam::Vec2;
+use parquet::errors::ParquetError;
+use std::path::{Path, PathBuf};
+use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::JoinHandle;
+
+/// Rows that may wait to be written: some 80 MB.
+const QUEUE: usize = 1 << 22;
+/// Rows of a row group, at least: a file has at most 32,767 groups.
+const GROUP: usize = 1 << 18;
+/// Frames of a row group, at least, unless it has [`MOST`] rows.
+const FRAMES: usize = 8;
+/// Rows of a row group from which on it is written whatever its frames: they take some 250 MB.
+const MOST: usize = 1 << 22;
+/// Headings, velocities and weights of emotions are multiples of its inverse.
+const STEPS: f32 = 1024.0;
+
+const fn column(name: &'static str, kind: Kind, is_optional: bool) -> ColumnOf {
+    ColumnOf { name, kind, is_optional }
+}
+
+const COLUMNS: [ColumnOf; 12] = [
+    column(FRAME, Kind::Whole, false),
+    column(ID, Kind::Whole, false),
+    column(X, Kind::Float, false),
+    column(Y, Kind::Float, false),
+    column(HEADING, Kind::Float, false),
+    column(VX, Kind::Float, true),
+    column(VY, Kind::Float, true),
+    column(IS_PERSON, Kind::Flag, false),
+    column(EMOTIONS[0], Kind::Float, true),
+    column(EMOTIONS[1], Kind::Float, true),
+    column(EMOTIONS[2], Kind::Float, true),
+    column(EMOTIONS[3], Kind::Float, true),
+];
+
+/// A frame on its way to the thread.
+#[derive(Debug)]
+struct Copied {
+    number: u32,
+    positions: Vec<Vec2>,
+    headings: Vec<f32>,
+    velocities: Vec<Vec2>,
+    emotions: Vec<[f32; 4]>,
+}
+
+#[derive(Debug)]
+enum Message {
+    Frame(Copied),
+    /// The file is whole.
+    End,
+}
+
+/// What the thread leaves: the file and its ground; nothing where it was not told the end.
+type Done = Result<Option<(Partial, Ground)>, Error>;
+
+/// Trajectories in Parquet that a thread is writing.
+#[derive(Debug)]
+pub(super) struct Parquet {
+    path: PathBuf,
+    sender: Option<SyncSender<Message>>,
+    thread: Option<JoinHandle<Done>>,
+}
+
+impl Parquet {
+    pub(super) fn create(
+        path: &Path,
+        frame_rate: f64,
+        area: Option<Area>,
+        agents: &[AgentInfo],
+    ) -> Result<Self, Error> {
+        let mut table = Table::create(path, &COLUMNS)?;
+        table.note(FRAME_RATE_KEY, frame_rate.to_string());
+        let queue = (QUEUE / agents.len().max(1)).clamp(2, 1024);
+        let (sender, receiver) = sync_channel(queue);
+        let mut writer = Writer {
+            path: path.to_owned(),
+            table,
+            frames: Vec::new(),
+            count: 0,
+            rows: Rows::default(),
+            are_people: agents.iter().map(|agent| agent.kind == AgentKind::Person).collect(),
+            area,
+        };
+        let work = move || writer.run(&receiver).and_then(|is_whole| writer.end(is_whole));
+        let thread = std::thread::Builder::new().name("parquet".to_owned()).spawn(work);
+        let thread = thread.map_err(wrong(path))?;
+        Ok(Self { path: path.to_owned(), sender: Some(sender), thread: Some(thread) })
+    }
+
+    pub(super) fn frame(&mut self, number: u32, frame: &Frame<'_>) -> Result<(), Error> {
+        let Frame { positions, headings, velocities, emotions } = *frame;
+        self.send(Message::Frame(Copied {
+            number,
+            positions: positions.to_vec(),
+            headings: headings.to_vec(),
+            velocities: velocities.to_vec(),
+            emotions: emotions.to_vec(),
+        }))
+    }
+
+    fn send(&mut self, message: Message) -> Result<(), Error> {
+        if self.sender.as_ref().is_some_and(|sender| sender.send(message).is_ok()) {
+            return Ok(());
+        }
+        self.join().and(Err(self.ended()))
+    }
+
+    /// What the thread left, once it has ended.
+    fn join(&mut self) -> Done {
+        self.sender = None;
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(done)) => done,
+            _ => Err(self.ended()),
+        }
+    }
+
+    fn ended(&self) -> Error {
+        let message = "the thread that writes it has ended; the file is not written".to_owned();
+        Error::Unusable { path: self.path.clone(), message }
+    }
+
+    /// Completes the file and writes the table of agents beside it.
+    pub(super) fn finish<'a>(
+        mut self,
+        agents: impl Iterator<Item = (Option<&'a AgentInfo>, Option<Presence>)>,
+        frames: u32,
+        frame_rate: f64,
+    ) -> Result<Ground, Error> {
+        self.send(Message::End)?;
+        let Some((file, ground)) = self.join()? else { return Err(self.ended()) };
+        write_agents(&agents_path(&self.path), agents, frames, frame_rate)?;
+        file.sync().and_then(|()| file.finish()).map_err(wrong(&self.path))?;
+        Ok(ground)
+    }
+}
+
+/// Writes the table of agents.
+pub(super) fn write_agents<'a>(
+    path: &Path,
+    agents: impl Iterator<Item = (Option<&'a AgentInfo>, Option<Presence>)>,
+    frames: u32,
+    frame_rate: f64,
+) -> Result<(), Error> {
+    let table = super::agents_parquet::write(path, agents, frames, frame_rate)?;
+    table.sync().and_then(|()| table.finish()).map_err(wrong(path))
+}
+
+impl Drop for Parquet {
+    fn drop(&mut self) {
+        // Without its end the thread removes what it wrote; a destructor cannot return an error.
+        let _ = self.join();
+    }
+}
+
+/// Rows that are collected for the next row group.
+#[derive(Debug, Default)]
+struct Rows {
+    frame: Vec<i32>,
+    id: Vec<i32>,
+    x: Vec<f32>,
+    y: Vec<f32>,
+    heading: Vec<f32>,
+    velocity: [Vec<f32>; 2],
+    has_velocity: Vec<i16>,
+    is_person: Vec<bool>,
+    emotion: [Vec<f32>; 4],
+    has_emotion: Vec<i16>,
+}
+
+/// What the thread holds.
+#[derive(Debug)]
+struct Writer {
+    path: PathBuf,
+    table: Table,
+    /// Frames of the next row group, and its rows.
+    frames: Vec<Copied>,
+    count: usize,
+    /// Its columns while it is written.
+    rows: Rows,
+    are_people: Vec<bool>,
+    area: Option<Area>,
+}
+
+impl Writer {
+    /// Writes frames until the end; whether that came.
+    fn run(&mut self, receiver: &Receiver<Message>) -> Result<bool, Error> {
+        for message in receiver {
+            let Message::Frame(frame) = message else { return Ok(true) };
+            self.visit(&frame);
+            self.count += frame.positions.iter().filter(|place| !is_absent(place.to_array())).count();
+            self.frames.push(frame);
+            if self.count >= MOST || self.count >= GROUP && self.frames.len() >= FRAMES {
+                self.flush().map_err(refused(&self.path))?;
+            }
+        }
+        Ok(false)
+    }
+
+    fn end(mut self, is_whole: bool) -> Done {
+        if !is_whole {
+            return Ok(None);
+        }
+        let mut ground = Ground::default();
+        if let Some(area) = self.area.take() {
+            let (wkt, found) = area.polygon();
+            self.table.note(AREA_KEY, wkt);
+            ground = found;
+        }
+        let rest = if self.count == 0 { Ok(()) } else { self.flush() };
+        let path = std::mem::take(&mut self.path);
+        let file = rest.and_then(|()| self.table.complete()).map_err(refused(&path))?;
+        Ok(Some((file, ground)))
+    }
+
+    fn is_person(&self, agent: usize) -> bool {
+        self.are_people.get(agent).copied().unwrap_or(true)
+    }
+
+    /// Notes in which part of the walkable area people are.
+    fn visit(&mut self, frame: &Copied) {
+        if let Some(mut area) = self.area.take() {
+            let people = (0_u32..).zip(&frame.positions).filter(|(id, _)| self.is_person(*id as usize));
+            area.visit(people.map(|(id, place)| (id, *place)));
+            self.area = Some(area);
+        }
+    }
+
+    /// Turns the frames into rows, and writes these as a group.
+    fn flush(&mut self) -> Result<(), ParquetError> {
+        let mut rows = std::mem::take(&mut self.rows);
+        let agents = self.frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0);
+        for agent in 0..agents {
+            let is_person = self.is_person(agent);
+            self.frames.iter().for_each(|frame| rows.take(agent, is_person, frame));
+        }
+        self.frames.clear();
+        self.count = 0;
+        rows.write(&mut self.table)?;
+        rows.clear();
+        self.rows = rows;
+        Ok(())
+    }
+}
+
+impl Rows {
+    /// Appends the row of an agent in a frame, if it is there.
+    fn take(&mut self, agent: usize, is_person: bool, frame: &Copied) {
+        let Some(place) = frame.positions.get(agent).filter(|place| !is_absent(place.to_array())) else {
+            return;
+        };
+        let whole = |number: usize| i32::try_from(number).unwrap_or(i32::MAX); // frames are checked
+        let round = |value: f32| (value * STEPS).round() / STEPS;
+        self.frame.push(whole(frame.number as usize));
+        self.id.push(whole(agent + 1));
+        self.x.push(place.x);
+        self.y.push(0.0 - place.y); // no negative zeros
+        self.heading.push(round(frame.headings[agent]));
+        self.is_person.push(is_person);
+        let velocity = frame.velocities.get(agent);
+        self.has_velocity.push(i16::from(velocity.is_some()));
+        if let Some(velocity) = velocity {
+            self.velocity[0].push(round(velocity.x));
+            self.velocity[1].push(round(0.0 - velocity.y));
+        }
+        let emotion = frame.emotions.get(agent).filter(|_| is_person);
+        self.has_emotion.push(i16::from(emotion.is_some()));
+        for (column, weight) in self.emotion.iter_mut().zip(emotion.into_iter().flatten()) {
+            column.push(round(*weight));
+        }
+    }
+
+    fn write(&self, table: &mut Table) -> Result<(), ParquetError> {
+        let [vx, vy] = &self.velocity;
+        let [happy, angry, sad, neutral] = &self.emotion;
+        let (moves, feels) = (Some(self.has_velocity.as_slice()), Some(self.has_emotion.as_slice()));
+        table.write(&[
+            (Values::Whole(&self.frame), None),
+            (Values::Whole(&self.id), None),
+            (Values::Float(&self.x), None),
+            (Values::Float(&self.y), None),
+            (Values::Float(&self.heading), None),
+            (Values::Float(vx), moves),
+            (Values::Float(vy), moves),
+            (Values::Flag(&self.is_person), None),
+            (Values::Float(happy), feels),
+            (Values::Float(angry), feels),
+            (Values::Float(sad), feels),
+            (Values::Float(neutral), feels),
+        ])
+    }
+
+    /// Empties the columns and keeps their memory.
+    fn clear(&mut self) {
+        self.frame.clear();
+        self.id.clear();
+        for column in [&mut self.x, &mut self.y, &mut self.heading] {
+            column.clear();
+        }
+        self.velocity.iter_mut().chain(&mut self.emotion).for_each(Vec::clear);
+        self.has_velocity.clear();
+        self.has_emotion.clear();
+        self.is_person.clear();
+    }
+}
