@@ -1,12 +1,12 @@
 //! `gaitway demo`: a crowd in the Crossing and everything it leaves behind, in one folder.
 
+use super::course::{Length, Recording, simulate, steps_per_frame};
 use super::output::{note, say, say_json, table, thousands, warn};
 use super::outputs::make_folder;
 use super::progress::Progress;
 use super::render::{stage, video};
 use super::scene::{PlaceArguments, build, check_seconds, people, seed};
 use super::sheet;
-use super::simulate::{Length, Recording, simulate, steps_per_frame};
 use crate::Error;
 use crate::export::image::write_png;
 use crate::picture::Image;
@@ -63,7 +63,7 @@ struct Written {
 struct Outcome {
     device: String,
     seed: u64,
-    crowd: super::simulate::Outcome,
+    crowd: super::course::Outcome,
     files: Vec<Written>,
     wall_seconds: f64,
 }

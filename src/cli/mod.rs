@@ -5,6 +5,7 @@
 //! interrupted.
 
 mod bench;
+mod course;
 #[cfg(feature = "vulkan")]
 mod demo;
 mod devices;

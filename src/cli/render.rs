@@ -1,10 +1,10 @@
 //! `gaitway render`: pictures and videos of a crowd.
 
+use super::course::steps_per_frame;
 use super::output::{say, say_json, thousands};
 use super::outputs::make_folder;
 use super::progress::Progress;
 use super::scene::{SceneArguments, check_seconds, tell_place};
-use super::simulate::steps_per_frame;
 use super::usage;
 use crate::export::image::write_png;
 use crate::export::video::Video;

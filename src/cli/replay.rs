@@ -1,5 +1,6 @@
 //! `gaitway replay`: other people's crowds, recorded or simulated, with bodies, gaits and emotions.
 
+use super::course::{Length, Outcome, Recording, simulate};
 #[cfg(feature = "vulkan")]
 use super::output::note;
 use super::output::{say, say_json, thousands, warn};
@@ -10,7 +11,6 @@ use super::scene::{
     ConditionName, PlaceArguments, RigArguments, build, check_changed, check_seconds, people, seed, start,
     with_library,
 };
-use super::simulate::{Length, Outcome, Recording, simulate};
 use super::usage;
 use crate::Error;
 use crate::replay::{Columns, Format, Options, Pixels, Replay, ReplayOptions, Report, name_of_unit, read};

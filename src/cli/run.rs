@@ -1,15 +1,17 @@
 //! `gaitway run`: runs of a plan, each into a folder of its own that appears when it is whole.
 
+use super::course::{Course, Length, Outcome, Recording};
 use super::output::{say, say_json, thousands, warn};
 use super::progress::Progress;
-use super::scene::{PlaceArguments, build, check_changed, start};
-use super::simulate::{Length, Outcome, Recording, simulate};
+use super::scene::{PlaceArguments, build, check_changed, tell_place};
 use super::usage;
+use crate::scene::Scene;
 use crate::sim::departures::Departures;
-use crate::sweep::folder::{Committed, Folder};
+use crate::sim::{Islands, Simulation};
+use crate::sweep::folder::{Committed, Folder, Unfinished};
 use crate::sweep::{self, Header, Plan, PlannedRun};
 use crate::{Error, file, stop};
-use clap::Args;
+use clap::{Args, value_parser};
 use serde::Serialize;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -25,7 +27,7 @@ const RECORD: &str = "run.json";
 #[derive(Debug, Args)]
 #[command(
     after_help = "Examples:\n  gaitway run plan.jsonl --out runs\n  gaitway run plan.jsonl --index 7 --out runs\n  gaitway run plan.jsonl \
-                  --index 0..100 --out runs --backend cpu\n\nA run that is done is skipped, so the same command goes on where it was broken \
+                  --index 0..100 --out runs --backend cpu\n  gaitway run plan.jsonl --together 64 --out runs\n\nA run that is done is skipped, so the same command goes on where it was broken \
                   off, and many of them may work on one folder.\nWithout --index the environment says which run it is \
                   (SLURM_ARRAY_TASK_ID, JOB_COMPLETION_INDEX); without these, all are done."
 )]
@@ -39,6 +41,10 @@ pub(super) struct Arguments {
     /// Folder of the runs; it may hold others
     #[arg(long, value_name = "RUNS")]
     out: PathBuf,
+    /// How many runs to do at a time, in one process: on a device their steps are submitted together, which fills a GPU with
+    /// small crowds; on the CPU each is a task. Results are the same
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = value_parser!(u16).range(1..=4096))]
+    together: u16,
     #[command(flatten)]
     place: PlaceArguments,
     /// Print one JSON object
@@ -152,6 +158,30 @@ struct Summary {
     wall_seconds: f64,
 }
 
+/// A run on its way.
+#[derive(Debug)]
+struct Active<'a> {
+    index: usize,
+    run: &'a PlannedRun,
+    begin: Instant,
+    settings: Vec<String>,
+    scene: Scene,
+    course: Course,
+    unfinished: Unfinished,
+}
+
+/// Runs of a plan that are done some at a time.
+#[derive(Debug)]
+struct Crew<'a> {
+    header: &'a Header,
+    folder: &'a Folder,
+    place: &'a PlaceArguments,
+    /// Runs on their way, and their crowds in the same order.
+    active: Vec<Active<'a>>,
+    islands: Islands,
+    summary: Summary,
+}
+
 /// Runs the subcommand; false when a run went wrong.
 pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let begin = Instant::now();
@@ -161,93 +191,174 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     wanted.map_or(Ok(()), |wanted| wanted.check(header.runs))?;
     let folder = Folder::make(&arguments.out)?;
     let known = if runs.len() > 1 { folder.done()? } else { Default::default() };
-    let mut summary = Summary { runs: runs.len(), ..Summary::default() };
+    let mut crew = Crew {
+        header: &header,
+        folder: &folder,
+        place: &arguments.place,
+        active: Vec::new(),
+        islands: Islands::default(),
+        summary: Summary { runs: runs.len(), ..Summary::default() },
+    };
     let mut progress = Progress::new("sweep".to_owned());
     let (mut are_files_checked, heed) = (false, stop::heed());
-    for (at, (index, run)) in runs.iter().enumerate() {
-        if stop::asked() {
-            summary.interrupted = true;
+    let mut waiting = runs.iter();
+    loop {
+        while crew.active.len() < usize::from(arguments.together) && !stop::asked() {
+            let Some((index, run)) = waiting.next() else { break };
+            if known.contains(&run.key) || folder.has(&run.key) {
+                crew.summary.skipped += 1;
+                continue;
+            }
+            if !std::mem::replace(&mut are_files_checked, true) {
+                header.check_files()?;
+            }
+            let begun = crew.begin(*index, run);
+            crew.summary.heed(*index, run, begun)?;
+        }
+        if stop::asked() || crew.active.is_empty() {
             break;
         }
-        if known.contains(&run.key) || folder.has(&run.key) {
-            summary.skipped += 1;
-            continue;
-        }
-        if !std::mem::replace(&mut are_files_checked, true) {
-            header.check_files()?;
-        }
-        #[allow(clippy::cast_precision_loss, reason = "a share")]
-        let share = at as f64 / runs.len() as f64;
-        progress.at(&format!("run {index}, {} of {}", at + 1, runs.len()), share);
-        match one(&header, run, &folder, &arguments.place) {
-            Ok(Some((Committed::Done, hash))) => {
-                summary.done += 1;
-                summary.hashes.insert(run.key.clone(), hash);
-            }
-            Ok(Some((Committed::Taken, _))) => summary.taken += 1,
-            Ok(None) => summary.interrupted = true,
-            // a disk that cannot be written to is no fault of the run, and the next would end as this
-            Err(error @ (Error::Sweep(_) | Error::Export(_))) => return Err(error),
-            Err(error) => {
-                warn(&format!("error: run {index} ({}): {error}", run.key));
-                summary.failed.push(Failed { index: *index, key: run.key.clone(), error: error.to_string() });
-            }
-        }
+        progress.at(&format!("{} of {}", crew.summary.over(), runs.len()), crew.share());
+        crew.step()?;
     }
+    let mut summary = crew.summary;
+    summary.interrupted = stop::asked();
     drop(heed);
     summary.wall_seconds = begin.elapsed().as_secs_f64();
     print(&summary, arguments)?;
     Ok(summary.failed.is_empty())
 }
 
-/// Does a run, and gives its folder its name. Returns what became of it and its state hash; none when it was stopped.
-fn one(
-    header: &Header,
-    run: &PlannedRun,
-    folder: &Folder,
-    place: &PlaceArguments,
-) -> Result<Option<(Committed, String)>, Error> {
-    let begin = Instant::now();
-    let settings = header.settings(run);
-    let builder = header.scene(&settings)?.seed(run.seed);
-    check_changed(builder.scenario())?;
-    let scene = build(place.choose(builder)?, None)?;
-    if header.until_empty && !Departures::new(&scene.scenario, &scene.crowd).has_exits() {
-        let message = format!("until_empty: people cannot leave {}, which has no exit", scene.scenario.name);
-        return Err(usage(message, "end a journey with a stage of kind \"exit\", or leave until_empty out"));
+impl Summary {
+    /// Runs that are over.
+    fn over(&self) -> usize {
+        self.done + self.skipped + self.taken + self.failed.len()
     }
-    let mut simulation = start(&scene)?;
-    let length = Length { steps: scene.steps(header.seconds), until_empty: header.until_empty };
-    let unfinished = folder.begin(&run.key)?;
-    let recording = if header.trajectories {
-        Some(Recording::create(&unfinished.path().join("trajectories.parquet"), header.fps, &scene)?)
-    } else if header.agents {
-        Some(Recording::of_agents(&unfinished.path().join("agents.parquet"), header.fps, &scene)?)
-    } else {
-        None
-    };
-    let mut outcome = simulate(&scene, &mut simulation, length, recording)?;
-    if stop::asked() {
-        return Ok(None);
+
+    /// Notes the fault of a run. A disk that cannot be written to is none: the next run would end as this one.
+    fn heed<T>(
+        &mut self,
+        index: usize,
+        run: &PlannedRun,
+        outcome: Result<T, Error>,
+    ) -> Result<Option<T>, Error> {
+        match outcome {
+            Ok(value) => Ok(Some(value)),
+            Err(error @ (Error::Sweep(_) | Error::Export(_))) => Err(error),
+            Err(error) => {
+                warn(&format!("error: run {index} ({}): {error}", run.key));
+                self.failed.push(Failed { index, key: run.key.clone(), error: error.to_string() });
+                Ok(None)
+            }
+        }
     }
+}
+
+impl<'a> Crew<'a> {
+    /// Share of the runs that are over, with the parts of those on their way.
+    #[allow(clippy::cast_precision_loss, reason = "a share")]
+    fn share(&self) -> f64 {
+        let parts: f64 = self.active.iter().map(|active| active.course.share()).sum();
+        (self.summary.over() as f64 + parts) / self.summary.runs.max(1) as f64
+    }
+
+    /// Sets a run on its way.
+    fn begin(&mut self, index: usize, run: &'a PlannedRun) -> Result<(), Error> {
+        let (begin, header) = (Instant::now(), self.header);
+        let settings = header.settings(run);
+        let builder = header.scene(&settings)?.seed(run.seed);
+        check_changed(builder.scenario())?;
+        let scene = build(self.place.choose(builder)?, None)?;
+        if header.until_empty && !Departures::new(&scene.scenario, &scene.crowd).has_exits() {
+            let name = &scene.scenario.name;
+            let message = format!("until_empty: people cannot leave {name}, which has no exit");
+            return Err(usage(
+                message,
+                "end a journey with a stage of kind \"exit\", or leave until_empty out",
+            ));
+        }
+        let length = Length { steps: scene.steps(header.seconds), until_empty: header.until_empty };
+        let unfinished = self.folder.begin(&run.key)?;
+        let path = |name: &str| unfinished.path().join(name);
+        let recording = if header.trajectories {
+            Some(Recording::create(&path("trajectories.parquet"), header.fps, &scene)?)
+        } else if header.agents {
+            Some(Recording::of_agents(&path("agents.parquet"), header.fps, &scene)?)
+        } else {
+            None
+        };
+        let crowd = self.islands.add(&scene)?;
+        tell_place(crowd);
+        match Course::begin(&scene, crowd, length, recording) {
+            Ok(course) => {
+                self.active.push(Active { index, run, begin, settings, scene, course, unfinished });
+                Ok(())
+            }
+            Err(error) => {
+                self.islands.remove(self.active.len());
+                Err(error)
+            }
+        }
+    }
+
+    /// Steps all crowds to where the first of them is to be looked at, and ends the runs that are over.
+    fn step(&mut self) -> Result<(), Error> {
+        if let Some(count) = self.active.iter().filter_map(|active| active.course.due()).min() {
+            let begin = Instant::now();
+            self.islands.step(count)?;
+            let took = begin.elapsed() / u32::try_from(self.active.len()).unwrap_or(1);
+            for number in (0..self.active.len()).rev() {
+                let (active, crowd) = (&mut self.active[number], &mut self.islands.crowds_mut()[number]);
+                let looked = active.course.look(crowd, count, took);
+                let (index, run) = (active.index, active.run);
+                if self.summary.heed(index, run, looked)?.is_none() {
+                    self.active.swap_remove(number);
+                    self.islands.remove(number);
+                }
+            }
+        }
+        for number in (0..self.active.len()).rev() {
+            if self.active[number].course.due().is_none() {
+                let (active, crowd) = (self.active.swap_remove(number), self.islands.remove(number));
+                let (index, run) = (active.index, active.run);
+                let ended = end(self.header, active, crowd);
+                if let Some((committed, hash)) = self.summary.heed(index, run, ended)? {
+                    match committed {
+                        Committed::Done => {
+                            self.summary.done += 1;
+                            self.summary.hashes.insert(run.key.clone(), hash);
+                        }
+                        Committed::Taken => self.summary.taken += 1,
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Ends a run: writes its record, and gives its folder its name. Returns what became of it and its state hash.
+fn end(header: &Header, mut active: Active<'_>, mut crowd: Simulation) -> Result<(Committed, String), Error> {
+    active.course.heed(crowd.finish())?;
+    let mut outcome = active.course.finish(&active.scene, &mut crowd)?;
     if let Some(failure) = outcome.failure {
         return Err(super::failed(failure, "please report this with the plan and `gaitway verify`"));
     }
-    outcome.wall_seconds = begin.elapsed().as_secs_f64();
+    outcome.wall_seconds = active.begin.elapsed().as_secs_f64();
     // the folder has another name soon
     outcome.trajectories =
         outcome.trajectories.and_then(|(path, frames)| Some((path.file_name()?.into(), frames)));
     let record = Record {
-        key: &run.key,
+        key: &active.run.key,
         version: &header.version,
         outcome: &outcome,
-        values: header.vary.iter().map(String::as_str).zip(&run.values).collect(),
-        set: &settings,
+        values: header.vary.iter().map(String::as_str).zip(&active.run.values).collect(),
+        set: &active.settings,
         fps: header.fps,
         scenario: &header.scenario,
         scenario_text: &header.text,
     };
-    let path = unfinished.path().join(RECORD);
+    let path = active.unfinished.path().join(RECORD);
     let write = || -> std::io::Result<()> {
         let mut line = serde_json::to_vec(&record)?;
         line.push(b'\n');
@@ -255,7 +366,7 @@ fn one(
     };
     write().map_err(|source| sweep::Error::Write { path: path.clone(), source })?;
     let hash = outcome.state_hash.clone();
-    Ok(Some((unfinished.commit()?, hash)))
+    Ok((active.unfinished.commit()?, hash))
 }
 
 fn print(summary: &Summary, arguments: &Arguments) -> Result<(), Error> {

@@ -3,7 +3,7 @@
 //! On a Vulkan device the steps of all crowds are one submission, in which a barrier serves all of them: a crowd of some hundred
 //! people leaves most of a GPU idle, and 64 of them do not. On the CPU each crowd is a task of its own.
 
-use super::{BATCH, Simulation};
+use super::{BATCH, Error, Simulation};
 use crate::Scene;
 use rayon::prelude::*;
 
@@ -31,7 +31,7 @@ use crate::kernels::{Op, Phase};
 /// # Ok(())
 /// # }
 /// ```
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Islands {
     /// Submissions of crowds whose steps are of the same phases. Before the crowds, so that they are dropped first.
     #[cfg(feature = "vulkan")]
@@ -45,19 +45,11 @@ impl Islands {
     /// # Errors
     /// As [`Scene::start`].
     pub fn start(scenes: &[Scene]) -> Result<Self, crate::Error> {
-        let mut crowds = Vec::with_capacity(scenes.len());
+        let mut new = Self::default();
         for scene in scenes {
-            let crowd = match crowds.first() {
-                Some(first) => scene.start_beside(first)?,
-                None => scene.start()?,
-            };
-            crowds.push(crowd);
+            new.add(scene)?;
         }
-        Ok(Self {
-            #[cfg(feature = "vulkan")]
-            together: Vec::new(),
-            crowds,
-        })
+        Ok(new)
     }
 
     /// The crowds, in the order of their scenes.
@@ -70,15 +62,36 @@ impl Islands {
         &mut self.crowds
     }
 
-    /// Does `count` steps of every crowd, and waits for them.
+    /// Adds the crowd of a scene, on the device of those that are there.
     ///
     /// # Errors
-    /// As [`Simulation::step`], of the first crowd that fails.
+    /// As [`Scene::start`].
+    pub fn add(&mut self, scene: &Scene) -> Result<&mut Simulation, crate::Error> {
+        let crowd = match self.crowds.first() {
+            Some(first) => scene.start_beside(first)?,
+            None => scene.start()?,
+        };
+        Ok(self.crowds.push_mut(crowd))
+    }
+
+    /// Takes a crowd out; the last one takes its place.
+    ///
+    /// # Panics
+    /// If there is none of that number.
+    pub fn remove(&mut self, number: usize) -> Simulation {
+        self.crowds.swap_remove(number)
+    }
+
+    /// Does `count` steps of every crowd, and waits for them. A kernel that met values that are not finite is no error here:
+    /// [`Simulation::finish`] of its crowd tells of it.
+    ///
+    /// # Errors
+    /// When the device fails.
     pub fn step(&mut self, count: u32) -> Result<(), crate::Error> {
         if !self.are_on_one_device() {
-            return self.crowds.par_iter_mut().try_for_each(|crowd| {
-                crowd.step(count)?;
-                crowd.finish()
+            return self.crowds.par_iter_mut().try_for_each(|crowd| match crowd.step(count) {
+                Err(crate::Error::Sim(Error::Failure { .. })) => Ok(()),
+                other => other,
             });
         }
         let mut left = count;

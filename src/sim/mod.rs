@@ -355,10 +355,12 @@ impl Simulation {
         self.given.replace(step) != Some(step)
     }
 
-    /// Notes that so many steps are done.
+    /// Notes that so many steps are done since [`Self::begin_batch`]. (On the CPU the kernels have counted some of them.)
     fn end_batch(&mut self, steps: u32) {
-        self.store.step.step_index += steps;
-        self.given = Some(self.store.step);
+        if let Some(given) = &mut self.given {
+            given.step_index += steps;
+            self.store.step = *given;
+        }
     }
 
     /// Waits until all steps are done.

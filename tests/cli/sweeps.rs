@@ -185,3 +185,37 @@ fn a_file_that_a_scenario_names_is_part_of_its_plan() {
     write("room.wkt", "POLYGON ((0 0, 20 0, 20 11, 0 11, 0 0))");
     fails(&["run", &plan, "--out", &runs, "--index", "1"], "room.wkt", "plan the sweep again");
 }
+
+#[test]
+fn runs_that_are_done_together_are_those_that_are_done_one_by_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    // halls that are empty at different times, and one whose people have no place
+    let sweep = format!(
+        "scenario = {:?}\nuntil_empty = true\nseconds = 40\nseeds = [1, 2]\n[vary]\n\"population.agents\" = [3, 25, 9999]\n",
+        super::common::repository().join("assets/starters/hall.toml")
+    );
+    std::fs::write(path("sweep.toml"), sweep).unwrap();
+    good(&["plan", &path("sweep.toml"), "--out", &path("plan.jsonl")]);
+    let backends = if cfg!(feature = "vulkan") && std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() {
+        &["cpu", "vulkan"][..]
+    } else {
+        &["cpu"]
+    };
+    let hashes = |backend: &str, together: &str| {
+        let runs = path(&format!("{backend}-{together}"));
+        let plan = path("plan.jsonl");
+        let output =
+            super::gaitway(&["run", &plan, "--out", &runs, "--backend", backend, "--together", together, "--json"]);
+        assert_eq!(output.status.code(), Some(1));
+        let told: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert_eq!((&told["done"], told["failed"].as_array().unwrap().len()), (&4.into(), 2), "{told}");
+        let entries = std::fs::read_dir(&runs).unwrap().map(|entry| entry.unwrap().file_name());
+        assert_eq!(entries.filter(|name| name.to_str().unwrap().starts_with("run=")).count(), 4);
+        told["hashes"].clone()
+    };
+    let one_by_one = hashes("cpu", "1");
+    for backend in backends {
+        assert_eq!(hashes(backend, "3"), one_by_one, "{backend}");
+    }
+}

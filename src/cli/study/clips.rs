@@ -80,7 +80,7 @@ fn film(
         role: Role::Ordinary,
     };
     let scene = theatre.scene(&Showing { trial, stimulus: Some(shown.stimulus.clone()) })?;
-    let every = super::super::simulate::steps_per_frame(RATE, &scene)?;
+    let every = super::super::course::steps_per_frame(RATE, &scene)?;
     let steps = scene.steps(seconds);
     let mut stage = stage(scene, size, false)?;
     // under another name until it is whole, whatever ends it
