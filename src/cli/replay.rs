@@ -65,7 +65,7 @@ pub(super) struct Arguments {
     /// How much of it [default: to its end; of a video, 10 s]
     #[arg(long)]
     seconds: Option<f64>,
-    /// Trajectories: .sqlite (JuPedSim, PedPy), .parquet (polars, pandas, DuckDB; the table of agents beside it), .txt
+    /// Trajectories: .sqlite (JuPedSim, PedPy), .parquet (polars, pandas, duckdb; the table of agents beside it), .txt
     /// (Pedestrian Dynamics Data Archive) or .csv
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,

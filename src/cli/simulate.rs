@@ -32,7 +32,7 @@ pub(super) struct Arguments {
     /// Stop earlier: once all people have left by an exit
     #[arg(long, value_enum, value_name = "empty")]
     until: Option<Until>,
-    /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .parquet (polars, pandas, DuckDB; that table beside
+    /// Trajectories: .sqlite (JuPedSim, PedPy; with the table `agents`), .parquet (polars, pandas, duckdb; that table beside
     /// it, as NAME.agents.parquet), .txt (Pedestrian Dynamics Data Archive; people only) or .csv
     #[arg(long, value_name = "FILE")]
     out: Option<PathBuf>,

@@ -242,7 +242,7 @@ mod tests {
         assert_eq!(runs.clean(Duration::from_secs(3600)).unwrap(), Vec::<PathBuf>::new());
         let path = left.path().to_owned();
         std::mem::forget(left); // as a process that is killed
-        assert_eq!(runs.clean(Duration::ZERO).unwrap(), [path.clone()]);
+        assert_eq!(runs.clean(Duration::ZERO).unwrap(), std::slice::from_ref(&path));
         assert!(!path.exists());
         assert_eq!(runs.names().unwrap().len(), 5);
         assert_eq!(Folder::at(&folder.path().join("none")).unfinished().unwrap(), Vec::<PathBuf>::new());

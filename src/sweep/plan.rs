@@ -201,7 +201,10 @@ impl Plan {
         for run in &self.runs {
             line(serde_json::to_vec(run)).map_err(wrong)?;
         }
-        file.into_inner().map_err(|error| error.into_error()).and_then(file::Partial::finish).map_err(wrong)
+        file.into_inner()
+            .map_err(std::io::IntoInnerError::into_error)
+            .and_then(file::Partial::finish)
+            .map_err(wrong)
     }
 
     /// Reads what a plan's runs have in common, and `take`s those of these numbers.

@@ -27,7 +27,7 @@ pub(super) fn check(mut chunk: &[u8], bounds: Bounds) -> Result<(), String> {
         let mut input = Compact { bytes: chunk, at: 0 };
         let header = Header::read(&mut input).ok_or("the header of a page is broken")?;
         let Header { unfolded, stored, entries, values, encoding } = header;
-        let room = u64::try_from(unfolded).map_err(|_| format!("a page of {unfolded} bytes"))?;
+        let room = u64::try_from(unfolded).ok().ok_or_else(|| format!("a page of {unfolded} bytes"))?;
         if room > most {
             return Err(format!("a page of {room} bytes; up to {most} are read"));
         }
