@@ -1,0 +1,32 @@
+//! `gaitway._gaitway`: the library as a module for Python. What users import is `python/gaitway`, which stands on this.
+//!
+//! One file a subject. A [`simulation::Simulation`] is a [`crowd::Crowd`] behind a lock, so that a step can let other Python threads
+//! run. Numbers go out as views ([`views`]) and as Arrow tables ([`table`]).
+
+mod command;
+mod crowd;
+mod error;
+mod fork;
+mod gaits;
+mod perceive;
+mod recorder;
+mod simulation;
+mod statistics;
+mod table;
+mod views;
+
+use pyo3::prelude::*;
+
+/// The Rust half of the package.
+#[pymodule]
+fn _gaitway(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<table::Table>()?;
+    module.add_class::<gaits::Gaits>()?;
+    module.add_class::<perceive::Perceiver>()?;
+    module.add_function(wrap_pyfunction!(command::main, module)?)?;
+    module.add_function(wrap_pyfunction!(simulation::png, module)?)?;
+    module.add_function(wrap_pyfunction!(simulation::scenes, module)?)?;
+    statistics::register(module)
+}
