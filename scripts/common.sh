@@ -14,6 +14,7 @@ else
 fi
 vulkan_root=${GAITWAY_VULKAN_ROOT:-$cache/vulkan-trixie}
 pedpy_root=$cache/pedpy
+python_root=$cache/python
 browser_root=${GAITWAY_BROWSER_ROOT:-$cache/browser}
 checkers_root=$cache/checkers
 # GNU's name of this machine, in library folders; Debian's own name of it is asked of dpkg.

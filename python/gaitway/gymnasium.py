@@ -67,7 +67,9 @@ class RobotInCrowd(gymnasium.Env):
         self.set = {**(set or {}), "outsiders": [{"kind": "robot", "radius": radius}]}
         self.sim: Simulation | None = None
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
-        self.observation_space = spaces.Box(-np.inf, np.inf, (4 + 5 * nearest,), np.float32)
+        most = [1e4, 1e4, max_speed, max_speed, *[sight, sight, 10.0, 10.0, 1.0] * nearest]
+        high = np.asarray(most, np.float32)
+        self.observation_space = spaces.Box(-high, high, dtype=np.float32)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode: a seed gives the same crowd and the same episode."""

@@ -18,7 +18,14 @@ bounds = [[-10, -3], [10, -3], [10, 3], [-10, 3]]
 
 [[walkers]]
 position = [-9, 0]
-goal = [9, 0]
+waypoints = [[9, 0]]
+
+[[routes]]
+name = "there"
+waypoints = [[-9, 0], [9, 0]]
+
+[population]
+agents = 0
 """
 
 
@@ -59,7 +66,9 @@ class Steps(unittest.TestCase):
         self.assertEqual(len(hashes), 1)
         self.assertEqual(gw.scenes(), ["crossing", "garden", "parking", "scifi"])
         self.assertIn("line", repr(gw.Simulation(LINE)))
-        self.assertEqual(gw.Simulation(LINE, set={"name": "a \"b\""}).name, 'a "b"')
+        told = gw.Simulation(LINE, set={"description": 'a "b"', "population.emotions": {"sad": 1.0}})
+        self.assertIn("""description = 'a "b"'""", told.scenario)
+        self.assertIn("sad = 1.0", told.scenario)
 
     def test_people_walk_and_stay_what_they_are(self):
         sim = crossing()
@@ -82,7 +91,7 @@ class Steps(unittest.TestCase):
         sim = gw.Simulation(text, agents=40, seed=1, backend="cpu")
         sim.step(300)
         there = sim.present
-        self.assertEqual((there.shape, there.dtype), ((40,), np.dtype(bool)))
+        self.assertEqual((there.shape, there.dtype), ((41,), np.dtype(bool)))
         self.assertTrue(there.any() and not there.all() and bool(there))
         self.assertLess(np.abs(sim.positions[there]).max(), 100.0)
         self.assertGreaterEqual(sim.positions[~there].min(), 1e9)

@@ -97,9 +97,13 @@ class PedPy(unittest.TestCase):
         self.assertGreaterEqual(len(SCENES), 5)
         for scene in SCENES:
             with self.subTest(scene.stem):
-                run = gw.Simulation(scene, agents=40, seed=7, backend="cpu").run(1.0, every=0.5)
-                cells = pedpy.compute_individual_voronoi_polygons(**run.to_pedpy())
-                self.assertEqual(len(cells), len(run))
+                run = gw.Simulation(scene, agents=150, seed=7, backend="cpu").run(20.0, every=5.0)
+                people = run.to_pedpy()
+                cells = pedpy.compute_individual_voronoi_polygons(**people)
+                crowded = people.data.groupby("frame").filter(lambda frame: len(frame) >= 4)
+                found = cells.merge(crowded, on=["id", "frame"])
+                self.assertEqual(len(found), len(crowded))
+                self.assertGreater(len(crowded), 20)
                 self.assertGreater(cells["density"].min(), 0.0)
 
     @needs("pedpy")
