@@ -35,6 +35,17 @@ class Documents(unittest.TestCase):
             finally:
                 os.chdir(here)
 
+    @needs("pedpy")
+    def test_the_lines_of_the_main_readme_run(self):
+        (block,) = blocks((ROOT / "README.md").read_text())
+        block = block.replace("agents=500", "agents=40").replace("seconds=60", "seconds=1")
+        if not DRAWS:
+            block = block.replace("sim.picture()", "")
+        with tempfile.TemporaryDirectory() as folder:
+            hall = Path(folder) / "hall.toml"
+            hall.write_text((ROOT / "assets" / "scenes" / "garden.toml").read_text())
+            exec(compile(block.replace("hall.toml", str(hall)), "README.md", "exec"), {})
+
     @needs("nbclient", "ipykernel", "pedpy", "pandas")
     def test_the_notebook_of_twenty_cells_runs(self):
         import nbformat
