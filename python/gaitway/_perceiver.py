@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import os
+from typing import TYPE_CHECKING
 
 from . import _gaitway
 from .gaits import Gaits
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 
 class Perceiver(_gaitway.Perceiver):
@@ -15,7 +19,7 @@ class Perceiver(_gaitway.Perceiver):
         path: a model of ``gaitway gait train``. Default: the one that ships, which learned from 232 walks of E-Gait.
     """
 
-    def __new__(cls, path: str | os.PathLike[str] | None = None) -> Perceiver:
+    def __new__(cls, path: str | os.PathLike[str] | None = None) -> Self:
         return super().__new__(cls, None if path is None else os.fspath(path))
 
     def predict(self, gaits: Gaits) -> _gaitway.Table:

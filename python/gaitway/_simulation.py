@@ -16,6 +16,8 @@ from ._pictures import Picture, Video
 from ._trajectories import Trajectories, walkable_area
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from pedpy import WalkableArea
 
     from .gaits import Gaits
@@ -70,8 +72,10 @@ class Simulation(_gaitway.Simulation):
         backend: str = "auto",
         device: str | int | None = None,
         record: float | None = None,
-    ) -> Simulation:
+    ) -> Self:
         name = os.fspath(scene)
+        if device is not None and backend == "cpu":
+            raise BadValue(f"device = {device!r} names a Vulkan device, but backend is 'cpu'", "leave one of them out")
         return super().__new__(
             cls,
             name,

@@ -10,6 +10,8 @@ from . import _gaitway
 from ._errors import Error
 
 if TYPE_CHECKING:
+    from typing_extensions import Self
+
     from pedpy import TrajectoryData, WalkableArea
 
 
@@ -21,7 +23,10 @@ class Trajectories(_gaitway.Table):
     Agents that are absent have no row.
     """
 
-    def __new__(cls, table: _gaitway.Table, *, every: float | None, wkt: str) -> Trajectories:
+    _every: float | None
+    _wkt: str
+
+    def __new__(cls, table: _gaitway.Table, *, every: float | None, wkt: str) -> Self:
         self = super().__new__(cls, table)
         self._every = every
         self._wkt = wkt
@@ -86,7 +91,7 @@ def _unpackable() -> type:
     """PedPy's class with an area, so that ``**`` gives both."""
     pedpy = _pedpy()
 
-    class TrajectoryData(pedpy.TrajectoryData):
+    class TrajectoryData(pedpy.TrajectoryData):  # type: ignore[name-defined]
         """``pedpy.TrajectoryData`` that unpacks into ``traj_data`` and ``walkable_area``."""
 
         def __init__(self, data: Any, frame_rate: float, area: Any) -> None:

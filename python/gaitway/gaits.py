@@ -5,10 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from . import _gaitway
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 #: Names of the 16 joints, in the order of ``Gait.poses``.
 JOINTS: tuple[str, ...] = tuple(_gaitway.Gaits.joints())
@@ -38,7 +42,7 @@ class Gait:
 class Gaits(_gaitway.Gaits):
     """A sequence of gaits. ``Simulation(library=...)`` walks with it, ``features`` measures it."""
 
-    def __new__(cls, gaits: _gaitway.Gaits) -> Gaits:
+    def __new__(cls, gaits: _gaitway.Gaits) -> Self:
         return super().__new__(cls, gaits)
 
     def __getitem__(self, index: int) -> Gait:

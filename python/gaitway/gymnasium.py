@@ -12,6 +12,7 @@ import gymnasium
 import numpy as np
 from gymnasium import spaces
 
+from ._errors import Error
 from ._simulation import Simulation
 
 #: Name in Gymnasium's registry.
@@ -65,17 +66,30 @@ class RobotInCrowd(gymnasium.Env):
         self.personal_space, self.discomfort = personal_space, discomfort
         self.collision, self.arrival = collision, arrival
         self.set = {**(set or {}), "outsiders": [{"kind": "robot", "radius": radius}]}
-        self.sim: Simulation | None = None
+        self._sim: Simulation | None = None
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         most = [1e4, 1e4, max_speed, max_speed, *[sight, sight, 10.0, 10.0, 1.0] * nearest]
         high = np.asarray(most, np.float32)
         self.observation_space = spaces.Box(-high, high, dtype=np.float32)
 
-    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[np.ndarray, dict[str, Any]]:
+    @property
+    def sim(self) -> Simulation:
+        """The crowd of this episode.
+
+        Raises:
+            Error: before the first ``reset``.
+        """
+        if self._sim is None:
+            raise Error("there is no episode yet", "call reset() first")
+        return self._sim
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
         """Begin an episode: a seed gives the same crowd and the same episode."""
         super().reset(seed=seed)
         crowd = int(self.np_random.integers(2**31))
-        self.sim = Simulation(
+        self._sim = Simulation(
             self.scene, agents=self.agents, seed=crowd, set=self.set, backend=self.backend
         )
         self.place, self.velocity = self.start.copy(), np.zeros(2)
@@ -86,7 +100,6 @@ class RobotInCrowd(gymnasium.Env):
 
     def step(self, action: np.ndarray) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
         """Walk for ``decision`` seconds towards the wanted velocity."""
-        assert self.sim is not None, "call reset first"
         wanted = np.asarray(action, float)
         wanted = self.max_speed * wanted / max(1.0, float(np.linalg.norm(wanted)))
         before = self._distance()
@@ -102,7 +115,7 @@ class RobotInCrowd(gymnasium.Env):
 
     def render(self) -> np.ndarray | None:
         """The place from above, ``(height, width, 3)`` of uint8, with ``render_mode="rgb_array"``."""
-        if self.render_mode != "rgb_array" or self.sim is None:
+        if self.render_mode != "rgb_array" or self._sim is None:
             return None
         return self.sim.picture("top").pixels[..., :3]
 
@@ -115,7 +128,7 @@ class RobotInCrowd(gymnasium.Env):
                 most = self.max_acceleration * step
                 self.velocity += change * min(1.0, most / max(float(np.linalg.norm(change)), 1e-9))
                 self.place += self.velocity * step
-            self.sim.lead("robot", tuple(self.place), tuple(self.velocity))
+            self.sim.lead("robot", (self.place[0], self.place[1]), (self.velocity[0], self.velocity[1]))
             self.sim.step()
 
     def _others(self) -> np.ndarray:

@@ -7,6 +7,7 @@ use arrow_array::{ArrayRef, Float64Array, StringArray};
 use gaitway::gait::{Gait, JOINT_COUNT, Joint, import, stride};
 use gaitway::perception::features::{FEATURES, Variant, features_of};
 use gaitway::{Emotion, GaitLibrary};
+use glam::Vec3;
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -104,7 +105,7 @@ impl Gaits {
     #[pyo3(name = "_poses")]
     fn poses<'py>(&self, py: Python<'py>, at: usize) -> PyResult<Bound<'py, PyAny>> {
         let poses = &self.gait(at)?.poses;
-        let flat: Vec<f32> = poses.iter().flatten().flat_map(|joint| joint.to_array()).collect();
+        let flat: Vec<f32> = poses.iter().flatten().flat_map(Vec3::to_array).collect();
         Ok(PyArray1::from_vec(py, flat).reshape([poses.len(), JOINT_COUNT, 3])?.into_any())
     }
 

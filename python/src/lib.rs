@@ -2,6 +2,7 @@
 //!
 //! One file a subject. A [`simulation::Simulation`] is a [`crowd::Crowd`] behind a lock, so that a step can let other Python threads
 //! run. Numbers go out as views ([`views`]) and as Arrow tables ([`table`]).
+#![allow(clippy::needless_pass_by_value, reason = "what Python gives is passed by value")]
 
 mod command;
 mod crowd;
@@ -12,6 +13,7 @@ mod perceive;
 mod recorder;
 mod simulation;
 mod statistics;
+mod study;
 mod table;
 mod views;
 
@@ -28,5 +30,6 @@ fn _gaitway(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(command::main, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::png, module)?)?;
     module.add_function(wrap_pyfunction!(simulation::scenes, module)?)?;
+    module.add_function(wrap_pyfunction!(study::study_tables, module)?)?;
     statistics::register(module)
 }

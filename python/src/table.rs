@@ -66,7 +66,7 @@ impl Table {
             || self.schema.fields().iter().map(|field| field.name().as_str()).collect::<Vec<_>>().join(", ");
         self.schema
             .index_of(name)
-            .map_err(|_| PyKeyError::new_err(format!("{name:?}: the columns are {}", known())))
+            .map_err(|_unknown| PyKeyError::new_err(format!("{name:?}: the columns are {}", known())))
     }
 
     /// A column of numbers, all batches one after another.
@@ -146,10 +146,14 @@ impl Table {
         self.schema.fields().iter().filter_map(unit).collect()
     }
 
-    /// A column: a numpy array `(rows,)`, or a list of words and `None`.
+    /// A column: a numpy array `(rows,)`, NaN where there is no number, or a list of words and `None`.
     fn __getitem__<'py>(&self, py: Python<'py>, name: &str) -> PyResult<Bound<'py, PyAny>> {
         let at = self.index(name)?;
         Ok(match self.schema.field(at).data_type() {
+            DataType::UInt32 if self.schema.field(at).is_nullable() => self.numbers(py, at, |array| {
+                let numbers = array.as_primitive::<UInt32Type>().iter();
+                numbers.map(|number| number.map_or(f64::NAN, f64::from)).collect()
+            }),
             DataType::UInt32 => {
                 self.numbers(py, at, |array| array.as_primitive::<UInt32Type>().values().to_vec())
             }

@@ -271,6 +271,7 @@ class Errors(unittest.TestCase):
             ("crossing", {"agents": 2.5}, "agents = 2.5: must be a whole number"),
             ("crossing", {"backend": "gpu"}, "must be one of auto, vulkan, cpu"),
             ("crossing", {"condition": "eva"}, "baseline, eva-o, eva-g"),
+            ("crossing", {"backend": "cpu", "device": 0}, "leave one of them out"),
             ("crossing", {"record": 0.05}, "whole number of steps"),
         ):
             with self.assertRaisesRegex(gw.BadValue, words) as caught:

@@ -191,6 +191,24 @@ class Statistics(unittest.TestCase):
         with self.assertRaises(gw.BadValue):
             gw.statistics.describe([])
 
+    def test_data_of_studies_are_tables(self):
+        with tempfile.TemporaryDirectory() as folder:
+            data = Path(folder) / "run"
+            program("study", "simulate", "eva-agents", "--participants", 8, "--out", data)
+            answers, participants = gw.study.load(data)
+            lines = (data / "answers.csv").read_text().splitlines()
+            self.assertEqual(len(answers), len(lines) - 1)
+            self.assertEqual(len(participants), 8)
+            self.assertEqual(set(answers["front"]), {"simulated"})
+            self.assertEqual(answers["participant"], [line.split(",")[0] for line in lines[1:]])
+            self.assertGreater(np.isfinite(answers["value"]).sum(), 100)
+            (data / "answers.csv").write_text("participant,front\n")
+            with self.assertRaisesRegex(gw.Error, "answers"):
+                gw.study.load(data)
+            with self.assertRaisesRegex(gw.Error, "cannot read") as caught:
+                gw.study.load(Path(folder) / "none")
+            self.assertIn("study simulate", caught.exception.hint)
+
 
 if __name__ == "__main__":
     unittest.main()
