@@ -4,12 +4,14 @@
 //! run. Numbers go out as views ([`views`]) and as Arrow tables ([`table`]).
 #![allow(clippy::needless_pass_by_value, reason = "what Python gives is passed by value")]
 
+mod choices;
 mod command;
 mod crowd;
 mod error;
 mod fork;
 mod gaits;
 mod perceive;
+mod picture;
 mod recorder;
 mod simulation;
 mod statistics;
@@ -28,8 +30,8 @@ fn _gaitway(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<gaits::Gaits>()?;
     module.add_class::<perceive::Perceiver>()?;
     module.add_function(wrap_pyfunction!(command::main, module)?)?;
-    module.add_function(wrap_pyfunction!(simulation::png, module)?)?;
-    module.add_function(wrap_pyfunction!(simulation::scenes, module)?)?;
+    module.add_function(wrap_pyfunction!(picture::png, module)?)?;
+    module.add_function(wrap_pyfunction!(choices::scenes, module)?)?;
     module.add_function(wrap_pyfunction!(study::study_tables, module)?)?;
     statistics::register(module)
 }

@@ -2,6 +2,7 @@
 //!
 //! Work happens detached from the interpreter, so that other Python threads run meanwhile. Two threads that step one simulation take turns.
 
+use crate::choices::{Choices, camera_of};
 use crate::crowd::{Crowd, video};
 use crate::error::{Fault, Result};
 use crate::fork::on_threads;
@@ -11,15 +12,12 @@ use crate::table::Table;
 use crate::views::Numbers;
 use gaitway::export::Walkable;
 use gaitway::low_level::ground::is_absent;
-use gaitway::picture::Image;
-use gaitway::scenario::{Condition, Scenario, Setting};
-use gaitway::scene::{CameraChoice, Scene, SceneBuilder};
-use gaitway::sim::{Backend, measure};
+use gaitway::sim::measure;
 use glam::Vec2;
-use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray3};
+use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
-use pyo3::types::{PyBytes, PyDict};
+use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
@@ -87,28 +85,9 @@ impl Simulation {
         record: Option<f64>,
     ) -> PyResult<Self> {
         let library = library.map(|gaits| gaits.library.clone());
-        let build = || -> Result<Crowd> {
-            let mut builder = builder(scene, is_text, &settings)?.device(device);
-            builder = builder.backend(named("backend", backend, &BACKENDS)?);
-            if let Some(agents) = agents {
-                builder = builder.agents(agents);
-            }
-            if let Some(seed) = seed {
-                builder = builder.seed(seed);
-            }
-            if let Some(condition) = condition {
-                builder = builder.condition(named("condition", condition, &CONDITIONS)?);
-            }
-            if let Some(library) = library {
-                builder = builder.library(library);
-            }
-            let mut crowd = Crowd::new(builder.build()?, None);
-            if let Some(seconds) = record {
-                crowd.recorder = Some(Recorder::new(crowd.steps_of("record", seconds)?));
-            }
-            Ok(crowd)
-        };
-        Ok(Self { crowd: Mutex::new(py.detach(|| on_threads(build))?) })
+        let choices =
+            Choices { scene, is_text, settings, agents, seed, condition, library, backend, device, record };
+        Ok(Self { crowd: Mutex::new(py.detach(|| on_threads(|| choices.crowd()))?) })
     }
 
     /// Does `steps` steps.
@@ -374,57 +353,4 @@ impl Simulation {
             scenario.seed
         )
     }
-}
-
-const BACKENDS: [(&str, Backend); 3] =
-    [("auto", Backend::Auto), ("vulkan", Backend::Vulkan), ("cpu", Backend::Cpu)];
-const CONDITIONS: [(&str, Condition); 3] =
-    [("baseline", Condition::Baseline), ("eva-o", Condition::EvaO), ("eva-g", Condition::EvaG)];
-
-/// A choice by its name.
-fn named<T: Copy>(what: &str, found: &str, known: &[(&str, T)]) -> Result<T> {
-    let all = || known.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-    let chosen = known.iter().find(|(name, _)| *name == found);
-    chosen.map(|(_, choice)| *choice).ok_or_else(|| {
-        Fault::value(
-            format!("{what} = {found:?}: must be one of {}", all()),
-            format!("use {what}=\"{}\"", known[0].0),
-        )
-    })
-}
-
-fn camera_of(name: &str) -> Result<CameraChoice> {
-    name.parse().map_err(|error| {
-        Fault::value(format!("camera = {name:?}: {error}"), "\"orbit\" shows the place at a glance")
-    })
-}
-
-/// A scene by name, from a file or from the text of one.
-fn builder(scene: &str, is_text: bool, settings: &[String]) -> Result<SceneBuilder> {
-    let parse = |text: &String| {
-        let wrong = |error| Fault::value(format!("set {text}: {error}"), "keys are those of a scenario file");
-        text.parse::<Setting>().map_err(wrong)
-    };
-    let settings = settings.iter().map(parse).collect::<Result<Vec<_>>>()?;
-    if is_text {
-        return Ok(Scene::of(Scenario::parse_with(scene, "scene text", &settings)?));
-    }
-    Ok(SceneBuilder::load(scene, &settings)?)
-}
-
-/// Names of the built-in scenes.
-#[pyfunction]
-pub(crate) fn scenes() -> [&'static str; 4] {
-    Scenario::builtin_names()
-}
-
-/// A picture `(height, width, 4)` of uint8 as PNG.
-#[pyfunction]
-pub(crate) fn png<'py>(py: Python<'py>, pixels: PyReadonlyArray3<'py, u8>) -> PyResult<Bound<'py, PyBytes>> {
-    let view = pixels.as_array();
-    let wrong = |_| Fault::value("a picture is larger than 2^32 pixels a side", "draw a smaller one");
-    let [height, width] = [view.shape()[0], view.shape()[1]].map(|side| u32::try_from(side).map_err(wrong));
-    let image = Image { width: width?, height: height?, pixels: view.iter().copied().collect() };
-    let bytes = py.detach(|| gaitway::export::image::png(&image));
-    Ok(PyBytes::new(py, &bytes.map_err(gaitway::export::Error::from).map_err(Fault::from)?))
 }

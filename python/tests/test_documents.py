@@ -1,5 +1,6 @@
 """The README's lines and the notebook's cells run."""
 
+import doctest
 import json
 import os
 import sys
@@ -69,6 +70,12 @@ class Documents(unittest.TestCase):
         if DRAWS:
             self.assertIn("image/png", kinds)
         self.assertEqual([out for cell in book.cells for out in cell.get("outputs", []) if out.output_type == "error"], [])
+
+    def test_the_example_of_the_package_runs(self):
+        import gaitway
+
+        found = doctest.testmod(gaitway)
+        self.assertEqual((found.failed, found.attempted), (0, 4))
 
     def test_every_public_name_has_a_docstring_and_the_package_is_typed(self):
         import gaitway as gw

@@ -110,6 +110,13 @@ class Steps(unittest.TestCase):
         self.assertAlmostEqual(other.trajectories.frame_rate, 10.0)
         np.testing.assert_array_equal(run["x_m"][-60:], one.positions[:, 0])
 
+    def test_a_run_until_the_place_is_empty_ends_there(self):
+        nobody = crossing(agents=0)
+        nobody.run(5.0, until_empty=True)
+        somewhere = crossing()
+        somewhere.run(1.0, until_empty=True)
+        self.assertEqual((nobody.steps, somewhere.steps), (3, 30))
+
 
 class Views(unittest.TestCase):
     def test_views_are_read_only_float32_over_the_same_memory(self):
