@@ -3,6 +3,7 @@
 import gc
 import multiprocessing
 import os
+import signal
 import threading
 import timeit
 import unittest
@@ -235,6 +236,40 @@ class Threads(unittest.TestCase):
         with multiprocessing.get_context("fork").Pool(2) as pool:
             found = pool.starmap_async(hash_after, [(seed, 30) for seed in range(4)]).get(timeout=60)
         self.assertEqual(found, expected)
+
+    @unittest.skipUnless(hasattr(os, "fork"), "without forks")
+    def test_a_crowd_walks_on_in_a_fork(self):
+        KEPT.append(crossing())
+        KEPT[0].step(30)
+        with multiprocessing.get_context("fork").Pool(1) as pool:
+            found = pool.apply_async(hash_of_kept).get(timeout=60)
+        KEPT[0].step(30)
+        self.assertEqual(found, KEPT.pop().state_hash)
+
+    def test_ctrl_c_ends_a_long_step_and_the_crowd_walks_on(self):
+        def interrupt(*_):
+            raise KeyboardInterrupt
+
+        sim = crossing()
+        before = signal.signal(signal.SIGALRM, interrupt)
+        signal.setitimer(signal.ITIMER_REAL, 0.3)
+        try:
+            with self.assertRaises(KeyboardInterrupt):
+                sim.step(2**31)
+        finally:
+            signal.signal(signal.SIGALRM, before)
+        done = sim.steps
+        sim.step(3)
+        self.assertEqual(sim.steps, done + 3)
+
+
+#: A simulation of the parent that its workers see.
+KEPT = []
+
+
+def hash_of_kept():
+    KEPT[0].step(30)
+    return KEPT[0].state_hash
 
 
 class Led(unittest.TestCase):
