@@ -158,7 +158,8 @@ class Simulation(_gaitway.Simulation):
         """A picture of the crowd as it is now, which Jupyter shows.
 
         Args:
-            camera: ``"eyes"``, ``"orbit"``, ``"top"``, ``"follow"`` or ``"follow:AGENT"``.
+            camera: ``"eyes"`` (the user's; without one: from near the middle), ``"orbit"`` (the place at a glance, slowly going
+                round in videos), ``"top"`` (a map), ``"follow"`` or ``"follow:AGENT"``.
             size: width and height in pixels.
 
         Raises:

@@ -37,7 +37,7 @@ pub(crate) struct Crowd {
     device_of: Option<u32>,
     /// Whether the state was read since the last step.
     is_read: bool,
-    /// Emotions of everybody at the start.
+    /// Emotions of all agents at the start.
     emotions: Vec<[f32; 4]>,
     info: Vec<AgentInfo>,
     pub(crate) recorder: Option<Recorder>,
@@ -241,20 +241,13 @@ impl Crowd {
         Ok(stage)
     }
 
-    /// A picture of the crowd as it is.
-    pub(crate) fn picture(&mut self, camera: CameraChoice, size: (u32, u32)) -> Result<Image> {
-        let (_, time) = self.time();
+    /// A picture of the crowd as it is, `since` seconds after the first of a video.
+    pub(crate) fn picture(&mut self, camera: CameraChoice, size: (u32, u32), since: f64) -> Result<Image> {
         let stage = self.stage(size)?;
-        let camera = stage.camera(camera, time)?;
+        let camera = stage.camera(camera, since)?;
         let image = stage.picture(&camera)?;
         self.is_read = false;
         Ok(image)
-    }
-
-    /// Adds a frame to a video.
-    pub(crate) fn film(&mut self, video: &mut Video, camera: CameraChoice, size: (u32, u32)) -> Result<()> {
-        let image = self.picture(camera, size)?;
-        Ok(video.push(&image).map_err(gaitway::export::Error::from)?)
     }
 }
 

@@ -309,7 +309,7 @@ impl Simulation {
     #[pyo3(name = "_pixels")]
     fn pixels<'py>(&self, py: Python<'py>, camera: &str, size: (u32, u32)) -> PyResult<Bound<'py, PyAny>> {
         let camera = camera_of(camera)?;
-        let image = self.work(py, |crowd| crowd.picture(camera, size))?;
+        let image = self.work(py, |crowd| crowd.picture(camera, size, 0.0))?;
         let shape = [image.height as usize, image.width as usize, 4];
         Ok(PyArray1::from_vec(py, image.pixels).reshape(shape)?.into_any())
     }
@@ -335,7 +335,11 @@ impl Simulation {
             if frame > 0 {
                 self.step(py, every)?;
             }
-            self.work(py, |crowd| crowd.film(&mut video, camera, size))?;
+            let since = f64::from(frame) / fps;
+            self.work(py, |crowd| {
+                let image = crowd.picture(camera, size, since)?;
+                Ok(video.push(&image).map_err(gaitway::export::Error::from)?)
+            })?;
             py.check_signals()?;
         }
         let frames = video.frames();

@@ -74,7 +74,7 @@ KEPT = []
 
 
 def fault_of(makes):
-    """What a worker is told that uses its parent's device, or opens one after its parent."""
+    """What a worker hears that uses its parent's device, or opens one after its parent."""
     try:
         (crossing(backend="vulkan") if makes else KEPT[0]).step(1)
     except gw.Error as error:

@@ -87,7 +87,7 @@ class Steps(unittest.TestCase):
         along = (ahead * sim.velocities).sum(axis=1)[walking] / speeds[walking]
         self.assertGreater(np.median(along), 0.9, "heading 0 faces +z, positive towards +x")
 
-    def test_those_who_left_are_masked_and_the_mask_ends_a_loop(self):
+    def test_absent_agents_are_masked_and_the_mask_ends_a_loop(self):
         text = (ROOT / "assets" / "scenes" / "station.toml").read_text()
         sim = gw.Simulation(text, agents=40, seed=1, backend="cpu")
         sim.step(300)
@@ -112,11 +112,11 @@ class Steps(unittest.TestCase):
         np.testing.assert_array_equal(run["x_m"][-60:], one.positions[:, 0])
 
     def test_a_run_until_the_place_is_empty_ends_there(self):
-        nobody = crossing(agents=0)
-        nobody.run(5.0, until_empty=True)
+        empty = crossing(agents=0)
+        empty.run(5.0, until_empty=True)
         somewhere = crossing()
         somewhere.run(1.0, until_empty=True)
-        self.assertEqual((nobody.steps, somewhere.steps), (3, 30))
+        self.assertEqual((empty.steps, somewhere.steps), (3, 30))
 
 
 class Views(unittest.TestCase):
@@ -141,7 +141,7 @@ class Views(unittest.TestCase):
         self.assertFalse(np.array_equal(view, copy))
         np.testing.assert_array_equal(view, sim.positions)
         sim.run(1.0)
-        self.assertEqual(sim.positions.__array_interface__["data"], at, "nothing makes buffers anew")
+        self.assertEqual(sim.positions.__array_interface__["data"], at, "no buffer is made again")
 
     def test_a_view_is_safe_after_the_simulation_is_deleted(self):
         sim = crossing()
@@ -185,7 +185,7 @@ class Views(unittest.TestCase):
         np.testing.assert_array_equal(sim.positions_xy[:, 0], sim.positions[:, 0])
         np.testing.assert_array_equal(sim.positions_xy[:, 1], 0.0 - sim.positions[:, 1])
 
-    def test_a_crowd_of_nobody_has_empty_views(self):
+    def test_an_empty_crowd_has_empty_views(self):
         sim = crossing(agents=0)
         sim.step(3)
         self.assertEqual((sim.positions.shape, sim.emotions.shape, len(sim)), ((0, 2), (0, 4), 0))
