@@ -97,6 +97,8 @@ class Simulation(_gaitway.Simulation):
     def run(self, seconds: float, every: float = 0.1, until_empty: bool = False) -> Trajectories:
         """Walk for ``seconds`` and return who was where, in frames ``every`` seconds apart, the first of them now.
 
+        Both are whole numbers of steps.
+
         With ``until_empty`` it ends as soon as no agent is present.
         """
         return self._trajectories(super()._walk(seconds, every, until_empty), every)

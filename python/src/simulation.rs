@@ -114,7 +114,9 @@ impl Simulation {
             self.step(py, some)?;
             left -= some;
             let is_empty = self.work(py, |crowd| {
-                crowd.record(&mut recorder)?;
+                if some == recorder.every {
+                    crowd.record(&mut recorder)?;
+                }
                 let (store, agents) = crowd.read()?;
                 Ok(store.position[..agents].iter().all(|place| is_absent(*place)))
             })?;

@@ -111,6 +111,12 @@ class Steps(unittest.TestCase):
         self.assertAlmostEqual(other.trajectories.frame_rate, 10.0)
         np.testing.assert_array_equal(run["x_m"][-60:], one.positions[:, 0])
 
+    def test_frames_are_equally_far_apart(self):
+        sim = crossing()
+        run = sim.run(1.0, every=0.3)
+        np.testing.assert_allclose(np.unique(run["time_s"]), [0.0, 0.3, 0.6, 0.9], atol=1e-9)
+        self.assertEqual(sim.steps, 30)
+
     def test_a_run_until_the_place_is_empty_ends_there(self):
         empty = crossing(agents=0)
         empty.run(5.0, until_empty=True)
