@@ -21,9 +21,15 @@ impl Numbers {
     /// Of each element the numbers from `first(element)` on.
     fn of<T>(elements: &[T], agents: usize, first: impl Fn(&T) -> &f32) -> Self {
         let agents = agents.min(elements.len());
-        let nothing = std::ptr::NonNull::<f32>::dangling().as_ptr().cast_const();
-        let first = elements.first().map_or(nothing, |element| std::ptr::from_ref(first(element)));
-        Self { first, agents, stride: size_of::<T>() / size_of::<f32>() }
+        // from the pointer to the whole list: one to the first number may reach that number alone
+        let begin = elements.as_ptr();
+        let offset =
+            elements.first().map_or(0, |element| std::ptr::from_ref(first(element)).addr() - begin.addr());
+        Self {
+            first: begin.cast::<f32>().wrapping_byte_add(offset),
+            agents,
+            stride: size_of::<T>() / size_of::<f32>(),
+        }
     }
 
     pub(crate) fn positions(crowd: &mut Crowd) -> Result<Self> {
