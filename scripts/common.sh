@@ -15,6 +15,7 @@ fi
 vulkan_root=${GAITWAY_VULKAN_ROOT:-$cache/vulkan-trixie}
 pedpy_root=$cache/pedpy
 cluster_root=$cache/cluster
+python_root=$cache/python
 browser_root=${GAITWAY_BROWSER_ROOT:-$cache/browser}
 checkers_root=$cache/checkers
 # GNU's name of this machine, in library folders; Debian's own name of it is asked of dpkg.

@@ -50,6 +50,7 @@ use crate::{Error, stop};
 use clap::{CommandFactory as _, FromArgMatches as _, Parser, Subcommand};
 use failure::{WENT_WRONG, WRONG_COMMAND_LINE, failed, usage};
 use output::complain;
+use std::ffi::OsString;
 use std::process::ExitCode;
 
 /// Crowds of thousands of people who look happy, angry, sad or neutral.
@@ -195,11 +196,17 @@ impl Command {
 
 /// Reads the command line, does what it says and returns the exit code.
 pub fn main() -> ExitCode {
+    ExitCode::from(run_with(std::env::args_os()))
+}
+
+/// The same for words of a command line that did not start this process as they are; the first is the program's name.
+pub fn run_with(words: impl IntoIterator<Item = OsString>) -> u8 {
     stop::listen();
     threads::start();
-    let parsed =
-        command_line().try_get_matches().and_then(|found| Ok((Cli::from_arg_matches(&found)?, found)));
-    ExitCode::from(match parsed {
+    let parsed = command_line()
+        .try_get_matches_from(words)
+        .and_then(|found| Ok((Cli::from_arg_matches(&found)?, found)));
+    match parsed {
         Err(answer) => output::print(&answer),
         Ok((cli, found)) => {
             output::set_manner(cli.manner.quiet, cli.manner.verbose);
@@ -212,7 +219,7 @@ pub fn main() -> ExitCode {
             });
             exit_code(outcome, has_backend)
         }
-    })
+    }
 }
 
 /// The command line. A negative number is a value, so that its error names the allowed range, not an unknown option.

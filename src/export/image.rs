@@ -107,8 +107,8 @@ pub fn write_png(path: &Path, image: &Image) -> Result<(), Error> {
 ///
 /// # Errors
 /// When the picture is empty, or this build has no feature `png`.
-#[cfg(all(feature = "cli", feature = "study", feature = "xr"))]
-pub(crate) fn png(image: &Image) -> Result<Vec<u8>, Error> {
+#[doc(hidden)]
+pub fn png(image: &Image) -> Result<Vec<u8>, Error> {
     check(image)?;
     let mut bytes = Vec::new();
     encode_png(&mut bytes, image).map_err(Error::write(Path::new("memory")))?;

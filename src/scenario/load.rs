@@ -69,7 +69,15 @@ impl Scenario {
     /// # Errors
     /// [`Error::Syntax`] or [`Error::Value`], with origin and line.
     pub fn parse(text: &str, origin: &str) -> Result<Self, Error> {
-        Source { text, origin, settings: &[] }.read(None)
+        Self::parse_with(text, origin, &[])
+    }
+
+    /// [`Scenario::parse`] with other values for some keys, as if the text had them.
+    ///
+    /// # Errors
+    /// As [`Scenario::parse`]; [`Error::Setting`] for a value that has no place in the text.
+    pub fn parse_with(text: &str, origin: &str, settings: &[Setting]) -> Result<Self, Error> {
+        Source { text, origin, settings }.read(None)
     }
 
     /// [`Scenario::parse`] with other values for some keys; a `walkable_file` is looked for in `folder`.

@@ -347,6 +347,27 @@ fn the_walkable_area_of_a_thousand_random_places_is_the_bounds_less_all_obstacle
 }
 
 #[test]
+fn one_polygon_has_the_parts_that_places_are_in() {
+    let corners = |[x, z]: [f32; 2], [to_x, to_z]: [f32; 2]| {
+        vec![Vec2::new(x, z), Vec2::new(to_x, z), Vec2::new(to_x, to_z), Vec2::new(x, to_z)]
+    };
+    // a wall cuts a room into a large and a small part
+    let place = Walkable {
+        bounds: corners([0.0, 0.0], [10.0, 4.0]),
+        obstacles: vec![corners([7.0, -1.0], [7.5, 5.0])],
+    };
+    let (large, small) = (Vec2::new(2.0, 2.0), Vec2::new(9.0, 2.0));
+    for (places, holds_both, peopled) in
+        [(vec![], [true, false], 0), (vec![small], [false, true], 1), (vec![large, small], [true, true], 2)]
+    {
+        let (wkt, ground) = place.polygon(places);
+        assert!(wkt.starts_with("POLYGON"), "{wkt}");
+        assert_eq!([large, small].map(|at| holds(&wkt, at)), holds_both, "{wkt}");
+        assert_eq!((ground.parts, ground.peopled), (2, peopled));
+    }
+}
+
+#[test]
 fn all_scenes_and_a_thousand_random_places_load_in_pedpy_with_everyone_inside() {
     let Some(mut command) = pedpy("pedpy_areas.py") else { return };
     let folder = tempfile::tempdir().unwrap();
