@@ -205,8 +205,17 @@ fn runs_that_are_done_together_are_those_that_are_done_one_by_one() {
     let hashes = |backend: &str, together: &str| {
         let runs = path(&format!("{backend}-{together}"));
         let plan = path("plan.jsonl");
-        let output =
-            super::gaitway(&["run", &plan, "--out", &runs, "--backend", backend, "--together", together, "--json"]);
+        let output = super::gaitway(&[
+            "run",
+            &plan,
+            "--out",
+            &runs,
+            "--backend",
+            backend,
+            "--together",
+            together,
+            "--json",
+        ]);
         assert_eq!(output.status.code(), Some(1));
         let told: Value = serde_json::from_slice(&output.stdout).unwrap();
         assert_eq!((&told["done"], told["failed"].as_array().unwrap().len()), (&4.into(), 2), "{told}");
