@@ -144,7 +144,7 @@ fn setting(key: &str, value: &Value) -> String {
 }
 
 impl Plan {
-    /// Plans the sweep of a file. Every value is tried on the scenario by itself, the first [`TRIED`] of them.
+    /// Plans the sweep of a file. Every value is tried on the scenario by itself, the first thousand of them.
     ///
     /// # Errors
     /// What is wrong with the file, its scenario or a value, with its place.
@@ -207,7 +207,7 @@ impl Plan {
             .map_err(wrong)
     }
 
-    /// Reads what a plan's runs have in common, and `take`s those of these numbers.
+    /// Reads what a plan's runs have in common, and those whose numbers are `wanted`.
     ///
     /// # Errors
     /// [`Error::Read`], or [`Error::Plan`] for what is no plan, is of another version, or was changed by hand.

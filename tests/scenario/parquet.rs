@@ -89,8 +89,7 @@ fn robots_are_rows_that_are_no_people_and_feelings_stand_in_their_frames() {
 }
 
 #[test]
-fn what_the_thread_cannot_write_is_an_error_of_a_later_frame_and_leaves_nothing() {
-    // a device that is always full stands for a full disk
+fn a_file_that_was_taken_away_while_it_was_written_is_an_error_and_leaves_nothing() {
     if !cfg!(target_os = "linux") {
         return;
     }
