@@ -80,11 +80,11 @@ impl Scenario {
         Source { text, origin, settings }.read(None)
     }
 
-    /// [`Scenario::parse`] with other values for some keys; a `walkable_file` is looked for in `folder`.
+    /// [`Scenario::parse_with`]; a `walkable_file` is looked for in `folder`.
     ///
     /// # Errors
     /// As [`Scenario::load_with`].
-    pub(crate) fn parse_with(
+    pub(crate) fn parse_beside(
         text: &str,
         origin: &str,
         settings: &[Setting],

@@ -79,7 +79,7 @@ impl SceneBuilder {
         settings: &[Setting],
         folder: Option<&Path>,
     ) -> Result<Self, crate::Error> {
-        let scenario = Scenario::parse_with(text, origin, settings, folder)?;
+        let scenario = Scenario::parse_beside(text, origin, settings, folder)?;
         Ok(Self::of_settings(scenario, settings).folder(folder))
     }
 
