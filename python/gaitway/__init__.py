@@ -10,7 +10,7 @@ Units are metres, seconds and radians. The ground plane is (x, z), right-handed 
 only ``positions_xy``, ``walkable_area`` and ``to_pedpy`` are in it.
 """
 
-from . import gaits, statistics, study
+from . import gaits, scenario, statistics, study
 from ._errors import BadValue, Error
 from ._gaitway import Table, __version__, scenes
 from ._perceiver import Perceiver
@@ -34,6 +34,7 @@ __all__ = [
     "Video",
     "__version__",
     "gaits",
+    "scenario",
     "scenes",
     "statistics",
     "study",

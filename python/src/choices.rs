@@ -94,3 +94,9 @@ fn builder(scene: &str, is_text: bool, settings: &[String]) -> Result<SceneBuild
 pub(crate) fn scenes() -> [&'static str; 4] {
     Scenario::builtin_names()
 }
+
+/// The JSON Schema of a scenario file, as text.
+#[pyfunction]
+pub(crate) fn scenario_schema() -> String {
+    gaitway::scenario::json_schema().to_string()
+}

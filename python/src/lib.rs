@@ -32,6 +32,7 @@ fn _gaitway(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(command::main, module)?)?;
     module.add_function(wrap_pyfunction!(picture::png, module)?)?;
     module.add_function(wrap_pyfunction!(choices::scenes, module)?)?;
+    module.add_function(wrap_pyfunction!(choices::scenario_schema, module)?)?;
     module.add_function(wrap_pyfunction!(study::study_tables, module)?)?;
     statistics::register(module)
 }

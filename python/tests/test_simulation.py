@@ -66,6 +66,8 @@ class Steps(unittest.TestCase):
             hashes.add(sim.state_hash)
         self.assertEqual(len(hashes), 1)
         self.assertEqual(gw.scenes(), ["crossing", "garden", "parking", "scifi"])
+        patience = gw.scenario.schema()["properties"]["navigation"]["properties"]["patience"]
+        self.assertEqual((patience["unit"], patience["maximum"]), ("s", 600))
         self.assertIn("line", repr(gw.Simulation(LINE)))
         told = gw.Simulation(LINE, set={"description": 'a "b"', "population.emotions": {"sad": 1.0}})
         self.assertIn("""description = 'a "b"'""", told.scenario)

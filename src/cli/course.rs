@@ -259,7 +259,8 @@ impl Course {
         self.stepping += took;
         self.done += count;
         self.measures.take(simulation, self.done)?;
-        let is_frame = self.recording.as_ref().is_none_or(|recording| self.done % recording.every == 0);
+        let is_frame =
+            self.recording.as_ref().is_none_or(|recording| self.done.is_multiple_of(recording.every));
         if let Some(recording) = self.recording.as_mut().filter(|_| is_frame) {
             recording.frame(simulation)?;
         }

@@ -147,7 +147,7 @@ impl Islands {
 
     /// Does `count` steps with the present flow fields.
     fn walk(&mut self, count: u32) -> Result<(), crate::Error> {
-        let mut groups: Vec<(Vec<Phase>, Vec<(usize, Vec<Op>)>)> = Vec::new();
+        let mut groups: Vec<(Vec<Phase>, Members)> = Vec::new();
         for (index, crowd) in self.crowds.iter_mut().enumerate() {
             if crowd.store.step.agent_count == 0 {
                 crowd.store.step.step_index += count;
@@ -161,10 +161,10 @@ impl Islands {
             }
         }
         for (number, (_, members)) in groups.iter().enumerate() {
-            if self.together.len() <= number {
-                if let Some(engine) = self.crowds[members[0].0].engine() {
-                    self.together.push(Together::new(engine.device())?);
-                }
+            if self.together.len() <= number
+                && let Some(engine) = self.crowds[members[0].0].engine()
+            {
+                self.together.push(Together::new(engine.device())?);
             }
             let mut left = count;
             while left > 0 {
@@ -178,12 +178,7 @@ impl Islands {
     }
 
     /// Submits so many steps of the crowds of a group.
-    fn walk_batch(
-        &mut self,
-        number: usize,
-        members: &[(usize, Vec<Op>)],
-        batch: u32,
-    ) -> Result<(), crate::Error> {
+    fn walk_batch(&mut self, number: usize, members: &Members, batch: u32) -> Result<(), crate::Error> {
         let news: Vec<_> = members
             .iter()
             .map(|(index, _)| {
@@ -206,6 +201,10 @@ impl Islands {
         Ok(())
     }
 }
+
+/// Numbers of crowds whose steps are of the same phases, and the operations of a step of each.
+#[cfg(feature = "vulkan")]
+type Members = Vec<(usize, Vec<Op>)>;
 
 /// What the operations of a step run.
 #[cfg(feature = "vulkan")]

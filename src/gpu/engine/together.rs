@@ -59,7 +59,7 @@ impl Together {
             new.pool = raw.create_command_pool(&pool, None).map_err(call("vkCreateCommandPool"))?;
             let allocate = vk::CommandBufferAllocateInfo::default()
                 .command_pool(new.pool)
-                .command_buffer_count(1 + SUBMISSIONS as u32);
+                .command_buffer_count(u32::try_from(1 + SUBMISSIONS).unwrap_or(1));
             let made = raw.allocate_command_buffers(&allocate).map_err(call("vkAllocateCommandBuffers"))?;
             if let [step, first @ ..] = made.as_slice() {
                 new.step = *step;
