@@ -3,10 +3,12 @@
 //! On a Vulkan device the steps of all crowds are one submission, in which a barrier serves all of them: a crowd of some hundred
 //! people leaves most of a GPU idle, and 64 of them do not. On the CPU each crowd is a task of its own.
 
-use super::{BATCH, Error, Simulation};
+use super::{Error, Simulation};
 use crate::Scene;
 use rayon::prelude::*;
 
+#[cfg(feature = "vulkan")]
+use super::BATCH;
 #[cfg(feature = "vulkan")]
 use super::backend::{Machine, news};
 #[cfg(feature = "vulkan")]
