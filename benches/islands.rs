@@ -20,13 +20,12 @@ fn islands(criterion: &mut Criterion) {
     for (backend, label) in [(Backend::Cpu, "cpu"), (Backend::Vulkan, "vulkan")] {
         let scene = |seed| Scene::load("crossing")?.agents(AGENTS).seed(seed).backend(backend).build();
         let scenes: Vec<Scene> = (1..=CROWDS).map(scene).collect::<gaitway::Result<_>>().unwrap();
-        let mut crowds = match Islands::start(&scenes) {
-            Ok(crowds) => crowds,
-            Err(error) => {
-                println!("skipped: {label}: {error}");
-                continue;
-            }
-        };
+        let mut crowds = Islands::default();
+        let started = scenes.iter().try_for_each(|scene| scene.start_in(&mut crowds).map(|_| ()));
+        if let Err(error) = started {
+            println!("skipped: {label}: {error}");
+            continue;
+        }
         let mut group = criterion.benchmark_group(label);
         group
             .sample_size(10)

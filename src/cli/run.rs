@@ -287,7 +287,7 @@ impl<'a> Crew<'a> {
         } else {
             None
         };
-        let crowd = self.islands.add(&scene)?;
+        let crowd = scene.start_in(&mut self.islands)?;
         tell_place(crowd);
         match Course::begin(&scene, crowd, length, recording) {
             Ok(course) => {

@@ -31,7 +31,7 @@
 //! ```
 //!
 //! The rooms, from left to right; each uses only those before it (`tests/layers/imports.rs`):
-//! `file` (what a scenario file says), `polygon`, `random` and `personality` (used by all that follow), `builtin` and `menge`
+//! `file` (what a scenario file says), `schema` (the same for editors), `polygon`, `random` and `personality` (used by all that follow), `builtin` and `menge`
 //! (other origins of scenarios), `place` (geometry and scenery), `check` (ranges), `populate` (the agents), `load` (TOML).
 
 mod builtin;

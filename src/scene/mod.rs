@@ -36,7 +36,7 @@ use crate::replay::Replay;
 use crate::scenario::{Crowd, Geometry, Scenario, User};
 use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::flow::{self, Ways};
-use crate::sim::{AvatarSet, Backend, Simulation, setup};
+use crate::sim::{AvatarSet, Backend, Islands, Simulation, setup};
 use glam::Vec3;
 
 /// A crowd that is ready to be simulated.
@@ -119,6 +119,18 @@ impl Scene {
     pub fn start_beside(&self, other: &Simulation) -> Result<Simulation, crate::Error> {
         let start = self.buffers()?;
         Ok(self.introduce(other.beside(start.store)?, start.ways))
+    }
+
+    /// The crowd in motion among islands, on the device of those that are there. Returns it; it is the last of them.
+    ///
+    /// # Errors
+    /// As [`Self::start`].
+    pub fn start_in<'a>(&self, islands: &'a mut Islands) -> Result<&'a mut Simulation, crate::Error> {
+        let crowd = match islands.crowds().first() {
+            Some(first) => self.start_beside(first)?,
+            None => self.start()?,
+        };
+        Ok(islands.add(crowd))
     }
 
     /// The crowd in motion with its bodies, and their meshes.

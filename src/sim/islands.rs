@@ -4,7 +4,6 @@
 //! people leaves most of a GPU idle, and 64 of them do not. On the CPU each crowd is a task of its own.
 
 use super::{Error, Simulation};
-use crate::Scene;
 use rayon::prelude::*;
 
 #[cfg(feature = "vulkan")]
@@ -25,7 +24,10 @@ use crate::kernels::{Op, Phase};
 /// # fn main() -> gaitway::Result<()> {
 /// let scene = |seed| Scene::load("garden")?.agents(40).seed(seed).backend(Backend::Cpu).build();
 /// let scenes: Vec<Scene> = (1..=4).map(scene).collect::<gaitway::Result<_>>()?;
-/// let mut islands = Islands::start(&scenes)?;
+/// let mut islands = Islands::default();
+/// for scene in &scenes {
+///     scene.start_in(&mut islands)?;
+/// }
 /// islands.step(60)?;
 /// let mut alone = scenes[2].start()?;
 /// alone.step(60)?;
@@ -42,19 +44,7 @@ pub struct Islands {
 }
 
 impl Islands {
-    /// Starts the crowds of scenes, all of them on the backend and the device of the first.
-    ///
-    /// # Errors
-    /// As [`Scene::start`].
-    pub fn start(scenes: &[Scene]) -> Result<Self, crate::Error> {
-        let mut new = Self::default();
-        for scene in scenes {
-            new.add(scene)?;
-        }
-        Ok(new)
-    }
-
-    /// The crowds, in the order of their scenes.
+    /// The crowds, in the order in which they were added.
     pub fn crowds(&self) -> &[Simulation] {
         &self.crowds
     }
@@ -64,16 +54,10 @@ impl Islands {
         &mut self.crowds
     }
 
-    /// Adds the crowd of a scene, on the device of those that are there.
-    ///
-    /// # Errors
-    /// As [`Scene::start`].
-    pub fn add(&mut self, scene: &Scene) -> Result<&mut Simulation, crate::Error> {
-        let crowd = match self.crowds.first() {
-            Some(first) => scene.start_beside(first)?,
-            None => scene.start()?,
-        };
-        Ok(self.crowds.push_mut(crowd))
+    /// Adds a crowd. On another device than the first one it makes all crowds step one by one; see
+    /// [`Scene::start_in`](crate::Scene::start_in).
+    pub fn add(&mut self, crowd: Simulation) -> &mut Simulation {
+        self.crowds.push_mut(crowd)
     }
 
     /// Takes a crowd out; the last one takes its place.

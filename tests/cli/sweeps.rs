@@ -197,11 +197,8 @@ fn runs_that_are_done_together_are_those_that_are_done_one_by_one() {
     );
     std::fs::write(path("sweep.toml"), sweep).unwrap();
     good(&["plan", &path("sweep.toml"), "--out", &path("plan.jsonl")]);
-    let backends = if cfg!(feature = "vulkan") && std::env::var_os("GAITWAY_REQUIRE_GPU").is_some() {
-        &["cpu", "vulkan"][..]
-    } else {
-        &["cpu"]
-    };
+    let with_vulkan = cfg!(feature = "vulkan") && super::common::gpu::is_required();
+    let backends = if with_vulkan { &["cpu", "vulkan"][..] } else { &["cpu"] };
     let hashes = |backend: &str, together: &str| {
         let runs = path(&format!("{backend}-{together}"));
         let plan = path("plan.jsonl");

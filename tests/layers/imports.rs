@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 /// The rooms of `src/scenario`, from left to right, as in [`ORDER`]. What a file says stands alone; the last line reads all.
 const SCENARIO: &[&[&str]] = &[
     &["file"],
+    &["schema"],
     &["personality", "polygon", "random", "setting"],
     &["error"],
     &["builtin", "menge"],

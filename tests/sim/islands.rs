@@ -37,7 +37,11 @@ fn start(scenes: &[Scene]) -> Result<(Islands, Vec<Simulation>)> {
     for scene in &scenes[1..] {
         alone.push(scene.start_beside(&alone[0])?);
     }
-    Ok((Islands::start(scenes)?, alone))
+    let mut islands = Islands::default();
+    for scene in scenes {
+        scene.start_in(&mut islands)?;
+    }
+    Ok((islands, alone))
 }
 
 fn assert_alike(islands: &mut Islands, alone: &mut [Simulation], when: &str) {
@@ -89,7 +93,7 @@ fn on_a_device_each_is_what_it_is_alone() {
 
 #[test]
 fn no_crowds_are_no_error() {
-    let mut none = Islands::start(&[]).unwrap();
+    let mut none = Islands::default();
     none.step(10).unwrap();
     assert!(none.crowds().is_empty());
 }

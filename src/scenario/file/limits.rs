@@ -187,7 +187,7 @@ const LIMITS: [Limits; 114] = [
     number("events.strength", "1", 0.0, 1.0, "the weight that the emotion gets"),
     number("outsiders.radius", "m", 0.05, 5.0, "metres; a car is 1 wide each side"),
     number("outsiders.comfort", "m", 0.0, 5.0, "metres; 0.5 is usual"),
-    number("outsiders.size", "m", 0.05, 50.0, "metres"),
+    number("outsiders.size", "m", 0.05, 50.0, "metres: width, height, length"),
     place("walkers.position"),
     place("walkers.waypoints"),
     number("walkers.arrival", "m", 0.01, 100.0, REACH),

@@ -273,13 +273,13 @@ impl Default for Population {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Shares {
-    /// Share of those who look happy; left out: 0.
+    /// Share of people who look happy; left out: 0.
     pub happy: f32,
-    /// Share of those who look angry; left out: 0.
+    /// Share of people who look angry; left out: 0.
     pub angry: f32,
-    /// Share of those who look sad; left out: 0.
+    /// Share of people who look sad; left out: 0.
     pub sad: f32,
-    /// Share of those who look neutral; left out: 0.
+    /// Share of people who look neutral; left out: 0.
     pub neutral: f32,
 }
 

@@ -12,7 +12,7 @@ Every key of a scenario file: what it may be, its default and its range. `gaitwa
 `gaitway scene new` writes a file to begin with, and `gaitway scene check` says what is wrong with one.
 
 A scenario is a TOML file. Lengths are metres, times seconds, angles degrees about +y. Points are `[x, z]` on the ground: x to the
-right, z towards whoever looks at the plan. The ends of a range belong to it. A key without a default says what holds if it is
+right, z down on a plan. The ends of a range belong to it. A key without a default says what holds if it is
 left out, and a bold key must be given. Ratios, shares and indices have the unit 1.
 ";
 
