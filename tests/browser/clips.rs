@@ -105,7 +105,8 @@ fn a_clip_that_cannot_be_played_is_a_fault_and_the_participant_is_not_stuck() {
     shades.keys().for_each(|name| std::fs::write(clip(&lab, name), [7; 1000]).unwrap());
     let visit = Visit::of(browser, lab, Hands::Mouse);
     visit.open();
-    let mut given = visit.go_on("practice/1:film");
+    // the page passes over its film by itself, perhaps before it is looked at
+    let mut given = visit.go_on("practice/1*");
     visit.after("practice/1:film");
     let faults = |visit: &Visit| visit.stored("SELECT count(*) FROM event WHERE kind = 'fault'");
     assert!(faults(&visit) > 0);
