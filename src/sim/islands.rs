@@ -147,9 +147,10 @@ impl Islands {
             }
         }
         for (number, (_, members)) in groups.iter().enumerate() {
-            if self.together.len() <= number
-                && let Some(engine) = self.crowds[members[0].0].engine()
-            {
+            let Some(engine) = self.crowds[members[0].0].engine() else { continue };
+            // crowds on another device may have been there before
+            self.together.truncate(self.together.iter().take_while(|one| one.is_on(engine.device())).count());
+            if self.together.len() <= number {
                 self.together.push(Together::new(engine.device())?);
             }
             let mut left = count;

@@ -125,6 +125,16 @@ impl Visit {
         })
     }
 
+    /// Waits until the page does not pass on by itself any more.
+    pub(crate) fn settle(&self) {
+        self.browser.until("the page passes on by itself", |browser| {
+            let page = self.page();
+            std::thread::sleep(std::time::Duration::from_secs(1));
+            let waits = browser.count("form#answers") == 1 || browser.count(".play:enabled") == 1;
+            (waits && self.page() == page).then_some(())
+        });
+    }
+
     /// Waits for the film to be ready.
     pub(crate) fn wait_for_film(&self) {
         self.browser.until("no film", |browser| (browser.count(".play:enabled") == 1).then_some(()));

@@ -91,6 +91,24 @@ fn on_a_device_each_is_what_it_is_alone() {
     gpu::assert_silent();
 }
 
+/// Crowds that come after all others have gone are on a device of their own.
+#[cfg(feature = "vulkan")]
+#[test]
+fn crowds_come_and_go() {
+    let scene = Scene::load("garden").unwrap().agents(12).backend(Backend::Vulkan).build().unwrap();
+    let mut islands = Islands::default();
+    let mut hashes = Vec::new();
+    for _ in 0..3 {
+        if gpu::on_device(scene.start_in(&mut islands).map(|_| ())).is_none() {
+            return;
+        }
+        islands.step(20).unwrap();
+        hashes.push(state_hash(islands.remove(0).state().unwrap()));
+    }
+    assert!(hashes.windows(2).all(|pair| pair[0] == pair[1]), "{hashes:x?}");
+    gpu::assert_silent();
+}
+
 #[test]
 fn no_crowds_are_no_error() {
     let mut none = Islands::default();

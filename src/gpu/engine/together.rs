@@ -73,6 +73,11 @@ impl Together {
         Ok(new)
     }
 
+    /// Whether it is of this device.
+    pub(crate) fn is_on(&self, device: &Arc<Device>) -> bool {
+        Arc::ptr_eq(&self.device, device)
+    }
+
     /// Sets buffers, then runs the operations of a step of all parts so many times. The operations of the parts are of the same
     /// phases; how many invocations they have may differ. Returns once they are submitted; [`Self::finish`] waits for them, and
     /// no engine may go before.
