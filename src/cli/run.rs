@@ -179,6 +179,8 @@ struct Crew<'a> {
     /// Runs on their way, and their crowds in the same order.
     active: Vec<Active<'a>>,
     islands: Islands,
+    /// The crowd of a run that is over: the next one begins on its device.
+    last: Option<Simulation>,
     summary: Summary,
 }
 
@@ -197,6 +199,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         place: &arguments.place,
         active: Vec::new(),
         islands: Islands::default(),
+        last: None,
         summary: Summary { runs: runs.len(), ..Summary::default() },
     };
     let mut progress = Progress::new("sweep".to_owned());
@@ -287,7 +290,10 @@ impl<'a> Crew<'a> {
         } else {
             None
         };
-        let crowd = scene.start_in(&mut self.islands)?;
+        let crowd = match &self.last {
+            Some(last) if self.active.is_empty() => self.islands.add(scene.start_beside(last)?),
+            _ => scene.start_in(&mut self.islands)?,
+        };
         tell_place(crowd);
         match Course::begin(&scene, crowd, length, recording) {
             Ok(course) => {
@@ -319,7 +325,8 @@ impl<'a> Crew<'a> {
         }
         for number in (0..self.active.len()).rev() {
             if self.active[number].course.due().is_none() {
-                let (active, crowd) = (self.active.swap_remove(number), self.islands.remove(number));
+                let active = self.active.swap_remove(number);
+                let crowd = self.last.insert(self.islands.remove(number));
                 let (index, run) = (active.index, active.run);
                 let ended = end(self.header, active, crowd);
                 if let Some((committed, hash)) = self.summary.heed(index, run, ended)? {
@@ -338,9 +345,13 @@ impl<'a> Crew<'a> {
 }
 
 /// Ends a run: writes its record, and gives its folder its name. Returns what became of it and its state hash.
-fn end(header: &Header, mut active: Active<'_>, mut crowd: Simulation) -> Result<(Committed, String), Error> {
+fn end(
+    header: &Header,
+    mut active: Active<'_>,
+    crowd: &mut Simulation,
+) -> Result<(Committed, String), Error> {
     active.course.heed(crowd.finish())?;
-    let mut outcome = active.course.finish(&active.scene, &mut crowd)?;
+    let mut outcome = active.course.finish(&active.scene, crowd)?;
     if let Some(failure) = outcome.failure {
         return Err(super::failed(failure, "please report this with the plan and `gaitway verify`"));
     }
