@@ -7,8 +7,8 @@ use gaitway::sim::{Backend, Islands, Simulation};
 use gaitway::{Result, Scene};
 use glam::Vec2;
 
-/// Crowds that differ in all that a step may do: routes, sources, queues, feelings, prices of density, a robot, patience, groups,
-/// the paper's model, nobody at all.
+/// Crowds that differ in what a step does: routes, sources, queues, feelings, prices of density, a robot, patience, groups. One
+/// avoids by the paper's model, and one is empty.
 fn scenes(backend: Backend) -> Vec<Scene> {
     let of = |scenario: Scenario| Scene::of(scenario).backend(backend).build().unwrap();
     let load = |path: &str| Scenario::load(path.as_ref()).unwrap();
