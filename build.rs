@@ -243,10 +243,15 @@ fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> 
         list(&|b| format!("Self::{} => {},\n", camel(&b.name), is_uniform(b))),
         list(&|b| format!("Self::{} => {:#b},\n", camel(&b.name), mask(&b.integer_words))),
     );
-    let (field, bytes, bytes_mut) = (
+    let (field, words, bytes, bytes_mut) = (
         list(&|b| {
             let ty = if is_uniform(b) { b.rust.clone() } else { format!("Vec<{}>", b.rust) };
             format!("/// Buffer `{}`, declared at `{}`.\npub {}: {ty},\n", b.name, b.place, b.name)
+        }),
+        list(&|b| {
+            let value = format!("&mut self.{}", b.name);
+            let value = if is_uniform(b) { format!("std::slice::from_mut({value})") } else { value };
+            format!("wgsl_lanes::Words::write(bytemuck::must_cast_slice_mut({value})),\n")
         }),
         list(&|b| {
             let view = if is_uniform(b) { "bytemuck::bytes_of" } else { "bytemuck::cast_slice" };
@@ -261,7 +266,9 @@ fn store(kernels: &[(Source, Shader)], text: &mut String) -> Result<(), String> 
         text,
         "/// Every buffer, on the CPU.\n#[derive(Debug, Clone, Default)]\npub struct Store {{\n{field}}}\n\
          impl Store {{\n/// The bytes of a buffer.\npub fn bytes(&self, buffer: BufferId) -> &[u8] {{ match buffer {{\n{bytes}}} }}\n\
+         /// The words of all buffers, by [`BufferId`].\npub(crate) fn words(&mut self) -> [wgsl_lanes::Words<'_>; {count}] {{ [\n{words}] }}\n\
          /// The bytes of a buffer, to be overwritten.\npub fn bytes_mut(&mut self, buffer: BufferId) -> &mut [u8] {{ match buffer {{\n{bytes_mut}}} }}\n}}\n",
+        count = buffers.len(),
     );
     Ok(())
 }

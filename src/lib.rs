@@ -83,6 +83,7 @@ mod hash;
 #[doc(hidden)]
 pub mod kernels;
 mod keys;
+mod lanes;
 pub mod library;
 pub mod low_level;
 #[allow(clippy::disallowed_methods, reason = "judges gaits, makes no crowds")]

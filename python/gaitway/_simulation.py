@@ -41,7 +41,8 @@ class Simulation(_gaitway.Simulation):
         condition: ``"baseline"``, ``"eva-o"`` or ``"eva-g"``. Default: as in the scenario.
         set: other values for keys of the scenario, such as ``{"navigation.patience": 1.0}``.
         library: the gaits to walk with. Default: the built-in ones.
-        backend: ``"cpu"``, ``"vulkan"``, or ``"auto"``: the best GPU, or else the CPU.
+        backend: ``"cpu"``, ``"vulkan"``, or ``"auto"``: the best GPU, or else the CPU. ``"reference"`` is the CPU with
+            the plain kernels, which are slower and give the same bits.
         device: a part of the name of a Vulkan device, or its number.
         record: seconds between two frames that every step records, for ``trajectories``. Default: none is recorded.
 

@@ -52,8 +52,12 @@ impl Choices<'_> {
     }
 }
 
-const BACKENDS: [(&str, Backend); 3] =
-    [("auto", Backend::Auto), ("vulkan", Backend::Vulkan), ("cpu", Backend::Cpu)];
+const BACKENDS: [(&str, Backend); 4] = [
+    ("auto", Backend::Auto),
+    ("vulkan", Backend::Vulkan),
+    ("cpu", Backend::Cpu),
+    ("reference", Backend::Reference),
+];
 const CONDITIONS: [(&str, Condition); 3] =
     [("baseline", Condition::Baseline), ("eva-o", Condition::EvaO), ("eva-g", Condition::EvaG)];
 

@@ -85,7 +85,7 @@ impl Crowd {
         if !matches!(self.motion, Motion::Waits) {
             return Ok(());
         }
-        if self.scene.backend != Backend::Cpu {
+        if !self.scene.backend.is_cpu() {
             fork::check_may_open()?;
         }
         let simulation = self.scene.start()?;

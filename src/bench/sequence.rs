@@ -8,7 +8,7 @@ use crate::kernels::BufferId;
 use crate::kernels::layout::Teleport;
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::{Dispatch, KernelId, Phase, Store};
-use crate::reference;
+use crate::lanes::OnCpu;
 use crate::scenario::Gaze;
 use crate::sim::setup::{self, join};
 use crate::sim::{Backend, bodies, order};
@@ -34,6 +34,7 @@ pub struct Sequence {
     pub(super) agents: usize,
     store: Store,
     dispatches: Vec<Dispatch>,
+    on_cpu: OnCpu,
     #[cfg(feature = "vulkan")]
     engine: Option<Engine>,
 }
@@ -292,7 +293,7 @@ impl Sequence {
     ) -> Result<Self, crate::Error> {
         #[cfg(feature = "vulkan")]
         let engine = match backend {
-            Backend::Cpu => None,
+            Backend::Cpu | Backend::Reference => None,
             Backend::Auto | Backend::Vulkan => {
                 let mut kernels: Vec<KernelId> = dispatches.iter().map(Dispatch::kernel).collect();
                 kernels.dedup();
@@ -309,6 +310,7 @@ impl Sequence {
             agents,
             store,
             dispatches,
+            on_cpu: backend.on_cpu(),
             #[cfg(feature = "vulkan")]
             engine,
         })
@@ -336,7 +338,7 @@ impl Sequence {
         let mut times = Vec::with_capacity(self.dispatches.len());
         for dispatch in &self.dispatches {
             let begin = Instant::now();
-            reference::run(dispatch.phase, &mut self.store, dispatch.immediate);
+            self.on_cpu.run(dispatch, &mut self.store);
             times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
         }
         Ok(summed(times))

@@ -68,7 +68,8 @@ pub(super) struct SceneArguments {
 /// Where to compute.
 #[derive(Debug, Clone, Args)]
 pub(super) struct PlaceArguments {
-    /// Where to simulate; auto takes the device that is named, or else the best GPU, or else the CPU
+    /// Where to simulate; auto takes the device that is named, or else the best GPU, or else the CPU; reference is the CPU
+    /// with the plain kernels, which are slower and give the same bits
     #[arg(long, value_enum, default_value_t)]
     pub(super) backend: BackendName,
     /// Vulkan device: a part of its name, or its number in `gaitway devices` [default: `GAITWAY_DEVICE`, or the best]
@@ -90,6 +91,7 @@ pub(super) enum BackendName {
     Auto,
     Vulkan,
     Cpu,
+    Reference,
 }
 
 impl PlaceArguments {
@@ -99,10 +101,12 @@ impl PlaceArguments {
             BackendName::Auto => Backend::Auto,
             BackendName::Vulkan => Backend::Vulkan,
             BackendName::Cpu => Backend::Cpu,
+            BackendName::Reference => Backend::Reference,
         };
-        if backend == Backend::Cpu && self.device.is_some() {
+        if backend.is_cpu() && self.device.is_some() {
+            let name = if backend == Backend::Cpu { "cpu" } else { "reference" };
             return Err(usage(
-                "--device names a Vulkan device, but --backend is cpu",
+                format!("--device names a Vulkan device, but --backend is {name}"),
                 "leave one of them out",
             ));
         }

@@ -76,7 +76,7 @@ impl Value {
 /// naga drops those without a type once it has put them in where they are used, so every constant states its type.
 pub(super) fn of(source: &Source, module: &Module) -> Result<Vec<Constant>, Error> {
     let mut found = Vec::new();
-    for (at, line) in source.text.lines().enumerate() {
+    for (at, line) in source.text().lines().enumerate() {
         let Some(rest) = line.strip_prefix("const ") else { continue };
         let name = rest.split([':', ' ', '=']).next().unwrap_or_default();
         let (Some((file, line)), true) = (source.part(at), name != "KERNEL_ID") else { continue };

@@ -1,5 +1,5 @@
-//! What runs a simulation's kernels: the references on the CPU, or an engine on a Vulkan device. Nothing else in this room
-//! tells them apart.
+//! What runs a simulation's kernels: lanes or the references on the CPU, or an engine on a Vulkan device. Nothing else in
+//! this room tells them apart.
 
 #[cfg(not(feature = "vulkan"))]
 use super::Error;
@@ -8,7 +8,7 @@ use super::order;
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Device, Engine, Priority, Validation, Wanted};
 use crate::kernels::{BufferId, Op, Phase, Store};
-use crate::reference;
+use crate::lanes::OnCpu;
 #[cfg(feature = "vulkan")]
 use std::sync::Arc;
 use std::time::Instant;
@@ -22,11 +22,26 @@ pub enum Backend {
     Auto,
     /// A Vulkan device or an error.
     Vulkan,
-    /// The CPU: the reference kernels, on all cores.
+    /// The CPU: the shaders as code for its widest vectors, on all cores.
     Cpu,
+    /// The CPU: the reference kernels, plain and two to three times slower, on all cores. The bits are those of [`Self::Cpu`].
+    Reference,
 }
 
 impl Backend {
+    /// Whether it is the CPU by name.
+    pub const fn is_cpu(self) -> bool {
+        matches!(self, Self::Cpu | Self::Reference)
+    }
+
+    /// Which kernels run on the CPU.
+    pub(crate) const fn on_cpu(self) -> OnCpu {
+        match self {
+            Self::Reference => OnCpu::Twins,
+            _ => OnCpu::Lanes,
+        }
+    }
+
     /// Whether the CPU takes over when Vulkan cannot be used: not where a device is named, by `device` or by the
     /// environment variable `GAITWAY_DEVICE`.
     pub fn falls_back(self, device: Option<&str>) -> bool {
@@ -55,8 +70,8 @@ impl Backend {
 /// What runs the kernels.
 #[derive(Debug)]
 pub(super) enum Machine {
-    /// The reference kernels; the store is all the memory there is.
-    Cpu,
+    /// Kernels on the CPU; the store is all the memory there is.
+    Cpu(OnCpu),
     /// An engine, with buffers of its own beside the store.
     #[cfg(feature = "vulkan")]
     Vulkan(Box<Engine>),
@@ -72,8 +87,8 @@ impl Machine {
         device: Option<&str>,
         gives_way: bool,
     ) -> Result<(Self, Option<String>), crate::Error> {
-        if backend == Backend::Cpu {
-            return Ok((Self::Cpu, None));
+        if backend.is_cpu() {
+            return Ok((Self::Cpu(backend.on_cpu()), None));
         }
         let priority = if gives_way { Priority::Low } else { Priority::Normal };
         let opened = backend
@@ -81,7 +96,9 @@ impl Machine {
             .and_then(|device| Engine::new(&device, store, &order::kernels(store)));
         match opened {
             Ok(engine) => Ok((Self::Vulkan(Box::new(engine)), None)),
-            Err(error) if backend.falls_back(device) => Ok((Self::Cpu, Some(error.to_string()))),
+            Err(error) if backend.falls_back(device) => {
+                Ok((Self::Cpu(OnCpu::Lanes), Some(error.to_string())))
+            }
             Err(error) => Err(error.into()),
         }
     }
@@ -97,7 +114,7 @@ impl Machine {
         if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
             return Err(Error::NoVulkan.into());
         }
-        Ok((Self::Cpu, None))
+        Ok((Self::Cpu(backend.on_cpu()), None))
     }
 
     /// On a Vulkan device that is open already, with these kernels.
@@ -113,9 +130,9 @@ impl Machine {
     /// The same once more, with the buffers of `store`: on a device with the kernels that are there.
     pub(super) fn beside(&self, store: &Store) -> Result<Self, crate::Error> {
         match self {
-            Self::Cpu => {
+            Self::Cpu(kernels) => {
                 _ = store; // the store is all the memory there is
-                Ok(Self::Cpu)
+                Ok(Self::Cpu(*kernels))
             }
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => {
@@ -131,11 +148,11 @@ impl Machine {
     /// Opens the device again, with the buffers of `store`; on the CPU there is nothing to be lost.
     pub(super) fn renew(&mut self, store: &Store) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => _ = store,
+            Self::Cpu(_) => _ = store,
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => {
                 let lost = engine.device().clone();
-                *self = Self::Cpu; // the lost engine goes before the new one comes
+                *self = Self::Cpu(OnCpu::Lanes); // the lost engine goes before the new one comes
                 let device = lost.reopen()?;
                 drop(lost);
                 *self = Self::on(&device, store, &order::kernels(store))?;
@@ -146,7 +163,7 @@ impl Machine {
 
     /// Whether the state is elsewhere than in the store after a run.
     pub(super) const fn is_ahead(&self) -> bool {
-        !matches!(self, Self::Cpu)
+        !matches!(self, Self::Cpu(_))
     }
 
     /// Runs operations in their order. `contents(index, buffer)` gives what the operation [`Op::Set`] number `index` writes.
@@ -159,7 +176,7 @@ impl Machine {
         times: Option<&mut Vec<(Phase, f64)>>,
     ) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => run_on_cpu(store, ops, contents, times),
+            Self::Cpu(kernels) => run_on_cpu(*kernels, store, ops, contents, times),
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => {
                 let ran = engine.run(ops, contents, times.is_some())?;
@@ -182,11 +199,11 @@ impl Machine {
         times: Option<&mut Vec<(Phase, f64)>>,
     ) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => {
+            Self::Cpu(kernels) => {
                 _ = is_new; // the store is all the memory there is
                 let mut times = times;
                 for _ in 0..count {
-                    run_on_cpu(store, ops, |_, _| Vec::new(), times.as_deref_mut());
+                    run_on_cpu(*kernels, store, ops, |_, _| Vec::new(), times.as_deref_mut());
                 }
             }
             #[cfg(feature = "vulkan")]
@@ -208,7 +225,7 @@ impl Machine {
     /// Waits until all is done.
     pub(super) fn finish(&mut self) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => {}
+            Self::Cpu(_) => {}
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.finish()?,
         }
@@ -218,7 +235,7 @@ impl Machine {
     /// Brings buffers into the store.
     pub(super) fn fetch(&mut self, store: &mut Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => _ = (store, buffers),
+            Self::Cpu(_) => _ = (store, buffers),
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.download(store, buffers)?,
         }
@@ -228,7 +245,7 @@ impl Machine {
     /// Takes over buffers of the store, whose lengths are as before.
     pub(super) fn take(&mut self, store: &Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => _ = (store, buffers),
+            Self::Cpu(_) => _ = (store, buffers),
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.upload(store, buffers)?,
         }
@@ -238,7 +255,7 @@ impl Machine {
     /// Takes over buffers of the store, of any length.
     pub(super) fn replace(&mut self, store: &Store, buffers: &[BufferId]) -> Result<(), crate::Error> {
         match self {
-            Self::Cpu => _ = (store, buffers),
+            Self::Cpu(_) => _ = (store, buffers),
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.replace(store, buffers)?,
         }
@@ -248,9 +265,10 @@ impl Machine {
     /// What it is, in words.
     pub(super) fn describe(&self) -> String {
         match self {
-            Self::Cpu => {
+            Self::Cpu(kernels) => {
                 let threads = rayon::current_num_threads();
-                format!("CPU reference ({threads} thread{})", if threads == 1 { "" } else { "s" })
+                let what = kernels.name();
+                format!("{what} ({threads} thread{})", if threads == 1 { "" } else { "s" })
             }
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.device().describe(),
@@ -260,7 +278,7 @@ impl Machine {
     /// Which arithmetic the kernels are computed with.
     pub(super) fn arithmetic(&self) -> Result<String, crate::Error> {
         Ok(match self {
-            Self::Cpu => "native".to_owned(),
+            Self::Cpu(_) => "native".to_owned(),
             #[cfg(feature = "vulkan")]
             Self::Vulkan(engine) => engine.device().arithmetic()?.to_string(),
         })
@@ -270,7 +288,7 @@ impl Machine {
     #[cfg(feature = "vulkan")]
     pub(super) fn engine(&self) -> Option<&Engine> {
         match self {
-            Self::Cpu => None,
+            Self::Cpu(_) => None,
             Self::Vulkan(engine) => Some(engine),
         }
     }
@@ -282,8 +300,9 @@ pub(super) fn news(store: &Store) -> Vec<(BufferId, Vec<u8>)> {
     [BufferId::Step, BufferId::StepCount].map(|id| (id, store.bytes(id).to_vec())).into()
 }
 
-/// Runs operations on the reference kernels.
+/// Runs operations on the CPU.
 fn run_on_cpu(
+    kernels: OnCpu,
     store: &mut Store,
     ops: &[Op],
     contents: impl Fn(usize, BufferId) -> Vec<u8>,
@@ -295,7 +314,7 @@ fn run_on_cpu(
             Op::CountStep => store.step.step_index = store.step_count[0],
             Op::Dispatch(dispatch) => {
                 let begin = Instant::now();
-                reference::run(dispatch.phase, store, dispatch.immediate);
+                kernels.run(&dispatch, store);
                 if let Some(times) = &mut times {
                     times.push((dispatch.phase, begin.elapsed().as_secs_f64() * 1e3));
                 }

@@ -109,6 +109,8 @@ pub enum Fault {
 #[derive(Debug)]
 pub struct Equipment {
     cast: AvatarSet,
+    /// What runs the kernels where there is no device.
+    on_cpu: Backend,
     #[cfg(feature = "vulkan")]
     device: Option<Arc<Device>>,
     /// Why the CPU is used although Vulkan was tried.
@@ -126,22 +128,23 @@ impl Equipment {
     pub fn new(backend: Backend, device: Option<&str>) -> Result<Self, Error> {
         let gait = walker::person(Emotion::Neutral, walker::Sex::Female, 1, 0)?;
         let cast = AvatarSet::new(&[gait], vec![generated(Sex::Female)])?;
+        let on_cpu = if backend.is_cpu() { backend } else { Backend::Cpu };
         #[cfg(feature = "vulkan")]
         {
-            let opened = (backend != Backend::Cpu).then(|| backend.open(device));
+            let opened = (!backend.is_cpu()).then(|| backend.open(device));
             let (device, fallback) = match opened {
                 None => (None, None),
                 Some(Ok(device)) => (Some(device), None),
                 Some(Err(error)) if backend.falls_back(device) => (None, Some(error.to_string())),
                 Some(Err(error)) => return Err(error.into()),
             };
-            Ok(Self { cast, device, fallback, fault: Fault::None })
+            Ok(Self { cast, on_cpu, device, fallback, fault: Fault::None })
         }
         #[cfg(not(feature = "vulkan"))]
         if backend == Backend::Vulkan || (backend == Backend::Auto && !backend.falls_back(device)) {
             Err(crate::sim::Error::NoVulkan.into())
         } else {
-            Ok(Self { cast, fallback: None, fault: Fault::None })
+            Ok(Self { cast, on_cpu, fallback: None, fault: Fault::None })
         }
     }
 
@@ -159,7 +162,7 @@ impl Equipment {
             let simulation = Simulation::steps_on(start.store, device)?;
             return Ok(scene.introduce(simulation, start.ways));
         }
-        let simulation = Simulation::from_store(start.store, Backend::Cpu, None)?;
+        let simulation = Simulation::from_store(start.store, self.on_cpu, None)?;
         Ok(scene.introduce(simulation, start.ways))
     }
 }

@@ -367,8 +367,8 @@ fn stage(
 ) -> Result<Staged, crate::Error> {
     let height = start.store.frame.agent_height;
     make_room(&mut start.store);
-    let simulation = if scene.backend == Backend::Cpu {
-        Simulation::from_store(start.store, Backend::Cpu, None)?
+    let simulation = if scene.backend.is_cpu() {
+        Simulation::from_store(start.store, scene.backend, None)?
     } else {
         Simulation::on_device(start.store, device)?
     };

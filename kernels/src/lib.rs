@@ -1,0 +1,70 @@
+//! gaitway's kernels for the lanes of a CPU, generated from its shaders by [`wgsl_lanes`].
+#![allow(unsafe_code, reason = "the one call of the generated code")]
+
+use rayon::prelude::*;
+use std::ops::Range;
+use wgsl_lanes::{Isa, Words};
+
+/// What a generated kernel's function looks like.
+type Run = unsafe fn(&[Words<'_>], u32, Range<u32>);
+
+/// Invocations that a thread takes at a time: enough that the start of a chunk costs nothing.
+const CHUNK: u32 = 256;
+
+/// A buffer that a kernel takes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Binding {
+    /// Name of the variable in the shader.
+    pub name: &'static str,
+    /// Whether it is written.
+    pub is_written: bool,
+}
+
+/// A phase of a kernel.
+#[derive(Debug)]
+pub struct Kernel {
+    /// Name of the entry point.
+    pub name: &'static str,
+    /// The buffers, in the order in which [`Self::run`] takes them.
+    pub bindings: &'static [Binding],
+    runs: &'static [(Isa, Run)],
+}
+
+impl Kernel {
+    /// The phase of that name, if lanes run it.
+    pub fn of(name: &str) -> Option<&'static Self> {
+        KERNELS.iter().find(|kernel| kernel.name == name)
+    }
+
+    /// Runs so many invocations, on all threads.
+    ///
+    /// # Panics
+    /// Another number of buffers than there are bindings, or a machine without the instructions.
+    pub fn run(&self, isa: Isa, buffers: &[Words<'_>], immediate: u32, invocations: u32) {
+        assert_eq!(buffers.len(), self.bindings.len(), "{} takes other buffers", self.name);
+        assert!(isa.is_here(), "this machine has no {}", isa.name());
+        let (_, run) = self.runs.iter().find(|(known, _)| *known == isa).unwrap_or(&self.runs[0]);
+        let chunk = |number: u32| {
+            let begin = number * CHUNK;
+            // SAFETY: the machine has the instructions. The kernels are written for devices, which run all invocations of a
+            // dispatch at once: none reads or writes what another writes, but by atomic operations.
+            unsafe { run(buffers, immediate, begin..begin.saturating_add(CHUNK).min(invocations)) }
+        };
+        let chunks = invocations.div_ceil(CHUNK);
+        if chunks < 2 {
+            (0..chunks).for_each(chunk);
+        } else {
+            (0..chunks).into_par_iter().for_each(chunk);
+        }
+    }
+}
+
+#[allow(warnings, clippy::all, reason = "generated")]
+mod generated {
+    use super::{Binding, Kernel, Run};
+    use wgsl_lanes::Isa;
+
+    include!(concat!(env!("OUT_DIR"), "/kernels.rs"));
+}
+
+pub use generated::{KERNELS, LEFT_OUT};

@@ -1,0 +1,254 @@
+//! AVX2: eight words. A truth value is a word of ones or zeros.
+
+use std::arch::x86_64::*;
+
+/// How many invocations run side by side.
+pub const LANES: usize = 8;
+
+/// One word a lane.
+#[derive(Debug, Clone, Copy)]
+#[repr(transparent)]
+pub struct V(__m256i);
+
+/// One truth value a lane.
+#[derive(Debug, Clone, Copy)]
+#[repr(transparent)]
+pub struct M(__m256i);
+
+/// 2^31 as a float.
+const TWO_31: u32 = 0x4f00_0000;
+/// 2^32 as a float.
+const TWO_32: u32 = 0x4f80_0000;
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn float(v: V) -> __m256 {
+    _mm256_castsi256_ps(v.0)
+}
+
+#[inline]
+#[target_feature(enable = "avx2")]
+fn bits(v: __m256) -> V {
+    V(_mm256_castps_si256(v))
+}
+
+/// Operations of one instruction, of this and another.
+macro_rules! both {
+    ($($(#[$doc:meta])* $name:ident |$a:ident, $b:ident| $body:expr;)*) => {
+        $($(#[$doc])* #[inline] #[target_feature(enable = "avx2")] pub fn $name(self, other: Self) -> Self {
+            let ($a, $b) = (self, other);
+            $body
+        })*
+    };
+}
+
+/// Operations on this alone.
+macro_rules! one {
+    ($($(#[$doc:meta])* $name:ident |$a:ident| $body:expr;)*) => {
+        $($(#[$doc])* #[inline] #[target_feature(enable = "avx2")] pub fn $name(self) -> Self {
+            let $a = self;
+            $body
+        })*
+    };
+}
+
+/// Comparisons with another.
+macro_rules! compare {
+    ($($(#[$doc:meta])* $name:ident |$a:ident, $b:ident| $body:expr;)*) => {
+        $($(#[$doc])* #[inline] #[target_feature(enable = "avx2")] pub fn $name(self, other: Self) -> M {
+            let ($a, $b) = (self, other);
+            M($body.0)
+        })*
+    };
+}
+
+impl V {
+    /// The word in all lanes.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn c(word: u32) -> Self {
+        Self(_mm256_set1_epi32(word as i32))
+    }
+
+    /// 0, 1, 2, and so on.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn iota() -> Self {
+        Self(_mm256_setr_epi32(0, 1, 2, 3, 4, 5, 6, 7))
+    }
+
+    /// The word of the first lane that is true.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn first(self, mask: M) -> u32 {
+        let lane = mask.bits().trailing_zeros() as i32;
+        _mm256_cvtsi256_si32(_mm256_permutevar8x32_epi32(self.0, _mm256_set1_epi32(lane))) as u32
+    }
+
+    both! {
+        /// Sum of floats.
+        fadd |a, b| bits(_mm256_add_ps(float(a), float(b)));
+        /// Difference of floats.
+        fsub |a, b| bits(_mm256_sub_ps(float(a), float(b)));
+        /// Product of floats.
+        fmul |a, b| bits(_mm256_mul_ps(float(a), float(b)));
+        /// Quotient of floats.
+        fdiv |a, b| bits(_mm256_div_ps(float(a), float(b)));
+        /// The lesser float; the second where neither is less.
+        fmin |a, b| bits(_mm256_min_ps(float(a), float(b)));
+        /// The greater float; the second where neither is greater.
+        fmax |a, b| bits(_mm256_max_ps(float(a), float(b)));
+        /// Sum, modulo 2^32.
+        iadd |a, b| Self(_mm256_add_epi32(a.0, b.0));
+        /// Difference, modulo 2^32.
+        isub |a, b| Self(_mm256_sub_epi32(a.0, b.0));
+        /// Product, modulo 2^32.
+        imul |a, b| Self(_mm256_mullo_epi32(a.0, b.0));
+        /// Bits of both.
+        and |a, b| Self(_mm256_and_si256(a.0, b.0));
+        /// Bits of either.
+        or |a, b| Self(_mm256_or_si256(a.0, b.0));
+        /// Bits that differ.
+        xor |a, b| Self(_mm256_xor_si256(a.0, b.0));
+        /// Shifted to the higher bits, by the other modulo 32.
+        ishl |a, b| Self(_mm256_sllv_epi32(a.0, b.and(Self::c(31)).0));
+        /// Shifted to the lower bits, by the other modulo 32; zeros come in.
+        ushr |a, b| Self(_mm256_srlv_epi32(a.0, b.and(Self::c(31)).0));
+        /// Shifted to the lower bits, by the other modulo 32; the sign comes in.
+        ishr |a, b| Self(_mm256_srav_epi32(a.0, b.and(Self::c(31)).0));
+        /// The lesser unsigned.
+        umin |a, b| Self(_mm256_min_epu32(a.0, b.0));
+        /// The greater unsigned.
+        umax |a, b| Self(_mm256_max_epu32(a.0, b.0));
+        /// The lesser signed.
+        imin |a, b| Self(_mm256_min_epi32(a.0, b.0));
+        /// The greater signed.
+        imax |a, b| Self(_mm256_max_epi32(a.0, b.0));
+    }
+
+    one! {
+        /// Square root of a float.
+        fsqrt |a| bits(_mm256_sqrt_ps(float(a)));
+        /// Magnitude of a float.
+        fabs |a| a.and(Self::c(0x7fff_ffff));
+        /// A float negated.
+        fneg |a| a.xor(Self::c(0x8000_0000));
+        /// A float rounded down.
+        ffloor |a| bits(_mm256_floor_ps(float(a)));
+        /// A float rounded up.
+        fceil |a| bits(_mm256_ceil_ps(float(a)));
+        /// A float rounded towards zero.
+        ftrunc |a| bits(_mm256_round_ps::<{ _MM_FROUND_TO_ZERO | _MM_FROUND_NO_EXC }>(float(a)));
+        /// A float rounded to the nearest, of two the even.
+        fround |a| bits(_mm256_round_ps::<{ _MM_FROUND_TO_NEAREST_INT | _MM_FROUND_NO_EXC }>(float(a)));
+        /// To an unsigned integer, towards zero; the nearest where it does not fit, NaN to 0.
+        f_to_u |a| {
+            let (half, whole) = (Self::c(TWO_31), Self::c(TWO_32));
+            let a = a.fmax(Self::c(0)); // of NaN the zero
+            let (is_high, is_over) = (half.fle(a), whole.fle(a));
+            let low = a.fsub(is_high.pick(half, Self::c(0)));
+            let word = Self(_mm256_cvttps_epi32(float(low))).xor(is_high.pick(Self::c(0x8000_0000), Self::c(0)));
+            is_over.pick(Self::c(u32::MAX), word)
+        };
+        /// To a signed integer, towards zero; the nearest where it does not fit, NaN to 0.
+        f_to_i |a| {
+            let is_over = Self::c(TWO_31).fle(a);
+            let word = Self(_mm256_cvttps_epi32(float(a))).xor(Self(is_over.0));
+            a.feq(a).pick(word, Self::c(0))
+        };
+        /// A float of an unsigned integer, rounded once.
+        u_to_f |a| {
+            let high = _mm256_cvtepi32_ps(a.ushr(Self::c(16)).0);
+            let low = _mm256_cvtepi32_ps(a.and(Self::c(0xffff)).0);
+            bits(_mm256_add_ps(_mm256_mul_ps(high, _mm256_set1_ps(65536.0)), low))
+        };
+        /// A float of a signed integer.
+        i_to_f |a| bits(_mm256_cvtepi32_ps(a.0));
+        /// Magnitude of a signed integer.
+        iabs |a| Self(_mm256_abs_epi32(a.0));
+    }
+
+    compare! {
+        /// Equal words.
+        ieq |a, b| Self(_mm256_cmpeq_epi32(a.0, b.0));
+        /// Less, as unsigned integers.
+        ult |a, b| Self(_mm256_cmpgt_epi32(b.xor(Self::c(0x8000_0000)).0, a.xor(Self::c(0x8000_0000)).0));
+        /// Less, as signed integers.
+        ilt |a, b| Self(_mm256_cmpgt_epi32(b.0, a.0));
+        /// Equal, as floats.
+        feq |a, b| bits(_mm256_cmp_ps::<_CMP_EQ_OQ>(float(a), float(b)));
+        /// Less, as floats.
+        flt |a, b| bits(_mm256_cmp_ps::<_CMP_LT_OQ>(float(a), float(b)));
+        /// Less or equal, as floats.
+        fle |a, b| bits(_mm256_cmp_ps::<_CMP_LE_OQ>(float(a), float(b)));
+    }
+}
+
+impl M {
+    /// The same in all lanes.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn c(value: bool) -> Self {
+        Self(_mm256_set1_epi32(-i32::from(value)))
+    }
+
+    both! {
+        /// Both.
+        and |a, b| Self(_mm256_and_si256(a.0, b.0));
+        /// Either.
+        or |a, b| Self(_mm256_or_si256(a.0, b.0));
+        /// One of them alone.
+        xor |a, b| Self(_mm256_xor_si256(a.0, b.0));
+        /// This without the other.
+        andnot |a, b| Self(_mm256_andnot_si256(b.0, a.0));
+    }
+
+    /// Not.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn negated(self) -> Self {
+        self.xor(Self::c(true))
+    }
+
+    /// A bit a lane, the first lowest.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn bits(self) -> u32 {
+        _mm256_movemask_ps(float(V(self.0))) as u32
+    }
+
+    /// The first where true, else the second.
+    #[inline]
+    #[target_feature(enable = "avx2")]
+    pub fn pick(self, yes: V, no: V) -> V {
+        V(_mm256_blendv_epi8(no.0, yes.0, self.0))
+    }
+}
+
+/// The word at each lane's index.
+///
+/// # Safety
+/// Every index is that of a word that may be read.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn gather(from: *const u32, index: V) -> V {
+    // SAFETY: the caller vouches for each index.
+    V(unsafe { _mm256_i32gather_epi32::<4>(from.cast(), index.0) })
+}
+
+/// The `W` words from each lane's index on.
+///
+/// # Safety
+/// They may be read.
+#[inline]
+#[target_feature(enable = "avx2")]
+unsafe fn gather_row<const W: usize>(from: *const u32, index: V) -> [V; W] {
+    let mut row = [V::c(0); W];
+    for (offset, value) in row.iter_mut().enumerate() {
+        // SAFETY: the caller vouches for each index.
+        *value = unsafe { gather(from.add(offset), index) };
+    }
+    row
+}
+
+common!(#[target_feature(enable = "avx2")]);

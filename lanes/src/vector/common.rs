@@ -1,0 +1,359 @@
+//! What the modules of all instruction sets have alike, written once and compiled for each.
+
+/// Lane by lane, memory, and arrays that each lane indexes for itself. Needs `LANES`, `V` and `M` with their methods; `$attr` enables
+/// the instructions.
+macro_rules! common {
+    ($(#[$attr:meta])*) => {
+        use crate::Words;
+        use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+        impl V {
+            /// The words, lane by lane.
+            #[inline(always)]
+            pub const fn to_array(self) -> [u32; LANES] {
+                // SAFETY: both are so many words without invalid values.
+                unsafe { std::mem::transmute::<Self, [u32; LANES]>(self) }
+            }
+
+            /// Of one word a lane.
+            #[inline(always)]
+            pub const fn from_array(words: [u32; LANES]) -> Self {
+                // SAFETY: both are so many words without invalid values.
+                unsafe { std::mem::transmute::<[u32; LANES], Self>(words) }
+            }
+
+            /// `first`, `first` + 1, and so on.
+            #[inline]
+            $(#[$attr])*
+            pub fn count_from(first: u32) -> Self {
+                Self::c(first).iadd(Self::iota())
+            }
+
+            /// The float in all lanes.
+            #[inline]
+            $(#[$attr])*
+            pub fn f(value: f32) -> Self {
+                Self::c(value.to_bits())
+            }
+
+            /// `f` of each lane's float.
+            #[inline]
+            $(#[$attr])*
+            fn each_f(self, other: Self, f: impl Fn(f32, f32) -> f32) -> Self {
+                self.each(other, |a, b| f(f32::from_bits(a), f32::from_bits(b)).to_bits())
+            }
+
+            /// `f` of each lane's words.
+            #[inline]
+            $(#[$attr])*
+            fn each(self, other: Self, f: impl Fn(u32, u32) -> u32) -> Self {
+                let (mut words, others) = (self.to_array(), other.to_array());
+                for (word, other) in words.iter_mut().zip(others) {
+                    *word = f(*word, other);
+                }
+                Self::from_array(words)
+            }
+
+            /// Remainder, with the sign of the dividend.
+            #[inline]
+            $(#[$attr])*
+            pub fn frem(self, other: Self) -> Self {
+                self.each_f(other, |a, b| a % b)
+            }
+
+            /// Quotient of unsigned integers; by zero the dividend.
+            #[inline]
+            $(#[$attr])*
+            pub fn udiv(self, other: Self) -> Self {
+                self.each(other, |a, b| a.checked_div(b).unwrap_or(a))
+            }
+
+            /// Remainder of unsigned integers; by zero it is zero.
+            #[inline]
+            $(#[$attr])*
+            pub fn urem(self, other: Self) -> Self {
+                self.each(other, |a, b| a.checked_rem(b).unwrap_or(0))
+            }
+
+            /// Quotient of signed integers, towards zero; by zero, or where it does not fit, the dividend.
+            #[inline]
+            $(#[$attr])*
+            pub fn idiv(self, other: Self) -> Self {
+                self.each(other, |a, b| (a as i32).checked_div(b as i32).unwrap_or(a as i32) as u32)
+            }
+
+            /// Remainder of signed integers, with the sign of the dividend; by zero it is zero.
+            #[inline]
+            $(#[$attr])*
+            pub fn irem(self, other: Self) -> Self {
+                self.each(other, |a, b| (a as i32).checked_rem(b as i32).unwrap_or(0) as u32)
+            }
+
+            /// Ones of each word.
+            #[inline]
+            $(#[$attr])*
+            pub fn popcount(self) -> Self {
+                self.each(self, |a, _| a.count_ones())
+            }
+
+            /// Zeros before the highest one of each word.
+            #[inline]
+            $(#[$attr])*
+            pub fn leading_zeros(self) -> Self {
+                self.each(self, |a, _| a.leading_zeros())
+            }
+
+            /// Zeros behind the lowest one of each word.
+            #[inline]
+            $(#[$attr])*
+            pub fn trailing_zeros(self) -> Self {
+                self.each(self, |a, _| a.trailing_zeros())
+            }
+
+            /// Negated integers.
+            #[inline]
+            $(#[$attr])*
+            pub fn ineg(self) -> Self {
+                Self::c(0).isub(self)
+            }
+
+            /// Of a float each to a float: the second, where the first is not less.
+            #[inline]
+            $(#[$attr])*
+            pub fn fclamp(self, low: Self, high: Self) -> Self {
+                let raised = self.flt(low).pick(low, self);
+                high.flt(raised).pick(high, raised)
+            }
+
+            /// Unsigned integers within bounds.
+            #[inline]
+            $(#[$attr])*
+            pub fn uclamp(self, low: Self, high: Self) -> Self {
+                self.umax(low).umin(high)
+            }
+
+            /// Signed integers within bounds.
+            #[inline]
+            $(#[$attr])*
+            pub fn iclamp(self, low: Self, high: Self) -> Self {
+                self.imax(low).imin(high)
+            }
+        }
+
+        impl M {
+            /// Some lane is true.
+            #[inline]
+            $(#[$attr])*
+            pub fn any(self) -> bool {
+                self.bits() != 0
+            }
+
+            /// 1 or 0.
+            #[inline]
+            $(#[$attr])*
+            pub fn to_u(self) -> V {
+                self.pick(V::c(1), V::c(0))
+            }
+
+            /// 1.0 or 0.0.
+            #[inline]
+            $(#[$attr])*
+            pub fn to_f(self) -> V {
+                self.pick(V::f(1.0), V::f(0.0))
+            }
+        }
+
+        /// The first `count` lanes.
+        #[inline]
+        $(#[$attr])*
+        pub fn first_lanes(count: u32) -> M {
+            V::iota().ult(V::c(count))
+        }
+
+        /// The lanes of a set of bits, lowest first.
+        struct Bits(u32);
+
+        impl Iterator for Bits {
+            type Item = usize;
+
+            #[inline(always)]
+            fn next(&mut self) -> Option<usize> {
+                let lane = self.0.trailing_zeros();
+                self.0 &= self.0.wrapping_sub(1);
+                (lane < 32).then_some(lane as usize)
+            }
+        }
+
+        /// The word at each lane's index.
+        #[inline]
+        $(#[$attr])*
+        pub fn word(from: Words<'_>, index: V) -> V {
+            let index = index.umin(V::c(from.readable() - 1));
+            // SAFETY: every index is below the number of readable words.
+            unsafe { gather(from.first(), index) }
+        }
+
+        /// The `W` words from each lane's index on.
+        #[inline]
+        $(#[$attr])*
+        pub fn row<const W: usize>(from: Words<'_>, index: V) -> [V; W] {
+            let index = index.umin(V::c(from.readable().saturating_sub(W as u32)));
+            // SAFETY: a buffer has whole elements, so the words up to `index + W` are there.
+            unsafe { gather_row(from.first(), index) }
+        }
+
+        /// Writes each active lane's word to its index.
+        #[inline]
+        $(#[$attr])*
+        pub fn set_word(to: Words<'_>, index: V, value: V, mask: M) {
+            let (index, value) = (index.to_array(), value.to_array());
+            for lane in Bits(mask.bits()) {
+                to.set(index[lane], value[lane]);
+            }
+        }
+
+        /// Writes each active lane's words from its index on.
+        #[inline]
+        $(#[$attr])*
+        pub fn set_row<const W: usize>(to: Words<'_>, index: V, value: [V; W], mask: M) {
+            let (index, value) = (index.to_array(), value.map(V::to_array));
+            for lane in Bits(mask.bits()) {
+                for (offset, value) in (0..).zip(&value) {
+                    to.set(index[lane].wrapping_add(offset), value[lane]);
+                }
+            }
+        }
+
+        /// An atomic operation of each active lane in turn; what was there before.
+        #[inline]
+        $(#[$attr])*
+        fn atomic(at: Words<'_>, index: V, value: V, mask: M, f: impl Fn(&AtomicU32, u32) -> u32) -> V {
+            let (index, mut value) = (index.to_array(), value.to_array());
+            for lane in Bits(mask.bits()) {
+                value[lane] = at.atomic(index[lane]).map_or(0, |word| f(word, value[lane]));
+            }
+            V::from_array(value)
+        }
+
+        common!(@atomic $(#[$attr])*; atomic_load |word, _| word.load(Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_store |word, value| { word.store(value, Relaxed); 0 });
+        common!(@atomic $(#[$attr])*; atomic_add |word, value| word.fetch_add(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_sub |word, value| word.fetch_sub(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_and |word, value| word.fetch_and(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_or |word, value| word.fetch_or(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_xor |word, value| word.fetch_xor(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_exchange |word, value| word.swap(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_umin |word, value| word.fetch_min(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_umax |word, value| word.fetch_max(value, Relaxed));
+        common!(@atomic $(#[$attr])*; atomic_imin |word, value| signed(word, value, i32::min));
+        common!(@atomic $(#[$attr])*; atomic_imax |word, value| signed(word, value, i32::max));
+
+        /// An atomic operation on a signed integer.
+        #[inline]
+        fn signed(word: &AtomicU32, value: u32, f: fn(i32, i32) -> i32) -> u32 {
+            let changed = word.fetch_update(Relaxed, Relaxed, |there| Some(f(there as i32, value as i32) as u32));
+            match changed {
+                Ok(before) | Err(before) => before,
+            }
+        }
+
+        /// The index of all active lanes, if they have the same.
+        #[inline]
+        $(#[$attr])*
+        fn shared(index: V, length: usize, mask: M) -> Option<usize> {
+            let first = index.first(mask);
+            let differ = mask.andnot(index.ieq(V::c(first)));
+            (!differ.any()).then_some((first as usize).min(length - 1))
+        }
+
+        /// Where in an array of rows each lane's own word of column 0 lies.
+        #[inline]
+        $(#[$attr])*
+        fn own(index: V, length: usize, columns: usize) -> V {
+            let row = index.umin(V::c(length as u32 - 1)).imul(V::c((columns * LANES) as u32));
+            row.iadd(V::iota())
+        }
+
+        /// The element of an array at each lane's index; the last beyond the end.
+        #[inline]
+        $(#[$attr])*
+        pub fn at<const N: usize>(array: &[V; N], index: V, mask: M) -> V {
+            let [value] = row_at(as_rows(array), index, mask);
+            value
+        }
+
+        /// The row of an array at each lane's index; the last beyond the end.
+        #[inline]
+        $(#[$attr])*
+        pub fn row_at<const C: usize, const N: usize>(array: &[[V; C]; N], index: V, mask: M) -> [V; C] {
+            if let Some(shared) = shared(index, N, mask) {
+                return array[shared];
+            }
+            let own = own(index, N, C);
+            let mut row = [V::c(0); C];
+            for (column, value) in (0..).zip(&mut row) {
+                // SAFETY: the row is below N, the column below C and the lane below LANES.
+                *value = unsafe { gather(array.as_ptr().cast(), own.iadd(V::c(column * LANES as u32))) };
+            }
+            row
+        }
+
+        /// Overwrites the element at each active lane's index; beyond the end the last.
+        #[inline]
+        $(#[$attr])*
+        pub fn put<const N: usize>(array: &mut [V; N], index: V, value: V, mask: M) {
+            row_put(as_rows_mut(array), index, [value], mask);
+        }
+
+        /// Overwrites the row at each active lane's index; beyond the end the last.
+        #[inline]
+        $(#[$attr])*
+        pub fn row_put<const C: usize, const N: usize>(array: &mut [[V; C]; N], index: V, value: [V; C], mask: M) {
+            for (column, value) in value.into_iter().enumerate() {
+                put_column(array, index, column, value, mask);
+            }
+        }
+
+        /// Overwrites one column of the row at each active lane's index; beyond the end that of the last.
+        #[inline]
+        $(#[$attr])*
+        pub fn put_column<const C: usize, const N: usize>(
+            array: &mut [[V; C]; N], index: V, column: usize, value: V, mask: M,
+        ) {
+            if let Some(shared) = shared(index, N, mask) {
+                let place = &mut array[shared][column];
+                *place = mask.pick(value, *place);
+                return;
+            }
+            let (index, value) = (index.to_array(), value.to_array());
+            for lane in Bits(mask.bits()) {
+                let place = &mut array[(index[lane] as usize).min(N - 1)][column];
+                let mut words = place.to_array();
+                words[lane] = value[lane];
+                *place = V::from_array(words);
+            }
+        }
+
+        /// Elements as rows of one column.
+        #[inline(always)]
+        fn as_rows<const N: usize>(array: &[V; N]) -> &[[V; 1]; N] {
+            // SAFETY: an array of one is laid out as what it holds.
+            unsafe { &*std::ptr::from_ref(array).cast() }
+        }
+
+        /// The same to be written.
+        #[inline(always)]
+        fn as_rows_mut<const N: usize>(array: &mut [V; N]) -> &mut [[V; 1]; N] {
+            // SAFETY: an array of one is laid out as what it holds.
+            unsafe { &mut *std::ptr::from_mut(array).cast() }
+        }
+    };
+    (@atomic $(#[$attr:meta])*; $name:ident |$word:pat_param, $value:pat_param| $body:expr) => {
+        #[doc = concat!("`", stringify!($name), "` of each active lane in turn; what was there before.")]
+        #[inline]
+        $(#[$attr])*
+        pub fn $name(at: Words<'_>, index: V, value: V, mask: M) -> V {
+            atomic(at, index, value, mask, |$word, $value| $body)
+        }
+    };
+}

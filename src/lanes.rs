@@ -1,0 +1,82 @@
+//! The kernels on the CPU, side by side: what `gaitway_kernels` has of the shaders, for the widest vectors of this machine.
+//! The others run as their twins. Both give the same bits.
+
+use crate::kernels::{BufferId, Dispatch, Extent, Phase, Store};
+use crate::reference;
+use gaitway_kernels::Kernel;
+use std::sync::OnceLock;
+use wgsl_lanes::{Isa, Words};
+
+/// A phase that lanes run.
+struct Lane {
+    kernel: &'static Kernel,
+    buffers: Vec<BufferId>,
+}
+
+/// The widest vectors of this machine.
+fn best() -> Isa {
+    static BEST: OnceLock<Isa> = OnceLock::new();
+    *BEST.get_or_init(Isa::best)
+}
+
+/// Which kernels run on the CPU.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum OnCpu {
+    /// Those of the shaders, by the widest vectors that there are; where lanes have none, the twin.
+    Lanes,
+    /// The twins.
+    Twins,
+}
+
+impl OnCpu {
+    /// Runs a dispatch.
+    pub(crate) fn run(self, dispatch: &Dispatch, store: &mut Store) {
+        if self == Self::Twins || !run_on(best(), dispatch, store) {
+            reference::run(dispatch.phase, store, dispatch.immediate);
+        }
+    }
+
+    /// What computes, in words.
+    pub(crate) fn name(self) -> &'static str {
+        match (self, best()) {
+            (Self::Twins, _) => "CPU reference",
+            (Self::Lanes, Isa::Portable) => "CPU",
+            (Self::Lanes, Isa::Avx2) => "CPU with AVX2",
+            (Self::Lanes, Isa::Avx512) => "CPU with AVX-512",
+        }
+    }
+}
+
+/// Runs a dispatch by vectors of a kind. Whether lanes run its kernel at all.
+pub(crate) fn run_on(isa: Isa, dispatch: &Dispatch, store: &mut Store) -> bool {
+    let Some(lane) = lane(dispatch.phase) else { return false };
+    let invocations = match dispatch.extent {
+        Extent::Invocations(count) => count,
+        Extent::Indirect(buffer, element) => {
+            let groups: &[u32] = bytemuck::cast_slice(store.bytes(buffer));
+            let count: u32 = groups[element as usize..][..3].iter().product();
+            count * dispatch.phase.entry().workgroup_size[0]
+        }
+    };
+    let all = store.words();
+    let buffers: Vec<Words<'_>> = lane.buffers.iter().map(|id| all[*id as usize]).collect();
+    lane.kernel.run(isa, &buffers, dispatch.immediate, invocations);
+    true
+}
+
+fn lane(phase: Phase) -> Option<&'static Lane> {
+    static LANES: OnceLock<Vec<Option<Lane>>> = OnceLock::new();
+    let all = LANES.get_or_init(|| Phase::ALL.iter().map(|phase| find(*phase)).collect());
+    all[phase as usize].as_ref()
+}
+
+fn find(phase: Phase) -> Option<Lane> {
+    let is_there = |phase: &Phase| Kernel::of(phase.entry().name).is_some();
+    if !phase.kernel().kernel().phases.iter().all(is_there) {
+        return None; // the twin of a kernel may do in one phase what the shader does in two
+    }
+    let kernel = Kernel::of(phase.entry().name)?;
+    let buffer = |name: &str| BufferId::ALL.into_iter().find(|id| id.name() == name);
+    let buffers: Option<Vec<BufferId>> = kernel.bindings.iter().map(|binding| buffer(binding.name)).collect();
+    Some(Lane { kernel, buffers: buffers? })
+}
