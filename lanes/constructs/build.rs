@@ -1,0 +1,34 @@
+//! Writes each shader of `wgsl/` as Rust, once for each set of instructions.
+#![allow(clippy::print_stdout, reason = "cargo reads a build script's standard output")]
+
+use naga::valid::{Capabilities, ValidationFlags, Validator};
+use std::error::Error;
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+use wgsl_lanes::Isa;
+use wgsl_lanes::generate::kernel;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    println!("cargo::rerun-if-changed=wgsl");
+    let out = PathBuf::from(std::env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
+    let is_x86 = std::env::var("CARGO_CFG_TARGET_ARCH").is_ok_and(|arch| arch == "x86_64");
+    let mut all = String::new();
+    for entry in std::fs::read_dir("wgsl")? {
+        let file = entry?.path();
+        let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let module = naga::front::wgsl::parse_str(&std::fs::read_to_string(&file)?)?;
+        let info = Validator::new(ValidationFlags::all(), Capabilities::IMMEDIATES).validate(&module)?;
+        let mut runs = String::new();
+        for isa in Isa::ALL.into_iter().filter(|isa| is_x86 || *isa == Isa::Portable) {
+            let set = isa.name();
+            let written = kernel(&module, &info, 0, isa)?;
+            std::fs::write(out.join(format!("{name}.{set}.rs")), written.text)?;
+            let path = Path::new(&out).join(format!("{name}.{set}.rs"));
+            let _ = writeln!(all, "mod {name}_{set} {{ include!({:?}); }}", path.display().to_string());
+            let _ = write!(runs, "(Isa::{isa:?}, {name}_{set}::run as Run), ");
+        }
+        let _ = writeln!(all, "/// `wgsl/{name}.wgsl`\npub const {}: Runs = &[{runs}];", name.to_uppercase());
+    }
+    std::fs::write(out.join("constructs.rs"), all)?;
+    Ok(())
+}

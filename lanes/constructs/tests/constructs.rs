@@ -1,0 +1,312 @@
+//! Each kernel of `wgsl/` beside the same in plain Rust, with every set of instructions that the machine has.
+#![allow(
+    clippy::unwrap_used,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    clippy::cast_precision_loss,
+    clippy::float_cmp,
+    reason = "bits of words, as a shader has them"
+)]
+
+use wgsl_lanes_constructs::{ATOMICS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
+
+/// Counts of invocations: none, fewer than lanes, as many, and more.
+const COUNTS: [u32; 6] = [0, 1, 7, 16, 37, 256];
+
+/// What each set makes of buffer `number` is what is expected.
+fn expect(runs: Runs, buffers: &[Vec<u32>], immediate: u32, count: u32, number: usize, want: &[u32]) {
+    let all = run(runs, buffers, immediate, count);
+    assert!(!all.is_empty(), "no set of instructions is here");
+    for (isa, made) in all {
+        for (at, (want, got)) in want.iter().zip(&made[number]).enumerate() {
+            let (a, b) = (f32::from_bits(*want), f32::from_bits(*got));
+            assert!(want == got || (a.is_nan() && b.is_nan()), "{isa:?}, word {at} of {count}: {want:#x} {a}, got {got:#x} {b}");
+        }
+        assert_eq!(want.len(), made[number].len());
+    }
+}
+
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
+fn greater(a: f32, b: f32) -> f32 {
+    if b < a { a } else { b }
+}
+
+#[test]
+fn floats_are_those_of_ieee_754() {
+    let special = [
+        0.0f32, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 3.999, 1e-45, -1e-40, 1e38, -3e38, f32::INFINITY, f32::NEG_INFINITY,
+        f32::NAN, 2_147_483_500.0, 4_294_967_000.0, 5e9, -5e9, 16_777_217.0,
+    ];
+    let pairs: Vec<[f32; 2]> = special.iter().flat_map(|a| special.map(|b| [*a, b])).collect();
+    let given: Vec<u32> = pairs.iter().flatten().map(|f| f.to_bits()).collect();
+    let row = |[a, b]: [f32; 2]| {
+        let clamped = if a < -1.5 { -1.5 } else { a };
+        let signs = [a < b, a <= b, a == b, a != b, a > b, a >= b];
+        let bits = signs.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);
+        [
+            a + b,
+            a - b,
+            a * b,
+            a / b,
+            a.sqrt(),
+            lesser(a, b),
+            greater(a, b),
+            if b < clamped { b } else { clamped },
+            a.floor() + b.ceil(),
+            a.trunc() * 2.0 + b.round_ties_even(),
+            a.abs() - -b,
+            (a as u32) as f32,
+            (b as i32) as f32,
+            f32::from_bits(bits),
+            f32::from_bits((a as u32) ^ (b as i32) as u32),
+            (a * b + b * 3.0) + (a * (1.0 - 0.25) + b * 0.25) + (a - a.floor()),
+        ]
+        .map(f32::to_bits)
+    };
+    let want: Vec<u32> = pairs.iter().flat_map(|pair| row(*pair)).collect();
+    let count = pairs.len() as u32;
+    expect(FLOATS, &[given, vec![0; want.len()]], 0, count + 40, 1, &want); // those beyond the end do nothing
+}
+
+/// Words that are not all alike.
+fn draws(count: usize) -> Vec<u32> {
+    let next = |x: &u32| Some(x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
+    std::iter::successors(Some(12_345), next).take(count).map(|x| (x ^ x >> 15) >> (x >> 27)).collect()
+}
+
+#[test]
+fn integers_wrap_and_divide_as_in_the_language() {
+    for count in COUNTS {
+        let given = draws(2 * count as usize);
+        let row = |pair: &[u32]| {
+            let (a, b) = (pair[0], pair[1]);
+            let (s, t) = (a as i32, b as i32);
+            let bits = |all: &[bool]| all.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);
+            [
+                a.wrapping_add(b),
+                a.wrapping_sub(b),
+                a.wrapping_mul(b),
+                a / b.max(1),
+                a % b.max(1),
+                (s / t.max(1)) as u32,
+                (s % t.max(1)) as u32,
+                (a & b) | (a ^ b),
+                !a,
+                a << (b % 32),
+                a >> (b % 32),
+                (s >> (b % 32)) as u32,
+                a.min(b),
+                a.max(b),
+                s.min(t) as u32,
+                s.max(-100).min(t.max(-100)) as u32,
+                a.count_ones() + b.leading_zeros() * 64 + a.trailing_zeros() * 4096,
+                (s.wrapping_neg() as u32).wrapping_add(t.unsigned_abs()),
+                bits(&[a < b, a <= b, a == b, a > b, a >= b]),
+                bits(&[s < t, s <= t, s != t, s > t, s >= t]),
+                (a as f32).to_bits(),
+                (s as f32).to_bits(),
+                if a > 7 && b > 7 { b } else { a }.wrapping_add(if a > 9 || b > 9 { 2 } else { 1 }),
+                u32::from((a != 0) != (b & 1 != 0)) + u32::from((a > 3) == (b > 3)) * 2 + u32::from(a <= b) * 4,
+            ]
+        };
+        let want: Vec<u32> = given.chunks(2).flat_map(row).collect();
+        expect(INTEGERS, &[given, vec![0; want.len()]], 0, count, 1, &want);
+    }
+}
+
+fn collatz(start: u32) -> u32 {
+    let (mut at, mut turns) = (start, 0);
+    loop {
+        if at <= 1 {
+            return turns;
+        }
+        if turns > 40 {
+            break;
+        }
+        at = if at % 2 == 0 { at / 2 } else { at.wrapping_mul(3).wrapping_add(1) };
+        turns += 1;
+    }
+    at.wrapping_add(1000)
+}
+
+fn pairs(most: u32) -> u32 {
+    let mut count = 0;
+    for i in 0..most {
+        for j in i..12 {
+            if (i + j) % 3 == 0 {
+                continue;
+            }
+            if i * j > most + 7 {
+                return count + 100 * i;
+            }
+            if j > most {
+                break;
+            }
+            count += 1;
+        }
+        if count > 40 {
+            continue;
+        }
+        count += 2;
+    }
+    count
+}
+
+fn name(kind: u32) -> u32 {
+    match kind {
+        0 => 1,
+        1 | 2 => 20,
+        5 => 500,
+        _ => 7 + kind,
+    }
+}
+
+fn machine(program: u32) -> u32 {
+    let (mut rest, mut sum) = (program, 0u32);
+    while rest != 0 {
+        let code = rest & 3;
+        rest >>= 2;
+        match code {
+            0 => continue,
+            1 => sum += 1,
+            2 if sum > 5 => {}
+            2 => sum *= 2,
+            _ => sum += 10,
+        }
+        sum ^= 1;
+    }
+    sum
+}
+
+#[test]
+fn lanes_part_and_meet_again_in_branches_loops_and_switches() {
+    for count in COUNTS {
+        let mut given: Vec<u32> = draws(count as usize).into_iter().map(|x| x % 97).collect();
+        if let Some(third) = given.get_mut(2) {
+            *third = 13;
+        }
+        let row = |value: u32| {
+            if value == 13 {
+                return [13; 4];
+            }
+            let mut last = name(value * 2 % 8);
+            loop {
+                last += 3;
+                if last > value {
+                    break;
+                }
+            }
+            [collatz(value), pairs(value % 12), name(value % 7) + 10000 * last, machine(value)]
+        };
+        let want: Vec<u32> = given.iter().flat_map(|value| row(*value)).collect();
+        expect(FLOW, &[given, vec![0; want.len()]], 0, count, 1, &want);
+    }
+}
+
+/// `Item`: 8 words and 2 that fill it up, since its `vec2` begins at an even word.
+const ITEM: usize = 8;
+
+/// What `memory.wgsl` makes: the copies, and `made`.
+fn memory(id: u32, given: &[u32], settings: &[u32]) -> (Vec<u32>, [u32; 4]) {
+    let f = f32::from_bits;
+    let mut item = given.to_vec();
+    let (low, high, count, table) = (0, 2, 4, 5);
+    let by = id + 1;
+    item[count] = item[count].wrapping_add(by);
+    item[table + (by % 3) as usize] = by;
+    item[high + 1] = (f(item[high + 1]) + 1.0).to_bits();
+    let (mut stack, mut words) = ([[0.0f32; 2]; 6], [9u32, 8, 7, 6, 5]);
+    let (mut top, mut other) = (0u32, 70u32);
+    for i in 0..item[count] % 7 {
+        stack[top as usize] = [i as f32 * f(settings[0]), f(item[low]) * f(settings[1])];
+        top = (top + 1).min(5);
+    }
+    stack[(item[count] % 4) as usize][1] = 50.0;
+    top += words[(item[count] % 6).min(4) as usize];
+    std::mem::swap(&mut top, &mut other);
+    words[(id % 3) as usize] = [3, 1, 4, 1][(top % 4) as usize];
+    words[4] = words[1] + settings[4 + 4 * (id % 2) as usize + (id % 4) as usize] + settings[8 + 2];
+    let v = [f(item[low]), 2.0];
+    let mut chosen = if v[0] < 0.0 { (v[1], [-v[1], -v[0]]) } else { (v[0], v) };
+    let picked = stack[(id % 5) as usize];
+    if item[count] > 4 {
+        stack[1] = [0.0, f(settings[14])];
+        chosen = (1.0, picked);
+    }
+    let made = [
+        (top + 100 * other) as f32,
+        words[(id % 5) as usize] as f32,
+        stack[1][1] + chosen.1[0],
+        picked[(item[count] % 2) as usize],
+    ];
+    item[low] = chosen.0.to_bits();
+    item[high] = chosen.1[0].to_bits();
+    item[high + 1] = chosen.1[1].to_bits();
+    (item, made.map(f32::to_bits))
+}
+
+#[test]
+fn variables_arrays_and_buffers_hold_what_each_lane_put_there() {
+    let offset = 3;
+    let settings: Vec<u32> = [2.0f32, -3.0, 0.0, 0.0]
+        .map(f32::to_bits)
+        .into_iter()
+        .chain([10, 20, 30, 40, 50, 60, 70, 80])
+        .chain([1.5f32, 2.5, 3.5, 4.5].map(f32::to_bits))
+        .collect();
+    for count in COUNTS {
+        let items: Vec<Vec<u32>> = (0..count + offset)
+            .map(|i| {
+                let floats = [i as f32 - 9.0, 0.0, 0.5, i as f32];
+                floats.map(f32::to_bits).into_iter().chain([i * 7, 1, 2, 3]).collect()
+            })
+            .collect();
+        let (mut copies, mut made) = (Vec::new(), Vec::new());
+        for id in 0..count {
+            let (copy, row) = memory(id, &items[(id + offset) as usize], &settings);
+            // the gap behind `low` is not written
+            copies.extend(copy.iter().enumerate().map(|(at, word)| if at == 1 { 0 } else { *word }));
+            made.extend(row);
+        }
+        let empty = |words: usize| vec![0; words];
+        let buffers = [settings.clone(), items.concat(), empty(count as usize * ITEM), empty(count as usize * 4), vec![]];
+        expect(MEMORY, &buffers, offset, count, 2, &copies);
+        expect(MEMORY, &buffers, offset, count, 3, &made);
+    }
+}
+
+#[test]
+fn atomic_operations_lose_nothing() {
+    for count in COUNTS {
+        let given: Vec<u32> = draws(count as usize).into_iter().map(|x| (x % 2001).wrapping_sub(1000)).collect();
+        let mut sums = [0u32, 0, 0, 0, u32::MAX, u32::MAX, 0, 0, 0, 0];
+        let (mut extremes, mut list) = ([i32::MAX, i32::MIN, 0], vec![0; count as usize]);
+        for (id, bits) in (0..).zip(&given) {
+            let value = *bits as i32;
+            sums[0] = sums[0].wrapping_add(*bits);
+            sums[1] = sums[1].wrapping_sub(*bits);
+            sums[2] |= bits;
+            sums[3] ^= bits;
+            sums[4] &= bits | 0xffff_0000;
+            sums[5] = sums[5].min(*bits);
+            sums[6] = sums[6].max(*bits);
+            extremes = [extremes[0].min(value), extremes[1].max(value), extremes[2]];
+            if value > 0 {
+                list[sums[7] as usize] = id;
+                sums[7] += 1;
+                sums[8 + (id % 2) as usize] = 1;
+                extremes[2] = 5;
+            }
+        }
+        let start = vec![0u32, 0, 0, 0, u32::MAX, u32::MAX, 0, 0, 0, 0];
+        let ends = [i32::MAX as u32, i32::MIN as u32, 0].to_vec();
+        let buffers = [given, start, ends, vec![0; count as usize]];
+        expect(ATOMICS, &buffers, 0, count, 1, &sums);
+        expect(ATOMICS, &buffers, 0, count, 2, &extremes.map(|value| value as u32));
+        expect(ATOMICS, &buffers, 0, count, 3, &list);
+    }
+}
