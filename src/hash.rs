@@ -1,7 +1,7 @@
 //! One hash for what must be recognised again: crowds, sessions, files of our own.
 
 /// FNV-1a over little-endian words of 32 bits.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Hash(u64);
 
 impl Default for Hash {

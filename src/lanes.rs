@@ -1,7 +1,7 @@
 //! The kernels on the CPU, side by side: what `gaitway_kernels` has of the shaders, for the widest vectors of this machine.
 //! The others run as their twins. Both give the same bits.
 
-use crate::kernels::{BufferId, Dispatch, Extent, Phase, Store};
+use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
 use crate::reference;
 use gaitway_kernels::Kernel;
 use std::sync::OnceLock;
@@ -14,7 +14,7 @@ struct Lane {
 }
 
 /// The widest vectors of this machine.
-fn best() -> Isa {
+pub(crate) fn best() -> Isa {
     static BEST: OnceLock<Isa> = OnceLock::new();
     *BEST.get_or_init(Isa::best)
 }
@@ -50,18 +50,24 @@ impl OnCpu {
 /// Runs a dispatch by vectors of a kind. Whether lanes run its kernel at all.
 pub(crate) fn run_on(isa: Isa, dispatch: &Dispatch, store: &mut Store) -> bool {
     let Some(lane) = lane(dispatch.phase) else { return false };
-    let invocations = match dispatch.extent {
-        Extent::Invocations(count) => count,
+    let extent = match dispatch.extent {
+        Extent::Invocations(count) => [count, 1],
         Extent::Indirect(buffer, element) => {
             let groups: &[u32] = bytemuck::cast_slice(store.bytes(buffer));
-            let count: u32 = groups[element as usize..][..3].iter().product();
-            count * dispatch.phase.entry().workgroup_size[0]
+            let [x, y, z] = [0, 1, 2].map(|axis| groups[element as usize + axis]);
+            debug_assert!(z <= 1, "{:?} has {z} layers", dispatch.phase);
+            [x * dispatch.phase.entry().workgroup_size[0], y * z]
         }
     };
     let all = store.words();
     let buffers: Vec<Words<'_>> = lane.buffers.iter().map(|id| all[*id as usize]).collect();
-    lane.kernel.run(isa, &buffers, dispatch.immediate, invocations);
+    lane.kernel.run(isa, &buffers, dispatch.immediate, extent);
     true
+}
+
+/// Whether lanes run a kernel.
+pub(crate) fn has(kernel: KernelId) -> bool {
+    kernel.kernel().phases.iter().all(|phase| lane(*phase).is_some())
 }
 
 fn lane(phase: Phase) -> Option<&'static Lane> {

@@ -6,7 +6,7 @@ use std::ops::Range;
 use wgsl_lanes::{Isa, Words};
 
 /// What a generated kernel's function looks like.
-type Run = unsafe fn(&[Words<'_>], u32, Range<u32>);
+type Run = unsafe fn(&[Words<'_>], u32, u32, Range<u32>);
 
 /// Invocations that a thread takes at a time: enough that the start of a chunk costs nothing.
 const CHUNK: u32 = 256;
@@ -36,25 +36,25 @@ impl Kernel {
         KERNELS.iter().find(|kernel| kernel.name == name)
     }
 
-    /// Runs so many invocations, on all threads.
+    /// Runs so many invocations along x and y, on all threads.
     ///
     /// # Panics
     /// Another number of buffers than there are bindings, or a machine without the instructions.
-    pub fn run(&self, isa: Isa, buffers: &[Words<'_>], immediate: u32, invocations: u32) {
+    pub fn run(&self, isa: Isa, buffers: &[Words<'_>], immediate: u32, [width, height]: [u32; 2]) {
         assert_eq!(buffers.len(), self.bindings.len(), "{} takes other buffers", self.name);
         assert!(isa.is_here(), "this machine has no {}", isa.name());
         let (_, run) = self.runs.iter().find(|(known, _)| *known == isa).unwrap_or(&self.runs[0]);
-        let chunk = |number: u32| {
-            let begin = number * CHUNK;
+        let chunks = width.div_ceil(CHUNK).max(1);
+        let one = |number: u32| {
+            let begin = number % chunks * CHUNK;
+            let end = begin.saturating_add(CHUNK).min(width);
             // SAFETY: the machine has the instructions. The kernels are written for devices, which run all invocations of a
             // dispatch at once: none reads or writes what another writes, but by atomic operations.
-            unsafe { run(buffers, immediate, begin..begin.saturating_add(CHUNK).min(invocations)) }
+            unsafe { run(buffers, immediate, number / chunks, begin..end) }
         };
-        let chunks = invocations.div_ceil(CHUNK);
-        if chunks < 2 {
-            (0..chunks).for_each(chunk);
-        } else {
-            (0..chunks).into_par_iter().for_each(chunk);
+        match chunks * height {
+            count @ 0..2 => (0..count).for_each(one),
+            count => (0..count).into_par_iter().for_each(one),
         }
     }
 }

@@ -89,6 +89,15 @@ impl<'a> Words<'a> {
         }
     }
 
+    /// Overwrites four words; where not all are there nothing happens.
+    #[inline(always)]
+    pub(crate) fn set_four(self, at: u32, values: [u32; 4]) {
+        if at < self.length.saturating_sub(3) {
+            // SAFETY: `at` + 3 is below the number of words; a kernel writes only what it got by `write`.
+            unsafe { self.first.add(at as usize).cast::<[u32; 4]>().write(values) }
+        }
+    }
+
     /// One word, for atomic operations; none beyond the end.
     #[inline(always)]
     pub(crate) fn atomic(self, at: u32) -> Option<&'a AtomicU32> {

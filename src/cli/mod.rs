@@ -39,7 +39,6 @@ mod simulate;
 mod study;
 mod threads;
 mod validate;
-#[cfg(feature = "vulkan")]
 mod verify;
 #[cfg(feature = "view")]
 mod view;
@@ -148,8 +147,7 @@ enum Command {
     Gait(gait::Arguments),
     /// Plan a study with people, simulate its participants, analyse its answers
     Study(study::Arguments),
-    /// Compare every kernel on this machine's Vulkan device with its CPU twin
-    #[cfg(feature = "vulkan")]
+    /// Compare every kernel on this machine's Vulkan device, and by the CPU's lanes, with its plain twin
     Verify(verify::Arguments),
     #[allow(clippy::doc_markdown, reason = "shown as it is by --help")]
     /// Test whether crowds move like people: RiMEA, NIST, fundamental diagrams, recorded crowds
@@ -300,7 +298,6 @@ fn run(command: Command) -> Result<bool, Error> {
         Command::Perceive(arguments) => perceive::run(&arguments),
         Command::Gait(arguments) => gait::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
-        #[cfg(feature = "vulkan")]
         Command::Verify(arguments) => verify::run(&arguments),
         Command::Validate(arguments) => validate::run(&arguments),
         Command::Bench(arguments) => bench::run(&arguments),

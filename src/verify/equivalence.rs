@@ -1,13 +1,11 @@
-//! Runs dispatches on both sides from the same inputs and compares every buffer that they write.
+//! Runs dispatches by a kernel's twin and by lanes from the same inputs, and compares every buffer that they write.
 
-use crate::gpu::plan::Op;
-use crate::gpu::{Device, Engine, Error};
+use crate::hash::Hash;
 use crate::kernels::shared::cells::index::CELL_WORDS;
-use crate::kernels::{Access, BufferId, Dispatch, Extent, KernelId, Store};
-use crate::reference;
+use crate::kernels::{Access, BufferId, Dispatch, KernelId, Store};
+use crate::{lanes, reference};
 use std::borrow::Cow;
-use std::collections::BTreeSet;
-use std::sync::Arc;
+use wgsl_lanes::Isa;
 
 /// The outcome of comparing one kernel.
 #[derive(Debug, Clone, PartialEq)]
@@ -20,8 +18,10 @@ pub struct Comparison {
     pub exact: usize,
     /// Largest difference of floats; infinite where one side is not finite or an integer differs.
     pub max_error: f32,
-    /// Where the first difference stands: buffer, element, word, CPU and device value.
+    /// Where the first difference stands: buffer, element, word, the twin's value and the other.
     pub first: Option<String>,
+    /// Hash of all words of the other side: two sides that differ from the twin in the same way have the same.
+    digest: Hash,
 }
 
 /// Words of a buffer that are defined after a kernel. Those of `unsolved` stand in the order in which invocations arrive, and only
@@ -54,78 +54,13 @@ fn sort_lists(store: &mut Store) {
     }
 }
 
-fn kernels_of(dispatches: &[Dispatch]) -> Vec<KernelId> {
-    let set: BTreeSet<_> = dispatches.iter().map(Dispatch::kernel).collect();
-    set.into_iter().collect()
-}
-
-/// Where group counts stand.
-fn arguments_of(dispatches: &[Dispatch]) -> Vec<BufferId> {
-    let buffers = dispatches.iter().filter_map(|dispatch| match dispatch.extent {
-        Extent::Indirect(buffer, _) => Some(buffer),
-        Extent::Invocations(_) => None,
-    });
-    let set: BTreeSet<_> = buffers.collect();
-    set.into_iter().collect()
-}
-
-/// Runs `dispatches` on the device and on the CPU, both from `store`, and compares after every kernel what it wrote.
-///
-/// Each kernel starts from the CPU's state, so a difference is charged to the kernel that made it. Consecutive dispatches
-/// of one kernel are compared after the last.
-///
-/// # Errors
-/// When the device fails.
-pub fn compare_dispatches(
-    device: &Arc<Device>,
-    store: &Store,
-    dispatches: &[Dispatch],
-) -> Result<Vec<Comparison>, Error> {
-    compare_with(device, store, dispatches, |_, _| ())
-}
-
-/// The same, but one bit of what the device gave back is changed for every kernel: the test of the comparison itself.
-///
-/// # Errors
-/// When the device fails.
-#[doc(hidden)]
-pub fn compare_tampered(
-    device: &Arc<Device>,
-    store: &Store,
-    dispatches: &[Dispatch],
-) -> Result<Vec<Comparison>, Error> {
-    compare_with(device, store, dispatches, |gpu, writes| {
-        if let Some(byte) = writes.first().and_then(|buffer| gpu.bytes_mut(*buffer).first_mut()) {
-            *byte ^= 1;
-        }
-    })
-}
-
-fn compare_with(
-    device: &Arc<Device>,
-    store: &Store,
-    dispatches: &[Dispatch],
-    tamper: impl Fn(&mut Store, &[BufferId]),
-) -> Result<Vec<Comparison>, Error> {
-    let mut engine = Engine::new(device, store, &kernels_of(dispatches))?;
-    let mut found: Vec<Comparison> = Vec::new();
-    for expected in Expected::of(store, dispatches) {
-        let new = expected.compare(&mut engine, &tamper)?;
-        match found.iter_mut().find(|old| old.kernel == new.kernel) {
-            Some(old) => old.merge(new),
-            None => found.push(new),
-        }
-    }
-    Ok(found)
-}
-
 /// Consecutive dispatches of one kernel, what they are given, and what the CPU makes of it.
 #[derive(Debug, Clone)]
 pub struct Expected {
     /// The kernel.
     pub kernel: KernelId,
-    dispatches: Vec<Dispatch>,
-    before: Store,
+    pub(super) dispatches: Vec<Dispatch>,
+    pub(super) before: Store,
     after: Store,
 }
 
@@ -143,53 +78,47 @@ impl Expected {
         })
     }
 
-    /// An engine for the kernel alone.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub fn engine(&self, device: &Arc<Device>) -> Result<Engine, Error> {
-        Engine::new(device, &self.before, &[self.kernel])
+    /// The same by lanes, for each set of instructions that this machine has; nothing where lanes have no such kernel.
+    pub fn by_lanes(&self) -> Vec<(Isa, Comparison)> {
+        let one = |isa: Isa| {
+            let mut got = self.before.clone();
+            let is_run = self.dispatches.iter().all(|dispatch| lanes::run_on(isa, dispatch, &mut got));
+            is_run.then(|| (isa, self.against(&mut got)))
+        };
+        Isa::ALL.into_iter().filter(|isa| isa.is_here()).filter_map(one).collect()
     }
 
-    /// Runs the dispatches on an engine that has the kernel, and compares every buffer that they write. `tamper` may change what
-    /// the device gave back.
-    ///
-    /// # Errors
-    /// When the device fails.
-    pub fn compare(
-        &self,
-        engine: &mut Engine,
-        tamper: impl Fn(&mut Store, &[BufferId]),
-    ) -> Result<Comparison, Error> {
-        let bindings = self.kernel.kernel().bindings;
-        let all: Vec<_> = bindings.iter().map(|b| b.buffer).collect();
-        let written = bindings.iter().filter(|b| b.access == Access::Write).map(|b| b.buffer);
-        let writes: Vec<_> = written.collect();
-        // the kernel that counts the groups need not be among the engine's
-        engine.add_buffers(&self.before, &arguments_of(&self.dispatches))?;
-        engine.replace(&self.before, &all)?;
-        let ops: Vec<_> = self.dispatches.iter().copied().map(Op::Dispatch).collect();
-        engine.run(&ops, |_, _| Vec::new(), false)?;
-        let mut got = self.before.clone();
-        engine.download(&mut got, &writes)?;
-        tamper(&mut got, &writes);
+    /// What the kernel writes.
+    pub(super) fn writes(&self) -> Vec<BufferId> {
+        let bindings = self.kernel.kernel().bindings.iter();
+        bindings.filter(|binding| binding.access == Access::Write).map(|binding| binding.buffer).collect()
+    }
+
+    /// Compares what another side made with what the twin made.
+    pub(super) fn against(&self, got: &mut Store) -> Comparison {
+        let writes = self.writes();
         let mut after = Cow::Borrowed(&self.after);
         if writes.contains(&BufferId::NextInCell) {
-            sort_lists(&mut got);
+            sort_lists(got);
             sort_lists(after.to_mut());
         }
         let mut comparison = Comparison::none(self.kernel);
         for buffer in writes {
             compare(&mut comparison, buffer, after.bytes(buffer), got.bytes(buffer));
         }
-        Ok(comparison)
+        comparison
     }
 }
 
 impl Comparison {
     /// Nothing compared yet.
-    const fn none(kernel: KernelId) -> Self {
-        Self { kernel, compared: 0, exact: 0, max_error: 0.0, first: None }
+    pub(super) fn none(kernel: KernelId) -> Self {
+        Self { kernel, compared: 0, exact: 0, max_error: 0.0, first: None, digest: Hash::default() }
+    }
+
+    /// Hash of the other side's words.
+    pub(super) fn digest(&self) -> u64 {
+        self.digest.value()
     }
 
     /// Adds another comparison of the same kernel.
@@ -198,12 +127,14 @@ impl Comparison {
         self.exact += new.exact;
         self.max_error = self.max_error.max(new.max_error);
         self.first = self.first.take().or(new.first);
+        self.digest.add(&new.digest.value().to_le_bytes());
     }
 }
 
 /// Adds the comparison of one buffer.
 fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8]) {
     let words = buffer.stride() / 4;
+    comparison.digest.add(&got[..got.len().min(defined(comparison.kernel, buffer).saturating_mul(4))]);
     let both = want.chunks_exact(4).zip(got.chunks_exact(4)).take(defined(comparison.kernel, buffer));
     for (index, (w, g)) in both.enumerate() {
         comparison.compared += 1;
@@ -223,7 +154,7 @@ fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8
             let (element, word) = (index / words, index % words);
             let name = buffer.name();
             comparison.first =
-                Some(format!("{name}[{element}].{word}: CPU {a:e} ({w:#010x}), device {b:e} ({g:#010x})"));
+                Some(format!("{name}[{element}].{word}: twin {a:e} ({w:#010x}), here {b:e} ({g:#010x})"));
         }
     }
 }

@@ -1,14 +1,27 @@
-//! The whole of `gaitway verify`: every kernel against its CPU twin, then a crowd on both sides.
+//! The whole of `gaitway verify`: every kernel on all sides, then a crowd.
 
+use super::Expected;
 use super::cases::{self, Case};
 use super::numerics::is_host_exact;
-use super::{Comparison, compare_dispatches};
-use crate::gpu::{Device, Probe};
+use super::sides::{Found, Side, merge, wrong};
+pub use super::sides::{KernelRow, SideRow};
+#[cfg(feature = "vulkan")]
+use crate::gpu::{Engine, Probe};
 use crate::kernels::{KernelId, Store};
+use crate::lanes;
 use crate::sim::{Backend, FELT, STATE, Simulation, measure::state_hash, order};
 use serde::Serialize;
-use std::sync::Arc;
 use std::time::Instant;
+
+/// What a device is: none in a build without Vulkan.
+#[cfg(feature = "vulkan")]
+#[doc(hidden)]
+pub type Device = std::sync::Arc<crate::gpu::Device>;
+/// What a device is: none in a build without Vulkan.
+#[cfg(not(feature = "vulkan"))]
+#[doc(hidden)]
+#[derive(Debug)]
+pub enum Device {}
 
 /// Sizes that every kernel is tried at: none, one, about a workgroup, many.
 #[doc(hidden)]
@@ -55,33 +68,18 @@ impl Options {
     }
 }
 
-/// One kernel against its twin.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct KernelRow {
-    /// Kernel.
-    pub name: &'static str,
-    /// Words compared.
-    pub compared: usize,
-    /// Words with equal bits.
-    pub exact: usize,
-    /// Largest difference; `null` in JSON where one side is not finite or an integer differs.
-    pub max_error: f32,
-    /// Whether all are equal.
-    pub pass: bool,
-    /// The first difference: case, buffer, element, both values.
-    pub first: Option<String>,
-}
-
-/// A crowd on both sides.
+/// A crowd on all sides.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CrowdRow {
     /// Agents.
     pub agents: usize,
     /// Steps.
     pub steps: u32,
-    /// The first step after which the two were found to differ.
+    /// The first step after which some were found to differ.
     pub differs_by_step: Option<u32>,
-    /// Hash of the CPU's state at the end.
+    /// Who is wrong then, as of a kernel.
+    pub differs: Vec<&'static str>,
+    /// Hash of the twins' state at the end.
     pub state_hash: String,
     /// Whether the whole state is equal bit for bit after all of them.
     pub pass: bool,
@@ -98,8 +96,6 @@ pub struct ArithmeticRow {
     pub native_is_exact: bool,
     /// Whether the device takes subnormal numbers for zero.
     pub flushes_subnormals: bool,
-    /// Whether this computer's own arithmetic, which the twins run on, is that of IEEE 754.
-    pub host_is_exact: bool,
     /// What the probe of the device's arithmetic took, seconds.
     pub probe_seconds: f64,
 }
@@ -107,10 +103,14 @@ pub struct ArithmeticRow {
 /// The outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
-    /// Device.
-    pub device: String,
-    /// How the kernels were computed.
-    pub arithmetic: ArithmeticRow,
+    /// Device, if there is one.
+    pub device: Option<String>,
+    /// How it computed the kernels.
+    pub arithmetic: Option<ArithmeticRow>,
+    /// The widest vectors of this computer.
+    pub lanes: &'static str,
+    /// Whether this computer's own arithmetic, which lanes and twins run on, is that of IEEE 754.
+    pub host_is_exact: bool,
     /// Seed of all inputs.
     pub seed: u32,
     /// Every kernel.
@@ -123,21 +123,22 @@ pub struct Report {
     pub wall_seconds: f64,
 }
 
-/// Compares everything. Calls `progress` with the current comparison and the fraction done.
+/// Compares everything: a device, if one is given, and lanes with the twins. Calls `progress` with the current comparison and
+/// the fraction done.
 ///
 /// # Errors
 /// When the device fails, or a kernel has no case ([`crate::Error::Usage`]): nothing may go unverified.
 pub fn verify(
-    device: &Arc<Device>,
+    device: Option<&Device>,
     options: &Options,
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<Report, crate::Error> {
     let begin = Instant::now();
     progress("arithmetic", 0.0);
-    let arithmetic = arithmetic(device)?;
+    let arithmetic = device.map(arithmetic).transpose()?;
     let mut found = Vec::new();
     for case in [cases::arithmetic(cases::PROBED), cases::functions(cases::PROBED)] {
-        merge(&mut found, compare_dispatches(device, &case.store, &case.dispatches)?, &case.name);
+        compare(device, &case, &mut found)?;
     }
     for (number, &size) in options.sizes.iter().enumerate() {
         let is_wanted = |case: &Case| {
@@ -146,26 +147,32 @@ pub fn verify(
         for case in cases::all(size, options.seed).into_iter().filter(is_wanted) {
             #[allow(clippy::cast_precision_loss, reason = "a handful of sizes")]
             progress(&format!("kernels, {size} agents"), 0.5 * number as f64 / options.sizes.len() as f64);
-            let compared = compare_dispatches(device, &case.store, &case.dispatches)?;
-            merge(&mut found, compared, &case.name);
+            compare(device, &case, &mut found)?;
         }
     }
     let crowd = trajectory(device, options, progress)?;
-    if let Some(missing) = KernelId::ALL
-        .into_iter()
-        .find(|id| !options.without.contains(id) && !found.iter().any(|c| c.kernel == *id))
+    let is_found = |id: &KernelId| found.iter().any(|one| one.kernel == *id);
+    let is_left = |id: &KernelId| device.is_none() && !lanes::has(*id);
+    if let Some(missing) =
+        KernelId::ALL.iter().find(|id| !options.without.contains(id) && !is_left(id) && !is_found(id))
     {
         return Err(crate::Error::Usage {
             message: format!("kernel {} has no case: it was not verified", missing.kernel().name),
             hint: "add it to verify::cases; every kernel must be compared with its twin".to_owned(),
         });
     }
-    found.sort_by_key(|comparison| comparison.kernel);
-    let kernels: Vec<KernelRow> = found.into_iter().map(row).collect();
-    let pass = arithmetic.host_is_exact && kernels.iter().all(|kernel| kernel.pass) && crowd.pass;
+    found.sort_by_key(|one| one.kernel);
+    let kernels: Vec<KernelRow> = found.into_iter().map(KernelRow::from).collect();
+    let host_is_exact = is_host_exact();
+    let pass = host_is_exact && kernels.iter().all(|kernel| kernel.pass) && crowd.pass;
     Ok(Report {
-        device: device.describe(),
+        #[cfg(feature = "vulkan")]
+        device: device.map(|device| device.describe()),
+        #[cfg(not(feature = "vulkan"))]
+        device: None,
         arithmetic,
+        lanes: lanes::OnCpu::Lanes.name(),
+        host_is_exact,
         seed: options.seed,
         kernels,
         crowd,
@@ -174,7 +181,31 @@ pub fn verify(
     })
 }
 
-fn arithmetic(device: &Arc<Device>) -> Result<ArithmeticRow, crate::Error> {
+/// Compares the kernels of a case on all sides; each starts from the twins' state.
+#[cfg_attr(
+    not(feature = "vulkan"),
+    allow(unused_variables, clippy::unnecessary_wraps, reason = "no device fails")
+)]
+fn compare(device: Option<&Device>, case: &Case, found: &mut Vec<Found>) -> Result<(), crate::Error> {
+    #[cfg(feature = "vulkan")]
+    let mut engine = match device {
+        Some(device) => Some(Engine::new(device, &case.store, &super::device::kernels_of(&case.dispatches))?),
+        None => None,
+    };
+    for expected in Expected::of(&case.store, &case.dispatches) {
+        #[cfg(feature = "vulkan")]
+        if let Some(engine) = &mut engine {
+            merge(found, Side::Device, expected.compare(engine, |_, _| ())?, &case.name);
+        }
+        for (isa, comparison) in expected.by_lanes() {
+            merge(found, Side::Lanes(isa), comparison, &case.name);
+        }
+    }
+    Ok(())
+}
+
+#[cfg(feature = "vulkan")]
+fn arithmetic(device: &Device) -> Result<ArithmeticRow, crate::Error> {
     let begin = Instant::now();
     let native = Probe::of_native(device)?;
     Ok(ArithmeticRow {
@@ -182,56 +213,64 @@ fn arithmetic(device: &Arc<Device>) -> Result<ArithmeticRow, crate::Error> {
         native: native.to_string(),
         native_is_exact: native.is_exact(),
         flushes_subnormals: native.flushes_subnormals,
-        host_is_exact: is_host_exact(),
         probe_seconds: begin.elapsed().as_secs_f64(),
     })
 }
 
-/// Adds the outcome of a case.
-fn merge(found: &mut Vec<Comparison>, case: Vec<Comparison>, name: &str) {
-    for mut new in case {
-        new.first = new.first.map(|first| format!("{name}: {first}"));
-        match found.iter_mut().find(|old| old.kernel == new.kernel) {
-            Some(old) => old.merge(new),
-            None => found.push(new),
-        }
-    }
+#[cfg(not(feature = "vulkan"))]
+fn arithmetic(device: &Device) -> Result<ArithmeticRow, crate::Error> {
+    match *device {}
 }
 
-fn row(comparison: Comparison) -> KernelRow {
-    let Comparison { kernel, compared, exact, max_error, first } = comparison;
-    KernelRow { name: kernel.kernel().name, compared, exact, max_error, pass: exact == compared, first }
-}
-
-/// Steps the same crowd on both sides and compares whole states: with every model of avoidance for its share of the steps.
+/// Steps the same crowd on all sides and compares whole states: with every model of avoidance for its share of the steps.
 fn trajectory(
-    device: &Arc<Device>,
+    device: Option<&Device>,
     options: &Options,
     progress: &mut dyn FnMut(&str, f64),
 ) -> Result<CrowdRow, crate::Error> {
     let mut walk = Walk::new(options);
-    let mut differs_by_step = None;
+    let (mut differs_by_step, mut differs) = (None, Vec::new());
     for model in order::MODELS {
         let start = walk.start(model);
-        let mut gpu = Simulation::on_device(start.clone(), device)?;
-        let mut cpu = Simulation::from_store(start, Backend::Cpu, None)?;
+        let mut sides = beside(device, &start)?;
+        let mut twin = Simulation::from_store(start, Backend::Reference, None)?;
         while let Some(count) = walk.stride(differs_by_step, progress) {
-            gpu.step(count)?;
-            cpu.step(count)?;
+            twin.step(count)?;
+            let mut votes = Vec::new();
+            for (side, simulation) in &mut sides {
+                simulation.step(count)?;
+                let state = simulation.state()?;
+                votes.push((*side, same_state(twin.state()?, state), state_hash(state)));
+            }
             walk.done += count;
-            if !same_state(cpu.state()?, gpu.state()?) {
+            differs = wrong(&votes);
+            if !differs.is_empty() {
                 differs_by_step = Some(walk.done);
             }
         }
-        walk.store = cpu.state()?.clone();
+        walk.store = twin.state()?.clone();
     }
     Ok(CrowdRow {
         agents: options.crowd_agents,
         steps: walk.done,
         differs_by_step,
+        pass: differs.is_empty(),
+        differs,
         state_hash: format!("{:016x}", state_hash(&walk.store)),
-        pass: differs_by_step.is_none(),
     })
+}
+
+/// The crowd on all sides but that of the twins.
+#[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device"))]
+fn beside(device: Option<&Device>, start: &Store) -> Result<Vec<(Side, Simulation)>, crate::Error> {
+    let lanes = Simulation::from_store(start.clone(), Backend::Cpu, None)?;
+    #[allow(unused_mut, reason = "a device joins them")]
+    let mut sides = vec![(Side::Lanes(lanes::best()), lanes)];
+    #[cfg(feature = "vulkan")]
+    if let Some(device) = device {
+        sides.push((Side::Device, Simulation::on_device(start.clone(), device)?));
+    }
+    Ok(sides)
 }
 
 /// How far the crowd of a verification has come.
@@ -273,27 +312,6 @@ fn same_state(cpu: &Store, gpu: &Store) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn comparison(exact: usize, max_error: f32) -> Comparison {
-        Comparison { kernel: KernelId::Integrate, compared: 100, exact, max_error, first: None }
-    }
-
-    #[test]
-    fn no_kernel_is_allowed_any_difference() {
-        assert!(row(comparison(100, 0.0)).pass);
-        assert!(!row(comparison(99, 1e-9)).pass);
-        assert!(!row(comparison(99, f32::INFINITY)).pass, "an integer that differs");
-    }
-
-    #[test]
-    fn cases_add_up_and_the_first_difference_is_kept_with_its_case() {
-        let mut found = vec![comparison(100, 0.0)];
-        let with = |first: &str| Comparison { first: Some(first.to_owned()), ..comparison(98, 0.5) };
-        merge(&mut found, vec![with("a")], "one");
-        merge(&mut found, vec![with("b")], "two");
-        assert_eq!((found[0].compared, found[0].exact, found[0].max_error), (300, 296, 0.5));
-        assert_eq!(found[0].first.as_deref(), Some("one: a"));
-    }
 
     #[test]
     fn the_cases_of_a_size_reach_every_kernel_but_the_probes() {

@@ -5,7 +5,7 @@ use std::ops::Range;
 use wgsl_lanes::{Isa, Words};
 
 /// What a generated kernel's function looks like.
-pub type Run = unsafe fn(&[Words<'_>], u32, Range<u32>);
+pub type Run = unsafe fn(&[Words<'_>], u32, u32, Range<u32>);
 /// One kernel in all sets of instructions.
 pub type Runs = &'static [(Isa, Run)];
 
@@ -16,7 +16,7 @@ pub fn run(runs: Runs, buffers: &[Vec<u32>], immediate: u32, invocations: u32) -
         let mut made = buffers.to_vec();
         let words: Vec<Words<'_>> = made.iter_mut().map(|words| Words::write(words)).collect();
         // SAFETY: the machine has the instructions, and one thread runs all.
-        unsafe { run(&words, immediate, 0..invocations) };
+        unsafe { run(&words, immediate, 0, 0..invocations) };
         (*isa, made)
     })
     .collect()

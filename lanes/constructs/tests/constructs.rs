@@ -21,7 +21,10 @@ fn expect(runs: Runs, buffers: &[Vec<u32>], immediate: u32, count: u32, number: 
     for (isa, made) in all {
         for (at, (want, got)) in want.iter().zip(&made[number]).enumerate() {
             let (a, b) = (f32::from_bits(*want), f32::from_bits(*got));
-            assert!(want == got || (a.is_nan() && b.is_nan()), "{isa:?}, word {at} of {count}: {want:#x} {a}, got {got:#x} {b}");
+            assert!(
+                want == got || (a.is_nan() && b.is_nan()),
+                "{isa:?}, word {at} of {count}: {want:#x} {a}, got {got:#x} {b}"
+            );
         }
         assert_eq!(want.len(), made[number].len());
     }
@@ -38,8 +41,27 @@ fn greater(a: f32, b: f32) -> f32 {
 #[test]
 fn floats_are_those_of_ieee_754() {
     let special = [
-        0.0f32, -0.0, 1.0, -1.0, 0.5, 1.5, 2.5, -2.5, 3.999, 1e-45, -1e-40, 1e38, -3e38, f32::INFINITY, f32::NEG_INFINITY,
-        f32::NAN, 2_147_483_500.0, 4_294_967_000.0, 5e9, -5e9, 16_777_217.0,
+        0.0f32,
+        -0.0,
+        1.0,
+        -1.0,
+        0.5,
+        1.5,
+        2.5,
+        -2.5,
+        3.999,
+        1e-45,
+        -1e-40,
+        1e38,
+        -3e38,
+        f32::INFINITY,
+        f32::NEG_INFINITY,
+        f32::NAN,
+        2_147_483_500.0,
+        4_294_967_000.0,
+        5e9,
+        -5e9,
+        16_777_217.0,
     ];
     let pairs: Vec<[f32; 2]> = special.iter().flat_map(|a| special.map(|b| [*a, b])).collect();
     let given: Vec<u32> = pairs.iter().flatten().map(|f| f.to_bits()).collect();
@@ -85,7 +107,8 @@ fn integers_wrap_and_divide_as_in_the_language() {
         let row = |pair: &[u32]| {
             let (a, b) = (pair[0], pair[1]);
             let (s, t) = (a as i32, b as i32);
-            let bits = |all: &[bool]| all.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);
+            let bits =
+                |all: &[bool]| all.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);
             [
                 a.wrapping_add(b),
                 a.wrapping_sub(b),
@@ -110,7 +133,9 @@ fn integers_wrap_and_divide_as_in_the_language() {
                 (a as f32).to_bits(),
                 (s as f32).to_bits(),
                 if a > 7 && b > 7 { b } else { a }.wrapping_add(if a > 9 || b > 9 { 2 } else { 1 }),
-                u32::from((a != 0) != (b & 1 != 0)) + u32::from((a > 3) == (b > 3)) * 2 + u32::from(a <= b) * 4,
+                u32::from((a != 0) != (b & 1 != 0))
+                    + u32::from((a > 3) == (b > 3)) * 2
+                    + u32::from(a <= b) * 4,
             ]
         };
         let want: Vec<u32> = given.chunks(2).flat_map(row).collect();
@@ -273,7 +298,13 @@ fn variables_arrays_and_buffers_hold_what_each_lane_put_there() {
             made.extend(row);
         }
         let empty = |words: usize| vec![0; words];
-        let buffers = [settings.clone(), items.concat(), empty(count as usize * ITEM), empty(count as usize * 4), vec![]];
+        let buffers = [
+            settings.clone(),
+            items.concat(),
+            empty(count as usize * ITEM),
+            empty(count as usize * 4),
+            vec![],
+        ];
         expect(MEMORY, &buffers, offset, count, 2, &copies);
         expect(MEMORY, &buffers, offset, count, 3, &made);
     }
@@ -282,7 +313,8 @@ fn variables_arrays_and_buffers_hold_what_each_lane_put_there() {
 #[test]
 fn atomic_operations_lose_nothing() {
     for count in COUNTS {
-        let given: Vec<u32> = draws(count as usize).into_iter().map(|x| (x % 2001).wrapping_sub(1000)).collect();
+        let given: Vec<u32> =
+            draws(count as usize).into_iter().map(|x| (x % 2001).wrapping_sub(1000)).collect();
         let mut sums = [0u32, 0, 0, 0, u32::MAX, u32::MAX, 0, 0, 0, 0];
         let (mut extremes, mut list) = ([i32::MAX, i32::MIN, 0], vec![0; count as usize]);
         for (id, bits) in (0..).zip(&given) {

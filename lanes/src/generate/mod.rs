@@ -57,10 +57,10 @@ pub struct Kernel {
 /// its function
 ///
 /// ```text
-/// pub unsafe fn run(buffers: &[Words], immediate: u32, invocations: Range<u32>)
+/// pub unsafe fn run(buffers: &[Words], immediate: u32, row: u32, invocations: Range<u32>)
 /// ```
 ///
-/// runs the invocations whose `global_invocation_id.x` is in a range. The immediate is the module's `var<immediate>` of one word.
+/// runs the invocations of a row, `global_invocation_id.y`, whose `global_invocation_id.x` is in a range. The immediate is the module's `var<immediate>` of one word.
 ///
 /// # Errors
 /// What the entry point uses and lanes cannot do: barriers, memory of a workgroup, textures, other invocation inputs.
@@ -138,11 +138,11 @@ impl Writer<'_> {
             "/// The buffers, and the immediate.\nstruct Cx<'a> {{\n{fields}    buffers: std::marker::PhantomData<Words<'a>>,\n}}\n\n\
              /// # Safety\n/// The machine has the instructions, and no two invocations that run at the same time use the same word\n\
              /// otherwise than by atomic operations, unless both only read it.\n\
-             {attribute}pub unsafe fn run(buffers: &[Words<'_>], immediate: u32, invocations: std::ops::Range<u32>) {{\n    \
+             {attribute}pub unsafe fn run(buffers: &[Words<'_>], immediate: u32, row: u32, invocations: std::ops::Range<u32>) {{\n    \
              let _ = (buffers, immediate);\n    let cx = &Cx {{ {set}buffers: std::marker::PhantomData }};\n    let mut at = invocations.start;\n    \
-             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        one(cx, mask, at);\n        \
+             while at < invocations.end {{\n        let mask = first_lanes(invocations.end - at);\n        one(cx, mask, at, row);\n        \
              at = at.saturating_add(LANES as u32);\n    }}\n}}\n\n\
-             /// As many invocations as there are lanes.\n{attribute}fn one(cx: &Cx<'_>, mask: M, first: u32) {{\n{privates}    \
+             /// As many invocations as there are lanes.\n{attribute}fn one(cx: &Cx<'_>, mask: M, first: u32, row: u32) {{\n{privates}    \
              f_{name}(cx, {passed}mask{id});\n}}\n",
             name = entry.name,
         );
@@ -162,7 +162,7 @@ impl Writer<'_> {
         match entry.function.arguments.as_slice() {
             [] => Ok(""),
             [one] if one.binding == Some(Binding::BuiltIn(BuiltIn::GlobalInvocationId)) => {
-                Ok(", [V::count_from(first), V::c(0), V::c(0)]")
+                Ok(", [V::count_from(first), V::c(row), V::c(0)]")
             }
             other => Err(format!("another input than one global_invocation_id ({} inputs)", other.len())),
         }

@@ -222,19 +222,72 @@ unsafe fn gather(from: *const u32, index: V) -> V {
     V(unsafe { _mm512_i32gather_epi32::<4>(index.0, from.cast()) })
 }
 
-/// The `W` words from each lane's index on.
+/// Four words of memory, or two and two zeros.
+///
+/// # Safety
+/// They may be read.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+unsafe fn load(from: *const u32, at: usize, words: usize) -> __m128i {
+    // SAFETY: the caller vouches for the words.
+    unsafe {
+        let words_there: *const __m128i = from.add(at).cast();
+        if words == 4 { _mm_loadu_si128(words_there) } else { _mm_loadl_epi64(words_there) }
+    }
+}
+
+/// The `W` words from each lane's index on: four at a time as they lie in memory, then word by word.
 ///
 /// # Safety
 /// They may be read.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
 unsafe fn gather_row<const W: usize>(from: *const u32, index: V) -> [V; W] {
+    let at = index.to_array();
     let mut row = [V::c(0); W];
-    for (offset, value) in row.iter_mut().enumerate() {
-        // SAFETY: the caller vouches for each index.
-        *value = unsafe { gather(from.add(offset), index) };
+    let mut offset = 0;
+    while offset + 2 <= W {
+        let step = if offset + 4 <= W { 4 } else { 2 };
+        let mut blocks = [V::c(0); 4];
+        let mut first = 0;
+        while first < 4 {
+            // SAFETY: the caller vouches for the words of each lane.
+            let [a, b, c, d] = unsafe {
+                [
+                    load(from, at[first] as usize + offset, step),
+                    load(from, at[first + 4] as usize + offset, step),
+                    load(from, at[first + 8] as usize + offset, step),
+                    load(from, at[first + 12] as usize + offset, step),
+                ]
+            };
+            let (low, high) = (_mm256_set_m128i(b, a), _mm256_set_m128i(d, c));
+            blocks[first] = V(_mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), high));
+            first += 1;
+        }
+        let rows = transpose(blocks);
+        row[offset..offset + step].copy_from_slice(&rows[..step]);
+        offset += step;
+    }
+    if offset < W {
+        // SAFETY: as above.
+        row[offset] = unsafe { gather(from.add(offset), index) };
     }
     row
+}
+
+/// Swaps the two indices of each block of four by four words: word `j` of block `k` of value `i` becomes word `i` of block `k` of
+/// value `j`.
+#[inline]
+#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]
+fn transpose([a, b, c, d]: [V; 4]) -> [V; 4] {
+    let (low, high) = (_mm512_unpacklo_epi32(a.0, b.0), _mm512_unpackhi_epi32(a.0, b.0));
+    let (low2, high2) = (_mm512_unpacklo_epi32(c.0, d.0), _mm512_unpackhi_epi32(c.0, d.0));
+    [
+        V(_mm512_unpacklo_epi64(low, low2)),
+        V(_mm512_unpackhi_epi64(low, low2)),
+        V(_mm512_unpacklo_epi64(high, high2)),
+        V(_mm512_unpackhi_epi64(high, high2)),
+    ]
 }
 
 common!(#[target_feature(enable = "avx512f,avx512bw,avx512dq,avx512vl")]);

@@ -216,11 +216,26 @@ macro_rules! common {
         #[inline]
         $(#[$attr])*
         pub fn set_row<const W: usize>(to: Words<'_>, index: V, value: [V; W], mask: M) {
-            let (index, value) = (index.to_array(), value.map(V::to_array));
-            for lane in Bits(mask.bits()) {
-                for (offset, value) in (0..).zip(&value) {
-                    to.set(index[lane].wrapping_add(offset), value[lane]);
+            let index = index.to_array();
+            let mut offset = 0;
+            while offset + 4 <= W {
+                let four = [value[offset], value[offset + 1], value[offset + 2], value[offset + 3]];
+                let [a, b, c, d] = transpose(four);
+                let rows = [a.to_array(), b.to_array(), c.to_array(), d.to_array()];
+                for lane in Bits(mask.bits()) {
+                    let block = lane / 4 * 4;
+                    let row = &rows[lane % 4];
+                    let words = [row[block], row[block + 1], row[block + 2], row[block + 3]];
+                    to.set_four(index[lane].wrapping_add(offset as u32), words);
                 }
+                offset += 4;
+            }
+            while offset < W {
+                let words = value[offset].to_array();
+                for lane in Bits(mask.bits()) {
+                    to.set(index[lane].wrapping_add(offset as u32), words[lane]);
+                }
+                offset += 1;
             }
         }
 

@@ -234,4 +234,17 @@ unsafe fn gather_row<const W: usize>(from: *const u32, index: V) -> [V; W] {
     row
 }
 
+/// Swaps the two indices of each block of four by four words: word `j` of block `k` of value `i` becomes word `i` of block `k` of
+/// value `j`.
+#[inline(always)]
+fn transpose(from: [V; 4]) -> [V; 4] {
+    let mut to = from;
+    for (i, to) in to.iter_mut().enumerate() {
+        for (lane, word) in to.0.iter_mut().enumerate() {
+            *word = from[lane % 4].0[lane / 4 * 4 + i];
+        }
+    }
+    to
+}
+
 common!();
