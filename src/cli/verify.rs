@@ -121,6 +121,9 @@ fn print(report: &Report) {
     say(&format!("seed        {}\n", report.seed));
     let rows: Vec<Vec<String>> = report.kernels.iter().map(row).collect();
     table(&["kernel", "beside the twin", "words compared", "different", "largest error", ""], &rows);
+    if !report.not_compared.is_empty() {
+        say(&format!("\nnot compared, since lanes do not run them: {}", report.not_compared.join(", ")));
+    }
     let crowd = &report.crowd;
     let outcome = crowd.differs_by_step.map_or_else(
         || "equal bit for bit".to_owned(),

@@ -113,8 +113,10 @@ pub struct Report {
     pub host_is_exact: bool,
     /// Seed of all inputs.
     pub seed: u32,
-    /// Every kernel.
+    /// Every kernel that more than the twin computes.
     pub kernels: Vec<KernelRow>,
+    /// The others: without a device, those that lanes do not run.
+    pub not_compared: Vec<&'static str>,
     /// The crowd.
     pub crowd: CrowdRow,
     /// Whether everything is as it must be.
@@ -152,10 +154,9 @@ pub fn verify(
     }
     let crowd = trajectory(device, options, progress)?;
     let is_found = |id: &KernelId| found.iter().any(|one| one.kernel == *id);
-    let is_left = |id: &KernelId| device.is_none() && !lanes::has(*id);
-    if let Some(missing) =
-        KernelId::ALL.iter().find(|id| !options.without.contains(id) && !is_left(id) && !is_found(id))
-    {
+    let wanted = KernelId::ALL.into_iter().filter(|id| !options.without.contains(id));
+    let left: Vec<KernelId> = wanted.filter(|id| !is_found(id)).collect();
+    if let Some(missing) = left.iter().find(|id| device.is_some() || lanes::has(**id)) {
         return Err(crate::Error::Usage {
             message: format!("kernel {} has no case: it was not verified", missing.kernel().name),
             hint: "add it to verify::cases; every kernel must be compared with its twin".to_owned(),
@@ -175,6 +176,7 @@ pub fn verify(
         host_is_exact,
         seed: options.seed,
         kernels,
+        not_compared: left.into_iter().map(|id| id.kernel().name).collect(),
         crowd,
         pass,
         wall_seconds: begin.elapsed().as_secs_f64(),

@@ -26,6 +26,7 @@ mod invariance;
 mod islands;
 mod jams;
 mod journeys;
+mod lanes;
 mod lead;
 mod outsiders;
 mod people;

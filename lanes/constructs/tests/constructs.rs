@@ -9,7 +9,7 @@
     reason = "bits of words, as a shader has them"
 )]
 
-use wgsl_lanes_constructs::{ATOMICS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
+use wgsl_lanes_constructs::{ATOMICS, CORNERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
 const COUNTS: [u32; 6] = [0, 1, 7, 16, 37, 256];
@@ -229,6 +229,39 @@ fn lanes_part_and_meet_again_in_branches_loops_and_switches() {
         };
         let want: Vec<u32> = given.iter().flat_map(|value| row(*value)).collect();
         expect(FLOW, &[given, vec![0; want.len()]], 0, count, 1, &want);
+    }
+}
+
+fn carried(value: u32) -> u32 {
+    let (mut kept, mut sum) = (0u32, 0u32);
+    for turn in 0..6 {
+        if value >> turn & 1 == 1 {
+            kept += turn;
+        }
+        if (value + turn).is_multiple_of(3) {
+            continue;
+        }
+        kept = kept * 2 + 1;
+        sum += kept;
+    }
+    sum + kept
+}
+
+#[test]
+fn rare_ends_and_choices_are_those_of_the_language() {
+    for count in COUNTS {
+        let given: Vec<u32> = draws(count as usize).into_iter().map(|x| x % 97).collect();
+        let row = |value: u32| {
+            let root = (1..).find(|root| root * root > value).unwrap();
+            let half = if value % 2 == 1 { value + 100 } else { value / 2 };
+            let is_small = if value % 2 == 0 { value < 90 } else { value > 3 };
+            let both = [if is_small { value < 9 } else { true }, if value > 20 { false } else { value > 8 }];
+            let flags = [is_small, both[0], both[1], false, value != 0];
+            let bits = flags.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);
+            [root, half, carried(value), bits + (40 + value) * 32 + 10]
+        };
+        let want: Vec<u32> = given.iter().flat_map(|value| row(*value)).collect();
+        expect(CORNERS, &[given, vec![0; want.len()]], 0, count, 1, &want);
     }
 }
 

@@ -26,8 +26,7 @@ impl<'m> Writer<'m> {
 
     /// A block within the present one, on a path of its own.
     fn inner_block(&mut self, f: &mut Function<'m>, block: &'m Block, mask: &str) -> Result<(), String> {
-        f.blocks += 1;
-        f.path.push(f.blocks);
+        f.path.push(std::ptr::from_ref(block));
         let done = self.block(f, block, mask);
         f.path.pop();
         done
@@ -58,7 +57,6 @@ impl<'m> Writer<'m> {
                 let number = f.name();
                 for (block, name, how) in [(accept, "yes", "and"), (reject, "no", "andnot")] {
                     if block.is_empty() {
-                        f.blocks += 1; // its number in the scopes of variables
                         continue;
                     }
                     let own = format!("{name}{number}");

@@ -54,17 +54,18 @@ pub(super) struct Function<'m> {
     /// What encloses the present statement, the innermost last.
     pub(super) enclosing: Vec<Enclosing>,
     /// The blocks that do.
-    pub(super) path: Vec<usize>,
-    /// Blocks so far.
-    pub(super) blocks: usize,
+    pub(super) path: Path,
     /// Names so far.
     pub(super) names: usize,
     pub(super) text: String,
 }
 
+/// The blocks around a statement, the innermost last, by where they lie in memory.
+pub(super) type Path = Vec<*const Block>;
+
 /// The innermost block in which all uses of a variable lie.
 pub(super) struct Scope {
-    pub(super) path: Vec<usize>,
+    pub(super) path: Path,
     /// Whether its first use there overwrites all of it: then no lane needs what another path has left in it.
     pub(super) begins_whole: bool,
 }
@@ -129,7 +130,6 @@ impl<'m> Writer<'m> {
             returns_early: returns > usize::from(ends),
             enclosing: Vec::new(),
             path: Vec::new(),
-            blocks: 0,
             names: 0,
             text: String::new(),
         };
@@ -308,14 +308,14 @@ pub(super) fn leaves(block: &Block) -> bool {
 /// A use of a local variable, in the order of the text.
 struct LocalUse {
     local: Handle<LocalVariable>,
-    path: Vec<usize>,
+    path: Path,
     overwrites: bool,
 }
 
 /// Where each local variable is used.
 fn scopes(function: &naga::Function) -> BTreeMap<Handle<LocalVariable>, Scope> {
     let mut uses = Vec::new();
-    collect(function, &function.body, &mut Vec::new(), &mut 0, &mut uses);
+    collect(function, &function.body, &mut Vec::new(), &mut uses);
     let mut scopes: BTreeMap<Handle<LocalVariable>, Scope> = BTreeMap::new();
     for one in &uses {
         let scope =
@@ -331,13 +331,7 @@ fn scopes(function: &naga::Function) -> BTreeMap<Handle<LocalVariable>, Scope> {
     scopes
 }
 
-fn collect(
-    function: &naga::Function,
-    block: &Block,
-    path: &mut Vec<usize>,
-    blocks: &mut usize,
-    uses: &mut Vec<LocalUse>,
-) {
+fn collect(function: &naga::Function, block: &Block, path: &mut Path, uses: &mut Vec<LocalUse>) {
     let local = |mut pointer: Handle<Expression>| loop {
         match function.expressions[pointer] {
             Expression::LocalVariable(handle) => return Some(handle),
@@ -363,12 +357,11 @@ fn collect(
             }
             Statement::Store { pointer, .. } => used(*pointer, is_whole(*pointer)),
             Statement::Call { arguments, .. } => arguments.iter().for_each(|argument| used(*argument, false)),
-            Statement::Block(block) => collect(function, block, path, blocks, uses), // in the same scope
+            Statement::Block(block) => collect(function, block, path, uses), // in the same scope
             _ => {
                 for block in within(statement) {
-                    *blocks += 1;
-                    path.push(*blocks);
-                    collect(function, block, path, blocks, uses);
+                    path.push(std::ptr::from_ref(block));
+                    collect(function, block, path, uses);
                     path.pop();
                 }
             }

@@ -275,7 +275,7 @@ impl<'m> Writer<'m> {
             }
             part = self.part(&inner, step)?;
         }
-        if is_whole && steps.is_empty() {
+        if is_whole {
             let _ = writeln!(f.text, "{text} = {value};");
             return Ok(());
         }
