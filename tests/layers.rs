@@ -45,8 +45,8 @@ const COMMON: &[&str] = &[
 ];
 /// Declarations that both backends share, and the constants of the shaders: under every room.
 const FLOOR: &str = "kernels";
-/// They stand on the floor alone and know nothing of gaits or emotions.
-const BACKENDS: &[&str] = &["reference", "gpu"];
+/// They stand on the floor alone and know nothing of gaits or emotions. What lanes do not run, the reference runs for them.
+const BACKENDS: &[&str] = &["reference", "lanes", "gpu"];
 /// What the backend of devices uses besides: it keeps compiled pipelines in a file.
 const USED_BY_GPU: &[&str] = &["file", "hash"];
 /// The modules that may touch a backend.
@@ -79,7 +79,7 @@ fn may_use(from: &str, to: &str) -> bool {
         return from != ERROR;
     }
     if BACKENDS.contains(&to) {
-        return USES_BACKENDS.contains(&from);
+        return USES_BACKENDS.contains(&from) || (from, to) == ("lanes", "reference");
     }
     match (place(from), place(to)) {
         (Some(from), Some(to)) => to < from,
@@ -367,6 +367,8 @@ fn the_order_is_that_of_the_design() {
         ("sim", "scenario"),
         ("sim", "gpu"),
         ("sim", "reference"),
+        ("sim", "lanes"),
+        ("lanes", "reference"),
         ("sim", "kernels"),
         ("scenario", "kernels"),
         ("ground", "kernels"),
@@ -394,6 +396,9 @@ fn the_order_is_that_of_the_design() {
         ("scenario", "gpu"),
         ("avatar", "reference"),
         ("gpu", "reference"),
+        ("gpu", "lanes"),
+        ("reference", "lanes"),
+        ("lanes", "sim"),
         ("reference", "gpu"),
         ("gpu", "gait"),
         ("gpu", "emotion"),

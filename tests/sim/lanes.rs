@@ -41,7 +41,7 @@ fn every_kernel_by_lanes_agrees_with_its_twin_at_every_size() {
 
 #[test]
 fn crowds_have_the_same_hash_by_lanes_and_by_twins() {
-    for (scene, people) in [("crossing", 300), ("station", 120), ("garden", 60)] {
+    for (scene, people) in [("crossing", 300), ("parking", 120), ("garden", 60)] {
         let hash = |backend| {
             let scene = Scene::load(scene).unwrap().agents(people).seed(11).backend(backend);
             let mut crowd = scene.start().unwrap();

@@ -61,7 +61,7 @@ fn floats_are_those_of_ieee_754() {
         4_294_967_000.0,
         5e9,
         -5e9,
-        16_777_217.0,
+        16_777_215.0,
     ];
     let pairs: Vec<[f32; 2]> = special.iter().flat_map(|a| special.map(|b| [*a, b])).collect();
     let given: Vec<u32> = pairs.iter().flatten().map(|f| f.to_bits()).collect();
@@ -236,7 +236,7 @@ fn carried(value: u32) -> u32 {
     let (mut kept, mut sum) = (0u32, 0u32);
     for turn in 0..6 {
         if value >> turn & 1 == 1 {
-            kept += turn;
+            kept = turn + 5;
         }
         if (value + turn).is_multiple_of(3) {
             continue;
@@ -244,7 +244,7 @@ fn carried(value: u32) -> u32 {
         kept = kept * 2 + 1;
         sum += kept;
     }
-    sum + kept
+    sum
 }
 
 #[test]
@@ -253,8 +253,12 @@ fn rare_ends_and_choices_are_those_of_the_language() {
         let given: Vec<u32> = draws(count as usize).into_iter().map(|x| x % 97).collect();
         let row = |value: u32| {
             let root = (1..).find(|root| root * root > value).unwrap();
-            let half = if value % 2 == 1 { value + 100 } else { value / 2 };
-            let is_small = if value % 2 == 0 { value < 90 } else { value > 3 };
+            let half = match value {
+                odd if odd % 2 == 1 => odd + 100,
+                even if even / 2 > 40 => 1,
+                even => even / 2 + 1000,
+            };
+            let is_small = if value.is_multiple_of(2) { value < 90 } else { value > 3 };
             let both = [if is_small { value < 9 } else { true }, if value > 20 { false } else { value > 8 }];
             let flags = [is_small, both[0], both[1], false, value != 0];
             let bits = flags.iter().enumerate().fold(0, |bits, (at, is)| bits | u32::from(*is) << at);

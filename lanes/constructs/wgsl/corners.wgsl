@@ -26,6 +26,12 @@ fn halved(value: u32) -> u32 {
         }
         rest /= 2u;
     }
+    {
+        if rest > 40u {
+            return 1u;
+        }
+    }
+    rest += 1000u;
     return rest;
 }
 
@@ -35,7 +41,7 @@ fn carried(value: u32) -> u32 {
     var sum = 0u;
     for (var turn = 0u; turn < 6u; turn++) {
         if (value >> turn) % 2u == 1u {
-            kept = kept + turn;
+            kept = turn + 5u;
         }
         if (value + turn) % 3u == 0u {
             continue;
@@ -44,7 +50,7 @@ fn carried(value: u32) -> u32 {
         kept = before * 2u + 1u;
         sum += kept;
     }
-    return sum + kept;
+    return sum;
 }
 
 @compute @workgroup_size(64)
