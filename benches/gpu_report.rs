@@ -87,11 +87,11 @@ fn measure(arguments: &Arguments) -> Result<Report> {
     let device = Device::open(named, Validation::Off)?;
     let info = device.info().clone();
     println!("verifying on {}", device.describe());
-    let verification = verify(&device, &options, &mut |_, _| ())?;
+    let verification = verify(Some(&device), &options, &mut |_, _| ())?;
     let description = device.describe();
     drop(device);
     println!("two crowds");
-    let hashes = [("vulkan", Backend::Vulkan), ("cpu", Backend::Cpu)]
+    let hashes = [("vulkan", Backend::Vulkan), ("cpu", Backend::Cpu), ("reference", Backend::Reference)]
         .into_iter()
         .map(|(name, backend)| Ok((name, hash(backend, named)?)))
         .collect::<Result<_>>()?;
@@ -160,16 +160,19 @@ fn page(report: &Report) -> String {
     let _ = write!(page, ", driver {}\n\n", report.driver);
     report.machine.iter().for_each(|line| _ = writeln!(page, "    {line}"));
     let verification = &report.verification;
-    let _ = write!(
-        page,
-        "\n## The same bits\n\nArithmetic: {}; the device's own: {}.\n\n",
-        verification.arithmetic.taken, verification.arithmetic.native
-    );
+    page.push_str("\n## The same bits\n\n");
+    if let Some(arithmetic) = &verification.arithmetic {
+        let _ =
+            writeln!(page, "Arithmetic: {}; the device's own: {}.\n", arithmetic.taken, arithmetic.native);
+    }
     let exact = verification.kernels.iter().filter(|kernel| kernel.pass).count();
-    let _ =
-        writeln!(page, "- {exact} of {} kernels give the bits of their twins", verification.kernels.len());
+    let _ = writeln!(
+        page,
+        "- {exact} of {} kernels give the bits of their twins, on the device and by lanes",
+        verification.kernels.len()
+    );
     for kernel in verification.kernels.iter().filter(|kernel| !kernel.pass) {
-        let _ = writeln!(page, "- {}: {}", kernel.name, kernel.first.as_deref().unwrap_or("differs"));
+        let _ = writeln!(page, "- {}: wrong is {}", kernel.name, kernel.differs.join(", or "));
     }
     let crowd = &verification.crowd;
     let outcome =

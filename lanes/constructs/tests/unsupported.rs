@@ -1,5 +1,5 @@
 //! What lanes cannot do is refused by name, with the function in which it stands.
-#![allow(clippy::unwrap_used, reason = "a test")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test")]
 
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 use wgsl_lanes::Isa;
