@@ -17,6 +17,8 @@ mod measured;
 mod models;
 #[cfg(feature = "vulkan")]
 mod occlusion;
+#[cfg(feature = "cli")]
+pub(crate) mod peers;
 mod runs;
 mod sequence;
 #[cfg(feature = "vulkan")]

@@ -5,14 +5,16 @@ use super::progress::Progress;
 use super::scene::{PlaceArguments, size_of_crowd};
 use super::usage;
 use crate::Error;
+use crate::bench::peers::{PYRVO, Peer, peers};
 use crate::bench::{Report, Workload, bench};
 use crate::scenario::MAX_AGENTS;
+use crate::sim::Backend;
 use clap::{Args, ValueEnum};
 
 /// Arguments of `gaitway bench`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  gaitway bench --agents 10000\n  gaitway bench --workload all --agents \
-                        1000,10000 --json\n  gaitway bench --backend cpu\n\nThe crossing: one agent per square metre, \
+                        1000,10000 --json\n  gaitway bench --backend cpu\n  gaitway bench --peers --agents 10000,100000\n\nThe crossing: one agent per square metre, \
                         two streams at right angles over a square whose opposite sides are joined.")]
 pub(super) struct Arguments {
     /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
@@ -31,6 +33,15 @@ pub(super) struct Arguments {
         value_parser = size_of_crowd
     )]
     agents: Vec<usize>,
+    /// Time other libraries as well, in turns over the same steps of the crossing: pyrvo, and what --peer names
+    #[arg(long, conflicts_with = "workload")]
+    peers: bool,
+    /// The Python that has pyrvo [default: python3, without --peer]
+    #[arg(long, value_name = "PROGRAM", requires = "peers")]
+    python: Option<String>,
+    /// Another peer: a program that answers as docs/speed.md says; may be repeated
+    #[arg(long, value_name = "PROGRAM", requires = "peers")]
+    peer: Vec<String>,
     #[command(flatten)]
     place: PlaceArguments,
     /// Print one JSON object
@@ -59,6 +70,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             "such as --agents 1000,10000",
         ));
     }
+    if arguments.peers {
+        return beside_peers(arguments);
+    }
     let workload = match arguments.workload {
         WorkloadName::Crossing => Workload::Crossing,
         WorkloadName::All => Workload::All,
@@ -83,6 +97,49 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         print(&report);
     }
     Ok(true)
+}
+
+/// Times the crossing beside other libraries; on the CPU unless a device is asked for.
+fn beside_peers(arguments: &Arguments) -> Result<bool, Error> {
+    let (backend, device) = arguments.place.get()?;
+    let backend = if backend == Backend::Auto && device.is_none() { Backend::Cpu } else { backend };
+    let python = arguments.python.clone().or_else(|| arguments.peer.is_empty().then(|| "python3".to_owned()));
+    let pyrvo = python.map(|python| vec![python, "-c".to_owned(), PYRVO.to_owned()]);
+    let others = arguments.peer.iter().map(|program| vec![program.clone()]);
+    let commands: Vec<Vec<String>> = pyrvo.into_iter().chain(others).collect();
+    let mut progress = Progress::new("timing");
+    let report =
+        peers(&arguments.agents, &commands, backend, device, &mut |what, share| progress.at(what, share))?;
+    drop(progress);
+    if arguments.json {
+        say_json(&report)?;
+        return Ok(true);
+    }
+    say(&format!("machine    {}", report.machine));
+    say(&format!("threads    {} each", report.threads));
+    if !report.optimised {
+        say("build      debug: use cargo build --release");
+    }
+    say("");
+    let rows: Vec<Vec<String>> = report.rows.iter().map(peer_row).collect();
+    let head =
+        ["", "agents", "step ms", "(min)", "times", "(min)", "overlaps/agent", "nearest m", "progress m/s"];
+    table(&head, &rows);
+    Ok(true)
+}
+
+fn peer_row(peer: &Peer) -> Vec<String> {
+    vec![
+        peer.name.clone(),
+        thousands(peer.agents as u64),
+        format!("{:.3}", peer.ms_median),
+        format!("({:.3})", peer.ms_min),
+        format!("{:.2}", peer.times_median),
+        format!("({:.2})", peer.times_min),
+        format!("{:.4}", peer.overlapping),
+        format!("{:.3}", peer.min_distance),
+        format!("{:.3}", peer.progress),
+    ]
 }
 
 fn print(report: &Report) {

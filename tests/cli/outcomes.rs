@@ -150,6 +150,49 @@ fn verify_passes_and_names_every_kernel() {
     assert_eq!((&crowd["agents"], &crowd["steps"]), (&10_000.into(), &100.into()), "{crowd}");
 }
 
+/// A peer that stands still, written for a shell: it answers as docs/speed.md says.
+#[cfg(unix)]
+fn standing_peer(folder: &Path, state: &str) -> String {
+    use std::os::unix::fs::PermissionsExt;
+    let path = folder.join("peer.sh");
+    let text = format!(
+        "#!/bin/sh\nread -r crowd\necho 'still 1.0'\nwhile read -r order count; do\n\
+         if [ \"$order\" = step ]; then echo \"$((count * 2))\"; else echo '{state}'; fi\ndone\n"
+    );
+    std::fs::write(&path, text).unwrap();
+    std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
+    path.to_string_lossy().into_owned()
+}
+
+#[cfg(unix)]
+#[test]
+fn bench_runs_a_peer_beside_the_same_crowd_and_says_what_its_crowd_looked_like() {
+    let folder = tempfile::tempdir().unwrap();
+    let [x, v] = ["[7.0,7.0],[7.3,7.0]", "[1.3,0.0],[1.3,0.0]"];
+    let more = |point: &str| format!("{point},{}", vec!["[1.0,1.0]"; 398].join(","));
+    let state = format!("{{\"position\":[{}],\"velocity\":[{}]}}", more(x), more(v));
+    let peer = standing_peer(folder.path(), &state);
+    let report = json(&["bench", "--peers", "--peer", &peer, "--agents", "400", "--json"]);
+    let rows = report["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 2, "{report}");
+    assert!(rows[0]["name"].as_str().unwrap().starts_with("gaitway, CPU"), "{report}");
+    assert_eq!((&rows[1]["name"], &rows[1]["agents"]), (&"still 1.0".into(), &400.into()));
+    assert_eq!((&rows[0]["times_median"], &rows[1]["ms_median"]), (&1.0.into(), &2.0.into()), "2 ms a step");
+    let ratio = rows[1]["times_median"].as_f64().unwrap() * rows[0]["ms_median"].as_f64().unwrap();
+    assert!((ratio - 2.0).abs() < 1e-9, "{report}");
+    assert!(rows[0]["min_distance"].as_f64().unwrap() > 0.49, "{report}");
+    let nearest = rows[1]["min_distance"].as_f64().unwrap();
+    assert!((nearest - 0.3).abs() < 1e-6, "two stand 0.3 m apart: {report}");
+    for (bad, fault) in
+        [("{}", "missing field"), ("{\"position\":[],\"velocity\":[]}", "0 places for 400 agents")]
+    {
+        let peer = standing_peer(folder.path(), bad);
+        refused(&["bench", "--peers", "--peer", &peer, "--agents", "400"], fault, "docs/speed.md");
+    }
+    let missing = ["bench", "--peers", "--python", "no-such-python", "--agents", "400"];
+    refused(&missing, "no-such-python", "pip install pyrvo");
+}
+
 #[test]
 fn bench_times_the_step_and_says_what_the_crowd_looked_like() {
     let report = json(&["bench", "--agents", "300", "--backend", "cpu", "--json"]);
