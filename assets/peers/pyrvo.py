@@ -20,8 +20,8 @@ sim.set_agent_defaults(
 )
 agents = range(len(crowd["position"]))
 for i in agents:
-    sim.add_agent(pyrvo.Vector2(*crowd["position"][i]))
-    velocity = pyrvo.Vector2(*crowd["velocity"][i])
+    sim.add_agent(tuple(crowd["position"][i]))
+    velocity = tuple(crowd["velocity"][i])
     sim.set_agent_velocity(i, velocity)
     sim.set_agent_pref_velocity(i, velocity)
 print("pyrvo " + version("pyrvo"), flush=True)
@@ -38,7 +38,7 @@ for line in sys.stdin:
                 p = sim.get_agent_position(i)
                 x, y = p.x, p.y
                 if not (0.0 <= x < side and 0.0 <= y < side):
-                    sim.set_agent_position(i, pyrvo.Vector2(x % side, y % side))
+                    sim.set_agent_position(i, (x % side, y % side))
         print(spent * 1e3, flush=True)
     else:
         points = lambda get: [[v.x, v.y] for v in map(get, agents)]
