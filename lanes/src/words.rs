@@ -23,7 +23,7 @@ unsafe impl Send for Words<'_> {}
 unsafe impl Sync for Words<'_> {}
 
 impl<'a> Words<'a> {
-    /// Words that are only read.
+    /// Words that are only read: for a binding that no invocation writes.
     ///
     /// # Panics
     /// More than 2^31 words.
