@@ -9,7 +9,7 @@
 // Needs the bindings step, slot_position, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance
 const MORE_PLACES: u32 = 4095u; // the same where there are more candidates
-const FEW: u32 = 14u;           // with fewer candidates an agent looks in nine by nine cells next, and not in seven by seven
+const FARTHEST: i32 = 4;        // most cells to every side that are looked in by keys
 const NO_KEY: u32 = 0xffffffffu;
 const UNSURE: u32 = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
@@ -69,8 +69,7 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     }
     let complete = is_complete(safe_distance(at, centre, 2), range, PLACES);
     if !fits || !complete || has_equals(PLACES) || same(k9, k10, PLACES) {
-        let people = select(run4.end, run4.end / 2u, (contents & STOREYS) != 0u);
-        next_reach = select(select(select(4u, 3u, people >= FEW), 2u, complete), 1u, !fits);
+        next_reach = select(select(3u, 2u, complete), 1u, !fits);
         return UNSURE;
     }
     found[0] = slot_of(k0, ends, shift, run4.shift);
@@ -86,8 +85,21 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     return min(cap, keys_found());
 }
 
-// The same in so many cells to every side, four at most, and exactly where that is not enough.
-fn far_neighbours(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
+// The same in so many cells to every side, then in more, and exactly where that is not enough.
+fn far_neighbours(slot: u32, at: vec2<f32>, own: Seeker, first_reach: i32) -> u32 {
+    var count = UNSURE;
+    next_reach = u32(first_reach);
+    while count == UNSURE && next_reach > 0u {
+        count = keys_within(slot, at, own, i32(next_reach));
+    }
+    if count == UNSURE {
+        count = search(slot, at, own);
+    }
+    return count;
+}
+
+// The same by keys in so many cells to every side. Where it is UNSURE, more cells can help, or none (next_reach is 0).
+fn keys_within(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
     let range = own.range;
     let range2 = range * range;
     let elevation = slot_motion[slot].elevation;
@@ -105,7 +117,8 @@ fn far_neighbours(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
     }
     let complete = is_complete(safe_distance(at, centre, reach), range, places);
     if runs.end > places || !complete || same(k9, k10, places) {
-        return search(slot, at, own);
+        next_reach = select(0u, u32(reach + 1), runs.end <= places && !complete && reach < FARTHEST);
+        return UNSURE;
     }
     found[0] = slot_in(k0 & places, runs);
     found[1] = slot_in(k1 & places, runs);
