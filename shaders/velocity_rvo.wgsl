@@ -96,7 +96,7 @@ fn avoid(entry: u32, again: bool) {
     } else {
         count = quick_neighbours(slot, at, own);
         if count == UNSURE {
-            leave(slot, next_reach);
+            leave(slot, max(next_reach, 1u));
             return;
         }
     }

@@ -9,6 +9,7 @@
 // Needs the bindings step, slot_position, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance
 const MORE_PLACES: u32 = 4095u; // the same where there are more candidates
+const FEW: u32 = 44u;           // candidates on two storeys, of whom too few are on one
 const FARTHEST: i32 = 4;        // most cells to every side that are looked in by keys
 const NO_KEY: u32 = 0xffffffffu;
 const UNSURE: u32 = 0xffffffffu;
@@ -55,6 +56,14 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let run2 = run(centre, 0, 2, run1.end);
     let run3 = run(centre, 1, 2, run2.end);
     let run4 = run(centre, 2, 2, run3.end);
+    if (contents & STOREYS) != 0u && run4.end < FEW {
+        // people above one another share the cells, so that too few of them are on the own storey
+        let before = run1.shift + run0.end;
+        let behind = run3.shift + run2.end;
+        if is_mixed(before, run1.shift + run1.end, elevation) || is_mixed(behind, run3.shift + run3.end, elevation) {
+            return keys_within(slot, at, own, 3);
+        }
+    }
     let fits = run4.end <= PLACES;
     let ends = vec4<u32>(run0.end, run1.end, run2.end, run3.end);
     let shift = vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift);
@@ -83,6 +92,16 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     found[8] = slot_of(k8, ends, shift, run4.shift);
     found[9] = slot_of(k9, ends, shift, run4.shift);
     return min(cap, keys_found());
+}
+
+// Whether one of the first four slots from `first` on, before `end`, is on another storey.
+fn is_mixed(first: u32, end: u32, elevation: f32) -> bool {
+    var mixed = false;
+    for (var i = 0u; i < 4u; i++) {
+        let other = first + i;
+        mixed = mixed || (other < end && !same_storey(min(other, max(end, 1u) - 1u), elevation));
+    }
+    return mixed;
 }
 
 // The same in so many cells to every side, then in more, and exactly where that is not enough.
