@@ -167,7 +167,7 @@ fn keys_found() -> u32 {
         + u32(k5 != NO_KEY) + u32(k6 != NO_KEY) + u32(k7 != NO_KEY) + u32(k8 != NO_KEY) + u32(k9 != NO_KEY);
 }
 
-// Whether nobody farther away than `safe`, where the cells end, can be nearer than one of the ten.
+// Whether no agent farther away than `safe`, where the cells end, can be nearer than one of the ten.
 fn is_complete(safe: f32, range: f32, places: u32) -> bool {
     return safe >= range || (k9 & ~places) < (bitcast<u32>(safe * safe) & ~places);
 }
