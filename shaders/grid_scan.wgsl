@@ -5,7 +5,7 @@
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> cells: array<u32>;                    // [cell][2] see cells.wgsl
 @group(0) @binding(2) var<storage, read_write> cell_start: array<atomic<u32>>; // see cells.wgsl
-@group(0) @binding(3) var<storage, read_write> unsolved: array<u32>;           // see velocity_orca
+@group(0) @binding(3) var<storage, read_write> unsolved: array<u32>;           // see unsolved.wgsl
 
 var<workgroup> groups_left: u32; // to be summed up by this workgroup: all, or none
 
@@ -61,5 +61,6 @@ fn grid_scan(
         unsolved[1] = 1u;
         unsolved[2] = 1u;
         unsolved[3] = 0u;
+        unsolved[4] = 0u;
     }
 }

@@ -1,10 +1,10 @@
-// uses: step, storey, contents, grid, orca, segments, neighbours, crowding, precedence, absent, agent
+// uses: step, storey, contents, grid, orca, segments, neighbours, unsolved, crowding, precedence, absent, agent
 // The velocity nearest to the preferred one that avoids neighbours, obstacles and the user: ORCA (2011).
 // The preferred one is shortened first where it is crowded ahead.
 // An agent that is led from outside (priority LED) takes the velocity it is given.
 //
 // Most agents can keep all their lines. The others, one in ten in a crossing, have to try again, which takes longer than
-// all before, and a few need the exact search for neighbours. They are put on a list, and a second phase (again) does them
+// all before, and some have to look farther for neighbours. They are put on two lists, and a second phase (again) does them
 // side by side, since an invocation waits for the slowest beside it.
 //
 // The lines would be faster in registers, too, but unrolling the linear program makes a kernel so long that one driver,
@@ -18,13 +18,10 @@
 @group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(7) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // workgroups of the second phase along x, y, z; how many agents it has; their slots
+@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // see unsolved.wgsl
 
 // An agent slower than this share of its maximum speed is in a jam.
 const JAM_SPEED: f32 = 0.45;
-
-// Beside a slot on the list: not even the first attempt was made.
-const UNTRIED: u32 = 0x80000000u;
 
 @compute @workgroup_size(64)
 fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -33,13 +30,15 @@ fn velocity_orca(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn velocity_orca_again(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x < atomicLoad(&unsolved[3]) {
-        avoid(atomicLoad(&unsolved[4u + id.x]), true);
+    let entry = left_to(id.x);
+    if entry != NO_ENTRY {
+        avoid(entry, true);
     }
 }
 
 fn avoid(entry: u32, again: bool) {
-    let slot = entry & ~UNTRIED;
+    let reach = entry >> REACH_SHIFT;
+    let slot = entry - (reach << REACH_SHIFT);
     if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
         return;
     }
@@ -51,12 +50,16 @@ fn avoid(entry: u32, again: bool) {
     }
     let at = slot_position[slot];
     let me = slot_motion[slot];
-    var count = quick_neighbours(slot, at, own);
-    if again && count == UNSURE {
-        count = search(slot, at, own);
+    var count = UNSURE;
+    if again && reach > 0u {
+        count = far_neighbours(slot, at, own, i32(reach));
+    } else {
+        count = quick_neighbours(slot, at, own);
+        if count == UNSURE {
+            leave(slot, max(next_reach, 1u));
+            return;
+        }
     }
-    let is_sure = count != UNSURE;
-    count = select(0u, count, is_sure);
     if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
         wanted = crowded(slot, wanted, own.range, own.cap, count);
     }
@@ -72,25 +75,16 @@ fn avoid(entry: u32, again: bool) {
     let others = Others(slot, at, me, hard, users, users + count);
     if again {
         // without a shorter horizon the first attempt is all there is
-        let first = select(1u, 0u, entry != slot || step.inverse_time_horizon_dense <= 0.0);
+        let first = select(1u, 0u, reach > 0u || step.inverse_time_horizon_dense <= 0.0);
         new_velocity[slot] = try_on(others, own.rate, wanted, first);
     } else {
         other_lines(others, own.rate, wanted, false);
         let solved = within(0u, hard + others.count, me.max_speed, wanted, false);
         new_velocity[slot] = solved.velocity;
         let is_stuck = (contents & CROWDED) != 0u && step.inverse_time_horizon_dense > 0.0 && gets_nowhere(solved.velocity, wanted);
-        if !is_sure || solved.satisfied < hard + others.count || is_stuck {
-            leave(select(slot | UNTRIED, slot, is_sure));
+        if solved.satisfied < hard + others.count || is_stuck {
+            leave(slot, 0u);
         }
-    }
-}
-
-// Leaves an agent to the second phase.
-fn leave(entry: u32) {
-    let place = atomicAdd(&unsolved[3], 1u);
-    atomicStore(&unsolved[4u + place], entry);
-    if place % 64u == 0u {
-        atomicAdd(&unsolved[0], 1u);
     }
 }
 

@@ -1,4 +1,4 @@
-// uses: step, storey, contents, grid, orca, segments, contact, neighbours, crowding, absent, agent
+// uses: step, storey, contents, grid, orca, segments, contact, neighbours, unsolved, crowding, absent, agent
 // A new velocity by reciprocal velocity obstacles, after van den Berg, Lin, Manocha, "Reciprocal Velocity Obstacles for
 // Real-Time Multi-Agent Navigation" (2008): of some velocities v' that the agent can reach in this step
 // (|v'| <= v_max, |v' - v| <= a_max dt) the one with the least
@@ -21,7 +21,7 @@
 @group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(7) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(8) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
-@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // see velocity_orca
+@group(0) @binding(9) var<storage, read_write> unsolved: array<atomic<u32>>;   // see unsolved.wgsl
 
 // Fours of velocities of the pattern: a spiral of the golden angle, which covers a disc evenly. More are not better: see
 // reference::velocity_rvo.
@@ -70,12 +70,15 @@ fn velocity_rvo(@builtin(global_invocation_id) id: vec3<u32>) {
 
 @compute @workgroup_size(64)
 fn velocity_rvo_again(@builtin(global_invocation_id) id: vec3<u32>) {
-    if id.x < atomicLoad(&unsolved[3]) {
-        avoid(atomicLoad(&unsolved[4u + id.x]), true);
+    let entry = left_to(id.x);
+    if entry != NO_ENTRY {
+        avoid(entry, true);
     }
 }
 
-fn avoid(slot: u32, again: bool) {
+fn avoid(entry: u32, again: bool) {
+    let reach = entry >> REACH_SHIFT;
+    let slot = entry - (reach << REACH_SHIFT);
     if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
         return;
     }
@@ -87,13 +90,15 @@ fn avoid(slot: u32, again: bool) {
     }
     let at = slot_position[slot];
     let motion = slot_motion[slot];
-    var count = quick_neighbours(slot, at, own);
-    if count == UNSURE {
-        if !again {
-            leave(slot);
+    var count = UNSURE;
+    if again && reach > 0u {
+        count = far_neighbours(slot, at, own, i32(reach));
+    } else {
+        count = quick_neighbours(slot, at, own);
+        if count == UNSURE {
+            leave(slot, max(next_reach, 1u));
             return;
         }
-        count = search(slot, at, own);
     }
     // shortened where it is crowded ahead
     if (contents & CROWDED) != 0u && !has_right_of_way(slot) {
@@ -110,16 +115,7 @@ fn avoid(slot: u32, again: bool) {
     } else if again {
         new_velocity[slot] = choose(me);
     } else {
-        leave(slot);
-    }
-}
-
-// Leaves an agent to the second phase.
-fn leave(slot: u32) {
-    let place = atomicAdd(&unsolved[3], 1u);
-    atomicStore(&unsolved[4u + place], slot);
-    if place % 64u == 0u {
-        atomicAdd(&unsolved[0], 1u);
+        leave(slot, 0u);
     }
 }
 

@@ -6,7 +6,6 @@
 
 use crate::kernels::{KernelId, Phase};
 use crate::sim::{Backend, Simulation};
-use crate::verify::cases::crossing::crossing;
 use serde::Serialize;
 use std::time::Instant;
 
@@ -29,7 +28,7 @@ pub use goals::Goal;
 pub use runs::Row;
 pub use sequence::Sequence;
 
-use crowds::{SPACING, quality_of};
+use crowds::{quality_of, walking};
 use runs::{WARM_UP, repeat};
 use sequence::EXTRAS;
 
@@ -49,7 +48,11 @@ pub enum Workload {
     /// The kernels of a simulation step and the step as a whole.
     #[default]
     Crossing,
-    /// These, the animation of all agents in that crowd, flow fields over as many cells, the features of as many gaits, and the
+    /// The same with half of the people within an eighth of the area.
+    Clustered,
+    /// The same on two storeys, one above the other.
+    Storeys,
+    /// The crossing's kernels, the animation of all agents in that crowd, flow fields over as many cells, the features of as many gaits, and the
     /// arithmetic probe: every kernel.
     All,
     /// Both eyes of a user in front of the crowd, in one pass, in two, and as two frames (see the rows' names).
@@ -145,14 +148,14 @@ pub fn bench(
             continue;
         }
         progress(&format!("step, {agents} agents"), share(0.0));
-        let (row, seen, simulation) = whole_step(agents, backend, device)?;
+        let (row, seen, simulation) = whole_step(workload, agents, backend, device)?;
         name = simulation.device();
         fallback = simulation.fallback().map(str::to_owned);
         drop(simulation);
         rows.push(row);
         quality.push(seen);
         progress(&format!("kernels of a step, {agents} agents"), share(0.4));
-        rows.extend(kernels(&mut Sequence::step(agents, backend, device)?)?);
+        rows.extend(kernels(&mut Sequence::walk(walking(workload, agents), agents, backend, device)?)?);
         if workload == Workload::All {
             progress(&format!("kernels of a picture, {agents} agents"), share(0.7));
             for kernel in Sequence::ALTERNATIVES {
@@ -211,13 +214,14 @@ fn pictures(
     })
 }
 
-/// Times whole steps of the crossing.
+/// Times whole steps of a workload's crowd.
 fn whole_step(
+    workload: Workload,
     agents: usize,
     backend: Backend,
     device: Option<&str>,
 ) -> Result<(Row, Quality, Simulation), crate::Error> {
-    let mut simulation = Simulation::from_store(crossing(agents, SPACING), backend, device)?;
+    let mut simulation = Simulation::from_store(walking(workload, agents), backend, device)?;
     simulation.step(1)?;
     simulation.finish()?;
     let begin = Instant::now();

@@ -2,13 +2,15 @@
 // The nearest agents of one: the agent reads the five by five cells around it, whose rows are runs of slots, and keeps the
 // nearest as packed keys: squared distance with its low bits replaced by the candidate's place in the five runs. Where that
 // could differ from the order by (squared distance, id) (two keys agree in the bits left, fewer than wanted were found, a
-// nearer one may stand farther out, the runs are too long) it searches again, ring by ring and exactly. So the
-// neighbours are always the exact ones. The keys stay in registers: an array with computed indices is slow memory on
-// every device.
+// nearer one may stand farther out, the runs are too long) it looks in more cells or in fewer, up to nine by nine, again
+// by keys. Where that does not settle it, it searches ring by ring and exactly. So the neighbours are always the
+// exact ones. The keys stay in registers: an array with computed indices is slow memory on every device.
 //
 // Needs the bindings step, slot_position, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
-const KEY_MASK: u32 = 0xffffff00u; // what a key keeps of the squared distance
-const PLACES: u32 = 255u;          // candidates that the low bits can number
+const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance
+const MORE_PLACES: u32 = 4095u; // the same where there are more candidates
+const FEW: u32 = 44u;           // candidates on two storeys, of whom too few are on one
+const FARTHEST: i32 = 4;        // most cells to every side that are looked in by keys
 const NO_KEY: u32 = 0xffffffffu;
 const UNSURE: u32 = 0xffffffffu;
 // A cell's border is computed with rounding; a neighbour that near to it is looked for in the next ring as well.
@@ -39,44 +41,44 @@ fn is_with(slot: u32, other: u32) -> bool {
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
 var<private> found_distance2: array<f32, 10>;
 
-// Finds the nearest `own.cap` (at most NEIGHBOURS) agents nearer than `own.range`; returns how many there are in `found`.
-fn neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
-    let count = quick_neighbours(slot, at, own);
-    if count == UNSURE {
-        return search(slot, at, own);
-    }
-    return count;
-}
+var<private> next_reach: u32; // where quick_neighbours is UNSURE: how many cells to every side to look in next
 
-// The same by keys only; UNSURE where the exact search is needed.
+// Finds the nearest `own.cap` (at most NEIGHBOURS) agents nearer than `own.range`, in five by five cells; returns how many there
+// are in `found`, or UNSURE.
 fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     let cap = min(own.cap, NEIGHBOURS);
     let range = own.range;
     let range2 = range * range;
     let elevation = slot_motion[slot].elevation;
     let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
-    let run0 = run(centre, -2, 0u);
-    let run1 = run(centre, -1, run0.end);
-    let run2 = run(centre, 0, run1.end);
-    let run3 = run(centre, 1, run2.end);
-    let run4 = run(centre, 2, run3.end);
+    let run0 = run(centre, -2, 2, 0u);
+    let run1 = run(centre, -1, 2, run0.end);
+    let run2 = run(centre, 0, 2, run1.end);
+    let run3 = run(centre, 1, 2, run2.end);
+    let run4 = run(centre, 2, 2, run3.end);
+    if (contents & STOREYS) != 0u && run4.end < FEW {
+        // people above one another share the cells, so that too few of them are on the own storey
+        let before = run1.shift + run0.end;
+        let behind = run3.shift + run2.end;
+        if is_mixed(before, run1.shift + run1.end, elevation) || is_mixed(behind, run3.shift + run3.end, elevation) {
+            return keys_within(slot, at, own, 3);
+        }
+    }
     let fits = run4.end <= PLACES;
     let ends = vec4<u32>(run0.end, run1.end, run2.end, run3.end);
     let shift = vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift);
     keys_clear();
     let last = select(0u, run4.end, fits);
     for (var place = 0u; place < last; place += 4u) {
-        c0 = key(place, last, slot_of(place, ends, shift, run4.shift), slot, at, range2, elevation);
-        c1 = key(place + 1u, last, slot_of(place + 1u, ends, shift, run4.shift), slot, at, range2, elevation);
-        c2 = key(place + 2u, last, slot_of(place + 2u, ends, shift, run4.shift), slot, at, range2, elevation);
-        c3 = key(place + 3u, last, slot_of(place + 3u, ends, shift, run4.shift), slot, at, range2, elevation);
+        c0 = key(place, last, slot_of(place, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
+        c1 = key(place + 1u, last, slot_of(place + 1u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
+        c2 = key(place + 2u, last, slot_of(place + 2u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
+        c3 = key(place + 3u, last, slot_of(place + 3u, ends, shift, run4.shift), slot, at, range2, elevation, PLACES);
         offer();
     }
-    let safe = safe_distance(at, centre, 2);
-    let complete = safe >= range || (k9 & KEY_MASK) < (bitcast<u32>(safe * safe) & KEY_MASK);
-    let ambiguous = same(k0, k1) || same(k1, k2) || same(k2, k3) || same(k3, k4) || same(k4, k5) || same(k5, k6)
-        || same(k6, k7) || same(k7, k8) || same(k8, k9) || same(k9, k10);
-    if !fits || !complete || ambiguous {
+    let complete = is_complete(safe_distance(at, centre, 2), range, PLACES);
+    if !fits || !complete || has_equals(PLACES) || same(k9, k10, PLACES) {
+        next_reach = select(select(3u, 2u, complete), 1u, !fits);
         return UNSURE;
     }
     found[0] = slot_of(k0, ends, shift, run4.shift);
@@ -89,8 +91,85 @@ fn quick_neighbours(slot: u32, at: vec2<f32>, own: Seeker) -> u32 {
     found[7] = slot_of(k7, ends, shift, run4.shift);
     found[8] = slot_of(k8, ends, shift, run4.shift);
     found[9] = slot_of(k9, ends, shift, run4.shift);
-    return min(cap, u32(k0 != NO_KEY) + u32(k1 != NO_KEY) + u32(k2 != NO_KEY) + u32(k3 != NO_KEY) + u32(k4 != NO_KEY)
-        + u32(k5 != NO_KEY) + u32(k6 != NO_KEY) + u32(k7 != NO_KEY) + u32(k8 != NO_KEY) + u32(k9 != NO_KEY));
+    return min(cap, keys_found());
+}
+
+// Whether one of the first four slots from `first` on, before `end`, is on another storey.
+fn is_mixed(first: u32, end: u32, elevation: f32) -> bool {
+    var mixed = false;
+    for (var i = 0u; i < 4u; i++) {
+        let other = first + i;
+        mixed = mixed || (other < end && !same_storey(min(other, max(end, 1u) - 1u), elevation));
+    }
+    return mixed;
+}
+
+// The same in so many cells to every side, then in more, and exactly where that is not enough.
+fn far_neighbours(slot: u32, at: vec2<f32>, own: Seeker, first_reach: i32) -> u32 {
+    var count = UNSURE;
+    next_reach = u32(first_reach);
+    while count == UNSURE && next_reach > 0u {
+        count = keys_within(slot, at, own, i32(next_reach));
+    }
+    if count == UNSURE {
+        count = search(slot, at, own);
+    }
+    return count;
+}
+
+// The same by keys in so many cells to every side. Where it is UNSURE, more cells can help, or none (next_reach is 0).
+fn keys_within(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
+    let range = own.range;
+    let range2 = range * range;
+    let elevation = slot_motion[slot].elevation;
+    let centre = grid_cell(at, step.grid_origin, step.inverse_cell_size, step.grid_columns, step.grid_rows);
+    let runs = nine_runs(centre, reach);
+    let places = select(MORE_PLACES, PLACES, runs.end <= PLACES);
+    let last = select(0u, runs.end, runs.end <= places);
+    keys_clear();
+    for (var place = 0u; place < last; place += 4u) {
+        c0 = key(place, last, slot_in(place, runs), slot, at, range2, elevation, places);
+        c1 = key(place + 1u, last, slot_in(place + 1u, runs), slot, at, range2, elevation, places);
+        c2 = key(place + 2u, last, slot_in(place + 2u, runs), slot, at, range2, elevation, places);
+        c3 = key(place + 3u, last, slot_in(place + 3u, runs), slot, at, range2, elevation, places);
+        offer();
+    }
+    let complete = is_complete(safe_distance(at, centre, reach), range, places);
+    if runs.end > places || !complete || same(k9, k10, places) {
+        next_reach = select(0u, u32(reach + 1), runs.end <= places && !complete && reach < FARTHEST);
+        return UNSURE;
+    }
+    found[0] = slot_in(k0 & places, runs);
+    found[1] = slot_in(k1 & places, runs);
+    found[2] = slot_in(k2 & places, runs);
+    found[3] = slot_in(k3 & places, runs);
+    found[4] = slot_in(k4 & places, runs);
+    found[5] = slot_in(k5 & places, runs);
+    found[6] = slot_in(k6 & places, runs);
+    found[7] = slot_in(k7 & places, runs);
+    found[8] = slot_in(k8 & places, runs);
+    found[9] = slot_in(k9 & places, runs);
+    let count = keys_found();
+    if has_equals(places) {
+        // these are the nearest, but not in order
+        var sorted = 0u;
+        for (var i = 0u; i < count; i++) {
+            let to = slot_position[found[i]] - at;
+            sorted = insert(sorted, NEIGHBOURS, found[i], dot2(to, to));
+        }
+    }
+    return min(min(own.cap, NEIGHBOURS), count);
+}
+
+// How many of the ten nearest keys there are.
+fn keys_found() -> u32 {
+    return u32(k0 != NO_KEY) + u32(k1 != NO_KEY) + u32(k2 != NO_KEY) + u32(k3 != NO_KEY) + u32(k4 != NO_KEY)
+        + u32(k5 != NO_KEY) + u32(k6 != NO_KEY) + u32(k7 != NO_KEY) + u32(k8 != NO_KEY) + u32(k9 != NO_KEY);
+}
+
+// Whether no agent farther away than `safe`, where the cells end, can be nearer than one of the ten.
+fn is_complete(safe: f32, range: f32, places: u32) -> bool {
+    return safe >= range || (k9 & ~places) < (bitcast<u32>(safe * safe) & ~places);
 }
 
 // A run of candidates: places up to `end`, whose slots are `shift` higher.
@@ -99,14 +178,53 @@ struct Run {
     shift: u32,
 }
 
-// The cells of one of the five rows.
-fn run(centre: vec2<i32>, dy: i32, begin: u32) -> Run {
+// The cells of one row of a square with so many to every side of its centre.
+fn run(centre: vec2<i32>, dy: i32, reach: i32, begin: u32) -> Run {
     let columns = i32(step.grid_columns);
     let y = centre.y + dy;
     let row = clamp(y, 0, i32(step.grid_rows) - 1) * columns;
-    let first = cell_start[row + max(centre.x - 2, 0)];
-    let end = cell_start[row + min(centre.x + 2, columns - 1) + 1];
-    return Run(begin + select(0u, end - first, y >= 0 && y < i32(step.grid_rows)), first - begin);
+    let first = cell_start[row + max(centre.x - reach, 0)];
+    let end = cell_start[row + min(centre.x + reach, columns - 1) + 1];
+    let is_there = abs(dy) <= reach && y >= 0 && y < i32(step.grid_rows);
+    return Run(begin + select(0u, end - first, is_there), first - begin);
+}
+
+// The rows of a square of up to nine by nine cells.
+struct Runs {
+    low_ends: vec4<u32>,
+    high_ends: vec4<u32>,
+    end: u32, // of the last row
+    low_shifts: vec4<u32>,
+    high_shifts: vec4<u32>,
+    shift: u32,
+}
+
+fn nine_runs(centre: vec2<i32>, reach: i32) -> Runs {
+    let run0 = run(centre, -4, reach, 0u);
+    let run1 = run(centre, -3, reach, run0.end);
+    let run2 = run(centre, -2, reach, run1.end);
+    let run3 = run(centre, -1, reach, run2.end);
+    let run4 = run(centre, 0, reach, run3.end);
+    let run5 = run(centre, 1, reach, run4.end);
+    let run6 = run(centre, 2, reach, run5.end);
+    let run7 = run(centre, 3, reach, run6.end);
+    let run8 = run(centre, 4, reach, run7.end);
+    return Runs(
+        vec4<u32>(run0.end, run1.end, run2.end, run3.end),
+        vec4<u32>(run4.end, run5.end, run6.end, run7.end),
+        run8.end,
+        vec4<u32>(run0.shift, run1.shift, run2.shift, run3.shift),
+        vec4<u32>(run4.shift, run5.shift, run6.shift, run7.shift),
+        run8.shift,
+    );
+}
+
+fn slot_in(place: u32, runs: Runs) -> u32 {
+    let is_low = place < runs.low_ends.w;
+    let ends = select(runs.high_ends, runs.low_ends, is_low);
+    let shifts = select(runs.high_shifts, runs.low_shifts, is_low);
+    let upper = select(select(runs.shift, shifts.w, place < ends.w), shifts.z, place < ends.z);
+    return place + select(select(upper, shifts.y, place < ends.y), shifts.x, place < ends.x);
 }
 
 // The keys found so far, nearest first.
@@ -137,14 +255,14 @@ fn keys_clear() {
 }
 
 // The key of a candidate; places from `last` on are none.
-fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32) -> u32 {
+fn key(place: u32, last: u32, candidate: u32, slot: u32, at: vec2<f32>, range2: f32, elevation: f32, places: u32) -> u32 {
     let to = slot_position[candidate] - at;
     let distance2 = dot2(to, to);
     var wanted = place < last && candidate != slot && distance2 < range2;
     if (contents & STOREYS) != 0u {
         wanted = wanted && same_storey(candidate, elevation);
     }
-    return select(NO_KEY, (bitcast<u32>(distance2) & KEY_MASK) | place, wanted);
+    return select(NO_KEY, (bitcast<u32>(distance2) & ~places) | place, wanted);
 }
 
 // Puts two keys in order.
@@ -177,8 +295,14 @@ fn same_storey(slot: u32, elevation: f32) -> bool {
 }
 
 // Two keys whose order the low bits decided.
-fn same(nearer: u32, farther: u32) -> bool {
-    return farther != NO_KEY && (nearer & KEY_MASK) == (farther & KEY_MASK);
+fn same(nearer: u32, farther: u32, places: u32) -> bool {
+    return farther != NO_KEY && (nearer & ~places) == (farther & ~places);
+}
+
+// Whether that holds for two of the ten nearest.
+fn has_equals(places: u32) -> bool {
+    return same(k0, k1, places) || same(k1, k2, places) || same(k2, k3, places) || same(k3, k4, places) || same(k4, k5, places)
+        || same(k5, k6, places) || same(k6, k7, places) || same(k7, k8, places) || same(k8, k9, places);
 }
 
 fn slot_of(key: u32, ends: vec4<u32>, shift: vec4<u32>, last_shift: u32) -> u32 {

@@ -49,7 +49,7 @@ pub(super) struct Measured {
 
 /// Measures what the goals of one size need; a size of none has its rows.
 pub(super) fn goals(agents: usize, backend: Backend, device: Option<&str>) -> Result<Measured, crate::Error> {
-    let (step, quality, simulation) = whole_step(agents, backend, device)?;
+    let (step, quality, simulation) = whole_step(super::Workload::Goals, agents, backend, device)?;
     let name = simulation.device();
     drop(simulation);
     let step_ms = step.ms_median;

@@ -13,7 +13,7 @@ use std::io::{BufRead, BufReader, Write};
 use std::process::{Child, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-/// The peer that is known: RVO2 from PyPI.
+/// The peer that is known: RVO2 as a package of Python.
 pub(crate) const PYRVO: &str = include_str!("../../assets/peers/pyrvo.py");
 
 /// Steps before the first that count, so that the streams have met.
@@ -215,7 +215,10 @@ impl Running {
         let answers = BufReader::new(answers);
         let mut peer = Self { command: shown.clone(), name: String::new(), child, answers };
         let text = serde_json::to_string(crowd).map_err(|error| broken(error.to_string()))?;
-        peer.name = peer.ask(&text).map_err(|_| broken("it ended before it gave its name".to_owned()))?;
+        let Ok(name) = peer.ask(&text) else {
+            return Err(broken("it ended before it gave its name".to_owned()));
+        };
+        peer.name = name;
         Ok(peer)
     }
 

@@ -48,6 +48,18 @@ impl Sequence {
         Self::step_with(None, agents, backend, device)
     }
 
+    /// The kernels of a step of that crowd.
+    pub(super) fn walk(
+        mut store: Store,
+        agents: usize,
+        backend: Backend,
+        device: Option<&str>,
+    ) -> Result<Self, crate::Error> {
+        store.step.alike = 1; // as in a simulation of this crowd
+        let dispatches = order::step_dispatches(&store.step);
+        Self::new(None, agents, store, dispatches, (backend, device))
+    }
+
     /// The same with what `kernel` needs.
     fn step_with(
         kernel: Option<KernelId>,

@@ -15,9 +15,11 @@ use clap::{Args, ValueEnum};
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  gaitway bench --agents 10000\n  gaitway bench --workload all --agents \
                         1000,10000 --json\n  gaitway bench --backend cpu\n  gaitway bench --peers --agents 10000,100000\n\nThe crossing: one agent per square metre, \
-                        two streams at right angles over a square whose opposite sides are joined.")]
+                        two streams at right angles over a square whose opposite sides are joined. Clustered, there is one per two square metres. \
+                        On two storeys there is one per square metre of each.")]
 pub(super) struct Arguments {
-    /// crossing: the kernels of a step; all: those of the animation and the probe, too; stereo: pictures for both eyes of
+    /// crossing: the kernels of a step; clustered: these with half of the people within an eighth of the area; storeys: on two
+    /// storeys, one above the other; all: those of the crossing, of the animation and the probe; stereo: pictures for both eyes of
     /// a headset, in one pass, in two, and one after the other; occlusion: with and without hidden people; field: the
     /// ways over squares of as many cells of 0.5 m; models: steps of ORCA and of RVO in alternation, at several densities;
     /// measured: steps of the scene `crossing` with and without the measures of `simulate`;
@@ -53,6 +55,8 @@ pub(super) struct Arguments {
 enum WorkloadName {
     #[default]
     Crossing,
+    Clustered,
+    Storeys,
     All,
     Stereo,
     Occlusion,
@@ -75,6 +79,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     }
     let workload = match arguments.workload {
         WorkloadName::Crossing => Workload::Crossing,
+        WorkloadName::Clustered => Workload::Clustered,
+        WorkloadName::Storeys => Workload::Storeys,
         WorkloadName::All => Workload::All,
         WorkloadName::Occlusion => Workload::Occlusion,
         WorkloadName::Stereo => Workload::Stereo,

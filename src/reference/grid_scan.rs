@@ -2,6 +2,7 @@
 
 use crate::kernels::grid_scan::Slices;
 use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
+use crate::kernels::shared::unsolved::index::LISTED;
 
 /// Twin of `shaders/grid_scan.wgsl`.
 pub fn grid_scan(b: Slices<'_>) {
@@ -20,5 +21,5 @@ pub fn grid_scan(b: Slices<'_>) {
         total += agents;
     }
     starts[cell_count] = total;
-    b.unsolved[..4].copy_from_slice(&[0, 1, 1, 0]);
+    b.unsolved[..LISTED].copy_from_slice(&[0, 1, 1, 0, 0]);
 }

@@ -13,6 +13,7 @@ use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
+use crate::kernels::shared::unsolved::index::LISTED;
 use crate::kernels::{KernelId, Store};
 use crate::scenario::{
     self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart, Stop,
@@ -207,7 +208,7 @@ pub fn scratch(store: &mut Store) {
     store.step_count = vec![store.step.step_index];
     nothing_measured(store);
     store.agent_slot = vec![0; agents];
-    store.unsolved = vec![0; agents + 4];
+    store.unsolved = vec![0; LISTED + agents];
     store.slot_avoidance = vec![SlotAvoidance::default(); agents];
     store.slot_position = vec![[0.0; 2]; agents];
     store.slot_motion = vec![SlotMotion::default(); agents];

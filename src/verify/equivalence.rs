@@ -2,6 +2,7 @@
 
 use crate::hash::Hash;
 use crate::kernels::shared::cells::index::CELL_WORDS;
+use crate::kernels::shared::unsolved::index::LISTED;
 use crate::kernels::{Access, BufferId, Dispatch, KernelId, Store};
 use crate::{lanes, reference};
 use std::borrow::Cow;
@@ -25,10 +26,10 @@ pub struct Comparison {
 }
 
 /// Words of a buffer that are defined after a kernel. Those of `unsolved` stand in the order in which invocations arrive, and only
-/// the kernel that wrote them reads them; but `grid_scan` empties the list, whose head is four words.
+/// the kernel that wrote them reads them; but `grid_scan` empties the list, whose head is LISTED words.
 fn defined(kernel: KernelId, buffer: BufferId) -> usize {
     match (buffer, kernel) {
-        (BufferId::Unsolved, KernelId::GridScan) => 4,
+        (BufferId::Unsolved, KernelId::GridScan) => LISTED,
         (BufferId::Unsolved, _) => 0,
         _ => usize::MAX,
     }

@@ -203,3 +203,18 @@ fn bench_times_the_step_and_says_what_the_crowd_looked_like() {
     }
     assert!(report["quality"][0]["progress"].as_f64().unwrap() > 0.5, "{report}");
 }
+
+#[test]
+fn bench_times_crowds_that_are_not_even() {
+    let nearest = |workload| {
+        let report =
+            json(&["bench", "--workload", workload, "--agents", "900", "--backend", "cpu", "--json"]);
+        let rows = report["rows"].as_array().unwrap();
+        assert!(rows.iter().any(|row| row["name"] == "velocity_orca.again"), "{report}");
+        let quality = &report["quality"][0];
+        assert!(quality["progress"].as_f64().unwrap() > 0.5, "{report}");
+        assert!(quality["overlapping"].as_f64().unwrap() < 0.01, "people of two storeys count: {report}");
+        quality["min_distance"].as_f64().unwrap()
+    };
+    assert!(nearest("clustered") > 0.45 && nearest("storeys") > 0.45);
+}

@@ -182,6 +182,24 @@ fn a_dense_crowd_of_ten_thousand_is_the_same_on_both_backends() {
 }
 
 #[test]
+fn crowds_that_are_not_even_are_the_same_on_all_backends() {
+    on_device(|_| {
+        let is_uneven =
+            |case: &cases::Case| ["clustered", "storeys"].iter().any(|w| case.name.starts_with(w));
+        let uneven: Vec<_> = cases::all(1_000, 1).into_iter().filter(is_uneven).collect();
+        assert_eq!(uneven.len(), 4, "two crowds, two models");
+        for case in uneven {
+            let [vulkan, lanes, twins] = [Backend::Vulkan, Backend::Cpu, Backend::Reference].map(|backend| {
+                let mut simulation = Simulation::from_store(case.store.clone(), backend, None).unwrap();
+                simulation.step(60).unwrap();
+                measure::state_hash(simulation.state().unwrap())
+            });
+            assert_eq!((vulkan, lanes), (twins, twins), "{}", case.name);
+        }
+    });
+}
+
+#[test]
 fn every_buffer_a_kernel_writes_is_compared() {
     // what compare_dispatches looks at is derived from the reflected access: a kernel that writes nothing would be blind
     for kernel in KernelId::ALL {

@@ -3,6 +3,7 @@
 use crate::kernels::Store;
 use crate::kernels::layout::{Body, Route, Stage, Stance, StepUniforms};
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::reference::shared::on_storey;
 use crate::sim::setup::avoidance;
 
 /// Far enough that all agents of a stream walk in the same direction to 1e-4 rad.
@@ -103,6 +104,9 @@ pub fn crossing_quality(store: &Store) -> CrossingQuality {
         for neighbour in (-1..=1).flat_map(|dx| (-1..=1).map(move |dz| (cx + dx, cz + dz))) {
             for &j in cells.get(&neighbour).into_iter().flatten().filter(|&&j| j > i) {
                 let (a, b) = (store.position[i], store.position[j]);
+                if !on_storey(&store.step, store.elevation[i], store.elevation[j]) {
+                    continue;
+                }
                 let distance = libm::hypot(f64::from(a[0] - b[0]), f64::from(a[1] - b[1]));
                 quality.overlapping += f64::from(u8::from(distance < 0.99 * 0.5));
                 quality.deep += f64::from(u8::from(distance < 0.9 * 0.5));

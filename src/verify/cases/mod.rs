@@ -18,6 +18,7 @@ pub mod hidden;
 pub mod journeys;
 mod odd;
 pub mod step;
+pub(crate) mod uneven;
 
 pub use case::Case;
 
@@ -39,6 +40,7 @@ pub fn all(size: usize, seed: u32) -> Vec<Case> {
         }
         cases.push(Case::step("journeys", size, seed, journeys::journeys(size, seed)));
         cases.extend(odd::cases(size, seed));
+        cases.extend(if number == 0 { uneven::cases(size, seed) } else { Vec::new() });
     }
     for number in numbers(8) {
         // the large case is of the tight kind, whose buffers are small

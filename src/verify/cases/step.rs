@@ -7,6 +7,7 @@ use crate::kernels::layout::{
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
 use crate::kernels::shared::step::LED;
+use crate::kernels::shared::unsolved::index::LISTED;
 use crate::kernels::{KernelId, Store};
 use crate::reference::exact::hash_u32;
 use crate::sim::flow::{Goal, Settings, lay};
@@ -292,7 +293,7 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.step.measured = 1;
     store.agent_slot = vec![0; spare];
     // what is left of another step
-    store.unsolved = vec![1_000_000; spare + 4];
+    store.unsolved = vec![1_000_000; LISTED + spare];
     store.slot_avoidance = vec![SlotAvoidance::default(); spare];
     store.slot_position = vec![[f32::NAN; 2]; spare];
     store.slot_motion = vec![nan(); spare];
