@@ -16,7 +16,7 @@ use crate::scenario::{EnvironmentMesh, Gaze, GazeMode, Shares};
 use crate::scene::{Scene, SceneBuilder, Start, atmosphere};
 use crate::sim::bodies::MeshBuffers;
 use crate::sim::snapshots::make_room;
-use crate::sim::{Backend, Person, Simulation};
+use crate::sim::{Person, Simulation};
 use glam::{Vec2, Vec3};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
