@@ -29,7 +29,7 @@ pub(crate) fn clustered(agents: usize) -> Store {
         // the crossing has each of the numbers from 0 on once, in arbitrary order
         let [column, row] = position.map(|along| (along / SPACING) as usize);
         let number = row * columns + column;
-        *position = if number % 2 == 0 {
+        *position = if number.is_multiple_of(2) {
             dense[number / 2].map(|along| along + 0.5 * (1.0 - DENSE) * side)
         } else {
             thin[number / 2]
@@ -63,7 +63,7 @@ pub(crate) fn storeys(agents: usize) -> Store {
     store.step.storey_height = 2.0;
     for (position, elevation) in store.position.iter().zip(&mut store.elevation) {
         let [column, row] = position.map(|along| (along / STOREYS_SPACING) as u32);
-        *elevation = if (column + row) % 2 == 0 { 0.0 } else { STOREY };
+        *elevation = if (column + row).is_multiple_of(2) { 0.0 } else { STOREY };
     }
     store
 }
