@@ -63,7 +63,7 @@ pub(crate) fn storeys(agents: usize) -> Store {
     store.step.storey_height = 2.0;
     for (position, elevation) in store.position.iter().zip(&mut store.elevation) {
         let [column, row] = position.map(|along| (along / STOREYS_SPACING) as u32);
-        *elevation = if (column + row) % 2 == 0 { 0.0 } else { STOREY };
+        *elevation = if (column + row).is_multiple_of(2) { 0.0 } else { STOREY };
     }
     store
 }
