@@ -9,7 +9,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from common import ROOT, needs
+from common import ROOT, needs, program
 
 FOLDER = ROOT / "python"
 DRAWS = os.environ.get("GAITWAY_REQUIRE_GPU") == "1"
@@ -46,6 +46,23 @@ class Documents(unittest.TestCase):
             hall = Path(folder) / "hall.toml"
             hall.write_text((ROOT / "assets" / "scenes" / "garden.toml").read_text())
             exec(compile(block.replace("hall.toml", str(hall)), "README.md", "exec"), {})
+
+    @needs("polars")
+    def test_the_guide_to_sweeps_reads_its_runs_as_one_table(self):
+        (block,) = blocks((ROOT / "docs" / "sweeps.md").read_text())
+        with tempfile.TemporaryDirectory() as folder:
+            sweep, plan = Path(folder) / "sweep.toml", Path(folder) / "plan.jsonl"
+            sweep.write_text(
+                'scenario = "garden"\nseconds = 1\nseeds = 2\ntrajectories = true\n'
+                '[vary]\npopulation.agents = [3, 4]\ncondition = ["baseline", "eva-g"]\n'
+            )
+            program("plan", sweep, "--out", plan)
+            program("run", plan, "--out", Path(folder) / "runs", "--backend", "cpu")
+            names = {}
+            exec(compile(block.replace('"runs/', f'"{folder}/runs/'), "sweeps.md", "exec"), names)
+        self.assertEqual((names["runs"].height, names["speed"].height), (8, 8))
+        self.assertEqual(sorted(names["runs"]["population.agents"].unique()), [3, 4])
+        self.assertEqual(set(names["runs"]["key"]), set(names["speed"]["run"]))
 
     @needs("nbclient", "ipykernel", "pedpy", "pandas")
     def test_the_notebook_of_twenty_cells_runs(self):

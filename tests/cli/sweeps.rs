@@ -225,3 +225,53 @@ fn runs_that_are_done_together_are_those_that_are_done_one_by_one() {
         assert_eq!(hashes(backend, "3"), one_by_one, "{backend}");
     }
 }
+
+/// The first block of a language in a document.
+fn block<'a>(document: &'a str, language: &str) -> &'a str {
+    let (_, rest) = document.split_once(&format!("```{language}\n")).expect("such a block");
+    rest.split("```").next().unwrap_or_default()
+}
+
+/// Replaces what the guide says by what a test has time for; the guide must say it.
+fn smaller(text: &str, changes: &[(&str, &str)]) -> String {
+    changes.iter().fold(text.to_owned(), |text, (long, short)| {
+        assert!(text.contains(long), "the guide no longer says `{long}`");
+        text.replace(long, short)
+    })
+}
+
+#[test]
+fn every_command_of_the_guide_runs_in_its_order() {
+    let guide = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/sweeps.md");
+    let guide = std::fs::read_to_string(guide).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    good(&["scene", "new", "--like", "hall", "--out", &path("hall.toml")]);
+    // 12 short runs of few people
+    let changes = [
+        ("seconds = 60", "seconds = 0.1"),
+        ("seeds = 6", "seeds = 3"),
+        ("[200, 400]", "[3, 4]"),
+        ("--index 0..100", "--index 0..12"),
+        ("--index 70..80", "--index 7..9"),
+    ];
+    let guide = smaller(&guide, &changes);
+    std::fs::write(path("sweep.toml"), block(&guide, "toml")).unwrap();
+    let blocks = guide.split("```sh\n").skip(1).filter_map(|rest| rest.split("```").next());
+    let lines: Vec<&str> = blocks.flat_map(str::lines).filter(|line| !line.trim().is_empty()).collect();
+    assert!(lines.len() >= 8, "{lines:?}");
+    for line in lines {
+        let command = line.split(" #").next().unwrap_or_default().replace("/shared/runs", &path("shared"));
+        let mut words = command.split_whitespace();
+        assert_eq!(words.next(), Some("gaitway"), "{line}: a command that this test cannot run");
+        let words: Vec<&str> = words.collect();
+        let is_planning = words.first() == Some(&"plan") && words.contains(&"sweep.toml");
+        let force =
+            if is_planning && folder.path().join("plan.jsonl").exists() { &["--force"][..] } else { &[] };
+        let output = program().args(&words).args(force).current_dir(folder.path()).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{line}: {said}");
+    }
+    let done = |name: &str| std::fs::read_dir(path(name)).unwrap().count();
+    assert_eq!((done("runs"), done("shared")), (12, 2));
+}
