@@ -153,8 +153,8 @@ impl<'m> Writer<'m> {
             (Op::NotEqual, _) => (plain("eq"), false, true),
             (Op::Less, _) => (format!("{letter}lt"), false, false),
             (Op::Greater, _) => (format!("{letter}lt"), true, false),
-            (Op::LessEqual, Kind::Float) => ("fle".to_owned(), false, false),
-            (Op::GreaterEqual, Kind::Float) => ("fle".to_owned(), true, false),
+            (Op::LessEqual, Kind::Float) => ("fleq".to_owned(), false, false),
+            (Op::GreaterEqual, Kind::Float) => ("fleq".to_owned(), true, false),
             (Op::LessEqual, _) => (format!("{letter}lt"), true, true),
             (Op::GreaterEqual, _) => (format!("{letter}lt"), false, true),
             (Op::And | Op::LogicalAnd, _) => ("and".to_owned(), false, false),
@@ -207,7 +207,7 @@ impl<'m> Writer<'m> {
             Math::Mix => {
                 each(&|p| format!("{0}.fmul(V::f(1.0).fsub({2})).fadd({1}.fmul({2}))", p[0], p[1], p[2]))
             }
-            Math::Step => each(&|p| format!("{}.fle({}).to_f()", p[0], p[1])),
+            Math::Step => each(&|p| format!("{}.fleq({}).to_f()", p[0], p[1])),
             Math::CountOneBits => each(&|p| format!("{}.popcount()", p[0])),
             Math::CountLeadingZeros => each(&|p| format!("{}.leading_zeros()", p[0])),
             Math::CountTrailingZeros => each(&|p| format!("{}.trailing_zeros()", p[0])),

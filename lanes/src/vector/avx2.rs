@@ -145,14 +145,14 @@ impl V {
         f_to_u |a| {
             let (half, whole) = (Self::c(TWO_31), Self::c(TWO_32));
             let a = a.fmax(Self::c(0)); // of NaN the zero
-            let (is_high, is_over) = (half.fle(a), whole.fle(a));
+            let (is_high, is_over) = (half.fleq(a), whole.fleq(a));
             let low = a.fsub(is_high.pick(half, Self::c(0)));
             let word = Self(_mm256_cvttps_epi32(float(low))).xor(is_high.pick(Self::c(0x8000_0000), Self::c(0)));
             is_over.pick(Self::c(u32::MAX), word)
         };
         /// To a signed integer, towards zero; the nearest where it does not fit, NaN to 0.
         f_to_i |a| {
-            let is_over = Self::c(TWO_31).fle(a);
+            let is_over = Self::c(TWO_31).fleq(a);
             let word = Self(_mm256_cvttps_epi32(float(a))).xor(Self(is_over.0));
             a.feq(a).pick(word, Self::c(0))
         };
@@ -180,7 +180,7 @@ impl V {
         /// Less, as floats.
         flt |a, b| bits(_mm256_cmp_ps::<_CMP_LT_OQ>(float(a), float(b)));
         /// Less or equal, as floats.
-        fle |a, b| bits(_mm256_cmp_ps::<_CMP_LE_OQ>(float(a), float(b)));
+        fleq |a, b| bits(_mm256_cmp_ps::<_CMP_LE_OQ>(float(a), float(b)));
     }
 }
 

@@ -142,7 +142,7 @@ impl V {
         f_to_u |a| Self(_mm512_cvttps_epu32(float(a.fmax(Self::c(0))))); // of NaN the zero
         /// To a signed integer, towards zero; the nearest where it does not fit, NaN to 0.
         f_to_i |a| {
-            let is_over = Self::c(TWO_31).fle(a);
+            let is_over = Self::c(TWO_31).fleq(a);
             let word = is_over.pick(Self::c(i32::MAX as u32), Self(_mm512_cvttps_epi32(float(a))));
             a.feq(a).pick(word, Self::c(0))
         };
@@ -166,7 +166,7 @@ impl V {
         /// Less, as floats.
         flt |a, b| _mm512_cmp_ps_mask::<_CMP_LT_OQ>(float(a), float(b));
         /// Less or equal, as floats.
-        fle |a, b| _mm512_cmp_ps_mask::<_CMP_LE_OQ>(float(a), float(b));
+        fleq |a, b| _mm512_cmp_ps_mask::<_CMP_LE_OQ>(float(a), float(b));
     }
 }
 

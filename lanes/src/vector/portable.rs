@@ -149,7 +149,7 @@ impl V {
         /// Less, as floats.
         flt |a, b| f32::from_bits(a) < f32::from_bits(b);
         /// Less or equal, as floats.
-        fle |a, b| f32::from_bits(a) <= f32::from_bits(b);
+        fleq |a, b| f32::from_bits(a) <= f32::from_bits(b);
     }
 
     /// Magnitude of a signed integer.
