@@ -228,7 +228,7 @@ fn runs_that_are_done_together_are_those_that_are_done_one_by_one() {
 
 /// The first block of a language in a document.
 fn block<'a>(document: &'a str, language: &str) -> &'a str {
-    let (_, rest) = document.split_once(&format!("```{language}\n")).expect("such a block");
+    let (_, rest) = document.split_once(&format!("```{language}\n")).unwrap();
     rest.split("```").next().unwrap_or_default()
 }
 
