@@ -1,6 +1,6 @@
 //! `gaitway verify`: every kernel on this machine's own device and by its lanes against the twin.
 
-use super::output::{note, say, say_json, table, thousands};
+use super::output::{say, say_json, table, thousands};
 use super::progress::Progress;
 use super::scene::size_of_crowd;
 use super::usage;
@@ -92,7 +92,7 @@ fn open(name: Option<&str>) -> Result<Option<Device>, Error> {
     match crate::gpu::Device::open(name, Validation::from_environment()?) {
         Ok(device) => Ok(Some(device)),
         Err(error) if Wanted::of(name) == Wanted::Best => {
-            note(&format!("without a Vulkan device ({error}): lanes and twins are compared"));
+            super::output::note(&format!("without a Vulkan device ({error}): lanes and twins are compared"));
             Ok(None)
         }
         Err(error) => Err(error.into()),
