@@ -4,8 +4,10 @@
 //! own timestamps, on the CPU by the clock. A device without timestamps runs each kernel by itself, timed by the clock,
 //! submission and wait included. A whole step is timed by the clock, in batches.
 
-use crate::kernels::{KernelId, Phase};
+use crate::kernels::{KernelId, Phase, Store};
 use crate::sim::{Backend, Simulation};
+use crate::verify::cases::crossing::crossing;
+use crate::verify::cases::uneven::{clustered, storeys};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -28,7 +30,7 @@ pub use goals::Goal;
 pub use runs::Row;
 pub use sequence::Sequence;
 
-use crowds::{quality_of, walking};
+use crowds::{SPACING, quality_of};
 use runs::{WARM_UP, repeat};
 use sequence::EXTRAS;
 
@@ -212,6 +214,15 @@ fn pictures(
         message: "pictures for both eyes need Vulkan, which this program was built without".to_owned(),
         hint: "build with the feature `vulkan`".to_owned(),
     })
+}
+
+/// The crowd whose steps are timed.
+fn walking(workload: Workload, agents: usize) -> Store {
+    match workload {
+        Workload::Clustered => clustered(agents),
+        Workload::Storeys => storeys(agents),
+        _ => crossing(agents, SPACING),
+    }
 }
 
 /// Times whole steps of a workload's crowd.

@@ -1,6 +1,5 @@
 //! The crowds that are timed, and what they look like.
 
-use super::Workload;
 use crate::avatar::{self, Sex};
 use crate::emotion::Emotion;
 use crate::gait::walker;
@@ -10,22 +9,12 @@ use crate::reference::exact::hash_u32;
 use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::{AvatarSet, Simulation, order};
 use crate::verify::cases::crossing::{CrossingQuality, crossing, crossing_quality};
-use crate::verify::cases::uneven::{clustered, storeys};
 use serde::Serialize;
 
 /// Metres between agents of the crossing: one to a square metre.
 pub(super) const SPACING: f32 = 1.0;
 /// Height of the user's eyes, m.
 pub(super) const EYE_HEIGHT: f32 = 1.65;
-
-/// The crowd whose steps are timed.
-pub(super) fn walking(workload: Workload, agents: usize) -> Store {
-    match workload {
-        Workload::Clustered => clustered(agents),
-        Workload::Storeys => storeys(agents),
-        _ => crossing(agents, SPACING),
-    }
-}
 
 /// What the crowd of the timed steps looked like at their end: speed means nothing without it.
 #[derive(Debug, Clone, PartialEq, Serialize)]

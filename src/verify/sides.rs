@@ -23,7 +23,8 @@ impl Side {
     }
 }
 
-/// One side against the twin.
+/// One side against the twin: a row of [`KernelRow::sides`].
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SideRow {
     /// `device`, or `lanes` and their instructions.
@@ -43,7 +44,8 @@ pub struct SideRow {
 pub struct KernelRow {
     /// Kernel.
     pub name: &'static str,
-    /// Who computed it beside the twin.
+    /// Who computed it beside the twin (`side`: `device`, or `lanes` and their instructions), with the words `compared` and those that are
+    /// `exact`, the largest difference (`max_error`) and the `first`.
     pub sides: Vec<SideRow>,
     /// Whether all bits are equal.
     pub pass: bool,

@@ -144,7 +144,9 @@ fn verify_passes_and_names_every_kernel() {
     let kernels = report["kernels"].as_array().unwrap();
     assert_eq!(kernels.len(), gaitway::kernels::KernelId::ALL.len());
     for kernel in kernels {
-        assert!(kernel["compared"].as_u64().unwrap() > 0, "{kernel}");
+        let sides = kernel["sides"].as_array().unwrap();
+        assert_eq!(sides[0]["side"], "device", "{kernel}");
+        assert!(sides.iter().all(|side| side["compared"].as_u64().unwrap() > 0), "{kernel}");
     }
     let crowd = &report["crowd"];
     assert_eq!((&crowd["agents"], &crowd["steps"]), (&10_000.into(), &100.into()), "{crowd}");
