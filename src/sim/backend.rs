@@ -24,7 +24,7 @@ pub enum Backend {
     Vulkan,
     /// The CPU: the shaders as code for its widest vectors, on all cores.
     Cpu,
-    /// The CPU: the reference kernels, plain and two to three times slower, on all cores. The bits are those of [`Self::Cpu`].
+    /// The CPU: the reference kernels, plain and about three times slower, on all cores. The bits are those of [`Self::Cpu`].
     Reference,
 }
 
