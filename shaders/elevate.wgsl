@@ -26,7 +26,7 @@ fn sole(at: vec2<f32>, under: f32, pointing: vec2<f32>, was: Sole, left: f32) ->
     let height = select(0.0, floor.height - under, is_near);
     let slope = select(0.0, dot2(floor.gradient, pointing), is_near);
     let share = select(sqrt(left), left * left, height > was.height);
-    return Sole(height + (was.height - height) * share, slope + (was.slope - slope) * left);
+    return Sole(unless_faint(height + (was.height - height) * share), unless_faint(slope + (was.slope - slope) * left));
 }
 
 // The share of its way that a foot has left after a step of so many strides.

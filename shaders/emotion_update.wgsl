@@ -39,7 +39,7 @@ fn caught(q: f32, heard: f32, take: f32, character: Temperament) -> f32 {
 fn completed(q: vec4<f32>) -> vec4<f32> {
     let sum = q.x + q.y + q.z;
     let most = max(sum, 1.0);
-    return vec4<f32>(q.x / most, q.y / most, q.z / most, max(1.0 - sum, 0.0));
+    return vec4<f32>(unless_faint(q.x / most), unless_faint(q.y / most), unless_faint(q.z / most), max(1.0 - sum, 0.0));
 }
 
 // An emotion raised to at least a part of `level`, the others giving way in proportion.

@@ -79,9 +79,10 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     let most = step.turn_rate * step.time_step;
     let turned = clamp(turn * min(FOLLOW * step.time_step, 1.0), -most, most);
     now.heading = exact_wrap(was.heading + turned);
-    now.foresight = was.foresight + (clamp(turn, -MOST_FORESIGHT, MOST_FORESIGHT) - was.foresight) * min(HEADS_FOLLOW * step.time_step, 1.0);
+    let foreseen = clamp(turn, -MOST_FORESIGHT, MOST_FORESIGHT);
+    now.foresight = unless_faint(was.foresight + (foreseen - was.foresight) * min(HEADS_FOLLOW * step.time_step, 1.0));
     let leans = clamp(push, vec2<f32>(-MOST_PUSH), vec2<f32>(MOST_PUSH)) * (LEANS / GRAVITY);
-    now.lean = was.lean + (leans - was.lean) * min(LEANS_FOLLOW * step.time_step, 1.0);
+    now.lean = unless_faint2(was.lean + (leans - was.lean) * min(LEANS_FOLLOW * step.time_step, 1.0));
 
     let blend = select(-step.blend_rate, step.blend_rate, walking || steps) * step.time_step;
     now.walk_weight = clamp(was.walk_weight + blend, 0.0, 1.0);

@@ -91,3 +91,15 @@ fn unit_f32(bits: u32) -> f32 {
 fn is_finite2(v: vec2<f32>) -> bool {
     return abs(v.x) < 1e30 && abs(v.y) < 1e30;
 }
+
+// What fades to nothing ends at this size. Below some 1e-38 one device keeps a number and another takes it for zero, so that
+// two crowds that stand still would come apart.
+const FAINT: f32 = 1e-12;
+
+fn unless_faint(x: f32) -> f32 {
+    return select(x, 0.0, abs(x) < FAINT);
+}
+
+fn unless_faint2(v: vec2<f32>) -> vec2<f32> {
+    return vec2<f32>(unless_faint(v.x), unless_faint(v.y));
+}

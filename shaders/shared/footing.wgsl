@@ -101,13 +101,13 @@ fn left_over(before: u32, after: u32) -> f32 {
 
 // How far a foot is off when where the gait has it went on by `way`.
 fn stays(off: vec2<f32>, way: vec2<f32>, share: f32) -> vec2<f32> {
-    let now = select(off * share, off - way, share >= 1.0);
+    let now = select(unless_faint2(off * share), off - way, share >= 1.0);
     let far = sqrt(dot2(now, now));
     return select(now, now * (MOST_APART / max(far, MOST_APART)), far > MOST_APART);
 }
 
 // The same of where it points to.
 fn stays_turned(off: f32, turned: f32, share: f32) -> f32 {
-    let now = select(off * share, exact_wrap(off - turned), share >= 1.0);
+    let now = select(unless_faint(off * share), exact_wrap(off - turned), share >= 1.0);
     return limit(now, -MOST_TURNED, MOST_TURNED);
 }

@@ -135,6 +135,7 @@ fn print(report: &Report) {
         crowd.steps,
         crowd.state_hash
     ));
+    crowd.first.iter().for_each(|first| say(&format!("  {first}")));
     for kernel in report.kernels.iter().filter(|kernel| !kernel.pass) {
         say(&format!("{}: wrong is {}", kernel.name, kernel.differs.join(", or ")));
         for side in kernel.sides.iter().filter(|side| side.exact < side.compared) {

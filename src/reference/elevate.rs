@@ -1,6 +1,6 @@
 //! How high each agent stands, and its feet.
 
-use super::exact::{dot2, greater, lesser, sin_cos};
+use super::exact::{dot2, greater, lesser, sin_cos, unless_faint};
 use super::footing::{foothold, going_of, is_lifted, left_over, since_strike};
 use super::shared::is_absent;
 use crate::kernels::elevate::{HIGHEST_STEP, SETTLES, Slices};
@@ -63,7 +63,10 @@ fn sole(floors: &[[f32; 4]], at: [f32; 2], under: f32, pointing: [f32; 2], was: 
     let height = if is_near { floor.height - under } else { 0.0 };
     let slope = if is_near { dot2(floor.gradient, pointing) } else { 0.0 };
     let share = if height > was.height { left * left } else { left.sqrt() };
-    Sole { height: height + (was.height - height) * share, slope: slope + (was.slope - slope) * left }
+    Sole {
+        height: unless_faint(height + (was.height - height) * share),
+        slope: unless_faint(slope + (was.slope - slope) * left),
+    }
 }
 
 /// The share of its way that a foot has left after a step of so many strides.

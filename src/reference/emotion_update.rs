@@ -1,6 +1,6 @@
 //! How feelings change in a step: contagion, events, the return to one's own state.
 
-use super::exact::{dot2, exp2, greater};
+use super::exact::{dot2, exp2, greater, unless_faint};
 use super::shared::is_absent;
 use crate::kernels::emotion_update::LOG2_E;
 use crate::kernels::emotion_update::{EVENT_RATE, Slices};
@@ -63,7 +63,12 @@ fn caught(q: f32, heard: f32, take: f32, character: &Temperament) -> f32 {
 fn completed([happy, angry, sad]: [f32; 3]) -> [f32; 4] {
     let sum = happy + angry + sad;
     let most = greater(sum, 1.0);
-    [happy / most, angry / most, sad / most, greater(1.0 - sum, 0.0)]
+    [
+        unless_faint(happy / most),
+        unless_faint(angry / most),
+        unless_faint(sad / most),
+        greater(1.0 - sum, 0.0),
+    ]
 }
 
 fn roused(q: [f32; 4], emotion: usize, level: f32, take: f32) -> [f32; 4] {

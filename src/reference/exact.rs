@@ -1,6 +1,8 @@
 //! Twin of `shaders/shared/exact.wgsl`: the same operations in the same order.
 #![allow(clippy::excessive_precision, clippy::approx_constant, reason = "the shader's own literals")]
 
+use crate::kernels::shared::exact::FAINT;
+
 /// The lesser of two, as in `operations/plain.wgsl`: the second, unless the first is less. `f32::min` may return either of two
 /// zeros.
 pub fn lesser(a: f32, b: f32) -> f32 {
@@ -108,6 +110,11 @@ pub fn unit_f32(bits: u32) -> f32 {
 /// Neither NaN nor huge.
 pub fn is_finite2(v: [f32; 2]) -> bool {
     v[0].abs() < 1e30 && v[1].abs() < 1e30
+}
+
+/// What fades to nothing ends there: devices differ in whether they keep subnormal numbers.
+pub fn unless_faint(x: f32) -> f32 {
+    if x.abs() < FAINT { 0.0 } else { x }
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Twin of `shaders/shared/footing.wgsl`: feet stay where they are while they are on the ground.
 
-use super::exact::{dot2, greater, lesser, sin_cos, unit_f32, wrap};
+use super::exact::{dot2, greater, lesser, sin_cos, unit_f32, unless_faint, wrap};
 use super::quaternion::limit;
 use super::standing::{eased, left_ahead, own_draw, stance_of};
 use crate::kernels::layout::{Body, Stance};
@@ -96,13 +96,17 @@ pub fn left_over(before: u32, after: u32) -> f32 {
 
 /// How far a foot is off, m, when where the gait has it went on by `way`.
 pub fn stays(off: [f32; 2], way: [f32; 2], share: f32) -> [f32; 2] {
-    let now = if share >= 1.0 { [off[0] - way[0], off[1] - way[1]] } else { off.map(|part| part * share) };
+    let now = if share >= 1.0 {
+        [off[0] - way[0], off[1] - way[1]]
+    } else {
+        off.map(|part| unless_faint(part * share))
+    };
     let far = dot2(now, now).sqrt();
     if far > MOST_APART { now.map(|part| part * (MOST_APART / greater(far, MOST_APART))) } else { now }
 }
 
 /// The same of where it points to, rad.
 pub fn stays_turned(off: f32, turned: f32, share: f32) -> f32 {
-    let now = if share >= 1.0 { wrap(off - turned) } else { off * share };
+    let now = if share >= 1.0 { wrap(off - turned) } else { unless_faint(off * share) };
     limit(now, -MOST_TURNED, MOST_TURNED)
 }

@@ -1,6 +1,6 @@
 //! Moves, turns, advances the phase of the walk; empties the cells and counts the step.
 
-use super::exact::{atan2, dot2, greater, is_finite2, lesser, wrap};
+use super::exact::{atan2, dot2, greater, is_finite2, lesser, unless_faint, wrap};
 use super::footing::{
     foothold, going_of, left_over, ready_phase, since_strike, stays, stays_turned, takes_a_step,
 };
@@ -80,7 +80,9 @@ impl State<'_> {
         let turn = if speed > TURNING_SPEED { wrap(atan2(vx, vz) - was.heading) } else { 0.0 };
         let most = step.turn_rate * step.time_step;
         let turned = (turn * lesser(FOLLOW * step.time_step, 1.0)).clamp(-most, most);
-        let towards = |was: f32, aim: f32, rate: f32| was + (aim - was) * lesser(rate * step.time_step, 1.0);
+        let towards = |was: f32, aim: f32, rate: f32| {
+            unless_faint(was + (aim - was) * lesser(rate * step.time_step, 1.0))
+        };
         let blend = if walking || steps { step.blend_rate } else { -step.blend_rate } * step.time_step;
         let wanted = body.stride_at(speed);
         let longer = if walking { STRIDE_RATE } else { STOP_RATE } * step.time_step;

@@ -152,10 +152,23 @@ fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8
         let error = if error.is_nan() { f32::INFINITY } else { error };
         comparison.max_error = comparison.max_error.max(error);
         if comparison.first.is_none() {
-            let (element, word) = (index / words, index % words);
-            let name = buffer.name();
-            comparison.first =
-                Some(format!("{name}[{element}].{word}: twin {a:e} ({w:#010x}), here {b:e} ({g:#010x})"));
+            comparison.first = Some(difference(buffer, index, w, g));
         }
     }
+}
+
+/// Two words of a buffer that differ: buffer, element, word, the twin's value and the other.
+fn difference(buffer: BufferId, index: usize, twin: u32, here: u32) -> String {
+    let words = buffer.stride() / 4;
+    let (name, element, word) = (buffer.name(), index / words, index % words);
+    let (a, b) = (f32::from_bits(twin), f32::from_bits(here));
+    format!("{name}[{element}].{word}: twin {a:e} ({twin:#010x}), here {b:e} ({here:#010x})")
+}
+
+/// Where the contents of a buffer first differ from the twin's, if they do.
+pub(super) fn first_difference(buffer: BufferId, twin: &[u8], here: &[u8]) -> Option<String> {
+    let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
+    let (twin, here) = (words(twin), words(here));
+    let index = twin.iter().zip(&here).position(|(a, b)| a != b)?;
+    Some(difference(buffer, index, twin[index], here[index]))
 }

@@ -29,6 +29,7 @@
 pub mod careful;
 #[doc(hidden)]
 pub mod cases;
+mod crowd;
 #[cfg(feature = "vulkan")]
 mod device;
 mod equivalence;

@@ -2,14 +2,15 @@
 
 use super::Expected;
 use super::cases::{self, Case};
+pub use super::crowd::CrowdRow;
+use super::crowd::trajectory;
 use super::numerics::is_host_exact;
-use super::sides::{Found, Side, merge, wrong};
+use super::sides::{Found, Side, merge};
 pub use super::sides::{KernelRow, SideRow};
 #[cfg(feature = "vulkan")]
 use crate::gpu::{Engine, Probe};
-use crate::kernels::{KernelId, Store};
+use crate::kernels::KernelId;
 use crate::lanes;
-use crate::sim::{Backend, FELT, STATE, Simulation, measure::state_hash, order};
 use serde::Serialize;
 use std::time::Instant;
 
@@ -32,8 +33,6 @@ pub const QUICK_SIZES: [usize; 6] = [0, 1, 63, 64, 65, 1_000];
 /// Agents of the crowd.
 #[doc(hidden)]
 pub const CROWD_AGENTS: usize = 10_000;
-/// Steps between two comparisons of the crowd.
-const STRIDE: u32 = 20;
 
 /// What to try.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -66,23 +65,6 @@ impl Options {
     pub fn quick() -> Self {
         Self { sizes: QUICK_SIZES.to_vec(), crowd_steps: 100, ..Self::full() }
     }
-}
-
-/// A crowd on all sides.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct CrowdRow {
-    /// Agents.
-    pub agents: usize,
-    /// Steps.
-    pub steps: u32,
-    /// The first step after which some were found to differ.
-    pub differs_by_step: Option<u32>,
-    /// Who is wrong then, as of a kernel.
-    pub differs: Vec<&'static str>,
-    /// Hash of the twins' state at the end.
-    pub state_hash: String,
-    /// Whether the whole state is equal bit for bit after all of them.
-    pub pass: bool,
 }
 
 /// How the kernels were computed, and why.
@@ -222,93 +204,6 @@ fn arithmetic(device: &Device) -> Result<ArithmeticRow, crate::Error> {
 #[cfg(not(feature = "vulkan"))]
 fn arithmetic(device: &Device) -> Result<ArithmeticRow, crate::Error> {
     match *device {}
-}
-
-/// Steps the same crowd on all sides and compares whole states: with every model of avoidance for its share of the steps.
-fn trajectory(
-    device: Option<&Device>,
-    options: &Options,
-    progress: &mut dyn FnMut(&str, f64),
-) -> Result<CrowdRow, crate::Error> {
-    let mut walk = Walk::new(options);
-    let (mut differs_by_step, mut differs) = (None, Vec::new());
-    for model in order::MODELS {
-        let start = walk.start(model);
-        let mut sides = beside(device, &start)?;
-        let mut twin = Simulation::from_store(start, Backend::Reference, None)?;
-        while let Some(count) = walk.stride(differs_by_step, progress) {
-            twin.step(count)?;
-            let mut votes = Vec::new();
-            for (side, simulation) in &mut sides {
-                simulation.step(count)?;
-                let state = simulation.state()?;
-                votes.push((*side, same_state(twin.state()?, state), state_hash(state)));
-            }
-            walk.done += count;
-            differs = wrong(&votes);
-            if !differs.is_empty() {
-                differs_by_step = Some(walk.done);
-            }
-        }
-        walk.store = twin.state()?.clone();
-    }
-    Ok(CrowdRow {
-        agents: options.crowd_agents,
-        steps: walk.done,
-        differs_by_step,
-        pass: differs.is_empty(),
-        differs,
-        state_hash: format!("{:016x}", state_hash(&walk.store)),
-    })
-}
-
-/// The crowd on all sides but that of the twins.
-#[cfg_attr(not(feature = "vulkan"), allow(unused_variables, reason = "there is no device"))]
-fn beside(device: Option<&Device>, start: &Store) -> Result<Vec<(Side, Simulation)>, crate::Error> {
-    let lanes = Simulation::from_store(start.clone(), Backend::Cpu, None)?;
-    #[allow(unused_mut, reason = "a device joins them")]
-    let mut sides = vec![(Side::Lanes(lanes::best()), lanes)];
-    #[cfg(feature = "vulkan")]
-    if let Some(device) = device {
-        sides.push((Side::Device, Simulation::on_device(start.clone(), device)?));
-    }
-    Ok(sides)
-}
-
-/// How far the crowd of a verification has come.
-struct Walk<'a> {
-    options: &'a Options,
-    store: Store,
-    /// Steps done, and of those to be done with the present model.
-    done: u32,
-    until: u32,
-}
-
-impl<'a> Walk<'a> {
-    fn new(options: &'a Options) -> Self {
-        Self { options, store: cases::everything(options.crowd_agents, options.seed), done: 0, until: 0 }
-    }
-
-    /// Goes on with a model of avoidance, and says from where.
-    fn start(&mut self, model: u32) -> Store {
-        self.store.step.model = model;
-        self.until = self.options.crowd_steps * (model + 1) / order::MODELS.end;
-        self.store.clone()
-    }
-
-    /// Steps to the next comparison, if there is one with this model and nothing has differed yet.
-    fn stride(&self, differs: Option<u32>, progress: &mut dyn FnMut(&str, f64)) -> Option<u32> {
-        let Options { crowd_agents, crowd_steps, .. } = self.options;
-        let share = f64::from(self.done) / f64::from((*crowd_steps).max(1));
-        progress(&format!("crowd of {crowd_agents} agents, step {}", self.done), 0.5 + 0.5 * share);
-        let count = STRIDE.min(self.until.saturating_sub(self.done));
-        (count > 0 && differs.is_none()).then_some(count)
-    }
-}
-
-/// Whether everything that a step carries on has equal bits.
-fn same_state(cpu: &Store, gpu: &Store) -> bool {
-    STATE.into_iter().chain(FELT).all(|buffer| cpu.bytes(buffer) == gpu.bytes(buffer))
 }
 
 #[cfg(test)]

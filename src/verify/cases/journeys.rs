@@ -40,8 +40,9 @@ fn queues(store: &mut Store, agents: usize, seed: u32) {
         let (first, places) = ((u(0) * 100.0) as u32, 1 + (u(1) * 6.0) as u32);
         let (length, service) = ((u(2) * (places + 1) as f32) as u32, (u(3) * 4.0) as u32);
         let served = (u(4) * (service + 1) as f32) as u32;
-        let joins = if u(5) < 0.5 { NOBODY } else { (u(6) * agents as f32) as u32 };
-        let joins = if agents == 0 { NOBODY } else { joins };
+        // only those of its own journey ask to join: two queues that took one agent would write its ticket at the same time
+        let asking = (u(6) * agents as f32) as usize / 7 * 7 + queue;
+        let joins = if u(5) < 0.5 || asking >= agents { NOBODY } else { asking as u32 };
         let is_served = u32::from(u(7) < 0.5);
         store.queues.extend([joins, first, first + length, is_served, served, places, service, 0]);
         let stage = &mut store.stages[5 * queue + 3];
