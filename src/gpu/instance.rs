@@ -6,6 +6,7 @@ use super::{Error, call};
 use crate::kernels::NEEDS;
 use ash::{ext, vk};
 use std::ffi::CStr;
+use std::sync::OnceLock;
 
 /// What kind of device it is, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -174,6 +175,17 @@ fn address_space() -> Option<u64> {
     (result == 0 && limit.rlim_cur != libc::RLIM_INFINITY).then_some(limit.rlim_cur)
 }
 
+/// Keeps the drivers loaded for as long as the process lives, by an instance that is never destroyed. Loaders unload a driver with its
+/// last instance, and NVIDIA's (580) refuses to be loaded once more after some fifty times.
+fn keep_drivers(entry: &ash::Entry) {
+    static KEPT: OnceLock<Option<(ash::Entry, ash::Instance)>> = OnceLock::new();
+    KEPT.get_or_init(|| {
+        // SAFETY: nothing is asked for; what is made, and the loader, are never let go.
+        let instance = unsafe { entry.create_instance(&vk::InstanceCreateInfo::default(), None) };
+        Some((entry.clone(), instance.ok()?)) // whoever needs the drivers has an instance by itself
+    });
+}
+
 pub(crate) struct Instance {
     pub(crate) entry: ash::Entry,
     pub(crate) raw: ash::Instance,
@@ -245,6 +257,7 @@ impl Instance {
                 made.map(|made| (loader, made)).map_err(call("vkCreateDebugUtilsMessengerEXT"))
             })
             .transpose()?;
+        keep_drivers(&entry);
         Ok(Self { entry, raw, messenger })
     }
 
