@@ -143,7 +143,6 @@ fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8
             comparison.exact += 1;
             continue;
         }
-        let bits = |bytes: &[u8]| u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]]);
         let (w, g) = (bits(w), bits(g));
         let (a, b) = (f32::from_bits(w), f32::from_bits(g));
         let word = index % words;
@@ -157,6 +156,11 @@ fn compare(comparison: &mut Comparison, buffer: BufferId, want: &[u8], got: &[u8
     }
 }
 
+/// The bits of a word.
+fn bits(bytes: &[u8]) -> u32 {
+    u32::from_ne_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
+}
+
 /// Two words of a buffer that differ: buffer, element, word, the twin's value and the other.
 fn difference(buffer: BufferId, index: usize, twin: u32, here: u32) -> String {
     let words = buffer.stride() / 4;
@@ -167,8 +171,7 @@ fn difference(buffer: BufferId, index: usize, twin: u32, here: u32) -> String {
 
 /// Where the contents of a buffer first differ from the twin's, if they do.
 pub(super) fn first_difference(buffer: BufferId, twin: &[u8], here: &[u8]) -> Option<String> {
-    let words = |bytes: &[u8]| -> Vec<u32> { bytemuck::pod_collect_to_vec(bytes) };
-    let (twin, here) = (words(twin), words(here));
-    let index = twin.iter().zip(&here).position(|(a, b)| a != b)?;
-    Some(difference(buffer, index, twin[index], here[index]))
+    let words = twin.chunks_exact(4).zip(here.chunks_exact(4)).map(|(twin, here)| [bits(twin), bits(here)]);
+    let (index, [twin, here]) = words.enumerate().find(|(_, [twin, here])| twin != here)?;
+    Some(difference(buffer, index, twin, here))
 }
