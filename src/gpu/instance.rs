@@ -182,7 +182,7 @@ fn keep_drivers(entry: &ash::Entry) {
     KEPT.get_or_init(|| {
         // SAFETY: nothing is asked for; what is made, and the loader, are never let go.
         let instance = unsafe { entry.create_instance(&vk::InstanceCreateInfo::default(), None) };
-        Some((entry.clone(), instance.ok()?)) // whoever needs the drivers has an instance by itself
+        Some((entry.clone(), instance.ok()?)) // without it all works as well, but for so many times
     });
 }
 
