@@ -54,7 +54,7 @@ pub(super) fn trajectory(
             let steps = walk.done;
             walk.done += count;
             if let Some(differs) = advance(&mut twin, &mut sides, count)? {
-                // a difference that does not come again is told as it was found
+                // without a second time the report has what was found the first time
                 let again = one_by_one(device, &equal, steps, count)?;
                 found = Some(again.unwrap_or_else(|| differs.at(walk.done)));
             } else {
