@@ -5,10 +5,9 @@
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
 @group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(4) var<storage, read> obstacles: array<Segment>;            // [segment]
-@group(0) @binding(5) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(6) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
+@group(0) @binding(3) var<storage, read> obstacles: array<Segment>;            // [segment]
+@group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(5) var<storage, read_write> new_velocity: array<vec2<f32>>; // [slot] m/s
 
 // Least distance of a centre from a wall, m: far below any radius, far above rounding.
 const GAP: f32 = 0.01;
@@ -22,12 +21,11 @@ fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
     if slot >= step.agent_count || step.obstacle_count == 0u {
         return;
     }
-    let own = slot_avoidance[slot];
+    let own = slot_motion[slot];
     if own.agent == NOBODY || (own.limits & LED_BIT) != 0u {
         return;
     }
     let at = slot_position[slot];
-    let elevation = slot_motion[slot].elevation;
     let wanted = new_velocity[slot];
     if !is_finite2(wanted) {
         return; // for integrate to report
@@ -42,7 +40,7 @@ fn clip_to_walls(@builtin(global_invocation_id) id: vec3<u32>) {
         for (var entry = obstacle_cells[cell]; entry < end; entry++) {
             let wall = obstacles[obstacle_cells[entry]];
             let along = wall.along;
-            let there = step.storey_height <= 0.0 || stands_at(wall.corners, elevation);
+            let there = step.storey_height <= 0.0 || stands_at(wall.corners, own.elevation);
             if there && crosses(at, velocity, wall.a, wall.b, along) {
                 held++;
                 velocity = along * dot2(along, velocity) + vec2<f32>(along.y, -along.x) * NUDGE;

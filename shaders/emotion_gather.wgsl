@@ -14,11 +14,10 @@ const ROWS_BETWEEN: u32 = 4u;     // from one row that has its turn to the next;
 @group(0) @binding(1) var<uniform> mood: MoodUniforms;
 @group(0) @binding(2) var<storage, read> slot_position: array<vec2<f32>>; // [slot] m
 @group(0) @binding(3) var<storage, read> slot_motion: array<SlotMotion>;  // [slot]
-@group(0) @binding(4) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(5) var<storage, read> cell_start: array<u32>;          // [cell + 1]
-@group(0) @binding(6) var<storage, read> feeling: array<vec4<f32>>;       // [agent] weights of happy, angry, sad, neutral; sum 1
-@group(0) @binding(7) var<storage, read> temperament: array<Temperament>; // [agent]
-@group(0) @binding(8) var<storage, read_write> heard: array<Heard>;       // [agent]
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;          // [cell + 1]
+@group(0) @binding(5) var<storage, read> feeling: array<vec4<f32>>;       // [agent] weights of happy, angry, sad, neutral; sum 1
+@group(0) @binding(6) var<storage, read> temperament: array<Temperament>; // [agent]
+@group(0) @binding(7) var<storage, read_write> heard: array<Heard>;       // [agent]
 
 fn units(share: f32) -> u32 {
     return u32(share * SHARE + 0.5);
@@ -40,7 +39,7 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
     if step.step_index > 0u && (u32(row) + step.step_index) % ROWS_BETWEEN != 0u {
         return;
     }
-    let agent = slot_avoidance[slot].agent;
+    let agent = slot_motion[slot].agent;
     let elevation = slot_motion[slot].elevation;
     let reach = mood.radius;
     var sums = vec4<u32>(0u);
@@ -64,7 +63,7 @@ fn emotion_gather(@builtin(global_invocation_id) id: vec3<u32>) {
                     continue;
                 }
                 count++;
-                let speaker = slot_avoidance[other].agent;
+                let speaker = slot_motion[other].agent;
                 let voice = temperament[speaker].expressiveness * (1.0 - sqrt(distance2) / reach);
                 let weighted = voice * feeling[speaker];
                 sums += vec4<u32>(units(voice), units(weighted.x), units(weighted.y), units(weighted.z));

@@ -12,9 +12,8 @@
 @group(0) @binding(7) var<storage, read> avoidance: array<Avoidance>;       // [agent]
 @group(0) @binding(8) var<storage, read> elevation: array<f32>;             // [agent] m
 @group(0) @binding(9) var<storage, read_write> slot_position: array<vec2<f32>>;        // [slot] m
-@group(0) @binding(10) var<storage, read_write> slot_motion: array<SlotMotion>;        // [slot]
-@group(0) @binding(11) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(12) var<storage, read_write> agent_slot: array<u32>;     // [agent] NOBODY if absent
+@group(0) @binding(10) var<storage, read_write> slot_motion: array<SlotMotionQuads>;       // [slot]
+@group(0) @binding(11) var<storage, read_write> agent_slot: array<u32>;     // [agent] NOBODY if absent
 
 @compute @workgroup_size(64)
 fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
@@ -26,13 +25,14 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     if agent >= cell_start[step.cell_count] {
-        slot_avoidance[agent] = SlotAvoidance(NOBODY, 0.0, 0.0, 0u);
+        slot_motion[agent] = motion_quads(SlotMotion(vec2<f32>(0.0, 0.0), 0.0, 0.0, 0.0, 0.0, NOBODY, 0u));
     }
     let at = position[agent];
     if is_absent(at) {
         agent_slot[agent] = NOBODY;
         return;
     }
+    let motion = motion_of(agent); // before the list is walked: a GPU then waits for both at once
     let cell = cell_at(at);
     var slot = start_of(cell);
     var other = cells[CELL_WORDS * cell + 1u];
@@ -41,7 +41,8 @@ fn grid_scatter(@builtin(global_invocation_id) id: vec3<u32>) {
         other = next_in_cell[other - 1u];
     }
     agent_slot[agent] = slot;
-    pack(agent, at, slot);
+    slot_position[slot] = at;
+    slot_motion[slot] = motion_quads(motion);
 }
 
 // The slot of a cell's first agent.
@@ -49,7 +50,8 @@ fn start_of(cell: u32) -> u32 {
     return cell_start[in_group(cell)] + cell_start[in_groups(cell / GROUP_CELLS)];
 }
 
-fn pack(agent: u32, at: vec2<f32>, slot: u32) {
+// What others read of an agent.
+fn motion_of(agent: u32) -> SlotMotion {
     var own = avoidance[0];
     if (contents & UNLIKE) != 0u {
         own = avoidance[agent];
@@ -58,12 +60,10 @@ fn pack(agent: u32, at: vec2<f32>, slot: u32) {
     let is_led = own.priority >= LED;
     let comfort = select(0.0, own.inverse_time_horizon, is_led);
     let limits = u32(own.neighbour_cap) | select(0u, LED_BIT, is_led);
-    slot_avoidance[slot] = SlotAvoidance(agent, own.inverse_time_horizon, own.neighbour_distance, limits);
     var height = 0.0;
     if (contents & (STOREYS | WALLS)) != 0u { // some walls stand at some heights only
         height = elevation[agent];
     }
     let size = body[agent];
-    slot_position[slot] = at;
-    slot_motion[slot] = SlotMotion(velocity[agent], size.radius + comfort, size.max_speed, own.priority, height);
+    return SlotMotion(velocity[agent], size.radius + comfort, size.max_speed, own.priority, height, agent, limits);
 }

@@ -22,8 +22,7 @@
 @group(0) @binding(4) var<storage, read> companions: array<vec4<u32>>;               // [agent] the others of its group, NOBODY for none
 @group(0) @binding(5) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> agent_slot: array<u32>;                     // [agent] NOBODY if absent
-@group(0) @binding(7) var<storage, read_write> slot_avoidance: array<SlotAvoidance>; // [slot]
-@group(0) @binding(8) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(7) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
 
 const GAZE: f32 = 2.0;        // 1/(rad s), beta 1; there 4, with which groups who wait for their own hold up a door
 const GATHER: f32 = 3.0;      // m/s2, beta 2
@@ -46,7 +45,7 @@ fn group_cohesion(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = agent_slot[agent];
     let first = min(min(others.x, others.y), min(others.z, others.w));
     if first != NOBODY && slot < step.agent_count {
-        slot_avoidance[slot].limits |= (min(agent, first) + 1u) << GROUP_SHIFT;
+        slot_motion[slot].limits |= (min(agent, first) + 1u) << GROUP_SHIFT;
     }
     let own_way = route[agent];
     let at = position[agent];

@@ -11,7 +11,7 @@
 @group(0) @binding(3) var<storage, read> body: array<Body>;                 // [agent]
 @group(0) @binding(4) var<storage, read_write> position: array<vec2<f32>>;  // [agent] m
 @group(0) @binding(5) var<storage, read_write> velocity: array<vec2<f32>>;  // [agent] m/s
-@group(0) @binding(6) var<storage, read_write> stance: array<Stance>;       // [agent]
+@group(0) @binding(6) var<storage, read_write> stance: array<StanceQuads>;  // [agent]
 @group(0) @binding(7) var<storage, read_write> phase: array<u32>;           // [agent] the whole range is one stride
 @group(0) @binding(8) var<storage, read_write> failure: array<atomic<u32>>; // [kernel] first agent that failed
 @group(0) @binding(9) var<storage, read_write> cells: array<u32>;           // [cell][2] see cells.wgsl
@@ -45,31 +45,36 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent >= step.agent_count {
         return;
     }
-    if agent_slot[agent] == NOBODY {
+    // all reads come before the first write: a GPU then waits for them at once
+    let slot = agent_slot[agent];
+    let at = position[agent];
+    let had = velocity[agent];
+    let traits = body[agent];
+    let was = stance_in(stance[agent]);
+    let before = phase[agent];
+    if slot == NOBODY {
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
-    let v = new_velocity[agent_slot[agent]];
+    let v = new_velocity[slot];
     if !is_finite2(v) {
         atomicMin(&failure[KERNEL_ID], agent);
         velocity[agent] = vec2<f32>(0.0, 0.0);
         return;
     }
-    var p = position[agent] + v * step.time_step;
+    var p = at + v * step.time_step;
     if step.wrap > 0.0 {
         p = select(p, p - vec2<f32>(step.wrap), p >= vec2<f32>(step.wrap));
         p = select(p, p + vec2<f32>(step.wrap), p < vec2<f32>(0.0));
     }
     position[agent] = p;
-    let push = (v - velocity[agent]) * step.inverse_time_step;
+    let push = (v - had) * step.inverse_time_step;
     velocity[agent] = v;
 
-    let traits = body[agent];
-    let was = stance[agent];
     let stands = !(was.walk_weight > 0.0);
     let speed = sqrt(dot2(v, v));
     let walking = speed > step.walk_speed * traits.preferred_speed;
-    let steps = !walking && takes_a_step(was, phase[agent]);
+    let steps = !walking && takes_a_step(was, before);
     var now = was;
 
     var turn = 0.0; // what is left to turn
@@ -93,7 +98,6 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     // 24 bits of a stride, shifted to the top of the word: wraps by itself
     let by_speed = min(speed * step.time_step / max(now.stride, LEAST_STRIDE), 0.5);
     let strides = select(select(0.0, STEP_RATE * step.time_step, steps), by_speed, walking);
-    let before = phase[agent];
     let after = select(before + (u32(strides * 16777216.0) << 8u), ready_phase(agent, was), stands && !walking && !steps);
     phase[agent] = after;
 
@@ -105,5 +109,5 @@ fn integrate(@builtin(global_invocation_id) id: vec3<u32>) {
     now.left = stays(was.left, went + foothold(there, 1.0) - foothold(here, 1.0), left);
     now.right = stays(was.right, went + foothold(there, -1.0) - foothold(here, -1.0), right);
     now.turns = vec2<f32>(stays_turned(was.turns.x, turned, left), stays_turned(was.turns.y, turned, right));
-    stance[agent] = now;
+    stance[agent] = stance_quads(now);
 }

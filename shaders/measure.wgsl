@@ -9,7 +9,7 @@
 @group(0) @binding(4) var<storage, read> elevation: array<f32>;                // [agent] m
 @group(0) @binding(5) var<storage, read> cell_start: array<u32>;               // see cells.wgsl
 @group(0) @binding(6) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m, at the step's beginning
-@group(0) @binding(7) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(7) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
 @group(0) @binding(8) var<storage, read> obstacles: array<Segment>;            // [segment]
 @group(0) @binding(9) var<storage, read> obstacle_cells: array<u32>;           // [cell + 1] where the cell's list begins in this array, then the lists
 @group(0) @binding(10) var<storage, read> cell_depth: array<i32>;               // [cell] solids that its middle lies in
@@ -37,7 +37,7 @@ fn measure(@builtin(global_invocation_id) id: vec3<u32>) {
         return;
     }
     see(id.x);
-    let agent = slot_avoidance[id.x].agent;
+    let agent = slot_motion[id.x].agent;
     if agent == NOBODY || is_absent(position[agent]) {
         return;
     }
@@ -80,7 +80,7 @@ fn measure_pairs(slot: u32, agent: u32, number: u32) {
             if dot2(start, start) > reach * reach {
                 continue;
             }
-            let them = slot_avoidance[other].agent;
+            let them = slot_motion[other].agent;
             let to = position[them] - at;
             let distance = sqrt(dot2(to, to));
             let sum = radius + body[them].radius;

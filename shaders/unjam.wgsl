@@ -11,14 +11,13 @@
 // obstacle by this rule. The preferred velocity alone gives the gain in nearness: the sum of the steps along it.
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> agent_slot: array<u32>;                     // [agent]
-@group(0) @binding(2) var<storage, read> slot_avoidance: array<SlotAvoidance>;       // [slot]
-@group(0) @binding(3) var<storage, read> obstacles: array<Segment>;                  // [segment]
-@group(0) @binding(4) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
-@group(0) @binding(5) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
-@group(0) @binding(6) var<storage, read> slot_position: array<vec2<f32>>;            // [slot] m
-@group(0) @binding(7) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(8) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
-@group(0) @binding(9) var<storage, read_write> waiting: array<Waiting>;              // [agent]
+@group(0) @binding(2) var<storage, read> obstacles: array<Segment>;                  // [segment]
+@group(0) @binding(3) var<storage, read> obstacle_cells: array<u32>;                 // [cell + 1] where the cell's list begins in this array, then the lists
+@group(0) @binding(4) var<storage, read> cell_start: array<u32>;                     // [cell + 1]
+@group(0) @binding(5) var<storage, read> slot_position: array<vec2<f32>>;            // [slot] m
+@group(0) @binding(6) var<storage, read_write> slot_motion: array<SlotMotion>;       // [slot]
+@group(0) @binding(7) var<storage, read_write> preferred_velocity: array<vec2<f32>>; // [agent] m/s
+@group(0) @binding(8) var<storage, read_write> waiting: array<Waiting>;              // [agent]
 
 // An agent whose wanted speed is below this stands by choice, m/s.
 const STANDING: f32 = 0.1;
@@ -53,7 +52,7 @@ fn walker_slot(agent: u32) -> u32 {
         waiting[agent] = Waiting();
         return NOBODY;
     }
-    if (slot_avoidance[slot].limits & LED_BIT) != 0u {
+    if (slot_motion[slot].limits & LED_BIT) != 0u {
         return NOBODY;
     }
     let preferred = preferred_velocity[agent];
@@ -142,7 +141,7 @@ fn is_opposed(slot: u32, at: vec2<f32>, ahead: vec2<f32>, elevation: f32) -> boo
         for (var other = cell_start[y * columns + max(centre.x - 2, 0)]; other < end; other++) {
             let to = slot_position[other] - at;
             let apart = abs(slot_motion[other].elevation - elevation);
-            let wanted = preferred_velocity[slot_avoidance[other].agent];
+            let wanted = preferred_velocity[slot_motion[other].agent];
             let speed2 = dot2(wanted, wanted);
             let against = -dot2(wanted, ahead);
             is_there = is_there || (dot2(to, to) < OPPOSED * OPPOSED && dot2(to, ahead) > 0.0

@@ -12,7 +12,7 @@
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
 @group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(3) var<storage, read> avoidance: array<Avoidance>;          // [agent]
 @group(0) @binding(4) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(5) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
@@ -39,7 +39,7 @@ fn velocity_orca_again(@builtin(global_invocation_id) id: vec3<u32>) {
 fn avoid(entry: u32, again: bool) {
     let reach = entry >> REACH_SHIFT;
     let slot = entry - (reach << REACH_SHIFT);
-    if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
+    if slot >= step.agent_count || slot_motion[slot].agent == NOBODY {
         return;
     }
     let own = seeker_of(slot);
@@ -142,7 +142,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
         let higher = select(them.priority - o.me.priority, 0.0, is_mate);
         var pair = Precedence(step.responsibility, o.me.radius + their_radius, false);
         if is_dense && !is_user && abs(higher) < PEERS {
-            let their_wish = unit_or(preferred_velocity[slot_avoidance[other].agent], vec2<f32>(0.0, 0.0));
+            let their_wish = unit_or(preferred_velocity[slot_motion[other].agent], vec2<f32>(0.0, 0.0));
             let to = their_position - o.at;
             pair = precedence(to, heading, their_wish, pair.radius, step.responsibility, PLACE * higher);
         }

@@ -15,7 +15,7 @@
 @group(0) @binding(0) var<uniform> step: StepUniforms;
 @group(0) @binding(1) var<storage, read> slot_position: array<vec2<f32>>;      // [slot] m
 @group(0) @binding(2) var<storage, read> slot_motion: array<SlotMotion>;       // [slot]
-@group(0) @binding(3) var<storage, read> slot_avoidance: array<SlotAvoidance>; // [slot]
+@group(0) @binding(3) var<storage, read> avoidance: array<Avoidance>;          // [agent]
 @group(0) @binding(4) var<storage, read> cell_start: array<u32>;               // [cell + 1]
 @group(0) @binding(5) var<storage, read> preferred_velocity: array<vec2<f32>>; // [agent] m/s
 @group(0) @binding(6) var<storage, read> obstacles: array<Segment>;            // [segment]
@@ -79,7 +79,7 @@ fn velocity_rvo_again(@builtin(global_invocation_id) id: vec3<u32>) {
 fn avoid(entry: u32, again: bool) {
     let reach = entry >> REACH_SHIFT;
     let slot = entry - (reach << REACH_SHIFT);
-    if slot >= step.agent_count || slot_avoidance[slot].agent == NOBODY {
+    if slot >= step.agent_count || slot_motion[slot].agent == NOBODY {
         return;
     }
     let own = seeker_of(slot);

@@ -43,6 +43,31 @@ struct Stance {
     foresight: f32,     // rad: how far the head turns ahead of the body, to the left
 }
 
+// The same in vectors of four, each of which a GPU reads and writes at once.
+struct StanceQuads {
+    body_and_left: vec4<f32>,
+    right_and_turns: vec4<f32>,
+    lean_and_heights: vec4<f32>,
+    slopes_and_rest: vec4<f32>,
+}
+
+fn stance_quads(own: Stance) -> StanceQuads {
+    return StanceQuads(
+        vec4<f32>(own.heading, own.walk_weight, own.left),
+        vec4<f32>(own.right, own.turns),
+        vec4<f32>(own.lean, own.heights),
+        vec4<f32>(own.slopes, own.stride, own.foresight),
+    );
+}
+
+fn stance_in(quads: StanceQuads) -> Stance {
+    let body = quads.body_and_left;
+    let right = quads.right_and_turns;
+    let lean = quads.lean_and_heights;
+    let rest = quads.slopes_and_rest;
+    return Stance(body.x, body.y, body.zw, right.xy, right.zw, lean.xy, lean.zw, rest.xy, rest.z, rest.w);
+}
+
 // Buffer `appearance`.
 struct Appearance {
     traits: u32,         // bits: avatar (8), emotion (8), gazes (1), has no body (1)
@@ -97,22 +122,29 @@ fn route_loops(route: Route) -> bool {
     return (route.length_and_loops >> 31u) == 1u;
 }
 
-// Buffer `slot_avoidance`: what searches for neighbours read.
-struct SlotAvoidance {
-    agent: u32,                // NOBODY: the slot is empty
-    inverse_time_horizon: f32, // 1/s
-    neighbour_distance: f32,   // m
-    limits: u32,               // neighbour cap, LED_BIT, group << GROUP_SHIFT
-}
-
-// Buffer `slot_motion`: what an agent reads of the neighbours that it found. Their positions, which it reads of all
-// candidates, are in a buffer of their own, `slot_position`.
+// Buffer `slot_motion`: what an agent reads of itself and of the neighbours that it found. Their positions, which it reads of
+// all candidates, are in a buffer of their own, `slot_position`.
 struct SlotMotion {
     velocity: vec2<f32>, // m/s
     radius: f32,         // m, with the comfort distance of an agent led from outside
     max_speed: f32,      // m/s
     priority: f32,       // with RAISE while it has the right of way
     elevation: f32,      // m
+    agent: u32,          // NOBODY: the slot is empty
+    limits: u32,         // neighbour cap, LED_BIT, group << GROUP_SHIFT
+}
+
+// The same in vectors of four, each of which a GPU writes at once.
+struct SlotMotionQuads {
+    walk: vec4<f32>,
+    rest: vec4<u32>,
+}
+
+fn motion_quads(own: SlotMotion) -> SlotMotionQuads {
+    return SlotMotionQuads(
+        vec4<f32>(own.velocity, own.radius, own.max_speed),
+        vec4<u32>(bitcast<u32>(own.priority), bitcast<u32>(own.elevation), own.agent, own.limits),
+    );
 }
 
 // Buffer `waiting`: what `unjam` remembers.

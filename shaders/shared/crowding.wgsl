@@ -1,7 +1,7 @@
 // uses: contents
 // How much slower an agent walks the more people there are ahead; twin: reference::crowding, where the equations are.
 //
-// Needs the bindings step, slot_position, slot_motion, slot_avoidance and preferred_velocity, and the list `found` of
+// Needs the bindings step, slot_position, slot_motion and preferred_velocity, and the list `found` of
 // shared/neighbours.wgsl.
 
 // The share of the own person in the density.
@@ -46,7 +46,7 @@ fn crowded(slot: u32, wanted: vec2<f32>, range: f32, cap: u32, count: u32) -> ve
         // members of a group walk near one another on purpose
         let is_mate = (contents & GROUPS) != 0u && is_with(slot, found[k]);
         if along > 0.0 && distance2 > 1e-6 && distance2 < reach2 && !is_mate {
-            let theirs = preferred_velocity[slot_avoidance[found[k]].agent];
+            let theirs = preferred_velocity[slot_motion[found[k]].agent];
             let theirs2 = dot2(theirs, theirs);
             // an agent queues behind one that stands, and not behind one that comes the other way
             let same = select(dot2(theirs, wanted) / sqrt(theirs2 * wanted2), 1.0, theirs2 < 1e-8);

@@ -6,7 +6,7 @@
 // by keys. Where that does not settle it, it searches ring by ring and exactly. So the neighbours are always the
 // exact ones. The keys stay in registers: an array with computed indices is slow memory on every device.
 //
-// Needs the bindings step, slot_position, slot_motion, slot_avoidance, and cell_start. With STOREYS agents on another storey do not count.
+// Needs the bindings step, slot_position, slot_motion, avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance
 const MORE_PLACES: u32 = 4095u; // the same where there are more candidates
 const FEW: u32 = 44u;           // candidates on two storeys, of whom too few are on one
@@ -26,16 +26,20 @@ struct Seeker {
 }
 
 fn seeker_of(slot: u32) -> Seeker {
-    let own = slot_avoidance[slot];
+    let me = slot_motion[slot];
+    var own = avoidance[0];
+    if (contents & UNLIKE) != 0u {
+        own = avoidance[me.agent];
+    }
     return Seeker(
-        own.agent, own.inverse_time_horizon, own.neighbour_distance, own.limits & (LED_BIT - 1u), (own.limits & LED_BIT) != 0u,
+        me.agent, own.inverse_time_horizon, own.neighbour_distance, me.limits & (LED_BIT - 1u), (me.limits & LED_BIT) != 0u,
     );
 }
 
 // Whether two walk together.
 fn is_with(slot: u32, other: u32) -> bool {
-    let group = slot_avoidance[slot].limits >> GROUP_SHIFT;
-    return group != 0u && group == slot_avoidance[other].limits >> GROUP_SHIFT;
+    let group = slot_motion[slot].limits >> GROUP_SHIFT;
+    return group != 0u && group == slot_motion[other].limits >> GROUP_SHIFT;
 }
 
 var<private> found: array<u32, 10>;       // slots of the neighbours, nearest first
@@ -135,9 +139,12 @@ fn keys_within(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
         offer();
     }
     let complete = is_complete(safe_distance(at, centre, reach), range, places);
-    if runs.end > places || !complete || same(k9, k10, places) {
-        next_reach = select(0u, u32(reach + 1), runs.end <= places && !complete && reach < FARTHEST);
+    if runs.end > places || !complete {
+        next_reach = select(0u, u32(reach + 1), runs.end <= places && reach < FARTHEST);
         return UNSURE;
+    }
+    if same(k9, k10, places) {
+        return as_near_as(k9 | places, last, runs, slot, at, own, places);
     }
     found[0] = slot_in(k0 & places, runs);
     found[1] = slot_in(k1 & places, runs);
@@ -159,6 +166,22 @@ fn keys_within(slot: u32, at: vec2<f32>, own: Seeker, reach: i32) -> u32 {
         }
     }
     return min(min(own.cap, NEIGHBOURS), count);
+}
+
+// The nearest among the candidates whose keys are at most `most`, exactly: for where the last key that counts has an equal.
+fn as_near_as(most: u32, last: u32, runs: Runs, slot: u32, at: vec2<f32>, own: Seeker, places: u32) -> u32 {
+    let cap = min(own.cap, NEIGHBOURS);
+    let range2 = own.range * own.range;
+    let elevation = slot_motion[slot].elevation;
+    var count = 0u;
+    for (var place = 0u; place < last && cap > 0u; place++) {
+        let other = slot_in(place, runs);
+        if key(place, last, other, slot, at, range2, elevation, places) <= most {
+            let to = slot_position[other] - at;
+            count = insert(count, cap, other, dot2(to, to));
+        }
+    }
+    return count;
 }
 
 // How many of the ten nearest keys there are.
@@ -364,11 +387,11 @@ fn safe_distance(at: vec2<f32>, centre: vec2<i32>, ring: i32) -> f32 {
 // Whether (distance2, id) of a candidate comes before place `i` of the list.
 fn comes_before(i: u32, distance2: f32, id: u32) -> bool {
     let there = found_distance2[i];
-    return distance2 < there || (distance2 == there && id < slot_avoidance[found[i]].agent);
+    return distance2 < there || (distance2 == there && id < slot_motion[found[i]].agent);
 }
 
 fn insert(count: u32, cap: u32, slot: u32, distance2: f32) -> u32 {
-    let id = slot_avoidance[slot].agent;
+    let id = slot_motion[slot].agent;
     if count == cap && !comes_before(cap - 1u, distance2, id) {
         return count;
     }

@@ -2,7 +2,7 @@
 const LED: f32 = 2.0;
 // The right of way raises an agent's priority by this much for a while (its own priority is 1 at most).
 const RAISE: f32 = 1.5;
-// Beside the neighbour cap in slot_avoidance: is led from outside.
+// Beside the neighbour cap in slot_motion: is led from outside.
 const LED_BIT: u32 = 256u;
 // Above it there: one more than the first member of the group that the agent walks with (group_cohesion); 0: it walks alone.
 const GROUP_SHIFT: u32 = 9u;

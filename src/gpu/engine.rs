@@ -87,7 +87,11 @@ impl Engine {
     ) -> Result<Self, Error> {
         Self::of_programs(device, store, kernels, |kernel| {
             let code = code(kernel)?.into_iter().zip(kernel.phases);
-            code.map(|(code, phase)| Program::new(device, phase.entry(), &code).map(Arc::new)).collect()
+            let contents = store.step.contents();
+            let program = |code: pipeline::Code, phase: &Phase| {
+                Program::new(device, phase.entry(), code.into_owned(), contents).map(Arc::new)
+            };
+            code.map(|(code, phase)| program(code, phase)).collect()
         })
     }
 

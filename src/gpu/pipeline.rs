@@ -1,18 +1,30 @@
 //! A phase of a kernel as a Vulkan pipeline, which engines on one device share, and with the buffers of one of them.
 
 use super::{Buffer, Device, Error, call};
+use crate::kernels::spirv::with_immediate;
 use crate::kernels::{Access, Entry, Kernel};
 use ash::vk;
 use std::ffi::CString;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// One phase of a kernel, compiled.
+///
+/// A phase whose immediate is flags is compiled for every word that it is launched with: what the flags rule out is not in it.
 pub(super) struct Program {
     device: Arc<Device>,
-    pub(super) raw: vk::Pipeline,
+    entry: &'static Entry,
+    code: Vec<u32>,
+    name: CString,
+    made: Mutex<Vec<Made>>,
     pub(super) layout: vk::PipelineLayout,
     set_layout: vk::DescriptorSetLayout,
     pub(super) label: CString,
+}
+
+/// A pipeline, and the word that it is for.
+struct Made {
+    word: u32,
+    raw: vk::Pipeline,
 }
 
 /// The same with the buffers of an engine, ready to be launched.
@@ -29,8 +41,13 @@ const fn kind(access: Access) -> vk::DescriptorType {
 }
 
 impl Program {
-    /// Compiles an entry point.
-    pub(super) fn new(device: &Arc<Device>, entry: &'static Entry, spirv: &[u32]) -> Result<Self, Error> {
+    /// Compiles an entry point, for an immediate of this word if it is flags.
+    pub(super) fn new(
+        device: &Arc<Device>,
+        entry: &'static Entry,
+        code: Vec<u32>,
+        word: u32,
+    ) -> Result<Self, Error> {
         let bindings: Vec<_> = entry
             .bindings
             .iter()
@@ -42,47 +59,73 @@ impl Program {
                     .stage_flags(vk::ShaderStageFlags::COMPUTE)
             })
             .collect();
-        let word = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
-        let word = if entry.immediate.is_some() { &word[..] } else { &[] };
+        let immediate = [vk::PushConstantRange::default().stage_flags(vk::ShaderStageFlags::COMPUTE).size(4)];
+        let immediate = if entry.immediate.is_some() { &immediate[..] } else { &[] };
         let name = CString::new(entry.name).unwrap_or_default();
         let label = CString::new(format!("gaitway.{}", entry.label)).unwrap_or_default();
         // null handles until all is made: what has been made when a call fails is destroyed with the others
         let mut made = Self {
             device: device.clone(),
-            raw: vk::Pipeline::null(),
+            entry,
+            code,
+            name,
+            made: Mutex::default(),
             layout: vk::PipelineLayout::null(),
             set_layout: vk::DescriptorSetLayout::null(),
             label,
         };
         let raw = &device.raw;
         let create = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
-        // SAFETY: all create-infos are complete, and the SPIR-V was validated when the crate was built.
+        // SAFETY: all create-infos are complete.
         unsafe {
             made.set_layout = raw
                 .create_descriptor_set_layout(&create, None)
                 .map_err(call("vkCreateDescriptorSetLayout"))?;
             let set_layouts = [made.set_layout];
             let create =
-                vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(word);
+                vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(immediate);
             made.layout =
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
+        }
+        made.raw(word)?;
+        Ok(made)
+    }
+
+    /// The pipeline for an immediate of this word, which is compiled now if there is none yet.
+    pub(super) fn raw(&self, word: u32) -> Result<vk::Pipeline, Error> {
+        let is_special = self.entry.immediate.as_ref().is_some_and(|immediate| !immediate.flags.is_empty());
+        let word = if is_special { word } else { 0 };
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(made) = made.iter().find(|made| made.word == word) {
+            return Ok(made.raw);
+        }
+        let special = is_special.then(|| with_immediate(&self.code, word));
+        let raw = self.compiled(special.as_ref().unwrap_or(&self.code))?;
+        made.push(Made { word, raw });
+        Ok(raw)
+    }
+
+    fn compiled(&self, code: &[u32]) -> Result<vk::Pipeline, Error> {
+        let raw = &self.device.raw;
+        // SAFETY: all create-infos are complete, and the SPIR-V was validated when the crate was built.
+        let made = unsafe {
             let module = raw
-                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(spirv), None)
+                .create_shader_module(&vk::ShaderModuleCreateInfo::default().code(code), None)
                 .map_err(call("vkCreateShaderModule"))?;
             let stage = vk::PipelineShaderStageCreateInfo::default()
                 .stage(vk::ShaderStageFlags::COMPUTE)
                 .module(module)
-                .name(&name);
-            let create = [vk::ComputePipelineCreateInfo::default().layout(made.layout).stage(stage)];
-            let pipelines = raw.create_compute_pipelines(device.cache.raw(), &create, None);
+                .name(&self.name);
+            let create = [vk::ComputePipelineCreateInfo::default().layout(self.layout).stage(stage)];
+            let pipelines = raw.create_compute_pipelines(self.device.cache.raw(), &create, None);
             raw.destroy_shader_module(module, None);
-            made.raw = pipelines
+            pipelines
                 .map_err(|(_, result)| Error::Call { call: "vkCreateComputePipelines", result })?
                 .first()
                 .copied()
-                .unwrap_or_default();
-        }
-        device.name(made.raw, entry.label);
+                .unwrap_or_default()
+        };
+        self.device.name(made, self.entry.label);
         Ok(made)
     }
 }
@@ -139,7 +182,9 @@ impl Drop for Program {
         let raw = &self.device.raw;
         // SAFETY: every submission was waited for; null handles are ignored.
         unsafe {
-            raw.destroy_pipeline(self.raw, None);
+            for made in self.made.get_mut().unwrap_or_else(PoisonError::into_inner) {
+                raw.destroy_pipeline(made.raw, None);
+            }
             raw.destroy_pipeline_layout(self.layout, None);
             raw.destroy_descriptor_set_layout(self.set_layout, None);
         }
@@ -183,6 +228,7 @@ pub(super) fn code(kernel: &'static Kernel) -> Result<Vec<Code>, Error> {
 mod tests {
     use super::*;
     use crate::gpu::for_tests;
+    use crate::kernels::Phase;
 
     #[test]
     fn what_was_made_before_a_call_failed_is_destroyed() {
@@ -196,7 +242,10 @@ mod tests {
         };
         drop(Program {
             device: device.clone(),
-            raw: vk::Pipeline::null(),
+            entry: Phase::Integrate.entry(),
+            code: Vec::new(),
+            name: CString::default(),
+            made: Mutex::default(),
             layout,
             set_layout,
             label: CString::default(),

@@ -22,7 +22,7 @@ pub use source::Source;
 
 use naga::proc::Layouter;
 use naga::valid::{Capabilities, GlobalUse, ModuleInfo, ValidationFlags, Validator};
-use naga::{AddressSpace, Module, ScalarKind, ShaderStage, Type, TypeInner, VectorSize};
+use naga::{AddressSpace, Handle, Module, ScalarKind, ShaderStage, Type, TypeInner, VectorSize};
 
 /// How a shader uses a buffer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -179,7 +179,7 @@ fn entry(
         }
         let ty = &module.types[variable.ty];
         let element = match &ty.inner {
-            TypeInner::Array { base, .. } => &module.types[*base],
+            TypeInner::Array { base, .. } => named(module, layouter, *base).map_err(|e| Error::at(&place, e))?,
             _ => ty,
         };
         let integer_words = integer_words(module, element);
@@ -189,10 +189,9 @@ fn entry(
                 layouter[variable.ty].size,
                 rust_type(module, ty).map_err(|e| Error::at(&place, e))?,
             ),
-            (AddressSpace::Storage { .. }, TypeInner::Array { base, stride, .. }) => {
+            (AddressSpace::Storage { .. }, TypeInner::Array { stride, .. }) => {
                 let access = if usage.contains(GlobalUse::WRITE) { Use::Write } else { Use::Read };
-                let element = rust_type(module, &module.types[*base]).map_err(|e| Error::at(&place, e))?;
-                (access, *stride, element)
+                (access, *stride, rust_type(module, element).map_err(|e| Error::at(&place, e))?)
             }
             (AddressSpace::Storage { .. }, _) => {
                 let message = format!("storage binding `{name}` must be an array of elements");
@@ -241,10 +240,27 @@ fn bindings_are_used(module: &Module, info: &ModuleInfo, source: &Source) -> Res
     Ok(())
 }
 
+/// What a struct ends with in its name that holds the struct of the rest of the name in vectors of four. A GPU reads and writes
+/// such a vector at once, but the numbers of a struct one by one.
+const QUADS: &str = "Quads";
+
+/// An element of a buffer, with names for its numbers.
+fn named<'a>(module: &'a Module, layouter: &Layouter, element: Handle<Type>) -> Result<&'a Type, String> {
+    let quads = &module.types[element];
+    let Some(name) = quads.name.as_deref().and_then(|name| name.strip_suffix(QUADS)) else { return Ok(quads) };
+    let same = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
+    let (handle, ty) = same.ok_or_else(|| format!("{name}{QUADS} is of a struct {name}, which is not there"))?;
+    let (bytes, wanted) = (layouter[element].size, layouter[handle].size);
+    if bytes != wanted {
+        return Err(format!("{name}{QUADS} has {bytes} bytes, but {name} has {wanted}"));
+    }
+    Ok(ty)
+}
+
 /// Of each word of a type whether it is an integer; of what holds no numbers nothing.
 fn integer_words(module: &Module, ty: &Type) -> Vec<bool> {
     let is_integer = |s: &naga::Scalar| matches!(s.kind, ScalarKind::Uint | ScalarKind::Sint);
-    let of = |handle: naga::Handle<Type>| integer_words(module, &module.types[handle]);
+    let of = |handle: Handle<Type>| integer_words(module, &module.types[handle]);
     match &ty.inner {
         TypeInner::Scalar(s) | TypeInner::Atomic(s) => vec![is_integer(s)],
         TypeInner::Vector { size, scalar } => vec![is_integer(scalar); *size as usize],
@@ -302,6 +318,9 @@ fn layouts(source: &Source, module: &Module, layouter: &Layouter) -> Result<Vec<
             TypeInner::Struct { members, .. } => {
                 reached.extend(members.iter().map(|member| member.ty));
                 let name = ty.name.clone().unwrap_or_default();
+                if name.ends_with(QUADS) {
+                    continue;
+                }
                 let place = source.place(module.types.get_span(handle));
                 let (mut fields, mut end) = (Vec::new(), 0);
                 for member in members {

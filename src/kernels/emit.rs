@@ -89,5 +89,5 @@ fn words(
         ..Default::default()
     };
     let words = spv::write_vec(module, info, &options, pipeline).map_err(|error| error.to_string())?;
-    Ok(spirv::strip_private_layout(&spirv::no_contraction(&words)))
+    Ok(spirv::leave_arrays_unset(&spirv::strip_private_layout(&spirv::no_contraction(&words))))
 }

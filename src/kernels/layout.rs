@@ -1,6 +1,7 @@
 //! Rust twins of the structs that buffers hold, written from the WGSL when the crate is built: the same fields in the same
 //! order, without a gap. Bits are packed and unpacked here, in one function each.
 
+use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::stages::WAYPOINT;
 use crate::kernels::shared::step::{GROUP_SHIFT, LED, LED_BIT};
 use bytemuck::{Pod, Zeroable};
@@ -140,7 +141,25 @@ impl Stage {
     }
 }
 
-impl SlotAvoidance {
+impl StepUniforms {
+    /// What there is in the crowd, as flags of the immediate `contents`.
+    pub fn contents(&self) -> u32 {
+        [
+            (STOREYS, self.storey_height > 0.0),
+            // with patience, and in groups, some are given the right of way for a while
+            (UNLIKE, self.alike == 0 || self.patience > 0.0 || self.group_count > 0),
+            (WALLS, self.obstacle_count > 0),
+            (USER, self.user_radius > 0.0),
+            (CROWDED, self.crowding > 0.0),
+            (GROUPS, self.group_count > 0),
+        ]
+        .into_iter()
+        .filter(|(_, is_there)| *is_there)
+        .fold(0, |contents, (bit, _)| contents | bit)
+    }
+}
+
+impl SlotMotion {
     /// Most neighbours.
     pub const fn neighbour_cap(&self) -> u32 {
         self.limits & (LED_BIT - 1)
@@ -194,7 +213,7 @@ mod tests {
 
     #[test]
     fn limits_hold_cap_group_and_who_is_led() {
-        let mut own = SlotAvoidance { limits: 10 | LED_BIT, ..SlotAvoidance::default() };
+        let mut own = SlotMotion { limits: 10 | LED_BIT, ..SlotMotion::default() };
         own.join(41);
         assert_eq!((own.neighbour_cap(), own.is_led(), own.group()), (10, true, 42));
     }

@@ -5,6 +5,8 @@ use std::collections::{HashMap, HashSet};
 
 /// Words before the first instruction.
 pub const HEADER: usize = 5;
+/// Which word of it is above all ids.
+pub const BOUND: usize = 3;
 
 /// Numbers of instructions.
 #[allow(missing_docs, reason = "named as in the specification")]
@@ -27,13 +29,18 @@ pub mod op {
     pub const TYPE_POINTER: u32 = 32;
     pub const TYPE_FUNCTION: u32 = 33;
     pub const CONSTANT_TRUE: u32 = 41;
+    pub const CONSTANT: u32 = 43;
     pub const CONSTANT_NULL: u32 = 46;
     pub const FUNCTION: u32 = 54;
     pub const FUNCTION_CALL: u32 = 57;
+    pub const VARIABLE: u32 = 59;
+    pub const LOAD: u32 = 61;
+    pub const ACCESS_CHAIN: u32 = 65;
     pub const DECORATE: u32 = 71;
     pub const MEMBER_DECORATE: u32 = 72;
     pub const COMPOSITE_CONSTRUCT: u32 = 80;
     pub const COMPOSITE_EXTRACT: u32 = 81;
+    pub const COPY_OBJECT: u32 = 83;
     pub const F_ADD: u32 = 129;
     pub const F_SUB: u32 = 131;
     pub const F_MUL: u32 = 133;
@@ -143,6 +150,68 @@ pub fn no_contraction(words: &[u32]) -> Vec<u32> {
             }
         }
         out.extend_from_slice(instruction);
+    }
+    out
+}
+
+/// A module whose immediate, one word, is this number for good: what the code does for other numbers a driver leaves out.
+pub fn with_immediate(words: &[u32], number: u32) -> Vec<u32> {
+    const PUSH_CONSTANT: u32 = 9;
+    let (mut places, mut word) = (HashSet::new(), None);
+    for (opcode, i) in instructions(words) {
+        match opcode {
+            op::VARIABLE if i[3] == PUSH_CONSTANT => {
+                places.insert(i[2]);
+            }
+            op::ACCESS_CHAIN if places.contains(&i[3]) => {
+                places.insert(i[2]);
+            }
+            op::LOAD if places.contains(&i[3]) => word = Some(i[1]),
+            _ => {}
+        }
+    }
+    let Some(word) = word else { return words.to_vec() };
+    let mut out = words[..HEADER].to_vec();
+    let constant = out[BOUND];
+    out[BOUND] += 1;
+    let mut is_declared = false;
+    for (opcode, i) in instructions(words) {
+        if opcode == op::FUNCTION && !is_declared {
+            is_declared = true;
+            out.extend([(4 << 16) | op::CONSTANT, word, constant, number]);
+        }
+        if opcode == op::LOAD && places.contains(&i[3]) {
+            out.extend([(4 << 16) | op::COPY_OBJECT, i[1], i[2], constant]);
+        } else {
+            out.extend_from_slice(i);
+        }
+    }
+    out
+}
+
+/// Leaves out the zeros that an array of one invocation begins with: kernels write an entry before they read it.
+///
+/// WGSL wants those zeros, so naga writes them. Such an array is memory on a GPU, and filling it takes as long as using it.
+pub fn leave_arrays_unset(words: &[u32]) -> Vec<u32> {
+    const PRIVATE: u32 = 6;
+    let (mut arrays, mut pointers) = (HashSet::new(), HashSet::new());
+    let mut out = words[..HEADER].to_vec();
+    for (opcode, i) in instructions(words) {
+        match opcode {
+            op::TYPE_ARRAY => {
+                arrays.insert(i[1]);
+            }
+            op::TYPE_POINTER if i[2] == PRIVATE && arrays.contains(&i[3]) => {
+                pointers.insert(i[1]);
+            }
+            _ => {}
+        }
+        if opcode == op::VARIABLE && pointers.contains(&i[1]) && i.len() == 5 {
+            out.push((4 << 16) | op::VARIABLE);
+            out.extend_from_slice(&i[1..4]);
+        } else {
+            out.extend_from_slice(i);
+        }
     }
     out
 }

@@ -12,11 +12,11 @@ pub fn clip_to_walls(b: Slices<'_>) {
     let agents = b.step.agent_count as usize;
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     b.new_velocity[..agents].par_iter_mut().with_min_len(1024).enumerate().for_each(|(slot, velocity)| {
-        let own = b.slot_avoidance[slot];
+        let own = b.slot_motion[slot];
         if own.agent == NOBODY || own.is_led() || !is_finite2(*velocity) {
             return;
         }
-        *velocity = held(&walls, b.slot_position[slot], b.slot_motion[slot].elevation, *velocity);
+        *velocity = held(&walls, b.slot_position[slot], own.elevation, *velocity);
     });
 }
 

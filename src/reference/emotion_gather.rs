@@ -18,7 +18,7 @@ pub fn emotion_gather(mut b: Slices<'_>) {
     let slots: Vec<usize> = (0..present).filter(has_turn).collect();
     let all: Vec<Heard> = slots.par_iter().with_min_len(64).map(|&slot| of_all(sums(b, slot))).collect();
     for (slot, found) in slots.into_iter().zip(all) {
-        heard[b.slot_avoidance[slot].agent as usize] = found;
+        heard[b.slot_motion[slot].agent as usize] = found;
     }
 }
 
@@ -39,7 +39,7 @@ fn total(sum: u32) -> f32 {
 fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
     let (step, reach) = (b.step, b.mood.radius);
     let ([x, y], elevation) = (b.slot_position[slot], b.slot_motion[slot].elevation);
-    let agent = b.slot_avoidance[slot].agent as usize;
+    let agent = b.slot_motion[slot].agent as usize;
     let mut sums = [0_u32; 4];
     if !(reach > 0.0 && b.temperament[agent].openness > 0.0) {
         return sums;
@@ -66,7 +66,7 @@ fn sums(b: &Slices<'_>, slot: usize) -> [u32; 4] {
                 continue;
             }
             count += 1;
-            let speaker = b.slot_avoidance[other].agent as usize;
+            let speaker = b.slot_motion[other].agent as usize;
             let voice = b.temperament[speaker].expressiveness * (1.0 - distance2.sqrt() / reach);
             let [happy, angry, sad, _] = b.feeling[speaker];
             let added = [voice, voice * happy, voice * angry, voice * sad];

@@ -2,7 +2,7 @@
 
 use super::shared::{cell_index, is_absent};
 use crate::kernels::grid_scatter::Slices;
-use crate::kernels::layout::{SlotAvoidance, SlotMotion};
+use crate::kernels::layout::SlotMotion;
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::contents::{STOREYS, UNLIKE, WALLS};
@@ -13,8 +13,7 @@ use rayon::prelude::*;
 pub fn grid_scatter(mut b: Slices<'_>) {
     let (agents, cells) = (b.step.agent_count as usize, b.step.cell_count as usize);
     let (cell_start, agent_slot) = (std::mem::take(&mut b.cell_start), std::mem::take(&mut b.agent_slot));
-    let positions = std::mem::take(&mut b.slot_position);
-    let (motions, avoidances) = (std::mem::take(&mut b.slot_motion), std::mem::take(&mut b.slot_avoidance));
+    let (positions, motions) = (std::mem::take(&mut b.slot_position), std::mem::take(&mut b.slot_motion));
     let b = &b;
     let (starts, rest) = cell_start.split_at_mut(cells + 1);
     let (in_group, in_groups) = rest.split_at(cells);
@@ -33,13 +32,13 @@ pub fn grid_scatter(mut b: Slices<'_>) {
     for (agent, slot) in agent_slot[..agents].iter().enumerate().filter(|(_, slot)| **slot != NOBODY) {
         in_order[*slot as usize] = agent as u32;
     }
-    let slots = positions.par_iter_mut().zip(motions).zip(avoidances).zip(in_order).with_min_len(1024);
-    slots.for_each(|(((position, motion), avoidance), agent)| {
+    let slots = positions.par_iter_mut().zip(motions).zip(in_order).with_min_len(1024);
+    slots.for_each(|((position, motion), agent)| {
         if agent == NOBODY {
-            *avoidance = SlotAvoidance { agent, ..SlotAvoidance::default() };
+            *motion = SlotMotion { agent, ..SlotMotion::default() };
         } else {
             *position = b.position[agent as usize];
-            (*motion, *avoidance) = packed(b, agent as usize);
+            *motion = motion_of(b, agent as usize);
         }
     });
 }
@@ -54,22 +53,17 @@ fn lower_ids(b: &Slices<'_>, cell: usize, agent: u32) -> u32 {
     lower
 }
 
-/// What neighbours read of an agent.
-fn packed(b: &Slices<'_>, agent: usize) -> (SlotMotion, SlotAvoidance) {
+/// What others read of an agent.
+fn motion_of(b: &Slices<'_>, agent: usize) -> SlotMotion {
     let own = b.avoidance[if b.contents & UNLIKE == 0 { 0 } else { agent }];
-    let avoidance = SlotAvoidance {
-        agent: agent as u32,
-        inverse_time_horizon: own.inverse_time_horizon,
-        neighbour_distance: own.neighbour_distance,
-        limits: own.neighbour_cap as u32 | if own.is_led() { LED_BIT } else { 0 },
-    };
     let comfort = if own.is_led() { own.inverse_time_horizon } else { 0.0 };
-    let motion = SlotMotion {
+    SlotMotion {
         velocity: b.velocity[agent],
         radius: b.body[agent].radius + comfort,
         max_speed: b.body[agent].max_speed,
         priority: own.priority,
         elevation: if b.contents & (STOREYS | WALLS) == 0 { 0.0 } else { b.elevation[agent] },
-    };
-    (motion, avoidance)
+        agent: agent as u32,
+        limits: own.neighbour_cap as u32 | if own.is_led() { LED_BIT } else { 0 },
+    }
 }

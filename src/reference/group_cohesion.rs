@@ -17,7 +17,7 @@ pub fn group_cohesion(b: Slices<'_>) {
         let first = others.iter().copied().fold(NOBODY, u32::min);
         if first != NOBODY && *slot < b.step.agent_count && !is_absent(position[agent as usize]) {
             let slot = *slot as usize;
-            b.slot_avoidance[slot].join(first.min(agent));
+            b.slot_motion[slot].join(first.min(agent));
             let agent = agent as usize;
             let behind = behind(agent, *others, b.preferred_velocity[agent], &position[..agents]);
             // no priority of people is above 1: what is above belongs to robots, and to the right of way that is given

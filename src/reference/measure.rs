@@ -37,7 +37,7 @@ pub fn measure(mut b: Slices<'_>) {
         overlapping: a.overlapping + b.overlapping,
         outside: a.outside + b.outside,
     };
-    let slots = b.slot_avoidance[..agents].par_iter().enumerate().with_min_len(256);
+    let slots = b.slot_motion[..agents].par_iter().enumerate().with_min_len(256);
     let there = slots.filter(|(_, own)| own.agent != NOBODY && !is_absent(b.position[own.agent as usize]));
     let all = there.map(|(slot, own)| {
         let agent = own.agent as usize;
@@ -83,7 +83,7 @@ fn pairs(b: &Slices<'_>, slot: usize, agent: usize, mut found: Found) -> Found {
             if dot2(start, start) > reach * reach {
                 continue;
             }
-            let them = b.slot_avoidance[other].agent as usize;
+            let them = b.slot_motion[other].agent as usize;
             let to = [b.position[them][0] - x, b.position[them][1] - y];
             let distance = dot2(to, to).sqrt();
             let sum = radius + b.body[them].radius;

@@ -21,7 +21,7 @@ fn walker(b: &mut Slices<'_>, agent: usize) -> Option<(usize, [f32; 2], f32)> {
         b.waiting[agent] = Waiting::default();
         return None;
     }
-    if b.slot_avoidance[slot as usize].is_led() {
+    if b.slot_motion[slot as usize].is_led() {
         return None;
     }
     let preferred = b.preferred_velocity[agent];
@@ -38,7 +38,6 @@ fn slots<'a>(b: &'a Slices<'_>) -> Slots<'a> {
         step: b.step,
         slot_position: b.slot_position,
         slot_motion: b.slot_motion,
-        slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
         has_storeys: b.step.storey_height > 0.0,
     }
@@ -140,7 +139,7 @@ fn is_opposed(slots: &Slots<'_>, preferred: &[[f32; 2]], slot: usize, at: [f32; 
         (cell((cx - 2).max(0))..cell((cx + 2).min(columns - 1) + 1)).any(|other| {
             let [x, y] = slots.slot_position[other];
             let to = [x - at[0], y - at[1]];
-            let wanted = preferred[slots.slot_avoidance[other].agent as usize];
+            let wanted = preferred[slots.slot_motion[other].agent as usize];
             let (speed2, against) = (dot2(wanted, wanted), -dot2(wanted, ahead));
             dot2(to, to) < OPPOSED * OPPOSED
                 && dot2(to, ahead) > 0.0

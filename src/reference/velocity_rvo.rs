@@ -26,17 +26,16 @@ pub fn velocity_rvo(b: Slices<'_>) {
         step: b.step,
         slot_position: b.slot_position,
         slot_motion: b.slot_motion,
-        slot_avoidance: b.slot_avoidance,
         cell_start: b.cell_start,
         has_storeys: b.contents & STOREYS != 0,
     };
     let walls = Walls { step: b.step, obstacles: b.obstacles, obstacle_cells: b.obstacle_cells };
     let neighbourhood = Neighbourhood { slots, walls, preferred: b.preferred_velocity, contents: b.contents };
     b.new_velocity[..agents].par_iter_mut().with_min_len(128).enumerate().for_each(|(slot, velocity)| {
-        if b.slot_avoidance[slot].agent == NOBODY {
+        if b.slot_motion[slot].agent == NOBODY {
             return;
         }
-        let own = seeker_of(&b.slot_avoidance[slot]);
+        let own = seeker_of(&b.slot_motion[slot], b.avoidance, b.contents);
         let preferred = b.preferred_velocity[own.agent];
         *velocity = if own.is_led { preferred } else { neighbourhood.new_velocity(slot, own, preferred) };
     });

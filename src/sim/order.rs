@@ -2,7 +2,6 @@
 
 use crate::kernels::layout::{FlowUniforms, FrameUniforms, StepUniforms};
 use crate::kernels::shared::cells::LANE_CELLS;
-use crate::kernels::shared::contents::{CROWDED, GROUPS, STOREYS, UNLIKE, USER, WALLS};
 use crate::kernels::shared::ranks::COLUMNS;
 use crate::kernels::shared::scan::LANES;
 use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
@@ -11,7 +10,7 @@ use crate::kernels::{BufferId, Dispatch, Extent, KernelId, Phase, Store};
 pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
     let agents = |phase| Dispatch::of(phase, step.agent_count);
     let agents_and_cells = |phase| Dispatch::of(phase, step.cell_count.max(step.agent_count));
-    let contents = contents(step);
+    let contents = step.contents();
     let [first, again] = velocity_phases(step.model);
     let (is_led, feels, is_patient) = (step.led_count > 0, step.feels > 0, step.patience > 0.0);
     let has_walls = step.obstacle_count > 0;
@@ -44,22 +43,6 @@ pub fn step_dispatches(step: &StepUniforms) -> Vec<Dispatch> {
 /// The dispatches of a schedule that are due, in its order.
 fn due<const N: usize>(schedule: [(bool, Dispatch); N]) -> Vec<Dispatch> {
     schedule.into_iter().filter(|(is_due, _)| *is_due).map(|(_, dispatch)| dispatch).collect()
-}
-
-/// What there is in a crowd, as flags of the immediate `contents`.
-fn contents(step: &StepUniforms) -> u32 {
-    [
-        (STOREYS, step.storey_height > 0.0),
-        // with patience, and in groups, some are given the right of way for a while
-        (UNLIKE, step.alike == 0 || step.patience > 0.0 || step.group_count > 0),
-        (WALLS, step.obstacle_count > 0),
-        (USER, step.user_radius > 0.0),
-        (CROWDED, step.crowding > 0.0),
-        (GROUPS, step.group_count > 0),
-    ]
-    .into_iter()
-    .filter(|(_, is_there)| *is_there)
-    .fold(0, |contents, (bit, _)| contents | bit)
 }
 
 /// Whether agents must take turns in looking at the user: more might than may.

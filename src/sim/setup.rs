@@ -5,7 +5,7 @@ use super::obstacles::{at_heights, cell_depth, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
 use crate::ground::is_absent;
 use crate::kernels::layout::{
-    Appearance, Attention, Avoidance, Body, GazeState, Lead, Paces, Route, Seen, Segment, SlotAvoidance,
+    Appearance, Attention, Avoidance, Body, GazeState, Lead, Paces, Route, Seen, Segment, 
     SlotMotion, Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
 use crate::kernels::measure::index::MEASURED_STEPS;
@@ -209,7 +209,6 @@ pub fn scratch(store: &mut Store) {
     nothing_measured(store);
     store.agent_slot = vec![0; agents];
     store.unsolved = vec![0; LISTED + agents];
-    store.slot_avoidance = vec![SlotAvoidance::default(); agents];
     store.slot_position = vec![[0.0; 2]; agents];
     store.slot_motion = vec![SlotMotion::default(); agents];
     store.new_velocity = vec![[0.0; 2]; agents];

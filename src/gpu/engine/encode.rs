@@ -101,14 +101,25 @@ impl Engine {
             unsafe { raw.cmd_reset_query_pool(commands, self.queries, 0, 2 * TIMED_DISPATCHES) };
         }
         let mut query = 0;
-        for command in plan(ops) {
-            match command {
-                Command::Barrier => self.barrier(commands),
-                Command::Op(index, Op::Set(id)) => self.set(commands, id, &contents(index, id))?,
-                Command::Op(_, Op::CountStep) => self.count_step(commands),
-                Command::Op(_, Op::Dispatch(dispatch)) => {
-                    self.dispatch(commands, dispatch, timed.then_some(query))?;
-                    query += 2;
+        let plan = plan(ops);
+        let mut copied = None; // whether what was recorded since the last barrier copies
+        for group in plan.split(|command| *command == Command::Barrier) {
+            let copies = group.iter().any(|command| !matches!(command, Command::Op(_, Op::Dispatch(_))));
+            match copied {
+                None => {}
+                Some(false) if !copies => self.barrier_between_dispatches(commands),
+                Some(_) => self.barrier(commands),
+            }
+            copied = Some(copies);
+            for command in group {
+                match *command {
+                    Command::Op(index, Op::Set(id)) => self.set(commands, id, &contents(index, id))?,
+                    Command::Op(_, Op::CountStep) => self.count_step(commands),
+                    Command::Op(_, Op::Dispatch(dispatch)) => {
+                        self.dispatch(commands, dispatch, timed.then_some(query))?;
+                        query += 2;
+                    }
+                    Command::Barrier => {}
                 }
             }
         }
@@ -173,6 +184,7 @@ impl Engine {
                 return Err(Error::Arguments { kernel: entry.label, buffer: buffer.name(), element });
             }
         }
+        let compiled = program.raw(dispatch.immediate)?;
         let raw = &self.device.raw;
         // SAFETY: recording has begun; pipeline, layout and set were made for each other; the group counts are
         // within what every Vulkan device takes; indirect arguments lie within their buffer, as was just seen.
@@ -182,7 +194,7 @@ impl Engine {
                 let stage = vk::PipelineStageFlags2::TOP_OF_PIPE;
                 raw.cmd_write_timestamp2(commands, stage, self.queries, query);
             }
-            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, program.raw);
+            raw.cmd_bind_pipeline(commands, vk::PipelineBindPoint::COMPUTE, compiled);
             raw.cmd_bind_descriptor_sets(
                 commands,
                 vk::PipelineBindPoint::COMPUTE,
@@ -232,6 +244,24 @@ impl Engine {
         }
     }
 
+    /// Between dispatches and nothing else: a GPU waits less long than at [`Self::barrier`].
+    fn barrier_between_dispatches(&self, commands: vk::CommandBuffer) {
+        let (shader, written) =
+            (vk::PipelineStageFlags2::COMPUTE_SHADER, vk::AccessFlags2::SHADER_STORAGE_WRITE);
+        let read = vk::AccessFlags2::SHADER_STORAGE_READ | vk::AccessFlags2::UNIFORM_READ;
+        let barrier = [vk::MemoryBarrier2::default()
+            .src_stage_mask(shader)
+            .src_access_mask(written)
+            .dst_stage_mask(shader | vk::PipelineStageFlags2::DRAW_INDIRECT)
+            .dst_access_mask(written | read | vk::AccessFlags2::INDIRECT_COMMAND_READ)];
+        // SAFETY: recording has begun.
+        unsafe {
+            let dependency = vk::DependencyInfo::default().memory_barriers(&barrier);
+            self.device.raw.cmd_pipeline_barrier2(commands, &dependency);
+        }
+    }
+
+    /// Between whatever is recorded: copies, dispatches, and draws that come after.
     pub(super) fn barrier(&self, commands: vk::CommandBuffer) {
         let before = vk::PipelineStageFlags2::COMPUTE_SHADER | vk::PipelineStageFlags2::ALL_TRANSFER;
         let after = before | vk::PipelineStageFlags2::DRAW_INDIRECT | vk::PipelineStageFlags2::VERTEX_SHADER;

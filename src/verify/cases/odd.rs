@@ -2,7 +2,7 @@
 //! places to come in at that are nearly free, throngs.
 
 use super::case::{Case, unit};
-use crate::kernels::layout::{Segment, Source};
+use crate::kernels::layout::{Segment, SlotMotion, Source};
 use crate::kernels::shared::absent::NOBODY;
 use crate::kernels::{KernelId, Store};
 use crate::reference::shared::join_cells;
@@ -67,7 +67,7 @@ fn walls(agents: usize, seed: u32) -> Store {
         store.position[agent] = [ax + (bx - ax) * at + along_z * away, az + (bz - az) * at - along_x * away];
     }
     into_grid(&mut store);
-    for slot in 0..store.slot_avoidance.len() {
+    for slot in 0..store.slot_motion.len() {
         let u = |lane: u32| unit(seed, slot, 80 + lane);
         let fast = if slot % 11 == 3 { 400.0 } else { 3.0 };
         let (x, z) = ((2.0 * u(0) - 1.0) * fast, (2.0 * u(1) - 1.0) * fast);
@@ -79,10 +79,11 @@ fn walls(agents: usize, seed: u32) -> Store {
             _ => [x, z],
         };
         // nothing may happen in an empty slot, even where its fields are numbers
-        let is_empty = slot >= agents || store.slot_avoidance[slot].agent == NOBODY;
+        let is_empty = slot >= agents || store.slot_motion[slot].agent == NOBODY;
         if is_empty && agents > 0 {
             store.slot_position[slot] = store.slot_position[0];
-            store.slot_motion[slot] = store.slot_motion[0];
+            let SlotMotion { agent, limits, .. } = store.slot_motion[slot];
+            store.slot_motion[slot] = SlotMotion { agent, limits, ..store.slot_motion[0] };
         }
     }
     store

@@ -2,7 +2,7 @@
 
 use super::case::{nan, unit};
 use crate::kernels::layout::{
-    Body, Lead, Route, SlotAvoidance, Source, Stage, Stance, StepUniforms, Teleport, Waiting,
+    Body, Lead, Route, SlotMotion, Source, Stage, Stance, StepUniforms, Teleport, Waiting,
 };
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
 use crate::kernels::shared::floors::index::FLOOR_STRIDE;
@@ -294,9 +294,8 @@ pub(super) fn scratch(store: &mut Store, agents: usize) {
     store.agent_slot = vec![0; spare];
     // what is left of another step
     store.unsolved = vec![1_000_000; LISTED + spare];
-    store.slot_avoidance = vec![SlotAvoidance::default(); spare];
     store.slot_position = vec![[f32::NAN; 2]; spare];
-    store.slot_motion = vec![nan(); spare];
+    store.slot_motion = vec![SlotMotion { agent: 0, limits: 0, ..nan() }; spare];
     store.new_velocity = vec![[f32::NAN; 2]; spare];
     store.waiting = (0..spare).map(waiting).collect();
     store.preferred_velocity = vec![[f32::NAN; 2]; spare];
