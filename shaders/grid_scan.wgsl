@@ -56,6 +56,7 @@ fn grid_scan(
     if lane == 0u && left > 0u {
         atomicStore(&cell_start[in_groups(groups)], 0u);
         atomicStore(&cell_start[step.cell_count], total);
+        atomicStore(&cell_start[step_word()], step.step_index);
         // no agent has to try again yet
         unsolved[0] = 0u;
         unsolved[1] = 1u;

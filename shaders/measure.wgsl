@@ -41,7 +41,7 @@ fn measure(@builtin(global_invocation_id) id: vec3<u32>) {
     if agent == NOBODY || is_absent(position[agent]) {
         return;
     }
-    let number = step.step_index % MEASURED_STEPS;
+    let number = cell_start[step_word()] % MEASURED_STEPS;
     if step.obstacle_count > 0u && is_outside(position[agent]) {
         atomicAdd(&measured[1u + MEASURED_STEPS + number], 1u);
     }
@@ -52,7 +52,7 @@ fn measure(@builtin(global_invocation_id) id: vec3<u32>) {
 fn see(agent: u32) {
     var own = seen[agent];
     if is_absent(position[agent]) {
-        own.gone = select(own.gone, step.step_index + 1u, own.is_there == 1u);
+        own.gone = select(own.gone, cell_start[step_word()] + 1u, own.is_there == 1u);
         own.is_there = 0u;
     } else {
         let v = velocity[agent];

@@ -6,7 +6,7 @@
 //
 // The buffer cell_start holds: [cell + 1] where the agents of each cell begin among all, in cell order; then [cell] how many are
 // in the cells before it of its group; then [group] how many are in the groups before; then the groups that are done, 0 between
-// launches of `grid_scan`. A group is GROUP_CELLS cells.
+// launches of `grid_scan`; then the number of the step. A group is GROUP_CELLS cells.
 const CELL_WORDS: u32 = 2u;
 const LANE_CELLS: u32 = 8u;     // cells whose agents one lane of a workgroup adds up
 const GROUP_CELLS: u32 = 1024u; // by its LANES lanes together
@@ -30,4 +30,9 @@ fn in_group(cell: u32) -> u32 {
 // Where cell_start says how many agents are in the groups before a group.
 fn in_groups(group: u32) -> u32 {
     return 2u * step.cell_count + 1u + group;
+}
+
+// Where cell_start says which step it is, for kernels after `integrate`, which counts it on.
+fn step_word() -> u32 {
+    return in_groups((step.cell_count + GROUP_CELLS - 1u) / GROUP_CELLS) + 1u;
 }

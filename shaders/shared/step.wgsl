@@ -9,8 +9,8 @@ const GROUP_SHIFT: u32 = 9u;
 
 // Parameters of one simulation step; the Rust twin is kernels::layout::StepUniforms. SI units, ground plane (x, z).
 struct StepUniforms {
+    step_index: u32,             // first: on a device the buffer step_count is this word
     agent_count: u32,
-    step_index: u32,
     seed: u32,
     cell_count: u32,             // columns * rows
     grid_columns: u32,

@@ -154,7 +154,7 @@ impl Engine {
 
     /// The Vulkan buffer of a name, if a kernel of this engine binds it.
     pub fn buffer(&self, id: BufferId) -> Option<&Buffer> {
-        self.buffers[id as usize].as_ref()
+        self.buffers[id.home() as usize].as_ref()
     }
 
     /// Bytes of all buffers on the device.
@@ -212,7 +212,7 @@ impl Engine {
     }
 
     fn make_buffer(&mut self, id: BufferId, bytes: u64) -> Result<(), Error> {
-        if self.buffers[id as usize].is_some() {
+        if self.buffers[id as usize].is_some() || id.home() != id {
             return Ok(());
         }
         let limits = &self.device.limits;
@@ -230,7 +230,7 @@ impl Engine {
     /// # Errors
     /// When a buffer is larger than the device can bind, memory is short, or a call fails.
     pub fn replace(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
-        let ids = self.present(ids);
+        let ids = self.at_home(ids);
         let mut made = Vec::new();
         for &id in &ids {
             let bytes = store.bytes(id).len() as u64;
@@ -260,7 +260,7 @@ impl Engine {
     /// When a buffer of the store is longer than it was when it was made, a call fails or memory for staging is short.
     pub fn upload(&mut self, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
         self.bring_to_device()?; // what was brought before is older
-        let copies = self.layout(ids, store)?;
+        let copies = self.layout(&self.at_home(ids), store)?;
         fill(&self.device, &mut self.staging[0], &copies, store)?;
         self.copy(self.staging[0].as_ref(), &copies, true)
     }
@@ -290,6 +290,11 @@ impl Engine {
     }
 
     fn present(&self, ids: &[BufferId]) -> Vec<BufferId> {
+        ids.iter().copied().filter(|id| self.buffer(*id).is_some()).collect()
+    }
+
+    /// Those that are there and are no part of another.
+    fn at_home(&self, ids: &[BufferId]) -> Vec<BufferId> {
         ids.iter().copied().filter(|id| self.buffers[*id as usize].is_some()).collect()
     }
 

@@ -82,8 +82,9 @@ impl Program {
                 .create_descriptor_set_layout(&create, None)
                 .map_err(call("vkCreateDescriptorSetLayout"))?;
             let set_layouts = [made.set_layout];
-            let create =
-                vk::PipelineLayoutCreateInfo::default().set_layouts(&set_layouts).push_constant_ranges(immediate);
+            let create = vk::PipelineLayoutCreateInfo::default()
+                .set_layouts(&set_layouts)
+                .push_constant_ranges(immediate);
             made.layout =
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
         }
@@ -156,7 +157,7 @@ impl Pipeline {
             .bindings
             .iter()
             .map(|b| {
-                let buffer = buffers[b.buffer as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
+                let buffer = buffers[b.buffer.home() as usize].as_ref().map_or(vk::Buffer::null(), |x| x.raw);
                 [vk::DescriptorBufferInfo::default().buffer(buffer).range(vk::WHOLE_SIZE)]
             })
             .collect();

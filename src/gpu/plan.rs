@@ -41,12 +41,12 @@ impl Hazards {
 fn touched(op: Op) -> (Vec<BufferId>, Vec<BufferId>) {
     match op {
         Op::Set(buffer) => (Vec::new(), vec![buffer]),
-        Op::CountStep => (vec![BufferId::StepCount], vec![BufferId::Step]),
+        Op::CountStep => (Vec::new(), Vec::new()), // the count is a word of `step`
         Op::Dispatch(dispatch) => {
             let entry = dispatch.phase.entry();
             let of = |write: bool| {
                 let bindings = entry.bindings.iter().filter(move |b| (b.access == Access::Write) == write);
-                bindings.map(|b| b.buffer).collect::<Vec<_>>()
+                bindings.map(|b| b.buffer.home()).collect::<Vec<_>>()
             };
             let mut reads = of(false);
             if let Extent::Indirect(buffer, _) = dispatch.extent {
@@ -110,7 +110,7 @@ mod tests {
         ];
         assert_eq!(
             text(&plan(&ops)),
-            "count step\nbarrier\nadvance_journey\nbarrier\ngrid_scan\nbarrier\ngrid_scatter contents none\n"
+            "count step\nadvance_journey\nbarrier\ngrid_scan\nbarrier\ngrid_scatter contents none\n"
         );
     }
 

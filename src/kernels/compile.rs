@@ -179,7 +179,9 @@ fn entry(
         }
         let ty = &module.types[variable.ty];
         let element = match &ty.inner {
-            TypeInner::Array { base, .. } => named(module, layouter, *base).map_err(|e| Error::at(&place, e))?,
+            TypeInner::Array { base, .. } => {
+                named(module, layouter, *base).map_err(|e| Error::at(&place, e))?
+            }
             _ => ty,
         };
         let integer_words = integer_words(module, element);
@@ -247,9 +249,12 @@ const QUADS: &str = "Quads";
 /// An element of a buffer, with names for its numbers.
 fn named<'a>(module: &'a Module, layouter: &Layouter, element: Handle<Type>) -> Result<&'a Type, String> {
     let quads = &module.types[element];
-    let Some(name) = quads.name.as_deref().and_then(|name| name.strip_suffix(QUADS)) else { return Ok(quads) };
+    let Some(name) = quads.name.as_deref().and_then(|name| name.strip_suffix(QUADS)) else {
+        return Ok(quads);
+    };
     let same = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
-    let (handle, ty) = same.ok_or_else(|| format!("{name}{QUADS} is of a struct {name}, which is not there"))?;
+    let (handle, ty) =
+        same.ok_or_else(|| format!("{name}{QUADS} is of a struct {name}, which is not there"))?;
     let (bytes, wanted) = (layouter[element].size, layouter[handle].size);
     if bytes != wanted {
         return Err(format!("{name}{QUADS} has {bytes} bytes, but {name} has {wanted}"));

@@ -187,10 +187,23 @@ pub struct Needs {
 pub enum Op {
     /// Overwrite a uniform buffer with the contents given for this place in the list.
     Set(BufferId),
-    /// Take the number of the step from `step_count`, where `integrate` counts the steps, into `step`.
+    /// Take the number of the step from `step_count`, where `integrate` counts the steps, into `step`. On a device that is one
+    /// word ([`BufferId::home`]), so there is nothing to do.
     CountStep,
     /// Run a kernel.
     Dispatch(Dispatch),
+}
+
+impl BufferId {
+    /// The buffer that holds this one on a device, from its beginning. `step_count` is the first word of `step`: steps that are
+    /// submitted together follow one another without a copy between them.
+    pub const fn home(self) -> Self {
+        const { assert!(std::mem::offset_of!(layout::StepUniforms, step_index) == 0) };
+        match self {
+            Self::StepCount => Self::Step,
+            own => own,
+        }
+    }
 }
 
 /// One entry point of a draw shader.
@@ -304,7 +317,7 @@ mod tests {
         assert_eq!(BufferId::FlowWay.integer_words(), 1);
         assert_eq!(BufferId::Companions.integer_words(), 0b1111);
         assert_eq!(BufferId::Position.integer_words(), 0);
-        // agent_count, step_index, seed, cell_count, grid_columns, grid_rows; grid_origin
+        // step_index, agent_count, seed, cell_count, grid_columns, grid_rows; grid_origin
         assert_eq!(BufferId::Step.integer_words() & 0xff, 0b0011_1111);
     }
 

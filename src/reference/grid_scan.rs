@@ -1,5 +1,6 @@
 //! Where each cell's agents begin among all.
 
+use super::shared::step_word;
 use crate::kernels::grid_scan::Slices;
 use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
 use crate::kernels::shared::unsolved::index::LISTED;
@@ -7,6 +8,7 @@ use crate::kernels::shared::unsolved::index::LISTED;
 /// Twin of `shaders/grid_scan.wgsl`.
 pub fn grid_scan(b: Slices<'_>) {
     let cell_count = b.step.cell_count as usize;
+    b.cell_start[step_word(b.step)] = b.step.step_index;
     let (starts, rest) = b.cell_start.split_at_mut(cell_count + 1);
     let (in_group, in_groups) = rest.split_at_mut(cell_count);
     let cells = b.cells[..CELL_WORDS * cell_count].chunks(CELL_WORDS * GROUP_CELLS);

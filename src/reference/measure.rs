@@ -1,7 +1,7 @@
 //! Measures the crowd after a step.
 
 use super::exact::{det2, dot2, greater, lesser};
-use super::shared::{cell_index, grid_cell, is_absent, on_storey};
+use super::shared::{cell_index, grid_cell, is_absent, on_storey, step_word};
 use crate::kernels::layout::Seen;
 use crate::kernels::measure::index::MEASURED_STEPS;
 use crate::kernels::measure::{NEAR, OVERLAP, Slices};
@@ -45,7 +45,7 @@ pub fn measure(mut b: Slices<'_>) {
         Found { outside: u32::from(is_out), ..pairs(b, slot, agent, none) }
     });
     let found = all.reduce(|| none, both);
-    let number = b.step.step_index as usize % MEASURED_STEPS;
+    let number = b.cell_start[step_word(b.step)] as usize % MEASURED_STEPS;
     if found.least < NEAR {
         measured[0] = in_order(found.least);
     }
@@ -57,7 +57,7 @@ pub fn measure(mut b: Slices<'_>) {
 fn see(b: &Slices<'_>, agent: usize, own: &mut Seen) {
     if is_absent(b.position[agent]) {
         if own.is_there == 1 {
-            own.gone = b.step.step_index + 1;
+            own.gone = b.cell_start[step_word(b.step)] + 1;
         }
         own.is_there = 0;
     } else {

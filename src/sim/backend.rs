@@ -297,7 +297,7 @@ impl Machine {
 /// The uniforms of a step, for a device.
 #[cfg(feature = "vulkan")]
 pub(super) fn news(store: &Store) -> Vec<(BufferId, Vec<u8>)> {
-    [BufferId::Step, BufferId::StepCount].map(|id| (id, store.bytes(id).to_vec())).into()
+    vec![(BufferId::Step, store.bytes(BufferId::Step).to_vec())]
 }
 
 /// Runs operations on the CPU.

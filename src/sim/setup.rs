@@ -5,16 +5,17 @@ use super::obstacles::{at_heights, cell_depth, cell_lists, segments};
 use super::optional::{set_feelings, set_outsiders};
 use crate::ground::is_absent;
 use crate::kernels::layout::{
-    Appearance, Attention, Avoidance, Body, GazeState, Lead, Paces, Route, Seen, Segment, 
-    SlotMotion, Source, Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
+    Appearance, Attention, Avoidance, Body, GazeState, Lead, Paces, Route, Seen, Segment, SlotMotion, Source,
+    Stage, Stance, StepUniforms, Teleport as Boxes, Waiting,
 };
 use crate::kernels::measure::index::MEASURED_STEPS;
 use crate::kernels::shared::absent::{ABSENT, NOBODY};
-use crate::kernels::shared::cells::index::{CELL_WORDS, GROUP_CELLS};
+use crate::kernels::shared::cells::index::CELL_WORDS;
 use crate::kernels::shared::stages;
 use crate::kernels::shared::step::LED;
 use crate::kernels::shared::unsolved::index::LISTED;
 use crate::kernels::{KernelId, Store};
+use crate::reference::shared::step_word;
 use crate::scenario::{
     self, AgentStart, Crowd, Entry, Floors, Geometry, Model, Navigation, Raised, Scenario, SourceStart, Stop,
     StopKind, Teleport,
@@ -181,7 +182,7 @@ pub fn empty_cells(store: &mut Store, agents: usize) {
     let cells = store.step.cell_count as usize;
     store.cells = vec![0; CELL_WORDS * cells];
     store.next_in_cell = vec![0; agents];
-    store.cell_start = vec![0; 2 * cells + 1 + cells.div_ceil(GROUP_CELLS) + 1];
+    store.cell_start = vec![0; step_word(&store.step) + 1];
 }
 
 /// What `measure` finds, with nothing measured yet.

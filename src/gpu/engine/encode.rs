@@ -3,7 +3,6 @@
 use super::super::plan::{Command, Op, plan};
 use super::super::{Buffer, Error};
 use super::{Copy, Engine, TIMED_DISPATCHES};
-use crate::kernels::layout::StepUniforms;
 use crate::kernels::shared::dispatch::MOST_GROUPS;
 use crate::kernels::{BufferId, Dispatch, Extent, KernelId};
 use ash::{ext, vk};
@@ -42,7 +41,7 @@ impl Engine {
     ) {
         let raw = &self.device.raw;
         for (id, offset, length) in copies {
-            let Some(buffer) = self.buffers[*id as usize].as_ref() else { continue };
+            let Some(buffer) = self.buffer(*id) else { continue };
             let (offset, size) = (*offset as u64, *length as u64);
             let region = vk::BufferCopy::default().size(size);
             // SAFETY: both buffers are at least that large; recording has begun.
@@ -104,7 +103,7 @@ impl Engine {
         let plan = plan(ops);
         let mut copied = None; // whether what was recorded since the last barrier copies
         for group in plan.split(|command| *command == Command::Barrier) {
-            let copies = group.iter().any(|command| !matches!(command, Command::Op(_, Op::Dispatch(_))));
+            let copies = group.iter().any(|command| matches!(command, Command::Op(_, Op::Set(_))));
             match copied {
                 None => {}
                 Some(false) if !copies => self.barrier_between_dispatches(commands),
@@ -114,12 +113,11 @@ impl Engine {
             for command in group {
                 match *command {
                     Command::Op(index, Op::Set(id)) => self.set(commands, id, &contents(index, id))?,
-                    Command::Op(_, Op::CountStep) => self.count_step(commands),
+                    Command::Op(_, Op::CountStep) | Command::Barrier => {}
                     Command::Op(_, Op::Dispatch(dispatch)) => {
                         self.dispatch(commands, dispatch, timed.then_some(query))?;
                         query += 2;
                     }
-                    Command::Barrier => {}
                 }
             }
         }
@@ -130,8 +128,7 @@ impl Engine {
     /// Records an operation that is no [`Op::Set`].
     pub(super) fn encode_op(&self, commands: vk::CommandBuffer, op: Op) -> Result<(), Error> {
         match op {
-            Op::Set(_) => {}
-            Op::CountStep => self.count_step(commands),
+            Op::Set(_) | Op::CountStep => {}
             Op::Dispatch(dispatch) => self.dispatch(commands, dispatch, None)?,
         }
         Ok(())
@@ -153,18 +150,6 @@ impl Engine {
         // SAFETY: the contents lie within the buffer and are as long as an update may be; recording has begun.
         unsafe { self.device.raw.cmd_update_buffer(commands, buffer.raw, 0, contents) };
         Ok(())
-    }
-
-    /// Records that `step` takes over the number that `step_count` holds.
-    fn count_step(&self, commands: vk::CommandBuffer) {
-        let (Some(count), Some(step)) = (self.buffer(BufferId::StepCount), self.buffer(BufferId::Step))
-        else {
-            return;
-        };
-        let to = std::mem::offset_of!(StepUniforms, step_index) as u64;
-        let region = [vk::BufferCopy::default().dst_offset(to).size(4)];
-        // SAFETY: recording has begun; the count is one word, and the uniforms hold one at that place.
-        unsafe { self.device.raw.cmd_copy_buffer(commands, count.raw, step.raw, &region) };
     }
 
     fn dispatch(
