@@ -132,7 +132,7 @@ fn other_lines(o: Others, rate: f32, wanted: vec2<f32>, is_dense: bool) {
     let heading = unit_or(wanted, vec2<f32>(0.0, 0.0));
     for (var k = 0u; k < o.count; k++) {
         let is_user = k < o.users;
-        let other = found[max(k, o.users) - o.users];
+        let other = select(found[max(k, o.users) - o.users], o.slot, is_user); // any slot stands for the user
         let them = slot_motion[other];
         let their_position = select(slot_position[other], step.user_position, is_user);
         let their_velocity = select(them.velocity, step.user_velocity, is_user);

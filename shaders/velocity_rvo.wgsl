@@ -238,7 +238,7 @@ fn look_at_others(slot: u32, me: Walker, own: Seeker, count: u32) -> u32 {
     var made = 0u;
     for (var k = 0u; k < users + count; k++) {
         let is_user = k < users;
-        let other = found[max(k, users) - users];
+        let other = select(found[max(k, users) - users], slot, is_user); // any slot stands for the user
         let them = slot_motion[other];
         let their_position = select(slot_position[other], step.user_position, is_user);
         let their_velocity = select(them.velocity, step.user_velocity, is_user);

@@ -3,8 +3,9 @@
 // nearest as packed keys: squared distance with its low bits replaced by the candidate's place in the five runs. Where that
 // could differ from the order by (squared distance, id) (two keys agree in the bits left, fewer than wanted were found, a
 // nearer one may stand farther out, the runs are too long) it looks in more cells or in fewer, up to nine by nine, again
-// by keys. Where that does not settle it, it searches ring by ring and exactly. So the neighbours are always the
-// exact ones. The keys stay in registers: an array with computed indices is slow memory on every device.
+// by keys. Where keys agree at the end, it compares their candidates exactly. Where there are too many candidates, or too few
+// in nine by nine cells, it searches ring by ring. So the neighbours are always the exact ones. The keys stay in registers: an
+// array with computed indices is slow memory on every device.
 //
 // Needs the bindings step, slot_position, slot_motion, avoidance, and cell_start. With STOREYS agents on another storey do not count.
 const PLACES: u32 = 255u;       // low bits of a key that number the candidates; the others are of the squared distance

@@ -287,6 +287,31 @@ mod tests {
     }
 
     #[test]
+    fn an_immediate_becomes_the_number_that_it_is() {
+        let before: [&[u32]; 3] = [&[21, 1, 32, 0], &[32, 2, 9, 1], &[59, 2, 3, 9]];
+        let chain: &[u32] = &[65, 2, 12, 3, 4];
+        let function: &[u32] = &[54, 6, 11, 0, 5];
+        let other: &[u32] = &[61, 1, 14, 20]; // of another variable
+        let words = module(&[&before[..], &[function, chain, &[61, 1, 13, 12], other]].concat());
+        let wanted: [&[u32]; 5] = [&[43, 1, 99, 40], function, chain, &[83, 1, 13, 99], other];
+        let mut wanted = module(&[&before[..], &wanted].concat());
+        wanted[BOUND] = 100;
+        assert_eq!(with_immediate(&words, 40), wanted);
+        let without = module(&[&before[..], &[function, other]].concat());
+        assert_eq!(with_immediate(&without, 40), without);
+    }
+
+    #[test]
+    fn arrays_of_an_invocation_begin_with_nothing_and_other_variables_as_they_were() {
+        let types: [&[u32]; 4] = [&[28, 3, 1, 2], &[32, 4, 6, 3], &[32, 5, 6, 1], &[32, 6, 4, 3]];
+        let kept: [&[u32]; 2] = [&[59, 5, 9, 6, 8], &[59, 6, 10, 4, 8]]; // a number; an array of a workgroup
+        let words = module(&[&types[..], &[&[59, 4, 7, 6, 8]], &kept[..]].concat());
+        let wanted = module(&[&types[..], &[&[59, 4, 7, 6]], &kept[..]].concat());
+        assert_eq!(leave_arrays_unset(&words), wanted);
+        assert_eq!(leave_arrays_unset(&wanted), wanted);
+    }
+
+    #[test]
     fn operations_that_vulkan_does_not_define_to_the_bit_are_found() {
         assert_eq!(inexact(&module(&[&[129, 1, 7, 5, 6], &[12, 1, 8, 2, 31, 7]])), None);
         for bad in [&[148, 1, 7, 5, 6][..], &[12, 1, 8, 2, 69, 7], &[12, 1, 8, 2, 46, 7, 7, 7]] {

@@ -12,7 +12,7 @@ use gaitway::verify::cases::{
     self, animation, between, crossing, feelings, flow, gaits, hidden, journeys, step,
 };
 use gaitway::verify::{Comparison, compare_dispatches};
-use gaitway::{avatar, library};
+use gaitway::{avatar, library, reference};
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -100,6 +100,53 @@ fn every_kernel_agrees_with_its_twin_bit_for_bit_at_every_size() {
 }
 
 #[test]
+fn code_for_one_crowd_gives_way_where_the_crowd_changes() {
+    on_device(|device| {
+        let mut plain = step::crowd_with(0, 1000, 7);
+        let kernels = KernelId::ALL.map(|kernel| (kernel, order::step_dispatches(&plain.step)));
+        let is_due = |(kernel, all): (KernelId, Vec<Dispatch>)| {
+            all.iter().any(|dispatch| dispatch.kernel() == kernel).then_some(kernel)
+        };
+        let kernels: Vec<KernelId> = kernels.into_iter().filter_map(is_due).collect();
+        // an engine for people who do not look at how crowded it is, and then they do
+        plain.step.crowding = 0.0;
+        let mut engine = Engine::new(device, &plain, &kernels).unwrap();
+        let mut crowded = plain.clone();
+        (crowded.step.crowding, crowded.step.crowding_reach) = (1.0, 3.0);
+        assert_ne!(plain.step.contents(), crowded.step.contents());
+        let mut walked = Vec::new();
+        for store in [&crowded, &plain] {
+            let dispatches = order::step_dispatches(&store.step);
+            engine.upload(store, &BufferId::ALL).unwrap();
+            let ops: Vec<Op> = dispatches.iter().copied().map(Op::Dispatch).collect();
+            engine.run(&ops, |_, _| Vec::new(), false).unwrap();
+            let (mut device, mut host) = (store.clone(), store.clone());
+            engine.download(&mut device, &[BufferId::NewVelocity, BufferId::StepCount]).unwrap();
+            dispatches.iter().for_each(|d| reference::run(d.phase, &mut host, d.immediate));
+            let velocities = BufferId::NewVelocity;
+            assert!(device.bytes(velocities) == host.bytes(velocities), "{:?}", store.step.crowding);
+            assert_eq!(device.step_count, [store.step.step_index + 1]);
+            walked.push(device.new_velocity);
+        }
+        assert!(walked[0] != walked[1], "the crowd changes what they do");
+    });
+}
+
+#[test]
+fn steps_submitted_together_are_counted_where_kernels_read_the_number() {
+    on_device(|device| {
+        let mut store = step::crowd_with(0, 65, 1);
+        store.step.step_index = 41;
+        let mut engine = Engine::new(device, &store, &[KernelId::Integrate]).unwrap();
+        let ops = [Op::CountStep, Op::Dispatch(Dispatch::of(Phase::Integrate, 65))];
+        engine.repeat(&[], &ops, 3).unwrap();
+        engine.finish().unwrap();
+        engine.download(&mut store, &[BufferId::Step, BufferId::StepCount]).unwrap();
+        assert_eq!((store.step.step_index, store.step_count[0]), (44, 44));
+    });
+}
+
+#[test]
 fn the_comparison_notices_one_bit() {
     on_device(|device| {
         let (crowd, bodies, walks) =
@@ -122,7 +169,7 @@ fn the_comparison_notices_one_bit() {
         ];
         for (dispatches, mut store) in stages {
             for dispatch in &dispatches {
-                gaitway::reference::run(dispatch.phase, &mut store, dispatch.immediate);
+                reference::run(dispatch.phase, &mut store, dispatch.immediate);
             }
             for kernel in KernelId::ALL.into_iter().filter(|k| dispatches.iter().any(|p| p.kernel() == *k)) {
                 let group: Vec<_> = dispatches.iter().copied().filter(|p| p.kernel() == kernel).collect();
