@@ -14,7 +14,6 @@ fn the_barriers_of_a_step_stand_where_its_kernels_meet() {
     let two: Vec<_> = ops.iter().chain(&ops[..2]).copied().collect();
     let want = "\
 count step
-barrier
 lead_agents.appear
 barrier
 teleport
@@ -46,7 +45,6 @@ barrier
 elevate
 barrier
 measure
-barrier
 count step
 barrier
 lead_agents.appear
