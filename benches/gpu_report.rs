@@ -26,7 +26,7 @@ struct Arguments {
     is_quick: bool,
 }
 
-/// All that was found.
+/// All that was found so far.
 #[derive(Serialize)]
 struct Report {
     version: &'static str,
@@ -37,9 +37,9 @@ struct Report {
     verification: Verification,
     /// State hash of 2,000 people in the crossing after 10 s, by backend.
     hashes: Vec<(&'static str, String)>,
-    goals: Times,
-    kernels: Times,
-    stereo: Times,
+    goals: Option<Times>,
+    kernels: Option<Times>,
+    stereo: Option<Times>,
     pictures: Vec<String>,
 }
 
@@ -48,13 +48,24 @@ fn main() -> Result<()> {
     let Some(arguments) = arguments else { return Ok(()) };
     std::fs::create_dir_all(&arguments.out)?;
     let report = measure(&arguments)?;
-    std::fs::write(arguments.out.join("report.json"), serde_json::to_string_pretty(&report)?)?;
-    std::fs::write(arguments.out.join("report.md"), page(&report))?;
     println!("{}", arguments.out.join("report.md").display());
     if report.verification.pass {
         Ok(())
     } else {
         Err("this device does not give the bits of the CPU".into())
+    }
+}
+
+impl Report {
+    /// Writes what there is by now, so that a device that is lost, or a run that is ended, loses one part alone.
+    fn write(&self, folder: &Path) -> Result<()> {
+        let text = [("report.json", serde_json::to_string_pretty(self)?), ("report.md", page(self))];
+        for (name, text) in text {
+            let part = folder.join(name).with_extension("part");
+            std::fs::write(&part, text)?;
+            std::fs::rename(part, folder.join(name))?;
+        }
+        Ok(())
     }
 }
 
@@ -98,15 +109,7 @@ fn measure(arguments: &Arguments) -> Result<Report> {
     let time = |workload: Workload, sizes: &[usize]| {
         bench(workload, sizes, Backend::Vulkan, named, &mut |what, _| println!("{what}"))
     };
-    let goals = time(Workload::Goals, sizes)?;
-    let kernels = time(Workload::All, sizes)?;
-    let stereo = time(Workload::Stereo, &people.iter().map(|count| *count as usize).collect::<Vec<_>>())?;
-    let mut pictures = Vec::new();
-    for &count in people {
-        println!("picture, {count} people");
-        pictures.push(picture(&arguments.out, count, named)?);
-    }
-    Ok(Report {
+    let mut report = Report {
         version: env!("CARGO_PKG_VERSION"),
         machine: machine(),
         device: description,
@@ -114,11 +117,24 @@ fn measure(arguments: &Arguments) -> Result<Report> {
         api: info.api,
         verification,
         hashes,
-        goals,
-        kernels,
-        stereo,
-        pictures,
-    })
+        goals: None,
+        kernels: None,
+        stereo: None,
+        pictures: Vec::new(),
+    };
+    report.write(&arguments.out)?;
+    report.goals = Some(time(Workload::Goals, sizes)?);
+    report.write(&arguments.out)?;
+    report.kernels = Some(time(Workload::All, sizes)?);
+    report.write(&arguments.out)?;
+    let crowds: Vec<usize> = people.iter().map(|count| *count as usize).collect();
+    report.stereo = Some(time(Workload::Stereo, &crowds)?);
+    for &count in people {
+        println!("picture, {count} people");
+        report.pictures.push(picture(&arguments.out, count, named)?);
+        report.write(&arguments.out)?;
+    }
+    Ok(report)
 }
 
 fn hash(backend: Backend, device: Option<&str>) -> Result<String> {
@@ -182,14 +198,14 @@ fn page(report: &Report) -> String {
         let _ = writeln!(page, "- 2000 people in the crossing after 10 s, {backend}: {hash}");
     }
     page.push_str("\n## Goals\n\n| | what | median | goal | |\n| --- | --- | --- | --- | --- |\n");
-    for goal in &report.goals.goals {
+    for goal in report.goals.iter().flat_map(|times| &times.goals) {
         let bound = if goal.unit == "ms" { "at most" } else { "at least" };
         let met = if goal.is_met { "met" } else { "missed" };
         let (name, what, value, unit) = (goal.name, &goal.what, goal.value, goal.unit);
         let _ = writeln!(page, "| {name} | {what} | {value:.3} {unit} | {bound} {} | {met} |", goal.goal);
     }
     page.push_str("\n## The crowds that were timed\n\n| agents | steps | overlaps a person | deep | nearest, m | progress, m/s | bytes a person |\n| --- | --- | --- | --- | --- | --- | --- |\n");
-    for seen in &report.goals.quality {
+    for seen in report.goals.iter().flat_map(|times| &times.quality) {
         let _ = writeln!(
             page,
             "| {} | {} | {:.4} | {:.4} | {:.3} | {:.3} | {:.0} |",
@@ -207,7 +223,7 @@ fn page(report: &Report) -> String {
             page,
             "\n## {title}\n\n| name | agents | median, ms | least | most |\n| --- | --- | --- | --- | --- |\n"
         );
-        for row in &times.rows {
+        for row in times.iter().flat_map(|times| &times.rows) {
             let (median, least, most) = (row.ms_median, row.ms_min, row.ms_max);
             let _ =
                 writeln!(page, "| {} | {} | {median:.4} | {least:.4} | {most:.4} |", row.name, row.agents);

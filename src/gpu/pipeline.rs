@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct Program {
     device: Arc<Device>,
     entry: &'static Entry,
-    code: Vec<u32>,
+    code: Vec<u32>, // of a phase whose immediate is flags
     name: CString,
     made: Mutex<Vec<Made>>,
     pub(super) layout: vk::PipelineLayout,
@@ -89,18 +89,25 @@ impl Program {
                 raw.create_pipeline_layout(&create, None).map_err(call("vkCreatePipelineLayout"))?;
         }
         made.raw(word)?;
+        if !made.has_flags() {
+            made.code = Vec::new(); // it is compiled once
+        }
         Ok(made)
+    }
+
+    /// Whether its immediate is flags.
+    fn has_flags(&self) -> bool {
+        self.entry.immediate.as_ref().is_some_and(|immediate| !immediate.flags.is_empty())
     }
 
     /// The pipeline for an immediate of this word, which is compiled now if there is none yet.
     pub(super) fn raw(&self, word: u32) -> Result<vk::Pipeline, Error> {
-        let is_special = self.entry.immediate.as_ref().is_some_and(|immediate| !immediate.flags.is_empty());
-        let word = if is_special { word } else { 0 };
+        let word = if self.has_flags() { word } else { 0 };
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(made) = made.iter().find(|made| made.word == word) {
             return Ok(made.raw);
         }
-        let special = is_special.then(|| with_immediate(&self.code, word));
+        let special = self.has_flags().then(|| with_immediate(&self.code, word));
         let raw = self.compiled(special.as_ref().unwrap_or(&self.code))?;
         made.push(Made { word, raw });
         Ok(raw)
