@@ -9,7 +9,8 @@
 
 use super::super::plan::Op;
 use super::super::{Buffer, Error, Memory};
-use super::{Copy, Engine, fill, read, stage};
+use super::Engine;
+use super::staging::{Copy, fill, read, stage};
 use crate::kernels::{BufferId, Store};
 use ash::vk;
 
@@ -32,7 +33,7 @@ impl Engine {
     /// When a call fails or memory for staging is short.
     pub(crate) fn bring(&mut self, slot: usize, store: &Store, ids: &[BufferId]) -> Result<(), Error> {
         self.bring_to_device()?;
-        let copies = self.layout(ids, store)?;
+        let copies = self.layout(&self.at_home(ids), store)?;
         let embedded = &mut self.embedded[slot];
         fill(&self.device, &mut embedded.staging[0], &copies, store)?;
         embedded.brought = copies;
