@@ -102,6 +102,10 @@ pub(super) struct Recording {
     /// Steps between two frames.
     every: u32,
     writer: TrajectoryWriter,
+    // memory of the last frame
+    positions: Vec<Vec2>,
+    velocities: Vec<Vec2>,
+    headings: Vec<f32>,
 }
 
 impl Recording {
@@ -120,25 +124,33 @@ impl Recording {
             &Walkable::from(&scene.geometry),
             scene.agents_info(),
         )?;
-        Ok(Self { path: path.to_owned(), every, writer })
+        Ok(Self::new(path, every, writer))
     }
 
     /// Begins a table of agents, without their trajectories.
     pub(super) fn of_agents(path: &Path, rate: f64, scene: &Scene) -> Result<Self, Error> {
         let every = steps_per_frame(rate, scene)?;
         let writer = TrajectoryWriter::of_agents(path, rate, scene.agents_info())?;
-        Ok(Self { path: path.to_owned(), every, writer })
+        Ok(Self::new(path, every, writer))
+    }
+
+    fn new(path: &Path, every: u32, writer: TrajectoryWriter) -> Self {
+        let (positions, velocities, headings) = Default::default();
+        Self { path: path.to_owned(), every, writer, positions, velocities, headings }
     }
 
     fn frame(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let store = simulation.state()?;
         let agents = store.step.agent_count as usize;
-        let ground = |pairs: &[[f32; 2]]| pairs[..agents].iter().copied().map(Vec2::from_array).collect();
-        let (positions, velocities): (Vec<Vec2>, Vec<Vec2>) =
-            (ground(&store.position), ground(&store.velocity));
-        let headings: Vec<f32> = store.stance[..agents].iter().map(|stance| stance.heading).collect();
+        let Self { positions, velocities, headings, .. } = self;
+        for (column, pairs) in [(&mut *positions, &store.position), (&mut *velocities, &store.velocity)] {
+            column.clear();
+            column.extend(pairs[..agents].iter().copied().map(Vec2::from_array));
+        }
+        headings.clear();
+        headings.extend(store.stance[..agents].iter().map(|stance| stance.heading));
         let emotions = if store.step.feels == 0 { &[] } else { &store.feeling[..agents] };
-        let frame = Frame { positions: &positions, headings: &headings, velocities: &velocities, emotions };
+        let frame = Frame { positions, headings, velocities, emotions };
         Ok(self.writer.frame(&frame)?)
     }
 
