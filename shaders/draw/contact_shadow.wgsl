@@ -14,10 +14,10 @@ const SOLE_ASIDE: f32 = 0.09;  // middle of a sole in the mesh at rest, m
 const SOLE_AHEAD: f32 = 0.06;
 const SOLE_LENGTH: f32 = 0.17; // half axes of the shade of a sole, m
 const SOLE_WIDTH: f32 = 0.085;
-const SOLE_SHADE: f32 = 0.6;
+const SOLE_SHADE: f32 = 0.8;
 const LIFTED: f32 = 0.14;      // a foot this high shades the ground no more, m
 const BODY_RADIUS: f32 = 0.42; // m
-const BODY_SHADE: f32 = 0.3;
+const BODY_SHADE: f32 = 0.45;
 const FADE_FROM: f32 = 25.0;   // m from the eye
 const FADE_TO: f32 = 40.0;
 

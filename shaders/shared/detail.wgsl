@@ -33,28 +33,28 @@ fn pattern_of(material: u32) -> Pattern {
     let none = vec4<f32>(NO_JOINTS, NO_JOINTS, 0.0, 0.0);
     switch material {
         case ASPHALT: {
-            return Pattern(vec4<f32>(2.7, 0.035, 0.07, 0.2), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
+            return Pattern(vec4<f32>(2.7, 0.03, 0.1, 0.24), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
         }
         case CONCRETE: {
-            return Pattern(vec4<f32>(2.1, 0.11, 0.06, 0.05), vec4<f32>(3.0, 3.0, 0.012, 0.6), vec4<f32>(0.05, 0.0, 0.0, 0.0));
+            return Pattern(vec4<f32>(2.1, 0.07, 0.09, 0.1), vec4<f32>(3.0, 3.0, 0.012, 0.6), vec4<f32>(0.05, 0.0, 0.0, 0.0));
         }
         case GRAVEL: {
-            return Pattern(vec4<f32>(1.9, 0.06, 0.07, 0.26), none, vec4<f32>(0.0, 0.0, 0.0, 0.1));
+            return Pattern(vec4<f32>(1.9, 0.05, 0.1, 0.3), none, vec4<f32>(0.0, 0.0, 0.0, 0.1));
         }
         case GRASS: {
-            return Pattern(vec4<f32>(1.7, 0.075, 0.16, 0.34), none, vec4<f32>(0.0, 0.0, 0.0, 0.5));
+            return Pattern(vec4<f32>(1.7, 0.075, 0.22, 0.45), none, vec4<f32>(0.0, 0.0, 0.0, 0.5));
         }
         case DECK: {
             return Pattern(vec4<f32>(2.4, 0.2, 0.05, 0.04), vec4<f32>(2.0, 2.0, 0.015, 0.45), vec4<f32>(0.08, 0.5, 0.05, 0.0));
         }
         case PAVING: {
-            return Pattern(vec4<f32>(1.9, 0.045, 0.06, 0.09), vec4<f32>(0.6, 0.6, 0.007, 0.5), vec4<f32>(0.1, 0.5, 0.0, 0.15));
+            return Pattern(vec4<f32>(1.9, 0.04, 0.09, 0.13), vec4<f32>(0.6, 0.6, 0.007, 0.5), vec4<f32>(0.1, 0.5, 0.0, 0.15));
         }
         case PAINT: {
-            return Pattern(vec4<f32>(0.31, 0.04, 0.07, 0.1), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
+            return Pattern(vec4<f32>(0.9, 0.04, 0.07, 0.14), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
         }
         case PLASTER: {
-            return Pattern(vec4<f32>(1.6, 0.14, 0.06, 0.04), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
+            return Pattern(vec4<f32>(1.6, 0.1, 0.09, 0.06), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
         }
         case PANEL: {
             return Pattern(vec4<f32>(2.3, 0.3, 0.04, 0.02), vec4<f32>(1.5, 1.2, 0.012, 0.5), vec4<f32>(0.06, 0.0, 0.03, 0.0));
@@ -66,7 +66,7 @@ fn pattern_of(material: u32) -> Pattern {
             return Pattern(vec4<f32>(3.0, 0.5, 0.0, 0.0), vec4<f32>(1.3, 1.6, 0.03, 0.3), vec4<f32>(0.25, 0.0, 0.1, 0.0));
         }
         case FOLIAGE: {
-            return Pattern(vec4<f32>(0.42, 0.11, 0.26, 0.34), none, vec4<f32>(0.0, 0.0, 0.0, 0.3));
+            return Pattern(vec4<f32>(0.6, 0.12, 0.4, 0.6), none, vec4<f32>(0.0, 0.0, 0.0, 0.3));
         }
         case WOOD: {
             return Pattern(vec4<f32>(0.5, 0.03, 0.08, 0.1), none, vec4<f32>(0.0, 0.0, 0.0, 0.0));
@@ -121,6 +121,17 @@ fn is_seen(size: f32, footprint: f32) -> f32 {
     return clamp(2.0 - 4.0 * footprint / size, 0.0, 1.0);
 }
 
+// Grain of a size, or of the least multiple of it by a power of two that is seen: what is farther away shows coarser grain,
+// and less of it.
+fn grain_of(at: vec2<f32>, size: f32, footprint: f32) -> vec3<f32> {
+    let level = max(log2(4.0 * footprint / size), 0.0);
+    let whole = floor(level);
+    let finer = 2.0 - exp2(level - whole);
+    let scale = exp2(-whole) / size;
+    let weight = exp2(-0.6 * whole);
+    return weight * (value_noise(at * scale) * finer + value_noise(at * scale * 0.5) * (0.66 * (1.0 - finer)));
+}
+
 // Share of a pixel that lies on joints, `apart` from one another, m.
 fn joint(at: f32, apart: f32, half_width: f32, footprint: f32) -> f32 {
     let off = abs(at - apart * round(at / apart));
@@ -140,9 +151,8 @@ fn detail_of(pattern: Pattern, world: vec3<f32>, normal: vec3<f32>, footprint: f
     let has_joints = pattern.joints.x > NO_JOINTS;
     let aslant = world.xz + world.y * vec2<f32>(0.71, 0.53);
     let at = select(aslant, select(world.xz, on_wall, abs(normal.y) < 0.7), has_joints);
-    let seen = vec2<f32>(is_seen(pattern.noise.x, footprint), is_seen(pattern.noise.y, footprint)) * pattern.noise.zw;
-    let patches = value_noise(at / pattern.noise.x) * seen.x;
-    let grain = value_noise(at / pattern.noise.y) * seen.y;
+    let patches = value_noise(at / pattern.noise.x) * (pattern.noise.z * is_seen(pattern.noise.x, footprint));
+    let grain = grain_of(at, pattern.noise.y, footprint) * pattern.noise.w * is_seen(pattern.noise.x, footprint);
     let uneven = patches.x + grain.x;
     var shade = vec3<f32>(1.0 + uneven) + pattern.look.w * uneven * vec3<f32>(0.7, 0.1, -0.5);
     let tilt = grain.yz * -0.7;

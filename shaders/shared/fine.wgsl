@@ -111,5 +111,5 @@ fn film(light: vec3<f32>) -> vec3<f32> {
     let raised = pow(peak, CONTRAST);
     let bent = min(raised / (WHITE_SLOPE * raised + GREY_SLOPE), 1.0);
     let pale = smoothstep(0.65, 1.0, bent);
-    return mix(light / peak, vec3<f32>(1.0), 0.85 * pale) * bent;
+    return mix(light / peak, vec3<f32>(1.0), 0.5 * pale) * bent;
 }
