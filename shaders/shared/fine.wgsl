@@ -90,7 +90,12 @@ fn is_parallel(eye: u32) -> bool {
 fn toward_eye(world: vec3<f32>, eye: u32) -> vec4<f32> {
     let way = view.eyes[eye].xyz - world;
     let far = max(length(way), 1.0e-3);
-    return vec4<f32>(select(way / far, -view.fade[4].xyz, is_parallel(eye)), far);
+    if is_parallel(eye) {
+        // depth grows towards the eye
+        let matrix = view.clip_from_world[eye];
+        return vec4<f32>(normalize(vec3<f32>(matrix[0].z, matrix[1].z, matrix[2].z)), far);
+    }
+    return vec4<f32>(way / far, far);
 }
 
 // The image's colour, as `finish` of low quality, by another curve.
