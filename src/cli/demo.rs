@@ -45,7 +45,7 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 1, value_parser = seed)]
     seed: u64,
     /// Light and surfaces: low (the fastest), medium or high
-    #[arg(long, default_value = "medium", value_name = "QUALITY")]
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
     quality: Quality,
     #[command(flatten)]
     place: PlaceArguments,

@@ -148,7 +148,7 @@ struct PictureArguments {
     #[arg(long, help_heading = "Pictures")]
     markers: bool,
     /// Light and surfaces: low (the fastest), medium or high
-    #[arg(long, default_value = "medium", value_name = "QUALITY", help_heading = "Pictures")]
+    #[arg(long, default_value = "low", value_name = "QUALITY", help_heading = "Pictures")]
     quality: Quality,
     /// Time of day, 6 to 18: where the sun stands and its colour; 12 is the light of the place itself
     #[arg(long, default_value_t = 12.0, value_name = "HOUR", value_parser = hour, help_heading = "Pictures")]

@@ -33,7 +33,7 @@ pub(super) struct Arguments {
     #[arg(long)]
     markers: bool,
     /// Light and surfaces: low (the fastest), medium or high
-    #[arg(long, default_value = "medium", value_name = "QUALITY")]
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
     quality: Quality,
     /// Begin with a crowd that stands still
     #[arg(long)]
