@@ -1,4 +1,4 @@
-// uses: view, light, tint, body, agent
+// uses: view, light, fine, tint, body, agent
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
@@ -128,6 +128,75 @@ fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @locat
         discard;
     }
     return vec4<f32>(finish(shade(in.world, normalize(in.normal), in.color.rgb), in.world, eye).rgb, cover);
+}
+
+// Like CrowdVertex, and what the light of better quality asks for.
+struct FineVertex {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) world: vec3<f32>,
+    @location(1) normal: vec3<f32>,
+    @location(2) color: vec4<f32>,
+    @location(3) occlusion: f32,
+    @location(4) @interpolate(flat) material: u32,
+}
+
+// Between these heights of the mesh, m, the legs part, and the light of the sky grows on the way up from the ground.
+const LEGS_PART: f32 = 0.68;
+const LEGS_JOIN: f32 = 0.86;
+const ARMS_END: f32 = 1.4;
+const OPEN_HEIGHT: f32 = 1.2;
+
+// Share of the sky that reaches a place of a body at rest, which stands along +y and faces +z. Legs and arms shade one
+// another where they face the middle of the body; what faces down sees the ground; people and ground stand around the legs.
+fn body_occlusion(vertex: u32) -> f32 {
+    let place = bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz);
+    let normal = bitcast<vec3<f32>>(mesh_vertices[vertex][1].xyz);
+    let inward = max(-normal.x * sign(place.x), 0.0) * (1.0 - step(ARMS_END, place.y));
+    let between = inward * mix(0.6, 0.35, smoothstep(LEGS_PART, LEGS_JOIN, place.y));
+    let below = 0.4 * max(-normal.y, 0.0);
+    let low = 0.4 * (1.0 - smoothstep(0.0, OPEN_HEIGHT, place.y));
+    return (1.0 - between) * (1.0 - below) * (1.0 - low);
+}
+
+@vertex
+fn crowd_fine_vertex(
+    @builtin(vertex_index) vertex: u32,
+    @builtin(instance_index) instance: u32,
+    @builtin(view_index) eye: u32,
+) -> FineVertex {
+    let placed = place(vertex, instance);
+    let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
+    let color = agent_color(vertex, instance);
+    return FineVertex(clip, placed.world, placed.normal, color, body_occlusion(vertex), mesh_vertices[vertex][0].w);
+}
+
+// Skin lets light round, cloth and hair catch it with their fibres; shoes and eyes do neither.
+fn body_matter(in: FineVertex) -> Matter {
+    var soft = vec2<f32>(0.15, 0.15);
+    if in.material == MATERIAL_SKIN {
+        soft = vec2<f32>(0.5, 0.3);
+    } else if in.material > MATERIAL_SKIN && in.material <= MATERIAL_BOTTOM {
+        soft = vec2<f32>(0.3, 0.7);
+    }
+    return Matter(in.color.rgb, normalize(in.normal), in.occlusion, soft.x, soft.y, 0.0, 1.0);
+}
+
+@fragment
+fn crowd_fine_fragment(in: FineVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    let toward = toward_eye(in.world, eye);
+    return finish_fine(illuminate(in.world, toward.xyz, body_matter(in)), toward, eye);
+}
+
+// For the finest level only.
+@fragment
+fn crowd_near_fine_fragment(in: FineVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    let cover = select(coverage(in.color.a, in.clip), 1.0, in.color.a >= 1.0);
+    if cover <= 0.0 || is_faded(in.world) {
+        discard;
+    }
+    let toward = toward_eye(in.world, eye);
+    let image = finish_fine(illuminate(in.world, toward.xyz, body_matter(in)), toward, eye);
+    return vec4<f32>(image.rgb, cover);
 }
 
 // Of a mesh one level coarser than the image's.

@@ -1,4 +1,4 @@
-// uses: view, light, tint, agent, far
+// uses: view, light, fine, tint, agent, far
 // People far away: a body of some fifty triangles without a pose. It is placed and turned, its limbs swing with the phase, and
 // trunk, head and arms are held as kernel `pose_far` says; the palettes are not needed. One indirect draw per avatar.
 
@@ -107,6 +107,15 @@ fn far_vertex(
 @fragment
 fn far_fragment(in: FarVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
     return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+}
+
+// Of so few pixels no material is known.
+@fragment
+fn far_fine_fragment(in: FarVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    let toward = toward_eye(in.world, eye);
+    let normal = normalize(in.normal);
+    let matter = Matter(in.color, normal, 0.9 - 0.25 * max(-normal.y, 0.0), 0.3, 0.35, 0.0, 1.0);
+    return finish_fine(illuminate(in.world, toward.xyz, matter), toward, eye);
 }
 
 @vertex

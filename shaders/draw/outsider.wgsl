@@ -1,4 +1,4 @@
-// uses: view, light, absent, agent
+// uses: view, light, fine, absent, agent
 // Robots and vehicles: a model each, placed and turned as the agent of that number. One draw per agent.
 
 @group(0) @binding(3) var<storage, read> outsiders: array<array<vec4<f32>, 3>>; // position, normal, linear colour; model space
@@ -47,6 +47,20 @@ fn outsider_fragment(
 ) -> @location(0) vec4<f32> {
     let normal = normalize(in.normal) * select(-1.0, 1.0, is_front);
     return finish(shade(in.world, normal, in.color), in.world, eye);
+}
+
+// Painted and polished.
+@fragment
+fn outsider_fine_fragment(
+    in: OutsiderVertex,
+    @builtin(front_facing) is_front: bool,
+    @builtin(view_index) eye: u32,
+) -> @location(0) vec4<f32> {
+    let toward = toward_eye(in.world, eye);
+    var matter = matt(in.color, normalize(in.normal) * select(-1.0, 1.0, is_front));
+    matter.gloss = 0.05;
+    matter.occlusion = 1.0 - 0.5 * max(-matter.normal.y, 0.0);
+    return finish_fine(illuminate(in.world, toward.xyz, matter), toward, eye);
 }
 
 @vertex

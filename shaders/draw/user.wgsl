@@ -1,4 +1,4 @@
-// uses: view, light
+// uses: view, light, fine
 // What images show of the user. Hands, their joints, controllers and a teleport's arc are rounded solids. The place it leads
 // to is a ring on the floor. A vignette narrows the view while the user is moved. A
 // fade covers everything with grey.
@@ -65,6 +65,13 @@ fn user_vertex(
 @fragment
 fn user_fragment(in: SolidVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
     return finish(shade(in.world, normalize(in.normal), in.color), in.world, eye);
+}
+
+@fragment
+fn user_fine_fragment(in: SolidVertex, @builtin(view_index) eye: u32) -> @location(0) vec4<f32> {
+    let toward = toward_eye(in.world, eye);
+    let matter = Matter(in.color, normalize(in.normal), 1.0, 0.3, 0.3, 0.0, 1.0);
+    return finish_fine(illuminate(in.world, toward.xyz, matter), toward, eye);
 }
 
 struct TargetVertex {

@@ -19,6 +19,6 @@ struct ViewUniforms {
     marker_width: f32,                      // of the ring's line, m
     far_count: u32,                         // buckets of far bodies
     samples: u32,                           // a pixel
-    pad1: u32,
-    pad2: u32,
+    quality: u32,                           // 0 low, 1 medium, 2 high
+    pixel: f32,                             // side of a pixel 1 m away; of a parallel projection at any distance, m
 }

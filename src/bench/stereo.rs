@@ -48,6 +48,7 @@ pub(super) fn ground(side: f32) -> EnvironmentMesh {
         colors: vec![Vec3::splat(0.35); 4],
         layers: vec![1; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
+        ..EnvironmentMesh::default()
     }
 }
 

@@ -4,13 +4,13 @@ use super::course::{Length, Recording, simulate, steps_per_frame};
 use super::output::{note, say, say_json, table, thousands, warn};
 use super::outputs::make_folder;
 use super::progress::Progress;
-use super::render::{stage, video};
+use super::render::{Looks, stage, video};
 use super::scene::{PlaceArguments, build, check_seconds, people, seed};
 use super::sheet;
 use crate::Error;
 use crate::export::image::write_png;
 use crate::picture::Image;
-use crate::render::Markers;
+use crate::render::{Markers, Quality};
 use crate::scene::{CameraChoice, Scene, Stage};
 use clap::Args;
 use serde::Serialize;
@@ -44,6 +44,9 @@ pub(super) struct Arguments {
     /// Seed of every random draw
     #[arg(long, default_value_t = 1, value_parser = seed)]
     seed: u64,
+    /// Light and surfaces: low (the fastest), medium or high
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
+    quality: Quality,
     #[command(flatten)]
     place: PlaceArguments,
     /// Print one JSON object
@@ -111,7 +114,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let path = arguments.out.join("trajectories.sqlite");
     let started = Instant::now();
     let recording = Recording::create(&path, RATES.0, &scene)?;
-    let mut stage = stage(scene, SIZE, false)?;
+    let looks = Looks { quality: arguments.quality, ..Looks::default() };
+    let mut stage = stage(scene, SIZE, looks)?;
     let crowd = simulate(&stage.scene, &mut stage.simulation, length, Some(recording))?;
     files.add(&path, "trajectories (JuPedSim, PedPy)", started);
     if let Some(failure) = &crowd.failure {

@@ -8,7 +8,7 @@ use super::scene::{SceneArguments, check_seconds, tell_place};
 use super::usage;
 use crate::export::image::write_png;
 use crate::export::video::Video;
-use crate::render::{Markers, Settings};
+use crate::render::{Markers, Quality, Settings};
 use crate::scene::{CameraChoice, Scene, Stage, atmosphere};
 use crate::{Error, stop};
 use clap::Args;
@@ -58,6 +58,12 @@ pub(super) struct Arguments {
     /// Rings on the ground in the colours of the emotions
     #[arg(long)]
     markers: bool,
+    /// Light and surfaces: low (the fastest), medium or high
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
+    quality: Quality,
+    /// Time of day, 6 to 18: where the sun stands and its colour; 12 is the light of the place itself
+    #[arg(long, default_value_t = 12.0, value_name = "HOUR", value_parser = hour)]
+    hour: f32,
     /// Print one JSON object
     #[arg(long)]
     json: bool,
@@ -119,6 +125,9 @@ pub(super) struct Film<'a> {
     /// Frames per second; `None`: one each step.
     pub(super) fps: Option<f64>,
     pub(super) markers: bool,
+    pub(super) quality: Quality,
+    /// Time of day.
+    pub(super) hour: f32,
 }
 
 /// Runs the subcommand.
@@ -132,6 +141,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         seconds: check_seconds("--seconds", arguments.seconds)?,
         fps: Some(arguments.fps),
         markers: arguments.markers,
+        quality: arguments.quality,
+        hour: arguments.hour,
     };
     Target::of(picture.out)?; // before anything takes time
     draw(arguments.scene.load()?, &picture, arguments.json, begin)
@@ -145,7 +156,8 @@ pub(super) fn draw(scene: Scene, picture: &Film<'_>, json: bool, begin: Instant)
     let rate = picture.fps.unwrap_or(1.0 / f64::from(scene.scenario.navigation.time_step));
     let every = steps_per_frame(rate, &scene)?;
     let (lead, steps) = (scene.steps(at), scene.steps(picture.seconds));
-    let mut stage = stage(scene, picture.size, picture.markers)?;
+    let looks = Looks { has_markers: picture.markers, quality: picture.quality, hour: picture.hour };
+    let mut stage = stage(scene, picture.size, looks)?;
     let heed = stop::heed();
     advance(&mut stage, lead)?;
     if stop::asked() {
@@ -215,11 +227,33 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     }
 }
 
+/// How a scene is drawn.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Looks {
+    pub(super) has_markers: bool,
+    pub(super) quality: Quality,
+    /// Time of day, 6 to 18.
+    pub(super) hour: f32,
+}
+
+impl Default for Looks {
+    fn default() -> Self {
+        Self { has_markers: false, quality: Quality::Low, hour: 12.0 }
+    }
+}
+
+/// A time of day at which the sun is up.
+pub(super) fn hour(text: &str) -> Result<f32, String> {
+    let hour: f32 = text.parse().map_err(|error| format!("{error}"))?;
+    if (6.0..=18.0).contains(&hour) { Ok(hour) } else { Err("must be 6 to 18".to_owned()) }
+}
+
 /// A scene on stage for pictures of `size`, in the light of its place.
-pub(super) fn stage(scene: Scene, (width, height): (u32, u32), has_markers: bool) -> Result<Stage, Error> {
+pub(super) fn stage(scene: Scene, (width, height): (u32, u32), looks: Looks) -> Result<Stage, Error> {
     let settings = Settings {
-        atmosphere: atmosphere(scene.scenario.layout),
-        markers: has_markers.then(Markers::default),
+        atmosphere: atmosphere(scene.scenario.layout).at_hour(looks.hour),
+        quality: looks.quality,
+        markers: looks.has_markers.then(Markers::default),
         ..Settings::sized(width, height)
     };
     let stage = Stage::new(scene, settings)?;
@@ -284,6 +318,14 @@ pub(super) fn video(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn hours_are_those_of_daylight() {
+        assert_eq!(hour("17.5"), Ok(17.5));
+        for wrong in ["5", "18.1", "NaN", "noon"] {
+            assert!(hour(wrong).is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn sizes_are_read_and_wrong_ones_refused_with_the_way_out() {

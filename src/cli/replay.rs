@@ -6,13 +6,15 @@ use super::output::note;
 use super::output::{say, say_json, thousands, warn};
 use super::preference::PreferenceArguments;
 #[cfg(feature = "vulkan")]
-use super::render::size;
+use super::render::{hour, size};
 use super::scene::{
     ConditionName, PlaceArguments, RigArguments, build, check_changed, check_seconds, people, seed, start,
     with_library,
 };
 use super::usage;
 use crate::Error;
+#[cfg(feature = "vulkan")]
+use crate::render::Quality;
 use crate::replay::{Columns, Format, Options, Pixels, Replay, ReplayOptions, Report, name_of_unit, read};
 #[cfg(feature = "vulkan")]
 use crate::scene::CameraChoice;
@@ -145,6 +147,12 @@ struct PictureArguments {
     /// Rings on the ground in the colours of the emotions
     #[arg(long, help_heading = "Pictures")]
     markers: bool,
+    /// Light and surfaces: low (the fastest), medium or high
+    #[arg(long, default_value = "low", value_name = "QUALITY", help_heading = "Pictures")]
+    quality: Quality,
+    /// Time of day, 6 to 18: where the sun stands and its colour; 12 is the light of the place itself
+    #[arg(long, default_value_t = 12.0, value_name = "HOUR", value_parser = hour, help_heading = "Pictures")]
+    hour: f32,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -200,6 +208,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
             seconds: seconds.unwrap_or(10.0).min(left),
             fps: arguments.out_fps,
             markers: arguments.picture.markers,
+            quality: arguments.picture.quality,
+            hour: arguments.picture.hour,
         };
         if !arguments.json {
             print_report(&recording);

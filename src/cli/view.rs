@@ -5,6 +5,7 @@ use super::render::size;
 use super::scene::{SceneArguments, check_seconds};
 use super::usage;
 use crate::Error;
+use crate::render::Quality;
 use crate::view::{self, Outcome, Plan};
 use clap::Args;
 use std::path::{Path, PathBuf};
@@ -31,6 +32,9 @@ pub(super) struct Arguments {
     /// Rings on the ground in the colours of the emotions
     #[arg(long)]
     markers: bool,
+    /// Light and surfaces: low (the fastest), medium or high
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
+    quality: Quality,
     /// Begin with a crowd that stands still
     #[arg(long)]
     pause: bool,
@@ -80,6 +84,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
     let plan = Plan {
         size: arguments.size,
         has_markers: arguments.markers,
+        quality: arguments.quality,
         eyes_follow_camera: arguments.eyes == Eyes::Camera,
         seconds,
         shot: arguments.shot.clone(),

@@ -10,6 +10,7 @@ use super::scene::{SceneArguments, build, check_seconds, library, start, tell_pl
 use crate::Error;
 use crate::export::AtomicFile;
 use crate::kernels::Store;
+use crate::render::Quality;
 use crate::scenario::User;
 use crate::scene::Scene;
 use crate::xr::{self, Observer, Outage, Outcome, Plan, RecordedSession, Recorder, Shot, UserState, Way};
@@ -40,6 +41,9 @@ pub(super) struct Arguments {
     /// Ask for this refresh rate of the display, Hz, or the nearest there is [default: the runtime's]
     #[arg(long, value_name = "HZ", value_parser = refresh_rate)]
     rate: Option<f32>,
+    /// Light and surfaces: low (the fastest), medium or high
+    #[arg(long, default_value = "low", value_name = "QUALITY")]
+    quality: Quality,
     /// How far the edge of the view is darkened while a stick moves you, 0 (not at all) to 1
     #[arg(long, value_name = "STRENGTH", default_value_t = xr::DEFAULT_VIGNETTE, value_parser = strength)]
     vignette: f32,
@@ -105,6 +109,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<bool, Error> {
         eye_size: arguments.eye_size.map(|(width, height)| [width, height]),
         refresh_rate: arguments.rate,
         vignette: arguments.vignette,
+        quality: arguments.quality,
         waits: arguments.wait,
         shots: arguments.shots.clone().map(|folder| {
             let write = move |shot: &Shot| write_shot(&folder, shot);

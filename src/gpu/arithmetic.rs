@@ -134,8 +134,8 @@ impl Setting {
     }
 }
 
-/// The folder whose kernels are compiled when the program starts, if `GAITWAY_SHADERS` names one.
-pub(super) fn shader_folder() -> Option<PathBuf> {
+/// The folder whose shaders are compiled when the program starts, if `GAITWAY_SHADERS` names one.
+pub(crate) fn shader_folder() -> Option<PathBuf> {
     if cfg!(feature = "hot-reload") { std::env::var_os("GAITWAY_SHADERS").map(PathBuf::from) } else { None }
 }
 

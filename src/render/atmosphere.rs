@@ -1,6 +1,6 @@
 //! Sun, sky and haze.
 
-use glam::Vec3;
+use glam::{Quat, Vec3};
 
 /// Light and air of a scene. Colours are linear; 1 is what the exposure maps to a bright surface.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,8 +61,66 @@ impl Atmosphere {
     };
 }
 
+/// The hour at which a place has its own light.
+const NOON: f32 = 12.0;
+/// Angle by which the sun goes on in an hour, radians.
+const HOUR_ANGLE: f32 = std::f32::consts::TAU / 24.0;
+/// Least sine of the sun's height: at the horizon the shadow map would have nothing to see.
+const LOWEST: f32 = 0.05;
+/// Share of its height at noon from which on the sun is white.
+const WHITE: f32 = 0.6;
+
+impl Atmosphere {
+    /// This light, which is that of noon, at another hour from 6 to 18: the sun goes round and sinks, and what is near the horizon
+    /// turns red and dim. Hours beyond are those two.
+    #[must_use]
+    pub fn at_hour(self, hour: f32) -> Self {
+        let angle = (hour.clamp(6.0, 18.0) - NOON) * HOUR_ANGLE;
+        if angle == 0.0 {
+            return self;
+        }
+        let noon = self.sun_direction.try_normalize().unwrap_or(Vec3::Y);
+        let height = (noon.y * angle.cos()).max(LOWEST);
+        let flat = Vec3::new(noon.x, 0.0, noon.z).try_normalize().unwrap_or(Vec3::X);
+        let aside = Quat::from_rotation_y(-angle) * flat * (1.0 - height * height).sqrt();
+        let share = (angle.cos() / WHITE).clamp(0.0, 1.0);
+        let white = share * share * (3.0 - 2.0 * share);
+        let toward = |color: Vec3, red: f32, green: f32, blue: f32| {
+            color * Vec3::new(red, green, blue).lerp(Vec3::ONE, white)
+        };
+        Self {
+            sun_direction: aside.with_y(height),
+            sun: toward(self.sun, 0.75, 0.36, 0.16),
+            zenith: toward(self.zenith, 0.8, 0.55, 0.55),
+            horizon: toward(self.horizon, 1.2, 0.66, 0.42),
+            ground_bounce: toward(self.ground_bounce, 0.7, 0.55, 0.5),
+            sky_light: toward(self.sky_light, 0.9, 0.65, 0.65),
+            ..self
+        }
+    }
+}
+
 impl Default for Atmosphere {
     fn default() -> Self {
         Self::DAY
+    }
+}
+
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "noon is left as it is")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn noon_is_the_light_itself_and_the_sun_sinks_and_reddens_to_either_side() {
+        assert_eq!(Atmosphere::DAY.at_hour(12.0), Atmosphere::DAY);
+        let height = |hour: f32| Atmosphere::DAY.at_hour(hour).sun_direction.normalize().y;
+        assert!(height(11.9) > height(15.0) && height(15.0) > height(17.5) && height(18.0) > 0.0);
+        assert!((height(9.0) - height(15.0)).abs() < 1e-5);
+        let evening = Atmosphere::DAY.at_hour(18.0);
+        assert!(evening.sun.x / evening.sun.z > 2.0 * Atmosphere::DAY.sun.x / Atmosphere::DAY.sun.z);
+        let [morning, noon] = [6.0, 12.0].map(|hour| Atmosphere::DAY.at_hour(hour).sun_direction);
+        assert!(morning.with_y(0.0).dot(noon.with_y(0.0)).abs() < 1e-2, "a quarter turn");
+        assert_eq!(Atmosphere::DAY.at_hour(25.0), evening);
     }
 }

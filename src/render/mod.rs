@@ -19,6 +19,7 @@
 //!     normals: &[Vec3::Y; 3],
 //!     colors: &[Vec3::ONE; 3],
 //!     layers: &[],
+//!     materials: &[],
 //!     indices: &[0, 1, 2],
 //! }])?;
 //! let camera = Camera::look_at(Vec3::new(2.0, 1.7, 2.0), Vec3::ZERO, Vec3::Y);
@@ -39,6 +40,7 @@ mod error;
 mod faces;
 mod flight;
 mod frame;
+mod ground_map;
 #[cfg(feature = "xr")]
 mod live;
 mod meshes;
@@ -68,7 +70,7 @@ pub use faces::Face;
 #[cfg(feature = "xr")]
 pub(crate) use live::DrawTimes;
 pub use renderer::Renderer;
-pub use settings::{Markers, Occlusion, Settings, Stereo};
+pub use settings::{Markers, Occlusion, Quality, Settings, Stereo, UnknownQuality};
 pub use show::Show;
 #[cfg(any(feature = "xr", feature = "view"))]
 pub(crate) use submit::Target;

@@ -1,6 +1,7 @@
 //! Draw shaders as pipelines. Descriptor sets are filled by the names of the bindings.
 
 use super::Error;
+use super::settings::Quality;
 use super::target::{DEPTH_FORMAT, Format};
 use crate::gpu::{self, Device, FRAMES_IN_FLIGHT, call};
 use crate::kernels::{DrawBindingKind, DrawShader};
@@ -27,11 +28,17 @@ pub(super) struct Setup<'a> {
     pub(super) format: Format,
     pub(super) view_mask: u32,
     pub(super) eye_passes: u32,
+    pub(super) quality: Quality,
 }
 
 impl Setup<'_> {
     pub(super) fn program(&self, shader: &'static DrawShader) -> Result<Program, Error> {
         Program::new(self.device, shader, self.eye_passes)
+    }
+
+    /// The entry points of the two stages: those of low quality, or those of better light.
+    pub(super) fn stages(&self, low: [&'static str; 2], fine: [&'static str; 2]) -> [&'static str; 2] {
+        if self.quality == Quality::Low { low } else { fine }
     }
 
     /// Closed bodies: what faces away is not drawn.
@@ -245,10 +252,29 @@ impl Program {
         let missing = Error::NoBuffer { shader: self.shader.name, binding: entry };
         let entry = self.shader.entry(entry).ok_or(missing)?;
         let code = entry.one_eye.filter(|_| view_mask == 0).unwrap_or(entry.spirv);
+        #[cfg(feature = "hot-reload")]
+        let compiled = self.reloaded(entry.name, view_mask)?;
+        #[cfg(feature = "hot-reload")]
+        let code = compiled.as_deref().unwrap_or(code);
         let create = vk::ShaderModuleCreateInfo::default().code(code);
         // SAFETY: the SPIR-V was validated when the crate was built.
         Ok(unsafe { self.device.raw.create_shader_module(&create, None) }
             .map_err(call("vkCreateShaderModule"))?)
+    }
+
+    /// The code of an entry point, compiled again if `GAITWAY_SHADERS` names a folder that has the shader.
+    #[cfg(feature = "hot-reload")]
+    fn reloaded(&self, name: &str, view_mask: u32) -> Result<Option<Vec<u32>>, Error> {
+        use crate::kernels::compile::{Source, compile};
+        let Some(folder) = gpu::arithmetic::shader_folder() else { return Ok(None) };
+        let file = folder.join("draw").join(self.shader.name).with_extension("wgsl");
+        if !file.is_file() {
+            return Ok(None);
+        }
+        let source = Source::read(&file, &folder.join("shared"), 0).map_err(gpu::Error::from)?;
+        let found = compile(&source).map_err(gpu::Error::from)?.entries;
+        let found = found.into_iter().find(|entry| entry.name == name);
+        Ok(found.map(|entry| entry.one_eye.filter(|_| view_mask == 0).unwrap_or(entry.spirv)))
     }
 
     /// Makes a pipeline, which lives as long as the program.

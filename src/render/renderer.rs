@@ -17,11 +17,11 @@ use super::pack::MeshBuffers;
 #[cfg(feature = "xr")]
 use super::passes::MaskPass;
 use super::passes::{
-    CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass, ShadowPass,
-    SkyPass, UserPass,
+    ContactPass, CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass,
+    ShadowPass, SkyPass, UserPass,
 };
 use super::pipelines::{SetIndex, Setup};
-use super::settings::{Markers, Settings};
+use super::settings::{Markers, Quality, Settings};
 use super::submit::Output;
 use super::surface::Surface;
 use super::target::{COLOR_FORMAT, Format, GpuImage, ImageUse, Readback};
@@ -44,6 +44,8 @@ pub struct Renderer {
     occlusion: Option<OcclusionPass>,
     far: FarPass,
     sky: SkyPass,
+    /// At medium and high quality.
+    contact: Option<ContactPass>,
     markers: MarkerPass,
     pub(super) meshes: Option<CrowdMeshes>,
     /// How the crowd is drawn directly, where it is.
@@ -108,6 +110,7 @@ impl Renderer {
             occlusion: OcclusionPass::new(device, &settings, &attachments)?,
             far: FarPass::new(&setup)?,
             sky: SkyPass::new(&setup)?,
+            contact: (settings.quality > Quality::Low).then(|| ContactPass::new(&setup)).transpose()?,
             markers: MarkerPass::new(&setup)?,
             meshes: None,
             direct: None,
@@ -258,6 +261,9 @@ impl Renderer {
             self.environment.bind(index, &shared)?;
             self.far.bind(index, &shared)?;
             self.sky.bind(index, &shared)?;
+            if let Some(contact) = &self.contact {
+                contact.bind(index, &shared)?;
+            }
             self.markers.bind(index, frame, &shared)?;
         }
         Ok(())
@@ -323,6 +329,9 @@ impl Renderer {
             self.environment.record(commands, eye_pass);
         };
         let last = || {
+            if let Some(contact) = &self.contact {
+                contact.record(frame, commands);
+            }
             self.sky.record(commands, eye_pass);
             self.markers.record(frame, commands);
             self.user.record_overlays(commands, eye_pass);
@@ -367,5 +376,6 @@ impl Drop for Renderer {
 
 /// What the pipelines of all passes have in common.
 fn setup<'a>(device: &'a Arc<Device>, format: Format, settings: &Settings) -> Setup<'a> {
-    Setup { device, format, view_mask: view_mask(settings), eye_passes: eye_passes(settings) }
+    let (view_mask, eye_passes) = (view_mask(settings), eye_passes(settings));
+    Setup { device, format, view_mask, eye_passes, quality: settings.quality }
 }

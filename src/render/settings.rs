@@ -2,6 +2,7 @@
 
 use super::{Atmosphere, Draws};
 use glam::Vec3;
+use std::str::FromStr;
 
 /// Rings on the ground under the agents in the colour of their emotion.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,6 +68,36 @@ impl Occlusion {
     }
 }
 
+/// How much is spent on light and surfaces.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default)]
+pub enum Quality {
+    /// Matt surfaces of one colour each: the least time.
+    #[default]
+    Low,
+    /// Ground and walls have a texture, glass mirrors the sky, people are soft and darken the ground they stand on.
+    Medium,
+    /// The same with relief, and softer shadows.
+    High,
+}
+
+/// Text that is no [`Quality`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[error("use low, medium or high")]
+pub struct UnknownQuality;
+
+impl FromStr for Quality {
+    type Err = UnknownQuality;
+
+    fn from_str(text: &str) -> Result<Self, UnknownQuality> {
+        match text {
+            "low" => Ok(Self::Low),
+            "medium" => Ok(Self::Medium),
+            "high" => Ok(Self::High),
+            _ => Err(UnknownQuality),
+        }
+    }
+}
+
 /// How frames are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
@@ -86,6 +117,8 @@ pub struct Settings {
     pub draws: Draws,
     /// Texels a side of the shadow map; 0 draws no shadows.
     pub shadow_size: u32,
+    /// How much is spent on light and surfaces.
+    pub quality: Quality,
     /// Sun, sky and haze.
     pub atmosphere: Atmosphere,
     /// Rings under the agents, if wanted.
@@ -103,6 +136,7 @@ impl Default for Settings {
             occlusion: Occlusion::Auto,
             draws: Draws::Auto,
             shadow_size: 2048,
+            quality: Quality::Low,
             atmosphere: Atmosphere::DAY,
             markers: None,
         }
@@ -119,6 +153,16 @@ impl Settings {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn qualities_are_read_and_wrong_ones_refused_with_the_way_out() {
+        assert_eq!(
+            ["low", "medium", "high"].map(str::parse),
+            [Ok(Quality::Low), Ok(Quality::Medium), Ok(Quality::High)]
+        );
+        assert_eq!("best".parse::<Quality>().unwrap_err().to_string(), "use low, medium or high");
+        assert!(Settings::default().quality == Quality::Low && Quality::Low < Quality::High);
+    }
 
     #[test]
     fn hidden_people_are_drawn_on_a_tiler_unless_they_are_asked_to_be_left_out() {

@@ -107,6 +107,7 @@ pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
         normals: &scenery.normals,
         colors: &scenery.colors,
         layers: &scenery.layers,
+        materials: &scenery.materials,
         indices: &scenery.indices,
     }
 }

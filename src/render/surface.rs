@@ -1,6 +1,7 @@
 //! The environment: coloured triangles that do not move.
 
 use super::Error;
+use crate::scenario::SurfaceMaterial;
 use glam::Vec3;
 
 /// A coloured triangle mesh in the world, metres, y up; triangles wind counter-clockwise seen from outside.
@@ -14,11 +15,13 @@ pub struct Surface<'a> {
     pub colors: &'a [Vec3],
     /// Of what lies flat, the layer of each vertex, see [`crate::scenario::EnvironmentMesh::layers`]; empty: nothing does.
     pub layers: &'a [u8],
+    /// What each vertex is made of; empty: [`SurfaceMaterial::Plain`].
+    pub materials: &'a [SurfaceMaterial],
     /// Three indices per triangle.
     pub indices: &'a [u32],
 }
 
-/// Position with layer, normal and colour of a vertex, as `shaders/draw/environment.wgsl` reads them.
+/// Position with layer, normal and colour with material of a vertex, as `shaders/draw/environment.wgsl` reads them.
 pub(crate) type PackedVertex = [[f32; 4]; 3];
 
 /// One list of vertices and one of indices for several surfaces.
@@ -29,10 +32,12 @@ pub(crate) fn pack(surfaces: &[Surface<'_>]) -> Result<(Vec<PackedVertex>, Vec<u
     let (mut vertices, mut indices) = (Vec::new(), Vec::new());
     for (number, surface) in surfaces.iter().enumerate() {
         let count = surface.positions.len();
-        let is_layered = !surface.layers.is_empty();
-        if is_layered && surface.layers.len() != count {
-            let found = surface.layers.len();
-            return Err(Error::Mesh(format!("surface {number} has {count} positions, but {found} layers")));
+        for (found, what) in [(surface.layers.len(), "layers"), (surface.materials.len(), "materials")] {
+            if found > 0 && found != count {
+                return Err(Error::Mesh(format!(
+                    "surface {number} has {count} positions, but {found} {what}"
+                )));
+            }
         }
         if surface.normals.len() != count || surface.colors.len() != count {
             return Err(Error::Mesh(format!(
@@ -53,9 +58,11 @@ pub(crate) fn pack(surfaces: &[Surface<'_>]) -> Result<(Vec<PackedVertex>, Vec<u
         let first = u32::try_from(vertices.len())
             .map_err(|error| Error::Mesh(format!("{} vertices: {error}", vertices.len())))?;
         let layers = surface.layers.iter().copied().chain(std::iter::repeat(0));
-        let parts = surface.positions.iter().zip(surface.normals).zip(surface.colors).zip(layers);
-        vertices.extend(parts.map(|(((p, n), c), layer)| {
-            [p.extend(f32::from(layer)), n.extend(0.0), c.extend(0.0)].map(|v| v.to_array())
+        let materials = surface.materials.iter().copied().chain(std::iter::repeat(SurfaceMaterial::Plain));
+        let parts = surface.positions.iter().zip(surface.normals).zip(surface.colors);
+        vertices.extend(parts.zip(layers.zip(materials)).map(|(((p, n), c), (layer, material))| {
+            [p.extend(f32::from(layer)), n.extend(0.0), c.extend(f32::from(material as u8))]
+                .map(|v| v.to_array())
         }));
         indices.extend(surface.indices.iter().map(|index| first + index));
     }
@@ -69,8 +76,14 @@ mod tests {
     #[test]
     fn surfaces_are_joined_and_wrong_ones_refused_with_the_place() {
         let (three, four) = ([Vec3::X, Vec3::Y, Vec3::Z], [Vec3::ONE; 4]);
-        let good =
-            Surface { positions: &three, normals: &three, colors: &three, layers: &[], indices: &[0, 1, 2] };
+        let good = Surface {
+            positions: &three,
+            normals: &three,
+            colors: &three,
+            layers: &[],
+            materials: &[],
+            indices: &[0, 1, 2],
+        };
         let (vertices, indices) = pack(&[good, Surface { layers: &[0, 0, 0], ..good }]).unwrap();
         assert_eq!(indices, [0, 1, 2, 3, 4, 5]);
         assert_eq!(vertices[4], [[0.0, 1.0, 0.0, 0.0]; 3]);
@@ -83,6 +96,9 @@ mod tests {
         assert!(message(Surface { layers: &[1], ..good }).contains("1 layers"));
         let (flat, _) = pack(&[Surface { layers: &[2, 2, 2], ..good }]).unwrap();
         assert_eq!(flat[0][0].map(f32::to_bits), [1.0_f32, 0.0, 0.0, 2.0].map(f32::to_bits));
+        assert!(message(Surface { materials: &[SurfaceMaterial::Glass], ..good }).contains("1 materials"));
+        let (glass, _) = pack(&[Surface { materials: &[SurfaceMaterial::Glass; 3], ..good }]).unwrap();
+        assert_eq!(glass[1][2].map(f32::to_bits), [0.0_f32, 1.0, 0.0, 11.0].map(f32::to_bits));
         assert!(pack(&[]).unwrap().0.is_empty());
     }
 }

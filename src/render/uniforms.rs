@@ -68,6 +68,15 @@ fn fade(view: &View, settings: &Settings) -> [[f32; 4]; 5] {
     [eyes[0], eyes[1], cells(x, sides[0]), cells(y, sides[1]), ahead].map(|v| v.extend(0.0).to_array())
 }
 
+/// Side of a pixel at a distance of 1 m, or of a parallel projection's at any distance, m.
+fn pixel(view: &View, settings: &Settings) -> f32 {
+    // half an image is one unit of clip space, which is w times as high
+    let row = view.clip_from_world[0].row(1).truncate().length();
+    #[allow(clippy::cast_precision_loss, reason = "at most 16 384")]
+    let rows = settings.height as f32;
+    2.0 / (rows * row.max(1e-6))
+}
+
 impl Frame<'_> {
     /// The uniforms of both eyes, with a shadow map of so many texels a side.
     pub(super) fn uniforms(&self, shadow_size: u32) -> ViewUniforms {
@@ -100,7 +109,8 @@ impl Frame<'_> {
             marker_width: markers.width,
             far_count: meshes.map_or(0, |meshes| meshes.far_count),
             samples: self.settings.samples,
-            ..ViewUniforms::default()
+            quality: self.settings.quality as u32,
+            pixel: pixel(view, self.settings),
         }
     }
 }

@@ -67,7 +67,9 @@ pub use file::{
     SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
-pub use place::{Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, external_bodies};
+pub use place::{
+    Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, SurfaceMaterial, external_bodies,
+};
 #[doc(hidden)]
 pub use polygon::UnionError;
 pub use populate::{AgentStart, Avoidance, Crowd, Entry, Stop, StopKind, populate};

@@ -143,6 +143,7 @@ impl Company {
         let settings = Settings {
             atmosphere: atmosphere(scene.scenario.layout),
             markers: plan.has_markers.then(Markers::default),
+            quality: plan.quality,
             ..Settings::sized(width, height)
         };
         let scenery = scene.geometry.scenery();

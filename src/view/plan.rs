@@ -1,5 +1,6 @@
 //! What a window is opened for.
 
+use crate::render::Quality;
 use crate::scenario::{Condition, GazeMode};
 use std::path::PathBuf;
 
@@ -19,6 +20,8 @@ pub struct Plan {
     pub size: (u32, u32),
     /// Rings on the ground in the colours of the emotions.
     pub has_markers: bool,
+    /// How much is spent on light and surfaces.
+    pub quality: Quality,
     /// Whether agents look at the camera, and not at the scene's user.
     pub eyes_follow_camera: bool,
     /// Close the window after this time, s.
@@ -41,6 +44,7 @@ impl Default for Plan {
         Self {
             size: (1280, 720),
             has_markers: false,
+            quality: Quality::Low,
             eyes_follow_camera: false,
             seconds: None,
             shot: None,

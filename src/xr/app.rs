@@ -22,7 +22,7 @@ pub fn run(
     observer: &mut dyn Observer,
 ) -> Result<Outcome, crate::Error> {
     let seconds = plan.seconds;
-    let props = Props::of(simulation, meshes, scene)?;
+    let props = Props::of(simulation, meshes, scene, plan.quality)?;
     let mut stage = Stage::begin(&props, plan)?;
     let number = props.surroundings.number;
     // the crowd goes on until the headset's thread has ended

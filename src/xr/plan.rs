@@ -6,7 +6,7 @@ use super::mirror::Mirror;
 use super::runtime::Runtime;
 use crate::gpu::Validation;
 use crate::picture::Image;
-use crate::render::Face;
+use crate::render::{Face, Quality};
 use std::sync::Arc;
 
 /// How far the edge of the view is darkened by default while a stick moves the user.
@@ -43,6 +43,8 @@ pub struct Plan {
     pub moves: bool,
     /// How far the edge of the view is darkened while a stick moves the user, 0 not at all to 1.
     pub vignette: f32,
+    /// How much [`run`](super::run) spends on light and surfaces.
+    pub quality: Quality,
     /// How panels may be answered. A look counts only while no controller is there, unless it comes first.
     pub means: Vec<Means>,
     /// Whether to wait for a runtime or headset that is not there yet.
@@ -74,6 +76,7 @@ impl Default for Plan {
             refresh_rate: None,
             moves: true,
             vignette: DEFAULT_VIGNETTE,
+            quality: Quality::Low,
             means: Means::ALL.to_vec(),
             waits: false,
             shots: None,

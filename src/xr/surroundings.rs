@@ -3,7 +3,7 @@
 use super::rig::Stand;
 use super::world::next_number;
 use crate::kernels::Store;
-use crate::render::Settings;
+use crate::render::{Quality, Settings};
 use crate::scenario::{Clearance, EnvironmentMesh, Floors, Gaze};
 use crate::scene::{Scene, atmosphere};
 use crate::sim::bodies::MeshBuffers;
@@ -46,7 +46,7 @@ impl std::fmt::Debug for Surroundings {
 }
 
 impl Surroundings {
-    pub(super) fn of(scene: &Scene, mut store: Store, meshes: MeshBuffers) -> Self {
+    pub(super) fn of(scene: &Scene, mut store: Store, meshes: MeshBuffers, quality: Quality) -> Self {
         let geometry = &scene.geometry;
         let user = scene.scenario.user.unwrap_or_default();
         let [near, middle, far, ..] = store.frame.level_distance;
@@ -59,6 +59,7 @@ impl Surroundings {
             settings: Settings {
                 atmosphere: atmosphere(scene.scenario.layout),
                 shadow_size: SHADOW_SIZE,
+                quality,
                 ..Settings::default()
             },
             gaze: scene.scenario.gaze,

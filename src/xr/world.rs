@@ -2,7 +2,7 @@
 
 use super::surroundings::Surroundings;
 use crate::kernels::Store;
-use crate::render::Show;
+use crate::render::{Quality, Show};
 use crate::scene::Scene;
 use crate::sim::Simulation;
 use crate::sim::bodies::MeshBuffers;
@@ -32,7 +32,7 @@ impl World {
     /// As [`Scene::start_with_bodies`], and when the simulation's device fails.
     pub fn new(scene: &Scene) -> Result<Self, crate::Error> {
         let (mut simulation, meshes) = scene.start_with_bodies()?;
-        let props = Props::of(&mut simulation, meshes, scene)?;
+        let props = Props::of(&mut simulation, meshes, scene, Quality::Low)?;
         Ok(Self { simulation, props })
     }
 
@@ -48,9 +48,10 @@ impl Props {
         simulation: &mut Simulation,
         meshes: MeshBuffers,
         scene: &Scene,
+        quality: Quality,
     ) -> Result<Self, crate::Error> {
         simulation.make_renewable()?;
-        let surroundings = Arc::new(Surroundings::of(scene, simulation.store().clone(), meshes));
+        let surroundings = Arc::new(Surroundings::of(scene, simulation.store().clone(), meshes, quality));
         let first = Arc::new(Show::snapshot(simulation.state()?));
         Ok(Self { surroundings, first, time_step: f64::from(simulation.store().step.time_step) })
     }

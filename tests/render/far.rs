@@ -139,6 +139,7 @@ fn far_bodies_are_held_as_their_emotion_walks() {
             colors: vec![Vec3::splat(0.35); 4],
             layers: vec![1; 4],
             indices: vec![0, 1, 2, 0, 2, 3],
+            ..EnvironmentMesh::default()
         };
         let mut show = Show::new(&mut simulation, &meshes, &plane, Settings::sized(W, H), None).unwrap();
         show.set_level_distances([1.0, 4.0, 2000.0]);

@@ -20,5 +20,6 @@ mod far;
 mod moments;
 mod occlusion;
 mod pictures;
+mod quality;
 mod standing;
 mod support;

@@ -60,6 +60,7 @@ fn ground() -> EnvironmentMesh {
         colors: vec![Vec3::splat(0.35); 4],
         layers: vec![1; 4],
         indices: vec![0, 1, 2, 0, 2, 3],
+        ..EnvironmentMesh::default()
     }
 }
 

@@ -79,6 +79,7 @@ impl Boxes {
             normals: &self.normals,
             colors: &self.colors,
             layers: &self.layers,
+            materials: &[],
             indices: &self.indices,
         }
     }

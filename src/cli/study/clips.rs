@@ -1,7 +1,7 @@
 //! `gaitway study clips`: films of scenes and single agents from the user's eyes, for a study in the browser.
 
 use super::super::output::{note, say};
-use super::super::render::{size, stage, video};
+use super::super::render::{Looks, size, stage, video};
 use super::opening::OpeningArguments;
 use super::serve::CLIPS;
 use crate::scene::CameraChoice;
@@ -82,7 +82,7 @@ fn film(
     let scene = theatre.scene(&Showing { trial, stimulus: Some(shown.stimulus.clone()) })?;
     let every = super::super::course::steps_per_frame(RATE, &scene)?;
     let steps = scene.steps(seconds);
-    let mut stage = stage(scene, size, false)?;
+    let mut stage = stage(scene, size, Looks::default())?;
     // under another name until it is whole, whatever ends it
     let partial = path.with_file_name("unfinished.mp4");
     let (written, frames) = video(&mut stage, CameraChoice::Eyes, (steps, every), &partial, RATE)?;

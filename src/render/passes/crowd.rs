@@ -20,8 +20,12 @@ pub(in super::super) struct CrowdPass {
 impl CrowdPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::CROWD)?;
-        let solid = program.pipeline(&setup.solid("crowd_vertex", "crowd_fragment"))?;
-        let near = PipelineSpec { covers: true, ..setup.solid("crowd_vertex", "crowd_near_fragment") };
+        let low = ["crowd_vertex", "crowd_fragment"];
+        let [vertex, fragment] = setup.stages(low, ["crowd_fine_vertex", "crowd_fine_fragment"]);
+        let solid = program.pipeline(&setup.solid(vertex, fragment))?;
+        let low = ["crowd_vertex", "crowd_near_fragment"];
+        let [vertex, fragment] = setup.stages(low, ["crowd_fine_vertex", "crowd_near_fine_fragment"]);
+        let near = PipelineSpec { covers: true, ..setup.solid(vertex, fragment) };
         let near = program.pipeline(&near)?;
         let shadow = program.pipeline(&setup.shadow("crowd_shadow"))?;
         Ok(Self { program, near, solid, shadow })

@@ -3,7 +3,9 @@
 use super::super::Error;
 use super::super::commands::{Commands, Submitter};
 use super::super::frame::Shared;
+use super::super::ground_map;
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
+use super::super::settings::Quality;
 use super::super::surface::{self, Surface};
 use crate::gpu::Buffer;
 use crate::kernels::draw;
@@ -14,6 +16,7 @@ pub(in super::super) struct EnvironmentPass {
     program: Program,
     solid: vk::Pipeline,
     shadow: vk::Pipeline,
+    quality: Quality,
     mesh: Option<Mesh>,
 }
 
@@ -21,14 +24,18 @@ struct Mesh {
     vertices: Buffer,
     indices: Buffer,
     index_count: u32,
+    /// How dark the ground is at the feet of walls; not at low quality, whose shaders do not read it.
+    ground_map: Option<Buffer>,
 }
 
 impl EnvironmentPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::ENVIRONMENT)?;
-        let solid = program.pipeline(&setup.solid("environment_vertex", "environment_fragment"))?;
+        let low = ["environment_vertex", "environment_fragment"];
+        let [vertex, fragment] = setup.stages(low, ["environment_fine_vertex", "environment_fine_fragment"]);
+        let solid = program.pipeline(&setup.solid(vertex, fragment))?;
         let shadow = program.pipeline(&setup.shadow("environment_shadow"))?;
-        Ok(Self { program, solid, shadow, mesh: None })
+        Ok(Self { program, solid, shadow, quality: setup.quality, mesh: None })
     }
 
     /// Replaces the environment; no triangles, no environment.
@@ -44,9 +51,13 @@ impl EnvironmentPass {
         }
         let index_count = u32::try_from(indices.len())
             .map_err(|error| Error::Mesh(format!("{} indices: {error}", indices.len())))?;
+        let has_map = self.quality > Quality::Low;
+        let ground_map = has_map.then(|| ground_map::bake(&vertices, &indices));
+        let ground_map =
+            ground_map.map(|map| submitter.upload("ground map", bytemuck::cast_slice(&map))).transpose()?;
         let vertices = submitter.upload("environment", bytemuck::cast_slice(&vertices))?;
         let indices = submitter.upload("environment indices", bytemuck::cast_slice(&indices))?;
-        self.mesh = Some(Mesh { vertices, indices, index_count });
+        self.mesh = Some(Mesh { vertices, indices, index_count, ground_map });
         Ok(())
     }
 
@@ -54,6 +65,7 @@ impl EnvironmentPass {
         let Some(mesh) = &self.mesh else { return Ok(()) };
         self.program.bind(index, |name| match name {
             "environment" => Some(Resource::Buffer(mesh.vertices.raw)),
+            "ground_map" => Some(Resource::Buffer(mesh.ground_map.as_ref().unwrap_or(&mesh.vertices).raw)),
             name => shared.find(name),
         })
     }

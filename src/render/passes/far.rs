@@ -19,7 +19,9 @@ pub(in super::super) struct FarPass {
 impl FarPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::FAR)?;
-        let solid = program.pipeline(&setup.solid("far_vertex", "far_fragment"))?;
+        let low = ["far_vertex", "far_fragment"];
+        let [vertex, fragment] = setup.stages(low, ["far_vertex", "far_fine_fragment"]);
+        let solid = program.pipeline(&setup.solid(vertex, fragment))?;
         let shadow = program.pipeline(&setup.shadow("far_shadow"))?;
         Ok(Self { program, solid, shadow })
     }

@@ -140,6 +140,7 @@ mod tests {
                 normals: &[Vec3::Z; 4],
                 colors: &[Vec3::ONE; 4],
                 layers: &[],
+                materials: &[],
                 indices: &[0, 1, 2, 0, 2, 3],
             };
             renderer.set_environment(&[surface]).unwrap();

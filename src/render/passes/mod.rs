@@ -1,5 +1,6 @@
 //! What a frame is drawn by: every pass has its pipelines, its data on the device and what it records.
 
+mod contact;
 mod crowd;
 mod environment;
 mod far;
@@ -12,6 +13,7 @@ mod shadow;
 mod sky;
 mod user;
 
+pub(super) use contact::ContactPass;
 pub(super) use crowd::CrowdPass;
 pub(super) use environment::EnvironmentPass;
 pub(super) use far::FarPass;

@@ -43,6 +43,7 @@ impl Models {
                 normals: &mesh.normals,
                 colors: &mesh.colors,
                 layers: &[],
+                materials: &[],
                 indices: &mesh.indices,
             })
             .collect();
@@ -68,7 +69,9 @@ impl Models {
 impl OutsiderPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::OUTSIDER)?;
-        let solid = program.pipeline(&setup.two_sided("outsider_vertex", "outsider_fragment"))?;
+        let low = ["outsider_vertex", "outsider_fragment"];
+        let [vertex, fragment] = setup.stages(low, ["outsider_vertex", "outsider_fine_fragment"]);
+        let solid = program.pipeline(&setup.two_sided(vertex, fragment))?;
         let shadow = program.pipeline(&setup.shadow("outsider_shadow"))?;
         Ok(Self { program, solid, shadow, models: None })
     }

@@ -17,7 +17,9 @@ impl SkyPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let mut program = setup.program(&draw::SKY)?;
         let behind_all = vk::CompareOp::GREATER_OR_EQUAL; // depth 0 against the cleared 0
-        let pipeline = program.pipeline(&setup.flat("sky_vertex", "sky_fragment", behind_all))?;
+        let [vertex, fragment] =
+            setup.stages(["sky_vertex", "sky_fragment"], ["sky_vertex", "sky_fine_fragment"]);
+        let pipeline = program.pipeline(&setup.flat(vertex, fragment, behind_all))?;
         Ok(Self { program, pipeline })
     }
 

@@ -24,7 +24,9 @@ impl UserPass {
     pub(in super::super) fn new(setup: &Setup<'_>) -> Result<Self, Error> {
         let (near, over_all) = (vk::CompareOp::GREATER, vk::CompareOp::ALWAYS);
         let mut program = setup.program(&draw::USER)?;
-        let solid = program.pipeline(&setup.two_sided("user_vertex", "user_fragment"))?;
+        let [vertex, fragment] =
+            setup.stages(["user_vertex", "user_fragment"], ["user_vertex", "user_fine_fragment"]);
+        let solid = program.pipeline(&setup.two_sided(vertex, fragment))?;
         let target = program.pipeline(&setup.blended("target_vertex", "target_fragment", near))?;
         let vignette = program.pipeline(&setup.blended("vignette_vertex", "vignette_fragment", over_all))?;
         let size = size_of::<UserUniforms>() as u64;

@@ -1,5 +1,6 @@
 //! The mesh of the ground and of all props, and what of them is solid.
 
+use super::material::SurfaceMaterial;
 use super::mesh::{Builder, EnvironmentMesh, MAX_TRIANGLES, srgb};
 use super::props;
 use crate::scenario::file::{Environment, Ground, Prop, PropKind};
@@ -15,6 +16,16 @@ impl Ground {
             Self::Grass => 0x6f9a4b,
             Self::Deck => 0x39424f,
         })
+    }
+
+    fn material(self) -> SurfaceMaterial {
+        match self {
+            Self::Concrete => SurfaceMaterial::Concrete,
+            Self::Asphalt => SurfaceMaterial::Asphalt,
+            Self::Gravel => SurfaceMaterial::Gravel,
+            Self::Grass => SurfaceMaterial::Grass,
+            Self::Deck => SurfaceMaterial::Deck,
+        }
     }
 }
 
@@ -52,7 +63,12 @@ impl Environment {
         let (middle, size) = ((low + high) * 0.5, high - low + margin * 2.0);
         let ground = self.ground.unwrap_or_default();
         let mut builder = Builder::new(&mut mesh, Vec3::ZERO, 0.0);
-        builder.on(props::GROUND).sheet(Vec3::new(middle.x, 0.0, middle.y), size.x, size.y, ground.color());
+        builder.on(props::GROUND).of(ground.material()).sheet(
+            Vec3::new(middle.x, 0.0, middle.y),
+            size.x,
+            size.y,
+            ground.color(),
+        );
         let mut order: Vec<(f32, usize)> =
             self.props.iter().enumerate().map(|(i, prop)| (nearness(prop, focus), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));

@@ -109,8 +109,7 @@ fn read(path: &Path, size: Option<[f32; 3]>) -> Result<EnvironmentMesh, avatar::
         positions.iter_mut().for_each(|p| *p = (*p - ground) * scale);
     }
     let normals = normals.into_iter().map(|n| (n / scale).normalize_or(Vec3::Y)).collect();
-    let layers = vec![0; positions.len()];
-    Ok(EnvironmentMesh { positions, normals, colors, layers, indices })
+    Ok(EnvironmentMesh { positions, normals, colors, indices, ..EnvironmentMesh::default() })
 }
 
 fn built_in(kind: ExternalKind, radius: f32, number: usize) -> EnvironmentMesh {

@@ -1,5 +1,6 @@
 //! Floors above the ground: bridges, ramps, storeys, their railings, and obstacles that do not reach from the ground up.
 
+use super::material::SurfaceMaterial;
 use super::mesh::{Builder, EnvironmentMesh, srgb};
 use crate::kernels::shared::climb::STEP;
 use crate::kernels::shared::floors::EDGE;
@@ -221,6 +222,7 @@ impl Floors {
         let mut builder = Builder::new(mesh, Vec3::ZERO, 0.0);
         let (concrete, steel) = (srgb(0x00b4_afa6), srgb(0x0056_606b));
         for floor in &self.floors {
+            builder.of(SurfaceMaterial::Concrete);
             let corners = polygon::oriented(floor.corners(), true);
             let at = |p: Vec2, drop: f32| Vec3::new(p.x, floor.height_at(p) - drop, p.y);
             for i in 1..corners.len() - 1 {
@@ -232,6 +234,7 @@ impl Floors {
             for (a, b) in polygon::edges(&corners) {
                 builder.quad([at(a, 0.0), at(b, 0.0), at(b, SLAB), at(a, SLAB)], concrete * 0.8);
             }
+            builder.of(SurfaceMaterial::Plain);
             let plain = floor.corners();
             for &edge in &floor.railings {
                 let (a, b) = (plain[edge as usize], plain[(edge as usize + 1) % plain.len()]);

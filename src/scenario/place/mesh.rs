@@ -1,5 +1,6 @@
 //! Coloured triangle meshes built from primitives: what the scenery is made of.
 
+use super::material::SurfaceMaterial;
 use glam::{Quat, Vec3};
 
 /// Most triangles of an environment; what is farthest from the user is simplified, then left out.
@@ -17,6 +18,8 @@ pub struct EnvironmentMesh {
     /// Of what lies flat and casts no shadow, the layer of each vertex: 1 is what people stand on, the ones below are seen
     /// where nothing lies above them. 0 of everything else. Empty: 0 everywhere.
     pub layers: Vec<u8>,
+    /// What the surface is made of at each vertex. Empty: [`SurfaceMaterial::Plain`] everywhere.
+    pub materials: Vec<SurfaceMaterial>,
     /// Three indices per triangle.
     pub indices: Vec<u32>,
 }
@@ -34,6 +37,7 @@ impl EnvironmentMesh {
         self.normals.clear();
         self.colors.clear();
         self.layers.clear();
+        self.materials.clear();
         self.indices.clear();
     }
 
@@ -43,6 +47,7 @@ impl EnvironmentMesh {
         self.normals.extend(&part.normals);
         self.colors.extend(&part.colors);
         self.layers.extend(&part.layers);
+        self.materials.extend(&part.materials);
         self.indices.extend(part.indices.iter().map(|index| base.saturating_add(*index)));
     }
 }
@@ -64,16 +69,29 @@ pub(crate) struct Builder<'a> {
     origin: Vec3,
     turn: Quat,
     layer: u8,
+    material: SurfaceMaterial,
 }
 
 impl<'a> Builder<'a> {
     pub(crate) fn new(mesh: &'a mut EnvironmentMesh, origin: Vec3, heading: f32) -> Self {
-        Self { mesh, origin, turn: Quat::from_rotation_y(heading), layer: 0 }
+        Self {
+            mesh,
+            origin,
+            turn: Quat::from_rotation_y(heading),
+            layer: 0,
+            material: SurfaceMaterial::Plain,
+        }
     }
 
     /// What follows lies flat in this layer; 0: it does not.
     pub(crate) fn on(&mut self, layer: u8) -> &mut Self {
         self.layer = layer;
+        self
+    }
+
+    /// What follows is made of this.
+    pub(crate) fn of(&mut self, material: SurfaceMaterial) -> &mut Self {
+        self.material = material;
         self
     }
 
@@ -83,6 +101,7 @@ impl<'a> Builder<'a> {
         self.mesh.normals.push(self.turn * normal);
         self.mesh.colors.push(color);
         self.mesh.layers.push(self.layer);
+        self.mesh.materials.push(self.material);
         index
     }
 

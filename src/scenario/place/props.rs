@@ -1,5 +1,6 @@
 //! How each prop is drawn. Flat things lie in layers, see [`EnvironmentMesh::layers`]: none flickers through another.
 
+use super::material::SurfaceMaterial as Material;
 use super::mesh::{Builder, EnvironmentMesh, srgb};
 use crate::scenario::file::{Prop, PropKind};
 use crate::scenario::random::{Purpose, index, unit};
@@ -47,8 +48,12 @@ pub(crate) fn draw(mesh: &mut EnvironmentMesh, prop: &Prop, id: u32, detail: Det
     match prop.kind {
         PropKind::Pavement => pavement(&mut b, size),
         PropKind::Zebra => zebra(&mut b, size, detail),
-        PropKind::Line => b.on(PAINT).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xe8e8e0)),
-        PropKind::Lawn => b.on(PAINT).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0x6f9a4b)),
+        PropKind::Line => {
+            b.on(PAINT).of(Material::Paint).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xe8e8e0))
+        }
+        PropKind::Lawn => {
+            b.on(PAINT).of(Material::Grass).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0x6f9a4b))
+        }
         PropKind::Strip => b.on(PAINT_ABOVE).sheet(v(0.0, 0.0, 0.0), size.x, size.z, v(0.15, 1.6, 1.9)),
         PropKind::LandingPad => landing_pad(&mut b, size),
         _ if detail == Detail::Box => far(&mut b, prop.kind, size, id),
@@ -81,6 +86,12 @@ fn far(b: &mut Builder<'_>, kind: PropKind, size: Vec3, id: u32) {
         PropKind::Wall => srgb(0x566074),
         _ => srgb(0x8a8f98),
     };
+    b.of(match kind {
+        PropKind::Building | PropKind::Store => Material::Plaster,
+        PropKind::Tree | PropKind::Hedge | PropKind::Bed => Material::Foliage,
+        PropKind::Car | PropKind::Pod => Material::Lacquer,
+        _ => Material::Plain,
+    });
     match kind {
         PropKind::Tree => b.block(v(0.0, size.y * 0.3, 0.0), size * v(0.8, 0.7, 0.8), color),
         PropKind::Lamp | PropKind::TrafficLight => b.block(Vec3::ZERO, v(0.12, size.y, 0.12), color),
@@ -93,13 +104,13 @@ fn pavement(b: &mut Builder<'_>, size: Vec3) {
     const KERB: f32 = 0.15;
     let (w, d) = (size.x - 2.0 * KERB, size.z - 2.0 * KERB);
     if w <= 0.0 || d <= 0.0 {
-        b.on(PAVED).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xb9b6ae));
+        b.on(PAVED).of(Material::Paving).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xb9b6ae));
         return;
     }
-    b.on(PAVED).sheet(v(0.0, 0.0, 0.0), w, d, srgb(0xaeaaa0));
+    b.on(PAVED).of(Material::Paving).sheet(v(0.0, 0.0, 0.0), w, d, srgb(0xaeaaa0));
     let kerb = srgb(0xd5d2ca);
     let (x, z) = ((size.x - KERB) * 0.5, (size.z - KERB) * 0.5);
-    b.on(PAVED).sheet(v(-x, 0.0, 0.0), KERB, size.z, kerb);
+    b.on(PAVED).of(Material::Plain).sheet(v(-x, 0.0, 0.0), KERB, size.z, kerb);
     b.on(PAVED).sheet(v(x, 0.0, 0.0), KERB, size.z, kerb);
     b.on(PAVED).sheet(v(0.0, 0.0, -z), w, KERB, kerb);
     b.on(PAVED).sheet(v(0.0, 0.0, z), w, KERB, kerb);
@@ -113,13 +124,13 @@ fn zebra(b: &mut Builder<'_>, size: Vec3, detail: Detail) {
     let layer = if size.y > 0.015 { PAINT_ABOVE } else { PAINT };
     for i in 0..stripes {
         let x = (i as f32 + 0.5) * pitch - size.x * 0.5;
-        b.on(layer).sheet(v(x, 0.0, 0.0), pitch * 0.55, size.z, srgb(0xeeeee8));
+        b.on(layer).of(Material::Paint).sheet(v(x, 0.0, 0.0), pitch * 0.55, size.z, srgb(0xeeeee8));
     }
 }
 
 fn landing_pad(b: &mut Builder<'_>, size: Vec3) {
     let r = size.x * 0.5;
-    b.on(PAINT).disc(v(0.0, 0.0, 0.0), r, 48, srgb(0x5b6575));
+    b.on(PAINT).of(Material::Paint).disc(v(0.0, 0.0, 0.0), r, 48, srgb(0x5b6575));
     b.on(PAINT_ABOVE).ring(v(0.0, 0.0, 0.0), r * 0.94, r, 48, v(0.15, 1.6, 1.9));
     b.on(PAINT_ABOVE).ring(v(0.0, 0.0, 0.0), r * 0.55, r * 0.62, 48, v(1.8, 0.7, 0.15));
     b.on(PAVED).sheet(v(0.0, 0.0, 0.0), r * 0.12, r * 0.6, v(1.8, 0.7, 0.15));
@@ -128,13 +139,25 @@ fn landing_pad(b: &mut Builder<'_>, size: Vec3) {
 }
 
 const WALLS: [u32; 7] = [0xb9a58c, 0x9c5f48, 0x8d99a6, 0xc9c2b2, 0x6f7d8c, 0xa88a6a, 0xd0b89a];
+/// What those walls are made of.
+const WALLS_OF: [Material; 7] = [
+    Material::Plaster,
+    Material::Brick,
+    Material::Panel,
+    Material::Plaster,
+    Material::Panel,
+    Material::Brick,
+    Material::Plaster,
+];
 const PAINTS: [u32; 8] = [0xb3282d, 0x1f4e8c, 0xd9d9d6, 0x2b2d31, 0x8c9299, 0x3e6b4b, 0xe0c04a, 0x5a2a3c];
 const SIGNS: [u32; 6] = [0xd7263d, 0x1b998b, 0xf4a259, 0x2e86ab, 0xf6d55c, 0x7b4b94];
 
 #[allow(clippy::cast_precision_loss, reason = "a few dozen storeys and windows")]
 fn building(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let (wall, glass) = (pick(id, 0, &WALLS), srgb(0x35506b));
-    b.block(Vec3::ZERO, size, wall);
+    let made = WALLS_OF[index(0, id, Purpose::Scenery, 0, WALLS.len())];
+    b.of(made).block(Vec3::ZERO, size, wall);
+    b.of(Material::Glass);
     let ground_floor = 4.0_f32.min(size.y * 0.5);
     let floors = count(size.y - ground_floor - 0.8, 3.2, if detail == Detail::Full { 14 } else { 4 });
     let pitch = (size.y - ground_floor - 0.8) / floors as f32;
@@ -144,11 +167,13 @@ fn building(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     }
     // Shop windows between piers, a coloured fascia, and an awning over the pavement on every side.
     b.block(v(0.0, 0.6, 0.0), v(size.x + 0.1, ground_floor * 0.55, size.z + 0.1), srgb(0x8fb2c4));
+    b.of(Material::Plain);
     b.block(v(0.0, ground_floor * 0.76, 0.0), v(size.x + 0.3, 0.7, size.z + 0.3), pick(id, 1, &SIGNS));
     b.block(v(0.0, size.y, 0.0), v(size.x * 0.4, 2.0, size.z * 0.4), srgb(0x77787a));
     if detail != Detail::Full {
         return;
     }
+    b.of(made);
     for (along, across, turned) in [(size.x, size.z, false), (size.z, size.x, true)] {
         let piers = count(along, 4.0, 12);
         for i in 0..=piers {
@@ -165,8 +190,9 @@ fn building(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
 #[allow(clippy::cast_precision_loss, reason = "a few mullions")]
 fn store(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let front = size.z * 0.5;
-    b.block(Vec3::ZERO, size, srgb(0xd8d2c4));
-    b.block(v(0.0, 0.3, front), v(size.x * 0.9, size.y * 0.52, 0.1), srgb(0x7fa9bd));
+    b.of(Material::Plaster).block(Vec3::ZERO, size, srgb(0xd8d2c4));
+    b.of(Material::Glass).block(v(0.0, 0.3, front), v(size.x * 0.9, size.y * 0.52, 0.1), srgb(0x7fa9bd));
+    b.of(Material::Plain);
     let sign = pick(id, 1, &SIGNS);
     b.block(v(0.0, size.y * 0.68, front), v(size.x * 0.96, size.y * 0.26, 0.4), sign);
     b.block(v(0.0, size.y * 0.62, front + 0.6), v(size.x * 0.92, 0.12, 1.4), sign * 0.7);
@@ -223,7 +249,8 @@ fn traffic_light(b: &mut Builder<'_>, size: Vec3, id: u32) {
 fn tree(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let leaf = pick(id, 0, &[0x3f7038, 0x4f8340, 0x5c8f3a, 0x37663f, 0x7a9a3c]);
     let (r, h) = (trunk_radius(size.x), size.y);
-    b.turned(Vec3::ZERO, &[(r, 0.0), (r * 0.7, h * 0.5)], 6, srgb(0x5d4632));
+    b.of(Material::Wood).turned(Vec3::ZERO, &[(r, 0.0), (r * 0.7, h * 0.5)], 6, srgb(0x5d4632));
+    b.of(Material::Foliage);
     let sides = if detail == Detail::Full { 10 } else { 6 };
     let crown = v(size.x * 0.5, h * 0.32, size.z * 0.5);
     if id.is_multiple_of(3) {
@@ -240,13 +267,13 @@ fn tree(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
 
 fn hedge(b: &mut Builder<'_>, base: Vec3, size: Vec3) {
     let half = v(size.x * 0.5, 0.0, size.z * 0.5);
-    b.frustum_box(base - half, base + half + Vec3::Y * size.y, 0.96, srgb(0x3d6b35));
+    b.of(Material::Foliage).frustum_box(base - half, base + half + Vec3::Y * size.y, 0.96, srgb(0x3d6b35));
 }
 
 #[allow(clippy::cast_precision_loss, reason = "a few dozen flowers")]
 fn bed(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let t = 0.5_f32.min(size.x * 0.2);
-    b.sheet(
+    b.of(Material::Grass).sheet(
         v(0.0, 0.1, 0.0),
         size.x - 2.0 * t,
         size.z - 2.0 * t,
@@ -256,6 +283,7 @@ fn bed(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
         hedge(b, v(0.0, 0.0, side * (size.z - t)), v(size.x, size.y, t));
         hedge(b, v(side * (size.x - t), 0.0, 0.0), v(t, size.y, size.z - 2.0 * t));
     }
+    b.of(Material::Plain);
     let flowers = if detail == Detail::Full { 24 } else { 0 };
     let color = pick(id, 1, &[0xd64d6b, 0xf2c14e, 0xf7f3ee, 0x9a5fb5, 0xe8763a]);
     for i in 0..flowers {
@@ -267,6 +295,7 @@ fn bed(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
 
 fn bench(b: &mut Builder<'_>, size: Vec3) {
     let (wood, iron) = (srgb(0x8a5a33), srgb(0x34383c));
+    b.of(Material::Wood);
     for i in 0..3_u8 {
         let z = size.z * (f32::from(i) - 0.8) * 0.28;
         b.block(v(0.0, 0.42, z), v(size.x, 0.05, size.z * 0.22), wood);
@@ -274,6 +303,7 @@ fn bench(b: &mut Builder<'_>, size: Vec3) {
     for y in [0.55, 0.72] {
         b.block(v(0.0, y, -size.z * 0.42), v(size.x, 0.12, 0.05), wood);
     }
+    b.of(Material::Plain);
     for side in [-0.42, 0.42] {
         b.block(v(side * size.x, 0.0, 0.0), v(0.08, 0.42, size.z * 0.9), iron);
         b.block(v(side * size.x, 0.42, -size.z * 0.46), v(0.06, 0.45, 0.04), iron);
@@ -283,9 +313,11 @@ fn bench(b: &mut Builder<'_>, size: Vec3) {
 fn fountain(b: &mut Builder<'_>, size: Vec3) {
     let (r, stone, water) = (size.x * 0.5, srgb(0xc9c3b6), srgb(0x5aa7c7));
     b.turned(Vec3::ZERO, &[(r, 0.0), (r, 0.5), (r * 0.88, 0.5)], 24, stone);
-    b.disc(v(0.0, 0.51, 0.0), r * 0.87, 24, water);
+    b.of(Material::Water).disc(v(0.0, 0.51, 0.0), r * 0.87, 24, water);
+    b.of(Material::Plain);
     b.turned(v(0.0, 0.5, 0.0), &[(r * 0.2, 0.0), (r * 0.12, 0.8), (r * 0.5, 1.0), (r * 0.5, 1.1)], 16, stone);
-    b.disc(v(0.0, 1.62, 0.0), r * 0.47, 16, water);
+    b.of(Material::Water).disc(v(0.0, 1.62, 0.0), r * 0.47, 16, water);
+    b.of(Material::Plain);
     b.turned(v(0.0, 1.6, 0.0), &[(r * 0.1, 0.0), (r * 0.06, 0.6), (r * 0.2, 0.7)], 12, stone);
     b.turned(v(0.0, 2.3, 0.0), &[(0.03, 0.0), (0.1, size.y - 2.3), (0.0, size.y - 2.0)], 8, srgb(0xcfeaf5));
     for i in 0..10_u8 {
@@ -298,7 +330,7 @@ fn fountain(b: &mut Builder<'_>, size: Vec3) {
 fn car(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let (w, h, l) = (size.x, size.y, size.z);
     let paint = pick(id, 0, &PAINTS);
-    b.block(v(0.0, 0.28, 0.0), v(w, h * 0.38, l), paint);
+    b.of(Material::Lacquer).block(v(0.0, 0.28, 0.0), v(w, h * 0.38, l), paint);
     let cabin =
         |y0: f32, y1: f32, grow: f32| (v(-w * 0.44 - grow, y0, -l * 0.36), v(w * 0.44 + grow, y1, l * 0.2));
     let roof = 0.28 + h * 0.38;
@@ -308,6 +340,7 @@ fn car(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     if detail != Detail::Full {
         return;
     }
+    b.of(Material::Plain);
     for z in [-0.31, 0.31] {
         for x in [-0.43, 0.43] {
             b.wheel(v(x * w, 0.32, z * l), 0.32, 0.24, 10, srgb(0x17181a));
@@ -328,7 +361,7 @@ fn pod(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
     let (shell, glow) =
         (srgb(0xe6ebf0), [v(0.15, 1.6, 1.9), v(1.7, 0.5, 1.5), v(1.8, 0.9, 0.2)][(id % 3) as usize]);
     let sides = if detail == Detail::Full { 28 } else { 12 };
-    b.turned(Vec3::ZERO, &[(r, 0.0), (r, h * 0.28)], sides, shell);
+    b.of(Material::Lacquer).turned(Vec3::ZERO, &[(r, 0.0), (r, h * 0.28)], sides, shell);
     b.turned(v(0.0, h * 0.28, 0.0), &[(r * 0.97, 0.0), (r * 0.97, h * 0.06)], sides, glow);
     let rings: u32 = if detail == Detail::Full { 7 } else { 4 };
     let profile: Vec<(f32, f32)> = (0..=rings)
@@ -338,6 +371,7 @@ fn pod(b: &mut Builder<'_>, size: Vec3, id: u32, detail: Detail) {
         })
         .collect();
     b.turned(Vec3::ZERO, &profile, sides, shell);
+    b.of(Material::Plain);
     // Door and round windows.
     b.block(v(0.0, 0.0, r * 0.94), v(1.5, 2.3, r * 0.14), srgb(0x2b3442));
     b.block(v(0.0, 2.3, r * 0.94), v(1.7, 0.14, r * 0.16), glow);

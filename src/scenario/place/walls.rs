@@ -1,6 +1,7 @@
 //! How a place without props looks: its obstacles as low walls, so that the crowd behind them is seen, and a kerb along its
 //! bounds.
 
+use super::material::SurfaceMaterial;
 use super::mesh::{Builder, EnvironmentMesh, MAX_TRIANGLES, srgb};
 use crate::scenario::polygon;
 use glam::{Vec2, Vec3};
@@ -45,6 +46,7 @@ pub(crate) fn draw(mesh: &mut EnvironmentMesh, walls: &[Wall], bounds: &[Vec2]) 
 /// An upright body over a polygon that runs counter-clockwise on (x, z).
 fn prism(mesh: &mut EnvironmentMesh, outline: &[Vec2], [low, high]: [f32; 2], color: Vec3) {
     let mut builder = Builder::new(mesh, Vec3::ZERO, 0.0);
+    builder.of(SurfaceMaterial::Plaster);
     let at = |p: Vec2, y: f32| Vec3::new(p.x, y, p.y);
     for (a, b) in polygon::edges(outline) {
         builder.quad([at(a, high), at(b, high), at(b, low), at(a, low)], color * 0.9);
