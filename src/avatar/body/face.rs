@@ -17,7 +17,8 @@ const LIPS: [Paint; 2] = [
     Paint { material: Material::Skin, color: Vec3::new(0.72, 0.42, 0.42) },
 ];
 const BETWEEN_LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0.42, 0.19, 0.19) };
-const INSIDE: Paint = Paint::fixed(0.045, 0.012, 0.012);
+/// Of the skin's material, since a triangle has one material.
+const INSIDE: Paint = Paint { material: Material::Skin, color: Vec3::new(0.10, 0.04, 0.05) };
 const TEETH: Paint = Paint::fixed(0.52, 0.50, 0.45);
 const HAIR_OF_BROWS: Paint = Paint::tinted(Material::Hair, 0.6);
 
@@ -221,7 +222,7 @@ impl Skull {
         let strip = |edge: f32, out: f32| -> Vec<Vec3> {
             let at = |t: f32| {
                 let x = side * (inner + length * t);
-                let below = if t < PEAK { 0.0045 } else { 0.0035 };
+                let below = if t < PEAK { 0.0026 } else { 0.0035 };
                 let from_peak = if t < PEAK { (t - PEAK) / PEAK } else { (t - PEAK) / (1.0 - PEAK) };
                 // pointed at the temple
                 let thick = half_thick * (0.78 + 0.8 * t - 1.38 * t * t);
