@@ -1,11 +1,14 @@
-// uses: frame, exact, quaternion, body, attention, agent
-// Turns the eyes and moves the upper lids of agents that are drawn by a mesh with eyes: their matrices in palettes, from the
-// head's as `gaze` has turned it. Eyes are at their target at once and the head follows, so that eyes lead the head.
+// uses: frame, exact, quaternion, body, attention, agent, standing
+// Sets the faces of agents that are drawn by a finest mesh. Turns their eyes and moves their upper lids: their matrices in
+// palettes, from the head's as `gaze` has turned it. Eyes are at their target at once and the head follows, so that eyes lead the head.
 //
 // Agents that look at the user from near by look now at one eye, now at the other, now at the mouth. Sad ones look at the
 // ground ahead, all others ahead, with small glances about. These directions count from the heading, so that eyes hold
 // still while the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the
-// neck angles are all there is: eyes stay straight in the head.
+// neck angles are all there is: eyes stay straight in the head, and faces at rest (A-28).
+//
+// A face is six numbers, which follow the shares of the emotions that the body walks and stands in. `skin` moves brows and mouth
+// by them, and the lids turn here. What an emotion does to a face are the action units of FACS (Ekman and Friesen 1978).
 //
 // Yaw is positive to the left, pitch downwards, as of the face. Angles are kept as (sine, cosine) where they can.
 const ASIDE_LIMIT: vec2<f32> = vec2<f32>(0.42261826, 0.9063078); // 25 degrees from the face's forward: for more, heads turn
@@ -41,8 +44,22 @@ const OPENING: f32 = 80.0;            // ms of it
 
 const SHUT: f32 = 0.72;               // rad that an open lid turns down to shut the eye
 const FOLLOW: f32 = 0.8;              // rad that lids follow the eyes down, times the sine of their pitch
-const ANGRY_LIDS: f32 = 0.08;         // rad, by how much lids hang lower than those of others
-const SAD_LIDS: f32 = 0.1;
+const LID_REACH: f32 = 0.22;          // rad from a lid at rest to one as wide open, or as low, as actors have it
+
+// Expressions of the happy, angry, sad and neutral. Happy: units 6 and 12, lips apart (25). Angry: 4, 5 and 7, lips tight (23).
+// Sad: 1, 4 and 15, lids low.
+const BY_INNER_BROW: vec4<f32> = vec4<f32>(0.15, -1.0, 1.0, 0.0);
+const BY_OUTER_BROW: vec4<f32> = vec4<f32>(0.25, 0.1, -0.6, 0.0);
+const BY_UPPER_LID: vec4<f32> = vec4<f32>(-0.1, 0.3, -0.6, 0.0);
+const BY_MOUTH_CORNER: vec4<f32> = vec4<f32>(1.0, -0.35, -1.0, 0.0);
+const BY_MOUTH_OPEN: vec4<f32> = vec4<f32>(0.4, -1.0, -0.05, 0.0);
+const FARTHEST: f32 = 1.5;            // no face is made to go farther
+
+// What is an agent's own: how strong its expressions are, and how brows and mouth are at rest, to either side.
+const OWN_STRENGTH: f32 = 0.15;
+const OWN_BROW: f32 = 0.12;
+const OWN_MOUTH: f32 = 0.06;
+const OWN_FACE: u32 = 0xface0000u;    // what it draws for
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
@@ -52,7 +69,9 @@ const SAD_LIDS: f32 = 0.1;
 @group(0) @binding(5) var<storage, read> gaze_frame: array<u32>;           // [agent]
 @group(0) @binding(6) var<storage, read> agent_bucket: array<u32>;         // [agent]
 @group(0) @binding(7) var<storage, read> mesh_table: array<MeshRange>;     // [bucket]
-@group(0) @binding(8) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][21][3] rows
+@group(0) @binding(8) var<storage, read> gait_weights: array<vec4<f32>>;   // [agent]
+@group(0) @binding(9) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][21][3] rows
+@group(0) @binding(10) var<storage, read_write> expressions: array<Expression>; // [visible]
 
 struct Moment {
     draw: u32,   // random bits of it
@@ -141,6 +160,35 @@ fn tipped(row: vec4<f32>, about: vec3<f32>, pitch: vec2<f32>) -> vec4<f32> {
     return vec4<f32>(row.x, y, z, row.w + ((row.y - y) * about.y + (row.z - z) * about.z));
 }
 
+// From -1 to 1.
+fn own_part(agent: u32, number: u32) -> f32 {
+    return unit_f32(own_draw(agent, OWN_FACE, number)) * 2.0 - 1.0;
+}
+
+fn bounded(number: f32) -> f32 {
+    return limit(number, -FARTHEST, FARTHEST);
+}
+
+// The face of an agent; without emotions as it is at rest.
+fn face_of(agent: u32, shown: u32, is_natural: bool) -> Expression {
+    if !is_natural {
+        return Expression(0.0, 0.0, 0.0, 0.0, 0.0, blink(agent), 0.0, 0.0);
+    }
+    let moods = moods_of(gait_weights[agent], shown);
+    let own = frame.individuals;
+    let strength = frame.expression * (1.0 + own * OWN_STRENGTH * own_part(agent, 0u));
+    return Expression(
+        bounded(dot4(moods, BY_INNER_BROW) * strength + own * OWN_BROW * own_part(agent, 1u)),
+        bounded(dot4(moods, BY_OUTER_BROW) * strength + own * OWN_BROW * own_part(agent, 2u)),
+        bounded(dot4(moods, BY_UPPER_LID) * strength),
+        bounded(dot4(moods, BY_MOUTH_CORNER) * strength + own * OWN_MOUTH * own_part(agent, 3u)),
+        bounded(dot4(moods, BY_MOUTH_OPEN) * strength),
+        blink(agent),
+        0.0,
+        0.0,
+    );
+}
+
 @compute @workgroup_size(64)
 fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = id.x;
@@ -151,9 +199,16 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     let own = appearance[agent];
     let avatar = avatar_of(own);
     let eyeball = rig[avatar * RIG_STRIDE + RIG_EYEBALL];
-    // only the finest mesh has eyes that turn
+    // only the finest mesh has a face
     let finest = mesh_table[avatar * frame.level_count].first_vertex;
-    if eyeball.w == 0.0 || mesh_table[agent_bucket[agent]].first_vertex != finest {
+    if mesh_table[agent_bucket[agent]].first_vertex != finest {
+        return;
+    }
+    let is_natural = frame.gaze_mode == NATURAL;
+    let emotion = emotion_of(own);
+    let face = face_of(agent, emotion, is_natural);
+    expressions[slot] = face;
+    if eyeball.w == 0.0 {
         return;
     }
     let left = eyeball.xyz;
@@ -162,9 +217,7 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     let row_x = palettes[base + HEAD * 3u];
     let row_y = palettes[base + HEAD * 3u + 1u];
     let row_z = palettes[base + HEAD * 3u + 2u];
-    let is_natural = frame.gaze_mode == NATURAL;
     let feels = is_natural && gazes(own);
-    let emotion = emotion_of(own);
     let is_engaged = feels && (gaze_frame[agent] & ENGAGED) != 0u; // `gaze` wrote it in this frame
 
     var aim: vec3<f32>; // from between the eyes, m
@@ -195,14 +248,8 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
         to_left = toward(to.x - left.x, to.z, ASIDE_LIMIT);
         to_right = toward(to.x - right.x, to.z, ASIDE_LIMIT);
     }
-    var lid = FOLLOW * to_pitch.x;
-    if feels && emotion == ANGRY {
-        lid = lid + ANGRY_LIDS;
-    }
-    if feels && emotion == SAD {
-        lid = lid + SAD_LIDS;
-    }
-    lid = lid + (SHUT - lid) * blink(agent);
+    let open = FOLLOW * to_pitch.x - LID_REACH * face.upper_lid;
+    let lid = open + (SHUT - open) * face.blink;
 
     let tip = exact_sin_cos(lid);
     for (var i = 0u; i < 3u; i++) {

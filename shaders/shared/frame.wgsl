@@ -24,7 +24,7 @@ struct FrameUniforms {
     turn_least: u32,              // shortest turn to look at the user, ms
     turn_most: u32,               // longest turn, ms
     individuals: f32,             // how much agents differ from the people whose gaits they have, 0 to 1
+    expression: f32,              // how far faces go with emotions: 0 not at all, 1 as actors do
     unused_a: u32,
     unused_b: u32,
-    unused_c: u32,
 }

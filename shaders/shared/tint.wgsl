@@ -9,8 +9,10 @@ fn linear_from_565(packed: u32) -> vec3<f32> {
     return srgb * (srgb * (srgb * 0.305306 + 0.6821711) + 0.0125229);
 }
 
-// A vertex colour of a material, tinted with the agent's colours: skin and hair in x, top and bottom in y.
-fn tinted(color: vec3<f32>, material: u32, colors: vec2<u32>) -> vec3<f32> {
+// A vertex colour of a material (the lowest eight of its bits), tinted with the agent's colours: skin and hair in x, top and
+// bottom in y.
+fn tinted(color: vec3<f32>, bits: u32, colors: vec2<u32>) -> vec3<f32> {
+    let material = bits & 255u;
     if material < MATERIAL_SKIN || material > MATERIAL_BOTTOM {
         return color;
     }

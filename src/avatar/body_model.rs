@@ -73,6 +73,26 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
+/// How a vertex of a face moves with the numbers of an [`Expression`](crate::kernels::layout::Expression): how far it goes
+/// from its place at rest, mesh space, m, where that number is 1 and the others are 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct FaceVertex {
+    /// Number of the vertex in the finest mesh.
+    pub vertex: u32,
+    /// With the height of the brows' inner ends.
+    pub inner_brow: Vec3,
+    /// With the height of their outer ends.
+    pub outer_brow: Vec3,
+    /// With the height of the mouth's corners above 0.
+    pub corners_up: Vec3,
+    /// With their depth below 0.
+    pub corners_down: Vec3,
+    /// With how far the mouth is open.
+    pub opened: Vec3,
+    /// With how tightly the lips are pressed together.
+    pub pressed: Vec3,
+}
+
 /// A character that gaits can drive.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Avatar {
@@ -86,6 +106,8 @@ pub struct Avatar {
     pub eyes_in_head: Vec3,
     /// Centre of the left eyeball in mesh space, m, where eyes turn; the right one is its mirror image.
     pub eyeball: Option<Vec3>,
+    /// What the face moves in the finest mesh, by number of vertex; nothing where a character has no face that moves.
+    pub face: Vec<FaceVertex>,
     /// Standing height from sole to crown, m: headwear does not count.
     pub height: f32,
 }

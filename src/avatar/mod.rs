@@ -36,7 +36,9 @@ mod rig_map;
 mod standing;
 
 pub use body::{Sex, generated};
-pub use body_model::{Avatar, CLIP_FRAMES, Clip, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
+pub use body_model::{
+    Avatar, CLIP_FRAMES, Clip, ClipFrame, FaceVertex, LEVELS, Material, Mesh, RestJoint, Vertex,
+};
 pub use error::Error;
 pub use far::{FarMesh, FarVertex, Limb};
 pub use glb::{glb, write_glb};

@@ -1,15 +1,17 @@
-//! Where eyes point, and how far upper lids hang.
+//! Where eyes point, how far upper lids hang, and what the rest of the face does.
 
 use super::body::visible_agents;
 use super::exact::{atan2, hash_u32, lesser, sin_cos, unit_f32};
-use super::quaternion::{dot3, limit, scale3, xyz};
+use super::quaternion::{dot3, dot4, limit, scale3, xyz};
+use super::standing::{moods_of, own_draw};
 use crate::kernels::eyes::{
-    ANGRY_LIDS, APART, ASIDE_LIMIT, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, CLOSING, DOWN_LIMIT, DROP, FACE,
-    FACE_RANGE, FACE_SPAN, FACE_WINDOW, FAR, FOLLOW, GLANCE_PITCH, GLANCE_SPAN, GLANCE_WINDOW, GLANCE_YAW,
-    GLANCES, GROUND_AHEAD, LEAST, MOUTH, OPENING, SACCADE, SAD_LIDS, SHUT, Slices, UP_LIMIT,
+    APART, ASIDE_LIMIT, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, BY_INNER_BROW, BY_MOUTH_CORNER, BY_MOUTH_OPEN,
+    BY_OUTER_BROW, BY_UPPER_LID, CLOSING, DOWN_LIMIT, DROP, FACE, FACE_RANGE, FACE_SPAN, FACE_WINDOW, FAR,
+    FARTHEST, FOLLOW, GLANCE_PITCH, GLANCE_SPAN, GLANCE_WINDOW, GLANCE_YAW, GLANCES, GROUND_AHEAD, LEAST,
+    LID_REACH, MOUTH, OPENING, OWN_BROW, OWN_FACE, OWN_MOUTH, OWN_STRENGTH, SACCADE, SHUT, Slices, UP_LIMIT,
 };
-use crate::kernels::layout::FrameUniforms;
-use crate::kernels::shared::attention::{ANGRY, ENGAGED, NATURAL, SAD};
+use crate::kernels::layout::{Expression, FrameUniforms};
+use crate::kernels::shared::attention::{ENGAGED, NATURAL, SAD};
 use crate::kernels::shared::body::index::{
     HEAD, LEFT_EYE, LIDS, PALETTE_STRIDE, RIG_EYEBALL, RIG_STRIDE, RIGHT_EYE,
 };
@@ -112,13 +114,47 @@ fn tipped(row: [f32; 4], about: [f32; 3], pitch: [f32; 2]) -> [f32; 4] {
     [row[0], y, z, row[3] + ((row[1] - y) * about[1] + (row[2] - z) * about[2])]
 }
 
+/// From -1 to 1.
+fn own_part(agent: u32, number: u32) -> f32 {
+    unit_f32(own_draw(agent, OWN_FACE, number)) * 2.0 - 1.0
+}
+
+fn bounded(number: f32) -> f32 {
+    limit(number, -FARTHEST, FARTHEST)
+}
+
+/// The face of an agent; without emotions as it is at rest.
+fn face_of(b: &Slices<'_>, agent: u32) -> Expression {
+    let blink = blink(b.frame, agent);
+    if b.frame.gaze_mode != NATURAL {
+        return Expression { blink, ..Expression::default() };
+    }
+    let moods = moods_of(b.gait_weights[agent as usize], b.appearance[agent as usize].emotion());
+    let own = b.frame.individuals;
+    let strength = b.frame.expression * (1.0 + own * OWN_STRENGTH * own_part(agent, 0));
+    Expression {
+        inner_brow: bounded(dot4(moods, BY_INNER_BROW) * strength + own * OWN_BROW * own_part(agent, 1)),
+        outer_brow: bounded(dot4(moods, BY_OUTER_BROW) * strength + own * OWN_BROW * own_part(agent, 2)),
+        upper_lid: bounded(dot4(moods, BY_UPPER_LID) * strength),
+        mouth_corner: bounded(dot4(moods, BY_MOUTH_CORNER) * strength + own * OWN_MOUTH * own_part(agent, 3)),
+        mouth_open: bounded(dot4(moods, BY_MOUTH_OPEN) * strength),
+        blink,
+        ..Expression::default()
+    }
+}
+
 fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
     let own = b.appearance[agent as usize];
     let avatar = own.avatar() as usize;
-    let eyeball = b.rig[avatar * RIG_STRIDE + RIG_EYEBALL];
     let finest = b.mesh_table[avatar * b.frame.level_count as usize].first_vertex;
     let bucket = b.agent_bucket[agent as usize] as usize;
-    if eyeball[3] == 0.0 || b.mesh_table[bucket].first_vertex != finest {
+    if b.mesh_table[bucket].first_vertex != finest {
+        return;
+    }
+    let face = face_of(b, agent);
+    b.expressions[slot] = face;
+    let eyeball = b.rig[avatar * RIG_STRIDE + RIG_EYEBALL];
+    if eyeball[3] == 0.0 {
         return;
     }
     let left = xyz(eyeball);
@@ -141,14 +177,8 @@ fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
     } else {
         [[0.0, 1.0]; 3]
     };
-    let mut lid = FOLLOW * to_pitch[0];
-    if feels && own.emotion() == ANGRY {
-        lid += ANGRY_LIDS;
-    }
-    if feels && own.emotion() == SAD {
-        lid += SAD_LIDS;
-    }
-    lid += (SHUT - lid) * blink(b.frame, agent);
+    let open = FOLLOW * to_pitch[0] - LID_REACH * face.upper_lid;
+    let lid = open + (SHUT - open) * face.blink;
 
     let tip = sin_cos(lid);
     let palette = &mut b.palettes[slot * PALETTE_STRIDE..][..PALETTE_STRIDE];

@@ -30,10 +30,11 @@ pub use error::Error;
 pub use stage::{CameraChoice, CameraChoiceError, Stage, atmosphere};
 
 use crate::export::AgentInfo;
+use crate::gait::walker::EXPRESSION;
 use crate::ground::world_from_ground;
 use crate::kernels::Store;
 use crate::replay::Replay;
-use crate::scenario::{Crowd, Geometry, Scenario, User};
+use crate::scenario::{Condition, Crowd, Geometry, Scenario, User};
 use crate::sim::bodies::{self, MeshBuffers};
 use crate::sim::flow::{self, Ways};
 use crate::sim::{AvatarSet, Backend, Islands, Simulation, setup};
@@ -169,6 +170,7 @@ impl Scene {
         let mut start = self.buffers()?;
         let meshes = bodies::fill(&mut start.store, &self.cast, bodies::SMALLEST_STORAGE_RANGE);
         start.store.frame.individuals = self.scenario.population.individuals.unwrap_or(0.0);
+        start.store.frame.expression = expression_of_faces(&self.scenario);
         Ok((start, meshes))
     }
 
@@ -212,5 +214,16 @@ impl Scene {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; NaN gives 0")]
         let steps = steps.round().clamp(0.0, 1e9) as u32;
         steps
+    }
+}
+
+/// How far the faces of a scene go: as its generated gaits do, which at [`EXPRESSION`] are those of actors. A baseline shows no
+/// emotion.
+fn expression_of_faces(scenario: &Scenario) -> f32 {
+    #[allow(clippy::cast_possible_truncation, reason = "2")]
+    let of_actors = EXPRESSION as f32;
+    match scenario.condition {
+        Condition::Baseline => 0.0,
+        Condition::EvaO | Condition::EvaG => scenario.population.expression / of_actors,
     }
 }

@@ -3,13 +3,16 @@
 
 use super::avatar_set::AvatarSet;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
-use crate::avatar::{Avatar, Clip, ClipFrame, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex};
+use crate::avatar::{
+    Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex,
+};
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{FarPose, FrameUniforms, MeshRange};
+use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange};
 use crate::kernels::shared::block::BLOCK;
+use crate::kernels::shared::body::MATERIAL_BITS;
 use crate::kernels::shared::body::index::{
-    CLIP_ROWS, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
+    CLIP_ROWS, FACE_STRIDE, PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE,
 };
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
@@ -48,6 +51,8 @@ pub struct MeshBuffers {
     pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
+    /// `face_moves`: `[face vertex][6]`, of all finest meshes.
+    pub face_moves: Vec<[f32; 4]>,
     /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks.
     pub mesh_table: Vec<MeshRange>,
     /// `[bucket]`: what a body of scale 1 stays within, see [`crate::avatar::FarMesh::bounds`]; 0 of buckets with a pose.
@@ -124,7 +129,11 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
         let prints = footprints(avatar);
         for level in 0..levels {
             if let Some(mesh) = avatar.levels.get(level) {
-                coarsest = append(mesh_elements(mesh, &prints), &mesh.indices, &mut out);
+                let mut vertices = mesh_elements(mesh, &prints);
+                if level == 0 {
+                    number_face(&mut vertices, &avatar.face, &mut out.face_moves);
+                }
+                coarsest = append(vertices, &mesh.indices, &mut out);
             }
             out.mesh_table.push(coarsest);
         }
@@ -142,6 +151,24 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
 
 fn mesh_elements(mesh: &Mesh, prints: &[Footprint; 2]) -> Vec<[f32; 4]> {
     mesh.vertices.iter().map(|vertex| with_toes(*vertex, prints)).flat_map(|v| vertex_elements(&v)).collect()
+}
+
+/// Adds what a face moves, and gives its vertices their numbers there. Vertices that the mesh does not have are left out.
+pub(crate) fn number_face(vertices: &mut [[f32; 4]], face: &[FaceVertex], moves: &mut Vec<[f32; 4]>) {
+    for own in face {
+        let Some([_, _, _, material]) = vertices.get_mut(own.vertex as usize * VERTEX_STRIDE) else {
+            continue;
+        };
+        moves.extend(face_elements(own));
+        let number = u32::try_from(moves.len() / FACE_STRIDE).unwrap_or(0);
+        *material = f32::from_bits(material.to_bits() | number << MATERIAL_BITS);
+    }
+}
+
+/// What a face moves as it lies in `face_moves`.
+fn face_elements(own: &FaceVertex) -> [[f32; 4]; FACE_STRIDE] {
+    [own.inner_brow, own.outer_brow, own.corners_up, own.corners_down, own.opened, own.pressed]
+        .map(|way| way.extend(0.0).to_array())
 }
 
 /// Adds a mesh; its line of the table.
@@ -226,6 +253,7 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     store.clip_postures = postures.into_iter().map(Posture::in_buffer).collect();
     store.far_poses = vec![FarPose::default(); agents];
     store.mesh_vertices.clone_from(&meshes.vertices);
+    store.face_moves.clone_from(&meshes.face_moves);
     store.mesh_table = meshes.mesh_table.clone();
     store.agent_bucket = vec![0; agents];
     store.bucket_counts = vec![0; (agents.div_ceil(LANES) + 1) * COLUMNS];
@@ -243,6 +271,7 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     store.dispatch_args = vec![0; 3 + cast.avatars().len() * 3];
     store.local_rotations = vec![[0.0; 4]; visible * POSE_STRIDE];
     store.palettes = vec![[0.0; 4]; visible * PALETTE_STRIDE];
+    store.expressions = vec![Expression::default(); visible];
     store.skinned = vec![[0.0; 4]; near * near_vertices * SKINNED_STRIDE];
     let [first, second, farthest] = LEVEL_DISTANCES;
     let mut standing_clips = [[0; 4]; 4];
@@ -339,6 +368,7 @@ mod tests {
             levels,
             eyes_in_head: Vec3::new(0.0, 0.1, 0.2),
             eyeball: None,
+            face: Vec::new(),
             height: 1.7,
         }
     }

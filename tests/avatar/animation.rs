@@ -4,11 +4,11 @@
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
-use gaitway::kernels::shared::body::NONE;
 use gaitway::kernels::shared::body::index::{
-    HEAD, LEFT_EYE, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_STRIDE,
-    RIGHT_FOOT, SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
+    FACE_STRIDE, HEAD, LEFT_EYE, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL,
+    RIG_STRIDE, RIGHT_FOOT, SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
+use gaitway::kernels::shared::body::{MATERIAL_BITS, NONE};
 use gaitway::kernels::shared::standing::STANCES;
 use gaitway::kernels::{KernelId, Store};
 use gaitway::reference;
@@ -460,6 +460,19 @@ fn palettes_are_world_from_joint_times_joint_from_mesh() {
     }
 }
 
+/// How far the face of the agent in a slot moves a vertex, m.
+fn moved(store: &Store, packed: &[[f32; 4]], slot: usize) -> Vec3 {
+    let Some(number) = (packed[0][3].to_bits() >> MATERIAL_BITS).checked_sub(1) else { return Vec3::ZERO };
+    let moves: [Vec3; FACE_STRIDE] = std::array::from_fn(|shape| {
+        Vec4::from(store.face_moves[number as usize * FACE_STRIDE + shape]).truncate()
+    });
+    let face = store.expressions[slot];
+    let [up, down] = [face.mouth_corner.max(0.0), (-face.mouth_corner).max(0.0)];
+    let [open, pressed] = [face.mouth_open.max(0.0), (-face.mouth_open).max(0.0)];
+    let numbers = [face.inner_brow, face.outer_brow, up, down, open, pressed];
+    moves.into_iter().zip(numbers).map(|(way, number)| way * number).sum()
+}
+
 #[test]
 fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rule_says() {
     let store = ran(900, 0);
@@ -474,12 +487,13 @@ fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rul
             let source = store.mesh_table[bucket].first_vertex as usize * VERTEX_STRIDE;
             let packed = store.mesh_vertices[source..].chunks_exact(VERTEX_STRIDE);
             for (vertex, packed) in mesh.vertices.iter().zip(packed) {
+                let rest = vertex.position + moved(&store, packed, slot as usize);
                 let mut at = Vec3::ZERO;
                 let mut normal = Vec3::ZERO;
                 let joints = packed[1][3].to_bits().to_le_bytes();
                 for (joint, weight) in joints.into_iter().zip(packed[2]) {
                     let m = world[usize::from(joint)];
-                    at += m.transform_point3(vertex.position) * weight;
+                    at += m.transform_point3(rest) * weight;
                     normal += m.transform_vector3(vertex.normal) * weight;
                 }
                 let got: [Vec4; 2] =

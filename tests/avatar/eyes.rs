@@ -169,7 +169,8 @@ fn sad_eyes_rest_on_the_ground_two_to_four_metres_ahead_and_others_do_not() {
                 assert!(aside.to_degrees() < 22.0, "{} degrees aside", aside.to_degrees());
             }
         }
-        // without a gaze by emotion they look as neutral people do
+        // without a gaze by emotion, and with faces at rest, they look as neutral people do
+        store.frame.expression = 0.0;
         store.appearance[0].set_gazes(false);
         run(&mut store);
         let bare = store.palettes.clone();

@@ -16,6 +16,7 @@ mod common;
 mod animation;
 mod attention;
 mod clips;
+mod expression;
 mod eyes;
 mod footing;
 mod foreign;

@@ -16,6 +16,7 @@ mod common;
 
 mod bodies;
 mod direct;
+mod faces;
 mod far;
 mod moments;
 mod occlusion;

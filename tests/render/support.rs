@@ -148,6 +148,7 @@ pub(super) fn box_person() -> Avatar {
         levels: vec![fine, coarse],
         eyes_in_head: Vec3::ZERO,
         eyeball: None,
+        face: Vec::new(),
         height: 1.7,
     }
 }

@@ -50,7 +50,7 @@ impl Skull {
     }
 
     /// Point on the face `x` to the left and `drop` under the crown (man's size), `out` in front of the skin.
-    fn face(&self, x: f32, drop: f32, out: f32) -> Vec3 {
+    pub(super) fn face(&self, x: f32, drop: f32, out: f32) -> Vec3 {
         let (half_width, front, back) = Self::section(drop);
         let middle = 0.5 * (front + back);
         let depth = libm::powf(1.0 - libm::powf((x.abs() / half_width).min(1.0), SQUARE), 1.0 / SQUARE);

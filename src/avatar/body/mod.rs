@@ -4,6 +4,8 @@
 //! rotations are the identity, so a joint's rotation reads as a turn of the model's own axes. Proportions are
 //! those of adults (stature 1.64 m and 1.76 m, head about 1/7.5 of it); clothing and hair are tinted per agent.
 
+mod expression;
+mod eye;
 mod face;
 mod head;
 mod limbs;
@@ -11,7 +13,7 @@ mod shape;
 mod trunk;
 mod weights;
 
-use super::{Avatar, LEVELS, Mesh, RestJoint};
+use super::{Avatar, FaceVertex, LEVELS, Mesh, RestJoint};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
 pub(in crate::avatar) use shape::pack;
@@ -57,7 +59,7 @@ const BOTTOM: Paint = Paint::tinted(Material::Bottom, 1.0);
 const SHOE: Paint = Paint::fixed(0.035, 0.03, 0.03);
 const SOLE: Paint = Paint::fixed(0.012, 0.012, 0.012);
 
-/// One of the two bodies: three levels of detail of about 2,850, 430 and 140 triangles.
+/// One of the two bodies: three levels of detail of about 3,100, 430 and 140 triangles.
 pub fn generated(sex: Sex) -> Avatar {
     let measures = Measures::of(sex);
     let joints = std::array::from_fn(|joint| {
@@ -69,7 +71,7 @@ pub fn generated(sex: Sex) -> Avatar {
             joint_from_mesh: Mat4::from_translation(-position),
         }
     });
-    let levels: Vec<Mesh> = (0..LEVELS).map(|level| measures.mesh(level)).collect();
+    let (levels, mut faces): (Vec<Mesh>, Vec<_>) = (0..LEVELS).map(|level| measures.mesh(level)).unzip();
     // The top of the hair, which differs from the wanted stature by a few millimetres.
     let height = levels[0].vertices.iter().map(|v| v.position.y).fold(0.0, f32::max);
     Avatar {
@@ -78,6 +80,7 @@ pub fn generated(sex: Sex) -> Avatar {
         levels,
         eyes_in_head: measures.eyes - measures.bones.of(Joint::Head),
         eyeball: Some(head::Skull::of(&measures).eyeball()),
+        face: faces.swap_remove(0),
         height,
     }
 }
@@ -129,7 +132,7 @@ impl Measures {
         Self { sex, height, eyes, bones: Bones { at } }
     }
 
-    fn mesh(&self, level: usize) -> Mesh {
+    fn mesh(&self, level: usize) -> (Mesh, Vec<FaceVertex>) {
         let bones = self.bones;
         let trunk = |p: Vec3| bones.trunk(p);
         let skirt = |p: Vec3| bones.skirt(p);

@@ -4,7 +4,7 @@
 //! has to care about winding, and its normals are averaged over vertices that share a position, so that a
 //! change of paint (which needs its own vertices) leaves no crease.
 
-use super::super::{Material, Mesh, Vertex};
+use super::super::{FaceVertex, Material, Mesh, Vertex};
 use crate::gait::JOINT_COUNT;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -81,6 +81,7 @@ pub(super) struct Builder<'a> {
     shares: &'a dyn Fn(Vec3) -> Shares,
     /// The one joint that the shell hangs on, whatever `shares` say.
     only: Option<u8>,
+    face: Vec<FaceVertex>,
 }
 
 impl<'a> Builder<'a> {
@@ -92,11 +93,29 @@ impl<'a> Builder<'a> {
             shell_indices: 0,
             shares: &|_| [0.0; JOINT_COUNT],
             only: None,
+            face: Vec::new(),
         }
     }
 
-    pub(super) fn finish(self) -> Mesh {
-        self.mesh
+    /// The mesh, and what of it a face moves.
+    pub(super) fn finish(self) -> (Mesh, Vec<FaceVertex>) {
+        (self.mesh, self.face)
+    }
+
+    /// How many vertices there are.
+    pub(super) fn len(&self) -> usize {
+        self.mesh.vertices.len()
+    }
+
+    /// Says how a face moves the vertices from number `first` on: by their order from there and their places.
+    pub(super) fn express(&mut self, first: usize, moves: &dyn Fn(usize, Vec3) -> FaceVertex) {
+        for (vertex, number) in self.mesh.vertices[first..].iter().zip(0..) {
+            let own = moves(number, vertex.position);
+            if own != FaceVertex::default() {
+                let vertex = u32::try_from(first + number).unwrap_or(u32::MAX);
+                self.face.push(FaceVertex { vertex, ..own });
+            }
+        }
     }
 
     /// Starts a shell whose skin follows `shares`.

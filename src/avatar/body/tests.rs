@@ -127,3 +127,70 @@ fn the_finest_level_has_round_eyes_under_lids_and_the_others_have_none() {
         assert!(coarser.flat_map(|v| v.joints).all(|joint| usize::from(joint) < JOINT_COUNT));
     }
 }
+
+/// Of the vertices at the height of the mouth's line, moves of the middle and of a corner.
+fn mouth(avatar: &Avatar) -> [FaceVertex; 2] {
+    let at = |own: &&FaceVertex| avatar.levels[0].vertices[own.vertex as usize].position;
+    // the lower lip's edge goes down farthest, the corner up
+    let lip = avatar.face.iter().min_by(|a, b| a.opened.y.total_cmp(&b.opened.y)).unwrap();
+    let corner = avatar.face.iter().filter(|own| at(own).x > 0.0);
+    let corner = corner.max_by(|a, b| a.corners_up.y.total_cmp(&b.corners_up.y)).unwrap();
+    [*lip, *corner]
+}
+
+#[test]
+fn mouths_smile_droop_open_and_press_by_millimetres() {
+    for sex in Sex::ALL {
+        let [lip, corner] = mouth(&generated(sex));
+        let [smile, droop] = [corner.corners_up, corner.corners_down].map(|way| way * 1e3);
+        assert!(smile.y > 7.0 && smile.x > 3.0, "{smile} mm");
+        assert!(lip.corners_up.y * 1e3 < 1.0, "the middle stays");
+        assert!(droop.y < -6.0 && lip.corners_down.y > -1e-4, "{droop} mm");
+        assert!(lip.opened.y * 1e3 < -8.0 && corner.opened.length() * 1e3 < 0.2, "{}", lip.opened);
+        let pressed = generated(sex).face.iter().map(|own| own.pressed.y).fold(0.0, f32::max);
+        assert!(pressed * 1e3 > 2.0, "lips grow thin: {pressed}");
+    }
+}
+
+#[test]
+fn brows_move_at_either_end() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let brow = avatar.levels[0]
+            .vertices
+            .iter()
+            .zip(0..)
+            .filter(|(v, _)| v.material == Material::Hair && v.position.x > 0.0 && v.color.x < 0.9);
+        let of = |number: u32| *avatar.face.iter().find(|own| own.vertex == number).unwrap();
+        let [inner, outer] = [1.0, -1.0].map(|side| {
+            brow.clone()
+                .min_by(|(a, _), (b, _)| (side * a.position.x).total_cmp(&(side * b.position.x)))
+                .unwrap()
+        });
+        let [inner, outer] = [of(inner.1), of(outer.1)];
+        assert!(inner.inner_brow.y > 0.006 && inner.outer_brow.y.abs() < 1e-4, "{inner:?}");
+        assert!(outer.outer_brow.y > 0.004 && outer.inner_brow.y.abs() < 1e-4, "{outer:?}");
+    }
+}
+
+#[test]
+fn a_face_tears_nowhere_but_between_the_lips_and_only_its_front_moves() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let vertices = &avatar.levels[0].vertices;
+        let all: HashMap<u32, FaceVertex> =
+            avatar.face.iter().map(|own| (own.vertex, FaceVertex { vertex: 0, ..*own })).collect();
+        let mut found: HashMap<glam::IVec3, FaceVertex> = HashMap::new();
+        for (vertex, number) in vertices.iter().zip(0..) {
+            let own = all.get(&number).copied().unwrap_or_default();
+            if own != FaceVertex::default() {
+                assert!(vertex.position.z > 0.0 && usize::from(vertex.joints[0]) == Joint::Head as usize);
+            }
+            let first = *found.entry((vertex.position * 1e6).round().as_ivec3()).or_insert(own);
+            assert_eq!(FaceVertex { opened: first.opened, ..own }, first, "at {}", vertex.position);
+        }
+        let moved = avatar.face.len();
+        println!("{}: a face moves {moved} of {} vertices", avatar.name, vertices.len());
+        assert!((200..900).contains(&moved));
+    }
+}

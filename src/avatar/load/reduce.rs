@@ -76,7 +76,8 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     }
     let counts: Vec<String> = levels.iter().map(|mesh| (mesh.indices.len() / 3).to_string()).collect();
     source.report.push(format!("levels of detail: {} triangles", counts.join(", ")));
-    Ok(Avatar { name: name.to_owned(), joints, levels, eyes_in_head: eyes, eyeball: None, height })
+    let name = name.to_owned();
+    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face: Vec::new(), height })
 }
 
 /// Pose in which the mesh was bound, of every node: inverse bind matrices where there are some, else as the

@@ -176,8 +176,8 @@ pub struct Population {
     pub present: Option<f32>,
     /// How a gait is chosen.
     pub gaits: GaitChoice,
-    /// How strongly the generated gaits show their emotion: 0 not at all, 1 as people do who are perceived so, 2 as actors do,
-    /// 3 as on a stage. Gaits of a library are walked as they are.
+    /// How strongly the generated gaits and the faces show their emotion: 0 not at all, 1 as people do who are perceived so, 2 as
+    /// actors do, 3 as on a stage. Gaits of a library are walked as they are.
     #[serde(skip_serializing_if = "is_usual")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = EXPRESSION)))]
     pub expression: f32,

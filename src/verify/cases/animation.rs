@@ -19,13 +19,14 @@ use crate::kernels::layout::{
     Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Stance,
 };
 use crate::kernels::shared::attention::{ENGAGED, VALID};
-use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE};
+use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
 use crate::kernels::shared::ranks::index::COLUMNS;
 use crate::kernels::shared::scan::index::LANES;
 use crate::kernels::shared::standing::index::STANCES;
 use crate::kernels::{Dispatch, KernelId, Store};
 use crate::reference::body::far_slot;
 use crate::reference::exact::{hash_u32, unit_f32};
+use crate::sim::bodies::number_face;
 use glam::Vec3;
 
 /// Avatars of the made-up crowd.
@@ -62,7 +63,8 @@ fn planes(eye: Vec3) -> [[f32; 4]; 6] {
 /// Seeds differ in kind, not only in numbers: odd ones have less room than there are visible agents, those with bit 1
 /// set gaze in `paper` mode, those with bit 2 set have one eye and one level of detail; in odd ones agents
 /// take turns in looking at the user; those one more than a multiple of three have far bodies. Agents are individuals to
-/// a part where the seed is one more than a multiple of four, and not at all where it is two more.
+/// a part where the seed is one more than a multiple of four, and not at all where it is two more. Faces move by half, and farther than
+/// at most, in some.
 pub fn animation(agents: usize, seed: u32) -> Store {
     let mut dice = Dice::of(hash_u32(seed ^ 0x5eed));
     let levels = if seed & 4 == 0 { LEVELS } else { 1 };
@@ -97,6 +99,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             turn_least: 1000,
             turn_most: 4000,
             individuals: [1.0, 0.4, 0.0, 1.0][seed as usize % 4],
+            expression: [1.0, 0.5, 1.5, 0.0][seed as usize / 2 % 4],
             ..FrameUniforms::default()
         },
         ..Store::default()
@@ -112,8 +115,8 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             frames.push(ClipFrame::mean(&frames));
             store.clip_frames.extend(frames.iter().flat_map(|frame| clip_elements(frame, travel)));
         }
-        for mesh in &avatar.levels[..levels] {
-            let first_vertex = store.mesh_vertices.len() / 4;
+        for (level, mesh) in avatar.levels[..levels].iter().enumerate() {
+            let first_vertex = store.mesh_vertices.len() / VERTEX_STRIDE;
             let (indices, vertices) = (mesh.indices.len() as u32, mesh.vertices.len() as u32);
             store.mesh_table.push(MeshRange {
                 first_index,
@@ -123,7 +126,11 @@ pub fn animation(agents: usize, seed: u32) -> Store {
             });
             first_index += indices;
             let toed = mesh.vertices.iter().map(|vertex| with_toes(*vertex, &footprints(avatar)));
-            store.mesh_vertices.extend(toed.flat_map(|vertex| vertex_elements(&vertex)));
+            let mut elements: Vec<_> = toed.flat_map(|vertex| vertex_elements(&vertex)).collect();
+            if level == 0 {
+                number_face(&mut elements, &avatar.face, &mut store.face_moves);
+            }
+            store.mesh_vertices.extend(elements);
         }
     }
     for avatar in 0..2 * AVATARS {
@@ -335,6 +342,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
     store.failure = vec![u32::MAX; KernelId::ALL.len()];
     store.local_rotations = vec![[NAN; 4]; (visible_capacity + 1) * POSE_STRIDE];
     store.palettes = vec![[NAN; 4]; (visible_capacity + 1) * PALETTE_STRIDE];
+    store.expressions = vec![nan(); visible_capacity + 1];
     store.skinned = vec![[NAN; 4]; (near_capacity * most_vertices + 1) * SKINNED_STRIDE];
 }
 

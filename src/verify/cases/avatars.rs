@@ -6,7 +6,7 @@
 )]
 
 use crate::avatar::foot::footprints;
-use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, LEVELS, Material, Mesh, RestJoint, Vertex};
+use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, FaceVertex, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::shared::body::index::{
     POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_EYES, RIG_STRIDE, VERTEX_STRIDE,
@@ -89,12 +89,15 @@ pub fn avatar(number: usize, seed: u32) -> Avatar {
             joint_from_mesh: Mat4::from_rotation_translation(axes[joint], at).inverse(),
         }
     });
-    let levels = (0..LEVELS).map(|level| mesh(&mut dice, (90 + 40 * number) >> (2 * level), size)).collect();
+    let levels: Vec<Mesh> =
+        (0..LEVELS).map(|level| mesh(&mut dice, (90 + 40 * number) >> (2 * level), size)).collect();
+    let face = face(&mut dice, &levels[0]);
     Avatar {
         name: format!("made up {number}"),
         joints,
         levels,
         eyes_in_head: axes[Joint::Head as usize].inverse() * Vec3::new(0.0, 0.08, 0.09) * size,
+        face,
         eyeball: (number == 0 || seed & 1 == 0).then_some(Vec3::new(0.03, 1.63, 0.08) * size),
         height: 1.75 * size,
     }
@@ -123,6 +126,23 @@ fn mesh(dice: &mut Dice, vertex_count: usize, size: f32) -> Mesh {
         .collect();
     let indices = (0..vertex_count * 3).map(|_| dice.below(vertex_count as u32)).collect();
     Mesh { vertices, indices }
+}
+
+/// Every third vertex moves with the face, each number of it in a way of its own.
+fn face(dice: &mut Dice, mesh: &Mesh) -> Vec<FaceVertex> {
+    let vertices = (0..mesh.vertices.len() as u32).step_by(3);
+    let mut way = || dice.vector(0.01);
+    vertices
+        .map(|vertex| FaceVertex {
+            vertex,
+            inner_brow: way(),
+            outer_brow: way(),
+            corners_up: way(),
+            corners_down: way(),
+            opened: way(),
+            pressed: way(),
+        })
+        .collect()
 }
 
 /// A made-up gait of an avatar: every joint swings about an axis of its own; `swing` 0 stands still.
