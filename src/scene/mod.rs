@@ -218,12 +218,32 @@ impl Scene {
 }
 
 /// How far the faces of a scene go: as its generated gaits do, which at [`EXPRESSION`] are those of actors. A baseline shows no
-/// emotion.
+/// emotion, and faces may be kept at rest.
 fn expression_of_faces(scenario: &Scenario) -> f32 {
     #[allow(clippy::cast_possible_truncation, reason = "2")]
     let of_actors = EXPRESSION as f32;
-    match scenario.condition {
-        Condition::Baseline => 0.0,
-        Condition::EvaO | Condition::EvaG => scenario.population.expression / of_actors,
+    let population = &scenario.population;
+    if scenario.condition == Condition::Baseline || population.faces == Some(false) {
+        return 0.0;
+    }
+    population.expression / of_actors
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn faces_are_at_rest_in_a_baseline_and_where_they_are_to_be() {
+        let of = |condition, faces, expression| {
+            let mut scenario = Scenario { condition, ..Scenario::default() };
+            (scenario.population.faces, scenario.population.expression) = (faces, expression);
+            expression_of_faces(&scenario)
+        };
+        for faces in [None, Some(true)] {
+            assert_eq!([1.0, 2.0, 3.0].map(|x| of(Condition::EvaG, faces, x)), [0.5, 1.0, 1.5]);
+            assert_eq!(of(Condition::Baseline, faces, 2.0), 0.0);
+        }
+        assert_eq!(of(Condition::EvaG, Some(false), 2.0), 0.0);
     }
 }

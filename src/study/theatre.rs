@@ -74,7 +74,10 @@ impl Theatre {
                 return Err(wrong("show", "nothing", "scenes or agents", hint));
             }
         };
-        let builder = builder.seed(seed).change(|scenario| scenario.put_in(User::default())).gives_way();
+        let builder = builder.seed(seed).gives_way().change(|scenario| {
+            scenario.put_in(User::default());
+            scenario.population.faces.get_or_insert(false); // what is studied are gait and gaze
+        });
         if self.is_own { builder.library(self.library.clone()).build() } else { builder.build() }
     }
 
@@ -159,6 +162,7 @@ mod tests {
         let (one, other) = (scene("eva-o", 7), scene("eva-g", 7));
         assert_eq!((one.scenario.condition, other.scenario.condition), (Condition::EvaO, Condition::EvaG));
         assert!(one.scenario.user.is_some() && one.agents() == 20 && one.gives_way);
+        assert_eq!(one.scenario.population.faces, Some(false));
         // two conditions of one seed have the same people in the same places
         let places =
             |scene: &Scene| scene.crowd.agents.iter().map(|agent| agent.position).collect::<Vec<_>>();
@@ -182,6 +186,7 @@ mod tests {
                 let scene = theatre().scene(&showing(Some(agent), 3)).unwrap();
                 assert_eq!(scene.crowd.agents.len(), 1);
                 assert!(scene.crowd.agents[0].emotion[wanted as usize] > 0.99);
+                assert_eq!(scene.scenario.population.faces, Some(false));
                 assert_eq!(scene.cast.avatars().len(), 1);
                 assert_eq!(scene.cast.avatars()[0].name, body);
             }

@@ -181,6 +181,10 @@ pub struct Population {
     #[serde(skip_serializing_if = "is_usual")]
     #[cfg_attr(feature = "schema", schemars(extend("default" = EXPRESSION)))]
     pub expression: f32,
+    /// Whether faces show the emotion, too. Left out: yes, but not in a study, whose people show it by gait and gaze alone. In the
+    /// baseline and with `gaze.mode = "paper"` faces are at rest whatever this says.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub faces: Option<bool>,
     /// How much each agent differs from the person whose gait it walks with: 0 not at all, 1 as people differ. Left out: 1 of the
     /// generated gaits; 0 of a library, whose gaits are walked as they are, and of the baseline, which has one gait for all.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -252,6 +256,7 @@ impl Default for Population {
             gaits: GaitChoice::default(),
             #[allow(clippy::cast_possible_truncation, reason = "2")]
             expression: EXPRESSION as f32,
+            faces: None,
             individuals: None,
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
