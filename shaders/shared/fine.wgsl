@@ -39,11 +39,12 @@ fn soft_sunlight(world: vec3<f32>, normal: vec3<f32>, lift: f32) -> f32 {
     return 0.28 * lit + 0.18 * (one + two + three + four);
 }
 
-// Share of the light that a smooth surface mirrors, by the cosine of the angle to its normal (Schlick 1994).
+// Share of the light that a surface mirrors, by the cosine of the angle to its normal (Schlick 1994). What mirrors little face
+// on is rough, and is no mirror at a flat angle either.
 fn fresnel(gloss: f32, cosine: f32) -> f32 {
     let away = 1.0 - cosine;
     let away2 = away * away;
-    return gloss + (1.0 - gloss) * away2 * away2 * away;
+    return gloss + (min(10.0 * gloss, 1.0) - gloss) * away2 * away2 * away;
 }
 
 // Light that a place sends to the eye, before haze and tone. `to_eye` is a unit vector.
@@ -116,5 +117,5 @@ fn film(light: vec3<f32>) -> vec3<f32> {
     let raised = pow(peak, CONTRAST);
     let bent = min(raised / (WHITE_SLOPE * raised + GREY_SLOPE), 1.0);
     let pale = smoothstep(0.65, 1.0, bent);
-    return mix(light / peak, vec3<f32>(1.0), 0.5 * pale) * bent;
+    return mix(light / peak, vec3<f32>(1.0), 0.3 * pale) * bent;
 }
