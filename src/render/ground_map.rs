@@ -138,6 +138,7 @@ impl Map {
 }
 
 #[cfg(test)]
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "places on the map")]
 mod tests {
     use super::*;
 

@@ -238,12 +238,15 @@ mod tests {
         let of = |condition, faces, expression| {
             let mut scenario = Scenario { condition, ..Scenario::default() };
             (scenario.population.faces, scenario.population.expression) = (faces, expression);
-            expression_of_faces(&scenario)
+            expression_of_faces(&scenario).to_bits()
         };
         for faces in [None, Some(true)] {
-            assert_eq!([1.0, 2.0, 3.0].map(|x| of(Condition::EvaG, faces, x)), [0.5, 1.0, 1.5]);
-            assert_eq!(of(Condition::Baseline, faces, 2.0), 0.0);
+            assert_eq!(
+                [1.0, 2.0, 3.0].map(|x| of(Condition::EvaG, faces, x)),
+                [0.5_f32, 1.0, 1.5].map(f32::to_bits)
+            );
+            assert_eq!(of(Condition::Baseline, faces, 2.0), 0);
         }
-        assert_eq!(of(Condition::EvaG, Some(false), 2.0), 0.0);
+        assert_eq!(of(Condition::EvaG, Some(false), 2.0), 0);
     }
 }

@@ -49,10 +49,10 @@ pub(crate) fn draw(mesh: &mut EnvironmentMesh, prop: &Prop, id: u32, detail: Det
         PropKind::Pavement => pavement(&mut b, size),
         PropKind::Zebra => zebra(&mut b, size, detail),
         PropKind::Line => {
-            b.on(PAINT).of(Material::Paint).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xe8e8e0))
+            b.on(PAINT).of(Material::Paint).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0xe8e8e0));
         }
         PropKind::Lawn => {
-            b.on(PAINT).of(Material::Grass).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0x6f9a4b))
+            b.on(PAINT).of(Material::Grass).sheet(v(0.0, 0.0, 0.0), size.x, size.z, srgb(0x6f9a4b));
         }
         PropKind::Strip => b.on(PAINT_ABOVE).sheet(v(0.0, 0.0, 0.0), size.x, size.z, v(0.15, 1.6, 1.9)),
         PropKind::LandingPad => landing_pad(&mut b, size),
