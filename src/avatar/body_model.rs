@@ -75,6 +75,7 @@ pub struct Mesh {
 
 /// How a vertex of a face moves with the numbers of an [`Expression`](crate::kernels::layout::Expression): how far it goes
 /// from its place at rest, mesh space, m, where that number is 1 and the others are 0.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FaceVertex {
     /// Number of the vertex in the finest mesh.

@@ -17,6 +17,7 @@ pub(super) const SPACING: f32 = 1.0;
 pub(super) const EYE_HEIGHT: f32 = 1.65;
 
 /// What the crowd of the timed steps looked like at their end: speed means nothing without it.
+#[doc(hidden)]
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Quality {
     /// Name of the row whose crowd this is.

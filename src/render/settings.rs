@@ -81,6 +81,7 @@ pub enum Quality {
 }
 
 /// Text that is no [`Quality`].
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[error("use low, medium or high")]
 pub struct UnknownQuality;

@@ -3,6 +3,7 @@
 use crate::kernels::shared::detail;
 
 /// What a surface is made of. Pictures of medium and high quality show it, by the patterns of `shaders/shared/detail.wgsl`.
+#[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[repr(u8)]
 #[allow(clippy::cast_possible_truncation, reason = "sixteen materials")]
