@@ -87,7 +87,7 @@ submit() {
     sbatch --parsable --chdir="$folder" --array="0-$last" --export="ALL,EACH=$each,GAITWAY=$gaitway" \
         "$here/../../examples/cluster/slurm.sh" "$folder/plan.jsonl" "$folder/slurm"
 }
-done_runs() { find "$folder/slurm" -maxdepth 1 -name 'run=*' 2>/dev/null | wc -l; }
+done_runs() { find "$folder/slurm" -maxdepth 1 -name 'run=*' | wc -l; }
 finish() {
     for _ in {1..600}; do
         [[ -n $(squeue -h -j "$1" 2>/dev/null) ]] || break
@@ -111,6 +111,7 @@ kill_one() {
 # to do again then, and another array is submitted.
 for _ in {1..5}; do
     rm -rf "$folder/slurm"
+    mkdir "$folder/slurm" # so that its runs can be counted from the beginning
     job=$(submit)
     kill_one
     finish "$job"
