@@ -5,7 +5,7 @@
 // Agents that look at the user from near by look now at one eye, now at the other, now at the mouth. Sad ones look at the
 // ground ahead, all others ahead, with small glances about. These directions count from the heading, so that eyes hold
 // still while the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the
-// neck angles are all there is: eyes stay straight in the head, and faces at rest (A-28).
+// neck angles are all there is: eyes stay straight in the head, and faces at rest.
 //
 // A face is six numbers, which follow the shares of the emotions that the body walks and stands in. `skin` moves brows and mouth
 // by them, and the lids turn here. What an emotion does to a face are the action units of FACS (Ekman and Friesen 1978).
