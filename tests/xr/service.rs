@@ -266,6 +266,14 @@ impl Live {
         false
     }
 
+    /// Waits until it has said something so many times from now on; what it says before is kept as heard.
+    pub(super) fn hear_anew(&mut self, words: &str, times: u32) {
+        self.heard.extend(self.notes.try_iter());
+        for _ in 0..times {
+            self.hear_line(words);
+        }
+    }
+
     /// Memory in use, MiB.
     pub(super) fn memory(&self) -> f64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.child.id())).unwrap();

@@ -41,29 +41,49 @@ pub(in super::super) fn tell(key: &str, value: &serde_json::Value) {
     eprintln!("{}", json!({ key: value }));
 }
 
-/// The newest picture of both eyes, and how many there were.
+/// What the actor says of every picture that it sees.
+pub(super) const PICTURE: &str = "a picture";
+
+/// The newest picture of both eyes, how many there were, and the pace at which they came.
 #[derive(Clone, Default)]
-pub(super) struct Seen(Arc<Mutex<(Option<Image>, u64)>>);
+pub(super) struct Seen(Arc<Mutex<Pictures>>);
+
+#[derive(Default)]
+struct Pictures {
+    newest: Option<Image>,
+    count: u64,
+    came: Option<Instant>,
+    slowest: Duration,
+}
 
 impl Seen {
-    /// A plan whose every second picture comes here.
+    /// A plan whose every second picture comes here, and is told.
     pub(super) fn plan(&self, side: u32) -> Plan {
         let seen = self.clone();
         let take = move |shot: &Shot| {
-            let mut seen = seen.0.lock().unwrap();
-            *seen = (Some(shot.image.clone()), seen.1 + 1);
+            let (now, pictures) = (Instant::now(), &mut *seen.0.lock().unwrap());
+            let since = pictures.came.replace(now).map(|before| now - before);
+            pictures.slowest = pictures.slowest.max(since.unwrap_or_default());
+            pictures.count += 1;
+            pictures.newest = Some(shot.image.clone());
+            eprintln!("{PICTURE}");
             Ok(())
         };
         Plan { eye_size: Some([side; 2]), shots: Some((2, Box::new(take))), ..Plan::default() }
     }
 
     pub(super) fn count(&self) -> u64 {
-        self.0.lock().unwrap().1
+        self.0.lock().unwrap().count
+    }
+
+    /// The longest time between two pictures, which is that of two frames, s.
+    pub(super) fn slowest(&self) -> f64 {
+        self.0.lock().unwrap().slowest.as_secs_f64()
     }
 
     /// The newest picture.
     pub(super) fn newest(&self) -> Option<Image> {
-        self.0.lock().unwrap().0.clone()
+        self.0.lock().unwrap().newest.clone()
     }
 }
 
