@@ -253,19 +253,6 @@ impl Live {
         }
     }
 
-    /// Whether it says something within some time.
-    pub(super) fn says(&mut self, words: &str, within: Duration) -> bool {
-        let begin = Instant::now();
-        while let Ok(line) = self.notes.recv_timeout(within.saturating_sub(begin.elapsed())) {
-            let is_it = line.contains(words);
-            self.heard.push(line);
-            if is_it {
-                return true;
-            }
-        }
-        false
-    }
-
     /// Waits until it has said something so many times from now on; what it says before is kept as heard.
     pub(super) fn hear_anew(&mut self, words: &str, times: u32) {
         self.heard.extend(self.notes.try_iter());

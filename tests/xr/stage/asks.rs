@@ -170,7 +170,7 @@ fn panels_are_answered_by_laser_by_stick_and_by_a_look() {
         let [seconds, wall, two_frames] =
             ["seconds", "wall", "slowest"].map(|key| answer[key].as_f64().unwrap());
         // by the frames that showed the panel: some are lost before the first and after the last
-        assert!(seconds <= wall + 0.2 && wall - seconds <= 3.0 * two_frames + 0.3, "{answer}");
+        assert!(seconds <= wall + 0.2 && wall - seconds <= 5.0 * two_frames + 0.3, "{answer}");
     }
     // a look rests for 1.2 s; the second one had to be elsewhere first, for 3.2 s
     let seconds = |answer: usize| answers[answer]["seconds"].as_f64().unwrap();
