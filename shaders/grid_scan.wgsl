@@ -30,12 +30,16 @@ fn grid_scan(
     }
     if lane == 0u {
         groups_left = 0u;
-        if group.x < groups {
+        if groups == 1u {
+            // a small crowd: nothing is before its group, and no sums are left
+            atomicStore(&cell_start[in_groups(0u)], 0u);
+            end_with(own.total);
+        } else if group.x < groups {
             atomicStore(&cell_start[in_groups(group.x)], own.total);
         }
     }
     storageBarrier(); // the sum is visible before the group counts as done
-    if lane == 0u && group.x < groups && atomicAdd(&cell_start[in_groups(groups)], 1u) == groups - 1u {
+    if lane == 0u && groups > 1u && group.x < groups && atomicAdd(&cell_start[in_groups(groups)], 1u) == groups - 1u {
         groups_left = groups;
     }
     storageBarrier();
@@ -55,13 +59,17 @@ fn grid_scan(
     }
     if lane == 0u && left > 0u {
         atomicStore(&cell_start[in_groups(groups)], 0u);
-        atomicStore(&cell_start[step.cell_count], total);
-        atomicStore(&cell_start[step_word()], step.step_index);
-        // no agent has to try again yet
-        unsolved[0] = 0u;
-        unsolved[1] = 1u;
-        unsolved[2] = 1u;
-        unsolved[3] = 0u;
-        unsolved[4] = 0u;
+        end_with(total);
     }
+}
+
+// What one invocation does at the end: no agent has to try again yet.
+fn end_with(total: u32) {
+    atomicStore(&cell_start[step.cell_count], total);
+    atomicStore(&cell_start[step_word()], step.step_index);
+    unsolved[0] = 0u;
+    unsolved[1] = 1u;
+    unsolved[2] = 1u;
+    unsolved[3] = 0u;
+    unsolved[4] = 0u;
 }

@@ -72,6 +72,7 @@ pub use place::{
 };
 #[doc(hidden)]
 pub use polygon::UnionError;
+pub(crate) use populate::MOST_BY_CHANCE;
 pub use populate::{AgentStart, Avoidance, Crowd, Entry, Stop, StopKind, populate};
 #[doc(hidden)]
 pub use populate::{

@@ -2,8 +2,8 @@
 
 use gaitway::Emotion;
 use gaitway::scenario::{
-    Clearance, Condition, Crowd, EmotionMode, Error, Geometry, Layout, ROUTE_CLEARANCE, Scenario, User,
-    polygon, populate,
+    AgentStart, Clearance, Condition, Crowd, EmotionMode, Error, Geometry, Layout, ROUTE_CLEARANCE, Scenario,
+    User, polygon, populate,
 };
 use glam::Vec2;
 use std::time::Instant;
@@ -458,6 +458,39 @@ fn a_hundred_thousand_agents_are_populated_in_seconds() {
         println!("{}: {:?}, {} stages", label(&scenario), start.elapsed(), crowd.stages.len());
         assert_eq!(crowd.agents.len(), 100_000);
     }
+}
+
+#[test]
+fn a_large_crowd_is_numbered_by_place_and_its_people_and_groups_stay() {
+    let crowd = |agents: u32| {
+        let mut scenario = Scenario::builtin("crossing").unwrap().with_agents(agents);
+        scenario.population.groups.sizes = vec![0.6, 0.3, 0.1];
+        populate(&scenario, gaits).unwrap().agents
+    };
+    let (small, large) = (crowd(16_384), crowd(16_400));
+    // how many rows of a metre are between people whose numbers are near
+    let rows = |agents: &[AgentStart]| {
+        let away = |pair: &[AgentStart]| (pair[0].position.y - pair[63].position.y).abs();
+        let mut all: Vec<f32> = agents.windows(64).map(away).collect();
+        all.sort_by(f32::total_cmp);
+        all[all.len() / 2]
+    };
+    println!("{} and {} rows", rows(&small), rows(&large));
+    assert!(rows(&small) > 20.0 && rows(&large) < 5.0);
+    // who is at a place may change, what people are like by number does not
+    assert!(
+        small
+            .iter()
+            .zip(&large)
+            .take(16_000) // the last group ends where the crowd does
+            .all(|(a, b)| (a.avatar, a.radius, a.companions) == (b.avatar, b.radius, b.companions))
+    );
+    let apart = |agent: &AgentStart| {
+        let companions = agent.companions.iter().filter(|other| **other != u32::MAX);
+        companions.map(|other| large[*other as usize].position.distance(agent.position)).fold(0.0, f32::max)
+    };
+    let farthest = large.iter().map(apart).fold(0.0, f32::max);
+    assert!(large.iter().any(|agent| apart(agent) > 0.0) && farthest < 5.0, "{farthest} m");
 }
 
 #[test]

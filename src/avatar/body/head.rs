@@ -21,6 +21,10 @@ pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
     (0.000, 0.016, 0.015, -0.024, 2),
 ];
 pub(super) const SQUARE: f32 = 2.3;
+const UNDER_HAIR: Paint = Paint::tinted(Material::Hair, 0.55);
+/// Shades of hair from column to column of the finest level: the same on both sides.
+const STRANDS: [f32; 11] = [0.96, 1.0, 0.86, 0.95, 0.80, 0.92, 0.92, 0.80, 0.95, 0.86, 1.0];
+const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.62, 0.50, 0.48) };
 const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
 
 /// The skull as a function of height.
@@ -78,6 +82,40 @@ impl Skull {
     }
 }
 
+impl Skull {
+    /// A shell beside the head, hollow in front, that stands off at the back.
+    fn ear<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>, side: f32) {
+        const COLUMNS: u8 = 9;
+        /// Of the middle: aside, under the crown, ahead, m (man's size).
+        const AT: [f32; 3] = [0.074, 0.133, -0.006];
+        const HALF: [f32; 2] = [0.0165, 0.0310]; // broad, high, m
+        const LEAN: f32 = 0.2; // to the back, of its height
+        const OFF: f32 = 0.45; // of its breadth
+        // of the outline, and aside, m
+        let place = |angle: f32, share: f32, out: f32| {
+            let (sine, cosine) = libm::sincosf(angle);
+            // the lobe is narrower than the helix
+            let back = -cosine * HALF[0] * (1.0 + 0.3 * sine) * share;
+            let up = sine * HALF[1] * share;
+            let back = back + LEAN * up;
+            Vec3::new(
+                side * (AT[0] + (back + HALF[0]) * OFF * share.min(1.0) + out) * self.size,
+                self.crown + (up - AT[1]) * self.size,
+                (AT[2] - back) * self.size,
+            )
+        };
+        let row = |share: f32, out: f32| -> Vec<Vec3> {
+            (0..COLUMNS).map(|k| place(TAU * f32::from(k) / f32::from(COLUMNS), share, out)).collect()
+        };
+        builder.begin(skin);
+        let rows =
+            [row(0.8, -0.012), row(0.98, -0.002), row(1.0, 0.002), row(0.72, 0.0015), row(0.35, -0.005)];
+        let shade = |row: usize, _| if row == 4 { IN_EAR } else { SKIN };
+        builder.painted_grid(&rows, true, &shade);
+        builder.end(Some(Vec3::X * side));
+    }
+}
+
 impl Measures {
     pub(super) fn head<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
         let skull = Skull::of(self);
@@ -124,23 +162,29 @@ impl Measures {
     }
 
     fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (14, 4) } else { (7, 2) };
+        let (columns, rows) = if builder.level == 0 { (22, 6) } else { (7, 2) };
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
             let fringe = 0.052;
             match self.sex {
-                Sex::Female => fringe + (0.250 - fringe) * step(0.95, 1.45, turn),
+                Sex::Female => fringe + (0.238 - fringe) * step(0.80, 1.30, turn),
                 // Sideburns in front of the ear, a short nape.
                 Sex::Male => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
             }
         };
         let thick =
             [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.005 } else { -0.002 };
+        // Long hair grows thin towards its ends; short hair is fullest half way up.
+        let fullness = |t: f32| match self.sex {
+            _ if builder.level > 0 => 1.0,
+            Sex::Female => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
+            Sex::Male => 1.0 + 0.3 * libm::sinf(PI * t),
+        };
         let mut grid: Vec<Vec<Vec3>> = Vec::new();
         for row in 0..=rows + 1 {
             // The first row turns in under the hair's edge, so that it has thickness.
             let t = (row as f32 - 1.0).max(0.0) / rows as f32;
-            let thickness = if row == 0 { -0.004 } else { thick };
+            let thickness = if row == 0 { -0.004 } else { thick * fullness(t) };
             let ring = (0..columns).map(|k| {
                 let angle = TAU * k as f32 / columns as f32;
                 // Flatter over the forehead, where it would look like a peak.
@@ -150,8 +194,14 @@ impl Measures {
             });
             grid.push(ring.collect());
         }
+        let is_finest = builder.level == 0;
+        let strands = |row: usize, column: usize| match row {
+            _ if !is_finest => HAIR,
+            0 => UNDER_HAIR,
+            _ => Paint::tinted(Material::Hair, STRANDS[column % STRANDS.len()]),
+        };
         builder.begin(skin);
-        builder.grid(&grid, true, HAIR);
+        builder.painted_grid(&grid, true, &strands);
         // The crown.
         if let Some(top) = grid.last() {
             let rim: Vec<u32> = top.iter().map(|&p| builder.vertex(p, HAIR)).collect();
@@ -163,26 +213,7 @@ impl Measures {
         }
         builder.end(None);
         if self.sex == Sex::Male && builder.level == 0 {
-            for side in [-1.0, 1.0] {
-                let ear = |drop: f32, z: f32, out: f32| {
-                    Vec3::new(
-                        side * (0.070 + out) * skull.size,
-                        skull.crown - drop * skull.size,
-                        z * skull.size,
-                    )
-                };
-                let corners =
-                    [ear(0.108, 0.004, 0.006), ear(0.108, -0.022, 0.018), ear(0.160, -0.012, 0.008)];
-                let front = ear(0.130, 0.012, -0.002);
-                let back = ear(0.130, -0.020, -0.002);
-                builder.begin(skin);
-                let ids = corners.map(|p| builder.vertex(p, SKIN));
-                let (front, back) = (builder.vertex(front, SKIN), builder.vertex(back, SKIN));
-                builder.triangle(ids[0], ids[1], ids[2]);
-                builder.triangle(front, ids[0], ids[2]);
-                builder.triangle(ids[1], back, ids[2]);
-                builder.end(Some(Vec3::X * side));
-            }
+            [-1.0, 1.0].into_iter().for_each(|side| skull.ear(builder, skin, side));
         }
     }
 

@@ -43,8 +43,6 @@ impl Measures {
         let stations: &[Station] = match self.sex {
             // Short sleeve, then skin.
             Sex::Female => &[
-                (0, -0.10, 0.022, 1, TOP),
-                (0, -0.03, 0.040, 0, TOP),
                 (0, 0.12, 0.047, 1, TOP),
                 (0, 0.46, 0.047, 0, cuff),
                 (0, 0.47, 0.042, 1, SKIN),
@@ -55,9 +53,7 @@ impl Measures {
             ],
             // Long sleeve to the wrist.
             Sex::Male => &[
-                (0, -0.10, 0.026, 1, TOP),
-                (0, -0.03, 0.049, 0, TOP),
-                (0, 0.12, 0.060, 1, TOP),
+                (0, 0.12, 0.058, 1, TOP),
                 (0, 0.40, 0.055, 0, TOP),
                 (0, 0.90, 0.047, 0, TOP),
                 (1, 0.06, 0.048, 1, TOP),
@@ -79,12 +75,43 @@ impl Measures {
             let coarse = tube(&points, &coarse);
             builder.loft(&coarse, segments, [Cap::Open; 2]);
         } else {
-            builder.loft(&tube(&points, stations), segments, [Cap::Fan(0.012), Cap::Open]);
+            let mut rings = self.shoulder(points[0]);
+            rings.extend(tube(&points, stations));
+            builder.loft(&rings, segments, [Cap::Open; 2]);
         }
         builder.end(None);
         if builder.level < 2 {
             self.hand(builder, points, left, skin);
         }
+    }
+
+    /// The head of a sleeve: from inside the top, beside the neck, over the shoulder into the arm.
+    fn shoulder(&self, joint: Vec3) -> Vec<Ring> {
+        /// Of a man's left one: its centre from the joint and where the loft goes from there, both to the side and up; radii
+        /// across and towards the front, and the coarsest level.
+        type Section = ([f32; 2], [f32; 2], [f32; 2], usize);
+        const OF_MAN: [Section; 4] = [
+            ([-0.094, 0.024], [1.00, -0.15], [0.030, 0.036], 0),
+            ([-0.044, 0.006], [0.93, -0.37], [0.037, 0.050], 1),
+            ([-0.004, -0.010], [0.62, -0.78], [0.046, 0.060], 0),
+            ([0.001, -0.024], [0.35, -0.94], [0.053, 0.062], 0),
+        ];
+        let size = if self.sex == Sex::Male { 1.0 } else { 0.80 };
+        let ring = |&([aside, up], [along_x, along_y], [across, front], keep): &Section| {
+            let mirrored = |x: f32, y: f32| Vec3::new(x * joint.x.signum(), y, 0.0);
+            let along = mirrored(along_x, along_y).normalize_or_zero();
+            Ring {
+                center: joint + mirrored(aside, up) * size,
+                side: Vec3::Z.cross(along) * (-across * size),
+                front: Vec3::Z * (front * size),
+                back: 1.0,
+                square: 2.0,
+                paint: TOP,
+                back_paint: None,
+                keep,
+            }
+        };
+        OF_MAN.iter().map(ring).collect()
     }
 
     fn hand<'a>(&self, builder: &mut Builder<'a>, points: [Vec3; 3], left: bool, skin: Skin<'a>) {

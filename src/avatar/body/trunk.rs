@@ -1,8 +1,13 @@
 //! Torso with clothes, neck and skirt.
 
 use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::weights::step;
 use super::{BOTTOM, Material, Measures, SKIN, Sex, TOP};
+use crate::gait::Joint;
 use glam::Vec3;
+
+/// How steeply a collar falls from the nape to the throat.
+const COLLAR_SLOPE: f32 = 0.42;
 
 /// (height, half width, front depth, back depth, coarsest level) of a horizontal ring, metres.
 pub(super) type Row = (f32, f32, f32, f32, usize);
@@ -40,12 +45,12 @@ impl Measures {
             (0.958, 0.172, 0.120, 0.128, 2),
             (1.100, 0.158, 0.114, 0.098, 0),
             (1.200, 0.170, 0.120, 0.108, 0),
-            (1.300, 0.188, 0.124, 0.120, 1),
-            (1.380, 0.196, 0.110, 0.122, 0),
-            (1.430, 0.190, 0.084, 0.106, 2),
-            (1.463, 0.140, 0.068, 0.092, 0),
-            (1.485, 0.092, 0.064, 0.080, 0),
-            (1.508, 0.066, 0.064, 0.072, 2),
+            (1.300, 0.184, 0.124, 0.120, 1),
+            (1.380, 0.182, 0.112, 0.122, 0),
+            (1.430, 0.172, 0.094, 0.110, 2),
+            (1.464, 0.138, 0.076, 0.096, 0),
+            (1.484, 0.094, 0.066, 0.084, 0),
+            (1.500, 0.066, 0.062, 0.072, 2),
         ];
         const FEMALE_SKIRT: &[Row] = &[
             (0.520, 0.192, 0.158, 0.172, 2),
@@ -59,11 +64,11 @@ impl Measures {
             (1.050, 0.130, 0.097, 0.086, 1),
             (1.165, 0.150, 0.122, 0.100, 0),
             (1.215, 0.156, 0.128, 0.104, 1),
-            (1.275, 0.158, 0.104, 0.106, 0),
-            (1.322, 0.162, 0.076, 0.094, 2),
-            (1.350, 0.120, 0.060, 0.080, 0),
-            (1.370, 0.080, 0.054, 0.070, 0),
-            (1.386, 0.056, 0.052, 0.062, 2),
+            (1.275, 0.152, 0.106, 0.106, 0),
+            (1.322, 0.142, 0.082, 0.096, 2),
+            (1.349, 0.116, 0.064, 0.083, 0),
+            (1.366, 0.080, 0.056, 0.072, 0),
+            (1.380, 0.056, 0.052, 0.062, 2),
         ];
         let segments = [12, 7, 5][builder.level.min(2)];
         let (lower, upper): (&[Row], &[Row]) = match self.sex {
@@ -78,6 +83,12 @@ impl Measures {
 
         builder.begin(trunk);
         let mut top = rings(upper, 2.35, TOP);
+        let shoulder = self.bones.of(Joint::LeftShoulder).y;
+        let collar = top.last().map_or(shoulder, |ring| ring.center.y);
+        for ring in &mut top {
+            // a collar lies lower at the throat than at the nape
+            ring.front.y = -COLLAR_SLOPE * ring.front.z * step(shoulder, collar, ring.center.y);
+        }
         // A belt line: the hem's underside closes against the trousers in the shade.
         if let Some(hem) = top.first().copied() {
             let under = Ring { side: hem.side * 0.93, front: hem.front * 0.9, center: hem.center, ..hem };
@@ -90,8 +101,8 @@ impl Measures {
 
     fn neck<'a>(&self, builder: &mut Builder<'a>, trunk: &'a dyn Fn(Vec3) -> Shares) {
         let (base, top, radius) = match self.sex {
-            Sex::Female => (1.362, 1.470, 0.045),
-            Sex::Male => (1.472, 1.585, 0.056),
+            Sex::Female => (1.352, 1.470, 0.045),
+            Sex::Male => (1.462, 1.585, 0.056),
         };
         if builder.level >= 2 {
             return;
@@ -100,7 +111,7 @@ impl Measures {
         let ring = |t: f32, scale: f32, keep: usize| Ring {
             center: Vec3::new(0.0, base + (top - base) * t, -0.012 + 0.014 * t),
             side: Vec3::X * radius * scale,
-            front: Vec3::Z * radius * scale,
+            front: Vec3::new(0.0, -COLLAR_SLOPE * (1.0 - t), 1.0) * radius * scale,
             back: 1.1,
             square: 2.0,
             paint: SKIN,

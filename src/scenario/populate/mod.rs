@@ -1,7 +1,8 @@
 //! Fills a scenario with agents: where each starts, how it feels, how it walks, how it looks.
 //!
 //! All draws are counter-based ([`crate::scenario::random`]): what agent i is like depends on the seed and i alone; where it
-//! starts depends, besides, on the agents before it, because no two may overlap.
+//! starts depends, besides, on the agents before it, because no two may overlap. In a large crowd the people at the start are
+//! numbered by their places, so it depends on all of them.
 
 mod crowd;
 mod external;
@@ -30,8 +31,16 @@ use crate::scenario::place::Clearance;
 use glam::Vec2;
 use lanes::Lanes;
 use places::{Place, Places};
+use std::cmp::Ordering;
+use std::collections::BTreeMap;
 use std::ops::Range;
 use traits::{TraitSampler, chooser};
+
+/// The most people who are numbered as their places are drawn. The state of more does not fit into the cache of a core: their
+/// numbers follow their places, so that what is read together lies together.
+pub(crate) const MOST_BY_CHANCE: u32 = 16_384;
+/// How deep a row of places is, m.
+const ROW: f32 = 1.0;
 
 /// Fills a scenario with its agents, knowing of the gaits no more than which look like an emotion.
 ///
@@ -91,8 +100,15 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
         places.taken.insert(Vec2::from(walker.position));
     }
     let mut agents: Vec<AgentStart> = Vec::with_capacity(scenario.population.agents as usize);
-    while let Some(members) = next_group(scenario, &agents, split.start) {
-        for (agent, place) in members.clone().zip(places.place(&members)?) {
+    let mut groups = Vec::new();
+    while let Some(members) = next_group(scenario, groups.last().map_or(0, end_of), split.start) {
+        groups.push((members.clone(), places.place(&members)?));
+    }
+    if split.start > MOST_BY_CHANCE {
+        number_by_place(&mut groups);
+    }
+    for (members, places) in groups {
+        for (agent, place) in members.clone().zip(places) {
             let companions = groups::others(&members, agent);
             agents.push(AgentStart { companions, ..sampler.agent(agent, place, Entry::Start)? });
         }
@@ -105,7 +121,7 @@ fn fill(scenario: &Scenario, chooser: &Chooser) -> Result<Crowd, Error> {
         let inside = sources::places(&key, source, &free, places.body + 0.05, bears)?;
         let ways = places.ways(&format!("{key}.routes"), &source.routes, &source.journeys, false)?;
         let first_agent = next_id(&agents);
-        while let Some(members) = next_group(scenario, &agents, first_agent + count) {
+        while let Some(members) = next_group(scenario, next_id(&agents), first_agent + count) {
             let first = members.start;
             let place = places
                 .entrance(first, inside[0], elevation, &ways)
@@ -132,8 +148,34 @@ fn next_id(agents: &[AgentStart]) -> u32 {
     u32::try_from(agents.len()).unwrap_or(u32::MAX)
 }
 
-/// The agents after those that there are, below number `end`: one that walks alone, or a group.
-fn next_group(scenario: &Scenario, agents: &[AgentStart], end: u32) -> Option<Range<u32>> {
-    let first = next_id(agents);
+/// People who start together, and where.
+type Placed = (Range<u32>, Vec<Place>);
+
+fn end_of((members, _): &Placed) -> u32 {
+    members.end
+}
+
+/// Exchanges places between groups of the same size, so that people of near numbers are near each other: floor by floor, row by
+/// row. What people are like depends on their numbers, and stays.
+fn number_by_place(groups: &mut [Placed]) {
+    let mut of_size: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (number, (_, places)) in groups.iter().enumerate() {
+        of_size.entry(places.len()).or_default().push(number);
+    }
+    for numbers in of_size.values() {
+        let mut sorted: Vec<Vec<Place>> =
+            numbers.iter().map(|number| std::mem::take(&mut groups[*number].1)).collect();
+        let key = |places: &Vec<Place>| {
+            places.first().map(|place| (place.elevation, (place.position.y / ROW).floor(), place.position.x))
+        };
+        sorted.sort_by(|a, b| key(a).partial_cmp(&key(b)).unwrap_or(Ordering::Equal));
+        for (number, places) in numbers.iter().zip(sorted) {
+            groups[*number].1 = places;
+        }
+    }
+}
+
+/// The agents from number `first` on, below number `end`: one that walks alone, or a group.
+fn next_group(scenario: &Scenario, first: u32, end: u32) -> Option<Range<u32>> {
     (first < end).then(|| first..groups::members(scenario, first).end.min(end))
 }

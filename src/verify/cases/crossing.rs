@@ -4,12 +4,13 @@ use crate::kernels::Store;
 use crate::kernels::layout::{Body, Route, Stage, Stance, StepUniforms};
 use crate::reference::exact::{hash_u32, unit_f32};
 use crate::reference::shared::on_storey;
+use crate::scenario::MOST_BY_CHANCE;
 use crate::sim::setup::avoidance;
 
 /// Far enough that all agents of a stream walk in the same direction to 1e-4 rad.
 const FAR: f32 = 1e7;
 
-/// `agents` at one per `spacing`² square metres, stored in arbitrary order; half want to go along x, half along z, at
+/// `agents` at one per `spacing`² square metres, stored as scenes number theirs: a large crowd row by row, others in arbitrary order; half want to go along x, half along z, at
 /// 1.3 m/s. Radius 0.25 m, maximum speed 2 m/s, neighbour distance 5 m, 10 neighbours, horizon 2 s, 30 steps a second.
 pub fn crossing(agents: usize, spacing: f32) -> Store {
     let columns = (agents as f32).sqrt().ceil() as usize;
@@ -19,8 +20,10 @@ pub fn crossing(agents: usize, spacing: f32) -> Store {
     let u = |value: u32| unit_f32(hash_u32(value)) - 0.5;
     let jitter = (spacing - 0.5).min(0.4);
     let mut order: Vec<u32> = (0..agents as u32).collect();
-    for i in (1..agents).rev() {
-        order.swap(i, ((u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1)) >> 32) as usize);
+    if agents <= MOST_BY_CHANCE as usize {
+        for i in (1..agents).rev() {
+            order.swap(i, ((u64::from(hash_u32(i as u32 ^ 0x5bd1_e995)) * (i as u64 + 1)) >> 32) as usize);
+        }
     }
     let mut store = Store {
         step: StepUniforms {
