@@ -85,7 +85,7 @@ impl Place<'_> {
         let corner = self.of_corner() * bump(0.0, (self.drop - MOUTH - 0.001) / 0.014);
         // the chin pushes the lower lip up
         let pout = self.of_middle() * bump(0.0, (self.drop - 0.193) / 0.009);
-        self.slide(0.0005 * corner, 0.0022 * pout - 0.008 * corner, 0.0015 * pout)
+        self.slide(0.0005 * corner, 0.0022 * pout - 0.0065 * corner, 0.0015 * pout)
     }
 
     fn opened(&self, is_below: bool) -> Vec3 {

@@ -20,7 +20,7 @@ const BETWEEN_LIPS: Paint = Paint { material: Material::Skin, color: Vec3::new(0
 /// Of the skin's material, since a triangle has one material.
 const INSIDE: Paint = Paint { material: Material::Skin, color: Vec3::new(0.10, 0.04, 0.05) };
 const TEETH: Paint = Paint::fixed(0.52, 0.50, 0.45);
-const HAIR_OF_BROWS: Paint = Paint::tinted(Material::Hair, 0.6);
+const HAIR_OF_BROWS: Paint = Paint::tinted(Material::Hair, 0.42);
 
 /// What a row of the finest head is made of.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -23,8 +23,8 @@ pub(super) const SKULL: [(f32, f32, f32, f32, usize); 9] = [
 pub(super) const SQUARE: f32 = 2.3;
 const UNDER_HAIR: Paint = Paint::tinted(Material::Hair, 0.55);
 /// Shades of hair from column to column of the finest level: the same on both sides.
-const STRANDS: [f32; 11] = [0.96, 1.0, 0.86, 0.95, 0.80, 0.92, 0.92, 0.80, 0.95, 0.86, 1.0];
-const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.62, 0.50, 0.48) };
+const STRANDS: [f32; 12] = [0.96, 1.0, 0.86, 0.95, 0.80, 0.92, 0.85, 0.92, 0.80, 0.95, 0.86, 1.0];
+const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.50, 0.38, 0.36) };
 const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
 
 /// The skull as a function of height.
@@ -32,15 +32,17 @@ pub(super) struct Skull {
     pub(super) crown: f32,
     pub(super) size: f32,
     pub(super) sex: Sex,
-    /// How fast the hair closes in on the nape, metres per metre of height.
+    /// How fast the hair closes in on the nape and, beside it, on the neck, metres per metre of height.
     nape: f32,
+    side: f32,
 }
 
 impl Skull {
     pub(super) fn of(measures: &Measures) -> Self {
-        let (size, nape) = if measures.sex == Sex::Male { (1.0, 0.45) } else { (0.955, 0.22) };
+        let (size, nape, side) =
+            if measures.sex == Sex::Male { (1.0, 0.45, 0.05) } else { (0.955, 0.30, 0.16) };
         // Hair adds to the stature, so the crown of the skull lies under it.
-        Self { crown: measures.height - 0.014 * size, size, sex: measures.sex, nape }
+        Self { crown: measures.height - 0.014 * size, size, sex: measures.sex, nape, side }
     }
 
     /// (half width, front, back) at `drop` under the crown (man's size), unscaled.
@@ -71,7 +73,7 @@ impl Skull {
         let (mut half_width, front, mut back) = Self::section(drop.max(0.004));
         if drop > 0.11 {
             let (ear, _, nape) = Self::section(0.11);
-            half_width = ear - (drop - 0.11) * 0.05;
+            half_width = ear - (drop - 0.11) * self.side;
             back = nape + (drop - 0.11) * self.nape;
         }
         let middle = 0.5 * (front + back);
@@ -87,10 +89,10 @@ impl Skull {
     fn ear<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>, side: f32) {
         const COLUMNS: u8 = 9;
         /// Of the middle: aside, under the crown, ahead, m (man's size).
-        const AT: [f32; 3] = [0.074, 0.133, -0.006];
+        const AT: [f32; 3] = [0.074, 0.126, -0.006];
         const HALF: [f32; 2] = [0.0165, 0.0310]; // broad, high, m
         const LEAN: f32 = 0.2; // to the back, of its height
-        const OFF: f32 = 0.45; // of its breadth
+        const OFF: f32 = 0.32; // of its breadth
         // of the outline, and aside, m
         let place = |angle: f32, share: f32, out: f32| {
             let (sine, cosine) = libm::sincosf(angle);
@@ -162,12 +164,21 @@ impl Measures {
     }
 
     fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (22, 6) } else { (7, 2) };
+        let (columns, rows) = if builder.level == 0 { (24, 6) } else { (7, 2) };
+        let is_finest = builder.level == 0;
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
-            let fringe = 0.052;
+            // parted on the left: a fringe falls to the right; the skull is open above its last row
+            let fringe = match (self.sex, is_finest) {
+                (_, false) => 0.052,
+                (Sex::Female, true) => 0.049 + 0.015 * step(-0.45, 0.75, -libm::sinf(angle)),
+                (Sex::Male, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
+            };
             match self.sex {
-                Sex::Female => fringe + (0.238 - fringe) * step(0.80, 1.30, turn),
+                // shorter in front
+                Sex::Female => {
+                    fringe + (0.212 + 0.026 * step(1.2, 2.3, turn) - fringe) * step(0.85, 1.35, turn)
+                }
                 // Sideburns in front of the ear, a short nape.
                 Sex::Male => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
             }
@@ -194,7 +205,6 @@ impl Measures {
             });
             grid.push(ring.collect());
         }
-        let is_finest = builder.level == 0;
         let strands = |row: usize, column: usize| match row {
             _ if !is_finest => HAIR,
             0 => UNDER_HAIR,

@@ -59,7 +59,7 @@ const BOTTOM: Paint = Paint::tinted(Material::Bottom, 1.0);
 const SHOE: Paint = Paint::fixed(0.035, 0.03, 0.03);
 const SOLE: Paint = Paint::fixed(0.012, 0.012, 0.012);
 
-/// One of the two bodies: three levels of detail of about 3,300, 440 and 150 triangles.
+/// One of the two bodies: three levels of detail of about 3,400, 440 and 150 triangles.
 pub fn generated(sex: Sex) -> Avatar {
     let measures = Measures::of(sex);
     let joints = std::array::from_fn(|joint| {
