@@ -87,7 +87,7 @@ impl Skull {
 impl Skull {
     /// A shell beside the head, hollow in front, that stands off at the back.
     fn ear<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>, side: f32) {
-        const COLUMNS: u8 = 9;
+        const COLUMNS: u8 = 8;
         /// Of the middle: aside, under the crown, ahead, m (man's size).
         const AT: [f32; 3] = [0.074, 0.126, -0.006];
         const HALF: [f32; 2] = [0.0165, 0.0310]; // broad, high, m
