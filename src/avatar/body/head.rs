@@ -164,8 +164,8 @@ impl Measures {
     }
 
     fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (24, 6) } else { (7, 2) };
         let is_finest = builder.level == 0;
+        let (columns, rows) = if is_finest { (24, 6) } else { (7, 2) };
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
             // parted on the left: a fringe falls to the right; the skull is open above its last row
@@ -187,7 +187,7 @@ impl Measures {
             [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.005 } else { -0.002 };
         // Long hair grows thin towards its ends; short hair is fullest half way up.
         let fullness = |t: f32| match self.sex {
-            _ if builder.level > 0 => 1.0,
+            _ if !is_finest => 1.0,
             Sex::Female => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
             Sex::Male => 1.0 + 0.3 * libm::sinf(PI * t),
         };

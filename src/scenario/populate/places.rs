@@ -268,7 +268,7 @@ impl<'a> Places<'a> {
         place.map(|place| Place { elevation: self.floors.height(position, elevation), ..place })
     }
 
-    /// At the first stage of a journey; which journey and which way through it depends on the agent alone.
+    /// At the first stage of a journey; which journey and which way through it depends on the number for which a place is drawn.
     fn on_a_journey(&self, agent: u32, journeys: &[usize], position: Vec2) -> Option<Place> {
         let draw = |k: u32| unit(self.scenario.seed, agent, Purpose::Journey, k);
         let ends = cumulate(journeys.iter().map(|&journey| self.lanes.journeys[journey].weight));

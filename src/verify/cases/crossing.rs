@@ -10,8 +10,8 @@ use crate::sim::setup::avoidance;
 /// Far enough that all agents of a stream walk in the same direction to 1e-4 rad.
 const FAR: f32 = 1e7;
 
-/// `agents` at one per `spacing`² square metres, stored as scenes number theirs: a large crowd row by row, others in arbitrary order; half want to go along x, half along z, at
-/// 1.3 m/s. Radius 0.25 m, maximum speed 2 m/s, neighbour distance 5 m, 10 neighbours, horizon 2 s, 30 steps a second.
+/// `agents` at one per `spacing`² square metres; half want to go along x, half along z. They are stored as scenes number theirs: a
+/// large crowd row by row, others in arbitrary order. They walk at 1.3 m/s. Radius 0.25 m, maximum speed 2 m/s, neighbour distance 5 m, 10 neighbours, horizon 2 s, 30 steps a second.
 pub fn crossing(agents: usize, spacing: f32) -> Store {
     let columns = (agents as f32).sqrt().ceil() as usize;
     let side = spacing * columns as f32;

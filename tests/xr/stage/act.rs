@@ -57,7 +57,7 @@ struct Pictures {
 }
 
 impl Seen {
-    /// A plan whose every second picture comes here, and is told.
+    /// A plan of a session. Every second picture comes here, and the actor tells of it.
     pub(super) fn plan(&self, side: u32) -> Plan {
         let seen = self.clone();
         let take = move |shot: &Shot| {
