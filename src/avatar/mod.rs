@@ -42,8 +42,11 @@ pub use body_model::{
 pub use error::Error;
 pub use far::{FarMesh, FarVertex, Limb};
 pub use glb::{glb, write_glb};
+pub(crate) use load::place;
 pub use load::{load, load_bytes, load_with_map, model, triangles};
 pub use model::{Loaded, Model};
+#[doc(hidden)]
+pub use model::{PlaceMaterial, PlaceModel, PlaceVertex};
 pub use posture::Posture;
 pub use retarget::retarget;
 pub use rig_map::RigMap;

@@ -1,7 +1,8 @@
 //! What is read of files with characters and models.
 
 use super::Avatar;
-use glam::Vec3;
+use crate::picture::Image;
+use glam::{Vec2, Vec3};
 
 /// A loaded character and what was inferred about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,4 +24,70 @@ pub struct Model {
     pub colors: Vec<Vec3>,
     /// Three indices per triangle.
     pub indices: Vec<u32>,
+}
+
+/// A place as it stands in its scene, with materials and textures: metres, y up, front faces counter-clockwise.
+#[doc(hidden)]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct PlaceModel {
+    /// Its vertices.
+    pub vertices: Vec<PlaceVertex>,
+    /// Three indices per triangle of what is seen from its front only.
+    pub solid: Vec<u32>,
+    /// The same of what has two sides or holes.
+    pub open: Vec<u32>,
+    /// What there is of materials.
+    pub materials: Vec<PlaceMaterial>,
+    /// Textures of colours, with the sRGB curve; alpha is linear.
+    pub colors: Vec<Image>,
+    /// Textures of numbers: normals, occlusion, roughness and metal.
+    pub maps: Vec<Image>,
+}
+
+impl PlaceModel {
+    /// All triangles, m.
+    pub fn triangles(&self) -> Vec<[Vec3; 3]> {
+        let corner =
+            |index: u32| self.vertices.get(index as usize).map_or(Vec3::ZERO, |vertex| vertex.position);
+        let both = self.solid.chunks_exact(3).chain(self.open.chunks_exact(3));
+        both.map(|three| [corner(three[0]), corner(three[1]), corner(three[2])]).collect()
+    }
+}
+
+/// A vertex of a place.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceVertex {
+    /// Position, m.
+    pub position: Vec3,
+    /// Unit normal.
+    pub normal: Vec3,
+    /// Linear base colour, 0 to 1, before textures.
+    pub color: Vec3,
+    /// Place on the textures: (0, 0) is their first texel, (1, 1) behind the last.
+    pub uv: Vec2,
+    /// Number of the material.
+    pub material: u32,
+}
+
+/// A material of a place, as glTF 2.0 has it (section 3.9).
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PlaceMaterial {
+    /// Linear light that it sends out itself.
+    pub glow: Vec3,
+    /// How rough it is, 0 to 1.
+    pub roughness: f32,
+    /// How much of a metal it is, 0 to 1.
+    pub metal: f32,
+    /// Where alpha is below, there is nothing; 0: it is everywhere.
+    pub cutoff: f32,
+    /// Number among the textures of colours.
+    pub color: Option<u32>,
+    /// Among the maps: roughness in green, metal in blue, both times those above.
+    pub rough: Option<u32>,
+    /// Among the maps: normals, and how much their slopes count.
+    pub normal: Option<(u32, f32)>,
+    /// Among the maps: occlusion in red, and how much it counts.
+    pub occlusion: Option<(u32, f32)>,
 }

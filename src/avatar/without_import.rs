@@ -1,7 +1,7 @@
 //! A build without the feature `import` reads no characters and models.
 
 use super::rig_map::RigMap;
-use super::{Avatar, Error, Loaded, Model};
+use super::{Avatar, Error, Loaded, Model, PlaceModel};
 use glam::Vec3;
 use std::path::Path;
 
@@ -34,6 +34,14 @@ pub fn load_bytes(name: &str, _: &[u8], _: Option<&Path>, _: &RigMap) -> Result<
 /// # Errors
 /// [`Error::Unusable`].
 pub fn model(path: &Path) -> Result<Model, Error> {
+    Err(refused(&path.display().to_string()))
+}
+
+/// Reads a place; not in this build.
+///
+/// # Errors
+/// [`Error::Unusable`].
+pub(crate) fn place(path: &Path) -> Result<PlaceModel, Error> {
     Err(refused(&path.display().to_string()))
 }
 

@@ -44,6 +44,8 @@ mod svg;
 pub mod trajectory;
 #[cfg_attr(not(feature = "parquet"), path = "without_parquet.rs")]
 mod trajectory_parquet;
+#[cfg(feature = "parquet")]
+mod trajectory_rows;
 #[cfg_attr(not(feature = "sqlite"), path = "without_sqlite.rs")]
 mod trajectory_sqlite;
 pub mod video;

@@ -14,8 +14,12 @@ use parquet::schema::types::{ColumnPath, Type};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Level of zstd: the fastest. Mantissas of places hardly compress at any.
+/// Level of zstd: the fastest but for those that leave literals as they are.
 const LEVEL: i32 = 1;
+/// Level for numbers whose low bits are noise: mantissas hardly compress at any, and this one soon gives up.
+const EXACT_LEVEL: i32 = -4;
+/// Rows of a page. A byte of so many numbers is a block of zstd, so bytes of different weight have codes of their own.
+const PAGE: usize = 1 << 17;
 
 /// What a column holds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,6 +28,8 @@ pub(super) enum Kind {
     Whole,
     /// `f32`, bytes of equal weight side by side.
     Float,
+    /// The same to the last bit, which is noise.
+    Exact,
     /// `f64`, the same.
     Double,
     /// Yes or no.
@@ -117,7 +123,7 @@ fn schema(columns: &[ColumnOf]) -> Result<Type, ParquetError> {
     let field = |column: &ColumnOf| {
         let (physical, logical) = match column.kind {
             Kind::Whole => (Physical::INT32, None),
-            Kind::Float => (Physical::FLOAT, None),
+            Kind::Float | Kind::Exact => (Physical::FLOAT, None),
             Kind::Double => (Physical::DOUBLE, None),
             Kind::Flag => (Physical::BOOLEAN, None),
             Kind::Word => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
@@ -139,6 +145,7 @@ fn properties(columns: &[ColumnOf]) -> Result<WriterProperties, ParquetError> {
         .set_key_value_metadata(Some(vec![KeyValue::new(VERSION_KEY.to_owned(), version.to_owned())]))
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(LEVEL)?))
         .set_dictionary_enabled(false)
+        .set_data_page_row_count_limit(PAGE)
         .set_statistics_enabled(EnabledStatistics::None);
     for column in columns {
         let path = ColumnPath::from(column.name);
@@ -147,6 +154,9 @@ fn properties(columns: &[ColumnOf]) -> Result<WriterProperties, ParquetError> {
                 .set_column_encoding(path.clone(), Encoding::DELTA_BINARY_PACKED)
                 .set_column_statistics_enabled(path, EnabledStatistics::Chunk),
             Kind::Float | Kind::Double => properties.set_column_encoding(path, Encoding::BYTE_STREAM_SPLIT),
+            Kind::Exact => properties
+                .set_column_encoding(path.clone(), Encoding::BYTE_STREAM_SPLIT)
+                .set_column_compression(path, Compression::ZSTD(ZstdLevel::try_new(EXACT_LEVEL)?)),
             Kind::Flag => properties,
             Kind::Word => properties.set_column_dictionary_enabled(path, true),
         };

@@ -10,14 +10,12 @@ use super::Error;
 use super::agents::{AgentInfo, AgentKind, Presence};
 use super::area::{Area, Ground};
 use super::atomic::wrong;
-use super::columns::{
-    AREA_KEY, EMOTIONS, FRAME, FRAME_RATE_KEY, HEADING, ID, IS_PERSON, VX, VY, X, Y, agents_path,
-};
-use super::parquet_table::{ColumnOf, Kind, Table, Values, refused};
+use super::columns::{AREA_KEY, FRAME_RATE_KEY, agents_path};
+use super::parquet_table::{Table, refused};
 use super::trajectory::Frame;
+use super::trajectory_rows::{COLUMNS, Copied, Rows};
 use crate::file::Partial;
 use crate::ground::is_absent;
-use glam::Vec2;
 use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -31,55 +29,18 @@ const GROUP: usize = 1 << 18;
 const FRAMES: usize = 8;
 /// Rows of a row group from which on it is written whatever its frames: they take some 250 MB.
 const MOST: usize = 1 << 22;
-/// Headings, velocities and weights of emotions are multiples of its inverse.
-const STEPS: f32 = 1024.0;
 
-const fn column(name: &'static str, kind: Kind, is_optional: bool) -> ColumnOf {
-    ColumnOf { name, kind, is_optional }
-}
-
-const COLUMNS: [ColumnOf; 12] = [
-    column(FRAME, Kind::Whole, false),
-    column(ID, Kind::Whole, false),
-    column(X, Kind::Float, false),
-    column(Y, Kind::Float, false),
-    column(HEADING, Kind::Float, false),
-    column(VX, Kind::Float, true),
-    column(VY, Kind::Float, true),
-    column(IS_PERSON, Kind::Flag, false),
-    column(EMOTIONS[0], Kind::Float, true),
-    column(EMOTIONS[1], Kind::Float, true),
-    column(EMOTIONS[2], Kind::Float, true),
-    column(EMOTIONS[3], Kind::Float, true),
-];
-
-/// A frame on its way to the thread, and its memory on the way back.
-#[derive(Debug, Default)]
-struct Copied {
-    number: u32,
-    positions: Vec<Vec2>,
-    headings: Vec<f32>,
-    velocities: Vec<Vec2>,
-    emotions: Vec<[f32; 4]>,
-}
-
-impl Copied {
-    fn take(&mut self, number: u32, frame: &Frame<'_>) {
-        self.number = number;
-        self.positions.clear();
-        self.positions.extend_from_slice(frame.positions);
-        self.headings.clear();
-        self.headings.extend_from_slice(frame.headings);
-        self.velocities.clear();
-        self.velocities.extend_from_slice(frame.velocities);
-        self.emotions.clear();
-        self.emotions.extend_from_slice(frame.emotions);
-    }
-
-    /// Whether an agent is there in this frame.
-    fn has(&self, agent: usize) -> bool {
-        self.positions.get(agent).is_some_and(|place| !is_absent(place.to_array()))
-    }
+/// Copies a frame into memory that is there already.
+fn take(copied: &mut Copied, number: u32, frame: &Frame<'_>) {
+    copied.number = number;
+    copied.positions.clear();
+    copied.positions.extend_from_slice(frame.positions);
+    copied.headings.clear();
+    copied.headings.extend_from_slice(frame.headings);
+    copied.velocities.clear();
+    copied.velocities.extend_from_slice(frame.velocities);
+    copied.emotions.clear();
+    copied.emotions.extend_from_slice(frame.emotions);
 }
 
 #[derive(Debug)]
@@ -132,7 +93,7 @@ impl Parquet {
 
     pub(super) fn frame(&mut self, number: u32, frame: &Frame<'_>) -> Result<(), Error> {
         let mut copied = self.used.try_recv().unwrap_or_default();
-        copied.take(number, frame);
+        take(&mut copied, number, frame);
         self.send(Message::Frame(copied))
     }
 
@@ -188,23 +149,6 @@ impl Drop for Parquet {
         // Without its end the thread removes what it wrote; a destructor cannot return an error.
         let _ = self.join();
     }
-}
-
-/// Rows that are collected for the next row group.
-#[derive(Debug, Default)]
-struct Rows {
-    /// Which agent in which frame of the group a row is of.
-    of: Vec<(u32, u32)>,
-    frame: Vec<i32>,
-    id: Vec<i32>,
-    x: Vec<f32>,
-    y: Vec<f32>,
-    heading: Vec<f32>,
-    velocity: [Vec<f32>; 2],
-    has_velocity: Vec<i16>,
-    is_person: Vec<bool>,
-    emotion: [Vec<f32>; 4],
-    has_emotion: Vec<i16>,
 }
 
 /// What the thread holds.
@@ -278,96 +222,5 @@ impl Writer {
         rows.write(&mut self.table)?;
         self.rows = rows;
         Ok(())
-    }
-}
-
-impl Rows {
-    /// The rows of some frames, by agent, then by frame; column by column, which is faster than row by row.
-    fn fill(&mut self, frames: &[Copied], is_person: impl Fn(usize) -> bool) {
-        self.clear();
-        let agents = frames.iter().map(|frame| frame.positions.len()).max().unwrap_or(0);
-        for (number, agent) in (0..).zip(0..agents) {
-            let there = (0..).zip(frames).filter(|(_, frame)| frame.has(agent));
-            self.of.extend(there.map(|(of, _)| (number, of)));
-        }
-        let rows = || self.of.iter().map(|&(agent, of)| (agent as usize, &frames[of as usize]));
-        let whole = |number: usize| i32::try_from(number).unwrap_or(i32::MAX); // frames are checked
-        self.frame.extend(rows().map(|(_, frame)| whole(frame.number as usize)));
-        self.id.extend(rows().map(|(agent, _)| whole(agent + 1)));
-        self.x.extend(rows().map(|(agent, frame)| frame.positions[agent].x));
-        self.y.extend(rows().map(|(agent, frame)| 0.0 - frame.positions[agent].y)); // no negative zeros
-        self.heading.extend(rows().map(|(agent, frame)| round(frame.headings[agent])));
-        self.is_person.extend(rows().map(|(agent, _)| is_person(agent)));
-        let velocities = || rows().map(|(agent, frame)| frame.velocities.get(agent));
-        self.has_velocity.extend(velocities().map(|velocity| i16::from(velocity.is_some())));
-        self.velocity[0].extend(velocities().flatten().map(|velocity| round(velocity.x)));
-        self.velocity[1].extend(velocities().flatten().map(|velocity| round(0.0 - velocity.y)));
-        let emotions = || rows().map(|(agent, frame)| frame.emotions.get(agent).filter(|_| is_person(agent)));
-        self.has_emotion.extend(emotions().map(|emotion| i16::from(emotion.is_some())));
-        for (number, column) in self.emotion.iter_mut().enumerate() {
-            column.extend(emotions().flatten().map(|emotion| round(emotion[number])));
-        }
-    }
-
-    fn write(&self, table: &mut Table) -> Result<(), ParquetError> {
-        let [vx, vy] = &self.velocity;
-        let [happy, angry, sad, neutral] = &self.emotion;
-        let (moves, feels) = (Some(self.has_velocity.as_slice()), Some(self.has_emotion.as_slice()));
-        table.write(&[
-            (Values::Whole(&self.frame), None),
-            (Values::Whole(&self.id), None),
-            (Values::Float(&self.x), None),
-            (Values::Float(&self.y), None),
-            (Values::Float(&self.heading), None),
-            (Values::Float(vx), moves),
-            (Values::Float(vy), moves),
-            (Values::Flag(&self.is_person), None),
-            (Values::Float(happy), feels),
-            (Values::Float(angry), feels),
-            (Values::Float(sad), feels),
-            (Values::Float(neutral), feels),
-        ])
-    }
-
-    /// Empties the columns and keeps their memory.
-    fn clear(&mut self) {
-        self.of.clear();
-        self.frame.clear();
-        self.id.clear();
-        for column in [&mut self.x, &mut self.y, &mut self.heading] {
-            column.clear();
-        }
-        self.velocity.iter_mut().chain(&mut self.emotion).for_each(Vec::clear);
-        self.has_velocity.clear();
-        self.has_emotion.clear();
-        self.is_person.clear();
-    }
-}
-
-/// The nearest multiple of 1 / [`STEPS`]; halves go to the even one.
-fn round(value: f32) -> f32 {
-    // A sum of this size has no fraction, so adding rounds, in an instruction. The function of the library is a call.
-    const WHOLE: f32 = 12_582_912.0; // 1.5 * 2^23
-    let steps = value * STEPS;
-    let whole = if steps.abs() < 0.25 * WHOLE { steps + WHOLE - WHOLE } else { steps.round_ties_even() };
-    whole / STEPS
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_rounded_to_the_nearest_of_a_thousand_and_twenty_four_parts() {
-        for part in 0..40_000 {
-            let value = (part as f32 - 20_000.0) * 0.000_123_4 * (1.0 + part as f32);
-            assert_eq!(
-                round(value).to_bits(),
-                ((value * STEPS).round_ties_even() / STEPS).to_bits(),
-                "{value}"
-            );
-        }
-        let halves = [0.5_f32, 1.5, -0.5, 2.5].map(|half| round(half / STEPS) * STEPS);
-        assert_eq!(halves.map(f32::abs).map(f32::to_bits), [0.0_f32, 2.0, 0.0, 2.0].map(f32::to_bits));
     }
 }

@@ -101,8 +101,8 @@ impl Attachments {
         };
         let image = |name, format, usage| {
             let usage = usage | own;
-            let extent = vk::Extent2D { width, height };
-            GpuImage::new(device, ImageSpec { name, extent, layers, format, samples, usage })
+            let spec = ImageSpec::flat(name, [width, height], format);
+            GpuImage::new(device, ImageSpec { layers, samples, usage, ..spec })
         };
         let multisampled = format
             .is_multisampled()

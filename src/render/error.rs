@@ -20,6 +20,14 @@ pub enum Error {
     /// A mesh cannot be drawn.
     #[error("environment mesh: {0}")]
     Mesh(String),
+    /// A place has more textures than the device takes.
+    #[error("the place has {count} textures; this device draws at most {most} of a kind")]
+    Textures {
+        /// How many there are.
+        count: usize,
+        /// How many may be.
+        most: u32,
+    },
     /// A crowd buffer is shorter than its meshes ask for.
     #[error("crowd buffer {name:?} has {bytes} bytes, but {wanted} are needed for {buckets} buckets")]
     Short {

@@ -2,7 +2,7 @@
 //! from the newest snapshot to the last pixel. The device draws a frame while the host prepares the next one.
 
 use super::commands::Commands;
-use super::show::{READ, animation, check, kernels, no_failures, surface};
+use super::show::{READ, animation, check, kernels, no_failures, set_scenery};
 use super::target::{EyeImages, GpuImage, ImageSpec};
 use super::{
     CrowdBuffers, Error, Hand, HandKind, Image, Renderer, Settings, Show, Target, Teleport, User, View,
@@ -40,7 +40,7 @@ impl Show {
         let animator = Engine::new(device, store, &kernels(store))?;
         let mut renderer = Renderer::with_format(device, settings, format)?;
         renderer.set_meshes(meshes)?;
-        renderer.set_environment(&[surface(scenery)])?;
+        set_scenery(&mut renderer, scenery)?;
         Ok(Self::joined(renderer, Some(animator), store))
     }
 

@@ -44,6 +44,7 @@ mod ground_map;
 #[cfg(feature = "xr")]
 mod live;
 mod meshes;
+mod parts;
 mod passes;
 mod pipelines;
 mod renderer;
@@ -53,6 +54,7 @@ mod submit;
 mod sun;
 mod surface;
 mod target;
+mod textures;
 mod uniforms;
 mod user;
 

@@ -74,6 +74,11 @@ impl Setup<'_> {
         }
     }
 
+    /// The same of surfaces with holes, which the second stage finds.
+    pub(super) fn shadow_with_holes(&self, vertex: &'static str, fragment: &'static str) -> PipelineSpec {
+        PipelineSpec { fragment: Some(fragment), color_format: vk::Format::UNDEFINED, ..self.shadow(vertex) }
+    }
+
     /// Colour that leaves the depth as it is.
     pub(super) fn flat(
         &self,
@@ -121,6 +126,7 @@ pub(crate) struct PipelineSpec {
     /// None draws depth only.
     pub(crate) fragment: Option<&'static str>,
     pub(crate) samples: vk::SampleCountFlags,
+    /// Undefined: there is no colour.
     pub(crate) color_format: vk::Format,
     pub(crate) view_mask: u32,
     pub(crate) cull: vk::CullModeFlags,
@@ -339,12 +345,13 @@ impl Program {
             .src_alpha_blend_factor(vk::BlendFactor::ZERO)
             .dst_alpha_blend_factor(vk::BlendFactor::ONE)
             .color_write_mask(written)];
-        let attachment = if spec.fragment.is_some() { &attachment[..] } else { &[] };
+        let has_color = spec.fragment.is_some() && spec.color_format != vk::Format::UNDEFINED;
+        let attachment = if has_color { &attachment[..] } else { &[] };
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(attachment);
         let dynamic = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic);
         let formats = [spec.color_format];
-        let formats = if spec.fragment.is_some() { &formats[..] } else { &[] };
+        let formats = if has_color { &formats[..] } else { &[] };
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(formats)
             .depth_attachment_format(if spec.has_depth { DEPTH_FORMAT } else { vk::Format::UNDEFINED })

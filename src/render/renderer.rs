@@ -18,7 +18,7 @@ use super::pack::MeshBuffers;
 use super::passes::MaskPass;
 use super::passes::{
     ContactPass, CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass,
-    ShadowPass, SkyPass, UserPass,
+    PlacePass, ShadowPass, SkyPass, UserPass,
 };
 use super::pipelines::{SetIndex, Setup};
 use super::settings::{Markers, Quality, Settings};
@@ -27,8 +27,10 @@ use super::surface::Surface;
 use super::target::{COLOR_FORMAT, Format, GpuImage, ImageUse, Readback};
 use super::uniforms::ViewBuffers;
 use super::user::User;
+use crate::avatar::PlaceModel;
 use crate::gpu::{Device, Draws};
 use ash::vk;
+use glam::Mat4;
 use std::sync::Arc;
 
 /// Draws a crowd and its environment.
@@ -40,6 +42,8 @@ pub struct Renderer {
     crowd: CrowdPass,
     outsiders: OutsiderPass,
     environment: EnvironmentPass,
+    /// The user's own place, if there is one.
+    place: Option<PlacePass>,
     /// Goes before the attachments, which it reads.
     occlusion: Option<OcclusionPass>,
     far: FarPass,
@@ -107,6 +111,7 @@ impl Renderer {
             crowd: CrowdPass::new(&setup)?,
             outsiders: OutsiderPass::new(&setup)?,
             environment: EnvironmentPass::new(&setup)?,
+            place: None,
             occlusion: OcclusionPass::new(device, &settings, &attachments)?,
             far: FarPass::new(&setup)?,
             sky: SkyPass::new(&setup)?,
@@ -201,6 +206,19 @@ impl Renderer {
         self.environment.set(&self.submitter, surfaces)
     }
 
+    /// Replaces the place that is drawn with the environment; none: there is none.
+    ///
+    /// # Errors
+    /// When an index points past the vertices, there are more textures than the device takes, or memory is short.
+    #[doc(hidden)]
+    pub fn set_place(&mut self, place: Option<&PlaceModel>) -> Result<(), Error> {
+        self.flights.wait_all()?;
+        self.place = None;
+        let setup = setup(self.submitter.device(), self.format, &self.settings);
+        self.place = place.map(|model| PlacePass::new(&setup, &self.submitter, model)).transpose()?;
+        Ok(())
+    }
+
     /// Takes the indices of the crowd's meshes, their numbers of buckets and levels, and the models of other agents. The
     /// vertices stand in the engine's buffer `mesh_vertices`.
     ///
@@ -259,6 +277,9 @@ impl Renderer {
             self.crowd.bind(index, &shared)?;
             self.outsiders.bind(index, &shared)?;
             self.environment.bind(index, &shared)?;
+            if let Some(place) = &self.place {
+                place.bind(index, &shared)?;
+            }
             self.far.bind(index, &shared)?;
             self.sky.bind(index, &shared)?;
             if let Some(contact) = &self.contact {
@@ -278,12 +299,16 @@ impl Renderer {
     ) -> Result<(), Error> {
         let [from, to] = frame::BEFORE;
         commands.barrier(from, to);
-        self.uniforms.update(commands, &frame.uniforms(self.shadow.size()));
+        let uniforms = frame.uniforms(self.shadow.size());
+        self.uniforms.update(commands, &uniforms);
         self.user.update(commands);
         let [from, to] = frame::UNIFORMS;
         commands.barrier(from, to);
         self.shadow.record(commands, || {
             self.environment.record_shadow(commands);
+            if let Some(place) = &self.place {
+                place.record_shadow(commands, &Mat4::from_cols_array_2d(&uniforms.shadow_from_world));
+            }
             self.crowd.record_shadow(frame, commands);
             self.outsiders.record_shadow(frame, commands);
             self.far.record_shadow(frame, commands);
@@ -327,6 +352,9 @@ impl Renderer {
             self.crowd.record(frame, commands);
             self.outsiders.record(frame, commands);
             self.environment.record(commands, eye_pass);
+            if let Some(place) = &self.place {
+                place.record(frame, commands);
+            }
         };
         let last = || {
             if let Some(contact) = &self.contact {

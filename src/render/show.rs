@@ -101,7 +101,13 @@ pub(super) fn kernels(store: &Store) -> Vec<KernelId> {
     kernels
 }
 
-pub(super) fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
+/// Draws this scenery from now on.
+pub(super) fn set_scenery(renderer: &mut Renderer, scenery: &EnvironmentMesh) -> Result<(), super::Error> {
+    renderer.set_environment(&[surface(scenery)])?;
+    renderer.set_place(scenery.place.as_deref())
+}
+
+fn surface(scenery: &EnvironmentMesh) -> Surface<'_> {
     Surface {
         positions: &scenery.positions,
         normals: &scenery.normals,
@@ -168,7 +174,7 @@ impl Show {
         };
         let mut renderer = Renderer::new(device, settings)?;
         renderer.set_meshes(meshes)?;
-        renderer.set_environment(&[surface(scenery)])?;
+        set_scenery(&mut renderer, scenery)?;
         Ok(Self::joined(renderer, animator, simulation.store()))
     }
 

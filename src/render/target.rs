@@ -32,6 +32,10 @@ pub(crate) struct ImageSpec<'a> {
     pub(crate) name: &'a str,
     pub(crate) extent: vk::Extent2D,
     pub(crate) layers: u32,
+    /// Levels, each half as large as the one before.
+    pub(crate) levels: u32,
+    /// Whether shaders see layers, even if there is one only.
+    pub(crate) is_array: bool,
     pub(crate) format: vk::Format,
     pub(crate) samples: vk::SampleCountFlags,
     pub(crate) usage: vk::ImageUsageFlags,
@@ -52,12 +56,12 @@ pub(crate) fn aspect_of(format: vk::Format) -> vk::ImageAspectFlags {
     if format == DEPTH_FORMAT { vk::ImageAspectFlags::DEPTH } else { vk::ImageAspectFlags::COLOR }
 }
 
-/// All layers of an image of one mip level.
+/// All layers and levels of an image.
 pub(crate) fn whole(aspect: vk::ImageAspectFlags) -> vk::ImageSubresourceRange {
     vk::ImageSubresourceRange {
         aspect_mask: aspect,
         base_mip_level: 0,
-        level_count: 1,
+        level_count: vk::REMAINING_MIP_LEVELS,
         base_array_layer: 0,
         layer_count: vk::REMAINING_ARRAY_LAYERS,
     }
@@ -68,7 +72,8 @@ impl ImageSpec<'_> {
     pub(crate) fn flat(name: &str, [width, height]: [u32; 2], format: vk::Format) -> ImageSpec<'_> {
         let extent = vk::Extent2D { width, height };
         let samples = vk::SampleCountFlags::TYPE_1;
-        ImageSpec { name, extent, layers: 1, format, samples, usage: vk::ImageUsageFlags::empty() }
+        let usage = vk::ImageUsageFlags::empty();
+        ImageSpec { name, extent, layers: 1, levels: 1, is_array: false, format, samples, usage }
     }
 }
 
@@ -84,7 +89,7 @@ impl GpuImage {
             .image_type(vk::ImageType::TYPE_2D)
             .format(spec.format)
             .extent(vk::Extent3D { width: spec.extent.width, height: spec.extent.height, depth: 1 })
-            .mip_levels(1)
+            .mip_levels(spec.levels)
             .array_layers(spec.layers)
             .samples(spec.samples)
             .tiling(vk::ImageTiling::OPTIMAL)
@@ -99,8 +104,8 @@ impl GpuImage {
         let (memory, offset) = image.allocate(spec, requirements)?;
         // SAFETY: the memory was allocated for this image and is bound once.
         unsafe { device.raw.bind_image_memory(raw, memory, offset) }.map_err(call("vkBindImageMemory"))?;
-        let view_type =
-            if spec.layers > 1 { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let is_array = spec.is_array || spec.layers > 1;
+        let view_type = if is_array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
         let create = vk::ImageViewCreateInfo::default()
             .image(raw)
             .format(spec.format)
@@ -377,6 +382,13 @@ impl ImageUse {
         stages: vk::PipelineStageFlags2::COPY,
         access: vk::AccessFlags2::TRANSFER_READ,
         layout: vk::ImageLayout::TRANSFER_SRC_OPTIMAL,
+    };
+
+    /// Copied into.
+    pub(crate) const COPY_TARGET: Self = Self {
+        stages: vk::PipelineStageFlags2::COPY,
+        access: vk::AccessFlags2::TRANSFER_WRITE,
+        layout: vk::ImageLayout::TRANSFER_DST_OPTIMAL,
     };
 
     /// Used last by these stages, with contents that nothing needs any more.

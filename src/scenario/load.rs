@@ -2,7 +2,7 @@
 
 use super::builtin;
 use super::error::Error;
-use super::file::{Condition, Scenario};
+use super::file::{Condition, Layout, Scenario};
 use super::place::Area;
 use super::setting::Setting;
 use crate::file;
@@ -93,18 +93,30 @@ impl Scenario {
         Source { text, origin, settings }.read(folder)
     }
 
-    /// Takes the area of a `walkable_file` over, which is looked for in `folder`.
+    /// Takes the area of a `walkable_file` over, which is looked for in `folder`, or else that of the place's model where the
+    /// scenario has no area of its own.
     fn find_area(&mut self, folder: Option<&Path>) -> Result<(), Error> {
-        let Some(folder) = folder.filter(|_| !self.walkable_file.is_empty()) else { return Ok(()) };
-        let file = std::mem::take(&mut self.walkable_file);
-        let wrong =
-            |allowed: &str, hint: String| Error::value("walkable_file", format!("{file:?}"), allowed, hint);
+        let Some(folder) = folder else { return Ok(()) };
+        let has_own =
+            !self.bounds.is_empty() || !self.walkable_wkt.is_empty() || self.layout != Layout::Custom;
+        let (key, file) = match &self.environment.glb {
+            _ if !self.walkable_file.is_empty() => ("walkable_file", std::mem::take(&mut self.walkable_file)),
+            Some(model) if !has_own => ("environment.glb", model.clone()),
+            _ => return Ok(()),
+        };
+        let wrong = |allowed: &str, hint: String| Error::value(key, format!("{file:?}"), allowed, hint);
         if !self.walkable_wkt.is_empty() {
             return Err(wrong("left out beside walkable_wkt", "leave one of the two out".to_owned()));
         }
         let node = self.walkable_node.take();
         let plane = std::mem::take(&mut self.walkable_plane);
-        let area = Area::read(&folder.join(&file), node.as_deref(), plane).map_err(|error| {
+        let path = folder.join(&file);
+        let read = if key == "walkable_file" {
+            Area::read(&path, node.as_deref(), plane)
+        } else {
+            Area::of_place(&path, node.as_deref())
+        };
+        let area = read.map_err(|error| {
             wrong("a .wkt, .txt, .glb or .gltf file with a walkable area", error.to_string())
         })?;
         self.walkable_wkt = area.to_wkt();

@@ -66,6 +66,7 @@ pub use file::{
     Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
     SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
+pub(crate) use place::place_model;
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
 pub use place::{
     Clearance, ExternalBodies, MAX_TRIANGLES, RAILING, Raised, SurfaceMaterial, external_bodies,

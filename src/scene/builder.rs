@@ -6,7 +6,7 @@ use crate::gait::Gait;
 use crate::gait::walker::EXPRESSION;
 use crate::library::GaitLibrary;
 use crate::replay::Replay;
-use crate::scenario::{Condition, Scenario, Setting, external_bodies, populate_from};
+use crate::scenario::{Condition, Scenario, Setting, external_bodies, place_model, populate_from};
 use crate::sim::{AvatarSet, Backend, Simulation};
 use std::path::{Path, PathBuf};
 
@@ -222,7 +222,8 @@ impl SceneBuilder {
         let outsiders = external_bodies(&scenario, folder)?;
         let avatars = avatars_of(&scenario, folder, &rig_maps)?;
         let cast = AvatarSet::new(library.gaits(), avatars)?.with_outsiders(outsiders);
-        let geometry = scenario.geometry();
+        let mut geometry = scenario.geometry();
+        geometry.place = place_model(&scenario, folder)?;
         Ok(Scene { scenario, geometry, crowd, cast, replay, backend, device, gives_way, is_unlabelled })
     }
 

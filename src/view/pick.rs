@@ -71,12 +71,17 @@ pub fn first(ray: &Ray, pillars: impl Iterator<Item = Pillar>, farthest: f32) ->
 
 /// Distance along a ray to the first triangle of the scenery, m; infinite when there is none.
 pub fn wall(ray: &Ray, mesh: &EnvironmentMesh) -> f32 {
-    let corner = |index: &u32| mesh.positions.get(*index as usize).copied();
-    let hits = mesh.indices.chunks_exact(3).filter_map(|three| {
-        let [a, b, c] = three else { return None };
-        meets(ray, [corner(a)?, corner(b)?, corner(c)?])
-    });
-    hits.fold(f32::INFINITY, f32::min)
+    let nearest = |indices: &[u32], corner: &dyn Fn(usize) -> Option<Vec3>| {
+        let hits = indices.chunks_exact(3).filter_map(|three| {
+            let [a, b, c] = [0, 1, 2].map(|k| corner(three[k] as usize));
+            meets(ray, [a?, b?, c?])
+        });
+        hits.fold(f32::INFINITY, f32::min)
+    };
+    let scenery = nearest(&mesh.indices, &|index| mesh.positions.get(index).copied());
+    let Some(place) = &mesh.place else { return scenery };
+    let corner = |index: usize| place.vertices.get(index).map(|vertex| vertex.position);
+    scenery.min(nearest(&place.solid, &corner)).min(nearest(&place.open, &corner))
 }
 
 /// Distance at which a ray meets a triangle (Möller and Trumbore 1997), from either side.

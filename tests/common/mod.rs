@@ -5,6 +5,8 @@
 pub(crate) mod glb;
 pub(crate) mod gpu;
 pub(crate) mod lab;
+#[cfg(all(feature = "import", feature = "png"))]
+pub(crate) mod street;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

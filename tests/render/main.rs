@@ -21,6 +21,8 @@ mod far;
 mod moments;
 mod occlusion;
 mod pictures;
+#[cfg(feature = "import")]
+mod place;
 mod quality;
 mod standing;
 mod support;

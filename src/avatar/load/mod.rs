@@ -11,17 +11,20 @@ mod model;
 mod outside;
 mod packed;
 mod paint;
+mod place;
 mod reduce;
 mod rig;
 mod simplify;
 mod source;
 mod stature;
+mod surface;
 
 use super::rig_map::RigMap;
 use super::{Avatar, Error, Loaded};
 use crate::file;
 use fault::{Fault, MOST_BYTES};
 pub use model::{model, triangles};
+pub(crate) use place::place;
 use std::path::Path;
 
 /// Loads a character from a `.glb`, `.gltf` or `.vrm` file.

@@ -18,6 +18,7 @@ const SAMPLES: [[f32; 3]; 7] = [
 ];
 
 /// Texture turned to linear RGB lookups, with alpha.
+#[derive(Debug, Clone)]
 pub(super) struct Texture {
     pub(super) width: u32,
     pub(super) height: u32,
@@ -53,7 +54,7 @@ impl Texture {
 /// What a primitive is painted with.
 pub(super) struct Paint<'a> {
     /// Vertex colour x base colour factor, linear, and alpha.
-    own: Vec<Vec4>,
+    pub(super) own: Vec<Vec4>,
     /// Base colour texture, and where on it each vertex lies.
     texture: Option<(&'a Texture, Vec<Vec2>)>,
 }

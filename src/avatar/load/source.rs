@@ -3,8 +3,9 @@
 use super::super::Material;
 use super::accessor::{self, Buffer};
 use super::paint::{Paint, Texture, tint};
+use super::surface::Surface;
 use super::{Fault, outside, packed};
-use glam::{Mat4, Vec3, Vec4};
+use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::mesh::Mode;
 use std::path::Path;
 
@@ -46,6 +47,9 @@ pub(super) struct Part {
     pub(super) indices: Vec<u32>,
     /// What tints it.
     pub(super) material: Material,
+    /// Number among [`Source::surfaces`] of what it is made of, and where each vertex lies on its textures.
+    pub(super) surface: usize,
+    pub(super) uv: Vec<Vec2>,
 }
 
 /// The file.
@@ -59,14 +63,38 @@ pub(super) struct Source {
     /// VRM: eyes relative to the head bone, file space, m.
     pub(super) eyes: Option<Vec3>,
     pub(super) report: Vec<String>,
+    /// Of a place: what its parts are made of, and its images.
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) textures: Vec<Texture>,
+}
+
+/// What becomes of textures.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Textures {
+    /// They are looked up at the vertices; one that cannot be read is white.
+    AtVertices,
+    /// They are kept.
+    Kept,
 }
 
 impl Source {
-    /// Reads `bytes`; files named by the document are looked for beside `base`.
+    /// Reads `bytes`; files named by the document are looked for beside `base`. Textures become colours of vertices.
     ///
     /// # Errors
     /// A message that says what is wrong and where in the file.
     pub(super) fn read(bytes: &[u8], base: Option<&Path>) -> Result<Self, Fault> {
+        Self::read_with(bytes, base, Textures::AtVertices)
+    }
+
+    /// The same with surfaces and textures apart.
+    ///
+    /// # Errors
+    /// As [`Self::read`]; also where an image cannot be read.
+    pub(super) fn read_place(bytes: &[u8], base: Option<&Path>) -> Result<Self, Fault> {
+        Self::read_with(bytes, base, Textures::Kept)
+    }
+
+    fn read_with(bytes: &[u8], base: Option<&Path>, kept: Textures) -> Result<Self, Fault> {
         let json = json_of(bytes)?;
         packed::check(&json)?;
         let gltf =
@@ -83,10 +111,20 @@ impl Source {
             let is_described =
                 entry["uri"].is_string() || (entry["bufferView"].is_u64() && entry["mimeType"].is_string());
             let texture = is_described.then(|| outside::texture(&image, base, &buffers)).transpose();
+            if kept == Textures::Kept {
+                let wrong = |message: String| format!("image {} {message}", image.index());
+                let found = texture
+                    .and_then(|texture| texture.ok_or_else(|| "has neither a file nor a type".to_owned()));
+                source.textures.push(found.map_err(wrong)?);
+                continue;
+            }
             if let Err(message) = &texture {
                 source.report.push(format!("image {} {message}; taken as white", image.index()));
             }
             textures.push(texture.unwrap_or_default());
+        }
+        if kept == Textures::Kept {
+            source.surfaces = Surface::all(&gltf);
         }
         source.read_parts(&gltf, &buffers, &textures)?;
         Ok(source)
@@ -263,8 +301,11 @@ impl Source {
             return Err(format!("index {bad} points past its {count} vertices"));
         }
         let paint = Paint::of(primitive, count, buffers, textures)?;
-        let indices = paint.visible(indices, primitive);
-        let colors = paint.colors(primitive);
+        let (indices, colors, uv) = if self.surfaces.is_empty() {
+            (paint.visible(indices, primitive), paint.colors(primitive), Vec::new())
+        } else {
+            (indices, paint.own, Surface::places(primitive, count, buffers)?)
+        };
         let mut influences = vec![Vec::new(); count];
         if let Some(skin) = skin {
             let joints = self.skins.get(skin).map_or(0, |skin| skin.joints.len());
@@ -292,7 +333,8 @@ impl Source {
             }
         }
         let material = tint(primitive);
-        Ok(Part { node, skin, positions, normals, colors, influences, indices, material })
+        let surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
+        Ok(Part { node, skin, positions, normals, colors, influences, indices, material, surface, uv })
     }
 }
 

@@ -24,7 +24,8 @@ pub(super) fn area(scenario: &Scenario) -> Result<Option<Area>, Error> {
             }
             None => Ok(None),
             Some(name) => {
-                let hint = "it names a node of walkable_file";
+                let hint =
+                    "it names a node of walkable_file, or of environment.glb where that is where people walk";
                 Err(Error::value(
                     "walkable_node",
                     format!("{name:?}"),

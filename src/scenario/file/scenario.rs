@@ -51,7 +51,7 @@ pub struct Scenario {
     /// When the scenario is read it becomes `walkable_wkt`, in the plane `xy`.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub walkable_file: String,
-    /// Name of the node of the model that is the floor, with all below it; left out: the whole model.
+    /// Name of the node of the model (of `walkable_file`, or else of `environment.glb`) that is the floor, with all below it; left out: the whole model.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub walkable_node: Option<String>,
     /// How agents find the way to their goals.

@@ -3,9 +3,13 @@
 use super::material::SurfaceMaterial;
 use super::mesh::{Builder, EnvironmentMesh, MAX_TRIANGLES, srgb};
 use super::props;
-use crate::scenario::file::{Environment, Ground, Prop, PropKind};
+use crate::avatar::{self, PlaceModel};
+use crate::scenario::error::Error;
+use crate::scenario::file::{Environment, Ground, Prop, PropKind, Scenario};
 use crate::scenario::polygon;
 use glam::{Vec2, Vec3};
+use std::path::Path;
+use std::sync::Arc;
 
 impl Ground {
     fn color(self) -> Vec3 {
@@ -61,14 +65,15 @@ impl Environment {
         let high = bounds.iter().copied().fold(focus, Vec2::max);
         let margin = Vec2::splat((high - low).max_element() * 0.5 + 80.0);
         let (middle, size) = ((low + high) * 0.5, high - low + margin * 2.0);
-        let ground = self.ground.unwrap_or_default();
-        let mut builder = Builder::new(&mut mesh, Vec3::ZERO, 0.0);
-        builder.on(props::GROUND).of(ground.material()).sheet(
-            Vec3::new(middle.x, 0.0, middle.y),
-            size.x,
-            size.y,
-            ground.color(),
-        );
+        if let Some(ground) = self.ground.or(self.glb.is_none().then(Ground::default)) {
+            let mut builder = Builder::new(&mut mesh, Vec3::ZERO, 0.0);
+            builder.on(props::GROUND).of(ground.material()).sheet(
+                Vec3::new(middle.x, 0.0, middle.y),
+                size.x,
+                size.y,
+                ground.color(),
+            );
+        }
         let mut order: Vec<(f32, usize)> =
             self.props.iter().enumerate().map(|(i, prop)| (nearness(prop, focus), i)).collect();
         order.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
@@ -89,6 +94,28 @@ impl Environment {
         }
         mesh
     }
+}
+
+/// The model of a scenario's place, if it has one; it is looked for in `base`.
+///
+/// # Errors
+/// [`Error::Value`] for a model that cannot be read, with the file and the reason.
+pub(crate) fn place_model(
+    scenario: &Scenario,
+    base: Option<&Path>,
+) -> Result<Option<Arc<PlaceModel>>, Error> {
+    let Some(file) = &scenario.environment.glb else { return Ok(None) };
+    let path = base.map_or_else(|| file.into(), |base| base.join(file));
+    let model = avatar::place(&path).map_err(|error| {
+        let hint = error.hint().map_or_else(|| error.to_string(), |hint| format!("{error}; {hint}"));
+        Error::value(
+            "environment.glb",
+            format!("{file:?}"),
+            "a glTF model (.glb, .gltf) beside the scenario",
+            hint,
+        )
+    })?;
+    Ok(Some(Arc::new(model)))
 }
 
 /// Distance of the nearest part of a prop to the focus, roughly, m.

@@ -5,11 +5,13 @@ use super::floors::Floors;
 use super::mesh::EnvironmentMesh;
 use super::walkable::Area;
 use super::walls::{self, Wall};
+use crate::avatar::PlaceModel;
 use crate::ground::world_from_ground;
 use crate::scenario::builtin::{self, Generated, spaced};
 use crate::scenario::file::{Environment, Layout, Obstacle, Point, Prop, Route, Scenario, Spawn, User};
 use crate::scenario::polygon;
 use glam::{Vec2, Vec3};
+use std::sync::Arc;
 
 /// Rows and columns of places that are tried for a user whom the middle has no room for.
 const SEARCHED: u32 = 64;
@@ -41,6 +43,8 @@ pub struct Geometry {
     user_place: Option<Vec2>,
     /// Obstacles, where no props show what is solid.
     walls: Vec<Wall>,
+    /// The model of the place, once it is read.
+    pub(crate) place: Option<Arc<PlaceModel>>,
 }
 
 impl Geometry {
@@ -52,6 +56,7 @@ impl Geometry {
         if !self.walls.is_empty() {
             walls::draw(&mut mesh, &self.walls, &self.bounds);
         }
+        mesh.place.clone_from(&self.place);
         mesh
     }
 
@@ -105,7 +110,7 @@ impl Scenario {
         made.routes.extend(self.routes.iter().cloned());
         made.props.extend(self.environment.props.iter().cloned());
         let mut walls = Vec::new();
-        if made.props.is_empty() {
+        if made.props.is_empty() && self.environment.glb.is_none() {
             let holes = made.obstacles.iter();
             walls.extend(holes.map(|hole| Wall { outline: hole.clone(), heights: [None; 2] }));
             walls.extend(self.obstacles.iter().map(|obstacle| Wall {
@@ -128,7 +133,8 @@ impl Scenario {
             spawns: self.spawns.clone(),
             routes: made.routes,
             environment: Environment {
-                ground: Some(self.environment.ground.unwrap_or(made.ground)),
+                glb: self.environment.glb.clone(),
+                ground: self.environment.ground.or(self.environment.glb.is_none().then_some(made.ground)),
                 props: made.props,
             },
             user_elevation: user.zip(self.user).map_or(0.0, |(at, user)| floors.height(at, user.elevation)),
@@ -138,6 +144,7 @@ impl Scenario {
             user_place: user.or(made.user_place),
             bounds,
             walls,
+            place: None,
         }
     }
 

@@ -1,7 +1,9 @@
 //! Coloured triangle meshes built from primitives: what the scenery is made of.
 
 use super::material::SurfaceMaterial;
+use crate::avatar::PlaceModel;
 use glam::{Quat, Vec3};
+use std::sync::Arc;
 
 /// Most triangles of an environment; what is farthest from the user is simplified, then left out.
 pub const MAX_TRIANGLES: usize = 60_000;
@@ -22,6 +24,9 @@ pub struct EnvironmentMesh {
     pub materials: Vec<SurfaceMaterial>,
     /// Three indices per triangle.
     pub indices: Vec<u32>,
+    /// A place of the user's own, which is drawn with the rest.
+    #[doc(hidden)]
+    pub place: Option<Arc<PlaceModel>>,
 }
 
 impl EnvironmentMesh {

@@ -8,11 +8,13 @@ mod geometry;
 mod material;
 mod mesh;
 mod props;
+mod solid;
 mod stages;
 mod walkable;
 mod walls;
 
 pub use clearance::Clearance;
+pub(crate) use environment::place_model;
 pub use external::{ExternalBodies, external_bodies};
 pub(crate) use floors::MAX_FLOOR_CORNERS;
 pub use floors::{Floors, RAILING, Raised};

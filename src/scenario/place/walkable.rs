@@ -3,6 +3,7 @@
 //! Well-known text has x to the right and y up the page; on the ground that is x and z = -y, as in trajectories. A
 //! scenario may say that its text has z instead ([`Plane`]).
 
+use super::solid;
 use crate::scenario::file::{MAX_COORDINATE, Plane};
 use crate::scenario::polygon::{self, UnionError};
 use crate::{avatar, file, wkt};
@@ -132,25 +133,7 @@ impl Area {
     /// # Errors
     /// When there is no floor, or it does not hang together.
     pub fn from_triangles(triangles: &[[Vec3; 3]]) -> Result<Self, AreaError> {
-        let is_floor = |t: &&[Vec3; 3]| {
-            let normal = (t[1] - t[0]).cross(t[2] - t[0]);
-            t.iter().all(|corner| corner.y.abs() <= NEAR_GROUND) && normal.y > STEEPEST * normal.length()
-        };
-        // x, z as the page's x, y upside down: what comes out is turned back with the rest
-        let flat = |corner: Vec3| DVec2::new(f64::from(corner.x), -f64::from(corner.z));
-        let faces: Vec<Vec<Vec<DVec2>>> =
-            triangles.iter().filter(is_floor).map(|t| vec![t.map(flat).to_vec()]).collect();
-        if faces.len() > MOST_CORNERS {
-            return Err(AreaError::Large {
-                count: faces.len(),
-                of: "triangles of floor",
-                most: MOST_CORNERS,
-            });
-        }
-        if faces.is_empty() {
-            return Err(AreaError::NoFloor);
-        }
-        Self::of_rings(polygon::union(&faces)?)
+        Self::of_rings(floor(triangles)?)
     }
 
     /// Reads a `.wkt` or `.txt` in a plane, or the floor of a `.glb` or `.gltf` (of the nodes with that name and those below them, or all).
@@ -164,6 +147,22 @@ impl Area {
             return Self::from_triangles(&triangles);
         }
         Self::from_wkt_in(plane, &file::read_text(path, MOST_BYTES)?)
+    }
+
+    /// Where people can walk in a model: on its floor (of the nodes with that name and those below them, or of all of it), but not
+    /// where anything of the model is between 0.3 and 1.8 m above the ground. Of parts that walls cut off the largest counts.
+    ///
+    /// # Errors
+    /// What is wrong with the file.
+    pub(crate) fn of_place(path: &Path, node: Option<&str>) -> Result<Self, AreaError> {
+        let floor = floor(&avatar::triangles(path, node)?)?;
+        // with cut-outs whole: one does not walk through a fence
+        let solid = solid::faces(&avatar::place(path)?.triangles());
+        if solid.len() > MOST_CORNERS {
+            let of = "triangles that stand in people's way";
+            return Err(AreaError::Large { count: solid.len(), of, most: MOST_CORNERS });
+        }
+        Self::of_rings(polygon::largest_without(&floor, &solid))
     }
 
     /// The area as POLYGON.
@@ -217,6 +216,25 @@ impl Area {
         }
         Ok(Self { bounds, holes })
     }
+}
+
+/// The rings of the floor that triangles make, on (x, -z), m.
+fn floor(triangles: &[[Vec3; 3]]) -> Result<Vec<Vec<DVec2>>, AreaError> {
+    let is_floor = |t: &&[Vec3; 3]| {
+        let normal = (t[1] - t[0]).cross(t[2] - t[0]);
+        t.iter().all(|corner| corner.y.abs() <= NEAR_GROUND) && normal.y > STEEPEST * normal.length()
+    };
+    // x, z as the page's x, y upside down: what comes out is turned back with the rest
+    let flat = |corner: Vec3| DVec2::new(f64::from(corner.x), -f64::from(corner.z));
+    let faces: Vec<Vec<Vec<DVec2>>> =
+        triangles.iter().filter(is_floor).map(|t| vec![t.map(flat).to_vec()]).collect();
+    if faces.len() > MOST_CORNERS {
+        return Err(AreaError::Large { count: faces.len(), of: "triangles of floor", most: MOST_CORNERS });
+    }
+    if faces.is_empty() {
+        return Err(AreaError::NoFloor);
+    }
+    Ok(polygon::union(&faces)?)
 }
 
 #[cfg(test)]

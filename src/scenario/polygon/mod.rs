@@ -11,7 +11,7 @@
 mod union;
 
 pub use union::UnionError;
-pub(crate) use union::{pieces, union};
+pub(crate) use union::{Face, largest_without, pieces, union};
 
 use glam::Vec2;
 

@@ -114,27 +114,43 @@ fn area(rings: &[Vec<DVec2>]) -> f64 {
     0.5 * rings.iter().map(twice).sum::<f64>()
 }
 
+/// The rings of the largest connected part of an area that is left without these faces; none where nothing is left. The
+/// area's rings are those of [`union`].
+pub(crate) fn largest_without(rings: &[Vec<DVec2>], faces: &[Face]) -> Vec<Vec<DVec2>> {
+    let mut all = Overlay::new(64);
+    for (rings, side) in [(rings, ShapeType::Subject), (&exact(faces), ShapeType::Clip)] {
+        for ring in rings {
+            all.add_contour(&ring.iter().map(unit).collect::<Vec<_>>(), side);
+        }
+    }
+    let shapes = all.overlay(OverlayRule::Difference, FillRule::NonZero);
+    let parts = shapes.iter().map(|shape| shape.iter().map(|ring| metres(ring)).collect::<Vec<_>>());
+    parts.max_by(|a, b| area(a).total_cmp(&area(b))).unwrap_or_default()
+}
+
+fn unit(at: &DVec2) -> IntPoint<i64> {
+    let at = (*at * UNITS).round().as_i64vec2();
+    IntPoint::new(at.x, at.y)
+}
+
+fn metres(ring: &[IntPoint<i64>]) -> Vec<DVec2> {
+    ring.iter().map(|at| I64Vec2::new(at.x, at.y).as_dvec2() / UNITS).collect()
+}
+
 /// The union without a tolerance: outer rings counter-clockwise, holes clockwise.
 fn exact(faces: &[Face]) -> Vec<Vec<DVec2>> {
-    let corner = |at: &DVec2| {
-        let at = (*at * UNITS).round().as_i64vec2();
-        IntPoint::new(at.x, at.y)
-    };
     let mut all = Overlay::new(64);
     for face in faces {
         let mut own = Overlay::new(8);
         for ring in face {
-            own.add_contour(&ring.iter().map(corner).collect::<Vec<_>>(), ShapeType::Subject);
+            own.add_contour(&ring.iter().map(unit).collect::<Vec<_>>(), ShapeType::Subject);
         }
         for ring in own.overlay(OverlayRule::Subject, FillRule::EvenOdd).iter().flatten() {
             all.add_contour(ring, ShapeType::Subject);
         }
     }
     let shapes = all.overlay(OverlayRule::Subject, FillRule::NonZero);
-    let metres = |ring: &Vec<IntPoint<i64>>| {
-        ring.iter().map(|at| I64Vec2::new(at.x, at.y).as_dvec2() / UNITS).collect()
-    };
-    shapes.iter().flatten().map(metres).collect()
+    shapes.iter().flatten().map(|ring| metres(ring)).collect()
 }
 
 type Edge = ([i64; 2], [i64; 2]);

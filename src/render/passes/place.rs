@@ -1,0 +1,201 @@
+//! A place of the user's own, and its shadow: what of it the eyes or the sun can see.
+
+use super::super::Error;
+use super::super::commands::{Commands, Submitter};
+use super::super::frame::{Frame, Shared};
+use super::super::parts::{self, Part};
+use super::super::pipelines::{Program, Resource, SetIndex, Setup};
+use super::super::textures::{Coding, Textures};
+use crate::avatar::{PlaceMaterial, PlaceModel, PlaceVertex};
+use crate::gpu::{Buffer, Device, call};
+use crate::kernels::draw;
+use crate::kernels::layout::{PlaceCorner, PlaceMatter};
+use ash::vk;
+use glam::Mat4;
+use std::sync::Arc;
+
+/// What a material without a texture has for its layer.
+const NO_LAYER: u32 = u32::MAX;
+
+/// Draws a place. A renderer has this pass once it has a place.
+pub(in super::super) struct PlacePass {
+    program: Program,
+    solid: Way,
+    open: Way,
+    sampler: Sampler,
+    place: Place,
+}
+
+/// How triangles of a kind are drawn, and how they cast shadows.
+struct Way {
+    seen: vk::Pipeline,
+    shadow: vk::Pipeline,
+}
+
+/// A place on the device.
+struct Place {
+    vertices: Buffer,
+    materials: Buffer,
+    solid: Option<Group>,
+    open: Option<Group>,
+    colors: Textures,
+    maps: Textures,
+}
+
+/// Triangles of one kind.
+struct Group {
+    indices: Buffer,
+    parts: Vec<Part>,
+}
+
+impl PlacePass {
+    pub(in super::super) fn new(
+        setup: &Setup<'_>,
+        submitter: &Submitter,
+        model: &PlaceModel,
+    ) -> Result<Self, Error> {
+        let mut program = setup.program(&draw::PLACE)?;
+        let vertex = "place_vertex";
+        let [_, solid] = setup.stages([vertex, "place_fragment"], [vertex, "place_fine_fragment"]);
+        let [_, open] = setup.stages([vertex, "place_open_fragment"], [vertex, "place_open_fine_fragment"]);
+        let solid = Way {
+            seen: program.pipeline(&setup.solid(vertex, solid))?,
+            shadow: program.pipeline(&setup.shadow("place_shadow"))?,
+        };
+        let open = Way {
+            seen: program.pipeline(&setup.two_sided(vertex, open))?,
+            shadow: program.pipeline(&setup.shadow_with_holes("place_open_shadow", "place_hole"))?,
+        };
+        let sampler = Sampler::new(setup.device)?;
+        Ok(Self { program, solid, open, sampler, place: Place::new(submitter, model)? })
+    }
+
+    pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
+        let place = &self.place;
+        self.program.bind(index, |name| match name {
+            "place_corners" => Some(Resource::Buffer(place.vertices.raw)),
+            "place_matters" => Some(Resource::Buffer(place.materials.raw)),
+            "place_colors" => Some(place.colors.resource()),
+            "place_maps" => Some(place.maps.resource()),
+            "place_sampler" => Some(Resource::Sampler(self.sampler.raw)),
+            name => shared.find(name),
+        })
+    }
+
+    pub(in super::super) fn record(&self, frame: &Frame<'_>, commands: &Commands<'_>) {
+        let eyes = &frame.view.clip_from_world[..frame.view.eye_count.clamp(1, 2) as usize];
+        self.draw(commands, frame.eye_pass, eyes, |way| way.seen);
+    }
+
+    pub(in super::super) fn record_shadow(&self, commands: &Commands<'_>, shadow_from_world: &Mat4) {
+        self.draw(commands, 0, std::slice::from_ref(shadow_from_world), |way| way.shadow);
+    }
+
+    fn draw(
+        &self,
+        commands: &Commands<'_>,
+        eye_pass: usize,
+        clip_from_world: &[Mat4],
+        pipeline: impl Fn(&Way) -> vk::Pipeline,
+    ) {
+        commands.labelled(c"gaitway.place", || {
+            for (way, group) in [(&self.solid, &self.place.solid), (&self.open, &self.place.open)] {
+                let Some(group) = group else { continue };
+                let ranges = parts::seen(&group.parts, clip_from_world);
+                if ranges.is_empty() {
+                    continue;
+                }
+                commands.use_program(&self.program, pipeline(way), eye_pass);
+                // SAFETY: rendering has begun; every index was checked against the vertices.
+                unsafe {
+                    let (raw, buffer) = (commands.raw(), commands.buffer);
+                    raw.cmd_bind_index_buffer(buffer, group.indices.raw, 0, vk::IndexType::UINT32);
+                    for (first, count) in ranges {
+                        raw.cmd_draw_indexed(buffer, count, 1, first, 0, 0);
+                    }
+                }
+            }
+        });
+    }
+}
+
+impl Place {
+    fn new(submitter: &Submitter, model: &PlaceModel) -> Result<Self, Error> {
+        let vertices: Vec<PlaceCorner> = model.vertices.iter().map(corner).collect();
+        let materials: Vec<PlaceMatter> = model.materials.iter().map(matter).collect();
+        let group = |indices: &[u32]| -> Result<Option<Group>, Error> {
+            if indices.is_empty() {
+                return Ok(None);
+            }
+            let wrong = |index: &&u32| **index as usize >= model.vertices.len();
+            if let Some(index) = indices.iter().find(wrong) {
+                let count = model.vertices.len();
+                return Err(Error::Mesh(format!("index {index}, but there are {count} vertices")));
+            }
+            let (indices, parts) = parts::split(&model.vertices, indices);
+            let indices = submitter.upload("place indices", bytemuck::cast_slice(&indices))?;
+            Ok(Some(Group { indices, parts }))
+        };
+        Ok(Self {
+            vertices: submitter.upload("place", bytemuck::cast_slice(&vertices))?,
+            materials: submitter.upload("place materials", bytemuck::cast_slice(&materials))?,
+            solid: group(&model.solid)?,
+            open: group(&model.open)?,
+            colors: Textures::new(submitter, "place colours", &model.colors, Coding::Srgb)?,
+            maps: Textures::new(submitter, "place maps", &model.maps, Coding::Linear)?,
+        })
+    }
+}
+
+fn corner(vertex: &PlaceVertex) -> PlaceCorner {
+    #[allow(clippy::cast_precision_loss, reason = "far fewer materials than 2^24")]
+    let matter = vertex.material as f32;
+    PlaceCorner {
+        place_and_u: vertex.position.extend(vertex.uv.x).to_array(),
+        normal_and_v: vertex.normal.extend(vertex.uv.y).to_array(),
+        color_and_matter: vertex.color.extend(matter).to_array(),
+    }
+}
+
+fn matter(material: &PlaceMaterial) -> PlaceMatter {
+    let layer = |layer: Option<u32>| layer.unwrap_or(NO_LAYER);
+    PlaceMatter {
+        glow: material.glow.extend(0.0).to_array(),
+        cutoff: material.cutoff,
+        roughness: material.roughness,
+        metal: material.metal,
+        slope: material.normal.map_or(0.0, |(_, scale)| scale),
+        shade: material.occlusion.map_or(0.0, |(_, strength)| strength),
+        color: layer(material.color),
+        rough: layer(material.rough),
+        normal: layer(material.normal.map(|(layer, _)| layer)),
+        occlusion: layer(material.occlusion.map(|(layer, _)| layer)),
+        ..PlaceMatter::default()
+    }
+}
+
+/// How textures are looked up: between texels and levels, repeated beyond their edges.
+struct Sampler {
+    device: Arc<Device>,
+    raw: vk::Sampler,
+}
+
+impl Sampler {
+    fn new(device: &Arc<Device>) -> Result<Self, Error> {
+        let create = vk::SamplerCreateInfo::default()
+            .mag_filter(vk::Filter::LINEAR)
+            .min_filter(vk::Filter::LINEAR)
+            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
+            .max_lod(vk::LOD_CLAMP_NONE);
+        // SAFETY: the create-info is complete; `Drop` destroys the sampler.
+        let raw = unsafe { device.raw.create_sampler(&create, None) }.map_err(call("vkCreateSampler"))?;
+        Ok(Self { device: device.clone(), raw })
+    }
+}
+
+impl Drop for Sampler {
+    fn drop(&mut self) {
+        // SAFETY: the renderer that owns the pass waits for its submissions.
+        unsafe { self.device.raw.destroy_sampler(self.raw, None) };
+    }
+}
