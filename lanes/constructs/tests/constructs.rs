@@ -9,7 +9,7 @@
     reason = "bits of words, as a shader has them"
 )]
 
-use wgsl_lanes_constructs::{ATOMICS, CORNERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
+use wgsl_lanes_constructs::{ATOMICS, CORNERS, COUNTERS, FLOATS, FLOW, INTEGERS, MEMORY, Runs, run};
 
 /// Counts of invocations: none, fewer than lanes, as many, and more.
 const COUNTS: [u32; 6] = [0, 1, 7, 16, 37, 256];
@@ -377,5 +377,87 @@ fn atomic_operations_lose_nothing() {
         expect(ATOMICS, &buffers, 0, count, 1, &sums);
         expect(ATOMICS, &buffers, 0, count, 2, &extremes.map(|value| value as u32));
         expect(ATOMICS, &buffers, 0, count, 3, &list);
+    }
+}
+
+/// What `counters.wgsl` does.
+fn counters(own: u32, given: &[u32], first: u32) -> [u32; 8] {
+    let mut rows = [[0u32; 2]; 6];
+    let mut words = [0u32; 5];
+    let mut pairs = [[0u32; 2]; 3];
+    let row = |i: u32| (i as usize).min(5);
+    let word = |i: u32| (i as usize).min(4);
+    let mut number = 0;
+    while number < own % 9 && number != own % 5 + 2 {
+        if number % 2 != own % 2 {
+            rows[row(number)] = [number * 10 + own % 4, own];
+            let more = rows[row(number)][1].wrapping_add(given[(number as usize).min(given.len() - 1)]);
+            words[word(number)] = words[word(number)].wrapping_add(more);
+        }
+        number += 1;
+    }
+    let mut nested = 0u32;
+    for i in first..first + 3 {
+        let mut j = i;
+        while j < i + own % 4 {
+            nested = nested.wrapping_mul(7).wrapping_add(rows[row(j)][0]).wrapping_add(words[word(i)]);
+            pairs[(i % 3) as usize][0] += j;
+            rows[row(j)][1] = nested;
+            j += 2;
+        }
+        pairs[((i - first) as usize).min(2)][1] = nested;
+    }
+    let mut total = 0u32;
+    for i in own % 3..5 {
+        total = total.wrapping_add(rows[row(i)][0].wrapping_mul(i + 1));
+    }
+    for i in (0..5).step_by((own % 2 + 1) as usize) {
+        total = total.wrapping_mul(5).wrapping_add(words[i]);
+    }
+    let mut i = 0;
+    while i < 5 {
+        if words[word(i)] % 2 == 1 {
+            i += 1;
+        }
+        total = total.wrapping_mul(5).wrapping_add(words[word(i)]);
+        i += 1;
+    }
+    let (between, mut onward) = (total, 0);
+    for turn in 0..2 {
+        while onward < own % 6 {
+            if words[word(onward)] % 3 == 2 {
+                onward += 1;
+                break;
+            }
+            total = total.wrapping_add(words[word(onward)].wrapping_mul(turn + 1));
+            onward += 1;
+        }
+        total = total.wrapping_mul(2).wrapping_add(onward);
+    }
+    let mut again = 0;
+    for turn in 0..3 {
+        while again < own % 7 && words[word(again)].wrapping_add(own).wrapping_add(again) % 3 != turn {
+            total = total.wrapping_add(words[word(again)].wrapping_mul(3));
+            again += 1;
+        }
+        total = total.wrapping_mul(2).wrapping_add(again);
+    }
+    let sum = |base: u32, count: u32, from: u32| {
+        (from..count).fold(0u32, |sum, i| sum.wrapping_mul(3).wrapping_add(rows[row(base + i)][0]))
+    };
+    let all = pairs.iter().fold(0u32, |all, [low, high]| {
+        all.wrapping_mul(11).wrapping_add(*low).wrapping_add(high.wrapping_mul(3))
+    });
+    let sums = [sum(0, own % 5, 0), sum(own % 3, 3, own % 2), sum(first, 4, 1)];
+    [number, nested, between, total, sums[0], sums[1], sums[2], all]
+}
+
+#[test]
+fn counters_of_loops_are_those_of_each_lane() {
+    for (count, first) in COUNTS.into_iter().flat_map(|count| [0, 2].map(|first| (count, first))) {
+        let given: Vec<u32> = (0..count.max(1)).map(|i| i.wrapping_mul(2_654_435_761) >> 7).collect();
+        let want: Vec<u32> =
+            given.iter().take(count as usize).flat_map(|own| counters(*own, &given, first)).collect();
+        expect(COUNTERS, &[given, vec![0; 8 * count as usize]], first, count, 1, &want);
     }
 }

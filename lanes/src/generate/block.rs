@@ -102,6 +102,12 @@ impl<'m> Writer<'m> {
                 let value = self.value(f, *value)?;
                 let is_whole = match f.body.expressions[*pointer] {
                     Expression::LocalVariable(local) => {
+                        if f.same.counts(local) {
+                            let _ = writeln!(f.text, "n{} = {value}.lane();", local.index());
+                        }
+                        if !f.same.is_by_lane(local) {
+                            return Ok(false);
+                        }
                         f.scopes.get(&local).is_some_and(|scope| scope.begins_whole && scope.path == f.path)
                     }
                     _ => false,

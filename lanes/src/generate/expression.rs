@@ -79,7 +79,12 @@ impl<'m> Writer<'m> {
                 let inner = self.inner_of(f, base).clone();
                 self.index_value(&inner, &value, &index, mask)
             }
-            &Expression::Load { pointer } => self.load(f, pointer, mask),
+            &Expression::Load { pointer } => match f.body.expressions[pointer] {
+                Expression::LocalVariable(local) if f.same.has(expression) => {
+                    Ok(format!("V::c(n{})", local.index()))
+                }
+                _ => self.load(f, pointer, mask),
+            },
             &Expression::Unary { op, expr } => {
                 let (value, shape) = (self.value(f, expr)?, self.shape(f, expr)?);
                 let method = match (op, shape.kind) {

@@ -1,6 +1,7 @@
 //! Functions: one text for each combination of variables that a function's pointers point to.
 
-use super::types::Shape;
+use super::same::Same;
+use super::types::{Kind, Shape};
 use super::{Unsupported, Writer};
 use naga::valid::FunctionInfo;
 use naga::{AddressSpace, Block, Expression, GlobalVariable, Handle, LocalVariable, Statement, TypeInner};
@@ -21,11 +22,13 @@ pub(super) struct Variant {
     which: Which,
     /// Of each argument the global that it points to.
     pub(super) pointers: Vec<Option<Handle<GlobalVariable>>>,
+    /// Of each argument whether all lanes have the same.
+    same: Vec<bool>,
 }
 
 impl Variant {
     pub(super) const fn entry(index: usize) -> Self {
-        Self { which: Which::Entry(index), pointers: Vec::new() }
+        Self { which: Which::Entry(index), pointers: Vec::new(), same: Vec::new() }
     }
 }
 
@@ -49,6 +52,8 @@ pub(super) struct Function<'m> {
     pub(super) info: &'m FunctionInfo,
     /// Where each local variable is used.
     pub(super) scopes: BTreeMap<Handle<LocalVariable>, Scope>,
+    /// What all lanes have alike.
+    pub(super) same: Same,
     /// Whether some lanes may return before others.
     pub(super) returns_early: bool,
     /// What encloses the present statement, the innermost last.
@@ -83,6 +88,9 @@ impl<'m> Writer<'m> {
                 let mut name = format!("f_{}", function.name.as_deref().unwrap_or("unnamed"));
                 for global in variant.pointers.iter().flatten() {
                     let _ = write!(name, "_{}", self.global(*global));
+                }
+                for (at, _) in variant.same.iter().enumerate().filter(|(_, same)| **same) {
+                    let _ = write!(name, "_same{at}");
                 }
                 (name, function, &self.info[handle])
             }
@@ -127,6 +135,7 @@ impl<'m> Writer<'m> {
             body,
             info,
             scopes: scopes(body),
+            same: Same::of(self.module, body, &variant.same),
             returns_early: returns > usize::from(ends),
             enclosing: Vec::new(),
             path: Vec::new(),
@@ -168,6 +177,9 @@ impl<'m> Writer<'m> {
                 None => self.zero(local.ty)?,
             };
             let _ = writeln!(start, "let mut l{}: {ty} = {value};", handle.index());
+            if f.same.counts(handle) {
+                let _ = writeln!(start, "let mut n{}: u32 = {value}.lane();", handle.index());
+            }
         }
         self.block(&mut f, &body.body, "mask")?;
         let hint = if size(&body.body) < INLINED { "#[inline]\n" } else { "" };
@@ -190,6 +202,10 @@ impl<'m> Writer<'m> {
         mask: &str,
     ) -> Result<(), String> {
         let (mut pointers, mut values) = (Vec::new(), String::new());
+        let is_number = |argument| {
+            self.shape(f, argument).is_ok_and(|shape| shape.size.is_none() && shape.kind != Kind::Float)
+        };
+        let same = arguments.iter().map(|argument| f.same.has(*argument) && is_number(*argument)).collect();
         for &argument in arguments {
             if !self.is_pointer(f, argument) {
                 pointers.push(None);
@@ -212,7 +228,7 @@ impl<'m> Writer<'m> {
                 }
             }
         }
-        let variant = Variant { which: Which::Function(callee), pointers };
+        let variant = Variant { which: Which::Function(callee), pointers, same };
         let (name, _, info) = self.named(&variant);
         let privates: String = self
             .privates(info, &variant.pointers)

@@ -9,6 +9,7 @@ mod block;
 mod expression;
 mod function;
 mod place;
+mod same;
 mod types;
 
 use crate::Isa;

@@ -21,6 +21,8 @@ pub(super) enum Step {
     At(u32),
     /// By a vector of indices, one a lane.
     By(String),
+    /// By a vector of one index in all lanes.
+    Same(String),
 }
 
 /// What a pointer points to.
@@ -36,6 +38,8 @@ struct Span {
     fixed: u32,
     /// Vectors to be added.
     by_lane: Vec<String>,
+    /// Whether all of these have the same in all lanes.
+    are_same: bool,
     ty: Part,
 }
 
@@ -76,8 +80,8 @@ impl<'m> Writer<'m> {
             }
             Expression::Access { base, index } => {
                 let mut place = self.place(f, base)?;
-                let index = self.value(f, index)?;
-                place.steps.push(Step::By(index));
+                let text = self.value(f, index)?;
+                place.steps.push(if f.same.has(index) { Step::Same(text) } else { Step::By(text) });
                 Ok(place)
             }
             _ => Err("a pointer that is not a path from a variable".to_owned()),
@@ -165,6 +169,7 @@ impl<'m> Writer<'m> {
             match step {
                 Step::At(at) => text = member(&inner, &text, *at),
                 Step::By(index) => text = format!("{}(&{text}, {index}, {mask})", self.reader(&inner)?),
+                Step::Same(index) => text = format!("{text}[place({index}.lane(), {text}.len())]"),
             }
             part = self.part(&inner, step)?;
         }
@@ -260,6 +265,7 @@ impl<'m> Writer<'m> {
             let inner = self.inner(&part);
             match step {
                 Step::At(at) => text = member(&inner, &text, *at),
+                Step::Same(index) => text = format!("{text}[place({index}.lane(), {text}.len())]"),
                 Step::By(index) => {
                     let columns = self.columns(&inner)?;
                     let _ = match (&steps[number + 1..], columns) {
@@ -327,7 +333,7 @@ impl<'m> Writer<'m> {
 
     /// Part of a buffer.
     fn span(&mut self, ty: Handle<Type>, steps: &[Step]) -> Result<Span, String> {
-        let mut span = Span { fixed: 0, by_lane: Vec::new(), ty: Part::Named(ty) };
+        let mut span = Span { fixed: 0, by_lane: Vec::new(), are_same: true, ty: Part::Named(ty) };
         for step in steps {
             let inner = self.inner(&span.ty);
             let (stride, count) = match &inner {
@@ -352,7 +358,8 @@ impl<'m> Writer<'m> {
             };
             match step {
                 Step::At(at) => span.fixed += at * stride,
-                Step::By(index) => {
+                Step::By(index) | Step::Same(index) => {
+                    span.are_same &= matches!(step, Step::Same(_));
                     let index = match count {
                         Some(count) => format!("{index}.umin(V::c({}))", count - 1),
                         None => index.clone(),
@@ -378,6 +385,13 @@ impl<'m> Writer<'m> {
             return self.assemble(&span.ty, 0, &word);
         }
         let size = self.size(&span.ty)?;
+        if span.are_same {
+            let value = self.assemble(&span.ty, 0, &|at| format!("row[{at}]"))?;
+            return Ok(format!(
+                "{{ let row: [V; {size}] = row_of(cx.{name}, {}.lane()); {value} }}",
+                span.index(0)
+            ));
+        }
         if size == 1 {
             return Ok(format!("word(cx.{name}, {})", span.index(0)));
         }

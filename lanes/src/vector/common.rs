@@ -22,6 +22,12 @@ macro_rules! common {
                 unsafe { std::mem::transmute::<[u32; LANES], Self>(words) }
             }
 
+            /// The word of the first lane: that of all, where they have the same.
+            #[inline(always)]
+            pub const fn lane(self) -> u32 {
+                self.to_array()[0]
+            }
+
             /// `first`, `first` + 1, and so on.
             #[inline]
             $(#[$attr])*
@@ -200,6 +206,25 @@ macro_rules! common {
             let index = index.umin(V::c(from.readable().saturating_sub(W as u32)));
             // SAFETY: a buffer has whole elements, so the words up to `index + W` are there.
             unsafe { gather_row(from.first(), index) }
+        }
+
+        /// The `W` words from one index on, the same for all lanes.
+        #[inline]
+        $(#[$attr])*
+        pub fn row_of<const W: usize>(from: Words<'_>, index: u32) -> [V; W] {
+            let index = index.min(from.readable().saturating_sub(W as u32));
+            let mut row = [V::c(0); W];
+            for (at, value) in (0..).zip(&mut row) {
+                *value = V::c(from.word(index + at));
+            }
+            row
+        }
+
+        /// An index into an array of some length: beyond the end that of the last.
+        #[inline(always)]
+        pub const fn place(index: u32, length: usize) -> usize {
+            let index = index as usize;
+            if index < length { index } else { length - 1 }
         }
 
         /// Writes each active lane's word to its index.
