@@ -5,7 +5,7 @@
 pub(crate) mod glb;
 pub(crate) mod gpu;
 pub(crate) mod lab;
-#[cfg(all(feature = "import", feature = "png"))]
+#[cfg(all(feature = "import", feature = "vulkan"))]
 pub(crate) mod street;
 
 use std::path::{Path, PathBuf};
