@@ -56,11 +56,10 @@ fn divide(triangles: &mut [([u32; 3], Vec3)], found: &mut impl FnMut(&[([u32; 3]
 impl Part {
     /// Whether any of it can lie in the clip space of one of these matrices.
     pub(super) fn is_seen(&self, clip_from_world: &[Mat4]) -> bool {
-        let corners = (0..8).map(|i| {
+        let corners: [Vec3; 8] = std::array::from_fn(|i| {
             let of = |bit: usize, axis: usize| if i & bit == 0 { self.low[axis] } else { self.high[axis] };
             Vec3::new(of(1, 0), of(2, 1), of(4, 2))
         });
-        let corners: Vec<Vec3> = corners.collect();
         clip_from_world.iter().any(|matrix| {
             let clip = || corners.iter().map(|corner| *matrix * corner.extend(1.0));
             // all corners beyond one side: the box is beyond it, since sides are planes

@@ -99,8 +99,9 @@ impl Scenario {
         let Some(folder) = folder else { return Ok(()) };
         let has_own =
             !self.bounds.is_empty() || !self.walkable_wkt.is_empty() || self.layout != Layout::Custom;
+        let is_of_place = self.walkable_file.is_empty();
         let (key, file) = match &self.environment.glb {
-            _ if !self.walkable_file.is_empty() => ("walkable_file", std::mem::take(&mut self.walkable_file)),
+            _ if !is_of_place => ("walkable_file", std::mem::take(&mut self.walkable_file)),
             Some(model) if !has_own => ("environment.glb", model.clone()),
             _ => return Ok(()),
         };
@@ -111,10 +112,10 @@ impl Scenario {
         let node = self.walkable_node.take();
         let plane = std::mem::take(&mut self.walkable_plane);
         let path = folder.join(&file);
-        let read = if key == "walkable_file" {
-            Area::read(&path, node.as_deref(), plane)
-        } else {
+        let read = if is_of_place {
             Area::of_place(&path, node.as_deref())
+        } else {
+            Area::read(&path, node.as_deref(), plane)
         };
         let area = read.map_err(|error| {
             wrong("a .wkt, .txt, .glb or .gltf file with a walkable area", error.to_string())

@@ -2,12 +2,11 @@
 
 use crate::common::gpu;
 use crate::common::street::{REACH, SQUARES, street};
-use crate::support::keep;
+use crate::support::{flat, keep};
 use gaitway::render::camera::{Camera, View};
 use gaitway::render::{Atmosphere, Image, Quality, Renderer, Settings, Stereo};
 use gaitway::scene::{Scene, Stage};
 use glam::{Vec2, Vec3};
-use std::fmt::Write as _;
 use tempfile::TempDir;
 
 const SIDE: u32 = 400;
@@ -27,22 +26,12 @@ fn scene(folder: &TempDir) -> gaitway::Result<Scene> {
     Scene::load(folder.path().join("scene.toml").to_str().unwrap())?.build()
 }
 
-/// Light from all sides and no sun, so that colours are those of the textures.
-fn flat() -> Atmosphere {
-    Atmosphere { ..crate::support::flat() }
-}
-
 fn stage(settings: Settings) -> Option<Stage> {
     gpu::on_device(Stage::new(scene(&folder(TEXT, &street())).unwrap(), settings))
 }
 
 fn settings(quality: Quality, atmosphere: Atmosphere) -> Settings {
     Settings { quality, atmosphere, ..Settings::sized(SIDE, SIDE) }
-}
-
-/// A camera above a place of the ground that sees so many metres along a side.
-fn above(at: Vec2, extent: f32) -> Camera {
-    Camera::top(at, extent)
 }
 
 /// The colour that the ground has at a place (x, z), m.
@@ -64,7 +53,7 @@ fn textures_are_drawn_where_they_lie_and_sharp_at_a_metre() {
     let Some(mut stage) = stage(settings(Quality::Low, flat())) else { return };
     // two metres along a side, 200 pixels a metre
     let middle = Vec2::new(-10.0, -10.0);
-    let image = stage.picture(&above(middle, 2.0)).unwrap();
+    let image = stage.picture(&Camera::top(middle, 2.0)).unwrap();
     keep("place_ground", &image);
     let (mut wrong, mut between) = (0, 0);
     for y in 0..SIDE {
@@ -165,7 +154,7 @@ fn the_place_casts_shadows_of_its_walls_and_none_of_its_holes_and_people_cast_th
         brightness(image, pixel.x as u32, pixel.y as u32)
     };
     let middle = Vec2::new(6.0, 10.0);
-    let image = stage.picture(&above(middle, 8.0)).unwrap();
+    let image = stage.picture(&Camera::top(middle, 8.0)).unwrap();
     keep("place_shadow", &image);
     // squares of one colour, before and behind the end of the shadow of the house (5 m from its wall at z = 8)
     let place = |z: f32| at(&image, middle, 8.0, Vec2::new(6.25, z));
@@ -173,13 +162,13 @@ fn the_place_casts_shadows_of_its_walls_and_none_of_its_holes_and_people_cast_th
     assert!(4 * place(9.25) < 3 * place(13.25), "{} and {}", place(9.25), place(13.25));
     // of the fence (4 m high at z = 0) every second half metre lets light through
     let middle = Vec2::new(-6.0, 2.0);
-    let image = stage.picture(&above(middle, 4.0)).unwrap();
+    let image = stage.picture(&Camera::top(middle, 4.0)).unwrap();
     keep("place_holes", &image);
     let along: Vec<u32> =
         (0..8).map(|i| at(&image, middle, 4.0, Vec2::new(-7.75 + 0.5 * i as f32, 2.25))).collect();
     // holes and squares have the same rhythm, so each is compared with its like where nothing casts a shadow
     let away = Vec2::new(-16.0, 2.0);
-    let open = stage.picture(&above(away, 4.0)).unwrap();
+    let open = stage.picture(&Camera::top(away, 4.0)).unwrap();
     let shares: Vec<u32> = (0..8)
         .map(|i| 100 * along[i] / at(&open, away, 4.0, Vec2::new(-17.75 + 0.5 * i as f32, 2.25)))
         .collect();
@@ -256,8 +245,7 @@ fn models_that_cannot_be_read_are_refused_with_the_reason() {
     broken[png + 40..png + 60].fill(0);
     let message = refused(&broken);
     assert!(message.contains("image 0") && message.contains("PNG"), "{message}");
-    let mut text = String::new();
-    let _ = write!(text, "{}", bounds.replace("street.glb", "street2.glb"));
+    let text = bounds.replace("street.glb", "street2.glb");
     let message = scene(&folder(&text, &whole)).unwrap_err().to_string();
     assert!(message.contains("street2.glb"), "{message}");
 }

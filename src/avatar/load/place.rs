@@ -2,13 +2,11 @@
 
 use super::super::Error;
 use super::super::model::{PlaceMaterial, PlaceModel, PlaceVertex};
-use super::MOST_BYTES;
+use super::model::{Standing, read};
 use super::paint::Texture;
 use super::source::{Part, Source};
 use super::surface::{Lookup, Surface};
-use crate::file;
 use crate::picture::Image;
-use glam::{Mat3, Vec3};
 use std::collections::BTreeMap;
 use std::path::Path;
 
@@ -21,10 +19,7 @@ const LEAST_BLENDED: f32 = 0.5;
 /// [`Error::Read`] when the file cannot be read; [`Error::Packed`] and [`Error::Unusable`] when it is packed, malformed, has
 /// an image that cannot be read, or has no triangles.
 pub(crate) fn place(path: &Path) -> Result<PlaceModel, Error> {
-    let read_error = |source| Error::Read { path: path.to_owned(), source };
-    let name = path.display().to_string();
-    let bytes = file::read(path, MOST_BYTES).map_err(read_error)?;
-    let source = Source::read_place(&bytes, path.parent()).map_err(|fault| fault.of(&name))?;
+    let (name, source) = read(path, Source::read_place)?;
     let mut made = Made {
         source: &source,
         model: PlaceModel::default(),
@@ -104,21 +99,15 @@ impl Made<'_> {
 
     fn part(&mut self, part: &Part) {
         let surface = &self.source.surfaces[part.surface];
-        let world = self.source.nodes[part.node].world;
-        let turn = Mat3::from_mat4(world);
-        let upright = if turn.determinant().abs() > 1e-12 { turn.inverse().transpose() } else { turn };
+        let alpha = |corner: &u32| part.colors[*corner as usize].w;
+        let stands = Standing::of(self.source, part, |t| {
+            !surface.is_blended || t.iter().map(alpha).sum::<f32>() >= 3.0 * LEAST_BLENDED
+        });
         let model = &mut self.model;
         let first = u32::try_from(model.vertices.len()).unwrap_or(u32::MAX);
-        let positions: Vec<Vec3> = part.positions.iter().map(|p| world.transform_point3(*p)).collect();
-        let is_mirrored = turn.determinant() < 0.0; // a mirrored node turns its faces round
-        let turned = |t: &[u32]| if is_mirrored { [t[0], t[2], t[1]] } else { [t[0], t[1], t[2]] };
-        let triangles: Vec<[u32; 3]> = part.indices.chunks_exact(3).map(turned).collect();
-        let normals = match &part.normals {
-            Some(normals) => normals.iter().map(|n| (upright * *n).normalize_or(Vec3::Y)).collect(),
-            None => smooth(&positions, &triangles),
-        };
         let material = u32::try_from(part.surface).unwrap_or(0);
-        let corners = positions.into_iter().zip(normals).zip(part.colors.iter().zip(&part.uv));
+        let places = stands.positions.into_iter().zip(stands.normals);
+        let corners = places.zip(part.colors.iter().zip(&part.uv));
         model.vertices.extend(corners.map(|((position, normal), (color, uv))| PlaceVertex {
             position,
             normal,
@@ -126,12 +115,9 @@ impl Made<'_> {
             uv: *uv,
             material,
         }));
-        let alpha = |corner: &u32| part.colors[*corner as usize].w;
-        let is_there =
-            |t: &&[u32; 3]| !surface.is_blended || t.iter().map(alpha).sum::<f32>() >= 3.0 * LEAST_BLENDED;
         let has_holes = surface.color.is_some() && (surface.is_blended || surface.cutoff.is_some());
         let to = if surface.is_two_sided || has_holes { &mut model.open } else { &mut model.solid };
-        to.extend(triangles.iter().filter(is_there).flatten().map(|corner| first + corner));
+        to.extend(stands.triangles.iter().flatten().map(|corner| first + corner));
     }
 
     fn finish(self) -> PlaceModel {
@@ -140,15 +126,4 @@ impl Made<'_> {
         model.maps = maps.pictures(&source.textures);
         model
     }
-}
-
-/// Unit normals of vertices as the mean of their triangles', by area.
-fn smooth(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
-    let mut sums = vec![Vec3::ZERO; positions.len()];
-    for t in triangles {
-        let [a, b, c] = t.map(|corner| positions[corner as usize]);
-        let normal = (b - a).cross(c - a); // as long as twice the area
-        t.iter().for_each(|corner| sums[*corner as usize] += normal);
-    }
-    sums.iter().map(|sum| sum.normalize_or(Vec3::Y)).collect()
 }

@@ -12,9 +12,9 @@ pub struct Environment {
     /// The ground everywhere under the scene; left out: that of the layout, else concrete, or none under a model of the place.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ground: Option<Ground>,
-    /// A model of the place (`.glb`, `.gltf`) beside the scenario's file, drawn with its materials and textures where it lies: metres, y up,
-    /// the ground at y = 0; left out: there is none. Without `ground` there is no other ground. Without bounds and a walkable area of the file's own, its floor is
-    /// where people walk.
+    /// A model of the place (`.glb`, `.gltf`) beside the scenario's file, drawn with its materials and textures where it lies:
+    /// metres, y up, the ground at y = 0; left out: there is none. Without `ground` there is no other ground. Without bounds and a
+    /// walkable area of the file's own, its floor is where people walk.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub glb: Option<String>,
     /// Everything that lies or stands on the ground.

@@ -155,9 +155,13 @@ impl Area {
     /// # Errors
     /// What is wrong with the file.
     pub(crate) fn of_place(path: &Path, node: Option<&str>) -> Result<Self, AreaError> {
-        let floor = floor(&avatar::triangles(path, node)?)?;
         // with cut-outs whole: one does not walk through a fence
-        let solid = solid::faces(&avatar::place(path)?.triangles());
+        let all = avatar::place(path)?.triangles();
+        let floor = match node {
+            Some(_) => floor(&avatar::triangles(path, node)?)?,
+            None => floor(&all)?,
+        };
+        let solid = solid::faces(&all);
         if solid.len() > MOST_CORNERS {
             let of = "triangles that stand in people's way";
             return Err(AreaError::Large { count: solid.len(), of, most: MOST_CORNERS });
