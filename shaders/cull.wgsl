@@ -1,7 +1,7 @@
 // uses: frame, exact, body, absent, agent
 // Which agents may be seen and how finely: each agent's bucket (avatar * levels + level of detail; far bodies
 // bucket_count + avatar, specks behind all of these), or NONE.
-// An upright capsule of agent_height and agent_radius, times the agent's scale, is tested against the frusta;
+// An upright capsule of agent_height and agent_radius, times the agent's size, is tested against the frusta;
 // the level follows from the camera's distance to its middle. `compact` turns the buckets into lists.
 // All inputs of the animation kernels are judged here: an agent with an impossible one is not drawn and reported.
 const HEADING_LIMIT: f32 = 10000.0; // rad; beyond it a float has no direction left
@@ -69,8 +69,8 @@ fn cull(@builtin(global_invocation_id) id: vec3<u32>) {
     if is_absent(at) || is_bodiless(info) {
         return;
     }
-    let height = frame.agent_height * scale;
-    let radius = frame.agent_radius * scale;
+    let height = frame.agent_height * scale * stature_of(info);
+    let radius = frame.agent_radius * scale * max(breadth_of(info), 1.0);
     let foot = elevation[agent];
     let low = foot + radius;
     let high = foot + select(radius, height - radius, height - radius > radius); // never below its own foot

@@ -65,12 +65,12 @@ const OWN_FACE: u32 = 0xface0000u;    // what it draws for
 @group(0) @binding(1) var<storage, read> visible: array<u32>;              // [visible] agents, then NONE
 @group(0) @binding(2) var<storage, read> stance: array<Stance>;            // [agent]
 @group(0) @binding(3) var<storage, read> appearance: array<Appearance>;    // [agent]
-@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][68]
+@group(0) @binding(4) var<storage, read> rig: array<vec4<f32>>;            // [avatar][100]
 @group(0) @binding(5) var<storage, read> gaze_frame: array<u32>;           // [agent]
 @group(0) @binding(6) var<storage, read> agent_bucket: array<u32>;         // [agent]
 @group(0) @binding(7) var<storage, read> mesh_table: array<MeshRange>;     // [bucket]
 @group(0) @binding(8) var<storage, read> gait_weights: array<vec4<f32>>;   // [agent]
-@group(0) @binding(9) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][21][3] rows
+@group(0) @binding(9) var<storage, read_write> palettes: array<vec4<f32>>; // [visible][22][3] rows
 @group(0) @binding(10) var<storage, read_write> expressions: array<Expression>; // [visible]
 
 struct Moment {
@@ -229,12 +229,12 @@ fn eyes(@builtin(global_invocation_id) id: vec3<u32>) {
     } else {
         var drop = DROP;
         if feels && emotion == SAD {
-            drop = exact_atan2(left.y * own.scale, GROUND_AHEAD); // from the height of eyes that stand upright
+            drop = exact_atan2(left.y * own.scale * stature_of(own), GROUND_AHEAD); // from the height of eyes that stand upright
         }
         aim = ahead(agent, drop);
     }
-    // as the mesh's axes see it
-    let square = own.scale * own.scale;
+    // as the mesh's axes see it: heads are of a size of their own
+    let square = row_x.x * row_x.x + row_y.x * row_y.x + row_z.x * row_z.x;
     let to = vec3<f32>(
         (row_x.x * aim.x + row_y.x * aim.y + row_z.x * aim.z) / square,
         (row_x.y * aim.x + row_y.y * aim.y + row_z.y * aim.z) / square,

@@ -3,14 +3,6 @@
 // formulas: perception::features). One invocation takes one gait: a whole walk cycle at equal steps of time, on the
 // spot; frame 0 follows the last one, a stride further on. A gait with an impossible position or no frames gets zeros
 // and is reported.
-const ROOT: u32 = 0u;
-const LEFT_SHOULDER: u32 = 4u;
-const LEFT_HAND: u32 = 6u;
-const RIGHT_SHOULDER: u32 = 7u;
-const RIGHT_HAND: u32 = 9u;
-const LEFT_HIP: u32 = 10u;
-const RIGHT_HIP: u32 = 13u;
-
 const POSTURE: u32 = 12u;           // features per frame
 const MOVING: u32 = 5u;             // joints whose motion counts
 const MOTION: u32 = 15u;            // three orders of each

@@ -40,10 +40,11 @@ const FRAME_BITS: u32 = 0x1fffffffu;
 @group(0) @binding(2) var<storage, read> position: array<vec2<f32>>;              // [agent] m
 @group(0) @binding(3) var<storage, read> stance: array<Stance>;                   // [agent]
 @group(0) @binding(4) var<storage, read> appearance: array<Appearance>;           // [agent]
-@group(0) @binding(5) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][65]
-@group(0) @binding(6) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
-@group(0) @binding(7) var<storage, read_write> gaze_state: array<GazeState>;      // [agent]
-@group(0) @binding(8) var<storage, read_write> gaze_frame: array<u32>;            // [agent]
+@group(0) @binding(5) var<storage, read> physique: array<Physique>;               // [agent]
+@group(0) @binding(6) var<storage, read> rig: array<vec4<f32>>;                   // [avatar][100]
+@group(0) @binding(7) var<storage, read_write> local_rotations: array<vec4<f32>>; // [visible][17]
+@group(0) @binding(8) var<storage, read_write> gaze_state: array<GazeState>;      // [agent]
+@group(0) @binding(9) var<storage, read_write> gaze_frame: array<u32>;            // [agent]
 
 // The user's eyes in the agent's model space.
 fn user_in_model(agent: u32, scale: f32) -> vec3<f32> {
@@ -107,10 +108,12 @@ fn gaze(@builtin(global_invocation_id) id: vec3<u32>) {
     let spine = quat_mul(root, local_rotations[base + SPINE]);
     let neck = quat_mul(spine, local_rotations[base + NECK]);
     let head = quat_mul(neck, local_rotations[base + HEAD]);
-    let spine_at = local_rotations[base + JOINTS].xyz + quat_rotate(root, joint_translation(avatar, SPINE));
-    let neck_at = spine_at + quat_rotate(spine, joint_translation(avatar, NECK));
-    let head_arm = quat_rotate(neck, joint_translation(avatar, HEAD)); // neck to head joint
-    let eyes_arm = quat_rotate(head, rig[avatar * RIG_STRIDE + RIG_EYES].xyz); // head joint to eyes
+    let trunk = ratios_in(physique[agent].trunk_and_arms).x;
+    let head_size = ratios_in(physique[agent].head_and_shoulders).x;
+    let spine_at = local_rotations[base + JOINTS].xyz + quat_rotate(root, joint_translation(avatar, SPINE)) * trunk;
+    let neck_at = spine_at + quat_rotate(spine, joint_translation(avatar, NECK)) * trunk;
+    let head_arm = quat_rotate(neck, joint_translation(avatar, HEAD)) * trunk; // neck to head joint
+    let eyes_arm = quat_rotate(head, rig[avatar * RIG_STRIDE + RIG_EYES].xyz) * head_size; // head joint to eyes
 
     let forward = quat_rotate(spine, joint_forward(avatar, SPINE)); // the paper's f: the torso without the neck
     let torso = exact_atan2(forward.x, forward.z);

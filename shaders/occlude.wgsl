@@ -45,16 +45,17 @@ fn tile_at(pixel: f32, side: u32, most: u32) -> u32 {
 
 fn look_at(eye: u32, agent: u32, bounds: vec4<f32>) -> Seen {
     let m = sight.clip_from_world[eye];
-    let scale = appearance[agent].scale;
+    let body = appearance[agent];
+    let tall = body.scale * stature_of(body);
     let at = position[agent];
     let foot = elevation[agent];
-    let radius = bounds.x * scale;
+    let radius = bounds.x * body.scale * breadth_of(body);
     var low = vec2<f32>(1.0e30, 1.0e30);
     var high = vec2<f32>(-1.0e30, -1.0e30);
     var nearest = 0.0;
     for (var corner = 0u; corner < 8u; corner++) {
         let x = at.x + select(-radius, radius, (corner & 1u) == 1u);
-        let y = foot + select(bounds.y, bounds.z, (corner & 2u) == 2u) * scale;
+        let y = foot + select(bounds.y, bounds.z, (corner & 2u) == 2u) * tall;
         let z = at.y + select(-radius, radius, (corner & 4u) == 4u);
         let w = m[0].w * x + m[1].w * y + m[2].w * z + m[3].w;
         if !(w > BEHIND) {
@@ -116,7 +117,8 @@ fn is_behind(eye: u32, seen: Seen) -> bool {
 // Whether an agent of a bucket is shown whatever stands before it.
 fn is_shown(agent: u32, bucket: u32) -> bool {
     let count = start_of(sight.bucket_end) - start_of(sight.first_bucket);
-    let head = sight.bounds[bucket][1].z * appearance[agent].scale;
+    let body = appearance[agent];
+    let head = sight.bounds[bucket][1].z * (body.scale * stature_of(body));
     return count < sight.fewest || sight.eye_height > elevation[agent] + head + DOWN;
 }
 

@@ -162,6 +162,9 @@ pub(crate) fn agents(agents: &[AgentInfo]) -> std::result::Result<Table, Fault> 
         ("group", "", Arc::new(agents.iter().map(|agent| agent.group).collect::<UInt32Array>()) as ArrayRef),
         ("radius_m", "m", number(|agent| agent.radius)),
         ("preferred_speed_m_s", "m/s", number(|agent| agent.preferred_speed)),
+        ("age_years", "years", number(|agent| agent.age)),
+        ("stature_m", "m", number(|agent| agent.stature)),
+        ("weight_kg", "kg", number(|agent| agent.weight)),
     ]);
     Table::of_columns(columns)
 }

@@ -256,7 +256,7 @@ impl Simulation {
     }
 
     /// The agents as a table: `id`, `kind`, `led`, `emotion` and its four weights, `gait`, `avatar`, `class`, `group`,
-    /// `radius_m`, `preferred_speed_m_s`.
+    /// `radius_m`, `preferred_speed_m_s`, `age_years`, `stature_m`, `weight_kg`.
     #[getter]
     fn agents(&self, py: Python<'_>) -> PyResult<Table> {
         Ok(recorder::agents(self.lock(py).info())?)

@@ -72,13 +72,14 @@ fn place(vertex: u32, agent: u32) -> Placed {
     }
     // about +y: 0 faces +z
     let ahead = vec2<f32>(own.heading_sine, own.heading_cosine);
-    let scale = appearance[agent].scale;
+    let body = appearance[agent];
+    let broad = body.scale * breadth_of(body);
     let at = position[agent];
     return Placed(
         vec3<f32>(
-            at.x + scale * (local.x * ahead.y + local.z * ahead.x),
-            own.elevation + scale * local.y,
-            at.y + scale * (local.z * ahead.y - local.x * ahead.x),
+            at.x + broad * (local.x * ahead.y + local.z * ahead.x),
+            own.elevation + body.scale * stature_of(body) * local.y,
+            at.y + broad * (local.z * ahead.y - local.x * ahead.x),
         ),
         vec3<f32>(out.x * ahead.y + out.z * ahead.x, out.y, out.z * ahead.y - out.x * ahead.x),
     );

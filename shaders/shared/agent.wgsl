@@ -70,7 +70,7 @@ fn stance_in(quads: StanceQuads) -> Stance {
 
 // Buffer `appearance`.
 struct Appearance {
-    traits: u32,         // bits: avatar (8), emotion (8), gazes (1), has no body (1)
+    traits: u32,         // bits: avatar (8), emotion (8), gazes (1), has no body (1), stature (7), breadth (7)
     scale: f32,          // size of the body over its avatar's
     skin_and_hair: u32,  // colours of five, six and five bits
     top_and_bottom: u32, // colours of five, six and five bits
@@ -99,6 +99,34 @@ fn gazes(own: Appearance) -> bool {
 // Whether it has no body to draw.
 fn is_bodiless(own: Appearance) -> bool {
     return ((own.traits >> 17u) & 1u) == 1u;
+}
+
+// How high and how broad a body stands beside its avatar's at the agent's scale, to a part in 64: for what needs no more.
+fn stature_of(own: Appearance) -> f32 {
+    return 1.0 + f32(i32(own.traits << 7u) >> 25u) * 0.015625;
+}
+
+fn breadth_of(own: Appearance) -> f32 {
+    return 1.0 + f32(i32(own.traits) >> 25u) * 0.015625;
+}
+
+// Buffer `physique`: how a body is built, as ratios to its avatar's at the agent's scale, two a word: see ratios_in. Legs are as
+// long as the scale makes them, so that strides and feet do not depend on a physique.
+struct Physique {
+    trunk_and_arms: u32,     // lengths
+    head_and_shoulders: u32, // size of the head; how far the shoulder joints are apart
+    chest: u32,              // breadth, depth
+    waist: u32,              // breadth, depth
+    hips: u32,               // breadth, depth
+    neck_and_hands: u32,     // girth; size
+    arms: u32,               // girths of upper arm and forearm
+    legs: u32,               // girths of thigh and calf
+}
+
+// The ratios in the lower and the upper half of the bits: 0 is 1, each step more or less 1 / 16384.
+fn ratios_in(pair: u32) -> vec2<f32> {
+    let steps = vec2<f32>(f32(i32(pair << 16u) >> 16u), f32(i32(pair) >> 16u));
+    return vec2<f32>(1.0, 1.0) + steps * 0.00006103515625;
 }
 
 // Traits with another emotion.

@@ -1,8 +1,17 @@
 // How bodies lie in the flat buffers. Joints by number as in gait::skeleton::Joint.
 const JOINTS: u32 = 16u;
+const ROOT: u32 = 0u;
 const SPINE: u32 = 1u;
 const NECK: u32 = 2u;
 const HEAD: u32 = 3u;
+const LEFT_SHOULDER: u32 = 4u;
+const LEFT_HAND: u32 = 6u;
+const RIGHT_SHOULDER: u32 = 7u;
+const RIGHT_HAND: u32 = 9u;
+const LEFT_HIP: u32 = 10u;
+const LEFT_FOOT: u32 = 12u;
+const RIGHT_HIP: u32 = 13u;
+const RIGHT_FOOT: u32 = 15u;
 
 // clip_frames: [clip][CLIP_ROWS][POSE_STRIDE] and local_rotations: [visible][POSE_STRIDE]: 16 local rotations
 // (parent_from_joint), then the root joint's position in model space (before the agent's scale), m; last, of a clip, how
@@ -13,23 +22,26 @@ const CLIP_ROWS: u32 = 65u;
 
 // rig: [avatar][RIG_STRIDE]: per joint its rest translation in the parent, then three rows of joint_from_mesh;
 // then the midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are;
-// last the centre of the left eyeball in the mesh, whose mirror image is the right one, and 1 where eyes turn, else 0
-const RIG_STRIDE: u32 = 68u;
+// the centre of the left eyeball in the mesh, whose mirror image is the right one, and 1 where eyes turn, else 0; last, per
+// joint, its place in the mesh and, per joint, the direction of its bone there
+const RIG_STRIDE: u32 = 100u;
 const RIG_EYES: u32 = 64u;
 const RIG_BALLS: u32 = 65u;
 const RIG_EYEBALL: u32 = 67u;
+const RIG_PLACES: u32 = 68u;
+const RIG_BONES: u32 = 84u;
 
-// palettes: [visible][SKIN_JOINTS][3], rows of world_from_mesh. No gait moves the toes, left and right: kernel palette does.
+// palettes: [visible][SKIN_JOINTS][3], rows of world_from_mesh. No gait moves the toes, left and right, nor the waist, which is
+// half way between root and spine: kernel palette does.
 // Nor does any move the eyes and the upper lids: kernel eyes does, for agents that are drawn by a mesh that has them
-const LEFT_FOOT: u32 = 12u;
-const RIGHT_FOOT: u32 = 15u;
 const LEFT_TOES: u32 = 16u;
 const RIGHT_TOES: u32 = 17u;
-const LEFT_EYE: u32 = 18u;
-const RIGHT_EYE: u32 = 19u;
-const LIDS: u32 = 20u;
-const SKIN_JOINTS: u32 = 21u;
-const PALETTE_STRIDE: u32 = 63u;
+const WAIST: u32 = 18u;
+const LEFT_EYE: u32 = 19u;
+const RIGHT_EYE: u32 = 20u;
+const LIDS: u32 = 21u;
+const SKIN_JOINTS: u32 = 22u;
+const PALETTE_STRIDE: u32 = 66u;
 
 // mesh_vertices: [vertex][VERTEX_STRIDE]: position and material; normal and four joints of eight bits;
 // weights; linear colour. skinned: [near vertex][SKINNED_STRIDE]: world position, 1; world normal, 0

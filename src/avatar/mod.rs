@@ -20,6 +20,8 @@
 //! # }
 //! ```
 
+#[doc(hidden)]
+pub mod anthropometry;
 mod body;
 mod body_model;
 mod error;
@@ -34,6 +36,7 @@ mod posture;
 mod retarget;
 mod rig_map;
 mod standing;
+pub(crate) mod waist;
 
 pub use body::{Sex, generated};
 pub use body_model::{

@@ -48,6 +48,12 @@ pub struct AgentInfo {
     pub radius: Option<f32>,
     /// Preferred speed, m/s.
     pub preferred_speed: Option<f32>,
+    /// Age, years, where the body was drawn for one.
+    pub age: Option<f32>,
+    /// Stature, m, where the body has one of its own.
+    pub stature: Option<f32>,
+    /// Weight, kg, likewise.
+    pub weight: Option<f32>,
 }
 
 impl AgentInfo {
@@ -91,6 +97,9 @@ impl AgentInfo {
             avatar: scenario.population.avatars.get(agent.avatar as usize).cloned(),
             radius: Some(agent.radius),
             preferred_speed: Some(setup::preferred_speed(agent, cast)),
+            age: agent.build.size.and_then(|size| size.age),
+            stature: agent.build.size.map(|size| size.stature),
+            weight: agent.build.size.map(|size| size.weight),
             ..Self::default()
         }
     }

@@ -12,7 +12,7 @@ const fn column(name: &'static str, kind: Kind, is_optional: bool) -> ColumnOf {
     ColumnOf { name, kind, is_optional }
 }
 
-const COLUMNS: [ColumnOf; 16] = [
+const COLUMNS: [ColumnOf; 19] = [
     column("id", Kind::Whole, false),
     column("kind", Kind::Word, false),
     column("led", Kind::Flag, false),
@@ -27,6 +27,9 @@ const COLUMNS: [ColumnOf; 16] = [
     column("group_id", Kind::Whole, true),
     column("radius", Kind::Float, true),
     column("preferred_speed", Kind::Float, true),
+    column("age", Kind::Float, true),
+    column("stature", Kind::Float, true),
+    column("weight", Kind::Float, true),
     column("entered", Kind::Double, true),
     column("left", Kind::Double, true),
 ];
@@ -76,8 +79,12 @@ pub(super) fn write<'a>(
     let avatar = words(|agent| agent.avatar.as_deref());
     let class = words(|agent| agent.class.as_deref());
     let group: Sparse<i32> = known().map(|agent| agent.group.map(|first| whole(first + 1))).collect();
-    let radius: Sparse<f32> = known().map(|agent| agent.radius).collect();
-    let speed: Sparse<f32> = known().map(|agent| agent.preferred_speed).collect();
+    let numbers = |get: fn(&AgentInfo) -> Option<f32>| -> Sparse<f32> { known().map(get).collect() };
+    let radius = numbers(|agent| agent.radius);
+    let speed = numbers(|agent| agent.preferred_speed);
+    let age = numbers(|agent| agent.age);
+    let stature = numbers(|agent| agent.stature);
+    let weight = numbers(|agent| agent.weight);
     let entered: Sparse<f64> = times().map(|times| times.map(|(entered, _)| entered)).collect();
     let left: Sparse<f64> = times().map(|times| times.and_then(|(_, left)| left)).collect();
 
@@ -98,6 +105,9 @@ pub(super) fn write<'a>(
         (Values::Whole(&group.values), Some(&group.levels)),
         (Values::Float(&radius.values), Some(&radius.levels)),
         (Values::Float(&speed.values), Some(&speed.levels)),
+        (Values::Float(&age.values), Some(&age.levels)),
+        (Values::Float(&stature.values), Some(&stature.levels)),
+        (Values::Float(&weight.values), Some(&weight.levels)),
         (Values::Double(&entered.values), Some(&entered.levels)),
         (Values::Double(&left.values), Some(&left.levels)),
     ]);

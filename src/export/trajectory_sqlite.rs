@@ -7,8 +7,8 @@
 //! Ours is the table `agents`: a row for everyone, `id` as in the others; `kind` (person, robot, vehicle); `led` (1: goes
 //! where a recording, a path or a program says); `emotion`, the strongest, and the weights `happy`, `angry`, `sad`,
 //! `neutral` at the start; `gait`; `avatar`; `class`; `group_id`, the id of the first of the group; `radius`, m;
-//! `preferred_speed`, m/s; `entered` and `left`, s. NULL stands for what is not known or does not
-//! apply: `entered` of agents that never came, `left` of agents present in the last frame, emotions of robots.
+//! `preferred_speed`, m/s; `age`, years; `stature`, m; `weight`, kg; `entered` and `left`, s. NULL stands for what is not
+//! known or does not apply: `entered` of agents that never came, `left` of agents present in the last frame, emotions of robots.
 
 use super::Error;
 use super::agents::{AgentInfo, Presence, strongest_emotion};
@@ -40,12 +40,11 @@ const TABLES: &str = "
         id INTEGER PRIMARY KEY, kind TEXT NOT NULL, led INTEGER NOT NULL,
         emotion TEXT, happy REAL, angry REAL, sad REAL, neutral REAL,
         gait TEXT, avatar TEXT, class TEXT, group_id INTEGER, radius REAL, preferred_speed REAL,
-        entered REAL, \"left\" REAL);
+        age REAL, stature REAL, weight REAL, entered REAL, \"left\" REAL);
 ";
 const PERSON: &str = "INSERT INTO trajectory_data VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
 const OUTSIDER: &str = "INSERT INTO outsider_data VALUES (?1, ?2, ?3, ?4, ?5, ?6)";
-const AGENT: &str =
-    "INSERT INTO agents VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16)";
+const AGENT: &str = "INSERT INTO agents VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10, ?11, ?12, ?13, ?14, ?15, ?16, ?17, ?18, ?19)";
 
 /// An open trajectory database in a temporary neighbour of its place.
 #[derive(Debug)]
@@ -199,6 +198,9 @@ fn insert_agent(
         agent.group.map(|first| i64::from(first) + 1),
         agent.radius.map(f64::from),
         agent.preferred_speed.map(f64::from),
+        agent.age.map(f64::from),
+        agent.stature.map(f64::from),
+        agent.weight.map(f64::from),
         times.map(|(entered, _)| entered),
         times.and_then(|(_, left)| left),
     ])?;

@@ -21,6 +21,12 @@ const EMOTION_SHIFT: u32 = 8;
 const GAZES: u32 = 1 << 16;
 /// The bit of an agent that has no body to draw.
 const BODILESS: u32 = 1 << 17;
+/// Where stature and breadth begin, seven bits each.
+const STATURE_SHIFT: u32 = 18;
+const BREADTH_SHIFT: u32 = 25;
+/// Steps of one in a coarse ratio, and in a ratio of a [`Physique`].
+const COARSE_STEPS: f32 = 64.0;
+const STEPS: f32 = 16_384.0;
 
 impl Body {
     /// How far a stride goes at a speed, m/s: in m. Twin of `stride_at` in `shaders/shared/agent.wgsl`.
@@ -76,6 +82,28 @@ impl Appearance {
         self.traits & BODILESS != 0
     }
 
+    /// How high a body stands beside its avatar's at this scale, to a part in 64. Twin of `stature_of` in
+    /// `shaders/shared/agent.wgsl`.
+    pub const fn stature(&self) -> f32 {
+        coarse_ratio(self.traits >> STATURE_SHIFT)
+    }
+
+    /// How broad, likewise.
+    pub const fn breadth(&self) -> f32 {
+        coarse_ratio(self.traits >> BREADTH_SHIFT)
+    }
+
+    /// What is shown of an agent and may change while it walks: its traits without those of its build.
+    pub const fn shown(&self) -> u32 {
+        self.traits & ((1 << STATURE_SHIFT) - 1)
+    }
+
+    /// Sets how high and how broad a body stands beside its avatar's at this scale.
+    pub fn set_size(&mut self, stature: f32, breadth: f32) {
+        self.traits =
+            self.shown() | coarse_steps(stature) << STATURE_SHIFT | coarse_steps(breadth) << BREADTH_SHIFT;
+    }
+
     /// Sets the number of the avatar.
     pub const fn set_avatar(&mut self, avatar: u32) {
         self.traits = self.traits & !255 | avatar;
@@ -94,6 +122,36 @@ impl Appearance {
     /// Sets whether there is no body to draw.
     pub const fn set_bodiless(&mut self, bodiless: bool) {
         self.traits = self.traits & !BODILESS | if bodiless { BODILESS } else { 0 };
+    }
+}
+
+/// A ratio to a part in 64, 0 to 1.98, as seven bits: 0 is 1.
+#[allow(clippy::cast_possible_truncation, reason = "-64 to 63")]
+fn coarse_steps(ratio: f32) -> u32 {
+    let steps = ((ratio - 1.0) * COARSE_STEPS).round().clamp(-64.0, 63.0) as i32;
+    steps.cast_unsigned() & 127
+}
+
+#[allow(clippy::cast_precision_loss, reason = "-64 to 63")]
+const fn coarse_ratio(bits: u32) -> f32 {
+    1.0 + ((bits << 25).cast_signed() >> 25) as f32 * (1.0 / COARSE_STEPS)
+}
+
+impl Physique {
+    /// The ratios in a word. Twin of `ratios_in` in `shaders/shared/agent.wgsl`.
+    #[allow(clippy::cast_possible_truncation, reason = "halves of the bits")]
+    pub fn ratios_in(pair: u32) -> [f32; 2] {
+        [pair as u16, (pair >> 16) as u16].map(|steps| 1.0 + f32::from(steps.cast_signed()) * (1.0 / STEPS))
+    }
+
+    /// Two ratios as a word; what is below a quarter or above 2.75 counts as that.
+    #[allow(clippy::cast_possible_truncation, reason = "28,672 at most")]
+    pub fn word(ratios: [f32; 2]) -> u32 {
+        let [low, high] = ratios.map(|ratio| {
+            let ratio = if ratio.is_nan() { 1.0 } else { ratio.clamp(0.25, 2.75) };
+            (((ratio - 1.0) * STEPS).round() as i16).cast_unsigned()
+        });
+        u32::from(low) | u32::from(high) << 16
     }
 }
 
@@ -202,6 +260,22 @@ mod tests {
         own.set_bodiless(true);
         own.set_gazes(false);
         assert_eq!((own.avatar(), own.emotion(), own.gazes(), own.is_bodiless()), (3, 1, false, true));
+    }
+
+    #[test]
+    fn a_build_gives_back_what_was_put_in_and_none_is_the_avatars_own() {
+        let mut own = Appearance::new(4, 2, true, 1.1, [0; 4]);
+        assert_eq!((own.stature(), own.breadth()), (1.0, 1.0));
+        for (stature, breadth) in [(0.75, 1.25), (1.5, 0.5), (63.0 / 64.0, 65.0 / 64.0)] {
+            own.set_size(stature, breadth);
+            assert_eq!((own.stature(), own.breadth()), (stature, breadth));
+            assert_eq!((own.avatar(), own.emotion(), own.gazes(), own.is_bodiless()), (4, 2, true, false));
+        }
+        own.set_size(-3.0, 9.0);
+        assert_eq!((own.stature(), own.breadth()), (0.0, 1.0 + 63.0 / 64.0));
+        assert_eq!(Physique::ratios_in(0), [1.0, 1.0]);
+        assert_eq!(Physique::ratios_in(Physique::word([0.75, 1.5])), [0.75, 1.5]);
+        assert_eq!(Physique::ratios_in(Physique::word([f32::NAN, 9.0])), [1.0, 2.75]);
     }
 
     #[test]

@@ -53,8 +53,8 @@ pub fn cull(b: Slices<'_>) {
             continue;
         }
         let [x, z] = b.position[agent];
-        let height = frame.agent_height * scale;
-        let radius = frame.agent_radius * scale;
+        let height = frame.agent_height * scale * info.stature();
+        let radius = frame.agent_radius * scale * if info.breadth() < 1.0 { 1.0 } else { info.breadth() };
         let foot = b.elevation[agent];
         let low = foot + radius;
         let high = foot + if height - radius > radius { height - radius } else { radius };

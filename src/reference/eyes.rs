@@ -165,7 +165,8 @@ fn eyes_of(b: &mut Slices<'_>, slot: usize, agent: u32) {
     let is_natural = b.frame.gaze_mode == NATURAL;
     let feels = is_natural && own.gazes();
     let aim = aim(b, agent, head, left, feels);
-    let square = own.scale * own.scale;
+    let [[x, ..], [y, ..], [z, ..]] = head;
+    let square = x * x + y * y + z * z;
     let to = [0, 1, 2].map(|i| (head[0][i] * aim[0] + head[1][i] * aim[1] + head[2][i] * aim[2]) / square);
 
     let level = (to[0] * to[0] + to[2] * to[2]).sqrt();
@@ -199,6 +200,6 @@ fn aim(b: &Slices<'_>, agent: u32, head: [[f32; 4]; 3], left: [f32; 3], feels: b
         return into_face(b.frame, agent, to_eyes);
     }
     let is_sad = feels && own.emotion() == SAD;
-    let drop = if is_sad { atan2(left[1] * own.scale, GROUND_AHEAD) } else { DROP };
+    let drop = if is_sad { atan2(left[1] * own.scale * own.stature(), GROUND_AHEAD) } else { DROP };
     ahead(b.frame, agent, b.stance[agent as usize].heading, drop)
 }

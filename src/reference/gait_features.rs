@@ -3,13 +3,13 @@
 use super::exact::{atan2, dot2};
 use super::quaternion::{cross3, dot3, sub3, xyz};
 use crate::kernels::KernelId;
-use crate::kernels::gait_features::index::{
-    LEFT_HAND, LEFT_HIP, LEFT_SHOULDER, MOTION, MOVING, POSTURE, RIGHT_HAND, RIGHT_HIP, RIGHT_SHOULDER, ROOT,
-    ROW,
-};
+use crate::kernels::gait_features::index::{MOTION, MOVING, POSTURE, ROW};
 use crate::kernels::gait_features::{DEGREES, POSITION_LIMIT, RATE_LIMIT, SPEED_LIMIT, Slices};
 use crate::kernels::layout::GaitEntry;
-use crate::kernels::shared::body::index::{HEAD, JOINTS, LEFT_FOOT, NECK, RIGHT_FOOT, SPINE};
+use crate::kernels::shared::body::index::{
+    HEAD, JOINTS, LEFT_FOOT, LEFT_HAND, LEFT_HIP, LEFT_SHOULDER, NECK, RIGHT_FOOT, RIGHT_HAND, RIGHT_HIP,
+    RIGHT_SHOULDER, ROOT, SPINE,
+};
 use rayon::prelude::*;
 
 type Vector = [f32; 3];

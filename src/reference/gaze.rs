@@ -4,13 +4,13 @@ use super::body::{joint_forward, joint_translation, visible_agents};
 use super::exact::{asin, atan2, exp2, sin_cos, wrap};
 use super::quaternion::{
     add3, limit, quat_after_yaw, quat_before_yaw, quat_conjugate, quat_from_rows, quat_mul, quat_normalize,
-    quat_rotate, quat_yaw_pitch, sub3, xyz,
+    quat_rotate, quat_yaw_pitch, scale3, sub3, xyz,
 };
 use crate::kernels::gaze::{
     AIM_ROUNDS, EXTENSION_LIMIT, FLEXION_LIMIT, FRAME_BITS, INSIDE, NECK_SHARE, RATE_LIMIT, ROTATION_LIMIT,
     SETTLED, SPRING, SPRING_LOG2, Slices, THETA_HAPPY, THETA_SAD, TOO_CLOSE, TRUNK_FROM, TRUNK_SHARE,
 };
-use crate::kernels::layout::GazeState;
+use crate::kernels::layout::{GazeState, Physique};
 use crate::kernels::shared::attention::{
     ANGRY, ATTENDS, ENGAGED, FIELD_HYSTERESIS, HALF_FIELD, HAPPY, NATURAL, RANGE, RANGE_HYSTERESIS, SAD,
     VALID,
@@ -109,10 +109,14 @@ fn gaze_of(b: &mut Slices<'_>, slot: usize, agent: usize) {
     let neck = quat_mul(spine, b.local_rotations[base + NECK]);
     let head = quat_mul(neck, b.local_rotations[base + HEAD]);
     let root_at = xyz(b.local_rotations[base + JOINTS]);
-    let spine_at = add3(root_at, quat_rotate(root, joint_translation(b.rig, avatar, SPINE)));
-    let neck_at = add3(spine_at, quat_rotate(spine, joint_translation(b.rig, avatar, NECK)));
-    let head_arm = quat_rotate(neck, joint_translation(b.rig, avatar, HEAD));
-    let eyes_arm = quat_rotate(head, xyz(b.rig[avatar * RIG_STRIDE + RIG_EYES]));
+    let physique = b.physique[agent];
+    let [trunk, _] = Physique::ratios_in(physique.trunk_and_arms);
+    let [head_size, _] = Physique::ratios_in(physique.head_and_shoulders);
+    let arm = |from, joint| scale3(quat_rotate(from, joint_translation(b.rig, avatar, joint)), trunk);
+    let spine_at = add3(root_at, arm(root, SPINE));
+    let neck_at = add3(spine_at, arm(spine, NECK));
+    let head_arm = arm(neck, HEAD);
+    let eyes_arm = scale3(quat_rotate(head, xyz(b.rig[avatar * RIG_STRIDE + RIG_EYES])), head_size);
 
     let forward = quat_rotate(spine, joint_forward(b.rig, avatar, SPINE));
     let torso = atan2(forward[0], forward[2]);

@@ -28,15 +28,16 @@ fn look_at(b: &Slices<'_>, eye: usize, agent: usize, bounds: [f32; 4]) -> Seen {
     let sight = b.sight;
     let m = &sight.clip_from_world[eye];
     let [reach, lowest, highest, _] = bounds;
-    let scale = b.appearance[agent].scale;
+    let body = b.appearance[agent];
+    let tall = body.scale * body.stature();
     let [at_x, at_z] = b.position[agent];
     let foot = b.elevation[agent];
-    let radius = reach * scale;
+    let radius = reach * body.scale * body.breadth();
     let (mut low, mut high) = ([1.0e30_f32; 2], [-1.0e30_f32; 2]);
     let mut nearest = 0.0;
     for corner in 0..8 {
         let x = at_x + if corner & 1 == 1 { radius } else { -radius };
-        let y = foot + if corner & 2 == 2 { highest } else { lowest } * scale;
+        let y = foot + if corner & 2 == 2 { highest } else { lowest } * tall;
         let z = at_z + if corner & 4 == 4 { radius } else { -radius };
         let row = |i: usize| m[0][i] * x + m[1][i] * y + m[2][i] * z + m[3][i];
         let w = row(3);
@@ -100,7 +101,8 @@ fn is_shown(b: &Slices<'_>, agent: usize, bucket: usize) -> bool {
     let sight = b.sight;
     let start = |bucket| start_of(sight, b.bucket_start, bucket);
     let [_, [_, _, top, _]] = sight.bounds[bucket];
-    let head = top * b.appearance[agent].scale;
+    let body = b.appearance[agent];
+    let head = top * (body.scale * body.stature());
     start(sight.bucket_end) - start(sight.first_bucket) < sight.fewest
         || sight.eye_height > b.elevation[agent] + head + DOWN
 }

@@ -57,8 +57,6 @@ pub use crate::wkt::Error as WktError;
 #[doc(hidden)]
 pub(crate) use check::external::MAX_EXTERNAL_SPEED;
 pub use error::{BadValue, Error};
-#[doc(hidden)]
-pub use file::MAX_COORDINATE;
 pub use file::{
     Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
     Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground,
@@ -66,6 +64,8 @@ pub use file::{
     Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
     SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
+#[doc(hidden)]
+pub use file::{Bodies, MAX_COORDINATE, Sizes};
 pub(crate) use place::place_model;
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
 pub use place::{

@@ -41,6 +41,8 @@ pub enum Purpose {
     Journey = 20,
     /// How an agent shows, catches and amplifies feelings.
     Temperament = 21,
+    /// Stature, weight and shape of the body.
+    Build = 22,
 }
 
 /// The bijection of u32 under every draw.

@@ -3,12 +3,13 @@
 
 use super::avatar_set::AvatarSet;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
+use crate::avatar::waist::{bones, with_waist};
 use crate::avatar::{
     Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex,
 };
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange};
+use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange, Physique};
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::MATERIAL_BITS;
 use crate::kernels::shared::body::index::{
@@ -150,7 +151,11 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
 }
 
 fn mesh_elements(mesh: &Mesh, prints: &[Footprint; 2]) -> Vec<[f32; 4]> {
-    mesh.vertices.iter().map(|vertex| with_toes(*vertex, prints)).flat_map(|v| vertex_elements(&v)).collect()
+    mesh.vertices
+        .iter()
+        .map(|vertex| with_waist(with_toes(*vertex, prints)))
+        .flat_map(|v| vertex_elements(&v))
+        .collect()
 }
 
 /// Adds what a face moves, and gives its vertices their numbers there. Vertices that the mesh does not have are left out.
@@ -187,9 +192,10 @@ fn append(vertices: Vec<[f32; 4]>, indices: &[u32], out: &mut MeshBuffers) -> Me
     }
 }
 
-/// `rig`: `[avatar][68]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; then the
-/// midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are; last the
-/// left eyeball's centre in the mesh, and whether there is one. Metres.
+/// `rig`: `[avatar][100]`. Per joint the rest translation in its parent, then three rows of `joint_from_mesh`; then the
+/// midpoint of the eyes in the head joint; where the toes bend, left and right, in the mesh, and how long they are; the left
+/// eyeball's centre in the mesh, and whether there is one; last the joints' places in the mesh, then the directions of their
+/// bones there. Metres.
 pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
     let joint = |joint: &RestJoint| {
         let row = |axis| joint.joint_from_mesh.row(axis).to_array();
@@ -199,7 +205,14 @@ pub fn pack_rig(avatars: &[Avatar]) -> Vec<[f32; 4]> {
         let eyes = avatar.eyes_in_head.extend(0.0).to_array();
         let balls = footprints(avatar).map(Footprint::in_rig);
         let eyeball = avatar.eyeball.map_or([0.0; 4], |left| left.extend(1.0).to_array());
-        avatar.joints.iter().flat_map(joint).chain([eyes]).chain(balls).chain([eyeball]).collect::<Vec<_>>()
+        let bones = bones(avatar).map(|bone| bone.map(|part| part.extend(0.0).to_array()));
+        let of_joints = avatar.joints.iter().flat_map(joint);
+        of_joints
+            .chain([eyes])
+            .chain(balls)
+            .chain([eyeball])
+            .chain(bones.into_iter().flatten())
+            .collect::<Vec<_>>()
     };
     avatars.iter().flat_map(elements).collect()
 }
@@ -248,6 +261,8 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
     let near_vertices = meshes.most_near_vertices() as usize;
     let near = fits((near_vertices * SKINNED_STRIDE * 16) as u64, MOST_SKINNED).min(visible as u64) as usize;
+    // who has no build has its avatar's
+    store.physique.resize(agents, Physique::default());
     store.rig = pack_rig(cast.avatars());
     store.clip_frames = pack_clips(cast.clips());
     store.clip_postures = postures.into_iter().map(Posture::in_buffer).collect();

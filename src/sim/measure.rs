@@ -140,7 +140,7 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.feels != 0 {
         add(bytemuck::cast_slice(&store.feeling[..agents]));
         add(bytemuck::cast_slice(&store.heard[..agents]));
-        let shown: Vec<u32> = store.appearance[..agents].iter().map(|own| own.traits).collect();
+        let shown: Vec<u32> = store.appearance[..agents].iter().map(|own| own.shown()).collect();
         add(bytemuck::cast_slice(&shown));
     }
     hash.value()

@@ -312,6 +312,7 @@ fn push_agent(store: &mut Store, agent: &AgentStart, navigation: &Navigation, ca
     store.gaits.push(clips);
     store.gait_weights.push(agent.gait_weights);
     store.appearance.push(appearance(agent));
+    store.physique.push(agent.build.physique);
     store.gaze_state.push(GazeState::default());
     store.gaze_frame.push(u32::MAX);
     store.attention.push(Attention::default());
@@ -399,7 +400,9 @@ pub fn avoidance(time_horizon: f32, neighbour_distance: f32, neighbour_cap: u32,
 /// What the draw shaders read of an agent.
 fn appearance(agent: &AgentStart) -> Appearance {
     let strongest = (0..4).fold(0, |best, i| if agent.emotion[i] > agent.emotion[best] { i } else { best });
-    Appearance::new(agent.avatar, strongest as u32, agent.gazes, agent.scale, agent.colors)
+    let mut own = Appearance::new(agent.avatar, strongest as u32, agent.gazes, agent.scale, agent.colors);
+    own.set_size(agent.build.stature, agent.build.breadth);
+    own
 }
 
 #[cfg(test)]

@@ -1,12 +1,13 @@
 //! What the animation kernels must do: `cull`, `compact`, `pose`, `gaze`, `palette`, `skin`; `eyes` have their own file.
 //! The paper's equations for the gaze have their own file, `paper_gaze.rs`.
 
+use crate::built::Built;
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
 use gaitway::kernels::shared::body::index::{
-    FACE_STRIDE, HEAD, LEFT_EYE, LEFT_FOOT, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_BALLS, RIG_EYEBALL,
-    RIG_STRIDE, RIGHT_FOOT, SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
+    FACE_STRIDE, HEAD, LEFT_EYE, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_EYEBALL, RIG_STRIDE, SKIN_JOINTS,
+    SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
 use gaitway::kernels::shared::body::{MATERIAL_BITS, NONE};
 use gaitway::kernels::shared::standing::STANCES;
@@ -18,7 +19,7 @@ use gaitway::reference::pose::weight_phase;
 use gaitway::reference::standing::stance_of;
 use gaitway::verify::cases::animation::{AVATARS, GAITS, TRAVEL, animation, dispatches};
 use gaitway::verify::cases::avatars::{avatar, vertex_elements};
-use glam::{Mat4, Quat, Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 /// The same people, all on the ground: what is tested here stands at one height.
 fn on_the_ground(mut store: Store) -> Store {
@@ -72,45 +73,6 @@ fn scale_of(store: &Store, agent: usize) -> f32 {
     store.appearance[agent].scale
 }
 
-fn world_from_model(store: &Store, agent: usize) -> Mat4 {
-    let [x, z] = store.position[agent];
-    Mat4::from_scale_rotation_translation(
-        Vec3::splat(scale_of(store, agent)),
-        Quat::from_rotation_y(store.stance[agent].heading),
-        Vec3::new(x, 0.0, z),
-    )
-}
-
-/// World-space transform of each joint of the agent in a slot, by glam, from `local_rotations`.
-/// World-from-mesh of the joints, then of the toes, which follow from the feet.
-fn world_from_mesh(store: &Store, slot: usize, avatar: &Avatar) -> [Mat4; LEFT_EYE] {
-    let world = world_from_joint(store, slot, avatar);
-    let scale = scale_of(store, store.visible[slot] as usize);
-    let number = avatar_of(store, store.visible[slot] as usize);
-    let of = |joint: usize| world[joint] * avatar.joints[joint].joint_from_mesh;
-    let toes = |side: usize| {
-        let foot = of([LEFT_FOOT, RIGHT_FOOT][side]);
-        let [.., length] = store.rig[number * RIG_STRIDE + RIG_BALLS + side];
-        let ball = Vec4::from_array(store.rig[number * RIG_STRIDE + RIG_BALLS + side]).truncate();
-        let down = f64::from(-foot.transform_vector3(Vec3::Z).y / scale).clamp(0.0, 0.95).asin();
-        let to_ground = f64::from(0.5 * foot.transform_point3(ball).y / (length.max(0.001) * scale))
-            .clamp(0.0, 1.0)
-            .asin();
-        let bend = Mat4::from_rotation_x((to_ground.min(down) - down) as f32);
-        foot * Mat4::from_translation(ball) * bend * Mat4::from_translation(-ball)
-    };
-    std::array::from_fn(|joint| if joint < JOINT_COUNT { of(joint) } else { toes(joint - JOINT_COUNT) })
-}
-
-fn world_from_joint(store: &Store, slot: usize, avatar: &Avatar) -> [Mat4; JOINT_COUNT] {
-    let pose = &store.local_rotations[slot * POSE_STRIDE..][..POSE_STRIDE];
-    let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
-    let root = Vec4::from_array(pose[JOINT_COUNT]).truncate();
-    let model = avatar.model_from_joint(&rotations, root);
-    let world = world_from_model(store, store.visible[slot] as usize);
-    model.map(|joint| world * joint)
-}
-
 #[test]
 fn the_kernels_know_the_skeleton() {
     assert_eq!(PARENTS, Joint::PARENT);
@@ -131,7 +93,9 @@ fn culling_draws_exactly_the_agents_that_an_eye_sees_within_range() {
             let usable = agent < 700 - 6 && !store.appearance[agent].is_bodiless();
             let at = Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]);
             let scale = scale_of(&store, agent);
-            let (height, radius) = (store.frame.agent_height * scale, store.frame.agent_radius * scale);
+            let own = store.appearance[agent];
+            let height = store.frame.agent_height * scale * own.stature();
+            let radius = store.frame.agent_radius * scale * own.breadth().max(1.0);
             // a dense row of spheres instead of a capsule
             let seen = (0..store.frame.eye_count as usize).any(|eye| {
                 store.frame.planes[eye * 6..eye * 6 + 6].iter().all(|plane| {
@@ -446,7 +410,7 @@ fn palettes_are_world_from_joint_times_joint_from_mesh() {
         let avatars: Vec<Avatar> = (0..AVATARS).map(|number| avatar(number, seed)).collect();
         for (slot, agent) in visible_agents(&store.visible).iter().enumerate() {
             let avatar = &avatars[avatar_of(&store, *agent as usize)];
-            for (joint, want) in world_from_mesh(&store, slot, avatar).into_iter().enumerate() {
+            for (joint, want) in Built::new(&store, slot, avatar).world_from_mesh().into_iter().enumerate() {
                 for row in 0..3 {
                     let got = Vec4::from_array(store.palettes[slot * PALETTE_STRIDE + joint * 3 + row]);
                     let error = (got - want.row(row)).abs().max_element();
@@ -483,7 +447,7 @@ fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rul
         let mesh = &avatar.levels[0];
         assert!(store.bucket_start[bucket + 1] > store.bucket_start[bucket]);
         for slot in store.bucket_start[bucket]..store.bucket_start[bucket + 1] {
-            let world = world_from_mesh(&store, slot as usize, avatar);
+            let world = Built::new(&store, slot as usize, avatar).world_from_mesh();
             let source = store.mesh_table[bucket].first_vertex as usize * VERTEX_STRIDE;
             let packed = store.mesh_vertices[source..].chunks_exact(VERTEX_STRIDE);
             for (vertex, packed) in mesh.vertices.iter().zip(packed) {
@@ -539,7 +503,7 @@ fn a_bent_elbow_moves_each_vertex_by_its_weights() {
         frame[JOINT_COUNT] = body.joints[0].translation.extend(0.0).to_array();
     }
     run(&mut store);
-    let world = world_from_model(&store, 0);
+    let world = Built::new(&store, 0, &body).world_from_model();
     let at = |n: usize| Vec4::from_array(store.skinned[n * SKINNED_STRIDE]).truncate();
     let straight = world.transform_point3(elbow + Vec3::X * 0.1);
     let bent = world.transform_point3(elbow + Vec3::Z * 0.1);

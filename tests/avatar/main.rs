@@ -15,6 +15,7 @@ mod common;
 
 mod animation;
 mod attention;
+mod built;
 mod clips;
 mod expression;
 mod eyes;
@@ -23,6 +24,7 @@ mod foreign;
 mod loading;
 mod manner;
 mod paper_gaze;
+mod physique;
 mod raster;
 mod rigs;
 mod standing;

@@ -1,6 +1,7 @@
 //! The gaze behaviours of the paper (section 4.5) as worked numbers, one test per equation, then one per resolved
 //! ambiguity, then what `natural` mode adds.
 
+use crate::built::Built;
 use gaitway::Emotion;
 use gaitway::avatar::{Avatar, ClipFrame};
 use gaitway::gait::{JOINT_COUNT, Joint};
@@ -14,7 +15,7 @@ use gaitway::reference::body::{CLIP_STRIDE, visible_agents};
 use gaitway::sim::bodies::looking_at;
 use gaitway::verify::cases::animation::{AVATARS, CLIPS, GAITS, TRAVEL, animation, dispatches};
 use gaitway::verify::cases::avatars::{avatar, clip_elements};
-use glam::{Mat4, Quat, Vec3, Vec4};
+use glam::{Quat, Vec3, Vec4};
 
 const NATURAL: u32 = 0;
 const PAPER: u32 = 1;
@@ -278,19 +279,11 @@ fn a17_a_user_on_the_same_spot_leaves_the_head_as_it_was() {
 
 /// World position of the eyes and unit direction of the face of the agent in a slot, by glam.
 fn eyes_and_face(store: &Store, slot: usize, avatar: &Avatar) -> (Vec3, Vec3) {
-    let pose = &store.local_rotations[slot * POSE_STRIDE..][..POSE_STRIDE];
-    let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
-    let root = Vec4::from_array(pose[JOINT_COUNT]).truncate();
-    let head = avatar.model_from_joint(&rotations, root)[Joint::Head as usize];
-    let agent = store.visible[slot] as usize;
-    let world = Mat4::from_scale_rotation_translation(
-        Vec3::splat(store.appearance[agent].scale),
-        Quat::from_rotation_y(store.stance[agent].heading),
-        Vec3::new(store.position[agent][0], 0.0, store.position[agent][1]),
-    );
+    let built = Built::new(store, slot, avatar);
+    let head = built.joints()[Joint::Head as usize];
     let face = avatar.joints[Joint::Head as usize].joint_from_mesh.transform_vector3(Vec3::Z);
-    let eyes = world.transform_point3(head.transform_point3(avatar.eyes_in_head));
-    (eyes, world.transform_vector3(head.transform_vector3(face)).normalize())
+    let eyes = head.transform_point3(avatar.eyes_in_head * built.head_size());
+    (eyes, head.transform_vector3(face).normalize())
 }
 
 #[test]

@@ -205,6 +205,9 @@ fn the_table_of_agents_says_who_felt_what_and_robots_are_no_pedestrians() {
     assert_eq!(number("SELECT \"left\" FROM agents WHERE id = 1"), 1.0);
     assert_eq!(number("SELECT count(*) FROM agents WHERE \"left\" IS NULL"), 600.0);
     assert_eq!(number("SELECT count(*) FROM agents WHERE class = 'old'"), 600.0);
+    let built =
+        "kind = 'person' AND stature BETWEEN 1.3 AND 2.1 AND weight BETWEEN 40 AND 150 AND age IS NULL";
+    assert_eq!(number(&format!("SELECT count(*) FROM agents WHERE {built}")), 600.0);
     let weights = number("SELECT sum(happy + angry + sad + neutral) FROM agents");
     assert!((weights - 600.0).abs() < 1e-6, "{weights}");
     let row = |id: usize| {

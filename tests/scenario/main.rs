@@ -14,6 +14,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod bodies;
 mod choice;
 mod export;
 mod menge;

@@ -8,7 +8,7 @@ use glam::{Mat3, Vec3};
 type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
 
 /// Position along a bone chain: (bone, share of it), then the radius, the coarsest level and the paint.
-type Station = (usize, f32, f32, usize, Paint);
+pub(super) type Station = (usize, f32, f32, usize, Paint);
 
 /// Round rings across the chain `points`, at the bisecting plane near its joints.
 fn tube(points: &[Vec3; 3], stations: &[Station]) -> Vec<Ring> {
@@ -30,6 +30,78 @@ fn tube(points: &[Vec3; 3], stations: &[Station]) -> Vec<Ring> {
     stations.iter().map(ring).collect()
 }
 
+/// The end of a sleeve.
+const CUFF: Paint = Paint::tinted(Material::Top, 0.6);
+/// The end of a trouser leg.
+const HEM: Paint = Paint::tinted(Material::Bottom, 0.6);
+
+/// Sleeve and arm.
+pub(super) fn arm_stations(sex: Sex) -> &'static [Station] {
+    match sex {
+        // Short sleeve, then skin.
+        Sex::Female => &[
+            (0, 0.12, 0.050, 1, TOP),
+            (0, 0.46, 0.050, 0, CUFF),
+            (0, 0.47, 0.046, 1, SKIN),
+            (0, 0.88, 0.038, 0, SKIN),
+            (1, 0.06, 0.040, 1, SKIN),
+            (1, 0.25, 0.039, 0, SKIN),
+            (1, 1.00, 0.024, 1, SKIN),
+        ],
+        // Long sleeve to the wrist.
+        Sex::Male => &[
+            (0, 0.12, 0.058, 1, TOP),
+            (0, 0.40, 0.055, 0, TOP),
+            (0, 0.90, 0.047, 0, TOP),
+            (1, 0.06, 0.048, 1, TOP),
+            (1, 0.92, 0.035, 1, CUFF),
+            (1, 0.93, 0.027, 0, SKIN),
+            (1, 0.99, 0.026, 0, SKIN),
+        ],
+    }
+}
+
+/// Trouser leg or bare leg.
+pub(super) fn leg_stations(sex: Sex) -> &'static [Station] {
+    match sex {
+        // Under the skirt it has the skirt's colour.
+        Sex::Female => &[
+            (0, 0.20, 0.094, 0, BOTTOM),
+            (0, 0.60, 0.075, 0, BOTTOM),
+            (0, 0.74, 0.067, 2, SKIN),
+            (0, 0.86, 0.060, 0, SKIN),
+            (1, 0.00, 0.056, 2, SKIN),
+            (1, 0.32, 0.057, 0, SKIN),
+            (1, 0.60, 0.047, 0, SKIN),
+            (1, 1.04, 0.033, 2, SKIN),
+        ],
+        Sex::Male => &[
+            (0, -0.05, 0.086, 2, BOTTOM),
+            (0, 0.15, 0.092, 0, BOTTOM),
+            (0, 0.86, 0.066, 0, BOTTOM),
+            (1, 0.00, 0.062, 2, BOTTOM),
+            (1, 0.35, 0.060, 0, BOTTOM),
+            (1, 1.00, 0.056, 0, HEM),
+            (1, 1.01, 0.036, 0, SHOE),
+            (1, 1.07, 0.038, 2, SHOE),
+        ],
+    }
+}
+
+/// Radius of a limb at a share of one of its bones, m.
+pub(super) fn radius_at(stations: &[Station], bone: usize, share: f32) -> f32 {
+    let place = |station: &Station| station.0 as f32 + station.1;
+    let wanted = bone as f32 + share;
+    let after =
+        stations.iter().position(|station| place(station) >= wanted).unwrap_or(stations.len() - 1).max(1);
+    let (a, b) = (&stations[after - 1], &stations[after]);
+    let way = (wanted - place(a)) / (place(b) - place(a)).max(1e-6);
+    a.2 + (b.2 - a.2) * way.clamp(0.0, 1.0)
+}
+
+/// Sides of the finest limbs.
+pub(super) const LIMB_SIDES: usize = 8;
+
 impl Measures {
     fn chain(&self, left: bool, joints: [Joint; 3]) -> [Vec3; 3] {
         joints.map(|joint| self.bones.of(if left { joint } else { joint.mirrored() }))
@@ -38,30 +110,8 @@ impl Measures {
     /// Sleeve, forearm, mitten hand with thumb.
     pub(super) fn arm<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>) {
         let points = self.chain(left, [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]);
-        let segments = [8, 5, 3][builder.level.min(2)];
-        let cuff = Paint::tinted(Material::Top, 0.6);
-        let stations: &[Station] = match self.sex {
-            // Short sleeve, then skin.
-            Sex::Female => &[
-                (0, 0.12, 0.047, 1, TOP),
-                (0, 0.46, 0.047, 0, cuff),
-                (0, 0.47, 0.042, 1, SKIN),
-                (0, 0.88, 0.034, 0, SKIN),
-                (1, 0.06, 0.037, 1, SKIN),
-                (1, 0.25, 0.034, 0, SKIN),
-                (1, 1.00, 0.022, 1, SKIN),
-            ],
-            // Long sleeve to the wrist.
-            Sex::Male => &[
-                (0, 0.12, 0.058, 1, TOP),
-                (0, 0.40, 0.055, 0, TOP),
-                (0, 0.90, 0.047, 0, TOP),
-                (1, 0.06, 0.048, 1, TOP),
-                (1, 0.92, 0.035, 1, cuff),
-                (1, 0.93, 0.027, 0, SKIN),
-                (1, 0.99, 0.026, 0, SKIN),
-            ],
-        };
+        let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
+        let stations = arm_stations(self.sex);
         builder.begin(skin);
         if builder.level >= 2 {
             // The coarsest arm is one prism per bone, the hand its tapered end.
@@ -170,28 +220,8 @@ impl Measures {
     /// Trouser leg or bare leg, and a shoe.
     pub(super) fn leg<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>, foot: Skin<'a>) {
         let points = self.chain(left, [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]);
-        let segments = [8, 5, 3][builder.level.min(2)];
-        let stations: &[Station] = match self.sex {
-            Sex::Female => &[
-                (0, 0.10, 0.078, 0, SKIN),
-                (0, 0.60, 0.062, 2, SKIN),
-                (0, 0.86, 0.051, 0, SKIN),
-                (1, 0.00, 0.048, 2, SKIN),
-                (1, 0.32, 0.051, 0, SKIN),
-                (1, 0.60, 0.042, 0, SKIN),
-                (1, 1.04, 0.031, 2, SKIN),
-            ],
-            Sex::Male => &[
-                (0, -0.05, 0.080, 2, BOTTOM),
-                (0, 0.15, 0.086, 0, BOTTOM),
-                (0, 0.86, 0.064, 0, BOTTOM),
-                (1, 0.00, 0.062, 2, BOTTOM),
-                (1, 0.35, 0.060, 0, BOTTOM),
-                (1, 1.00, 0.056, 0, Paint::tinted(Material::Bottom, 0.6)),
-                (1, 1.01, 0.036, 0, SHOE),
-                (1, 1.07, 0.038, 2, SHOE),
-            ],
-        };
+        let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
+        let stations = leg_stations(self.sex);
         builder.begin(skin);
         builder.loft(&tube(&points, stations), segments, [Cap::Open; 2]);
         builder.end(None);

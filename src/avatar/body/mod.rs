@@ -7,6 +7,7 @@
 mod expression;
 mod eye;
 mod face;
+pub(in crate::avatar) mod figure;
 mod head;
 mod limbs;
 mod shape;
@@ -72,8 +73,6 @@ pub fn generated(sex: Sex) -> Avatar {
         }
     });
     let (levels, mut faces): (Vec<Mesh>, Vec<_>) = (0..LEVELS).map(|level| measures.mesh(level)).unzip();
-    // The top of the hair, which differs from the wanted stature by a few millimetres.
-    let height = levels[0].vertices.iter().map(|v| v.position.y).fold(0.0, f32::max);
     Avatar {
         name: sex.name().to_owned(),
         joints,
@@ -81,11 +80,21 @@ pub fn generated(sex: Sex) -> Avatar {
         eyes_in_head: measures.eyes - measures.bones.of(Joint::Head),
         eyeball: Some(head::Skull::of(&measures).eyeball()),
         face: faces.swap_remove(0),
-        height,
+        height: measures.top(),
     }
 }
 
 impl Measures {
+    /// The top of the hair, which differs from the wanted stature by a few millimetres, m.
+    fn top(&self) -> f32 {
+        let bones = self.bones;
+        let head = |_: Vec3| bones.head();
+        let mut builder = Builder::new(0);
+        self.head(&mut builder, &head);
+        let (mesh, _) = builder.finish();
+        mesh.vertices.iter().map(|v| v.position.y).fold(0.0, f32::max)
+    }
+
     fn of(sex: Sex) -> Self {
         // Left joints: shoulder, elbow and hand share a line 13 degrees out of the vertical.
         let (middle, shoulder, arm, legs, eyes, height) = match sex {

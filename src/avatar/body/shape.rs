@@ -55,7 +55,7 @@ pub(super) struct Ring {
 
 impl Ring {
     /// Point at `angle` (0 is front, a quarter turn is the body's left).
-    fn point(&self, angle: f32, swell: f32) -> Vec3 {
+    pub(super) fn point(&self, angle: f32, swell: f32) -> Vec3 {
         let rounded = |value: f32| value.signum() * libm::powf(value.abs(), 2.0 / self.square);
         let (sine, cosine) = (rounded(libm::sinf(angle)), rounded(libm::cosf(angle)));
         let depth = if cosine < 0.0 { cosine * self.back } else { cosine };
@@ -70,6 +70,11 @@ pub(super) enum Cap {
     Open,
     /// A fan about the ring's centre moved outward along the loft by this much, m.
     Fan(f32),
+}
+
+/// Polygons lie inside their circle; swelling them keeps the silhouette at coarse levels.
+pub(super) fn swell(segments: usize) -> f32 {
+    libm::cosf(TAU * 0.5 / segments as f32).recip().sqrt()
 }
 
 /// Collects shells into a mesh.
@@ -202,8 +207,7 @@ impl<'a> Builder<'a> {
     pub(super) fn loft(&mut self, rings: &[Ring], segments: usize, caps: [Cap; 2]) {
         let rings: Vec<&Ring> = rings.iter().filter(|ring| ring.keep >= self.level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
-        // Polygons lie inside their circle; swelling them keeps the silhouette at coarse levels.
-        let swell = libm::cosf(TAU * 0.5 / segments as f32).recip().sqrt();
+        let swell = swell(segments);
         let circle = |builder: &mut Self, ring: &Ring, paint: Paint| -> Vec<u32> {
             (0..segments)
                 .map(|k| builder.vertex(ring.point(TAU * k as f32 / segments as f32, swell), paint))

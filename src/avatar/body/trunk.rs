@@ -27,6 +27,56 @@ pub(super) fn rings(rows: &[Row], square: f32, paint: Paint) -> Vec<Ring> {
     rows.iter().map(ring).collect()
 }
 
+const MALE_SEAT: &[Row] = &[
+    (0.850, 0.106, 0.086, 0.091, 2),
+    (0.880, 0.170, 0.108, 0.122, 0),
+    (0.930, 0.176, 0.116, 0.130, 0),
+    (0.990, 0.166, 0.110, 0.112, 2),
+];
+const MALE_TOP: &[Row] = &[
+    (0.958, 0.181, 0.125, 0.134, 2),
+    (1.060, 0.159, 0.112, 0.102, 0),
+    (1.200, 0.167, 0.124, 0.112, 0),
+    (1.300, 0.179, 0.131, 0.126, 1),
+    (1.380, 0.180, 0.116, 0.125, 0),
+    (1.430, 0.172, 0.094, 0.110, 2),
+    (1.464, 0.138, 0.076, 0.096, 0),
+    (1.484, 0.094, 0.066, 0.084, 0),
+    (1.500, 0.066, 0.062, 0.072, 2),
+];
+const FEMALE_SKIRT: &[Row] = &[
+    (0.520, 0.192, 0.158, 0.172, 2),
+    (0.640, 0.192, 0.146, 0.165, 1),
+    (0.780, 0.188, 0.126, 0.150, 0),
+    (0.880, 0.178, 0.110, 0.132, 0),
+    (0.975, 0.146, 0.098, 0.102, 2),
+];
+const FEMALE_TOP: &[Row] = &[
+    (0.948, 0.160, 0.106, 0.112, 2),
+    (0.988, 0.146, 0.100, 0.100, 0),
+    (1.060, 0.132, 0.098, 0.087, 1),
+    (1.165, 0.152, 0.130, 0.106, 0),
+    (1.215, 0.158, 0.138, 0.110, 1),
+    (1.275, 0.152, 0.112, 0.110, 0),
+    (1.322, 0.142, 0.082, 0.096, 2),
+    (1.349, 0.116, 0.064, 0.083, 0),
+    (1.366, 0.080, 0.056, 0.072, 0),
+    (1.380, 0.056, 0.052, 0.062, 2),
+];
+/// How boxy seat or skirt and top are.
+pub(super) const LOWER_SQUARE: f32 = 2.4;
+pub(super) const UPPER_SQUARE: f32 = 2.35;
+/// Sides of the finest trunk.
+pub(super) const TRUNK_SIDES: usize = 12;
+
+/// Seat or skirt, and top.
+pub(super) const fn rows_of(sex: Sex) -> (&'static [Row], &'static [Row]) {
+    match sex {
+        Sex::Female => (FEMALE_SKIRT, FEMALE_TOP),
+        Sex::Male => (MALE_SEAT, MALE_TOP),
+    }
+}
+
 impl Measures {
     /// Trousers' seat or skirt, top, collar, neck.
     pub(super) fn trunk<'a>(
@@ -35,54 +85,16 @@ impl Measures {
         trunk: &'a dyn Fn(Vec3) -> Shares,
         skirt: &'a dyn Fn(Vec3) -> Shares,
     ) {
-        const MALE_SEAT: &[Row] = &[
-            (0.850, 0.100, 0.080, 0.085, 2),
-            (0.880, 0.158, 0.098, 0.112, 0),
-            (0.930, 0.166, 0.106, 0.122, 0),
-            (0.990, 0.160, 0.106, 0.108, 2),
-        ];
-        const MALE_TOP: &[Row] = &[
-            (0.958, 0.172, 0.120, 0.128, 2),
-            (1.100, 0.158, 0.114, 0.098, 0),
-            (1.200, 0.170, 0.120, 0.108, 0),
-            (1.300, 0.184, 0.124, 0.120, 1),
-            (1.380, 0.182, 0.112, 0.122, 0),
-            (1.430, 0.172, 0.094, 0.110, 2),
-            (1.464, 0.138, 0.076, 0.096, 0),
-            (1.484, 0.094, 0.066, 0.084, 0),
-            (1.500, 0.066, 0.062, 0.072, 2),
-        ];
-        const FEMALE_SKIRT: &[Row] = &[
-            (0.520, 0.192, 0.158, 0.172, 2),
-            (0.640, 0.192, 0.146, 0.165, 1),
-            (0.780, 0.188, 0.126, 0.150, 0),
-            (0.880, 0.178, 0.110, 0.132, 0),
-            (0.975, 0.146, 0.098, 0.102, 2),
-        ];
-        const FEMALE_TOP: &[Row] = &[
-            (0.968, 0.153, 0.104, 0.108, 2),
-            (1.050, 0.130, 0.097, 0.086, 1),
-            (1.165, 0.150, 0.122, 0.100, 0),
-            (1.215, 0.156, 0.128, 0.104, 1),
-            (1.275, 0.152, 0.106, 0.106, 0),
-            (1.322, 0.142, 0.082, 0.096, 2),
-            (1.349, 0.116, 0.064, 0.083, 0),
-            (1.366, 0.080, 0.056, 0.072, 0),
-            (1.380, 0.056, 0.052, 0.062, 2),
-        ];
-        let segments = [12, 7, 5][builder.level.min(2)];
-        let (lower, upper): (&[Row], &[Row]) = match self.sex {
-            Sex::Female => (FEMALE_SKIRT, FEMALE_TOP),
-            Sex::Male => (MALE_SEAT, MALE_TOP),
-        };
+        let segments = [TRUNK_SIDES, 7, 5][builder.level.min(2)];
+        let (lower, upper) = rows_of(self.sex);
         builder.begin(if self.sex == Sex::Female { skirt } else { trunk });
         // The inside of a skirt is seen from below: its cap is pushed up and dark.
         let cap = if self.sex == Sex::Female { Cap::Fan(-0.05) } else { Cap::Fan(0.02) };
-        builder.loft(&rings(lower, 2.4, BOTTOM), segments, [cap, Cap::Open]);
+        builder.loft(&rings(lower, LOWER_SQUARE, BOTTOM), segments, [cap, Cap::Open]);
         builder.end(None);
 
         builder.begin(trunk);
-        let mut top = rings(upper, 2.35, TOP);
+        let mut top = rings(upper, UPPER_SQUARE, TOP);
         let shoulder = self.bones.of(Joint::LeftShoulder).y;
         let collar = top.last().map_or(shoulder, |ring| ring.center.y);
         for ring in &mut top {

@@ -36,7 +36,8 @@ impl Bones {
         let mut shares = [0.0; JOINT_COUNT];
         let waist = self.of(Joint::Spine).y;
         let (neck, head) = (self.of(Joint::Neck).y, self.of(Joint::Head).y);
-        let above = step(waist - 0.09, waist + 0.09, p.y);
+        // about the navel, below the joint
+        let above = step(waist - 0.12, waist + 0.06, p.y);
         let nape = step(neck - 0.02, neck + 0.05, p.y);
         let skull = step(head - 0.03, head + 0.02, p.y);
         shares[Joint::Root as usize] = 1.0 - above;

@@ -1,15 +1,16 @@
 //! Numbers of people, emotions, gaits, groups.
 
 use super::people;
-use super::ranges::{count, ends, within};
+use super::ranges::{count, ends, spread, within};
 use crate::scenario::error::Error;
-use crate::scenario::file::{EmotionMode, GaitChoice, GenderChoice, MAX_GROUP, Population};
+use crate::scenario::file::{Bodies, EmotionMode, GaitChoice, GenderChoice, MAX_GROUP, Population};
 
 pub(super) fn check(population: &Population) -> Result<(), Error> {
     count("population.agents", population.agents)?;
     within("population.expression", population.expression)?;
     population.individuals.map_or(Ok(()), |individuals| within("population.individuals", individuals))?;
     ends("population.scale", population.scale, "")?;
+    bodies(&population.bodies)?;
     if population.avatars.is_empty() || population.avatars.len() > 256 {
         let found = format!("{} names", population.avatars.len());
         return Err(Error::value(
@@ -34,6 +35,18 @@ pub(super) fn check(population: &Population) -> Result<(), Error> {
     }
     groups(&population.groups.sizes)?;
     people::check(population)
+}
+
+/// Builds.
+fn bodies(bodies: &Bodies) -> Result<(), Error> {
+    within("population.bodies.variety", bodies.variety)?;
+    let spreads = [("ages", &bodies.ages), ("body_mass_index", &bodies.body_mass_index)];
+    for (key, given) in spreads {
+        if let Some(given) = given {
+            spread(&format!("population.bodies.{key}"), given)?;
+        }
+    }
+    Ok(())
 }
 
 /// Sizes of groups.

@@ -72,7 +72,7 @@ const RELATIVE: &str = "shares are relative: 1 and 1 is half each";
 const REACH: &str = "metres; 0.5 is usual, a metre or more where many share a place";
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, reason = "small whole numbers")]
-const LIMITS: [Limits; 114] = [
+const LIMITS: [Limits; 117] = [
     place("bounds"),
     number("way_finding.cell", "m", 0.05, 5.0, "metres; leave it out for 0.25 or 0.5"),
     number("way_finding.clearance", "m", 0.0, 5.0, "metres; a body's radius is usual"),
@@ -91,6 +91,15 @@ const LIMITS: [Limits; 114] = [
     ),
     number("population.individuals", "1", 0.0, 1.0, "0 walks every gait as it is, 1 differs as people do"),
     number("population.scale", "1", 0.5, 2.0, "try [0.93, 1.07]"),
+    number("population.bodies.ages", "years", 2.0, 120.0, "years; try [20, 79]"),
+    number("population.bodies.body_mass_index", "kg/m²", 12.0, 60.0, "kg/m²; 25 is usual"),
+    number(
+        "population.bodies.variety",
+        "1",
+        0.0,
+        1.0,
+        "0 is one shape for each stature and weight, 1 as people differ",
+    ),
     share("population.emotions.happy", RELATIVE),
     share("population.emotions.angry", RELATIVE),
     share("population.emotions.sad", RELATIVE),

@@ -1,5 +1,6 @@
 //! What a scenario file says: types for serde, their units and defaults. Depends on nothing else in `scenario`.
 
+mod bodies;
 mod external;
 mod feelings;
 mod floors;
@@ -18,6 +19,8 @@ mod walkable;
 mod walkers;
 mod way_finding;
 
+pub use bodies::{Bodies, Sizes};
+pub(crate) use bodies::{LEAST_SCALE, MOST_SCALE};
 pub use external::{ExternalAgent, ExternalKind};
 pub use feelings::{EmotionDynamics, Event};
 pub use floors::{Floor, MAX_FLOORS};

@@ -1,5 +1,6 @@
 //! The crowd of a scenario file: how many, who they are, how they feel, how they walk.
 
+use super::bodies::{Bodies, MOST_SCALE, Sizes};
 use super::people::Class;
 use crate::gait::walker::{EXPRESSION, Sex};
 use crate::library::choose::SPEED_TOLERANCE;
@@ -193,6 +194,9 @@ pub struct Population {
     pub emotion_mode: EmotionMode,
     /// Least and greatest body size relative to the avatar.
     pub scale: [f32; 2],
+    /// How tall, heavy and built the people of the generated bodies are; avatars of files keep their shape.
+    #[serde(skip_serializing_if = "Bodies::is_default")]
+    pub bodies: Bodies,
     /// The avatars in use: `female`, `male`, or the path of a rigged glTF or VRM file beside the scenario's.
     pub avatars: Vec<String>,
     /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised.
@@ -237,6 +241,15 @@ impl Groups {
 }
 
 impl Population {
+    /// The greatest size of a body over its avatar's.
+    pub(crate) fn largest_scale(&self) -> f32 {
+        let [_, most] = self.scale;
+        match self.bodies.sizes {
+            Sizes::Avatar | Sizes::Scale => most,
+            Sizes::Ansur | Sizes::Nhanes => most.max(MOST_SCALE),
+        }
+    }
+
     /// The gender of an avatar, if it is known.
     pub fn gender_of(&self, avatar: usize) -> Option<Sex> {
         match self.avatar_genders.get(avatar) {
@@ -260,6 +273,7 @@ impl Default for Population {
             individuals: None,
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
+            bodies: Bodies::default(),
             avatars: vec!["female".into(), "male".into()],
             rig_maps: Vec::new(),
             avatar_genders: Vec::new(),

@@ -1,5 +1,6 @@
 //! The start state of every agent: what [`crate::sim`] needs to begin, the same on every machine.
 
+use crate::avatar::anthropometry::Build;
 use crate::emotion::Emotion;
 use crate::scenario::file::{Navigation, Teleport, Way};
 use glam::Vec2;
@@ -132,6 +133,9 @@ pub struct AgentStart {
     pub avatar: u32,
     /// Uniform size of this person relative to the avatar, about 0.93 to 1.07.
     pub scale: f32,
+    /// How the body is built beside the avatar's at that scale.
+    #[doc(hidden)]
+    pub build: Build,
     /// Colours of skin, hair, top and bottom, sRGB `0xRRGGBB`.
     pub colors: [u32; 4],
     /// Phase of the walk cycle, the whole u32 range is one stride.
@@ -189,6 +193,7 @@ impl AgentStart {
             gazes: false,
             avatar: 0,
             scale: 1.0,
+            build: Build::default(),
             colors: [0; 4],
             phase: 0,
             teleport: None,

@@ -4,6 +4,7 @@
 //! starts depends, besides, on the agents before it, because no two may overlap. In a large crowd the people at the start are
 //! numbered by their places, so it depends on all of them.
 
+mod bodies;
 mod crowd;
 mod external;
 mod feelings;

@@ -50,8 +50,10 @@ enum Quantity {
     Reaction = 7,
     Avatar = 8,
     AgeSpeed = 9,
-    /// The first trait; the others follow.
+    /// The traits, each with a seed of its own.
     Trait = 10,
+    BodyAge = 11,
+    BodyMassIndex = 12,
 }
 
 /// Speeds of people who walk with difficulty, m/s (the same).
@@ -136,6 +138,22 @@ pub(crate) fn person(scenario: &Scenario, agent: u32) -> Person<'_> {
     }
 }
 
+/// The age of an agent, if its class gives one, years.
+pub(super) fn age(scenario: &Scenario, agent: u32) -> Option<f32> {
+    let age = class_of(scenario, agent)?.age?;
+    Some(age.draw(scenario.seed, agent, Quantity::Age))
+}
+
+/// The age of a body whose class gives none, years.
+pub(super) fn body_age(spread: Spread, seed: u64, agent: u32) -> f32 {
+    spread.draw(seed, agent, Quantity::BodyAge)
+}
+
+/// The body-mass index that the population asks of an agent, kg/m².
+pub(super) fn body_mass_index(population: &Population, seed: u64, agent: u32) -> Option<f32> {
+    population.bodies.body_mass_index.map(|spread| spread.draw(seed, agent, Quantity::BodyMassIndex))
+}
+
 /// By what the traits of a class multiply neighbour distance, neighbours, horizon, radius and speed.
 fn factors(population: &Population, class: &Class, value: impl Fn(u32, &Spread) -> f32) -> [f32; 5] {
     let mut factors = [1.0_f32; 5];
@@ -171,7 +189,7 @@ impl Person<'_> {
 /// The radius below which everyone's lies, m.
 pub(crate) fn largest_radius(scenario: &Scenario) -> f32 {
     let (navigation, population) = (&scenario.navigation, &scenario.population);
-    let plain = navigation.radius * population.scale[1];
+    let plain = navigation.radius * population.largest_scale();
     let of_class = |class: &Class| {
         let own = class.radius.map_or(plain, |spread| spread.ends()[1]);
         // a factor is linear in every trait, so it is greatest at ends

@@ -2,10 +2,12 @@
 //!
 //! All draws are counter-based: they depend on the seed and the agent's number alone.
 
+use super::bodies;
 use super::crowd::{AgentStart, Entry};
 use super::people::person;
 use super::places::Place;
 use super::shares::{cumulate, weighted};
+use crate::avatar::anthropometry::Build;
 use crate::emotion::Emotion;
 use crate::gait::walker::Sex;
 use crate::ground::{ABSENT, heading_from_ground};
@@ -185,12 +187,18 @@ impl<'a> TraitSampler<'a> {
     /// A body that stands somewhere and does not gaze: of an external agent. Only one that `walks` needs a gait of the emotion.
     pub(super) fn body(&self, agent: u32, emotion: Emotion, walks: bool) -> Result<AgentStart, Error> {
         let gait = if walks { self.gait(agent, emotion)? } else { 0 };
+        let avatar = self.avatar(agent);
+        let (scale, build) = match walks {
+            true => bodies::build(self.scenario, agent, avatar, self.scale(agent)),
+            false => (1.0, Build::default()),
+        };
         Ok(AgentStart {
             radius: self.scenario.navigation.radius,
             emotion: emotion.weights(),
             gaits: [gait; 4],
-            avatar: self.avatar(agent),
-            scale: if walks { self.scale(agent) } else { 1.0 },
+            avatar,
+            scale,
+            build,
             colors: colors(self.scenario.seed, agent),
             phase: bits(self.scenario.seed, agent, Purpose::Phase, 0),
             ..AgentStart::at(Vec2::ZERO)
@@ -198,7 +206,8 @@ impl<'a> TraitSampler<'a> {
     }
 
     pub(super) fn agent(&self, agent: u32, place: Place, entry: Entry) -> Result<AgentStart, Error> {
-        let (seed, scale) = (self.scenario.seed, self.scale(agent));
+        let (seed, avatar) = (self.scenario.seed, self.avatar(agent));
+        let (scale, build) = bodies::build(self.scenario, agent, avatar, self.scale(agent));
         let (emotion, gaits, gait_weights) = self.feeling(agent)?;
         let person = person(self.scenario, agent);
         let is_there = entry == Entry::Start;
@@ -214,8 +223,9 @@ impl<'a> TraitSampler<'a> {
             gaits,
             gait_weights,
             gazes: self.scenario.condition == Condition::EvaG,
-            avatar: self.avatar(agent),
+            avatar,
             scale,
+            build,
             colors: colors(seed, agent),
             phase: bits(seed, agent, Purpose::Phase, 0),
             route_start: place.route_start,

@@ -12,11 +12,12 @@
 use super::avatars::{Dice, avatar, clip, clip_elements, rig_elements, vertex_elements};
 use super::case::{filled, nan};
 use crate::avatar::foot::{footprints, with_toes};
+use crate::avatar::waist::with_waist;
 use crate::avatar::{Avatar, ClipFrame, LEVELS};
 use crate::emotion::Emotion;
 use crate::kernels::gaze_schedule::index::COUNTS;
 use crate::kernels::layout::{
-    Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Stance,
+    Appearance, Attention, ClipPosture, FrameUniforms, GazeState, MeshRange, Physique, Stance,
 };
 use crate::kernels::shared::attention::{ENGAGED, VALID};
 use crate::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE, SKINNED_STRIDE, VERTEX_STRIDE};
@@ -125,7 +126,7 @@ pub fn animation(agents: usize, seed: u32) -> Store {
                 vertex_count: vertices,
             });
             first_index += indices;
-            let toed = mesh.vertices.iter().map(|vertex| with_toes(*vertex, &footprints(avatar)));
+            let toed = mesh.vertices.iter().map(|vertex| with_waist(with_toes(*vertex, &footprints(avatar))));
             let mut elements: Vec<_> = toed.flat_map(|vertex| vertex_elements(&vertex)).collect();
             if level == 0 {
                 number_face(&mut elements, &avatar.face, &mut store.face_moves);
@@ -192,10 +193,26 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
     store.phase.push(dice.bits());
     let (emotion, gazes) = (dice.below(4), dice.below(8) > 0);
     let scale = dice.between(0.9, 1.1);
-    store.appearance.push(Appearance {
+    let mut looks = Appearance {
         skin_and_hair: dice.bits(),
         top_and_bottom: dice.bits(),
         ..Appearance::new(avatar, emotion, gazes, scale, [0; 4])
+    };
+    // built as its avatar, or like nobody else
+    let mut build = Dice::of(hash_u32(agent as u32 ^ 0xb111d));
+    let mut ratio = || if agent.is_multiple_of(5) { 1.0 } else { build.between(0.7, 1.4) };
+    looks.set_size(ratio(), ratio());
+    store.appearance.push(looks);
+    let mut pair = || Physique::word([ratio(), ratio()]);
+    store.physique.push(Physique {
+        trunk_and_arms: pair(),
+        head_and_shoulders: pair(),
+        chest: pair(),
+        waist: pair(),
+        hips: pair(),
+        neck_and_hands: pair(),
+        arms: pair(),
+        legs: pair(),
     });
     let mut weights = [0; 4].map(|_| dice.between(0.0, 1.0));
     for weight in &mut weights[(agent % 4 + 1).min(4)..] {
@@ -323,6 +340,7 @@ fn add_spare_and_outputs(store: &mut Store, agents: usize, visible_capacity: usi
         store.stance.push(nan());
         store.phase.push(POISON);
         store.appearance.push(filled(POISON));
+        store.physique.push(filled(POISON));
         store.gaits.push([POISON; 4]);
         store.gait_weights.push([NAN; 4]);
         store.gaze_state.push(nan());

@@ -6,10 +6,11 @@
 )]
 
 use crate::avatar::foot::footprints;
+use crate::avatar::waist::bones;
 use crate::avatar::{Avatar, CLIP_FRAMES, ClipFrame, FaceVertex, LEVELS, Material, Mesh, RestJoint, Vertex};
 use crate::gait::{JOINT_COUNT, Joint};
 use crate::kernels::shared::body::index::{
-    POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_EYES, RIG_STRIDE, VERTEX_STRIDE,
+    POSE_STRIDE, RIG_BALLS, RIG_EYEBALL, RIG_EYES, RIG_PLACES, RIG_STRIDE, VERTEX_STRIDE,
 };
 use crate::reference::exact::{hash_u32, unit_f32};
 use glam::{Mat4, Quat, Vec3};
@@ -183,6 +184,9 @@ pub fn rig_elements(avatar: &Avatar) -> [[f32; 4]; RIG_STRIDE] {
     rig[RIG_EYEBALL] = avatar.eyeball.map_or([0.0; 4], |left| left.extend(1.0).to_array());
     for (ball, print) in rig[RIG_BALLS..].iter_mut().zip(footprints(avatar)) {
         *ball = print.in_rig();
+    }
+    for (element, part) in rig[RIG_PLACES..].iter_mut().zip(bones(avatar).as_flattened()) {
+        *element = part.extend(0.0).to_array();
     }
     rig
 }
