@@ -68,8 +68,7 @@ pub(super) fn leg_stations(sex: Sex) -> &'static [Station] {
         Sex::Female => &[
             (0, 0.20, 0.094, 0, BOTTOM),
             (0, 0.60, 0.075, 0, BOTTOM),
-            (0, 0.74, 0.067, 2, SKIN),
-            (0, 0.86, 0.060, 0, SKIN),
+            (0, 0.82, 0.062, 2, SKIN),
             (1, 0.00, 0.056, 2, SKIN),
             (1, 0.32, 0.057, 0, SKIN),
             (1, 0.60, 0.047, 0, SKIN),

@@ -34,10 +34,8 @@ impl Bones {
     /// Trunk and neck: pelvis, waist and neck blended by height, thighs and shoulders by side.
     pub(super) fn trunk(&self, p: Vec3) -> Shares {
         let mut shares = [0.0; JOINT_COUNT];
-        let waist = self.of(Joint::Spine).y;
+        let above = self.above(p);
         let (neck, head) = (self.of(Joint::Neck).y, self.of(Joint::Head).y);
-        // about the navel, below the joint
-        let above = step(waist - 0.12, waist + 0.06, p.y);
         let nape = step(neck - 0.02, neck + 0.05, p.y);
         let skull = step(head - 0.03, head + 0.02, p.y);
         shares[Joint::Root as usize] = 1.0 - above;
@@ -61,13 +59,21 @@ impl Bones {
         shares
     }
 
-    /// Skirt: each side hangs on its thigh, the middle on both.
+    /// How much of the trunk is the spine's: half at the navel, below the joint.
+    fn above(&self, p: Vec3) -> f32 {
+        let waist = self.of(Joint::Spine).y;
+        step(waist - 0.12, waist + 0.06, p.y)
+    }
+
+    /// Skirt: each side hangs on its thigh, the middle on both, the belt on the waist.
     pub(super) fn skirt(&self, p: Vec3) -> Shares {
         let mut shares = [0.0; JOINT_COUNT];
         let hip = self.of(Joint::LeftHip);
         let down = step(hip.y + 0.06, hip.y - 0.16, p.y);
         let left = step(-hip.x, hip.x, p.x);
-        shares[Joint::Root as usize] = 1.0 - down;
+        let above = self.above(p);
+        shares[Joint::Root as usize] = (1.0 - down) * (1.0 - above);
+        shares[Joint::Spine as usize] = (1.0 - down) * above;
         shares[Joint::LeftHip as usize] = down * left;
         shares[Joint::RightHip as usize] = down * (1.0 - left);
         shares

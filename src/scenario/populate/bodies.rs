@@ -24,8 +24,14 @@ fn normal(seed: u64, agent: u32, draw: u32) -> f32 {
     (f32::from(sum) - mean) / deviation
 }
 
-/// The size, and how the body is built, of an agent with an avatar and a size out of `population.scale`.
-pub(super) fn build(scenario: &Scenario, agent: u32, avatar: u32, scale: f32) -> (f32, Build) {
+impl Scenario {
+    /// The size, and how the body is built, of an agent with an avatar and a size out of `population.scale`.
+    pub(crate) fn build_of(&self, agent: u32, avatar: u32, scale: f32) -> (f32, Build) {
+        build(self, agent, avatar, scale)
+    }
+}
+
+fn build(scenario: &Scenario, agent: u32, avatar: u32, scale: f32) -> (f32, Build) {
     let (population, seed) = (&scenario.population, scenario.seed);
     let bodies = &population.bodies;
     let name = population.avatars.get(avatar as usize);

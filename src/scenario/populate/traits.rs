@@ -2,7 +2,6 @@
 //!
 //! All draws are counter-based: they depend on the seed and the agent's number alone.
 
-use super::bodies;
 use super::crowd::{AgentStart, Entry};
 use super::people::person;
 use super::places::Place;
@@ -189,7 +188,7 @@ impl<'a> TraitSampler<'a> {
         let gait = if walks { self.gait(agent, emotion)? } else { 0 };
         let avatar = self.avatar(agent);
         let (scale, build) = match walks {
-            true => bodies::build(self.scenario, agent, avatar, self.scale(agent)),
+            true => self.scenario.build_of(agent, avatar, self.scale(agent)),
             false => (1.0, Build::default()),
         };
         Ok(AgentStart {
@@ -207,7 +206,7 @@ impl<'a> TraitSampler<'a> {
 
     pub(super) fn agent(&self, agent: u32, place: Place, entry: Entry) -> Result<AgentStart, Error> {
         let (seed, avatar) = (self.scenario.seed, self.avatar(agent));
-        let (scale, build) = bodies::build(self.scenario, agent, avatar, self.scale(agent));
+        let (scale, build) = self.scenario.build_of(agent, avatar, self.scale(agent));
         let (emotion, gaits, gait_weights) = self.feeling(agent)?;
         let person = person(self.scenario, agent);
         let is_there = entry == Entry::Start;
