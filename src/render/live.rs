@@ -58,7 +58,6 @@ impl Show {
         if store.step.feels != 0 {
             snapshot.gait_weights.clone_from(&store.gait_weights);
             snapshot.appearance.clone_from(&store.appearance);
-            snapshot.physique.clone_from(&store.physique);
         }
         snapshot
     }

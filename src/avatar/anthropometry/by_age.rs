@@ -102,6 +102,9 @@ const DECADES: [[Decade; 7]; 2] = [
 /// The 5th, 10th, 15th, 25th, 50th, 75th, 85th, 90th and 95th percentile of a normal number.
 const PERCENTILES: [f32; 9] = [-1.6449, -1.2816, -1.0364, -0.6745, 0.0, 0.6745, 1.0364, 1.2816, 1.6449];
 
+/// From the 10th to the 90th percentile of a normal number.
+const TENTHS: f32 = 2.5631;
+
 /// Box and Cox's power, median and coefficient of variation.
 type Cole = [f32; 3];
 
@@ -169,8 +172,7 @@ pub(super) fn size_at(sex: Sex, age: f32, [tall, heavy]: [f32; 2]) -> [f32; 2] {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 6")]
     let decade = ((age - GROWN) / 10.0).clamp(0.0, 6.0) as usize;
     let (mean, [low, high], weights) = DECADES[sex as usize][decade];
-    let tenths = PERCENTILES[7] - PERCENTILES[1];
-    [0.01 * (mean + (high - low) / tenths * tall), by_percentiles(&weights, heavy)]
+    [0.01 * (mean + (high - low) / TENTHS * tall), by_percentiles(&weights, heavy)]
 }
 
 /// Cole's transformation.

@@ -1,6 +1,6 @@
 //! The measures that a generated body has itself, from the numbers that make it, and what a physique makes of them.
 
-use super::limbs::{LIMB_SIDES, arm_stations, leg_stations, radius_at};
+use super::limbs::{LIMB_SIDES, Station, arm_stations, leg_stations, radius_at};
 use super::trunk::{LOWER_SQUARE, TRUNK_SIDES, UPPER_SQUARE, rings, rows_of};
 use super::{Measures, Sex, TOP};
 use crate::avatar::body::shape::swell;
@@ -13,8 +13,13 @@ use std::sync::OnceLock;
 /// Heights at which girths are taken, over stature: chest, waist at the navel, hips at the buttocks (ANSUR II, means of men and
 /// women).
 const HEIGHTS: [f32; 3] = [0.727, 0.602, 0.509];
-/// Where on their bones those of limbs are taken: thigh below the crotch, calf, upper arm, forearm.
-const ON_BONES: [(usize, f32); 4] = [(0, 0.2), (1, 0.33), (0, 0.47), (1, 0.25)];
+/// Where those of limbs are taken: number of the bone, and share of it.
+type OnBone = (usize, f32);
+/// Below the crotch.
+const THIGH: OnBone = (0, 0.2);
+const CALF: OnBone = (1, 0.33);
+const UPPER_ARM: OnBone = (0, 0.47);
+const FOREARM: OnBone = (1, 0.25);
 
 /// What a body is multiplied by across its trunk, (breadth, depth), and its thighs, girth.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -109,9 +114,8 @@ impl Figure {
         let measures = Measures::of(sex);
         let stature = measures.top();
         let [chest, waist, hips] = HEIGHTS.map(|share| section(&measures, share * stature));
-        let limb = |number: usize| {
-            let (bone, share) = ON_BONES[number];
-            let stations = if number < 2 { leg_stations(sex) } else { arm_stations(sex) };
+        let [leg, arm] = [leg_stations(sex), arm_stations(sex)];
+        let limb = |stations: &[Station], (bone, share): OnBone| {
             let corner = radius_at(stations, bone, share) * swell(LIMB_SIDES);
             2.0 * LIMB_SIDES as f32 * corner * libm::sinf(PI / LIMB_SIDES as f32)
         };
@@ -122,10 +126,10 @@ impl Figure {
             chest,
             waist,
             hips,
-            thigh: limb(0),
-            calf: limb(1),
-            upper_arm: limb(2),
-            forearm: limb(3),
+            thigh: limb(leg, THIGH),
+            calf: limb(leg, CALF),
+            upper_arm: limb(arm, UPPER_ARM),
+            forearm: limb(arm, FOREARM),
         }
     }
 }

@@ -56,7 +56,8 @@ pub struct Class {
     pub name: String,
     /// Share of the agents, relative to the other classes; 0: none.
     pub share: f32,
-    /// Age, years: gives the speed after Weidmann (1993). Left out: the speed is that of the gait, or `speed`.
+    /// Age, years: gives the speed after Weidmann (1993) and, with `population.bodies.sizes = "nhanes"`, the body. Left out: the
+    /// speed is that of the gait, or `speed`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub age: Option<Spread>,
     /// Walks with difficulty: 0.46 to 0.76 m/s (Weidmann 1993, in test 7 of `RiMEA`).

@@ -25,40 +25,44 @@ fn normal(seed: u64, agent: u32, draw: u32) -> f32 {
 }
 
 impl Scenario {
-    /// The size, and how the body is built, of an agent with an avatar and a size out of `population.scale`.
+    /// The size, and how the body is built, of an agent with an avatar and a size out of `population.scale`. Avatars of files are
+    /// as they are.
     pub(crate) fn build_of(&self, agent: u32, avatar: u32, scale: f32) -> (f32, Build) {
-        build(self, agent, avatar, scale)
+        let name = self.population.avatars.get(avatar as usize);
+        let sex = Sex::ALL.into_iter().find(|sex| name.is_some_and(|name| name == sex.name()));
+        let person = sex.and_then(|sex| self.person_of(agent, sex, scale));
+        let Some(person) = person else { return (scale, Build::default()) };
+        let scale = match self.population.bodies.sizes {
+            Sizes::Avatar | Sizes::Scale => scale,
+            Sizes::Ansur | Sizes::Nhanes => Build::scale(&person).clamp(LEAST_SCALE, MOST_SCALE),
+        };
+        (scale, Build::of(&person, scale))
     }
-}
 
-fn build(scenario: &Scenario, agent: u32, avatar: u32, scale: f32) -> (f32, Build) {
-    let (population, seed) = (&scenario.population, scenario.seed);
-    let bodies = &population.bodies;
-    let name = population.avatars.get(avatar as usize);
-    let sex = Sex::ALL.into_iter().find(|sex| name.is_some_and(|name| name == sex.name()));
-    let Some(sex) = sex.filter(|_| bodies.sizes != Sizes::Avatar) else { return (scale, Build::default()) };
-    let sizes = [0, 1].map(|draw| normal(seed, agent, draw));
-    let [_, heavy] = sizes;
-    let independent: Residuals = std::array::from_fn(|number| normal(seed, agent, SHAPE + number as u32));
-    let residuals = correlated(sex, &independent).map(|own| own * bodies.variety);
-    let age = people::age(scenario, agent)
-        .unwrap_or_else(|| people::body_age(bodies.ages.unwrap_or(AGES), seed, agent));
-    let [stature, weight] = match bodies.sizes {
-        Sizes::Avatar | Sizes::Scale => {
-            let stature = Build::stature_at(sex, scale, residuals[Measure::CrotchHeight as usize]);
-            [stature, body_mass_index(sex, heavy) * stature * stature]
-        }
-        Sizes::Ansur => adult(sex, sizes),
-        Sizes::Nhanes => of_age(sex, age, sizes),
-    };
-    let weight =
-        people::body_mass_index(population, seed, agent).map_or(weight, |index| index * stature * stature);
-    let age = (bodies.sizes == Sizes::Nhanes).then_some(age);
-    let person = Person { sex, age, stature, weight, residuals };
-    let scale = if bodies.sizes == Sizes::Scale {
-        scale
-    } else {
-        Build::scale(&person).clamp(LEAST_SCALE, MOST_SCALE)
-    };
-    (scale, Build::of(&person, scale))
+    /// Whose measures the body of an agent has; none: the avatar's own.
+    fn person_of(&self, agent: u32, sex: Sex, scale: f32) -> Option<Person> {
+        let (bodies, seed) = (&self.population.bodies, self.seed);
+        let independent: Residuals = std::array::from_fn(|number| normal(seed, agent, SHAPE + number as u32));
+        let residuals = correlated(sex, &independent).map(|own| own * bodies.variety);
+        let sizes = [0, 1].map(|draw| normal(seed, agent, draw));
+        let [_, heavy] = sizes;
+        let mut age = None;
+        let [stature, weight] = match bodies.sizes {
+            Sizes::Avatar => return None,
+            Sizes::Scale => {
+                let stature = Build::stature_at(sex, scale, residuals[Measure::CrotchHeight as usize]);
+                [stature, body_mass_index(sex, heavy) * stature * stature]
+            }
+            Sizes::Ansur => adult(sex, sizes),
+            Sizes::Nhanes => {
+                let any = || people::body_age(bodies.ages.unwrap_or(AGES), seed, agent);
+                let own = people::age(self, agent).unwrap_or_else(any);
+                age = Some(own);
+                of_age(sex, own, sizes)
+            }
+        };
+        let wanted = people::body_mass_index(&self.population, seed, agent);
+        let weight = wanted.map_or(weight, |index| index * stature * stature);
+        Some(Person { sex, age, stature, weight, residuals })
+    }
 }
