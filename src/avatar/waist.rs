@@ -39,6 +39,7 @@ pub(crate) fn bones(avatar: &Avatar) -> [[Vec3; JOINT_COUNT]; 2] {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "halves and quarters are exact")]
 mod tests {
     use super::super::{Material, Sex, generated};
     use super::*;

@@ -240,6 +240,7 @@ impl SlotMotion {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "ratios of whole steps are exact")]
 mod tests {
     use super::*;
 

@@ -4,7 +4,7 @@ use super::setup::NEVER;
 use crate::ground::is_absent;
 pub use crate::hash::Hash;
 use crate::kernels::Store;
-use crate::kernels::layout::Source;
+use crate::kernels::layout::{Appearance, Source};
 use glam::Vec2;
 
 /// Two discs overlap when their centres are nearer than this share of their summed radii.
@@ -140,7 +140,7 @@ pub fn state_hash(store: &Store) -> u64 {
     if store.step.feels != 0 {
         add(bytemuck::cast_slice(&store.feeling[..agents]));
         add(bytemuck::cast_slice(&store.heard[..agents]));
-        let shown: Vec<u32> = store.appearance[..agents].iter().map(|own| own.shown()).collect();
+        let shown: Vec<u32> = store.appearance[..agents].iter().map(Appearance::shown).collect();
         add(bytemuck::cast_slice(&shown));
     }
     hash.value()

@@ -1,3 +1,5 @@
+#![allow(clippy::cast_possible_truncation, reason = "random numbers as f32")]
+
 use super::*;
 use crate::random::Random;
 

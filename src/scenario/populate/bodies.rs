@@ -42,7 +42,8 @@ impl Scenario {
     /// Whose measures the body of an agent has; none: the avatar's own.
     fn person_of(&self, agent: u32, sex: Sex, scale: f32) -> Option<Person> {
         let (bodies, seed) = (&self.population.bodies, self.seed);
-        let independent: Residuals = std::array::from_fn(|number| normal(seed, agent, SHAPE + number as u32));
+        let mut draws = SHAPE..;
+        let independent = Residuals::default().map(|_| normal(seed, agent, draws.next().unwrap_or(SHAPE)));
         let residuals = correlated(sex, &independent).map(|own| own * bodies.variety);
         let sizes = [0, 1].map(|draw| normal(seed, agent, draw));
         let [_, heavy] = sizes;
