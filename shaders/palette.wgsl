@@ -19,7 +19,7 @@ const STEEPEST: f32 = 0.95;
 const WAY_DOWN: f32 = 0.5;
 // Shorter toes do not bend, m.
 const LEAST_TOES: f32 = 0.001;
-// The back lies so far behind the joints of the trunk, m: chests and bellies grow to the front.
+// The back lies so far behind the joint of the waist, m: bellies grow to the front.
 const BACK: f32 = 0.06;
 
 @compute @workgroup_size(64)
@@ -98,8 +98,7 @@ fn palette(@builtin(global_invocation_id) id: vec3<u32>) {
         let part = shape[joint];
         var rows: Rows;
         if joint <= HEAD {
-            let back = select(0.0, BACK, joint == SPINE);
-            rows = of_trunk(turned, part, in_mesh, back, origins[joint]);
+            rows = of_trunk(turned, part, in_mesh, 0.0, origins[joint]);
         } else {
             let bone = rig[avatar * RIG_STRIDE + RIG_BONES + joint].xyz;
             rows = Rows(

@@ -1,7 +1,7 @@
 //! What the animation kernels must do: `cull`, `compact`, `pose`, `gaze`, `palette`, `skin`; `eyes` have their own file.
 //! The paper's equations for the gaze have their own file, `paper_gaze.rs`.
 
-use crate::built::Built;
+use crate::common::built::Built;
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};

@@ -15,7 +15,6 @@ mod common;
 
 mod animation;
 mod attention;
-mod built;
 mod clips;
 mod expression;
 mod eyes;

@@ -1,7 +1,7 @@
 //! The gaze behaviours of the paper (section 4.5) as worked numbers, one test per equation, then one per resolved
 //! ambiguity, then what `natural` mode adds.
 
-use crate::built::Built;
+use crate::common::built::Built;
 use gaitway::Emotion;
 use gaitway::avatar::{Avatar, ClipFrame};
 use gaitway::gait::{JOINT_COUNT, Joint};

@@ -1,6 +1,7 @@
 //! What the test programs share: the device, data of others, and the program itself.
 #![allow(dead_code, reason = "shared by many test programs, of which few need all of it")]
 
+pub(crate) mod built;
 #[cfg(feature = "import")]
 pub(crate) mod glb;
 pub(crate) mod gpu;

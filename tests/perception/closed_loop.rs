@@ -1,5 +1,6 @@
 //! The closed loop: what a classifier sees in the crowd as drawn.
 
+use crate::common::built::Built;
 use crate::common::program;
 use gaitway::Emotion;
 use gaitway::avatar::{self, Sex};
@@ -7,13 +8,11 @@ use gaitway::closed_loop::{
     Recorder, Score, Seen, Track, features, practice_alone, practice_in_crowd, record,
 };
 use gaitway::gait::{Gait, JOINT_COUNT};
-use gaitway::ground::world_from_ground;
 use gaitway::kernels::BufferId;
 use gaitway::library::GaitLibrary;
 use gaitway::perception::affective_svm::AffectiveSvm;
 use gaitway::scenario::{Condition, Scenario, populate_from};
 use gaitway::sim::{AvatarSet, Backend, Simulation, bodies, setup};
-use glam::{Quat, Vec2};
 use serde_json::Value;
 use std::process::Output;
 
@@ -84,20 +83,14 @@ fn the_joints_are_those_of_the_bodies_as_posed_with_the_gaze() {
     let (scenario, cast, mut simulation) = crossing(40, &library(false));
     let how = Recorder::of(&scenario, 45, 1);
     let tracks = record(&mut simulation, &cast, &how, &mut |_| ()).unwrap();
-    // what the kernels `pose` and `gaze` left, put together by the plain matrices of `Avatar`
+    // what the kernels `pose` and `gaze` left, put together by plain matrices
     let store = simulation.read(&[BufferId::Visible, BufferId::LocalRotations]).unwrap();
     let mut checked = 0;
     for (slot, &agent) in store.visible.iter().enumerate().take_while(|(_, agent)| **agent != u32::MAX) {
         let agent = agent as usize;
-        let pose = &store.local_rotations[slot * 17..slot * 17 + 17];
-        let rotations = std::array::from_fn(|joint| Quat::from_array(pose[joint]));
-        let [x, y, z, _] = pose[16];
-        let own = store.appearance[agent];
-        let model = cast.avatars()[own.avatar() as usize].model_from_joint(&rotations, [x, y, z].into());
-        let turn = Quat::from_rotation_y(store.stance[agent].heading);
-        let at = world_from_ground(Vec2::from(store.position[agent]), 0.0);
-        for (joint, model_from_joint) in model.iter().enumerate() {
-            let want = at + turn * model_from_joint.w_axis.truncate() * own.scale;
+        let avatar = &cast.avatars()[store.appearance[agent].avatar() as usize];
+        for (joint, world_from_joint) in Built::new(store, slot, avatar).joints().iter().enumerate() {
+            let want = world_from_joint.w_axis.truncate();
             let found = tracks[agent].recording.poses[0][joint];
             assert!(found.distance(want) < 2e-5, "agent {agent} joint {joint}: {found} {want}");
             checked += 1;

@@ -160,7 +160,7 @@ fn flat(point: Vec3) -> Vec2 {
     Vec2::new(point.x, point.z)
 }
 
-/// A place of the skin by what it hangs on. Each part goes out from its joint, of waist and chest from the back.
+/// A place of the skin by what it hangs on. Each part goes out from its joint, the waist from the back.
 fn place(measures: &Measures, point: Vec3, is_skirt: bool) -> Place {
     let shares = if is_skirt { measures.bones.skirt(point) } else { measures.bones.trunk(point) };
     let share = |joint: Joint| shares[joint as usize];
@@ -175,7 +175,7 @@ fn place(measures: &Measures, point: Vec3, is_skirt: bool) -> Place {
     let parts = [
         (&mut out.hips, middle(Joint::Root), root - 0.5 * waist),
         (&mut out.waist, back, waist),
-        (&mut out.chest, back, spine - 0.5 * waist),
+        (&mut out.chest, middle(Joint::Spine), spine - 0.5 * waist),
     ];
     for (part, middle, share) in parts {
         *part = (flat(point) - middle) * share;

@@ -1,4 +1,5 @@
 //! A body of a physique, by glam: what kernel `palette` is held against. Nothing here is shared with it.
+#![allow(clippy::cast_possible_truncation, reason = "angles as f32")]
 
 use gaitway::avatar::Avatar;
 use gaitway::gait::{JOINT_COUNT, Joint};
@@ -9,11 +10,11 @@ use gaitway::kernels::shared::body::index::{
 };
 use glam::{Mat3, Mat4, Quat, Vec3, Vec4};
 
-/// How far the back is behind the joints of the trunk, m.
+/// How far the back is behind the joint of the waist, m.
 const BACK: Vec3 = Vec3::new(0.0, 0.0, -0.06);
 
 /// The agent of a slot, and what it is built like.
-pub struct Built<'a> {
+pub(crate) struct Built<'a> {
     store: &'a Store,
     slot: usize,
     avatar: &'a Avatar,
@@ -21,7 +22,7 @@ pub struct Built<'a> {
 }
 
 impl<'a> Built<'a> {
-    pub fn new(store: &'a Store, slot: usize, avatar: &'a Avatar) -> Self {
+    pub(crate) fn new(store: &'a Store, slot: usize, avatar: &'a Avatar) -> Self {
         let physique = store.physique[store.visible[slot] as usize];
         Self { store, slot, avatar, physique }
     }
@@ -34,7 +35,7 @@ impl<'a> Built<'a> {
         self.store.appearance[self.agent()].scale
     }
 
-    pub fn head_size(&self) -> f32 {
+    pub(crate) fn head_size(&self) -> f32 {
         Physique::ratios_in(self.physique.head_and_shoulders)[0]
     }
 
@@ -91,7 +92,7 @@ impl<'a> Built<'a> {
     }
 
     /// From the model's space, in which gaits are, to the world.
-    pub fn world_from_model(&self) -> Mat4 {
+    pub(crate) fn world_from_model(&self) -> Mat4 {
         let [x, z] = self.store.position[self.agent()];
         Mat4::from_scale_rotation_translation(
             Vec3::splat(self.scale()),
@@ -101,7 +102,7 @@ impl<'a> Built<'a> {
     }
 
     /// Of every joint: where it is and how it is turned, in the world; the agent's scale included.
-    pub fn joints(&self) -> [Mat4; JOINT_COUNT] {
+    pub(crate) fn joints(&self) -> [Mat4; JOINT_COUNT] {
         let pose = &self.store.local_rotations[self.slot * POSE_STRIDE..][..POSE_STRIDE];
         let world = self.world_from_model();
         let [_, shoulders] = Physique::ratios_in(self.physique.head_and_shoulders);
@@ -127,11 +128,10 @@ impl<'a> Built<'a> {
     }
 
     /// World-from-mesh of the joints, of the toes, which follow from the feet, and of the waist.
-    pub fn world_from_mesh(&self) -> [Mat4; LEFT_EYE] {
+    pub(crate) fn world_from_mesh(&self) -> [Mat4; LEFT_EYE] {
         let joints = self.joints();
         let of = |joint: usize| {
-            let back = if joint == Joint::Spine as usize { BACK } else { Vec3::ZERO };
-            let middle = self.place(joint) + back;
+            let middle = self.place(joint);
             let stretch = Mat4::from_translation(middle)
                 * Mat4::from_mat3(self.stretch(joint))
                 * Mat4::from_translation(-middle);
