@@ -1,7 +1,7 @@
 //! People's measures, and the build of a body that has them.
 //!
 //! A person is a sex, a stature, a weight, and how it differs from others of the same. Each measure follows from these by
-//! regressions ([`ansur`]), corrected by age where there are figures ([`by_age`]). [`Build::of`] then makes a generated body as
+//! regressions (`ansur`), corrected by age where there are figures (`by_age`). [`Build::of`] then makes a generated body as
 //! long, broad and deep as that.
 
 mod ansur;
