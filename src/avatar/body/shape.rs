@@ -72,7 +72,7 @@ pub(super) enum Cap {
     Fan(f32),
 }
 
-/// Polygons lie inside their circle; swelling them keeps the silhouette at coarse levels.
+/// By how much a polygon is made larger than its circle. It would lie inside, and look thinner the fewer sides it has.
 pub(super) fn swell(segments: usize) -> f32 {
     libm::cosf(TAU * 0.5 / segments as f32).recip().sqrt()
 }

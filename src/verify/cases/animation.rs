@@ -198,7 +198,7 @@ fn push_agent(store: &mut Store, dice: &mut Dice, agent: usize, user_eyes: Vec3)
         top_and_bottom: dice.bits(),
         ..Appearance::new(avatar, emotion, gazes, scale, [0; 4])
     };
-    // built as its avatar, or like nobody else
+    // Every fifth agent has its avatar's build. The others have ratios at random.
     let mut build = Dice::of(hash_u32(agent as u32 ^ 0xb111d));
     let mut ratio = || if agent.is_multiple_of(5) { 1.0 } else { build.between(0.7, 1.4) };
     looks.set_size(ratio(), ratio());
