@@ -22,8 +22,8 @@ pub struct Answered {
     pub choice: Choice,
     /// How.
     pub means: Means,
-    /// From the display time of the first frame that showed the panel to that of the last one before the choice, s. Time
-    /// without frames does not count.
+    /// From the display time of the first frame that showed the panel to that of the last one before the choice, s. Of a
+    /// gap between two frames no more than a second counts.
     pub seconds: f64,
     /// The frames that showed it so far.
     pub frames: u64,

@@ -44,6 +44,9 @@ pub(in super::super) fn tell(key: &str, value: &serde_json::Value) {
 /// What the actor says of every picture that it sees.
 pub(super) const PICTURE: &str = "a picture";
 
+/// Of a gap between two frames no more counts as seen.
+const LONGEST_SEEN: Duration = Duration::from_secs(1);
+
 /// The newest picture of both eyes, how many there were, and the pace at which they came.
 #[derive(Clone, Default)]
 pub(super) struct Seen(Arc<Mutex<Pictures>>);
@@ -54,6 +57,7 @@ struct Pictures {
     count: u64,
     came: Option<Instant>,
     slowest: Duration,
+    uncounted: Duration,
 }
 
 impl Seen {
@@ -63,7 +67,9 @@ impl Seen {
         let take = move |shot: &Shot| {
             let (now, pictures) = (Instant::now(), &mut *seen.0.lock().unwrap());
             let since = pictures.came.replace(now).map(|before| now - before);
-            pictures.slowest = pictures.slowest.max(since.unwrap_or_default());
+            let since = since.unwrap_or_default();
+            pictures.slowest = pictures.slowest.max(since);
+            pictures.uncounted += since.saturating_sub(LONGEST_SEEN);
             pictures.count += 1;
             pictures.newest = Some(shot.image.clone());
             eprintln!("{PICTURE}");
@@ -79,6 +85,11 @@ impl Seen {
     /// The longest time between two pictures, which is that of two frames, s.
     pub(super) fn slowest(&self) -> f64 {
         self.0.lock().unwrap().slowest.as_secs_f64()
+    }
+
+    /// At most so much of the time so far was between frames too far apart to count wholly, s.
+    pub(super) fn uncounted(&self) -> f64 {
+        self.0.lock().unwrap().uncounted.as_secs_f64()
     }
 
     /// The newest picture.
