@@ -26,7 +26,7 @@ const NOD: f32 = 0.012;          // twice a stride
 const HEAD_TURN: f32 = 0.09;
 const HEAD_TILT: f32 = 0.06;
 const ARM_AHEAD: f32 = 0.25;
-const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.07, 0.11); // by emotion: the sad swing their arms little
+const ARM_SWING: vec4<f32> = vec4<f32>(0.15, 0.13, 0.1, 0.11); // by emotion: the sad swing their arms little
 const ARM_LATE: f32 = 0.6;       // of the swing, a quarter of a stride later
 // As shares of what the gait does, so that no arm is held into the trunk and no elbow bends backwards.
 const ARM_OUT: f32 = 0.8;

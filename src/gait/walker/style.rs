@@ -51,22 +51,39 @@ pub struct Body {
     pub shoulders: f64,
     /// Distance between the hip joints as a share of the height.
     pub hips: f64,
+    /// Length of the legs against that of most people of the height; the trunk makes up for it.
+    #[serde(default = "of_most")]
+    pub legs: f64,
+    /// Length of the arms against that of most people of the height.
+    #[serde(default = "of_most")]
+    pub arms: f64,
 }
+
+/// The length that most people of a height have.
+const fn of_most() -> f64 {
+    1.0
+}
+
+/// Segments as shares of the height.
+const THIGH: f64 = 0.245;
+const SHANK: f64 = 0.246;
+const SPINE: f64 = 0.115;
+const CHEST: f64 = 0.175;
 
 impl Body {
     /// The mean body of a sex: 1.62 m or 1.76 m tall.
     pub const fn mean(sex: Sex) -> Self {
         match sex {
-            Sex::Female => Self { height: 1.62, shoulders: 0.200, hips: 0.106 },
-            Sex::Male => Self { height: 1.76, shoulders: 0.218, hips: 0.098 },
+            Sex::Female => Self { height: 1.62, shoulders: 0.200, hips: 0.106, legs: 1.0, arms: 1.0 },
+            Sex::Male => Self { height: 1.76, shoulders: 0.218, hips: 0.098, legs: 1.0, arms: 1.0 },
         }
     }
 
     pub(super) fn thigh(&self) -> f64 {
-        0.245 * self.height
+        THIGH * self.height * self.legs
     }
     pub(super) fn shank(&self) -> f64 {
-        0.246 * self.height
+        SHANK * self.height * self.legs
     }
     pub(super) fn leg(&self) -> f64 {
         self.thigh() + self.shank()
@@ -89,11 +106,15 @@ impl Body {
     pub(super) fn root_above_hips(&self) -> f64 {
         0.022 * self.height
     }
+    /// Length of the trunk against that of most people of the height.
+    fn trunk(&self) -> f64 {
+        1.0 - (self.legs - 1.0) * ((THIGH + SHANK) / (SPINE + CHEST))
+    }
     pub(super) fn spine(&self) -> f64 {
-        0.115 * self.height
+        SPINE * self.height * self.trunk()
     }
     pub(super) fn chest(&self) -> f64 {
-        0.175 * self.height
+        CHEST * self.height * self.trunk()
     }
     pub(super) fn neck(&self) -> f64 {
         0.070 * self.height
@@ -102,10 +123,10 @@ impl Body {
         0.022 * self.height
     }
     pub(super) fn upper_arm(&self) -> f64 {
-        0.180 * self.height
+        0.180 * self.height * self.arms
     }
     pub(super) fn forearm(&self) -> f64 {
-        0.150 * self.height
+        0.150 * self.height * self.arms
     }
     pub(super) fn shoulder_width(&self) -> f64 {
         self.shoulders * self.height
@@ -242,11 +263,11 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "shoulder_turn" shoulder_turn: [0.0, 0.6], stray [0.7, 0.0];
     "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
     "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
-    "arm_swing" arm_swing: [0.0, 1.2], stray [0.6, 0.07];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.41];
+    "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.07];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.38];
     "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.26];
-    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.5, 0.24];
-    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.6, 0.08];
+    "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.2];
+    "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.8, 0.1];
     "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
     "knee_flexion" knee_flexion: [-0.1, 0.3], stray [0.0, 0.06];
     "side_lean" side_lean: [-0.15, 0.15], stray [0.0, 0.12];
@@ -254,9 +275,11 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
     "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
     "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.42];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.38];
     "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
-    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.44];
+    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.38];
+    "body.legs" body.legs: [0.85, 1.15], stray [0.09, 0.0];
+    "body.arms" body.arms: [0.85, 1.15], stray [0.1, 0.0];
 };
 
 impl WalkerStyle {
@@ -287,8 +310,8 @@ impl WalkerStyle {
         }
         // Who walks faster takes longer and quicker steps alike (Grieve 1968).
         varied.cycle_time *= (self.speed / varied.speed).sqrt();
-        // Taller people walk faster at the same cadence in proportion to their legs.
-        varied.speed *= varied.body.height / self.body.height;
+        // People of longer legs walk faster at the same cadence in proportion to them.
+        varied.speed *= varied.body.leg() / self.body.leg();
         let longest = LONGEST_STRIDE * varied.body.leg();
         varied.cycle_time = varied.cycle_time.min(longest / varied.speed);
         varied

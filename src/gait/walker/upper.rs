@@ -10,13 +10,15 @@ use std::f64::consts::TAU;
 const CHEST_LAG: f64 = 0.02;
 /// The elbow bends and opens this share of a cycle after the upper arm.
 const ELBOW_LAG: f64 = 0.01;
+/// No arm swings by more than this share of the mean less than the other, or more: a still arm looks lame.
+const UNEVEN: f64 = 0.45;
 /// No elbow is straighter than this.
 const LEAST_BEND: f64 = 0.1;
 /// The elbow's bend over its swing, by the swing `s` of -1 to 1: `0.3 + 0.5 s + 0.2 s^2`. Its second harmonic is a fifth of the
 /// first, as in healthy adults (2.4 of 12 degrees): forearms are longer behind than in front.
 const ELBOW_CURVE: [f64; 3] = [0.3, 0.5, 0.2];
 /// A forearm that would swing higher than this swings less, by this share of the excess: arms swing like pendulums.
-const HIGHEST_FOREARM: f64 = 1.22;
+const HIGHEST_FOREARM: f64 = 1.18;
 const HELD_DOWN: f64 = 0.85;
 
 /// Places spine, neck, head, shoulders, elbows and hands; the root must be there.
@@ -59,8 +61,9 @@ pub(super) fn place(style: &WalkerStyle, phase: f64, pelvis: &Pelvis, joints: &m
 fn arm(style: &WalkerStyle, side: f64, phase: f64) -> (DVec3, DVec3) {
     // The left arm is back when the left foot strikes.
     let swing = |lag: f64| -side * cos(TAU * (phase - style.arm_lag - lag));
-    let amplitude =
-        (style.arm_swing * (1.0 + side * style.asymmetry) + side * style.swing_asymmetry).max(0.0);
+    let most = UNEVEN * style.arm_swing;
+    let uneven = (style.arm_swing * style.asymmetry + style.swing_asymmetry).clamp(-most, most);
+    let amplitude = style.arm_swing + side * uneven;
     let flexion = style.arm_forward + 0.5 * side * style.forward_asymmetry + amplitude * swing(0.0);
     let bent = (style.elbow_flexion + 0.5 * side * style.elbow_asymmetry).max(LEAST_BEND);
     let [mean, first, second] = ELBOW_CURVE;
