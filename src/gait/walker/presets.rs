@@ -188,11 +188,11 @@ impl WalkerStyle {
                 shoulder_turn: 10.0 * DEG,
                 shoulder_lift: 0.004,
                 shoulder_forward: -0.016,
-                arm_swing: 26.0 * DEG,
+                arm_swing: 25.5 * DEG,
                 arm_forward: -12.0 * DEG,
                 arm_abduction: 9.5 * DEG,
                 elbow_flexion: 20.0 * DEG,
-                elbow_swing: 36.0 * DEG,
+                elbow_swing: 33.0 * DEG,
                 ..neutral
             },
             Emotion::Angry => Self {

@@ -264,8 +264,8 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
     "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
     "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.07];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.38];
-    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.26];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.3];
+    "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.22];
     "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.2];
     "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.8, 0.1];
     "asymmetry" asymmetry: [-0.6, 0.6], stray [0.0, 0.25];
@@ -275,10 +275,10 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
     "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
     "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.38];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.3];
     "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
-    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.38];
-    "body.legs" body.legs: [0.85, 1.15], stray [0.09, 0.0];
+    "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.29];
+    "body.legs" body.legs: [0.85, 1.15], stray [0.07, 0.0];
     "body.arms" body.arms: [0.85, 1.15], stray [0.1, 0.0];
 };
 
