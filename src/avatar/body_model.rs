@@ -3,8 +3,10 @@
 /// Frames of a [`Clip`]; a power of two, so that the frame index is the top bits of the phase.
 pub use crate::kernels::shared::body::index::CLIP_FRAMES;
 
+use super::model::Paint;
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
+use std::sync::Arc;
 
 /// Most levels of detail an avatar may have; level 0 is the finest.
 pub const LEVELS: usize = 3;
@@ -111,6 +113,9 @@ pub struct Avatar {
     pub face: Vec<FaceVertex>,
     /// Standing height from sole to crown, m: headwear does not count.
     pub height: f32,
+    /// Textures of the finest mesh, of characters from files that have some. Coarser meshes have the colours of vertices.
+    #[doc(hidden)]
+    pub paint: Option<Arc<Paint>>,
 }
 
 /// One frame of a [`Clip`]: what the pose kernel samples.

@@ -49,7 +49,7 @@ pub(crate) use load::place;
 pub use load::{load, load_bytes, load_with_map, model, triangles};
 pub use model::{Loaded, Model};
 #[doc(hidden)]
-pub use model::{PlaceMaterial, PlaceModel, PlaceVertex};
+pub use model::{Paint, PaintCorner, PlaceModel, PlaceVertex, Textured, TexturedMaterial};
 pub use posture::Posture;
 pub use retarget::retarget;
 pub use rig_map::RigMap;

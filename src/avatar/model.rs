@@ -2,7 +2,7 @@
 
 use super::Avatar;
 use crate::picture::Image;
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// A loaded character and what was inferred about it.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,12 +36,8 @@ pub struct PlaceModel {
     pub solid: Vec<u32>,
     /// The same of what has two sides or holes.
     pub open: Vec<u32>,
-    /// What there is of materials.
-    pub materials: Vec<PlaceMaterial>,
-    /// Textures of colours, with the sRGB curve; alpha is linear.
-    pub colors: Vec<Image>,
-    /// Textures of numbers: normals, occlusion, roughness and metal.
-    pub maps: Vec<Image>,
+    /// What it is made of.
+    pub textured: Textured,
 }
 
 impl PlaceModel {
@@ -70,10 +66,22 @@ pub struct PlaceVertex {
     pub material: u32,
 }
 
-/// A material of a place, as glTF 2.0 has it (section 3.9).
+/// Materials and their textures.
+#[doc(hidden)]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Textured {
+    /// The materials.
+    pub materials: Vec<TexturedMaterial>,
+    /// Textures of colours, with the sRGB curve; alpha is linear.
+    pub colors: Vec<Image>,
+    /// Textures of numbers: normals, occlusion, roughness and metal.
+    pub maps: Vec<Image>,
+}
+
+/// A material with textures, as glTF 2.0 has it (section 3.9).
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct PlaceMaterial {
+pub struct TexturedMaterial {
     /// Linear light that it sends out itself.
     pub glow: Vec3,
     /// How rough it is, 0 to 1.
@@ -82,6 +90,10 @@ pub struct PlaceMaterial {
     pub metal: f32,
     /// Where alpha is below, there is nothing; 0: it is everywhere.
     pub cutoff: f32,
+    /// Whether alpha says how much of what is behind it hides.
+    pub is_blended: bool,
+    /// Whether it is seen from its back, too.
+    pub is_two_sided: bool,
     /// Number among the textures of colours.
     pub color: Option<u32>,
     /// Among the maps: roughness in green, metal in blue, both times those above.
@@ -90,4 +102,26 @@ pub struct PlaceMaterial {
     pub normal: Option<(u32, f32)>,
     /// Among the maps: occlusion in red, and how much it counts.
     pub occlusion: Option<(u32, f32)>,
+}
+
+/// What the finest mesh of a loaded character is painted with.
+#[doc(hidden)]
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Paint {
+    /// Of each vertex of the finest mesh.
+    pub corners: Vec<PaintCorner>,
+    /// What they are made of.
+    pub textured: Textured,
+}
+
+/// A vertex of a painted mesh.
+#[doc(hidden)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PaintCorner {
+    /// Linear base colour and alpha, 0 to 1, before textures; the renderer multiplies it with the agent's colour.
+    pub color: Vec4,
+    /// Place on the textures: (0, 0) is their first texel, (1, 1) behind the last.
+    pub uv: Vec2,
+    /// Number of the material.
+    pub material: u32,
 }

@@ -154,7 +154,7 @@ fn crowd(walks: &[(u32, u32, Emotion)], scenario: &Scenario) -> (Crowd, f32) {
         // sizes in turn over the range, in an order that has nothing to do with gait or avatar
         let size = (index as u32).wrapping_mul(0x9e37_79b9) >> 8;
         let scale = low + (high - low) * (size as f32 / (1 << 24) as f32);
-        // Their builds come from the same population. Their numbers are none of the crowd's, so nobody is met twice.
+        // They are drawn from the same population, with other numbers than the crowd: no person is in both.
         let (scale, build) = scenario.build_of(u32::MAX - index as u32, avatar, scale);
         crowd.agents.push(AgentStart {
             radius: scenario.navigation.radius * scale,

@@ -23,6 +23,8 @@ pub(super) struct CrowdMeshes {
     pub(super) level_count: u32,
     /// Buckets of lod3 and lod4 bodies, behind the others.
     pub(super) far_count: u32,
+    /// Buckets with textures, which a pass of their own draws.
+    pub(super) painted: Vec<u32>,
     /// What bodies of each bucket stay within, see [`MeshBuffers::bounds`].
     pub(super) bounds: Vec<[[f32; 4]; 2]>,
 }
@@ -54,6 +56,7 @@ impl CrowdMeshes {
             bucket_count: meshes.bucket_count(),
             level_count: meshes.level_count.max(1),
             far_count: meshes.far_count(),
+            painted: meshes.painted.clone(),
             bounds: meshes.bounds.clone(),
         })
     }

@@ -43,6 +43,7 @@ mod frame;
 mod ground_map;
 #[cfg(feature = "xr")]
 mod live;
+mod materials;
 mod meshes;
 mod parts;
 mod passes;

@@ -18,7 +18,7 @@ use super::pack::MeshBuffers;
 use super::passes::MaskPass;
 use super::passes::{
     ContactPass, CrowdPass, EnvironmentPass, FarPass, MarkerPass, OcclusionPass, OcclusionTest, OutsiderPass,
-    PlacePass, ShadowPass, SkyPass, UserPass,
+    PaintedPass, PlacePass, ShadowPass, SkyPass, UserPass,
 };
 use super::pipelines::{SetIndex, Setup};
 use super::settings::{Markers, Quality, Settings};
@@ -40,6 +40,8 @@ pub struct Renderer {
     mask: Option<MaskPass>,
     user: UserPass,
     crowd: CrowdPass,
+    /// For characters with textures, if there are any.
+    painted: Option<PaintedPass>,
     outsiders: OutsiderPass,
     environment: EnvironmentPass,
     /// The user's own place, if there is one.
@@ -109,6 +111,7 @@ impl Renderer {
             mask: None,
             user: UserPass::new(&setup)?,
             crowd: CrowdPass::new(&setup)?,
+            painted: None,
             outsiders: OutsiderPass::new(&setup)?,
             environment: EnvironmentPass::new(&setup)?,
             place: None,
@@ -219,11 +222,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// Takes the indices of the crowd's meshes, their numbers of buckets and levels, and the models of other agents. The
-    /// vertices stand in the engine's buffer `mesh_vertices`.
+    /// Takes the indices of the crowd's meshes, their numbers of buckets and levels, their textures, and the models of other agents.
+    /// The vertices stand in the engine's buffer `mesh_vertices`.
     ///
     /// # Errors
-    /// When memory is short.
+    /// When there are more textures than the device takes, or memory is short.
     pub fn set_meshes(&mut self, meshes: &MeshBuffers) -> Result<(), Error> {
         self.flights.wait_all()?;
         let made = CrowdMeshes::new(&self.submitter, meshes)?;
@@ -231,6 +234,10 @@ impl Renderer {
         let buckets = made.bucket_count + made.far_count;
         self.direct = is_direct.then(|| DirectDraws::new(self.device(), buckets)).transpose()?;
         self.outsiders.set(&self.submitter, &meshes.outsiders)?;
+        self.painted = None;
+        let setup = setup(self.submitter.device(), self.format, &self.settings);
+        let paint = meshes.paint.as_ref();
+        self.painted = paint.map(|paint| PaintedPass::new(&setup, &self.submitter, paint)).transpose()?;
         self.meshes = Some(made);
         Ok(())
     }
@@ -275,6 +282,9 @@ impl Renderer {
             }
             self.user.bind(index, &shared)?;
             self.crowd.bind(index, &shared)?;
+            if let Some(painted) = &self.painted {
+                painted.bind(index, &shared)?;
+            }
             self.outsiders.bind(index, &shared)?;
             self.environment.bind(index, &shared)?;
             if let Some(place) = &self.place {
@@ -350,6 +360,9 @@ impl Renderer {
             }
             self.user.record_solids(commands, eye_pass);
             self.crowd.record(frame, commands);
+            if let Some(painted) = &self.painted {
+                painted.record(frame, commands);
+            }
             self.outsiders.record(frame, commands);
             self.environment.record(commands, eye_pass);
             if let Some(place) = &self.place {

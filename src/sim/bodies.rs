@@ -5,7 +5,8 @@ use super::avatar_set::AvatarSet;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
 use crate::avatar::waist::{bones, with_waist};
 use crate::avatar::{
-    Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Posture, RestJoint, Vertex,
+    Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Paint, PaintCorner, Posture, RestJoint,
+    Textured, TexturedMaterial, Vertex,
 };
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
@@ -62,6 +63,12 @@ pub struct MeshBuffers {
     pub level_count: u32,
     /// Robots and vehicles.
     pub outsiders: Vec<OutsiderMesh>,
+    /// What characters with textures are painted with; its vertices are numbered as `vertices`.
+    #[doc(hidden)]
+    pub paint: Option<Paint>,
+    /// Buckets of their finest meshes, in order.
+    #[doc(hidden)]
+    pub painted: Vec<u32>,
 }
 
 /// A mesh and the agents that are drawn as it.
@@ -82,6 +89,31 @@ impl MeshBuffers {
             .map(|mesh| mesh.vertex_count)
             .max()
             .unwrap_or(0)
+    }
+
+    /// Adds what the next mesh, which is a finest one, is painted with.
+    fn add_paint(&mut self, own: &Paint, vertices: usize) {
+        let length = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        self.painted.push(length(self.mesh_table.len()));
+        let paint = self.paint.get_or_insert_default();
+        let Textured { materials, colors, maps } = &mut paint.textured;
+        let [first, first_color, first_map] = [materials.len(), colors.len(), maps.len()].map(length);
+        let color = |number: u32| first_color + number;
+        let map = |number: u32| first_map + number;
+        let of_map = |(number, share): (u32, f32)| (map(number), share);
+        materials.extend(own.textured.materials.iter().map(|material| TexturedMaterial {
+            color: material.color.map(color),
+            rough: material.rough.map(map),
+            normal: material.normal.map(of_map),
+            occlusion: material.occlusion.map(of_map),
+            ..*material
+        }));
+        colors.extend(own.textured.colors.iter().cloned());
+        maps.extend(own.textured.maps.iter().cloned());
+        paint.corners.resize(self.vertices.len() / VERTEX_STRIDE, PaintCorner::default());
+        let corners =
+            own.corners.iter().map(|corner| PaintCorner { material: first + corner.material, ..*corner });
+        paint.corners.extend(corners.take(vertices));
     }
 
     fn avatars(&self) -> u32 {
@@ -133,6 +165,9 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
                 let mut vertices = mesh_elements(mesh, &prints);
                 if level == 0 {
                     number_face(&mut vertices, &avatar.face, &mut out.face_moves);
+                    if let Some(paint) = &avatar.paint {
+                        out.add_paint(paint, mesh.vertices.len());
+                    }
                 }
                 coarsest = append(vertices, &mesh.indices, &mut out);
             }
@@ -385,6 +420,7 @@ mod tests {
             eyeball: None,
             face: Vec::new(),
             height: 1.7,
+            paint: None,
         }
     }
 

@@ -22,6 +22,8 @@ mod footing;
 mod foreign;
 mod loading;
 mod manner;
+#[cfg(feature = "vulkan")]
+mod painted;
 mod paper_gaze;
 mod physique;
 mod raster;

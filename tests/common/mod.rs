@@ -8,6 +8,8 @@ pub(crate) mod gpu;
 pub(crate) mod lab;
 #[cfg(all(feature = "import", feature = "vulkan"))]
 pub(crate) mod street;
+#[cfg(all(feature = "import", feature = "vulkan"))]
+pub(crate) mod textured;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;

@@ -20,6 +20,8 @@ mod faces;
 mod far;
 mod moments;
 mod occlusion;
+#[cfg(feature = "import")]
+mod painted;
 mod pictures;
 #[cfg(feature = "import")]
 mod place;

@@ -150,6 +150,7 @@ pub(super) fn box_person() -> Avatar {
         eyeball: None,
         face: Vec::new(),
         height: 1.7,
+        paint: None,
     }
 }
 

@@ -81,6 +81,7 @@ pub fn generated(sex: Sex) -> Avatar {
         eyeball: Some(head::Skull::of(&measures).eyeball()),
         face: faces.swap_remove(0),
         height: measures.top(),
+        paint: None,
     }
 }
 

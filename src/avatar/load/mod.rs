@@ -18,6 +18,7 @@ mod simplify;
 mod source;
 mod stature;
 mod surface;
+mod textured;
 
 use super::rig_map::RigMap;
 use super::{Avatar, Error, Loaded};
@@ -53,7 +54,7 @@ pub fn load_with_map(path: &Path, map: &RigMap) -> Result<Loaded, Error> {
 /// # Errors
 /// [`Error::Unusable`], as [`load`].
 pub fn load_bytes(name: &str, bytes: &[u8], base: Option<&Path>, map: &RigMap) -> Result<Loaded, Error> {
-    let mut source = source::Source::read(bytes, base).map_err(|fault| fault.of(name))?;
+    let mut source = source::Source::read_character(bytes, base).map_err(|fault| fault.of(name))?;
     let avatar = reduce::reduce(name, &mut source, map).map_err(|fault| fault.of(name))?;
     Ok(Loaded { avatar, report: source.report })
 }

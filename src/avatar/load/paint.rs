@@ -18,7 +18,7 @@ const SAMPLES: [[f32; 3]; 7] = [
 ];
 
 /// Texture turned to linear RGB lookups, with alpha.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Texture {
     pub(super) width: u32,
     pub(super) height: u32,

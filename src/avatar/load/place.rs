@@ -1,13 +1,10 @@
 //! Places: models that people walk in, with their materials and textures.
 
 use super::super::Error;
-use super::super::model::{PlaceMaterial, PlaceModel, PlaceVertex};
+use super::super::model::{PlaceModel, PlaceVertex};
 use super::model::{Standing, read};
-use super::paint::Texture;
 use super::source::{Part, Source};
-use super::surface::{Lookup, Surface};
-use crate::picture::Image;
-use std::collections::BTreeMap;
+use super::textured::textured;
 use std::path::Path;
 
 /// Of what is blended, the least alpha that is drawn: as if it were whole.
@@ -20,83 +17,27 @@ const LEAST_BLENDED: f32 = 0.5;
 /// an image that cannot be read, or has no triangles.
 pub(crate) fn place(path: &Path) -> Result<PlaceModel, Error> {
     let (name, source) = read(path, Source::read_place)?;
-    let mut made = Made {
-        source: &source,
-        model: PlaceModel::default(),
-        colors: Images::default(),
-        maps: Images::default(),
-    };
-    for surface in &source.surfaces {
-        made.material(surface);
-    }
+    let mut made = Made { source: &source, model: PlaceModel::default() };
     for part in &source.parts {
         made.part(part);
     }
-    let model = made.finish();
+    let mut model = made.model;
+    model.textured = textured(&source);
+    for material in model.textured.materials.iter_mut().filter(|material| material.is_blended) {
+        material.cutoff = LEAST_BLENDED;
+    }
     if model.solid.is_empty() && model.open.is_empty() {
         return Err(Error::Unusable { name, message: "the model has no triangles".to_owned() });
     }
     Ok(model)
 }
 
-/// Images that are used, by their number in the file.
-#[derive(Default)]
-struct Images {
-    number: BTreeMap<usize, u32>,
-}
-
-impl Images {
-    fn take(&mut self, lookup: Lookup) -> u32 {
-        let next = u32::try_from(self.number.len()).unwrap_or(u32::MAX);
-        *self.number.entry(lookup.image).or_insert(next)
-    }
-
-    fn pictures(&self, textures: &[Texture]) -> Vec<Image> {
-        let mut all: Vec<(u32, usize)> =
-            self.number.iter().map(|(image, number)| (*number, *image)).collect();
-        all.sort_unstable();
-        all.into_iter().filter_map(|(_, image)| textures.get(image)).map(rgba).collect()
-    }
-}
-
-/// An image with all four channels.
-fn rgba(texture: &Texture) -> Image {
-    let Texture { width, height, channels, ref pixels } = *texture;
-    let four = |texel: &[u8]| match *texel {
-        [grey] => [grey, grey, grey, 255],
-        [grey, alpha] => [grey, grey, grey, alpha],
-        [r, g, b] => [r, g, b, 255],
-        [r, g, b, alpha, ..] => [r, g, b, alpha],
-        [] => [255; 4],
-    };
-    let mut rgba: Vec<u8> = pixels.chunks_exact(channels.max(1)).flat_map(four).collect();
-    rgba.resize(width as usize * height as usize * 4, 255);
-    Image { width, height, pixels: rgba }
-}
-
 struct Made<'a> {
     source: &'a Source,
     model: PlaceModel,
-    colors: Images,
-    maps: Images,
 }
 
 impl Made<'_> {
-    fn material(&mut self, surface: &Surface) {
-        let cutoff = surface.cutoff.or(surface.is_blended.then_some(LEAST_BLENDED)).unwrap_or(0.0);
-        let made = PlaceMaterial {
-            glow: surface.glow,
-            roughness: surface.roughness,
-            metal: surface.metal,
-            cutoff,
-            color: surface.color.map(|lookup| self.colors.take(lookup)),
-            rough: surface.rough.map(|lookup| self.maps.take(lookup)),
-            normal: surface.normal.map(|(lookup, scale)| (self.maps.take(lookup), scale)),
-            occlusion: surface.occlusion.map(|(lookup, strength)| (self.maps.take(lookup), strength)),
-        };
-        self.model.materials.push(made);
-    }
-
     fn part(&mut self, part: &Part) {
         let surface = &self.source.surfaces[part.surface];
         let alpha = |corner: &u32| part.colors[*corner as usize].w;
@@ -118,12 +59,5 @@ impl Made<'_> {
         let has_holes = surface.color.is_some() && (surface.is_blended || surface.cutoff.is_some());
         let to = if surface.is_two_sided || has_holes { &mut model.open } else { &mut model.solid };
         to.extend(stands.triangles.iter().flatten().map(|corner| first + corner));
-    }
-
-    fn finish(self) -> PlaceModel {
-        let Self { source, mut model, colors, maps } = self;
-        model.colors = colors.pictures(&source.textures);
-        model.maps = maps.pictures(&source.textures);
-        model
     }
 }

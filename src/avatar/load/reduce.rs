@@ -1,6 +1,7 @@
 //! From a file's skeleton to ours: rest pose, orientation, unit, merged weights.
 
 use super::super::body::pack;
+use super::super::model::{Paint, PaintCorner};
 use super::super::rig_map::{RigMap, words};
 use super::super::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
 use super::Fault;
@@ -8,8 +9,10 @@ use super::rig::{Driven, find, upward};
 use super::simplify::simplify;
 use super::source::{Part, Source};
 use super::stature::crown;
+use super::textured::textured;
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat3, Mat4, Quat, Vec3};
+use std::sync::Arc;
 
 /// Heights of people that need no explanation, m.
 const PEOPLE: std::ops::RangeInclusive<f32> = 1.0..=2.2;
@@ -29,6 +32,10 @@ struct Figure {
     joints: [Vec3; JOINT_COUNT],
     vertices: Vec<Vertex>,
     indices: Vec<u32>,
+    /// Without the triangles of cut-outs that are holes for the larger part.
+    whole: Vec<u32>,
+    /// What each vertex is painted with.
+    corners: Vec<PaintCorner>,
     /// Triangles that are not worn on the head.
     bare: Vec<[u32; 3]>,
 }
@@ -41,7 +48,7 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     if source.skins.is_empty() {
         return Err("has no skin: it is not rigged; export it with its armature".into());
     }
-    if source.parts.iter().all(|part| part.indices.is_empty()) {
+    if source.parts.iter().all(|part| part.whole.is_empty()) {
         return Err("has no triangles".into());
     }
     let node_pose: Vec<Mat4> = source.nodes.iter().map(|node| node.world).collect();
@@ -62,13 +69,16 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
             joint_from_mesh: Mat4::from_translation(-position),
         }
     });
-    let fine = Mesh { vertices: figure.vertices, indices: figure.indices };
-    let mut levels = vec![fine];
-    let fine = levels[0].indices.len() / 3;
+    let paint = paint(source, figure.corners);
+    let whole = Mesh { vertices: figure.vertices, indices: figure.whole };
+    let fine = whole.indices.len() / 3;
+    // Holes are seen at every pixel where there are textures.
+    let finest = if paint.is_some() { figure.indices } else { whole.indices.clone() };
+    let mut levels = vec![Mesh { vertices: whole.vertices.clone(), indices: finest }];
     // Characters that are coarse already get coarser in proportion.
     let targets = [COARSE[0].min(fine / 3), COARSE[1].min(fine / 10)];
     for most in targets.into_iter().take(LEVELS - 1) {
-        let coarse = simplify(&levels[0], most, height);
+        let coarse = simplify(&whole, most, height);
         // A character may be coarser than our levels already.
         if coarse.indices.len() < levels.last().map_or(0, |mesh| mesh.indices.len()) {
             levels.push(coarse);
@@ -77,7 +87,20 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     let counts: Vec<String> = levels.iter().map(|mesh| (mesh.indices.len() / 3).to_string()).collect();
     source.report.push(format!("levels of detail: {} triangles", counts.join(", ")));
     let name = name.to_owned();
-    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face: Vec::new(), height })
+    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face: Vec::new(), height, paint })
+}
+
+/// What the vertices are painted with; nothing of a file without textures.
+fn paint(source: &mut Source, corners: Vec<PaintCorner>) -> Option<Arc<Paint>> {
+    let textured = textured(source);
+    let [colors, maps] = [textured.colors.len(), textured.maps.len()];
+    if colors + maps == 0 {
+        return None;
+    }
+    source
+        .report
+        .push(format!("textures near by: {colors} of colours, {maps} of normals, roughness, occlusion"));
+    Some(Arc::new(Paint { corners, textured }))
 }
 
 /// Pose in which the mesh was bound, of every node: inverse bind matrices where there are some, else as the
@@ -183,7 +206,14 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
             source.report.push(format!("{}: the rig has none, a place for it was inferred", joint.name()));
         }
     }
-    let mut figure = Figure { joints, vertices: Vec::new(), indices: Vec::new(), bare: Vec::new() };
+    let mut figure = Figure {
+        joints,
+        vertices: Vec::new(),
+        indices: Vec::new(),
+        whole: Vec::new(),
+        corners: Vec::new(),
+        bare: Vec::new(),
+    };
     let mut unbound = 0;
     let mut left_out = Vec::new();
     for part in &source.parts {
@@ -193,11 +223,11 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
             left_out.push(format!("{:?}", source.nodes[part.node].name));
             continue;
         }
-        let first = figure.indices.len();
+        let first = figure.whole.len();
         unbound += add_part(&mut figure, source, driven, pose, part);
         let on_head = part.skin.is_none() && carrier == Some(Joint::Head);
         if !on_head && !is_headwear(&source.nodes[part.node].name) {
-            let own = figure.indices[first..].chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+            let own = figure.whole[first..].chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
             figure.bare.extend(own);
         }
     }
@@ -207,7 +237,7 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
     if unbound > 0 {
         source.report.push(format!("{unbound} vertices have no weights and follow the root"));
     }
-    if figure.indices.is_empty() {
+    if figure.whole.is_empty() {
         return Err("has no triangles on its skeleton".to_owned());
     }
     Ok(figure)
@@ -227,7 +257,13 @@ fn is_headwear(name: &str) -> bool {
 }
 
 /// Adds a part; returns how many of its vertices had no weights.
-fn add_part(figure: &mut Figure, source: &Source, driven: &Driven, pose: &[Mat4], part: &Part) -> usize {
+fn add_part<'a>(
+    figure: &mut Figure,
+    source: &'a Source,
+    driven: &Driven,
+    pose: &[Mat4],
+    part: &'a Part,
+) -> usize {
     let first = u32::try_from(figure.vertices.len()).unwrap_or(u32::MAX);
     let skin = part.skin.and_then(|skin| source.skins.get(skin));
     // Per skin joint: mesh space to the chosen pose, and the joint that it follows.
@@ -270,10 +306,13 @@ fn add_part(figure: &mut Figure, source: &Source, driven: &Driven, pose: &[Mat4]
     }
     // A mirrored node turns triangles inside out.
     let flipped = skin.is_none() && Mat3::from_mat4(rigid.0).determinant() < 0.0;
-    for t in part.indices.chunks_exact(3) {
-        let (b, c) = if flipped { (t[2], t[1]) } else { (t[1], t[2]) };
-        figure.indices.extend([first + t[0], first + b, first + c]);
-    }
+    let turned = |t: &[u32]| if flipped { [t[0], t[2], t[1]] } else { [t[0], t[1], t[2]] };
+    let own = |indices: &'a [u32]| indices.chunks_exact(3).flat_map(turned).map(|corner| first + corner);
+    figure.indices.extend(own(&part.indices));
+    figure.whole.extend(own(&part.whole));
+    let material = u32::try_from(part.surface).unwrap_or(0);
+    let corners = part.own.iter().zip(&part.uv);
+    figure.corners.extend(corners.map(|(color, uv)| PaintCorner { color: *color, uv: *uv, material }));
     unbound
 }
 
@@ -347,7 +386,7 @@ fn orient(source: &mut Source, figure: &mut Figure) -> Result<(), String> {
 /// The crown of the body without what it wears; of one that is nothing but rigid objects, of all of it.
 fn bare_crown(figure: &Figure) -> f32 {
     let head = figure.joint(Joint::Head);
-    let all: Vec<[u32; 3]> = figure.indices.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
+    let all: Vec<[u32; 3]> = figure.whole.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect();
     let has_head = figure.bare.iter().flatten().any(|&corner| {
         let v = &figure.vertices[corner as usize];
         usize::from(v.joints[0]) == Joint::Head as usize && v.position.y > head.y

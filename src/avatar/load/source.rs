@@ -45,6 +45,10 @@ pub(super) struct Part {
     /// (index into the skin's joints, weight) per vertex.
     pub(super) influences: Vec<Vec<(usize, f32)>>,
     pub(super) indices: Vec<u32>,
+    /// Of a character: the triangles of a cut-out that are there for the larger part, and all others.
+    pub(super) whole: Vec<u32>,
+    /// Of a character: colours and alpha without textures, linear.
+    pub(super) own: Vec<Vec4>,
     /// What tints it.
     pub(super) material: Material,
     /// Number among [`Source::surfaces`] of what it is made of, and where each vertex lies on its textures.
@@ -63,7 +67,7 @@ pub(super) struct Source {
     /// VRM: eyes relative to the head bone, file space, m.
     pub(super) eyes: Option<Vec3>,
     pub(super) report: Vec<String>,
-    /// Of a place: what its parts are made of, and its images.
+    /// Of a place or a character: what its parts are made of, and its images.
     pub(super) surfaces: Vec<Surface>,
     pub(super) textures: Vec<Texture>,
 }
@@ -75,6 +79,8 @@ enum Textures {
     AtVertices,
     /// They are kept.
     Kept,
+    /// Both; one that cannot be read is left out.
+    Both,
 }
 
 impl Source {
@@ -92,6 +98,14 @@ impl Source {
     /// As [`Self::read`]; also where an image cannot be read.
     pub(super) fn read_place(bytes: &[u8], base: Option<&Path>) -> Result<Self, Fault> {
         Self::read_with(bytes, base, Textures::Kept)
+    }
+
+    /// The same with both: colours of vertices, and surfaces and textures.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn read_character(bytes: &[u8], base: Option<&Path>) -> Result<Self, Fault> {
+        Self::read_with(bytes, base, Textures::Both)
     }
 
     fn read_with(bytes: &[u8], base: Option<&Path>, kept: Textures) -> Result<Self, Fault> {
@@ -123,10 +137,14 @@ impl Source {
             }
             textures.push(texture.unwrap_or_default());
         }
-        if kept == Textures::Kept {
-            source.surfaces = Surface::all(&gltf);
+        if kept != Textures::AtVertices {
+            let is_there = |image: usize| textures.get(image).is_none_or(Option::is_some);
+            source.surfaces = Surface::all(&gltf, is_there, &mut source.report);
         }
-        source.read_parts(&gltf, &buffers, &textures)?;
+        source.read_parts(&gltf, &buffers, &textures, kept)?;
+        if kept == Textures::Both {
+            source.textures = textures.into_iter().map(Option::unwrap_or_default).collect();
+        }
         Ok(source)
     }
 
@@ -238,6 +256,7 @@ impl Source {
         gltf: &gltf::Gltf,
         buffers: &[Buffer],
         textures: &[Option<Texture>],
+        kept: Textures,
     ) -> Result<(), String> {
         let mut total: usize = 0;
         for node in gltf.nodes() {
@@ -258,7 +277,7 @@ impl Source {
                 }
                 let skin = node.skin().map(|skin| skin.index());
                 let part = self
-                    .read_part(&primitive, node.index(), skin, buffers, textures)
+                    .read_part(&primitive, node.index(), skin, buffers, textures, kept)
                     .map_err(|message| format!("{place}: {message}"))?;
                 total += part.positions.len();
                 if total > MOST_VERTICES {
@@ -277,6 +296,7 @@ impl Source {
         skin: Option<usize>,
         buffers: &[Buffer],
         textures: &[Option<Texture>],
+        kept: Textures,
     ) -> Result<Part, String> {
         use gltf::Semantic;
         let positions = primitive.get(&Semantic::Positions).ok_or("has no POSITION")?;
@@ -301,11 +321,28 @@ impl Source {
             return Err(format!("index {bad} points past its {count} vertices"));
         }
         let paint = Paint::of(primitive, count, buffers, textures)?;
-        let (indices, colors, uv) = if self.surfaces.is_empty() {
-            (paint.visible(indices, primitive), paint.colors(primitive), Vec::new())
-        } else {
-            (indices, paint.own, Surface::places(primitive, count, buffers)?)
-        };
+        let mut part = Part { node, skin, positions, normals, ..Part::default() };
+        part.material = tint(primitive);
+        part.surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
+        if kept != Textures::AtVertices {
+            part.uv = Surface::places(primitive, count, buffers)?;
+        }
+        match kept {
+            Textures::AtVertices => {
+                part.indices = paint.visible(indices, primitive);
+                part.colors = paint.colors(primitive);
+            }
+            Textures::Kept => {
+                part.indices = indices;
+                part.colors = paint.own;
+            }
+            Textures::Both => {
+                part.whole = paint.visible(indices.clone(), primitive);
+                part.indices = indices;
+                part.colors = paint.colors(primitive);
+                part.own = paint.own;
+            }
+        }
         let mut influences = vec![Vec::new(); count];
         if let Some(skin) = skin {
             let joints = self.skins.get(skin).map_or(0, |skin| skin.joints.len());
@@ -332,9 +369,8 @@ impl Source {
                 }
             }
         }
-        let material = tint(primitive);
-        let surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
-        Ok(Part { node, skin, positions, normals, colors, influences, indices, material, surface, uv })
+        part.influences = influences;
+        Ok(part)
     }
 }
 

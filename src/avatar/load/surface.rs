@@ -32,10 +32,50 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The materials of a document, then that of primitives which name none.
-    pub(super) fn all(gltf: &gltf::Gltf) -> Vec<Self> {
+    /// The materials of a document, then that of primitives which name none. Maps are left out whose image is not there, or
+    /// which other coordinates belong to than to the first; the report says which.
+    pub(super) fn all(
+        gltf: &gltf::Gltf,
+        is_there: impl Fn(usize) -> bool,
+        report: &mut Vec<String>,
+    ) -> Vec<Self> {
         let none = Self { roughness: 1.0, ..Self::default() };
-        gltf.materials().map(|material| Self::of(&material)).chain([none]).collect()
+        let mut all: Vec<Self> = gltf.materials().map(|material| Self::of(&material)).collect();
+        for (number, surface) in all.iter_mut().enumerate() {
+            let others = surface.keep(&is_there);
+            if others > 0 {
+                report.push(format!(
+                    "material {number}: {others} of its textures use other coordinates than the first; left out"
+                ));
+            }
+        }
+        if gltf.extensions_used().any(|name| name == "KHR_texture_transform") {
+            report
+                .push("KHR_texture_transform: its offsets and scales of textures are not applied".to_owned());
+        }
+        all.into_iter().chain([none]).collect()
+    }
+
+    /// All of its textures; the first says which coordinates are used.
+    fn lookups(&self) -> impl Iterator<Item = Lookup> {
+        let maps = [self.normal, self.occlusion].map(|map| map.map(|(lookup, _)| lookup));
+        [self.color, self.rough].into_iter().chain(maps).flatten()
+    }
+
+    /// Keeps the textures that are there and use the coordinates of the first; how many use others.
+    fn keep(&mut self, is_there: impl Fn(usize) -> bool) -> usize {
+        let is_image = |lookup: &Lookup| is_there(lookup.image);
+        self.color = self.color.filter(is_image);
+        self.rough = self.rough.filter(is_image);
+        self.normal = self.normal.filter(|(lookup, _)| is_image(lookup));
+        self.occlusion = self.occlusion.filter(|(lookup, _)| is_image(lookup));
+        let before = self.lookups().count();
+        let Some(first) = self.lookups().next() else { return 0 };
+        let is_same = |lookup: &Lookup| lookup.set == first.set;
+        self.rough = self.rough.filter(is_same);
+        self.normal = self.normal.filter(|(lookup, _)| is_same(lookup));
+        self.occlusion = self.occlusion.filter(|(lookup, _)| is_same(lookup));
+        before - self.lookups().count()
     }
 
     fn of(material: &gltf::Material<'_>) -> Self {
@@ -70,9 +110,7 @@ impl Surface {
         count: usize,
         buffers: &[Buffer],
     ) -> Result<Vec<Vec2>, String> {
-        let own = Self::of(&primitive.material());
-        let maps = [own.normal, own.occlusion].map(|map| map.map(|(lookup, _)| lookup));
-        let first = [own.color, own.rough].into_iter().chain(maps).flatten().next();
+        let first = Self::of(&primitive.material()).lookups().next();
         let found = first.and_then(|lookup| primitive.get(&gltf::Semantic::TexCoords(lookup.set)));
         let Some(found) = found else { return Ok(vec![Vec2::ZERO; count]) };
         let uv = accessor::vec2(&found, buffers)?;

@@ -42,7 +42,8 @@ impl CrowdPass {
         let Some(meshes) = frame.crowd.map(|crowd| crowd.meshes) else { return };
         // one change of pipelines: the finest level of every avatar, then the others
         let is_near = |bucket: &u32| bucket.is_multiple_of(meshes.level_count);
-        let finest = (0..meshes.bucket_count).filter(is_near);
+        let finest =
+            (0..meshes.bucket_count).filter(|bucket| is_near(bucket) && !meshes.painted.contains(bucket));
         let others = (0..meshes.bucket_count).filter(|bucket| !is_near(bucket));
         commands.labelled(c"gaitway.crowd", || {
             commands.use_program(&self.program, self.near, frame.eye_pass);

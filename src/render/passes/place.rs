@@ -3,26 +3,21 @@
 use super::super::Error;
 use super::super::commands::{Commands, Submitter};
 use super::super::frame::{Frame, Shared};
+use super::super::materials::Materials;
 use super::super::parts::{self, Part};
 use super::super::pipelines::{Program, Resource, SetIndex, Setup};
-use super::super::textures::{Coding, Textures};
-use crate::avatar::{PlaceMaterial, PlaceModel, PlaceVertex};
-use crate::gpu::{Buffer, Device, call};
+use crate::avatar::{PlaceModel, PlaceVertex};
+use crate::gpu::Buffer;
 use crate::kernels::draw;
-use crate::kernels::layout::{PlaceCorner, PlaceMatter};
+use crate::kernels::layout::PlaceCorner;
 use ash::vk;
 use glam::Mat4;
-use std::sync::Arc;
-
-/// What a material without a texture has for its layer.
-const NO_LAYER: u32 = u32::MAX;
 
 /// Draws a place. A renderer has this pass once it has a place.
 pub(in super::super) struct PlacePass {
     program: Program,
     solid: Way,
     open: Way,
-    sampler: Sampler,
     place: Place,
 }
 
@@ -35,11 +30,9 @@ struct Way {
 /// A place on the device.
 struct Place {
     vertices: Buffer,
-    materials: Buffer,
+    materials: Materials,
     solid: Option<Group>,
     open: Option<Group>,
-    colors: Textures,
-    maps: Textures,
 }
 
 /// Triangles of one kind.
@@ -66,19 +59,14 @@ impl PlacePass {
             seen: program.pipeline(&setup.two_sided(vertex, open))?,
             shadow: program.pipeline(&setup.shadow_with_holes("place_open_shadow", "place_hole"))?,
         };
-        let sampler = Sampler::new(setup.device)?;
-        Ok(Self { program, solid, open, sampler, place: Place::new(submitter, model)? })
+        Ok(Self { program, solid, open, place: Place::new(submitter, model)? })
     }
 
     pub(in super::super) fn bind(&self, index: SetIndex, shared: &Shared<'_>) -> Result<(), Error> {
         let place = &self.place;
         self.program.bind(index, |name| match name {
             "place_corners" => Some(Resource::Buffer(place.vertices.raw)),
-            "place_matters" => Some(Resource::Buffer(place.materials.raw)),
-            "place_colors" => Some(place.colors.resource()),
-            "place_maps" => Some(place.maps.resource()),
-            "place_sampler" => Some(Resource::Sampler(self.sampler.raw)),
-            name => shared.find(name),
+            name => place.materials.find(name).or_else(|| shared.find(name)),
         })
     }
 
@@ -122,7 +110,6 @@ impl PlacePass {
 impl Place {
     fn new(submitter: &Submitter, model: &PlaceModel) -> Result<Self, Error> {
         let vertices: Vec<PlaceCorner> = model.vertices.iter().map(corner).collect();
-        let materials: Vec<PlaceMatter> = model.materials.iter().map(matter).collect();
         let group = |indices: &[u32]| -> Result<Option<Group>, Error> {
             if indices.is_empty() {
                 return Ok(None);
@@ -138,11 +125,9 @@ impl Place {
         };
         Ok(Self {
             vertices: submitter.upload("place", bytemuck::cast_slice(&vertices))?,
-            materials: submitter.upload("place materials", bytemuck::cast_slice(&materials))?,
+            materials: Materials::new(submitter, &model.textured)?,
             solid: group(&model.solid)?,
             open: group(&model.open)?,
-            colors: Textures::new(submitter, "place colours", &model.colors, Coding::Srgb)?,
-            maps: Textures::new(submitter, "place maps", &model.maps, Coding::Linear)?,
         })
     }
 }
@@ -154,48 +139,5 @@ fn corner(vertex: &PlaceVertex) -> PlaceCorner {
         place_and_u: vertex.position.extend(vertex.uv.x).to_array(),
         normal_and_v: vertex.normal.extend(vertex.uv.y).to_array(),
         color_and_matter: vertex.color.extend(matter).to_array(),
-    }
-}
-
-fn matter(material: &PlaceMaterial) -> PlaceMatter {
-    let layer = |layer: Option<u32>| layer.unwrap_or(NO_LAYER);
-    PlaceMatter {
-        glow: material.glow.extend(0.0).to_array(),
-        cutoff: material.cutoff,
-        roughness: material.roughness,
-        metal: material.metal,
-        slope: material.normal.map_or(0.0, |(_, scale)| scale),
-        shade: material.occlusion.map_or(0.0, |(_, strength)| strength),
-        color: layer(material.color),
-        rough: layer(material.rough),
-        normal: layer(material.normal.map(|(layer, _)| layer)),
-        occlusion: layer(material.occlusion.map(|(layer, _)| layer)),
-        ..PlaceMatter::default()
-    }
-}
-
-/// How textures are looked up: between texels and levels, repeated beyond their edges.
-struct Sampler {
-    device: Arc<Device>,
-    raw: vk::Sampler,
-}
-
-impl Sampler {
-    fn new(device: &Arc<Device>) -> Result<Self, Error> {
-        let create = vk::SamplerCreateInfo::default()
-            .mag_filter(vk::Filter::LINEAR)
-            .min_filter(vk::Filter::LINEAR)
-            .mipmap_mode(vk::SamplerMipmapMode::LINEAR)
-            .max_lod(vk::LOD_CLAMP_NONE);
-        // SAFETY: the create-info is complete; `Drop` destroys the sampler.
-        let raw = unsafe { device.raw.create_sampler(&create, None) }.map_err(call("vkCreateSampler"))?;
-        Ok(Self { device: device.clone(), raw })
-    }
-}
-
-impl Drop for Sampler {
-    fn drop(&mut self) {
-        // SAFETY: the renderer that owns the pass waits for its submissions.
-        unsafe { self.device.raw.destroy_sampler(self.raw, None) };
     }
 }
