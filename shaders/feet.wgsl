@@ -23,11 +23,11 @@ const STRAIGHTER: f32 = 0.09;
 const LOWER: f32 = 0.02;        // the same for hips that are lower in a stride longer by its own length
 // How much steeper a foot behind stands in a stride longer than usual, share of its pitch for the excess of the square; heels
 // rise sooner, but not higher than to the steepest pitch, rad.
-const PUSHES_MORE: f32 = 1.0;
+const PUSHES_MORE: f32 = 0.9;
 const STEEPEST: f32 = 1.17;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
 // Hips sink for a foot that is farther, share of a leg's length: the last degrees of a knee go by fast.
-const STRAIGHT: f32 = 0.995;
+const STRAIGHT: f32 = 0.998;
 // How far hips sink for a foot that is out of reach on a level floor, share of a leg's length; a foot beyond that comes along.
 const MOST_SUNK: f32 = 0.05;
 const LEAST_BEND: f32 = 0.02;   // and do not fold up either, as a share of it

@@ -51,12 +51,12 @@ pub struct Body {
     pub shoulders: f64,
     /// Distance between the hip joints as a share of the height.
     pub hips: f64,
-    /// Length of the legs against that of most people of the height; the trunk makes up for it.
-    #[serde(default = "of_most")]
-    pub legs: f64,
     /// Length of the arms against that of most people of the height.
     #[serde(default = "of_most")]
     pub arms: f64,
+    /// Length of the legs against that of most people of the height; the trunk makes up for it.
+    #[serde(default = "of_most")]
+    pub legs: f64,
 }
 
 /// The length that most people of a height have.
@@ -74,8 +74,8 @@ impl Body {
     /// The mean body of a sex: 1.62 m or 1.76 m tall.
     pub const fn mean(sex: Sex) -> Self {
         match sex {
-            Sex::Female => Self { height: 1.62, shoulders: 0.200, hips: 0.106, legs: 1.0, arms: 1.0 },
-            Sex::Male => Self { height: 1.76, shoulders: 0.218, hips: 0.098, legs: 1.0, arms: 1.0 },
+            Sex::Female => Self { height: 1.62, shoulders: 0.200, hips: 0.106, arms: 1.0, legs: 1.0 },
+            Sex::Male => Self { height: 1.76, shoulders: 0.218, hips: 0.098, arms: 1.0, legs: 1.0 },
         }
     }
 
@@ -264,7 +264,7 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "shoulder_lift" shoulder_lift: [-0.06, 0.06], stray [0.0, 0.036];
     "shoulder_forward" shoulder_forward: [-0.08, 0.1], stray [0.0, 0.045];
     "arm_swing" arm_swing: [0.0, 1.2], stray [0.65, 0.07];
-    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.3];
+    "arm_forward" arm_forward: [-0.5, 0.8], stray [0.0, 0.375];
     "arm_abduction" arm_abduction: [0.0, 0.8], stray [0.0, 0.22];
     "elbow_flexion" elbow_flexion: [0.0, 2.2], stray [0.4, 0.2];
     "elbow_swing" elbow_swing: [0.0, 1.5], stray [0.8, 0.1];
@@ -275,11 +275,11 @@ pub const STYLE_FIELDS: &[StyleField] = fields! {
     "arm_lag" arm_lag: [-0.15, 0.2], stray [0.0, 0.15];
     "arm_cross" arm_cross: [-0.3, 0.6], stray [0.0, 0.22];
     "swing_asymmetry" swing_asymmetry: [-0.4, 0.4], stray [0.0, 0.13];
-    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.3];
+    "forward_asymmetry" forward_asymmetry: [-0.6, 0.6], stray [0.0, 0.375];
     "abduction_asymmetry" abduction_asymmetry: [-0.4, 0.4], stray [0.0, 0.28];
     "elbow_asymmetry" elbow_asymmetry: [-0.6, 0.6], stray [0.0, 0.29];
-    "body.legs" body.legs: [0.85, 1.15], stray [0.07, 0.0];
     "body.arms" body.arms: [0.85, 1.15], stray [0.1, 0.0];
+    "body.legs" body.legs: [0.85, 1.15], stray [0.05, 0.0];
 };
 
 impl WalkerStyle {
