@@ -23,9 +23,11 @@ const STRAIGHTER: f32 = 0.09;
 const LOWER: f32 = 0.02;        // the same for hips that are lower in a stride longer by its own length
 // How much steeper a foot behind stands in a stride longer than usual, share of its pitch for the excess of the square; heels
 // rise sooner, but not higher than to the steepest pitch, rad.
-const PUSHES_MORE: f32 = 1.0;
+const PUSHES_MORE: f32 = 0.9;
 const STEEPEST: f32 = 1.17;
 const REACHES: f32 = 0.9995;    // share of a leg's length: knees do not lock
+// Hips sink for a foot that is farther, share of a leg's length: the last degrees of a knee go by fast.
+const STRAIGHT: f32 = 0.998;
 // How far hips sink for a foot that is out of reach on a level floor, share of a leg's length; a foot beyond that comes along.
 const MOST_SUNK: f32 = 0.05;
 const LEAST_BEND: f32 = 0.02;   // and do not fold up either, as a share of it
@@ -237,7 +239,7 @@ fn feet(@builtin(global_invocation_id) id: vec3<u32>) {
     let upper = left.knee - left.hip;
     let lower = left.ankle - left.knee;
     let leg = sqrt(dot3(upper, upper)) + sqrt(dot3(lower, lower));
-    let longest = REACHES * leg;
+    let longest = STRAIGHT * leg;
 
     let left_hip = rig[rows].xyz + quat_rotate(upright, joint_translation(avatar, LEFT_LEG));
     let right_hip = rig[rows].xyz + quat_rotate(upright, joint_translation(avatar, RIGHT_LEG));

@@ -10,7 +10,8 @@ use super::standing::{left_ahead, stance_of, walk_share};
 use crate::kernels::feet::index::{LEFT_LEG, RIGHT_LEG};
 use crate::kernels::feet::{
     FLATTER, FROM_ANKLES, HEEL, KNEES_AHEAD, LEAST_AHEAD, LEAST_BEND, LEAST_LIFT, LOWER, MOST_SUNK,
-    NECK_TURNS, NOT_SEEN, PELVIS_STAYS, PUSHES_MORE, REACHES, STEEPEST, STRAIGHTER, Slices, UPRIGHT,
+    NECK_TURNS, NOT_SEEN, PELVIS_STAYS, PUSHES_MORE, REACHES, STEEPEST, STRAIGHT, STRAIGHTER, Slices,
+    UPRIGHT,
 };
 use crate::kernels::layout::{Appearance, Stance};
 use crate::kernels::shared::body::index::{HEAD, JOINTS, NECK, POSE_STRIDE, RIG_BALLS, RIG_STRIDE, SPINE};
@@ -260,7 +261,7 @@ impl Person<'_> {
         let [rest_x, rest_y, rest_z] = [1, 2, 3].map(|row| xyz(rig[rows + row]));
         let upright = quat_conjugate(quat_from_rows(rest_x, rest_y, rest_z));
         let leg = length(sub3(left.knee, left.hip)) + length(sub3(left.ankle, left.knee));
-        let longest = REACHES * leg;
+        let longest = STRAIGHT * leg;
 
         let heading = sin_cos(own.heading);
         let ([at_left, at_right], [left_off, right_off]) = (self.stands(upright, leg), self.offs(heading));

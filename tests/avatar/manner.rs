@@ -1,11 +1,13 @@
 //! Agents as individuals: what the kernel `manner` makes of a gait that many walk.
 
+use crate::physique::adults;
+use gaitway::avatar::anthropometry::Build;
 use gaitway::avatar::{Avatar, CLIP_FRAMES, Sex, generated};
 use gaitway::gait::{JOINT_COUNT, Joint, walker};
 use gaitway::kernels::layout::{Appearance, Body, Stance};
 use gaitway::kernels::manner::{DRAWS_OF_ARM, DRAWS_OF_TRUNK};
 use gaitway::kernels::shared::body::NONE;
-use gaitway::kernels::shared::body::index::POSE_STRIDE;
+use gaitway::kernels::shared::body::index::{PALETTE_STRIDE, POSE_STRIDE};
 use gaitway::kernels::{Phase, Store};
 use gaitway::library::GaitLibrary;
 use gaitway::reference::manner::own_share;
@@ -75,6 +77,22 @@ impl People {
         Self::new(emotion, count, |agent| agent % 12)
     }
 
+    /// Their bodies become those of adults as in ANSUR II.
+    fn built_as_adults(mut self) -> Self {
+        let count = self.store.appearance.len();
+        let adults = Sex::ALL.map(|sex| adults(sex, count));
+        for (agent, looks) in self.store.appearance.iter_mut().enumerate() {
+            let person = &adults[looks.avatar() as usize][agent];
+            looks.scale = Build::scale(person);
+            let build = Build::of(person, looks.scale);
+            looks.set_size(build.stature, build.breadth);
+            self.store.physique.push(build.physique);
+            self.store.position[agent] = [0.0; 2];
+        }
+        self.store.palettes = vec![[0.0; 4]; count * PALETTE_STRIDE];
+        self
+    }
+
     fn draw(&mut self) {
         for phase in [Phase::Pose, Phase::Feet, Phase::Manner, Phase::Idle] {
             reference::run(phase, &mut self.store, 0);
@@ -86,15 +104,44 @@ impl People {
         self.draw();
     }
 
-    /// The same at so many phases of the stride.
+    /// Where everyone's joints are at so many phases of the stride.
     fn stride(&mut self) -> Vec<Vec<Places>> {
-        let count = self.store.visible.len() - 1;
+        self.at_each_phase(|people| people.agents().map(|agent| people.places(agent)).collect())
+    }
+
+    /// The same of the bodies as built.
+    fn stride_as_built(&mut self) -> Vec<Vec<Places>> {
+        let rests: Vec<Places> = self
+            .avatars
+            .iter()
+            .map(|avatar| avatar.joints.map(|joint| joint.joint_from_mesh.inverse().w_axis.truncate()))
+            .collect();
+        self.at_each_phase(|people| {
+            reference::run(Phase::Palette, &mut people.store, 0);
+            let built = |agent: usize| {
+                let palette = &people.store.palettes[agent * PALETTE_STRIDE..][..3 * JOINT_COUNT];
+                let rest = &rests[people.store.appearance[agent].avatar() as usize];
+                from_root(std::array::from_fn(|joint| {
+                    let row =
+                        |axis: usize| Vec4::from(palette[3 * joint + axis]).dot(rest[joint].extend(1.0));
+                    Vec3::new(row(0), row(1), row(2))
+                }))
+            };
+            people.agents().map(built).collect()
+        })
+    }
+
+    fn at_each_phase(&mut self, look: impl Fn(&mut Self) -> Vec<Places>) -> Vec<Vec<Places>> {
         (0..PHASES)
             .map(|phase| {
                 self.draw_at(phase);
-                (0..count).map(|agent| self.places(agent)).collect()
+                look(self)
             })
             .collect()
+    }
+
+    fn agents(&self) -> std::ops::Range<usize> {
+        0..self.store.appearance.len()
     }
 
     fn rotations(&self, agent: usize) -> [Quat; JOINT_COUNT] {
@@ -109,9 +156,12 @@ impl People {
     }
 
     fn places(&self, agent: usize) -> Places {
-        let places = self.joints(agent).map(|joint| joint.w_axis.truncate());
-        places.map(|place| place - places[0])
+        from_root(self.joints(agent).map(|joint| joint.w_axis.truncate()))
     }
+}
+
+fn from_root(places: Places) -> Places {
+    places.map(|place| place - places[0])
 }
 
 /// Length of a body's left leg, m.
@@ -190,10 +240,14 @@ fn individuals_of_each_emotion_spread_as_people_do() {
         crowd.store.frame.individuals = 0.0;
         let clips = crowd.stride();
         let own = People::of_one_gait(emotion, 600).stride();
-        let cm = [&clips, &own, &drawn].map(|stride| spread(stride));
+        let built = People::of_all_gaits(emotion, 600).built_as_adults().stride_as_built();
+        let cm = [&clips, &own, &drawn, &built].map(|stride| spread(stride));
         let degrees = [&clips, &own, &drawn].map(|stride| asymmetry(stride));
-        println!("{emotion}: gaits, individuals of one, both: {cm:.1?} cm, arms unequal by {degrees:.1?}");
-        assert!((5.0..7.0).contains(&cm[2]), "{emotion}: {cm:?}");
+        println!(
+            "{emotion}: gaits, individuals of one, both, and builds: {cm:.1?} cm, arms unequal by {degrees:.1?}"
+        );
+        assert!((5.0..7.0).contains(&cm[3]), "{emotion}: {cm:?}");
+        assert!(cm[3] > cm[2] + 0.1, "{emotion}: builds differ: {cm:?}");
         assert!((2.5..3.5).contains(&cm[1]), "{emotion}: {cm:?}");
         assert!((6.0..12.0).contains(&degrees[2]), "{emotion}: {degrees:?}");
     }

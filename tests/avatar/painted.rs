@@ -113,8 +113,10 @@ fn maps_are_kept_by_their_kind_and_those_that_cannot_be_used_are_left_out_with_a
     assert_eq!((textured.colors.len(), textured.maps.len()), (1, 2), "one image is used twice");
     let [normal, others] = [Image::filled(4, 4, [128, 128, 255, 255]), Image::filled(2, 2, [9; 4])];
     let map = |number: u32| &textured.maps[number as usize];
-    assert!(material.normal.is_some_and(|(layer, scale)| map(layer) == &normal && scale == 0.5));
-    assert!(material.occlusion.is_some_and(|(layer, share)| map(layer) == &others && share == 0.75));
+    let is = |found: Option<(u32, f32)>, image: &Image, share: f32| {
+        found.is_some_and(|(layer, own)| map(layer) == image && own.to_bits() == share.to_bits())
+    };
+    assert!(is(material.normal, &normal, 0.5) && is(material.occlusion, &others, 0.75));
     assert!(material.rough.is_some_and(|layer| map(layer) == &others));
 
     let second = mapped(&|json| each(json, |material| material["normalTexture"]["texCoord"] = 1.into()));

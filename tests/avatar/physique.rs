@@ -30,7 +30,7 @@ fn normals<const N: usize>(seed: &mut u32) -> [f32; N] {
 }
 
 /// Adults as in ANSUR II.
-fn adults(sex: Sex, count: usize) -> Vec<Person> {
+pub(crate) fn adults(sex: Sex, count: usize) -> Vec<Person> {
     let mut seed = (sex as u32 + 1) << 24;
     (0..count)
         .map(|_| {

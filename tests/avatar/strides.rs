@@ -2,6 +2,7 @@
 
 use super::stroll::{PICTURES, Seen, Walker, watch};
 use gaitway::Emotion;
+use gaitway::avatar::{Sex, generated};
 use gaitway::gait::{JOINT_COUNT, walker};
 use gaitway::kernels::layout::Stance;
 use glam::Quat;
@@ -78,31 +79,54 @@ fn knees_give_and_bend_by_speed_as_measured() {
     }
 }
 
+/// The largest turn of a joint from one picture to the next while a person sets off, hurries and stops, degrees.
+fn largest_turn(mut walker: Walker) -> f32 {
+    let own = walker.speed;
+    walker.store.stance[0] = Stance::default();
+    let mut before: Option<[Quat; JOINT_COUNT]> = None;
+    let mut worst = 0.0_f32;
+    for picture in 0..1200u16 {
+        let time = f32::from(picture) / PICTURES;
+        let speed = match time {
+            ..2.0 => 0.0,
+            ..5.0 => own * (0.5 * (time - 2.0)).min(1.0),
+            ..7.0 => 1.3 * own,
+            _ => (1.3 * own - 1.5 * (time - 7.0)).max(0.0),
+        };
+        walker.go([0.0, speed]);
+        let joints = walker.joints().map(|joint| joint.to_scale_rotation_translation().1);
+        if let Some(before) = before {
+            let turned = before.iter().zip(&joints).map(|(a, b)| a.angle_between(*b));
+            worst = worst.max(turned.fold(0.0, f32::max));
+        }
+        before = Some(joints);
+    }
+    worst.to_degrees()
+}
+
 #[test]
 fn nothing_jumps_while_somebody_sets_off_hurries_and_stops() {
     for emotion in Emotion::ALL {
-        let mut walker = Walker::person(emotion, walker::Sex::Male, 1.0);
-        let own = walker.speed;
-        walker.store.stance[0] = Stance::default();
-        let mut before: Option<[Quat; JOINT_COUNT]> = None;
-        let mut worst = 0.0_f32;
-        for picture in 0..1200u16 {
-            let time = f32::from(picture) / PICTURES;
-            let speed = match time {
-                ..2.0 => 0.0,
-                ..5.0 => own * (0.5 * (time - 2.0)).min(1.0),
-                ..7.0 => 1.3 * own,
-                _ => (1.3 * own - 1.5 * (time - 7.0)).max(0.0),
-            };
-            walker.go([0.0, speed]);
-            let joints = walker.joints().map(|joint| joint.to_scale_rotation_translation().1);
-            if let Some(before) = before {
-                let turned = before.iter().zip(&joints).map(|(a, b)| a.angle_between(*b));
-                worst = worst.max(turned.fold(0.0, f32::max));
-            }
-            before = Some(joints);
-        }
-        println!("{emotion}: {:.1} degrees in a picture", worst.to_degrees());
-        assert!(worst.to_degrees() < 7.0, "{emotion}: {} degrees", worst.to_degrees());
+        let worst = largest_turn(Walker::person(emotion, walker::Sex::Male, 1.0));
+        println!("{emotion}: {worst:.1} degrees in a picture");
+        assert!(worst < 7.0, "{emotion}: {worst} degrees");
     }
+}
+
+/// Knees that snap straight turn shanks by 7 degrees and more: with them the mean of all was 5.7.
+#[test]
+fn few_of_a_crowd_jump_when_they_hurry() {
+    let mut all = Vec::new();
+    for emotion in Emotion::ALL {
+        for (sex, body) in walker::Sex::ALL.into_iter().zip(Sex::ALL) {
+            for index in 0..6 {
+                let gait = walker::person(emotion, sex, 1, index).unwrap();
+                all.push(largest_turn(Walker::new(gait, generated(body), 0.0)));
+            }
+        }
+    }
+    let mean = all.iter().sum::<f32>() / all.len() as f32;
+    let most = all.iter().copied().fold(0.0, f32::max);
+    println!("{mean:.2} degrees in a picture in the mean, {most:.1} at most");
+    assert!(mean < 5.5 && most < 9.0, "{mean} {most}");
 }

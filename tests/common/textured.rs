@@ -25,8 +25,7 @@ pub(crate) fn textured(file: &[u8], images: &[Image], edit: impl Fn(&mut Value))
         let positions = json["accessors"][index(&positions)].clone();
         let count = index(&positions["count"]);
         let place = &json["bufferViews"][index(&positions["bufferView"])]["byteOffset"];
-        let from =
-            place.as_u64().unwrap_or(0) as usize + positions["byteOffset"].as_u64().unwrap_or(0) as usize;
+        let from = index(place) + index(&positions["byteOffset"]);
         let number = |at: usize| f32::from_le_bytes(binary[from + 4 * at..][..4].try_into().unwrap());
         let uv: Vec<u8> = (0..count)
             .flat_map(|vertex| [TILES * number(3 * vertex), -TILES * number(3 * vertex + 1)])
@@ -55,8 +54,9 @@ pub(crate) fn textured(file: &[u8], images: &[Image], edit: impl Fn(&mut Value))
     glb::file(json.to_string(), binary)
 }
 
+/// A number of the document; 0 where it gives none.
 fn index(value: &Value) -> usize {
-    value.as_u64().unwrap() as usize
+    usize::try_from(value.as_u64().unwrap_or(0)).unwrap()
 }
 
 /// Squares of both colours, two by two in a tile.
