@@ -128,6 +128,20 @@ fn maps_are_kept_by_their_kind_and_those_that_cannot_be_used_are_left_out_with_a
     let textured = &paint(&broken.avatar).textured;
     assert!(textured.materials[0].normal.is_none() && textured.materials[0].color == Some(0));
 
+    // of what is left the first says which coordinates count
+    let others = mapped(&|json| {
+        json["images"][0] = json!({ "uri": "gone.png" });
+        each(json, |material| {
+            material["pbrMetallicRoughness"]["baseColorTexture"]["texCoord"] = 1.into();
+        });
+    });
+    let Paint { corners, textured } = paint(&others.avatar);
+    assert!(textured.materials[0].color.is_none() && textured.materials[0].normal.is_some());
+    let vertices = &others.avatar.levels[0].vertices;
+    assert!(
+        corners.iter().zip(vertices).all(|(corner, v)| (corner.uv.x - TILES * v.position.x).abs() < 1e-3)
+    );
+
     let none = loaded(&images[..1], |json| {
         each(json, color);
         json["images"][0] = json!({ "uri": "gone.png" });

@@ -324,8 +324,8 @@ impl Source {
         let mut part = Part { node, skin, positions, normals, ..Part::default() };
         part.material = tint(primitive);
         part.surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
-        if kept != Textures::AtVertices {
-            part.uv = Surface::places(primitive, count, buffers)?;
+        if let Some(surface) = self.surfaces.get(part.surface) {
+            part.uv = surface.places(primitive, count, buffers)?;
         }
         match kept {
             Textures::AtVertices => {

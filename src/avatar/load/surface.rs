@@ -106,12 +106,13 @@ impl Surface {
     /// # Errors
     /// When there are not as many coordinates as vertices.
     pub(super) fn places(
+        &self,
         primitive: &gltf::Primitive<'_>,
         count: usize,
         buffers: &[Buffer],
     ) -> Result<Vec<Vec2>, String> {
-        let first = Self::of(&primitive.material()).lookups().next();
-        let found = first.and_then(|lookup| primitive.get(&gltf::Semantic::TexCoords(lookup.set)));
+        let found =
+            self.lookups().next().and_then(|lookup| primitive.get(&gltf::Semantic::TexCoords(lookup.set)));
         let Some(found) = found else { return Ok(vec![Vec2::ZERO; count]) };
         let uv = accessor::vec2(&found, buffers)?;
         if uv.len() != count {

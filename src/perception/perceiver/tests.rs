@@ -52,9 +52,16 @@ fn the_ridge_is_the_one_under_which_people_left_out_are_likeliest() {
         likeliest(&Learning { raw: &raw, emotions }, &ridges, &inner_folds(&seen, emotions, FOLDS, 3))
             .unwrap()
     };
-    // labels that say nothing: the more they are distrusted the better
-    let nothing: Vec<Emotion> = (0..40).map(|i| Emotion::ALL[i % 2]).collect();
-    assert!((chosen(&nothing) - 1000.0).abs() < 1e-9);
+    // labels that say nothing: the more they are distrusted the better, but for chance
+    let mut nothing: Vec<Emotion> = (0..40).map(|i| Emotion::ALL[i % 2]).collect();
+    let ridges: Vec<f64> = (0..9)
+        .map(|seed| {
+            crate::random::Random::new(seed).shuffle(&mut nothing);
+            chosen(&nothing)
+        })
+        .collect();
+    let distrusted = ridges.iter().filter(|ridge| ridge.total_cmp(&1000.0).is_eq()).count();
+    assert!(distrusted >= 6, "{ridges:?}");
     // labels that say all
     let slow = |gait: &Gait| gait.cycle_time() > 1.1;
     let all: Vec<Emotion> =
