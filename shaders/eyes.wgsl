@@ -7,8 +7,8 @@
 // still while the head nods. Glances and blinks follow from the agent's number and the time alone. In `paper` mode the
 // neck angles are all there is: eyes stay straight in the head, and faces at rest.
 //
-// A face is six numbers, which follow the shares of the emotions that the body walks and stands in. `skin` moves brows and mouth
-// by them, and the lids turn here. What an emotion does to a face are the action units of FACS (Ekman and Friesen 1978).
+// A face is six numbers, which follow the shares of the emotions that the body walks and stands in; a seventh clenches the hands of the
+// angry. `skin` moves brows, mouth and fingers by them, and the lids turn here. What an emotion does to a face are the action units of FACS (Ekman and Friesen 1978).
 //
 // Yaw is positive to the left, pitch downwards, as of the face. Angles are kept as (sine, cosine) where they can.
 const ASIDE_LIMIT: vec2<f32> = vec2<f32>(0.42261826, 0.9063078); // 25 degrees from the face's forward: for more, heads turn
@@ -54,11 +54,13 @@ const BY_UPPER_LID: vec4<f32> = vec4<f32>(-0.1, 0.3, -0.6, 0.0);
 const BY_MOUTH_CORNER: vec4<f32> = vec4<f32>(1.0, -0.35, -1.0, 0.0);
 const BY_MOUTH_OPEN: vec4<f32> = vec4<f32>(0.4, -1.0, -0.05, 0.0);
 const FARTHEST: f32 = 1.5;            // no face is made to go farther
+const BY_FIST: vec4<f32> = vec4<f32>(0.0, 1.0, 0.0, 0.0);
 
-// What is an agent's own: how strong its expressions are, and how brows and mouth are at rest, to either side.
+// What is an agent's own: how strong its expressions are, and how brows, mouth and fingers are at rest, to either side.
 const OWN_STRENGTH: f32 = 0.15;
 const OWN_BROW: f32 = 0.12;
 const OWN_MOUTH: f32 = 0.06;
+const OWN_FIST: f32 = 0.15;
 const OWN_FACE: u32 = 0xface0000u;    // what it draws for
 
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
@@ -184,7 +186,7 @@ fn face_of(agent: u32, shown: u32, is_natural: bool) -> Expression {
         bounded(dot4(moods, BY_MOUTH_CORNER) * strength + own * OWN_MOUTH * own_part(agent, 3u)),
         bounded(dot4(moods, BY_MOUTH_OPEN) * strength),
         blink(agent),
-        0.0,
+        limit(dot4(moods, BY_FIST) * strength + own * OWN_FIST * own_part(agent, 4u), 0.0, 1.0),
         0.0,
     );
 }

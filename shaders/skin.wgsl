@@ -4,13 +4,13 @@
 // Where an agent's vertices begin: those of avatar a stand behind all those of the avatars before it, so agent n of
 // avatar a begins at vertex sum over b < a of (near agents of b * vertices of b) + n * vertices of a. `skinned` must
 // hold near_capacity times the largest level-0 vertex count.
-// Vertices of a face first go where its expression moves them. Their normals stay: a face moves by millimetres.
+// Vertices of face and hands first go where an expression moves them. Normals of a face stay: it moves by millimetres.
 @group(0) @binding(0) var<uniform> frame: FrameUniforms;
 @group(0) @binding(1) var<storage, read> bucket_start: array<u32>;        // [bucket + 1]
 @group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
 @group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][21][3] rows
-@group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][6] m
+@group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][8] m
 @group(0) @binding(6) var<storage, read> expressions: array<Expression>;  // [visible]
 @group(0) @binding(7) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
 var<immediate> avatar: u32;
@@ -24,13 +24,13 @@ fn skin_joint(joints: u32, which: u32) -> u32 {
     return min((joints >> (8u * which)) & 0xffu, SKIN_JOINTS - 1u);
 }
 
-// How far a vertex of a face is from its place at rest, m; `first` is where it stands in face_moves.
+// How far a vertex of face or hands is from its place at rest, m; `first` is where it stands in face_moves.
 fn moved(first: u32, face: Expression) -> vec3<f32> {
     let corner = select(CORNERS_DOWN, CORNERS_UP, face.mouth_corner > 0.0);
     let mouth = select(PRESSED, OPENED, face.mouth_open > 0.0);
     let brow = face_moves[first + INNER_BROW].xyz * face.inner_brow + face_moves[first + OUTER_BROW].xyz * face.outer_brow;
     let lips = face_moves[first + corner].xyz * abs(face.mouth_corner) + face_moves[first + mouth].xyz * abs(face.mouth_open);
-    return brow + lips;
+    return brow + lips + face_moves[first + FIST].xyz * face.fist;
 }
 
 @compute @workgroup_size(64)
@@ -49,10 +49,14 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
     let slot = bucket_start[bucket] + id.y;
     var vertex_position = mesh_vertices[source].xyz;
     let of_face = bitcast<u32>(mesh_vertices[source].w) >> MATERIAL_BITS;
-    if of_face > 0u {
-        vertex_position = vertex_position + moved((of_face - 1u) * FACE_STRIDE, expressions[slot]);
-    }
     let normal_joints = mesh_vertices[source + 1u];
+    var n = normal_joints.xyz;
+    if of_face > 0u {
+        let face = expressions[slot];
+        let moves = (of_face - 1u) * FACE_STRIDE;
+        vertex_position = vertex_position + moved(moves, face);
+        n = n + face_moves[moves + FIST_NORMAL].xyz * face.fist;
+    }
     let weights = mesh_vertices[source + 2u];
     let joints = bitcast<u32>(normal_joints.w);
     let matrices = slot * PALETTE_STRIDE;
@@ -67,7 +71,6 @@ fn skin(@builtin(global_invocation_id) id: vec3<u32>) {
         row_y = row_y + palettes[matrices + joint * 3u + 1u] * weight;
         row_z = row_z + palettes[matrices + joint * 3u + 2u] * weight;
     }
-    let n = normal_joints.xyz;
     let normal = vec3<f32>(dot3(row_x.xyz, n), dot3(row_y.xyz, n), dot3(row_z.xyz, n));
     let square = dot3(normal, normal);
     let length = select(1.0, sqrt(square), square > 1e-12); // two opposite influences may leave no normal

@@ -48,20 +48,23 @@ const PALETTE_STRIDE: u32 = 66u;
 const VERTEX_STRIDE: u32 = 4u;
 const SKINNED_STRIDE: u32 = 2u;
 
-// Above these bits of a vertex's material is its number in face_moves, counted from 1; 0: no face moves it.
+// Above these bits of a vertex's material is its number in face_moves, counted from 1; 0: no expression moves it.
 const MATERIAL_BITS: u32 = 8u;
 
 // face_moves: [face vertex][FACE_STRIDE]: how far it goes in the mesh when a number of the face is 1, m: inner brow, outer brow;
-// mouth corners up, down (for 1 below 0); mouth open, pressed (likewise). Upper lids and blinks turn the joint LIDS instead.
-const FACE_STRIDE: u32 = 6u;
+// mouth corners up, down (for 1 below 0); mouth open, pressed (likewise); fist, and how its normal changes with that, 1.
+// Upper lids and blinks turn the joint LIDS instead.
+const FACE_STRIDE: u32 = 8u;
 const INNER_BROW: u32 = 0u;
 const OUTER_BROW: u32 = 1u;
 const CORNERS_UP: u32 = 2u;
 const CORNERS_DOWN: u32 = 3u;
 const OPENED: u32 = 4u;
 const PRESSED: u32 = 5u;
+const FIST: u32 = 6u;
+const FIST_NORMAL: u32 = 7u;
 
-// Buffer `expressions`, [visible]: the face of an agent that is drawn by a finest mesh. 0 is at rest, 1 as far as actors go.
+// Buffer `expressions`, [visible]: face and hands of an agent that is drawn by a finest mesh. 0 is at rest, 1 as far as actors go.
 struct Expression {
     inner_brow: f32,   // height of the brows' inner ends, -1 to 1
     outer_brow: f32,   // of their outer ends
@@ -69,8 +72,8 @@ struct Expression {
     mouth_corner: f32, // height of the mouth's corners, -1 to 1
     mouth_open: f32,   // 1 open, -1 with lips pressed together
     blink: f32,        // how far the eyes are shut, 0 to 1, whatever the lids do otherwise
-    unused_a: f32,
-    unused_b: f32,
+    fist: f32,         // how far the hands are clenched, 0 to 1
+    unused: f32,
 }
 
 // Ends the posed agents of the list `visible`; in agent_bucket: not drawn.

@@ -75,7 +75,7 @@ pub struct Mesh {
     pub indices: Vec<u32>,
 }
 
-/// How a vertex of a face moves with the numbers of an [`Expression`](crate::kernels::layout::Expression): how far it goes
+/// How a vertex of a face or a hand moves with the numbers of an [`Expression`](crate::kernels::layout::Expression): how far it goes
 /// from its place at rest, mesh space, m, where that number is 1 and the others are 0.
 #[doc(hidden)]
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -94,6 +94,10 @@ pub struct FaceVertex {
     pub opened: Vec3,
     /// With how tightly the lips are pressed together.
     pub pressed: Vec3,
+    /// With how far the hands are clenched.
+    pub fist: Vec3,
+    /// How its normal changes with that, 1.
+    pub fist_normal: Vec3,
 }
 
 /// A character that gaits can drive.
@@ -109,7 +113,7 @@ pub struct Avatar {
     pub eyes_in_head: Vec3,
     /// Centre of the left eyeball in mesh space, m, where eyes turn; the right one is its mirror image.
     pub eyeball: Option<Vec3>,
-    /// What the face moves in the finest mesh, by number of vertex; nothing where a character has no face that moves.
+    /// What an expression moves in the finest mesh, by number of vertex; nothing where a character has no face that moves.
     pub face: Vec<FaceVertex>,
     /// Standing height from sole to crown, m: headwear does not count.
     pub height: f32,

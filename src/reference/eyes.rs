@@ -5,11 +5,11 @@ use super::exact::{atan2, hash_u32, lesser, sin_cos, unit_f32};
 use super::quaternion::{dot3, dot4, limit, scale3, xyz};
 use super::standing::{moods_of, own_draw};
 use crate::kernels::eyes::{
-    APART, ASIDE_LIMIT, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, BY_INNER_BROW, BY_MOUTH_CORNER,
+    APART, ASIDE_LIMIT, BLINK, BLINK_SPAN, BLINK_WINDOW, BLINKS, BY_FIST, BY_INNER_BROW, BY_MOUTH_CORNER,
     BY_MOUTH_OPEN, BY_OUTER_BROW, BY_UPPER_LID, CLOSING, DOWN_LIMIT, DROP, FACE, FACE_RANGE, FACE_SPAN,
     FACE_WINDOW, FAR, FARTHEST, FOLLOW, GLANCE_PITCH, GLANCE_SPAN, GLANCE_WINDOW, GLANCE_YAW, GLANCES,
-    GROUND_AHEAD, LEAST, LID_REACH, MOUTH, OPENING, OWN_BROW, OWN_FACE, OWN_MOUTH, OWN_STRENGTH, SACCADE,
-    SHUT, Slices, UP_LIMIT,
+    GROUND_AHEAD, LEAST, LID_REACH, MOUTH, OPENING, OWN_BROW, OWN_FACE, OWN_FIST, OWN_MOUTH, OWN_STRENGTH,
+    SACCADE, SHUT, Slices, UP_LIMIT,
 };
 use crate::kernels::layout::{Expression, FrameUniforms};
 use crate::kernels::shared::attention::{ENGAGED, NATURAL, SAD};
@@ -140,7 +140,8 @@ fn face_of(b: &Slices<'_>, agent: u32) -> Expression {
         mouth_corner: bounded(dot4(moods, BY_MOUTH_CORNER) * strength + own * OWN_MOUTH * own_part(agent, 3)),
         mouth_open: bounded(dot4(moods, BY_MOUTH_OPEN) * strength),
         blink,
-        ..Expression::default()
+        fist: limit(dot4(moods, BY_FIST) * strength + own * OWN_FIST * own_part(agent, 4), 0.0, 1.0),
+        unused: 0.0,
     }
 }
 

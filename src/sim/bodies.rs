@@ -193,7 +193,7 @@ fn mesh_elements(mesh: &Mesh, prints: &[Footprint; 2]) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Adds what a face moves, and gives its vertices their numbers there. Vertices that the mesh does not have are left out.
+/// Adds what an expression moves, and gives its vertices their numbers there. Vertices that the mesh does not have are left out.
 pub(crate) fn number_face(vertices: &mut [[f32; 4]], face: &[FaceVertex], moves: &mut Vec<[f32; 4]>) {
     for own in face {
         let Some([_, _, _, material]) = vertices.get_mut(own.vertex as usize * VERTEX_STRIDE) else {
@@ -205,9 +205,20 @@ pub(crate) fn number_face(vertices: &mut [[f32; 4]], face: &[FaceVertex], moves:
     }
 }
 
-/// What a face moves as it lies in `face_moves`.
+/// What an expression moves as it lies in `face_moves`.
 fn face_elements(own: &FaceVertex) -> [[f32; 4]; FACE_STRIDE] {
-    [own.inner_brow, own.outer_brow, own.corners_up, own.corners_down, own.opened, own.pressed]
+    let FaceVertex {
+        inner_brow,
+        outer_brow,
+        corners_up,
+        corners_down,
+        opened,
+        pressed,
+        fist,
+        fist_normal,
+        ..
+    } = own;
+    [inner_brow, outer_brow, corners_up, corners_down, opened, pressed, fist, fist_normal]
         .map(|way| way.extend(0.0).to_array())
 }
 

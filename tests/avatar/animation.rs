@@ -424,17 +424,20 @@ fn palettes_are_world_from_joint_times_joint_from_mesh() {
     }
 }
 
-/// How far the face of the agent in a slot moves a vertex, m.
-fn moved(store: &Store, packed: &[[f32; 4]], slot: usize) -> Vec3 {
-    let Some(number) = (packed[0][3].to_bits() >> MATERIAL_BITS).checked_sub(1) else { return Vec3::ZERO };
+/// How far the expression of the agent in a slot moves a vertex, m, and how it changes its normal.
+fn moved(store: &Store, packed: &[[f32; 4]], slot: usize) -> [Vec3; 2] {
+    let Some(number) = (packed[0][3].to_bits() >> MATERIAL_BITS).checked_sub(1) else {
+        return [Vec3::ZERO; 2];
+    };
     let moves: [Vec3; FACE_STRIDE] = std::array::from_fn(|shape| {
         Vec4::from(store.face_moves[number as usize * FACE_STRIDE + shape]).truncate()
     });
     let face = store.expressions[slot];
     let [up, down] = [face.mouth_corner.max(0.0), (-face.mouth_corner).max(0.0)];
     let [open, pressed] = [face.mouth_open.max(0.0), (-face.mouth_open).max(0.0)];
-    let numbers = [face.inner_brow, face.outer_brow, up, down, open, pressed];
-    moves.into_iter().zip(numbers).map(|(way, number)| way * number).sum()
+    let numbers = [face.inner_brow, face.outer_brow, up, down, open, pressed, face.fist];
+    let [.., normal] = moves;
+    [moves.into_iter().zip(numbers).map(|(way, number)| way * number).sum(), normal * face.fist]
 }
 
 #[test]
@@ -451,14 +454,15 @@ fn skinned_vertices_are_the_weighted_sum_of_their_joints_and_stand_where_the_rul
             let source = store.mesh_table[bucket].first_vertex as usize * VERTEX_STRIDE;
             let packed = store.mesh_vertices[source..].chunks_exact(VERTEX_STRIDE);
             for (vertex, packed) in mesh.vertices.iter().zip(packed) {
-                let rest = vertex.position + moved(&store, packed, slot as usize);
+                let [way, turn] = moved(&store, packed, slot as usize);
+                let (rest, own_normal) = (vertex.position + way, vertex.normal + turn);
                 let mut at = Vec3::ZERO;
                 let mut normal = Vec3::ZERO;
                 let joints = packed[1][3].to_bits().to_le_bytes();
                 for (joint, weight) in joints.into_iter().zip(packed[2]) {
                     let m = world[usize::from(joint)];
                     at += m.transform_point3(rest) * weight;
-                    normal += m.transform_vector3(vertex.normal) * weight;
+                    normal += m.transform_vector3(own_normal) * weight;
                 }
                 let got: [Vec4; 2] =
                     std::array::from_fn(|i| store.skinned[first * SKINNED_STRIDE + i].into());

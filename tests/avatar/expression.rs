@@ -32,6 +32,7 @@ fn each_emotion_has_the_face_of_its_action_units() {
     let angry = of(Emotion::Angry);
     assert!(angry.inner_brow < -0.9 && angry.inner_brow < angry.outer_brow - 0.5, "4: {angry:?}");
     assert!(angry.upper_lid > 0.1 && angry.mouth_open < -0.5, "5 and 23: {angry:?}");
+    assert!(angry.fist > 0.9 && happy.fist < 0.1, "fists: {angry:?}");
     let sad = of(Emotion::Sad);
     assert!(sad.inner_brow > 0.9 && sad.inner_brow > sad.outer_brow + 0.5, "1 and 4: {sad:?}");
     assert!(sad.mouth_corner < -0.9 && sad.upper_lid < -0.2, "15: {sad:?}");
@@ -71,11 +72,12 @@ fn faces_are_individual_and_no_number_goes_farther_than_faces_are_made_for() {
     let faces: Vec<&Expression> = store.expressions.iter().filter(|face| !face.blink.is_nan()).collect();
     assert!(faces.len() > 100, "{} faces", faces.len());
     for face in &faces {
-        let Expression { inner_brow, outer_brow, upper_lid, mouth_corner, mouth_open, blink, .. } = **face;
+        let Expression { inner_brow, outer_brow, upper_lid, mouth_corner, mouth_open, blink, fist, .. } =
+            **face;
         for number in [inner_brow, outer_brow, upper_lid, mouth_corner, mouth_open] {
             assert!(number.abs() <= 1.5, "{face:?}");
         }
-        assert!((0.0..=1.0).contains(&blink), "{face:?}");
+        assert!((0.0..=1.0).contains(&blink) && (0.0..=1.0).contains(&fist), "{face:?}");
     }
     let brows: std::collections::BTreeSet<u32> = faces.iter().map(|face| face.inner_brow.to_bits()).collect();
     assert!(brows.len() > 20, "{} kinds of brows", brows.len());

@@ -35,9 +35,8 @@ enum Row {
 }
 
 /// Of the finest head: rows under the crown (man's size), m. Above the last one there is hair.
-const ROWS: [(f32, Row); 28] = [
+const ROWS: [(f32, Row); 27] = [
     (0.236, Row::Skin),
-    (0.230, Row::Skin),
     (0.220, Row::Skin),
     (0.210, Row::Skin),
     (0.2015, Row::Skin),
@@ -65,8 +64,10 @@ const ROWS: [(f32, Row); 28] = [
     (0.075, Row::Skin),
     (0.045, Row::Skin),
 ];
+/// From this one on, the back of the head is under hair.
+const UNDER_HAIR: usize = 17;
 /// How many of them lie below the line between the lips.
-const ROWS_BELOW: usize = 9;
+const ROWS_BELOW: usize = 8;
 /// Of its half: columns as shares of the half width, from the middle of the face to the side; then angles from the front.
 const COLUMNS: [f32; 10] = [0.0, 0.095, 0.2, 0.31, 0.42, 0.53, 0.64, 0.76, 0.88, 1.0];
 const BACK: [f32; 2] = [2.1, 2.65];
@@ -144,41 +145,46 @@ impl Skull {
             eye.ball(builder);
             let first = builder.len();
             eye.lower_lid(builder, skin);
-            builder.express(first, &|_, p| eye.moves_of_lower_lid(p));
+            builder.express(first, &|_, own| eye.moves_of_lower_lid(own.position));
             eye.upper_lid(builder);
         }
     }
 
     fn head_and_face<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
         let columns = columns();
-        let rows: Vec<Vec<Vec3>> = ROWS
-            .iter()
-            .map(|row| columns.iter().map(|column| self.in_grid(*row, *column)).collect())
-            .collect();
         let lips = LIPS[usize::from(self.sex == Sex::Male)];
-        let paint = |row: usize, column: usize| {
-            let share = columns[column].1.abs();
-            match ROWS[row].1 {
-                Row::Inside if share < CORNER_SHARE => INSIDE,
-                Row::Edge if share <= CORNER_SHARE => BETWEEN_LIPS,
-                Row::Lip if share < CORNER_SHARE => lips,
-                _ => SKIN,
-            }
+        let paint = |row: usize, share: f32| match ROWS[row].1 {
+            Row::Inside if share < CORNER_SHARE => INSIDE,
+            Row::Edge if share <= CORNER_SHARE => BETWEEN_LIPS,
+            Row::Lip if share < CORNER_SHARE => lips,
+            _ => SKIN,
+        };
+        let grid = |rows: std::ops::Range<usize>, columns: &[(f32, f32)]| -> Vec<Vec<Vec3>> {
+            ROWS[rows]
+                .iter()
+                .map(|row| columns.iter().map(|column| self.in_grid(*row, *column)).collect())
+                .collect()
         };
         let first = builder.len();
         builder.begin(skin);
-        builder.painted_grid(&rows, true, &paint);
+        let lower = grid(0..UNDER_HAIR + 1, &columns);
+        builder.painted_grid(&lower, true, &|row, column| paint(row, columns[column].1.abs()));
+        // Above, hair hides the back of the head.
+        let (left, right) = columns.split_at(columns.len() / 2);
+        let front = |column: &&(f32, f32)| column.0.abs() <= BACK[0];
+        let seen: Vec<(f32, f32)> = right.iter().chain(left).filter(front).copied().collect();
+        builder.painted_grid(&grid(UNDER_HAIR..ROWS.len(), &seen), false, &|_, _| SKIN);
+        let grids = builder.len() - first;
         // The bottom; the top is open, under the hair.
-        let rim: Vec<u32> = rows[0].iter().map(|p| builder.vertex(*p, SKIN)).collect();
-        let middle = rows[0].iter().sum::<Vec3>() / columns.len() as f32;
+        let rim: Vec<u32> = lower[0].iter().map(|p| builder.vertex(*p, SKIN)).collect();
+        let middle = lower[0].iter().sum::<Vec3>() / columns.len() as f32;
         let tip = builder.vertex(middle - Vec3::Y * 0.004, SKIN);
         for k in 0..rim.len() {
             builder.triangle(rim[(k + 1) % rim.len()], rim[k], tip);
         }
         builder.end(None);
-        let grid = ROWS.len() * columns.len();
-        let is_below = |number: usize| number >= grid || number < ROWS_BELOW * columns.len();
-        builder.express(first, &|number, p| self.moves_of_skin(p, is_below(number)));
+        let is_below = |number: usize| number >= grids || number < ROWS_BELOW * columns.len();
+        builder.express(first, &|number, own| self.moves_of_skin(own.position, is_below(number)));
     }
 
     /// A place of the head's grid. Lips are thinner towards the corners of the mouth, and behind them is a hollow.
@@ -210,7 +216,7 @@ impl Skull {
         builder.begin(skin);
         builder.grid(&[row(bottom), row(top)], false, TEETH);
         builder.end(Some(Vec3::Z));
-        builder.express(first, &|_, p| self.moves_of_teeth(p));
+        builder.express(first, &|_, own| self.moves_of_teeth(own.position));
     }
 
     /// A strip of hair over an eye, following the skin.
@@ -235,7 +241,7 @@ impl Skull {
         builder.begin(skin);
         builder.grid(&[strip(1.0, 0.0012), strip(0.0, 0.0034), strip(-1.0, 0.0012)], false, HAIR_OF_BROWS);
         builder.end(Some(Vec3::Z));
-        builder.express(first, &|_, p| self.moves_of_brow(p));
+        builder.express(first, &|_, own| self.moves_of_brow(own.position));
     }
 }
 

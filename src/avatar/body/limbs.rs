@@ -1,11 +1,12 @@
-//! Arms with hands, legs with shoes.
+//! Arms, legs with shoes.
 
 use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::weights::step;
 use super::{BOTTOM, Material, Measures, SHOE, SKIN, SOLE, Sex, TOP};
 use crate::gait::Joint;
 use glam::{Mat3, Vec3};
 
-type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
+pub(super) type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
 
 /// Position along a bone chain: (bone, share of it), then the radius, the coarsest level and the paint.
 pub(super) type Station = (usize, f32, f32, usize, Paint);
@@ -75,7 +76,7 @@ pub(super) fn leg_stations(sex: Sex) -> &'static [Station] {
             (1, 1.04, 0.033, 2, SKIN),
         ],
         Sex::Male => &[
-            (0, -0.05, 0.086, 2, BOTTOM),
+            (0, 0.04, 0.080, 2, BOTTOM),
             (0, 0.15, 0.092, 0, BOTTOM),
             (0, 0.86, 0.066, 0, BOTTOM),
             (1, 0.00, 0.062, 2, BOTTOM),
@@ -98,6 +99,11 @@ pub(super) fn radius_at(stations: &[Station], bone: usize, share: f32) -> f32 {
     a.2 + (b.2 - a.2) * way.clamp(0.0, 1.0)
 }
 
+/// How much deeper the back of a thigh is at the hip's joint, of its radius.
+const BUTTOCK: f32 = 0.36;
+/// How much flatter the front of a thigh is at its top, under a skirt.
+const UNDER_SKIRT: f32 = 0.2;
+
 /// Sides of the finest limbs.
 pub(super) const LIMB_SIDES: usize = 8;
 
@@ -106,7 +112,7 @@ impl Measures {
         joints.map(|joint| self.bones.of(if left { joint } else { joint.mirrored() }))
     }
 
-    /// Sleeve, forearm, mitten hand with thumb.
+    /// Sleeve, forearm, hand.
     pub(super) fn arm<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>) {
         let points = self.chain(left, [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]);
         let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
@@ -163,66 +169,27 @@ impl Measures {
         OF_MAN.iter().map(ring).collect()
     }
 
-    fn hand<'a>(&self, builder: &mut Builder<'a>, points: [Vec3; 3], left: bool, skin: Skin<'a>) {
-        let size = if self.sex == Sex::Male { 1.0 } else { 0.88 };
-        let along = (points[2] - points[1]).normalize_or_zero();
-        let front = (Vec3::Z - along * along.z).normalize_or_zero();
-        let inward = along.cross(front) * if left { 1.0 } else { -1.0 };
-        // Along the forearm, towards the palm, and how far the fingers are bent there, as of a hand at rest.
-        let ring = |t: f32, palm: f32, bent: f32, [thick, broad]: [f32; 2], keep| {
-            let (sine, cosine) = libm::sincosf(bent);
-            Ring {
-                center: points[2] + (along * t + inward * palm) * size,
-                side: (inward * cosine - along * sine) * thick * size,
-                front: front * broad * size,
-                back: 1.0,
-                square: 2.6,
-                paint: SKIN,
-                back_paint: None,
-                keep,
-            }
-        };
-        let rings = [
-            ring(-0.022, 0.0, 0.0, [0.021, 0.026], 1),
-            ring(0.030, 0.001, 0.0, [0.019, 0.038], 0),
-            ring(0.086, 0.006, 0.3, [0.017, 0.042], 1),
-            ring(0.126, 0.028, 0.9, [0.014, 0.037], 0),
-            ring(0.138, 0.060, 1.4, [0.011, 0.029], 1),
-        ];
-        let segments = [6, 3][builder.level.min(1)];
-        builder.begin(skin);
-        builder.loft(&rings, segments, [Cap::Open, Cap::Fan(0.010)]);
-        builder.end(None);
-        if builder.level > 0 {
-            return;
-        }
-        let thumb = |t: f32, out: f32, curl: f32, radius: f32| Ring {
-            center: points[2] + (along * t + inward * curl + front * out) * size,
-            side: inward * radius * size,
-            front: (front - along * 0.3).normalize_or_zero() * radius * size,
-            back: 1.0,
-            square: 2.0,
-            paint: SKIN,
-            back_paint: None,
-            keep: 0,
-        };
-        let rings = [
-            thumb(0.015, 0.020, 0.006, 0.015),
-            thumb(0.058, 0.040, 0.022, 0.012),
-            thumb(0.095, 0.040, 0.038, 0.009),
-        ];
-        builder.begin(skin);
-        builder.loft(&rings, 4, [Cap::Open, Cap::Fan(0.008)]);
-        builder.end(None);
-    }
-
     /// Trouser leg or bare leg, and a shoe.
     pub(super) fn leg<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>, foot: Skin<'a>) {
         let points = self.chain(left, [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]);
         let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
         let stations = leg_stations(self.sex);
+        let mut rings = tube(&points, stations);
+        for (ring, (bone, share, ..)) in rings.iter_mut().zip(stations) {
+            match self.sex {
+                _ if *bone > 0 => {}
+                // under a seat thighs are deeper: no buttock hangs over its leg
+                Sex::Male => ring.back += BUTTOCK * step(0.3, 0.0, *share),
+                // flatter in front, where a leg that is lifted would come through the skirt
+                Sex::Female => {
+                    let flat = 1.0 - UNDER_SKIRT * step(0.5, 0.2, *share);
+                    ring.front *= flat;
+                    ring.back /= flat;
+                }
+            }
+        }
         builder.begin(skin);
-        builder.loft(&tube(&points, stations), segments, [Cap::Open; 2]);
+        builder.loft(&rings, segments, [Cap::Open; 2]);
         builder.end(None);
         self.shoe(builder, points[2], left, foot);
     }

@@ -8,6 +8,7 @@ mod expression;
 mod eye;
 mod face;
 pub(in crate::avatar) mod figure;
+mod hand;
 mod head;
 mod limbs;
 mod shape;

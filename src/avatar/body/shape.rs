@@ -102,7 +102,7 @@ impl<'a> Builder<'a> {
         }
     }
 
-    /// The mesh, and what of it a face moves.
+    /// The mesh, and what of it an expression moves.
     pub(super) fn finish(self) -> (Mesh, Vec<FaceVertex>) {
         (self.mesh, self.face)
     }
@@ -112,10 +112,10 @@ impl<'a> Builder<'a> {
         self.mesh.vertices.len()
     }
 
-    /// Says how a face moves the vertices from number `first` on: by their order from there and their places.
-    pub(super) fn express(&mut self, first: usize, moves: &dyn Fn(usize, Vec3) -> FaceVertex) {
+    /// Says how an expression moves the vertices from number `first` on: by their order from there.
+    pub(super) fn express(&mut self, first: usize, moves: &dyn Fn(usize, &Vertex) -> FaceVertex) {
         for (vertex, number) in self.mesh.vertices[first..].iter().zip(0..) {
-            let own = moves(number, vertex.position);
+            let own = moves(number, vertex);
             if own != FaceVertex::default() {
                 let vertex = u32::try_from(first + number).unwrap_or(u32::MAX);
                 self.face.push(FaceVertex { vertex, ..own });

@@ -172,6 +172,10 @@ fn brows_move_at_either_end() {
     }
 }
 
+fn is_of_hand(own: &FaceVertex) -> bool {
+    own.fist != Vec3::ZERO || own.fist_normal != Vec3::ZERO
+}
+
 #[test]
 fn a_face_tears_nowhere_but_between_the_lips_and_only_its_front_moves() {
     for sex in Sex::ALL {
@@ -182,14 +186,58 @@ fn a_face_tears_nowhere_but_between_the_lips_and_only_its_front_moves() {
         let mut found: HashMap<glam::IVec3, FaceVertex> = HashMap::new();
         for (vertex, number) in vertices.iter().zip(0..) {
             let own = all.get(&number).copied().unwrap_or_default();
-            if own != FaceVertex::default() {
+            if own != FaceVertex::default() && !is_of_hand(&own) {
                 assert!(vertex.position.z > 0.0 && usize::from(vertex.joints[0]) == Joint::Head as usize);
             }
             let first = *found.entry((vertex.position * 1e6).round().as_ivec3()).or_insert(own);
             assert_eq!(FaceVertex { opened: first.opened, ..own }, first, "at {}", vertex.position);
         }
-        let moved = avatar.face.len();
+        let moved = avatar.face.iter().filter(|own| !is_of_hand(own)).count();
         println!("{}: a face moves {moved} of {} vertices", avatar.name, vertices.len());
         assert!((200..900).contains(&moved));
+    }
+}
+
+#[test]
+fn fingers_close_into_the_palm_and_stay_fingers() {
+    for sex in Sex::ALL {
+        let avatar = generated(sex);
+        let size = if sex == Sex::Male { 1.0 } else { 0.88 };
+        let vertices = &avatar.levels[0].vertices;
+        let wrist = Measures::of(sex).bones.of(Joint::LeftHand);
+        let fingers: Vec<_> = avatar
+            .face
+            .iter()
+            .filter(|own| vertices[own.vertex as usize].position.x > 0.0 && own.fist != Vec3::ZERO)
+            .collect();
+        let far = |clenched: f32| {
+            let from_wrist = |own: &&FaceVertex| {
+                (vertices[own.vertex as usize].position + own.fist * clenched).distance(wrist)
+            };
+            fingers.iter().map(from_wrist).fold(0.0, f32::max) / size
+        };
+        let [rest, fist] = [far(0.0), far(1.0)];
+        assert!(
+            (0.13..0.20).contains(&rest) && (0.09..0.13).contains(&fist),
+            "{rest} m, {fist} m from the wrist"
+        );
+        for own in &fingers {
+            let vertex = &vertices[own.vertex as usize];
+            assert_eq!(usize::from(vertex.joints[0]), Joint::LeftHand as usize);
+            let length = (vertex.normal + own.fist_normal).length();
+            assert!((length - 1.0).abs() < 1e-4, "a normal of {length}");
+        }
+        let ways: HashMap<u32, Vec3> = fingers.iter().map(|own| (own.vertex, own.fist)).collect();
+        let area = |clenched: f32| {
+            let of_fingers = |t: &[u32]| -> Option<f32> {
+                let place =
+                    |number: u32| Some(vertices[number as usize].position + *ways.get(&number)? * clenched);
+                let [a, b, c] = [place(t[0])?, place(t[1])?, place(t[2])?];
+                Some(0.5 * (b - a).cross(c - a).length())
+            };
+            avatar.levels[0].indices.chunks_exact(3).filter_map(of_fingers).sum::<f32>()
+        };
+        let ratio = area(1.0) / area(0.0);
+        assert!((0.8..1.05).contains(&ratio), "clenched fingers have {ratio} of their skin");
     }
 }

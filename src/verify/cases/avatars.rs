@@ -143,6 +143,8 @@ fn face(dice: &mut Dice, mesh: &Mesh) -> Vec<FaceVertex> {
             corners_down: way(),
             opened: way(),
             pressed: way(),
+            fist: way(),
+            fist_normal: way(),
         })
         .collect()
 }
