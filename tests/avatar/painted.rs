@@ -5,6 +5,7 @@ use gaitway::avatar::{Avatar, Loaded, Paint, RigMap, Sex, generated, glb, load_b
 use gaitway::render::Image;
 use glam::{Vec2, Vec3};
 use serde_json::{Value, json};
+use std::f32::consts::FRAC_PI_2;
 
 const COLORS: [[u8; 4]; 2] = [[200, 60, 50, 255], [40, 70, 190, 255]];
 
@@ -147,7 +148,64 @@ fn maps_are_kept_by_their_kind_and_those_that_cannot_be_used_are_left_out_with_a
         json["images"][0] = json!({ "uri": "gone.png" });
     });
     assert!(none.avatar.paint.is_none() && says(&none, "image 0"), "{:?}", none.report);
+}
 
-    let moved = mapped(&|json| json["extensionsUsed"] = json!(["KHR_texture_transform"]));
-    assert!(says(&moved, "KHR_texture_transform"), "{:?}", moved.report);
+#[test]
+fn transforms_of_textures_move_coordinates_of_pixels_and_of_vertices() {
+    // a quarter turn counter-clockwise, seen with v downwards, after the scale: (u, v) to (v, -u)
+    let transform = json!({ "KHR_texture_transform": { "offset": [0.25, 0.5], "rotation": FRAC_PI_2, "scale": [2.0, 3.0] } });
+    let images = [squares(COLORS), Image::filled(4, 4, [128, 128, 255, 255])];
+    let moved = |of_normal: Value| {
+        loaded(&images, |json| {
+            json["extensionsUsed"] = json!(["KHR_texture_transform"]);
+            json["extensionsRequired"] = json!(["KHR_texture_transform"]);
+            each(json, |material| {
+                color(material);
+                material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform.clone();
+                material["normalTexture"] = json!({ "index": 1, "extensions": of_normal });
+            });
+        })
+    };
+    let both = moved(transform.clone());
+    assert!(both.report.iter().all(|line| !line.contains("left out")), "{:?}", both.report);
+    let Paint { corners, textured } = paint(&both.avatar);
+    assert!(textured.materials[0].normal.is_some());
+    let vertices = &both.avatar.levels[0].vertices;
+    assert_eq!(corners.len(), vertices.len());
+    for (corner, vertex) in corners.iter().zip(vertices) {
+        let [u, v] = [TILES * vertex.position.x, -TILES * vertex.position.y];
+        let want = [0.25 + 3.0 * v, 0.5 - 2.0 * u];
+        assert!(
+            (corner.uv.x - want[0]).abs() < 2e-3 && (corner.uv.y - want[1]).abs() < 2e-3,
+            "{:?}, not {want:?}",
+            corner.uv
+        );
+    }
+    // a map that lies elsewhere than the colours
+    let colors_alone = moved(json!({}));
+    assert!(says(&colors_alone, "1 of its textures"), "{:?}", colors_alone.report);
+    assert!(paint(&colors_alone.avatar).textured.materials[0].normal.is_none());
+    // and one of no numbers
+    let broken = moved(json!({ "KHR_texture_transform": { "offset": "left" } }));
+    assert!(says(&broken, "KHR_texture_transform: invalid type"), "{:?}", broken.report);
+    assert!(paint(&broken.avatar).textured.materials[0].normal.is_none());
+}
+
+#[test]
+fn colours_of_vertices_are_looked_up_where_a_transform_says() {
+    let shades = |image: Image, transform: Value| -> Vec<Vec3> {
+        let file = loaded(&[image], |json| {
+            each(json, |material| {
+                color(material);
+                material["pbrMetallicRoughness"]["baseColorTexture"]["extensions"] = transform.clone();
+            });
+        });
+        file.avatar.levels[0].vertices.iter().map(|vertex| vertex.color).collect()
+    };
+    // all of the person lies on one square of the texture
+    for (offset, square) in [(0.25, COLORS[0]), (0.75, COLORS[1])] {
+        let transform = json!({ "KHR_texture_transform": { "offset": [offset, 0.0], "scale": [0.0, 0.0] } });
+        let plain = shades(Image::filled(4, 4, square), json!({}));
+        assert_eq!(shades(squares(COLORS), transform), plain);
+    }
 }

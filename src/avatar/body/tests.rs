@@ -227,15 +227,22 @@ fn fingers_close_into_the_palm_and_stay_fingers() {
             let length = (vertex.normal + own.fist_normal).length();
             assert!((length - 1.0).abs() < 1e-4, "a normal of {length}");
         }
-        let ways: HashMap<u32, Vec3> = fingers.iter().map(|own| (own.vertex, own.fist)).collect();
-        let area = |clenched: f32| {
-            let of_fingers = |t: &[u32]| -> Option<f32> {
-                let place =
-                    |number: u32| Some(vertices[number as usize].position + *ways.get(&number)? * clenched);
-                let [a, b, c] = [place(t[0])?, place(t[1])?, place(t[2])?];
-                Some(0.5 * (b - a).cross(c - a).length())
+        let ways: HashMap<u32, &FaceVertex> = fingers.iter().map(|own| (own.vertex, *own)).collect();
+        // area, and whether it faces where its normals say
+        let of_fingers = |t: &[u32], clenched: f32| -> Option<(f32, bool)> {
+            let corner = |number: u32| {
+                let (at, own) = (&vertices[number as usize], ways.get(&number)?);
+                Some((at.position + own.fist * clenched, at.normal + own.fist_normal * clenched))
             };
-            avatar.levels[0].indices.chunks_exact(3).filter_map(of_fingers).sum::<f32>()
+            let [a, b, c] = [corner(t[0])?, corner(t[1])?, corner(t[2])?];
+            let across = (b.0 - a.0).cross(c.0 - a.0);
+            Some((0.5 * across.length(), across.dot(a.1 + b.1 + c.1) > 0.0))
+        };
+        let area = |clenched: f32| -> f32 {
+            let triangles = avatar.levels[0].indices.chunks_exact(3);
+            let all: Vec<_> = triangles.filter_map(|t| of_fingers(t, clenched)).collect();
+            assert!(all.len() > 60 && all.iter().all(|(_, is_outside)| *is_outside), "normals at {clenched}");
+            all.iter().map(|(area, _)| area).sum()
         };
         let ratio = area(1.0) / area(0.0);
         assert!((0.8..1.05).contains(&ratio), "clenched fingers have {ratio} of their skin");

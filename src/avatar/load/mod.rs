@@ -12,6 +12,7 @@ mod outside;
 mod packed;
 mod paint;
 mod place;
+mod placement;
 mod reduce;
 mod rig;
 mod simplify;

@@ -3,8 +3,10 @@
 use super::super::Material;
 use super::super::glb::MATERIALS;
 use super::accessor::{self, Buffer};
+use super::placement::Placement;
 use glam::{Vec2, Vec3, Vec4};
 use gltf::material::AlphaMode;
+use serde_json::Value;
 
 /// Points of a triangle, as shares of its corners, at which a cut-out is looked at.
 const SAMPLES: [[f32; 3]; 7] = [
@@ -60,8 +62,13 @@ pub(super) struct Paint<'a> {
 }
 
 impl<'a> Paint<'a> {
+    /// That of a primitive whose material's lines of the document are `json`.
+    ///
+    /// # Errors
+    /// When there are not as many colours or coordinates as vertices, or coordinates are moved by what is no number.
     pub(super) fn of(
         primitive: &gltf::Primitive<'_>,
+        json: &Value,
         count: usize,
         buffers: &[Buffer],
         textures: &'a [Option<Texture>],
@@ -83,13 +90,9 @@ impl<'a> Paint<'a> {
         let mut texture = None;
         if let Some(info) = surface.base_color_texture()
             && let Some(Some(image)) = textures.get(info.texture().source().index())
-            && let Some(uv) = primitive.get(&Semantic::TexCoords(info.tex_coord()))
         {
-            let uv = accessor::vec2(&uv, buffers)?;
-            if uv.len() != count {
-                return Err(format!("has {count} positions but {} texture coordinates", uv.len()));
-            }
-            texture = Some((image, uv));
+            let place = Placement::of(&json["pbrMetallicRoughness"]["baseColorTexture"])?;
+            texture = place.places(primitive, count, buffers)?.map(|uv| (image, uv));
         }
         Ok(Self { own, texture })
     }

@@ -7,6 +7,7 @@ use super::surface::Surface;
 use super::{Fault, outside, packed};
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::mesh::Mode;
+use serde_json::Value;
 use std::path::Path;
 
 /// Most joints of a skin and most vertices of a character.
@@ -139,9 +140,9 @@ impl Source {
         }
         if kept != Textures::AtVertices {
             let is_there = |image: usize| textures.get(image).is_none_or(Option::is_some);
-            source.surfaces = Surface::all(&gltf, is_there, &mut source.report);
+            source.surfaces = Surface::all(&gltf, &json, is_there, &mut source.report);
         }
-        source.read_parts(&gltf, &buffers, &textures, kept)?;
+        source.read_parts(&gltf, &json, &buffers, &textures, kept)?;
         if kept == Textures::Both {
             source.textures = textures.into_iter().map(Option::unwrap_or_default).collect();
         }
@@ -223,7 +224,7 @@ impl Source {
     }
 
     /// VRM 0.x: `extensions.VRM.humanoid.humanBones` is a list; VRM 1.0: `VRMC_vrm` has an object.
-    fn read_humanoid(&mut self, json: &serde_json::Value) {
+    fn read_humanoid(&mut self, json: &Value) {
         let mut add = |bone: &str, node: Option<u64>| {
             let node =
                 node.and_then(|node| usize::try_from(node).ok()).filter(|&node| node < self.nodes.len());
@@ -238,7 +239,7 @@ impl Source {
             add(bone, entry["node"].as_u64());
         }
         #[allow(clippy::cast_possible_truncation, reason = "a head fits into f32")]
-        let number = |value: &serde_json::Value| value.as_f64().map(|v| v as f32).filter(|v| v.is_finite());
+        let number = |value: &Value| value.as_f64().map(|v| v as f32).filter(|v| v.is_finite());
         let offset = &new["lookAt"]["offsetFromHeadBone"];
         let axes = [number(&offset[0]), number(&offset[1]), number(&offset[2])];
         let offset = &old["firstPerson"]["firstPersonBoneOffset"];
@@ -254,6 +255,7 @@ impl Source {
     fn read_parts(
         &mut self,
         gltf: &gltf::Gltf,
+        json: &Value,
         buffers: &[Buffer],
         textures: &[Option<Texture>],
         kept: Textures,
@@ -276,8 +278,10 @@ impl Source {
                     continue;
                 }
                 let skin = node.skin().map(|skin| skin.index());
+                let material =
+                    primitive.material().index().map_or(&Value::Null, |number| &json["materials"][number]);
                 let part = self
-                    .read_part(&primitive, node.index(), skin, buffers, textures, kept)
+                    .read_part(&primitive, material, node.index(), skin, buffers, textures, kept)
                     .map_err(|message| format!("{place}: {message}"))?;
                 total += part.positions.len();
                 if total > MOST_VERTICES {
@@ -292,6 +296,7 @@ impl Source {
     fn read_part(
         &mut self,
         primitive: &gltf::Primitive<'_>,
+        material: &Value,
         node: usize,
         skin: Option<usize>,
         buffers: &[Buffer],
@@ -320,7 +325,7 @@ impl Source {
         if let Some(bad) = indices.iter().find(|&&index| index as usize >= count) {
             return Err(format!("index {bad} points past its {count} vertices"));
         }
-        let paint = Paint::of(primitive, count, buffers, textures)?;
+        let paint = Paint::of(primitive, material, count, buffers, textures)?;
         let mut part = Part { node, skin, positions, normals, ..Part::default() };
         part.material = tint(primitive);
         part.surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
@@ -375,7 +380,7 @@ impl Source {
 }
 
 /// The JSON of a `.glb` or `.gltf`, for extensions that the glTF crate does not know.
-fn json_of(bytes: &[u8]) -> Result<serde_json::Value, String> {
+fn json_of(bytes: &[u8]) -> Result<Value, String> {
     let word = |at: usize| -> Option<usize> {
         let four = bytes.get(at..at.checked_add(4)?)?;
         usize::try_from(u32::from_le_bytes(four.try_into().ok()?)).ok()

@@ -1,14 +1,16 @@
 //! What the primitives of a place are made of: materials by metal and roughness, and which images they use.
 
-use super::accessor::{self, Buffer};
+use super::accessor::Buffer;
+use super::placement::Placement;
 use glam::{Vec2, Vec3};
 use gltf::material::AlphaMode;
+use serde_json::Value;
 
-/// An image of a document, and which coordinates it is looked up by.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+/// An image of a document, and where it lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Lookup {
     pub(super) image: usize,
-    set: u32,
+    place: Placement,
 }
 
 /// A material; its base colour is in the colours of the vertices.
@@ -33,36 +35,37 @@ pub(super) struct Surface {
 
 impl Surface {
     /// The materials of a document, then that of primitives which name none. Maps are left out whose image is not there, or
-    /// which other coordinates belong to than to the first; the report says which.
+    /// which do not lie where the first does; the report says which.
     pub(super) fn all(
         gltf: &gltf::Gltf,
+        json: &Value,
         is_there: impl Fn(usize) -> bool,
         report: &mut Vec<String>,
     ) -> Vec<Self> {
         let none = Self { roughness: 1.0, ..Self::default() };
-        let mut all: Vec<Self> = gltf.materials().map(|material| Self::of(&material)).collect();
-        for (number, surface) in all.iter_mut().enumerate() {
+        let mut all = Vec::new();
+        for (number, material) in gltf.materials().enumerate() {
+            let fault =
+                |message| report.push(format!("material {number}: {message}; that texture is left out"));
+            let mut surface = Self::of(&material, &json["materials"][number], fault);
             let others = surface.keep(&is_there);
             if others > 0 {
                 report.push(format!(
-                    "material {number}: {others} of its textures use other coordinates than the first; left out"
+                    "material {number}: {others} of its textures use other coordinates than the first, or move them otherwise; left out"
                 ));
             }
-        }
-        if gltf.extensions_used().any(|name| name == "KHR_texture_transform") {
-            report
-                .push("KHR_texture_transform: its offsets and scales of textures are not applied".to_owned());
+            all.push(surface);
         }
         all.into_iter().chain([none]).collect()
     }
 
-    /// All of its textures; the first says which coordinates are used.
+    /// All of its textures; the first says where they lie.
     fn lookups(&self) -> impl Iterator<Item = Lookup> {
         let maps = [self.normal, self.occlusion].map(|map| map.map(|(lookup, _)| lookup));
         [self.color, self.rough].into_iter().chain(maps).flatten()
     }
 
-    /// Keeps the textures that are there and use the coordinates of the first; how many use others.
+    /// Keeps the textures that are there and lie where the first does; how many lie elsewhere.
     fn keep(&mut self, is_there: impl Fn(usize) -> bool) -> usize {
         let is_image = |lookup: &Lookup| is_there(lookup.image);
         self.color = self.color.filter(is_image);
@@ -71,17 +74,21 @@ impl Surface {
         self.occlusion = self.occlusion.filter(|(lookup, _)| is_image(lookup));
         let before = self.lookups().count();
         let Some(first) = self.lookups().next() else { return 0 };
-        let is_same = |lookup: &Lookup| lookup.set == first.set;
+        let is_same = |lookup: &Lookup| lookup.place == first.place;
         self.rough = self.rough.filter(is_same);
         self.normal = self.normal.filter(|(lookup, _)| is_same(lookup));
         self.occlusion = self.occlusion.filter(|(lookup, _)| is_same(lookup));
         before - self.lookups().count()
     }
 
-    fn of(material: &gltf::Material<'_>) -> Self {
+    /// A material and its lines of the document; `fault` takes what is wrong with one of its textures.
+    fn of(material: &gltf::Material<'_>, json: &Value, mut fault: impl FnMut(String)) -> Self {
         let surface = material.pbr_metallic_roughness();
-        let lookup = |texture: gltf::Texture<'_>, set: u32| Lookup { image: texture.source().index(), set };
-        let of_info = |info: gltf::texture::Info<'_>| lookup(info.texture(), info.tex_coord());
+        let of_surface = &json["pbrMetallicRoughness"];
+        let mut lookup = |texture: gltf::Texture<'_>, line: &Value| {
+            let place = Placement::of(line).map_err(&mut fault).ok()?;
+            Some(Lookup { image: texture.source().index(), place })
+        };
         Self {
             glow: Vec3::from(material.emissive_factor()),
             roughness: surface.roughness_factor().clamp(0.0, 1.0),
@@ -90,14 +97,18 @@ impl Surface {
                 .then(|| material.alpha_cutoff().unwrap_or(0.5)),
             is_blended: material.alpha_mode() == AlphaMode::Blend,
             is_two_sided: material.double_sided(),
-            color: surface.base_color_texture().map(of_info),
+            color: surface
+                .base_color_texture()
+                .and_then(|map| lookup(map.texture(), &of_surface["baseColorTexture"])),
             normal: material
                 .normal_texture()
-                .map(|map| (lookup(map.texture(), map.tex_coord()), map.scale())),
-            rough: surface.metallic_roughness_texture().map(of_info),
+                .and_then(|map| Some((lookup(map.texture(), &json["normalTexture"])?, map.scale()))),
+            rough: surface
+                .metallic_roughness_texture()
+                .and_then(|map| lookup(map.texture(), &of_surface["metallicRoughnessTexture"])),
             occlusion: material
                 .occlusion_texture()
-                .map(|map| (lookup(map.texture(), map.tex_coord()), map.strength())),
+                .and_then(|map| Some((lookup(map.texture(), &json["occlusionTexture"])?, map.strength()))),
         }
     }
 
@@ -111,13 +122,8 @@ impl Surface {
         count: usize,
         buffers: &[Buffer],
     ) -> Result<Vec<Vec2>, String> {
-        let found =
-            self.lookups().next().and_then(|lookup| primitive.get(&gltf::Semantic::TexCoords(lookup.set)));
-        let Some(found) = found else { return Ok(vec![Vec2::ZERO; count]) };
-        let uv = accessor::vec2(&found, buffers)?;
-        if uv.len() != count {
-            return Err(format!("has {count} positions but {} texture coordinates", uv.len()));
-        }
-        Ok(uv)
+        let first = self.lookups().next();
+        let found = first.map(|lookup| lookup.place.places(primitive, count, buffers)).transpose()?;
+        Ok(found.flatten().unwrap_or_else(|| vec![Vec2::ZERO; count]))
     }
 }
