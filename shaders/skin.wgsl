@@ -10,7 +10,7 @@
 @group(0) @binding(2) var<storage, read> mesh_table: array<MeshRange>;    // [bucket]
 @group(0) @binding(3) var<storage, read> mesh_vertices: array<vec4<f32>>; // [vertex][4]
 @group(0) @binding(4) var<storage, read> palettes: array<vec4<f32>>;      // [visible][21][3] rows
-@group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][8] m
+@group(0) @binding(5) var<storage, read> face_moves: array<vec4<f32>>;    // [face vertex][9] m
 @group(0) @binding(6) var<storage, read> expressions: array<Expression>;  // [visible]
 @group(0) @binding(7) var<storage, read_write> skinned: array<vec4<f32>>; // [near vertex][2] world
 var<immediate> avatar: u32;
@@ -30,7 +30,8 @@ fn moved(first: u32, face: Expression) -> vec3<f32> {
     let mouth = select(PRESSED, OPENED, face.mouth_open > 0.0);
     let brow = face_moves[first + INNER_BROW].xyz * face.inner_brow + face_moves[first + OUTER_BROW].xyz * face.outer_brow;
     let lips = face_moves[first + corner].xyz * abs(face.mouth_corner) + face_moves[first + mouth].xyz * abs(face.mouth_open);
-    return brow + lips + face_moves[first + FIST].xyz * face.fist;
+    let others = face_moves[first + FIST].xyz * face.fist + face_moves[first + EYES_SHUT].xyz * face.blink;
+    return brow + lips + others;
 }
 
 @compute @workgroup_size(64)

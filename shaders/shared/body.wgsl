@@ -52,9 +52,9 @@ const SKINNED_STRIDE: u32 = 2u;
 const MATERIAL_BITS: u32 = 8u;
 
 // face_moves: [face vertex][FACE_STRIDE]: how far it goes in the mesh when a number of the face is 1, m: inner brow, outer brow;
-// mouth corners up, down (for 1 below 0); mouth open, pressed (likewise); fist, and how its normal changes with that, 1.
-// Upper lids and blinks turn the joint LIDS instead.
-const FACE_STRIDE: u32 = 8u;
+// mouth corners up, down (for 1 below 0); mouth open, pressed (likewise); fist, and how its normal changes with that, 1; blink.
+// Upper lids, and blinks of the generated bodies, turn the joint LIDS instead.
+const FACE_STRIDE: u32 = 9u;
 const INNER_BROW: u32 = 0u;
 const OUTER_BROW: u32 = 1u;
 const CORNERS_UP: u32 = 2u;
@@ -63,6 +63,7 @@ const OPENED: u32 = 4u;
 const PRESSED: u32 = 5u;
 const FIST: u32 = 6u;
 const FIST_NORMAL: u32 = 7u;
+const EYES_SHUT: u32 = 8u;
 
 // Buffer `expressions`, [visible]: face and hands of an agent that is drawn by a finest mesh. 0 is at rest, 1 as far as actors go.
 struct Expression {

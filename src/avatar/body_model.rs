@@ -98,6 +98,8 @@ pub struct FaceVertex {
     pub fist: Vec3,
     /// How its normal changes with that, 1.
     pub fist_normal: Vec3,
+    /// With how far the eyes are shut, of a character without eyeballs of its own.
+    pub blink: Vec3,
 }
 
 /// A character that gaits can drive.

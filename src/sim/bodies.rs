@@ -53,7 +53,7 @@ pub struct MeshBuffers {
     pub vertices: Vec<[f32; 4]>,
     /// Indices of all meshes, each counted from its mesh's first vertex.
     pub indices: Vec<u32>,
-    /// `face_moves`: `[face vertex][6]`, of all finest meshes.
+    /// `face_moves`: `[face vertex][9]`, of all finest meshes.
     pub face_moves: Vec<[f32; 4]>,
     /// `mesh_table`: `[bucket]`, then `[avatar]` for the far bodies and for the specks.
     pub mesh_table: Vec<MeshRange>,
@@ -207,19 +207,19 @@ pub(crate) fn number_face(vertices: &mut [[f32; 4]], face: &[FaceVertex], moves:
 
 /// What an expression moves as it lies in `face_moves`.
 fn face_elements(own: &FaceVertex) -> [[f32; 4]; FACE_STRIDE] {
-    let FaceVertex {
-        inner_brow,
-        outer_brow,
-        corners_up,
-        corners_down,
-        opened,
-        pressed,
-        fist,
-        fist_normal,
-        ..
-    } = own;
-    [inner_brow, outer_brow, corners_up, corners_down, opened, pressed, fist, fist_normal]
-        .map(|way| way.extend(0.0).to_array())
+    let own = *own;
+    [
+        own.inner_brow,
+        own.outer_brow,
+        own.corners_up,
+        own.corners_down,
+        own.opened,
+        own.pressed,
+        own.fist,
+        own.fist_normal,
+        own.blink,
+    ]
+    .map(|way| way.extend(0.0).to_array())
 }
 
 /// Adds a mesh; its line of the table.

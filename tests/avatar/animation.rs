@@ -6,8 +6,8 @@ use gaitway::avatar::{Avatar, CLIP_FRAMES, Material, Vertex};
 use gaitway::gait::{JOINT_COUNT, Joint};
 use gaitway::kernels::layout::{Appearance, MeshRange, Stance};
 use gaitway::kernels::shared::body::index::{
-    FACE_STRIDE, HEAD, LEFT_EYE, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_EYEBALL, RIG_STRIDE, SKIN_JOINTS,
-    SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
+    FACE_STRIDE, FIST_NORMAL, HEAD, LEFT_EYE, NECK, PALETTE_STRIDE, POSE_STRIDE, RIG_EYEBALL, RIG_STRIDE,
+    SKIN_JOINTS, SKINNED_STRIDE, SPINE, VERTEX_STRIDE,
 };
 use gaitway::kernels::shared::body::{MATERIAL_BITS, NONE};
 use gaitway::kernels::shared::standing::STANCES;
@@ -435,8 +435,8 @@ fn moved(store: &Store, packed: &[[f32; 4]], slot: usize) -> [Vec3; 2] {
     let face = store.expressions[slot];
     let [up, down] = [face.mouth_corner.max(0.0), (-face.mouth_corner).max(0.0)];
     let [open, pressed] = [face.mouth_open.max(0.0), (-face.mouth_open).max(0.0)];
-    let numbers = [face.inner_brow, face.outer_brow, up, down, open, pressed, face.fist];
-    let [.., normal] = moves;
+    let numbers = [face.inner_brow, face.outer_brow, up, down, open, pressed, face.fist, 0.0, face.blink];
+    let normal = moves[FIST_NORMAL];
     [moves.into_iter().zip(numbers).map(|(way, number)| way * number).sum(), normal * face.fist]
 }
 

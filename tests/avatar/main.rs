@@ -31,4 +31,5 @@ mod rigs;
 mod standing;
 mod strides;
 mod stroll;
+mod vrm;
 mod walker;

@@ -3,9 +3,13 @@
 use glam::{Mat4, Vec2, Vec3, Vec4};
 use gltf::Accessor;
 use gltf::accessor::DataType;
+use gltf::accessor::sparse::IndexType;
 
 /// Bytes of a buffer of the file.
 pub(super) type Buffer = Vec<u8>;
+
+/// Most vertices of a character. A sparse accessor may claim as many without bytes for them.
+pub(super) const MOST_VERTICES: usize = 2_000_000;
 
 /// Bytes of each element of an accessor.
 struct Elements<'a> {
@@ -18,12 +22,25 @@ struct Elements<'a> {
 impl<'a> Elements<'a> {
     fn of(accessor: &Accessor<'_>, buffers: &'a [Buffer]) -> Result<Self, String> {
         let index = accessor.index();
-        if accessor.sparse().is_some() {
-            return Err(format!(
-                "accessor {index} is sparse, which is not supported; export without sparse accessors"
-            ));
-        }
         let view = accessor.view().ok_or_else(|| format!("accessor {index} has no data"))?;
+        let size = accessor.data_type().size() * accessor.dimensions().multiplicity();
+        let stride = view.stride().unwrap_or(size);
+        Self { bytes: &[], stride, size, count: accessor.count() }.within(
+            index,
+            &view,
+            accessor.offset(),
+            buffers,
+        )
+    }
+
+    /// The same with its bytes, from an offset in a view on.
+    fn within(
+        self,
+        index: usize,
+        view: &gltf::buffer::View<'_>,
+        offset: usize,
+        buffers: &'a [Buffer],
+    ) -> Result<Self, String> {
         let buffer = buffers.get(view.buffer().index()).map_or(&[][..], Vec::as_slice);
         let end = view.offset().checked_add(view.length());
         let view_bytes = end.and_then(|end| buffer.get(view.offset()..end)).ok_or_else(|| {
@@ -34,17 +51,13 @@ impl<'a> Elements<'a> {
                 buffer.len()
             )
         })?;
-        let size = accessor.data_type().size() * accessor.dimensions().multiplicity();
-        let stride = view.stride().unwrap_or(size);
-        let count = accessor.count();
+        let Self { stride, size, count, .. } = self;
         let needed = count
             .checked_sub(1)
             .map_or(Some(0), |last| last.checked_mul(stride).and_then(|n| n.checked_add(size)));
-        let bytes = view_bytes.get(accessor.offset()..).unwrap_or(&[]);
+        let bytes = view_bytes.get(offset..).unwrap_or(&[]);
         match needed {
-            Some(needed) if needed <= bytes.len() && stride >= size => {
-                Ok(Self { bytes, stride, size, count })
-            }
+            Some(needed) if needed <= bytes.len() && stride >= size => Ok(Self { bytes, ..self }),
             _ => Err(format!(
                 "accessor {index} claims {count} elements of {size} bytes every {stride}, but its view has {} bytes",
                 bytes.len()
@@ -90,7 +103,6 @@ fn floats(accessor: &Accessor<'_>, buffers: &[Buffer], components: usize) -> Res
     if found < components {
         return Err(format!("accessor {index} has {found} components, expected {components}"));
     }
-    let elements = Elements::of(accessor, buffers)?;
     let (data, normalised) = (accessor.data_type(), accessor.normalized());
     let read = |(i, bytes): (usize, &[u8])| -> Result<Vec<f32>, String> {
         let values: Vec<f32> = (0..components).map(|slot| float(bytes, data, slot, normalised)).collect();
@@ -100,7 +112,40 @@ fn floats(accessor: &Accessor<'_>, buffers: &[Buffer], components: usize) -> Res
             Err(format!("accessor {index}, element {i} is not finite: {values:?}"))
         }
     };
-    elements.iter().enumerate().map(read).collect()
+    let Some(sparse) = accessor.sparse() else {
+        return Elements::of(accessor, buffers)?.iter().enumerate().map(read).collect();
+    };
+    if accessor.count() > MOST_VERTICES {
+        return Err(format!(
+            "accessor {index} claims {} elements; at most {MOST_VERTICES} are read",
+            accessor.count()
+        ));
+    }
+    // What it does not name is as in its view, or 0.
+    let mut all = match accessor.view() {
+        Some(_) => Elements::of(accessor, buffers)?.iter().enumerate().map(read).collect::<Result<_, _>>()?,
+        None => vec![vec![0.0; components]; accessor.count()],
+    };
+    let size = data.size() * found;
+    let (indices, values) = (sparse.indices(), sparse.values());
+    let width = match indices.index_type() {
+        IndexType::U8 => 1,
+        IndexType::U16 => 2,
+        IndexType::U32 => 4,
+    };
+    let elements = |size: usize| Elements { bytes: &[], stride: size, size, count: sparse.count() };
+    let places = elements(width).within(index, &indices.view(), indices.offset(), buffers)?;
+    let values = elements(size).within(index, &values.view(), values.offset(), buffers)?;
+    for (place, value) in places.iter().zip(values.iter().enumerate()) {
+        let mut wide = [0; 4];
+        wide.iter_mut().zip(place).for_each(|(wide, byte)| *wide = *byte);
+        let place = u32::from_le_bytes(wide) as usize;
+        let slot = all.get_mut(place).ok_or_else(|| {
+            format!("accessor {index} is sparse and names element {place} of {}", accessor.count())
+        })?;
+        *slot = read(value)?;
+    }
+    Ok(all)
 }
 
 pub(super) fn vec2(accessor: &Accessor<'_>, buffers: &[Buffer]) -> Result<Vec<Vec2>, String> {
@@ -145,6 +190,11 @@ pub(super) fn integers(
         DataType::U32 => Ok(u32::from_le_bytes(array(bytes, slot * 4))),
         other => Err(format!("accessor {index} holds {other:?}, expected unsigned integers")),
     };
+    if accessor.sparse().is_some() {
+        return Err(format!(
+            "accessor {index} is sparse, which is not supported for integers; export without sparse accessors"
+        ));
+    }
     let elements = Elements::of(accessor, buffers)?;
     elements
         .iter()

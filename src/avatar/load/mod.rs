@@ -5,6 +5,7 @@
 //! What was inferred on the way is reported line by line (U-04).
 
 mod accessor;
+mod expressions;
 mod fault;
 mod guess;
 mod model;

@@ -3,8 +3,9 @@
 use super::super::body::pack;
 use super::super::model::{Paint, PaintCorner};
 use super::super::rig_map::{RigMap, words};
-use super::super::{Avatar, LEVELS, Mesh, RestJoint, Vertex};
+use super::super::{Avatar, FaceVertex, LEVELS, Mesh, RestJoint, Vertex};
 use super::Fault;
+use super::expressions::{Ways, face_vertex};
 use super::rig::{Driven, find, upward};
 use super::simplify::simplify;
 use super::source::{Part, Source};
@@ -36,6 +37,8 @@ struct Figure {
     whole: Vec<u32>,
     /// What each vertex is painted with.
     corners: Vec<PaintCorner>,
+    /// How far expressions move each vertex.
+    ways: Vec<Ways>,
     /// Triangles that are not worn on the head.
     bare: Vec<[u32; 3]>,
 }
@@ -70,6 +73,7 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
         }
     });
     let paint = paint(source, figure.corners);
+    let face = face(source, &figure.ways);
     let whole = Mesh { vertices: figure.vertices, indices: figure.whole };
     let fine = whole.indices.len() / 3;
     // Holes are seen at every pixel where there are textures.
@@ -87,7 +91,18 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     let counts: Vec<String> = levels.iter().map(|mesh| (mesh.indices.len() / 3).to_string()).collect();
     source.report.push(format!("levels of detail: {} triangles", counts.join(", ")));
     let name = name.to_owned();
-    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face: Vec::new(), height, paint })
+    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face, height, paint })
+}
+
+/// What an expression moves.
+fn face(source: &mut Source, ways: &[Ways]) -> Vec<FaceVertex> {
+    let face: Vec<FaceVertex> =
+        ways.iter().zip(0..).filter_map(|(ways, vertex)| face_vertex(vertex, ways)).collect();
+    let names = source.expressions.names();
+    if !names.is_empty() {
+        source.report.push(format!("expressions: {} move {} vertices near by", names.join(", "), face.len()));
+    }
+    face
 }
 
 /// What the vertices are painted with; nothing of a file without textures.
@@ -212,6 +227,7 @@ fn gather(source: &mut Source, driven: &Driven, pose: &[Mat4]) -> Result<Figure,
         indices: Vec::new(),
         whole: Vec::new(),
         corners: Vec::new(),
+        ways: Vec::new(),
         bare: Vec::new(),
     };
     let mut unbound = 0;
@@ -293,6 +309,9 @@ fn add_part<'a>(
             shares[joint] = 1.0;
         }
         let (joints, weights) = pack(&shares);
+        let ways =
+            part.ways.get(i).map_or(Ways::default(), |ways| ways.map(|way| matrix.transform_vector3(way)));
+        figure.ways.push(ways);
         let normal = part.normals.as_ref().map_or(Vec3::ZERO, |normals| matrix.transform_vector3(normals[i]));
         figure.vertices.push(Vertex {
             position: matrix.transform_point3(position),
@@ -323,6 +342,7 @@ impl Figure {
             v.position = by * v.position;
             v.normal = by * v.normal;
         }
+        self.ways.iter_mut().flatten().for_each(|way| *way = by * *way);
     }
 
     fn joint(&self, joint: Joint) -> Vec3 {
@@ -416,6 +436,7 @@ fn scale(source: &mut Source, figure: &mut Figure, wanted: Option<f32>) -> Resul
     let ground = Vec3::new(middle.x, low, middle.z);
     figure.joints.iter_mut().for_each(|p| *p = (*p - ground) * factor);
     figure.vertices.iter_mut().for_each(|v| v.position = (v.position - ground) * factor);
+    figure.ways.iter_mut().flatten().for_each(|way| *way *= factor);
     source.report.push(format!("unit: {unit}; {:.2} m tall", tall * factor));
     let legs = figure.joint(Joint::LeftHip).y - figure.joint(Joint::LeftFoot).y;
     if legs <= 0.02 {

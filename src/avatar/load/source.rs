@@ -1,7 +1,8 @@
 //! A glTF or VRM file as plain data: nodes, skins and triangles in file space, everything checked.
 
 use super::super::Material;
-use super::accessor::{self, Buffer};
+use super::accessor::{self, Buffer, MOST_VERTICES};
+use super::expressions::{Expressions, Ways};
 use super::paint::{Paint, Texture, tint};
 use super::surface::Surface;
 use super::{Fault, outside, packed};
@@ -10,9 +11,8 @@ use gltf::mesh::Mode;
 use serde_json::Value;
 use std::path::Path;
 
-/// Most joints of a skin and most vertices of a character.
+/// Most joints of a skin.
 const MOST_JOINTS: usize = 512;
-const MOST_VERTICES: usize = 2_000_000;
 /// Most nodes of a file: far above any character.
 const MOST_NODES: usize = 65_536;
 
@@ -55,6 +55,8 @@ pub(super) struct Part {
     /// Number among [`Source::surfaces`] of what it is made of, and where each vertex lies on its textures.
     pub(super) surface: usize,
     pub(super) uv: Vec<Vec2>,
+    /// How far expressions move each vertex; empty where they move none.
+    pub(super) ways: Vec<Ways>,
 }
 
 /// The file.
@@ -67,6 +69,8 @@ pub(super) struct Source {
     pub(super) humanoid: Vec<(String, usize)>,
     /// VRM: eyes relative to the head bone, file space, m.
     pub(super) eyes: Option<Vec3>,
+    /// VRM: expressions of the face.
+    pub(super) expressions: Expressions,
     pub(super) report: Vec<String>,
     /// Of a place or a character: what its parts are made of, and its images.
     pub(super) surfaces: Vec<Surface>,
@@ -119,6 +123,7 @@ impl Source {
         source.read_nodes(&gltf)?;
         source.read_skins(&gltf, &buffers)?;
         source.read_humanoid(&json);
+        source.expressions = Expressions::of(&json);
         let mut textures = Vec::new();
         for image in gltf.images() {
             // The crate trusts that these are there.
@@ -282,6 +287,11 @@ impl Source {
                     primitive.material().index().map_or(&Value::Null, |number| &json["materials"][number]);
                 let part = self
                     .read_part(&primitive, material, node.index(), skin, buffers, textures, kept)
+                    .and_then(|part| {
+                        let ways =
+                            self.expressions.ways(&primitive, mesh.index(), part.positions.len(), buffers)?;
+                        Ok(Part { ways, ..part })
+                    })
                     .map_err(|message| format!("{place}: {message}"))?;
                 total += part.positions.len();
                 if total > MOST_VERTICES {

@@ -145,6 +145,7 @@ fn face(dice: &mut Dice, mesh: &Mesh) -> Vec<FaceVertex> {
             pressed: way(),
             fist: way(),
             fist_normal: way(),
+            blink: way(),
         })
         .collect()
 }
