@@ -95,6 +95,10 @@ impl Expressions {
         Ok(ways)
     }
 
+    pub(super) fn are_any(&self) -> bool {
+        self.0.iter().any(|binds| !binds.is_empty())
+    }
+
     /// The names of those that the file has.
     pub(super) fn names(&self) -> Vec<&'static str> {
         let used = self.0.iter().zip(NAMES).filter(|(binds, _)| !binds.is_empty());

@@ -37,7 +37,7 @@ struct Figure {
     whole: Vec<u32>,
     /// What each vertex is painted with.
     corners: Vec<PaintCorner>,
-    /// How far expressions move each vertex.
+    /// How far expressions move each vertex, of a file that has some.
     ways: Vec<Ways>,
     /// Triangles that are not worn on the head.
     bare: Vec<[u32; 3]>,
@@ -98,8 +98,8 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
 fn face(source: &mut Source, ways: &[Ways]) -> Vec<FaceVertex> {
     let face: Vec<FaceVertex> =
         ways.iter().zip(0..).filter_map(|(ways, vertex)| face_vertex(vertex, ways)).collect();
-    let names = source.expressions.names();
-    if !names.is_empty() {
+    if source.expressions.are_any() {
+        let names = source.expressions.names();
         source.report.push(format!("expressions: {} move {} vertices near by", names.join(", "), face.len()));
     }
     face
@@ -309,9 +309,10 @@ fn add_part<'a>(
             shares[joint] = 1.0;
         }
         let (joints, weights) = pack(&shares);
-        let ways =
-            part.ways.get(i).map_or(Ways::default(), |ways| ways.map(|way| matrix.transform_vector3(way)));
-        figure.ways.push(ways);
+        if source.expressions.are_any() {
+            let own = part.ways.get(i).copied().unwrap_or_default();
+            figure.ways.push(own.map(|way| matrix.transform_vector3(way)));
+        }
         let normal = part.normals.as_ref().map_or(Vec3::ZERO, |normals| matrix.transform_vector3(normals[i]));
         figure.vertices.push(Vertex {
             position: matrix.transform_point3(position),

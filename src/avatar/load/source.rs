@@ -282,11 +282,10 @@ impl Source {
                     ));
                     continue;
                 }
-                let skin = node.skin().map(|skin| skin.index());
                 let material =
                     primitive.material().index().map_or(&Value::Null, |number| &json["materials"][number]);
                 let part = self
-                    .read_part(&primitive, material, node.index(), skin, buffers, textures, kept)
+                    .read_part(&primitive, material, &node, buffers, textures, kept)
                     .and_then(|part| {
                         let ways =
                             self.expressions.ways(&primitive, mesh.index(), part.positions.len(), buffers)?;
@@ -307,8 +306,7 @@ impl Source {
         &mut self,
         primitive: &gltf::Primitive<'_>,
         material: &Value,
-        node: usize,
-        skin: Option<usize>,
+        node: &gltf::Node<'_>,
         buffers: &[Buffer],
         textures: &[Option<Texture>],
         kept: Textures,
@@ -336,7 +334,8 @@ impl Source {
             return Err(format!("index {bad} points past its {count} vertices"));
         }
         let paint = Paint::of(primitive, material, count, buffers, textures)?;
-        let mut part = Part { node, skin, positions, normals, ..Part::default() };
+        let skin = node.skin().map(|skin| skin.index());
+        let mut part = Part { node: node.index(), skin, positions, normals, ..Part::default() };
         part.material = tint(primitive);
         part.surface = primitive.material().index().unwrap_or(self.surfaces.len().saturating_sub(1));
         if let Some(surface) = self.surfaces.get(part.surface) {
