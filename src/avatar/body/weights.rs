@@ -13,9 +13,6 @@ pub(super) fn step(low: f32, high: f32, value: f32) -> f32 {
 /// Joints of one limb: (upper, middle, end), e.g. shoulder, elbow, hand.
 pub(super) type Chain = [Joint; 3];
 
-/// By how much less than a thigh a hem moves.
-const SLACK: f32 = 0.45;
-
 /// Joint positions of a body in its rest pose, with the blend widths that make it bend well.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bones {
@@ -68,14 +65,11 @@ impl Bones {
         step(waist - 0.12, waist + 0.06, p.y)
     }
 
-    /// Skirt: each side hangs on its thigh, the middle on both, the belt on the waist. The hem follows the thighs less: it is not
-    /// wide enough for a long step, and hangs from where they push it.
+    /// Skirt: each side hangs on its thigh, the middle on both, the belt on the waist.
     pub(super) fn skirt(&self, p: Vec3) -> Shares {
         let mut shares = [0.0; JOINT_COUNT];
         let hip = self.of(Joint::LeftHip);
-        let knee = self.of(Joint::LeftKnee);
-        let pushed = hip.y - 0.16;
-        let down = step(hip.y + 0.06, pushed, p.y) * (1.0 - SLACK * step(pushed, knee.y + 0.05, p.y));
+        let down = step(hip.y + 0.06, hip.y - 0.16, p.y);
         let left = step(-hip.x, hip.x, p.x);
         let above = self.above(p);
         shares[Joint::Root as usize] = (1.0 - down) * (1.0 - above);
