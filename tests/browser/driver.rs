@@ -101,23 +101,37 @@ struct Driver {
     _says: BufReader<ChildStdout>,
 }
 
+/// How often a driver may start. It wants one port for IPv4 and IPv6, takes a free one of the first, and ends
+/// where another program has that port of the second.
+const STARTS: usize = 5;
+
 impl Driver {
     fn start(folder: &Path, home: &Path) -> Self {
+        let mut said = String::new();
+        (0..STARTS)
+            .find_map(|_| Self::try_start(folder, home, &mut said))
+            .unwrap_or_else(|| panic!("chromedriver ended {STARTS} times without naming its port:\n{said}"))
+    }
+
+    /// A driver that names its port; none if it ends before. What it says comes to `said`.
+    fn try_start(folder: &Path, home: &Path, said: &mut String) -> Option<Self> {
         let mut command = Command::new(folder.join("chromedriver"));
         // Chromium puts certificates and crash reports into the home folder.
         command.arg("--port=0").env("HOME", home).env_remove("XDG_CONFIG_HOME").env_remove("XDG_CACHE_HOME");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut process = command.spawn().unwrap();
         let mut says = BufReader::new(process.stdout.take().unwrap());
-        let mut line = String::new();
-        let port = loop {
-            line.clear();
-            assert!(says.read_line(&mut line).unwrap() > 0, "chromedriver ends without naming its port");
-            if let Some((_, port)) = line.split_once("successfully on port ") {
-                break port.trim().trim_end_matches('.').parse().unwrap();
+        loop {
+            let start = said.len();
+            if says.read_line(said).unwrap() == 0 {
+                process.wait().unwrap();
+                return None;
             }
-        };
-        Self { process, port, _says: says }
+            if let Some((_, port)) = said[start..].split_once("successfully on port ") {
+                let port = port.trim().trim_end_matches('.').parse().unwrap();
+                return Some(Self { process, port, _says: says });
+            }
+        }
     }
 }
 
