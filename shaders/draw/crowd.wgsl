@@ -1,4 +1,4 @@
-// uses: view, light, fine, person, tint, body, agent
+// uses: view, light, fine, person, tint, outfit, tailored, body, agent
 // The crowd, straight from the buffers that the kernels wrote. One indirect draw per bucket (avatar and level of
 // detail); the instance is the agent's place among the visible agents of the bucket.
 
@@ -9,6 +9,8 @@
 @group(0) @binding(7) var<storage, read> palettes: array<array<vec4<f32>, 3>>;      // [slot][joint], rows of world_from_mesh
 @group(0) @binding(8) var<storage, read> skinned: array<array<vec4<f32>, 2>>;       // near agents: world position, world normal
 @group(0) @binding(9) var<storage, read> appearance: array<Appearance>;             // [agent]
+@group(0) @binding(10) var<storage, read> outfits: array<Outfit>;                   // [agent]
+@group(0) @binding(11) var<storage, read> tailoring: array<u32>;                    // [vertex], as mesh_vertices
 
 // which bucket is drawn
 var<immediate> bucket: u32;
@@ -47,11 +49,28 @@ fn pose(vertex: u32, instance: u32) -> Placed {
     );
 }
 
-// The vertex colour, tinted with the agent's colour of its material, and its alpha.
-fn agent_color(vertex: u32, instance: u32) -> vec4<f32> {
+fn agent_of(instance: u32) -> u32 {
+    return visible[bucket_start[bucket] + instance];
+}
+
+// The vertex colour as the agent's outfit and colours have it, and its alpha.
+fn agent_color(vertex: u32, agent: u32, own: Outfit) -> vec4<f32> {
     let color = bitcast<vec4<f32>>(mesh_vertices[vertex][3]);
-    let colors = colors_of(appearance[visible[bucket_start[bucket] + instance]]);
-    return vec4<f32>(tinted(color.rgb, mesh_vertices[vertex][0].w, colors), color.a);
+    let colors = colors_of(appearance[agent]);
+    return vec4<f32>(clothed(color.rgb, mesh_vertices[vertex][0].w, own, tailoring_of(vertex), colors), color.a);
+}
+
+// Where the outfit has a vertex, world, m.
+fn grown(placed: Placed, own: Outfit, tailored: u32) -> vec3<f32> {
+    return placed.world + placed.normal * growth_of(own, tailored);
+}
+
+// In clip space; all corners of what is not worn in one point, which has no area.
+fn clipped(world: vec3<f32>, own: Outfit, tailored: u32, eye: u32) -> vec4<f32> {
+    if is_left_out(own, tailored) {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
+    return view.clip_from_world[eye] * vec4<f32>(world, 1.0);
 }
 
 struct CrowdVertex {
@@ -68,8 +87,11 @@ fn crowd_vertex(
     @builtin(view_index) eye: u32,
 ) -> CrowdVertex {
     let placed = place(vertex, instance);
-    let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
-    return CrowdVertex(clip, placed.world, placed.normal, agent_color(vertex, instance));
+    let agent = agent_of(instance);
+    let own = outfit_of(agent);
+    let tailored = tailoring_of(vertex);
+    let world = grown(placed, own, tailored);
+    return CrowdVertex(clipped(world, own, tailored, eye), world, placed.normal, agent_color(vertex, agent, own));
 }
 
 @fragment
@@ -94,7 +116,10 @@ struct FineVertex {
     @location(1) normal: vec3<f32>,
     @location(2) color: vec4<f32>,
     @location(3) occlusion: f32,
-    @location(4) @interpolate(flat) material: u32,
+    @location(4) rest: vec3<f32>, // place on the body at rest, m
+    @location(5) @interpolate(flat) material: u32,
+    @location(6) @interpolate(flat) tailored: u32,
+    @location(7) @interpolate(flat) agent: u32,
 }
 
 @vertex
@@ -104,14 +129,29 @@ fn crowd_fine_vertex(
     @builtin(view_index) eye: u32,
 ) -> FineVertex {
     let placed = place(vertex, instance);
-    let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
-    let color = agent_color(vertex, instance);
-    return FineVertex(clip, placed.world, placed.normal, color, body_occlusion(vertex), mesh_vertices[vertex][0].w);
+    let agent = agent_of(instance);
+    let own = outfit_of(agent);
+    let tailored = tailoring_of(vertex);
+    let world = grown(placed, own, tailored);
+    return FineVertex(
+        clipped(world, own, tailored, eye),
+        world,
+        placed.normal,
+        agent_color(vertex, agent, own),
+        body_occlusion(vertex),
+        bitcast<vec3<f32>>(mesh_vertices[vertex][0].xyz),
+        mesh_vertices[vertex][0].w,
+        tailored,
+        agent,
+    );
 }
 
 fn body_matter(in: FineVertex) -> Matter {
     let soft = softness(in.material);
-    return Matter(in.color.rgb, normalize(in.normal), in.occlusion, soft.x, soft.y, 0.0, 1.0);
+    let blur = 0.5 * length(fwidth(in.rest));
+    let colors = colors_of(appearance[in.agent]);
+    let albedo = patterned(in.color.rgb, in.rest, outfit_of(in.agent), in.tailored, colors, blur);
+    return Matter(albedo, normalize(in.normal), in.occlusion, soft.x, soft.y, 0.0, 1.0);
 }
 
 @fragment
@@ -135,5 +175,8 @@ fn crowd_near_fine_fragment(in: FineVertex, @builtin(view_index) eye: u32) -> @l
 // Of a mesh one level coarser than the image's.
 @vertex
 fn crowd_shadow(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> @builtin(position) vec4<f32> {
+    if is_left_out(outfit_of(agent_of(instance)), tailoring_of(vertex)) {
+        return vec4<f32>(0.0, 0.0, 0.0, 1.0);
+    }
     return view.shadow_from_world * vec4<f32>(pose(vertex, instance).world, 1.0);
 }

@@ -1,4 +1,4 @@
-// uses: view, light, fine, tint, agent, far
+// uses: view, light, fine, tint, outfit, agent, far
 // People far away: a body of some fifty triangles without a pose. It is placed and turned, its limbs swing with the phase, and
 // trunk, head and arms are held as kernel `pose_far` says; the palettes are not needed. One indirect draw per avatar.
 
@@ -10,6 +10,7 @@
 @group(0) @binding(7) var<storage, read> position: array<vec2<f32>>;    // [agent] ground, m
 @group(0) @binding(8) var<storage, read> far_poses: array<FarPose>;     // [agent] see kernel `pose_far`
 @group(0) @binding(9) var<storage, read> shown: array<u32>;             // slots of visible agents, see kernel `occlusion_compact`
+@group(0) @binding(10) var<storage, read> outfits: array<Outfit>;       // [agent]
 
 // which bucket is drawn, and, in the highest bit, whether hidden people are left out
 var<immediate> bucket: u32;
@@ -35,6 +36,8 @@ const LIMB_HEAD: u32 = 2u;
 const LIMB_LEFT_ARM: u32 = 3u;
 const LIMB_RIGHT_ARM: u32 = 4u;
 const ARM_SWING: f32 = 0.32; // rad to either side: what the swing of arms in the mesh is meant for
+
+const KNEE: f32 = 0.45; // m
 
 // Turned about +x: what is up goes forwards.
 fn about_x(p: vec3<f32>, angle: f32) -> vec3<f32> {
@@ -102,7 +105,10 @@ fn far_vertex(
     let placed = place(vertex, agent);
     let clip = view.clip_from_world[eye] * vec4<f32>(placed.world, 1.0);
     let color = bitcast<vec3<f32>>(mesh_vertices[vertex][3].xyz);
-    return FarVertex(clip, placed.world, placed.normal, tinted(color, mesh_vertices[vertex][0].w, colors_of(appearance[agent])));
+    let is_low = bitcast<f32>(mesh_vertices[vertex][0].y) < KNEE;
+    let bits = mesh_vertices[vertex][0].w;
+    let own_color = clothed_far(color, bits, is_low, outfit_of(agent), colors_of(appearance[agent]));
+    return FarVertex(clip, placed.world, placed.normal, own_color);
 }
 
 @fragment

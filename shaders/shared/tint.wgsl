@@ -1,5 +1,7 @@
 // Colours of people: those of the mesh, tinted with the agent's own.
 const MATERIAL_SKIN: u32 = 1u;
+const MATERIAL_HAIR: u32 = 2u;
+const MATERIAL_TOP: u32 = 3u;
 const MATERIAL_BOTTOM: u32 = 4u;
 
 // Linear colour of an RGB565 in sRGB; the curve as a polynomial that is 0.003 off at most: `pow` costs more than all the

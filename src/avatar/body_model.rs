@@ -4,6 +4,7 @@
 pub use crate::kernels::shared::body::index::CLIP_FRAMES;
 
 use super::model::Paint;
+use super::wardrobe::Wardrobe;
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
 use std::sync::Arc;
@@ -122,6 +123,9 @@ pub struct Avatar {
     /// Textures of the finest mesh, of characters from files that have some. Coarser meshes have the colours of vertices.
     #[doc(hidden)]
     pub paint: Option<Arc<Paint>>,
+    /// What a generated body may wear; none: all agents have the avatar's own outfit.
+    #[doc(hidden)]
+    pub wardrobe: Option<Arc<Wardrobe>>,
 }
 
 /// One frame of a [`Clip`]: what the pose kernel samples.

@@ -37,6 +37,8 @@ mod retarget;
 mod rig_map;
 mod standing;
 pub(crate) mod waist;
+#[doc(hidden)]
+pub mod wardrobe;
 
 pub use body::{Sex, generated};
 pub use body_model::{

@@ -62,6 +62,11 @@ impl Appearance {
         }
     }
 
+    /// A colour `0xRRGGBB` in five, six and five bits.
+    pub fn color_bits(color: u32) -> u32 {
+        rgb565(color)
+    }
+
     /// Number of the avatar.
     pub const fn avatar(&self) -> u32 {
         self.traits & 255

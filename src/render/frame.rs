@@ -46,7 +46,11 @@ impl Shared<'_> {
             "view" => Some(Resource::Buffer(self.view.raw)),
             "shadow_map" => Some(self.shadow.texture()),
             "shadow_sampler" => Some(self.shadow.sampler()),
-            name => self.crowd?.buffers.buffer(name).map(|buffer| Resource::Buffer(buffer.raw)),
+            name => {
+                let crowd = self.crowd?;
+                let buffer = crowd.buffers.buffer(name).or_else(|| crowd.meshes.buffer(name));
+                buffer.map(|buffer| Resource::Buffer(buffer.raw))
+            }
         }
     }
 }

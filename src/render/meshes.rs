@@ -6,6 +6,7 @@ use super::crowd::CrowdBuffers;
 use super::direct::KnownDraws;
 use super::pack::MeshBuffers;
 use super::pipelines::Program;
+use crate::avatar::wardrobe::Outfit;
 use crate::gpu::Buffer;
 use crate::kernels::draw::far::SIFTED;
 use ash::vk;
@@ -18,6 +19,9 @@ pub(super) const DRAW_ARGS_STRIDE: u32 = 20;
 #[derive(Debug)]
 pub(super) struct CrowdMeshes {
     indices: Buffer,
+    /// What agents wear, and what that does to vertices.
+    outfits: Buffer,
+    tailoring: Buffer,
     /// Buckets of agents with a pose.
     pub(super) bucket_count: u32,
     pub(super) level_count: u32,
@@ -27,6 +31,11 @@ pub(super) struct CrowdMeshes {
     pub(super) painted: Vec<u32>,
     /// What bodies of each bucket stay within, see [`MeshBuffers::bounds`].
     pub(super) bounds: Vec<[[f32; 4]; 2]>,
+}
+
+/// A list, or where it is empty another: buffers hold something.
+const fn some<'a, T>(list: &'a [T], otherwise: &'a [T]) -> &'a [T] {
+    if list.is_empty() { otherwise } else { list }
 }
 
 /// Bodies without a pose, for agents of few pixels.
@@ -53,12 +62,23 @@ impl CrowdMeshes {
     pub(super) fn new(submitter: &Submitter, meshes: &MeshBuffers) -> Result<Self, Error> {
         Ok(Self {
             indices: submitter.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?,
+            outfits: submitter.upload("outfits", bytemuck::cast_slice(some(&meshes.outfits, &[Outfit::default()])))?,
+            tailoring: submitter.upload("tailoring", bytemuck::cast_slice(some(&meshes.tailoring, &[0])))?,
             bucket_count: meshes.bucket_count(),
             level_count: meshes.level_count.max(1),
             far_count: meshes.far_count(),
             painted: meshes.painted.clone(),
             bounds: meshes.bounds.clone(),
         })
+    }
+
+    /// A buffer of the meshes that draw shaders bind.
+    pub(super) fn buffer(&self, name: &str) -> Option<&Buffer> {
+        match name {
+            "outfits" => Some(&self.outfits),
+            "tailoring" => Some(&self.tailoring),
+            _ => None,
+        }
     }
 
     /// Buckets of one level of bodies without a pose.

@@ -43,6 +43,8 @@ pub enum Purpose {
     Temperament = 21,
     /// Stature, weight and shape of the body.
     Build = 22,
+    /// What is worn.
+    Clothes = 23,
 }
 
 /// The bijection of u32 under every draw.

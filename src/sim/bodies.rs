@@ -4,13 +4,14 @@
 use super::avatar_set::AvatarSet;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
 use crate::avatar::waist::{bones, with_waist};
+use crate::avatar::wardrobe::{Clothes, Outfit};
 use crate::avatar::{
     Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Paint, PaintCorner, Posture, RestJoint,
     Textured, TexturedMaterial, Vertex,
 };
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange, Physique};
+use crate::kernels::layout::{Appearance, Expression, FarPose, FrameUniforms, MeshRange, Physique};
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::MATERIAL_BITS;
 use crate::kernels::shared::body::index::{
@@ -69,6 +70,12 @@ pub struct MeshBuffers {
     /// Buckets of their finest meshes, in order.
     #[doc(hidden)]
     pub painted: Vec<u32>,
+    /// What outfits do to vertices, numbered as `vertices`: see [`Tailoring::word`]. Those past its end are the same in all.
+    #[doc(hidden)]
+    pub tailoring: Vec<u32>,
+    /// What agents wear; those past its end wear their avatar's own outfit.
+    #[doc(hidden)]
+    pub outfits: Vec<Outfit>,
 }
 
 /// A mesh and the agents that are drawn as it.
@@ -114,6 +121,13 @@ impl MeshBuffers {
         let corners =
             own.corners.iter().map(|corner| PaintCorner { material: first + corner.material, ..*corner });
         paint.corners.extend(corners.take(vertices));
+    }
+
+    /// Adds what outfits do to the next mesh, which has that many vertices of its own.
+    fn add_clothes(&mut self, clothes: &Clothes, collar: f32, vertices: usize) {
+        self.tailoring.resize(self.vertices.len() / VERTEX_STRIDE, 0);
+        let own = clothes.own.iter().take(vertices).chain(&clothes.of_others);
+        self.tailoring.extend(own.map(|vertex| vertex.word(collar)));
     }
 
     fn avatars(&self) -> u32 {
@@ -169,7 +183,16 @@ fn pack(avatars: &[Avatar], postures: &[Posture]) -> MeshBuffers {
                         out.add_paint(paint, mesh.vertices.len());
                     }
                 }
-                coarsest = append(vertices, &mesh.indices, &mut out);
+                let mut indices = mesh.indices.clone();
+                if let Some(wardrobe) = &avatar.wardrobe
+                    && let Some(clothes) = wardrobe.levels.get(level)
+                {
+                    out.add_clothes(clothes, wardrobe.collar, mesh.vertices.len());
+                    let first = u32::try_from(mesh.vertices.len()).unwrap_or(u32::MAX);
+                    vertices.extend(mesh_elements(&clothes.others, &prints));
+                    indices.extend(clothes.others.indices.iter().map(|index| first + index));
+                }
+                coarsest = append(vertices, &indices, &mut out);
             }
             out.mesh_table.push(coarsest);
         }
@@ -303,6 +326,7 @@ pub fn fill(store: &mut Store, cast: &AvatarSet, storage_range: u64) -> MeshBuff
     let mut meshes = pack(cast.avatars(), &postures);
     let agents = store.step.agent_count as usize;
     meshes.outsiders = outsiders(cast, agents);
+    meshes.outfits = outfits(store, cast);
     let fits = |stride: u64, most: u64| storage_range.min(most) / stride.max(1);
     let visible = fits(PALETTE_STRIDE as u64 * 16, u64::MAX).min(MOST_VISIBLE).min(agents as u64) as usize;
     let near_vertices = meshes.most_near_vertices() as usize;
@@ -362,6 +386,15 @@ pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniform
         Some(eyes) => FrameUniforms { user_eyes: eyes.extend(0.0).to_array(), ..frame },
         None => FrameUniforms { gaze_limit: limit_of(Budget::Most(0)), ..frame },
     }
+}
+
+/// What agents wear.
+fn outfits(store: &Store, cast: &AvatarSet) -> Vec<Outfit> {
+    let of = |(own, agent): (&Appearance, u32)| {
+        let wardrobe = cast.avatars().get(own.avatar() as usize).and_then(|avatar| avatar.wardrobe.as_ref());
+        wardrobe.map_or_else(Outfit::default, |wardrobe| Outfit::of(wardrobe.sex, agent, own))
+    };
+    store.appearance.iter().zip(0..).map(of).collect()
 }
 
 /// Robots and vehicles: outsiders are the last agents.
@@ -432,6 +465,7 @@ mod tests {
             face: Vec::new(),
             height: 1.7,
             paint: None,
+            wardrobe: None,
         }
     }
 

@@ -151,6 +151,7 @@ pub(super) fn box_person() -> Avatar {
         face: Vec::new(),
         height: 1.7,
         paint: None,
+        wardrobe: None,
     }
 }
 

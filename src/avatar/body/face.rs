@@ -9,6 +9,7 @@ use super::head::{SQUARE, Skin, Skull};
 use super::shape::{Builder, Paint};
 use super::weights::step;
 use super::{Material, SKIN, Sex};
+use crate::kernels::shared::outfit::BEARD;
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -81,8 +82,8 @@ const TEETH_DEPTH: f32 = 0.0055;
 const TEETH_AT: [f32; 3] = [0.1865, 0.1925, 0.0195];
 
 /// Centre of the left eyeball at the side of the middle and under the crown (man's size), and its depth, m.
-const EYE_AT: [f32; 2] = [0.0315, 0.1115];
-const EYE_DEPTH: f32 = 0.0715;
+pub(super) const EYE_AT: [f32; 2] = [0.0315, 0.1115];
+pub(super) const EYE_DEPTH: f32 = 0.0715;
 
 impl Skull {
     /// What the face adds in front of the skull at `x` to the left and `drop` under the crown (man's size), m.
@@ -185,6 +186,19 @@ impl Skull {
         builder.end(None);
         let is_below = |number: usize| number >= grids || number < ROWS_BELOW * columns.len();
         builder.express(first, &|number, own| self.moves_of_skin(own.position, is_below(number)));
+        if self.sex == Sex::Male {
+            builder.cover(first, BEARD, &|own| own.color == Vec3::ONE && self.is_bearded(own.position));
+        }
+    }
+
+    /// Whether a beard grows here: on jaw, chin and upper lip, and in front of the ears.
+    fn is_bearded(&self, place: Vec3) -> bool {
+        let drop = (self.crown - place.y) / self.size;
+        let x = place.x.abs() / self.size;
+        let is_lip = x < 0.030 && (0.173..0.180).contains(&drop);
+        let is_jaw = drop > 0.1985 || (drop > 0.165 && x > 0.034);
+        let is_sideburn = drop > 0.120 && x > 0.066;
+        place.z > -0.02 && (is_lip || is_jaw || is_sideburn)
     }
 
     /// A place of the head's grid. Lips are thinner towards the corners of the mouth, and behind them is a hollow.

@@ -1,7 +1,7 @@
 //! Hands: a palm, four fingers and a thumb, at rest and as fists. Coarser levels have mittens.
 
 use super::limbs::Skin;
-use super::shape::{Builder, Cap, Ring};
+use super::shape::{Builder, Cap, Cover, Ring};
 use super::{Measures, SKIN, Sex};
 use crate::avatar::FaceVertex;
 use glam::{Vec2, Vec3};
@@ -78,7 +78,7 @@ impl Measures {
         hand.fingers(builder, skin, Held::AtRest);
         let mut fist = Builder::new(0);
         hand.fingers(&mut fist, skin, Held::Clenched);
-        let (fist, _) = fist.finish();
+        let (fist, ..) = fist.finish();
         builder.express(first, &|number, own| FaceVertex {
             fist: fist.vertices[number].position - own.position,
             fist_normal: fist.vertices[number].normal - own.normal,
@@ -100,6 +100,7 @@ impl Hand {
             paint: SKIN,
             back_paint: None,
             keep: 0,
+            cover: Cover::default(),
         }
     }
 
@@ -159,6 +160,7 @@ impl Hand {
                 paint: SKIN,
                 back_paint: None,
                 keep: 0,
+                cover: Cover::default(),
             }
         };
         [
@@ -185,6 +187,7 @@ impl Hand {
                 paint: SKIN,
                 back_paint: None,
                 keep: 0,
+                cover: Cover::default(),
             }
         };
         let [of_base, of_joint, of_tip] = joints.map(|(_, radius)| radius);

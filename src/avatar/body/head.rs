@@ -1,8 +1,9 @@
 //! Head, hair and, of the coarser levels, face.
 
-use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::weights::step;
 use super::{HAIR, Material, Measures, SKIN, Sex};
+use crate::kernels::shared::outfit::HAIR_DOWN;
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
@@ -27,22 +28,54 @@ const STRANDS: [f32; 12] = [0.96, 1.0, 0.86, 0.95, 0.80, 0.92, 0.85, 0.92, 0.80,
 const IN_EAR: Paint = Paint { material: Material::Skin, color: Vec3::new(0.50, 0.38, 0.36) };
 const EYE: Paint = Paint::fixed(0.015, 0.012, 0.01);
 
+/// How hair is cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// Down to the jaw, over the ears.
+    Long,
+    /// Off the ears, a short nape.
+    Short,
+}
+
+impl Cut {
+    const fn of(sex: Sex) -> Self {
+        match sex {
+            Sex::Female => Self::Long,
+            Sex::Male => Self::Short,
+        }
+    }
+
+    /// How fast the hair closes in on the nape and, beside it, on the neck, metres per metre of height.
+    const fn closing(self) -> [f32; 2] {
+        match self {
+            Self::Long => [0.30, 0.16],
+            Self::Short => [0.45, 0.05],
+        }
+    }
+}
+
 /// The skull as a function of height.
 pub(super) struct Skull {
     pub(super) crown: f32,
     pub(super) size: f32,
     pub(super) sex: Sex,
-    /// How fast the hair closes in on the nape and, beside it, on the neck, metres per metre of height.
+    /// See [`Cut::closing`].
     nape: f32,
     side: f32,
 }
 
 impl Skull {
     pub(super) fn of(measures: &Measures) -> Self {
-        let (size, nape, side) =
-            if measures.sex == Sex::Male { (1.0, 0.45, 0.05) } else { (0.955, 0.30, 0.16) };
+        let size = if measures.sex == Sex::Male { 1.0 } else { 0.955 };
+        let [nape, side] = Cut::of(measures.sex).closing();
         // Hair adds to the stature, so the crown of the skull lies under it.
         Self { crown: measures.height - 0.014 * size, size, sex: measures.sex, nape, side }
+    }
+
+    /// The same under other hair.
+    pub(super) const fn with(self, cut: Cut) -> Self {
+        let [nape, side] = cut.closing();
+        Self { nape, side, ..self }
     }
 
     /// (half width, front, back) at `drop` under the crown (man's size), unscaled.
@@ -68,7 +101,7 @@ impl Skull {
     }
 
     /// Point around the skull at `angle` from the front, `thick` outside the skin.
-    fn around(&self, angle: f32, drop: f32, thick: f32) -> Vec3 {
+    pub(super) fn around(&self, angle: f32, drop: f32, thick: f32) -> Vec3 {
         // Hair falls from the widest part: below it the outline does not follow the jaw inward.
         let (mut half_width, front, mut back) = Self::section(drop.max(0.004));
         if drop > 0.11 {
@@ -123,7 +156,7 @@ impl Measures {
         let skull = Skull::of(self);
         if builder.level == 0 {
             skull.face_and_eyes(builder, skin);
-            self.hair(builder, &skull, skin);
+            self.own_hair(builder, &skull, skin);
             return;
         }
         let size = skull.size;
@@ -140,6 +173,7 @@ impl Measures {
                 paint: if builder.level >= 2 && drop < 0.06 { HAIR } else { SKIN },
                 back_paint: (builder.level >= 2).then_some(HAIR),
                 keep,
+                cover: Cover::default(),
             })
             .collect();
         builder.begin(skin);
@@ -157,39 +191,49 @@ impl Measures {
         );
         builder.end(None);
         if builder.level < 2 {
-            self.hair(builder, &skull, skin);
+            self.own_hair(builder, &skull, skin);
             self.nose(builder, &skull, skin);
             Self::eyes(builder, &skull, skin);
         }
     }
 
-    fn hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
+    /// The hair of a body's own outfit: women wear it down.
+    fn own_hair<'a>(&self, builder: &mut Builder<'a>, skull: &Skull, skin: Skin<'a>) {
+        if self.sex == Sex::Female {
+            builder.wear(HAIR_DOWN, true);
+        }
+        Self::hair(builder, skull, Cut::of(self.sex), skin);
+        builder.wear(0, true);
+    }
+
+    /// A shell of hair.
+    pub(super) fn hair<'a>(builder: &mut Builder<'a>, skull: &Skull, cut: Cut, skin: Skin<'a>) {
         let is_finest = builder.level == 0;
         let (columns, rows) = if is_finest { (24, 6) } else { (7, 2) };
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
             // parted on the left: a fringe falls to the right; the skull is open above its last row
-            let fringe = match (self.sex, is_finest) {
+            let fringe = match (cut, is_finest) {
                 (_, false) => 0.052,
-                (Sex::Female, true) => 0.049 + 0.015 * step(-0.45, 0.75, -libm::sinf(angle)),
-                (Sex::Male, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
+                (Cut::Long, true) => 0.049 + 0.015 * step(-0.45, 0.75, -libm::sinf(angle)),
+                (Cut::Short, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
             };
-            match self.sex {
+            match cut {
                 // shorter in front
-                Sex::Female => {
+                Cut::Long => {
                     fringe + (0.212 + 0.026 * step(1.2, 2.3, turn) - fringe) * step(0.85, 1.35, turn)
                 }
                 // Sideburns in front of the ear, a short nape.
-                Sex::Male => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
+                Cut::Short => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
             }
         };
         let thick =
-            [0.013, 0.020][builder.level.min(1)] + if self.sex == Sex::Female { 0.005 } else { -0.002 };
+            [0.013, 0.020][builder.level.min(1)] + if cut == Cut::Long { 0.005 } else { -0.002 };
         // Long hair grows thin towards its ends; short hair is fullest half way up.
-        let fullness = |t: f32| match self.sex {
+        let fullness = |t: f32| match cut {
             _ if !is_finest => 1.0,
-            Sex::Female => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
-            Sex::Male => 1.0 + 0.3 * libm::sinf(PI * t),
+            Cut::Long => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
+            Cut::Short => 1.0 + 0.3 * libm::sinf(PI * t),
         };
         let mut grid: Vec<Vec<Vec3>> = Vec::new();
         for row in 0..=rows + 1 {
@@ -222,7 +266,7 @@ impl Measures {
             }
         }
         builder.end(None);
-        if self.sex == Sex::Male && builder.level == 0 {
+        if cut == Cut::Short && builder.level == 0 {
             [-1.0, 1.0].into_iter().for_each(|side| skull.ear(builder, skin, side));
         }
     }

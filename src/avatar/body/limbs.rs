@@ -1,9 +1,10 @@
 //! Arms, legs with shoes.
 
-use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::weights::step;
 use super::{BOTTOM, Material, Measures, SHOE, SKIN, SOLE, Sex, TOP};
 use crate::gait::Joint;
+use crate::kernels::shared::outfit::{BARE_LEGS, LOWER_LEG, LOWER_SLEEVE, UPPER_SLEEVE};
 use glam::{Mat3, Vec3};
 
 pub(super) type Skin<'a> = &'a dyn Fn(Vec3) -> Shares;
@@ -26,6 +27,7 @@ fn tube(points: &[Vec3; 3], stations: &[Station]) -> Vec<Ring> {
             paint,
             back_paint: None,
             keep,
+            cover: Cover::default(),
         }
     };
     stations.iter().map(ring).collect()
@@ -53,6 +55,7 @@ pub(super) fn arm_stations(sex: Sex) -> &'static [Station] {
         Sex::Male => &[
             (0, 0.12, 0.058, 1, TOP),
             (0, 0.40, 0.055, 0, TOP),
+            (0, 0.41, 0.055, 0, TOP),
             (0, 0.90, 0.047, 0, TOP),
             (1, 0.06, 0.048, 1, TOP),
             (1, 0.92, 0.035, 1, CUFF),
@@ -87,6 +90,53 @@ pub(super) fn leg_stations(sex: Sex) -> &'static [Station] {
         ],
     }
 }
+
+/// What an outfit changes in a ring of an arm: where it has short sleeves a man's arm is thinner, where it has long ones a
+/// woman's thicker.
+fn sleeve(sex: Sex, bone: usize, share: f32, paint: Paint) -> Cover {
+    let (hem, growth) = match sex {
+        Sex::Female => (0.465, 0.004),
+        Sex::Male => (0.40, if bone > 0 && share > 0.5 { -0.008 } else { -0.006 }),
+    };
+    let is_hand = sex == Sex::Male && paint == SKIN;
+    match bone as f32 + share {
+        _ if is_hand => Cover::default(),
+        place if place < hem => Cover { part: UPPER_SLEEVE, is_plain: true, growth: 0.0 },
+        place => {
+            // the step of a hem is on the side of the arm
+            let is_hem = sex == Sex::Male && place < hem + 0.005;
+            let growth = if is_hem { 0.0 } else { growth };
+            Cover { part: LOWER_SLEEVE, is_plain: sex == Sex::Male, growth }
+        }
+    }
+}
+
+/// Where a man's shorts end, along the thigh.
+const SHORTS: f32 = 0.86;
+
+/// The same of a trouser leg: below shorts a calf is thinner.
+fn trouser_leg(bone: usize, share: f32, paint: Paint) -> Cover {
+    if paint == SHOE || (bone == 0 && share < SHORTS) {
+        return Cover::default();
+    }
+    let growth = match (bone, share) {
+        (0, _) => 0.0,
+        (_, share) => -0.006 - 0.014 * share * share,
+    };
+    Cover { part: LOWER_LEG, is_plain: true, growth }
+}
+
+/// A woman's trouser leg.
+const TROUSER_LEG: &[Station] = &[
+    (0, 0.04, 0.080, 2, BOTTOM),
+    (0, 0.15, 0.094, 0, BOTTOM),
+    (0, 0.50, 0.080, 1, BOTTOM),
+    (0, 0.86, 0.064, 0, BOTTOM),
+    (1, 0.00, 0.060, 2, BOTTOM),
+    (1, 0.35, 0.060, 0, BOTTOM),
+    (1, 1.00, 0.050, 0, HEM),
+    (1, 1.04, 0.034, 2, HEM),
+];
 
 /// Radius of a limb at a share of one of its bones, m.
 pub(super) fn radius_at(stations: &[Station], bone: usize, share: f32) -> f32 {
@@ -127,11 +177,17 @@ impl Measures {
                 (1, 0.0, radius * 0.8, 2, sleeve),
                 (1, 1.5, radius * 0.5, 2, sleeve),
             ];
-            let coarse = tube(&points, &coarse);
+            let mut coarse = tube(&points, &coarse);
+            coarse[0].cover = Cover { part: UPPER_SLEEVE, is_plain: true, growth: 0.0 };
+            coarse[1].cover = Cover { part: LOWER_SLEEVE, is_plain: self.sex == Sex::Male, growth: 0.0 };
             builder.loft(&coarse, segments, [Cap::Open; 2]);
         } else {
             let mut rings = self.shoulder(points[0]);
-            rings.extend(tube(&points, stations));
+            let mut arm = tube(&points, stations);
+            for (ring, (bone, share, _, _, paint)) in arm.iter_mut().zip(stations) {
+                ring.cover = sleeve(self.sex, *bone, *share, *paint);
+            }
+            rings.extend(arm);
             builder.loft(&rings, segments, [Cap::Open; 2]);
         }
         builder.end(None);
@@ -164,6 +220,7 @@ impl Measures {
                 paint: TOP,
                 back_paint: None,
                 keep,
+                cover: Cover { part: UPPER_SLEEVE, is_plain: true, growth: 0.0 },
             }
         };
         OF_MAN.iter().map(ring).collect()
@@ -175,7 +232,10 @@ impl Measures {
         let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
         let stations = leg_stations(self.sex);
         let mut rings = tube(&points, stations);
-        for (ring, (bone, share, ..)) in rings.iter_mut().zip(stations) {
+        for (ring, (bone, share, _, _, paint)) in rings.iter_mut().zip(stations) {
+            if self.sex == Sex::Male {
+                ring.cover = trouser_leg(*bone, *share, *paint);
+            }
             match self.sex {
                 _ if *bone > 0 => {}
                 // under a seat thighs are deeper: no buttock hangs over its leg
@@ -188,10 +248,29 @@ impl Measures {
                 }
             }
         }
+        if self.sex == Sex::Female {
+            builder.wear(BARE_LEGS, true);
+        }
         builder.begin(skin);
         builder.loft(&rings, segments, [Cap::Open; 2]);
         builder.end(None);
+        builder.wear(0, true);
         self.shoe(builder, points[2], left, foot);
+    }
+
+    /// A woman's trouser leg, from inside the seat.
+    pub(super) fn trouser_leg<'a>(&self, builder: &mut Builder<'a>, left: bool, skin: Skin<'a>) {
+        let points = self.chain(left, [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]);
+        let segments = [LIMB_SIDES, 5, 3][builder.level.min(2)];
+        let mut rings = tube(&points, TROUSER_LEG);
+        for (ring, (bone, share, ..)) in rings.iter_mut().zip(TROUSER_LEG) {
+            if *bone == 0 {
+                ring.back += BUTTOCK * step(0.3, 0.0, *share);
+            }
+        }
+        builder.begin(skin);
+        builder.loft(&rings, segments, [Cap::Open; 2]);
+        builder.end(None);
     }
 
     fn shoe<'a>(&self, builder: &mut Builder<'a>, ankle: Vec3, left: bool, foot: Skin<'a>) {

@@ -4,6 +4,7 @@
 //! rotations are the identity, so a joint's rotation reads as a turn of the model's own axes. Proportions are
 //! those of adults (stature 1.64 m and 1.76 m, head about 1/7.5 of it); clothing and hair are tinted per agent.
 
+mod clothes;
 mod expression;
 mod eye;
 mod face;
@@ -15,11 +16,13 @@ mod shape;
 mod trunk;
 mod weights;
 
+use super::wardrobe::{Clothes, Tailoring, Wardrobe};
 use super::{Avatar, FaceVertex, LEVELS, Mesh, RestJoint};
 use crate::gait::{JOINT_COUNT, Joint};
 use glam::{Mat4, Quat, Vec3};
 pub(in crate::avatar) use shape::pack;
 use shape::{Builder, Paint, Shares};
+use std::sync::Arc;
 use weights::Bones;
 
 use super::Material;
@@ -61,7 +64,8 @@ const BOTTOM: Paint = Paint::tinted(Material::Bottom, 1.0);
 const SHOE: Paint = Paint::fixed(0.035, 0.03, 0.03);
 const SOLE: Paint = Paint::fixed(0.012, 0.012, 0.012);
 
-/// One of the two bodies: three levels of detail of about 3,400, 440 and 150 triangles.
+/// One of the two bodies: three levels of detail of about 3,400, 440 and 150 triangles. What it may wear beside its own outfit
+/// is its [`Avatar::wardrobe`].
 pub fn generated(sex: Sex) -> Avatar {
     let measures = Measures::of(sex);
     let joints = std::array::from_fn(|joint| {
@@ -73,7 +77,16 @@ pub fn generated(sex: Sex) -> Avatar {
             joint_from_mesh: Mat4::from_translation(-position),
         }
     });
-    let (levels, mut faces): (Vec<Mesh>, Vec<_>) = (0..LEVELS).map(|level| measures.mesh(level)).unzip();
+    let mut levels = Vec::new();
+    let mut faces = Vec::new();
+    let mut wardrobe = Wardrobe { sex, collar: measures.collar(), levels: Vec::new() };
+    for level in 0..LEVELS {
+        let (mesh, face, own) = measures.mesh(level);
+        let (others, _, of_others) = measures.clothes(level);
+        levels.push(mesh);
+        faces.push(face);
+        wardrobe.levels.push(Clothes { own, others, of_others });
+    }
     Avatar {
         name: sex.name().to_owned(),
         joints,
@@ -83,8 +96,12 @@ pub fn generated(sex: Sex) -> Avatar {
         face: faces.swap_remove(0),
         height: measures.top(),
         paint: None,
+        wardrobe: Some(Arc::new(wardrobe)),
     }
 }
+
+/// A mesh, what of it an expression moves, and what an outfit changes.
+type Made = (Mesh, Vec<FaceVertex>, Vec<Tailoring>);
 
 impl Measures {
     /// The top of the hair, which differs from the wanted stature by a few millimetres, m.
@@ -93,7 +110,7 @@ impl Measures {
         let head = |_: Vec3| bones.head();
         let mut builder = Builder::new(0);
         self.head(&mut builder, &head);
-        let (mesh, _) = builder.finish();
+        let (mesh, ..) = builder.finish();
         mesh.vertices.iter().map(|v| v.position.y).fold(0.0, f32::max)
     }
 
@@ -143,27 +160,33 @@ impl Measures {
         Self { sex, height, eyes, bones: Bones { at } }
     }
 
-    fn mesh(&self, level: usize) -> (Mesh, Vec<FaceVertex>) {
+    /// Shares of an arm's joints.
+    fn of_arm(&self, p: Vec3) -> Shares {
+        let chain = if p.x > 0.0 {
+            [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]
+        } else {
+            [Joint::RightShoulder, Joint::RightElbow, Joint::RightHand]
+        };
+        self.bones.limb(p, Joint::Spine, chain, [0.06, 0.045, 0.025])
+    }
+
+    /// Shares of a leg's joints.
+    fn of_leg(&self, p: Vec3) -> Shares {
+        let chain = if p.x > 0.0 {
+            [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]
+        } else {
+            [Joint::RightHip, Joint::RightKnee, Joint::RightFoot]
+        };
+        self.bones.limb(p, Joint::Root, chain, [0.075, 0.06, 0.035])
+    }
+
+    fn mesh(&self, level: usize) -> Made {
         let bones = self.bones;
         let trunk = |p: Vec3| bones.trunk(p);
         let skirt = |p: Vec3| bones.skirt(p);
         let head = |_: Vec3| bones.head();
-        let arm = |p: Vec3| -> Shares {
-            let chain = if p.x > 0.0 {
-                [Joint::LeftShoulder, Joint::LeftElbow, Joint::LeftHand]
-            } else {
-                [Joint::RightShoulder, Joint::RightElbow, Joint::RightHand]
-            };
-            bones.limb(p, Joint::Spine, chain, [0.06, 0.045, 0.025])
-        };
-        let leg = |p: Vec3| -> Shares {
-            let chain = if p.x > 0.0 {
-                [Joint::LeftHip, Joint::LeftKnee, Joint::LeftFoot]
-            } else {
-                [Joint::RightHip, Joint::RightKnee, Joint::RightFoot]
-            };
-            bones.limb(p, Joint::Root, chain, [0.075, 0.06, 0.035])
-        };
+        let arm = |p: Vec3| self.of_arm(p);
+        let leg = |p: Vec3| self.of_leg(p);
         let foot = |p: Vec3| -> Shares {
             let mut shares = [0.0; JOINT_COUNT];
             shares[if p.x > 0.0 { Joint::LeftFoot } else { Joint::RightFoot } as usize] = 1.0;

@@ -5,6 +5,7 @@
 //! change of paint (which needs its own vertices) leaves no crease.
 
 use super::super::{FaceVertex, Material, Mesh, Vertex};
+use crate::avatar::wardrobe::Tailoring;
 use crate::gait::JOINT_COUNT;
 use glam::Vec3;
 use std::collections::HashMap;
@@ -32,6 +33,17 @@ impl Paint {
     }
 }
 
+/// What clothes do to a ring and the band that begins at it.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub(super) struct Cover {
+    /// Which part of an outfit covers the band from this ring to the next one; 0: it looks alike in all.
+    pub(super) part: u32,
+    /// Whether the body's own outfit covers it.
+    pub(super) is_plain: bool,
+    /// By how much the ring is larger where an outfit differs from the body's own in this, m.
+    pub(super) growth: f32,
+}
+
 /// A closed cross section: a superellipse with its own back radius.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
@@ -51,6 +63,7 @@ pub(super) struct Ring {
     pub(super) back_paint: Option<Paint>,
     /// Coarsest level that keeps this ring.
     pub(super) keep: usize,
+    pub(super) cover: Cover,
 }
 
 impl Ring {
@@ -87,6 +100,10 @@ pub(super) struct Builder<'a> {
     /// The one joint that the shell hangs on, whatever `shares` say.
     only: Option<u8>,
     face: Vec<FaceVertex>,
+    /// Of every vertex.
+    tailoring: Vec<Tailoring>,
+    /// Of those to come.
+    worn: Tailoring,
 }
 
 impl<'a> Builder<'a> {
@@ -99,12 +116,28 @@ impl<'a> Builder<'a> {
             shares: &|_| [0.0; JOINT_COUNT],
             only: None,
             face: Vec::new(),
+            tailoring: Vec::new(),
+            worn: Tailoring::default(),
         }
     }
 
-    /// The mesh, and what of it an expression moves.
-    pub(super) fn finish(self) -> (Mesh, Vec<FaceVertex>) {
-        (self.mesh, self.face)
+    /// The mesh, and what of it an expression moves and an outfit changes.
+    pub(super) fn finish(self) -> (Mesh, Vec<FaceVertex>, Vec<Tailoring>) {
+        (self.mesh, self.face, self.tailoring)
+    }
+
+    /// Says which part of an outfit the shells to come are. Parts of the body's own outfit are `plain`.
+    pub(super) const fn wear(&mut self, part: u32, is_plain: bool) {
+        self.worn = Tailoring { part, is_plain, growth: 0.0 };
+    }
+
+    /// Says that the vertices from number `first` on that are wanted belong to a part that the body's own outfit has not.
+    pub(super) fn cover(&mut self, first: usize, part: u32, is_wanted: &dyn Fn(&Vertex) -> bool) {
+        for (vertex, own) in self.mesh.vertices.iter().zip(&mut self.tailoring).skip(first) {
+            if is_wanted(vertex) {
+                *own = Tailoring { part, is_plain: false, growth: 0.0 };
+            }
+        }
     }
 
     /// How many vertices there are.
@@ -153,6 +186,7 @@ impl<'a> Builder<'a> {
             joints,
             weights,
         });
+        self.tailoring.push(self.worn);
         index
     }
 
@@ -208,18 +242,24 @@ impl<'a> Builder<'a> {
         let rings: Vec<&Ring> = rings.iter().filter(|ring| ring.keep >= self.level).collect();
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         let swell = swell(segments);
-        let circle = |builder: &mut Self, ring: &Ring, paint: Paint| -> Vec<u32> {
-            (0..segments)
-                .map(|k| builder.vertex(ring.point(TAU * k as f32 / segments as f32, swell), paint))
-                .collect()
+        let shell = self.worn;
+        let circle = |builder: &mut Self, ring: &Ring, paint: Paint, part: u32| -> Vec<u32> {
+            if part > 0 {
+                builder.worn = Tailoring { part, growth: ring.cover.growth, is_plain: ring.cover.is_plain };
+            }
+            let corners =
+                (0..segments).map(|k| ring.point(TAU * k as f32 / segments as f32, swell)).collect::<Vec<_>>();
+            let circle = corners.into_iter().map(|corner| builder.vertex(corner, paint)).collect();
+            builder.worn = shell;
+            circle
         };
-        let mut previous: Option<(Vec<u32>, Paint)> = None;
+        let mut previous: Option<(Vec<u32>, (Paint, u32))> = None;
         for pair in rings.windows(2) {
-            let paint = pair[0].paint;
+            let (paint, part) = (pair[0].paint, pair[0].cover.part);
             let behind = |k: usize| libm::cosf(TAU * (k as f32 + 0.5) / segments as f32) < 0.1;
             if let Some(back_paint) = pair[0].back_paint {
-                let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint));
-                let [low_back, high_back] = [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint));
+                let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint, part));
+                let [low_back, high_back] = [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint, part));
                 for k in 0..segments {
                     let next = (k + 1) % segments;
                     let (low, high) = if behind(k) { (&low_back, &high_back) } else { (&low, &high) };
@@ -229,15 +269,15 @@ impl<'a> Builder<'a> {
                 continue;
             }
             let low = match previous.take() {
-                Some((circle, painted)) if painted == paint => circle,
-                _ => circle(self, pair[0], paint),
+                Some((circle, painted)) if painted == (paint, part) => circle,
+                _ => circle(self, pair[0], paint, part),
             };
-            let high = circle(self, pair[1], paint);
+            let high = circle(self, pair[1], paint, part);
             for k in 0..segments {
                 let next = (k + 1) % segments;
                 self.quad(low[k], low[next], high[next], high[k]);
             }
-            previous = Some((high, paint));
+            previous = Some((high, (paint, part)));
         }
         let along = (last.center - first.center).normalize_or_zero();
         for (ring, paint, cap, out, reversed) in [
@@ -245,7 +285,7 @@ impl<'a> Builder<'a> {
             (last, rings[rings.len().saturating_sub(2)].paint, caps[1], along, false),
         ] {
             let Cap::Fan(height) = cap else { continue };
-            let rim = circle(self, ring, paint);
+            let rim = circle(self, ring, paint, 0);
             let tip = self.vertex(ring.center + out * height, paint);
             for k in 0..segments {
                 let next = (k + 1) % segments;

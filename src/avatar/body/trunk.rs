@@ -1,9 +1,10 @@
 //! Torso with clothes, neck and skirt.
 
-use super::shape::{Builder, Cap, Paint, Ring, Shares};
+use super::shape::{Builder, Cap, Cover, Paint, Ring, Shares};
 use super::weights::step;
 use super::{BOTTOM, Material, Measures, SKIN, Sex, TOP};
 use crate::gait::Joint;
+use crate::kernels::shared::outfit::{SKIRT, TORSO};
 use glam::Vec3;
 
 /// How steeply a collar falls from the nape to the throat.
@@ -23,6 +24,7 @@ pub(super) fn rings(rows: &[Row], square: f32, paint: Paint) -> Vec<Ring> {
         paint,
         back_paint: None,
         keep,
+        cover: Cover::default(),
     };
     rows.iter().map(ring).collect()
 }
@@ -73,6 +75,11 @@ pub(super) const fn rows_of(sex: Sex) -> (&'static [Row], &'static [Row]) {
     }
 }
 
+/// Lets a ring of a collar lie lower at the throat than at the nape.
+pub(super) fn tilt_collar(ring: &mut Ring) {
+    ring.front.y = -COLLAR_SLOPE * ring.front.z;
+}
+
 impl Measures {
     /// Trousers' seat or skirt, top, collar, neck.
     pub(super) fn trunk<'a>(
@@ -83,12 +90,15 @@ impl Measures {
     ) {
         let segments = [TRUNK_SIDES, 7, 5][builder.level.min(2)];
         let (lower, upper) = rows_of(self.sex);
+        if self.sex == Sex::Female {
+            builder.wear(SKIRT, true);
+        }
         builder.begin(if self.sex == Sex::Female { skirt } else { trunk });
         // The inside of a skirt is seen from below: its cap is pushed up and dark.
         let cap = if self.sex == Sex::Female { Cap::Fan(-0.05) } else { Cap::Fan(0.02) };
         builder.loft(&rings(lower, LOWER_SQUARE, BOTTOM), segments, [cap, Cap::Open]);
         builder.end(None);
-
+        builder.wear(TORSO, true);
         builder.begin(trunk);
         let mut top = rings(upper, UPPER_SQUARE, TOP);
         let shoulder = self.bones.of(Joint::LeftShoulder).y;
@@ -104,6 +114,7 @@ impl Measures {
         }
         builder.loft(&top, segments, [Cap::Open, Cap::Fan(0.004)]);
         builder.end(None);
+        builder.wear(0, true);
         self.neck(builder, trunk);
     }
 
@@ -125,6 +136,7 @@ impl Measures {
             paint: SKIN,
             back_paint: None,
             keep,
+            cover: Cover::default(),
         };
         builder.begin(trunk);
         builder.loft(&[ring(0.0, 1.1, 2), ring(0.4, 1.0, 0), ring(1.0, 1.0, 2)], segments, [Cap::Open; 2]);

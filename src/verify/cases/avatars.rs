@@ -102,6 +102,7 @@ pub fn avatar(number: usize, seed: u32) -> Avatar {
         eyeball: (number == 0 || seed & 1 == 0).then_some(Vec3::new(0.03, 1.63, 0.08) * size),
         height: 1.75 * size,
         paint: None,
+        wardrobe: None,
     }
 }
 
