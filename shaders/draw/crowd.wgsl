@@ -73,11 +73,12 @@ fn clipped(world: vec3<f32>, own: Outfit, tailored: u32, eye: u32) -> vec4<f32> 
     return view.clip_from_world[eye] * vec4<f32>(world, 1.0);
 }
 
+// At the middle of a pixel that a thin triangle covers beside it, its colours and normals would lie far outside of it.
 struct CrowdVertex {
     @builtin(position) clip: vec4<f32>,
     @location(0) world: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) color: vec4<f32>,
+    @location(1) @interpolate(perspective, centroid) normal: vec3<f32>,
+    @location(2) @interpolate(perspective, centroid) color: vec4<f32>,
 }
 
 @vertex
@@ -113,10 +114,10 @@ fn crowd_near_fragment(in: CrowdVertex, @builtin(view_index) eye: u32) -> @locat
 struct FineVertex {
     @builtin(position) clip: vec4<f32>,
     @location(0) world: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) color: vec4<f32>,
-    @location(3) occlusion: f32,
-    @location(4) rest: vec3<f32>, // place on the body at rest, m
+    @location(1) @interpolate(perspective, centroid) normal: vec3<f32>,
+    @location(2) @interpolate(perspective, centroid) color: vec4<f32>,
+    @location(3) @interpolate(perspective, centroid) occlusion: f32,
+    @location(4) @interpolate(perspective, centroid) rest: vec3<f32>, // place on the body at rest, m
     @location(5) @interpolate(flat) material: u32,
     @location(6) @interpolate(flat) tailored: u32,
     @location(7) @interpolate(flat) agent: u32,

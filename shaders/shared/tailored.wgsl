@@ -64,29 +64,35 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
     if part == CAP || part == PEAK || part == BACKPACK {
         return shade * extra_color(own);
     }
-    if part == SKIRT && has(own, DRESS) {
+    if (part == SKIRT || part == BARE_LEGS) && material == MATERIAL_BOTTOM && has(own, DRESS) {
         material = MATERIAL_TOP;
     } else if material == MATERIAL_TOP && has(own, JACKET) {
         return shade * jacket_color(own);
     }
     return tinted(shade, material, colors);
 }
-// Of a place of the top, at rest, which stripes, buttons and openings have their own colour. `blur` is half of what a pixel
-// covers there, m.
+// What a top looks like.
 const OPENING: vec3<f32> = vec3<f32>(0.022, 0.058, 0.9); // half width of an open front at the hem and at the collar; shade of lapels
 const LAPEL: f32 = 0.012;        // m
 const CUT: vec2<f32> = vec2<f32>(0.095, 0.55); // a neck is cut so deep, m, and so broad for its depth
 const STRIPE: vec2<f32> = vec2<f32>(0.046, 0.4); // from one to the next, m, and its share
 const BUTTON: vec3<f32> = vec3<f32>(0.085, 0.0058, 0.014); // from one to the next, radius, half width of the placket, m
-const STRAP: vec2<f32> = vec2<f32>(0.098, 0.019); // middle and half width, m
+const STRAP: vec2<f32> = vec2<f32>(0.098, 0.017); // middle and half width, m
+const STRAP_DOWN: f32 = 0.16; // so far below the collar it begins to go to the side, m
+const STRAP_OUT: f32 = 0.55;  // by so much for each metre
+const STRAP_END: f32 = 0.4;   // m below the collar
 
 fn inside(distance: f32, blur: f32) -> f32 {
     return clamp(0.5 - 0.5 * distance / max(blur, 1.0e-5), 0.0, 1.0);
 }
 
+// Of a place of the top, at rest, which stripes, buttons, straps and openings have their own colour. `blur` is half of what a
+// pixel covers there, m.
 fn patterned(albedo: vec3<f32>, rest: vec3<f32>, own: Outfit, tailored: u32, colors: vec2<u32>, blur: f32) -> vec3<f32> {
     let part = part_of(tailored);
-    if part < UPPER_SLEEVE || part > TORSO || part == LOWER_LEG || !wears(own, tailored) {
+    let is_sleeve = part == UPPER_SLEEVE || part == LOWER_SLEEVE;
+    let is_front = part == TORSO || part == JACKET;
+    if !(is_sleeve || is_front) || !wears(own, tailored) {
         return albedo;
     }
     var color = albedo;
@@ -94,7 +100,7 @@ fn patterned(albedo: vec3<f32>, rest: vec3<f32>, own: Outfit, tailored: u32, col
         let along = abs(fract(rest.y / STRIPE.x) - 0.5) * STRIPE.x;
         color = mix(color, extra_color(own), inside(along - 0.5 * STRIPE.x * STRIPE.y, blur));
     }
-    if part != TORSO {
+    if !is_front {
         return color;
     }
     let below = f32(tailored >> 16u) * 0.001 - rest.y; // the collar
@@ -116,8 +122,9 @@ fn patterned(albedo: vec3<f32>, rest: vec3<f32>, own: Outfit, tailored: u32, col
             color = mix(color, vec3<f32>(0.75), inside(length(vec2<f32>(aside, up)) - BUTTON.y, blur));
         }
     }
-    if has(own, BACKPACK) && rest.z > -0.06 && below < 0.36 {
-        color = mix(color, 0.8 * extra_color(own), inside(abs(aside - STRAP.x) - STRAP.y, blur));
+    if has(own, BACKPACK) && rest.z > -0.06 && below < STRAP_END {
+        let middle = STRAP.x + STRAP_OUT * max(below - STRAP_DOWN, 0.0);
+        color = mix(color, 0.8 * extra_color(own), inside(abs(aside - middle) - STRAP.y, blur));
     }
     return color;
 }

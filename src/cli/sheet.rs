@@ -2,7 +2,7 @@
 
 use super::scene::PlaceArguments;
 use crate::Error;
-use crate::avatar;
+use crate::avatar::{self, Avatar};
 use crate::emotion::Emotion;
 use crate::export::image::{Tile, contact_sheet};
 use crate::gait::walker::Sex;
@@ -75,7 +75,9 @@ fn caption(number: usize) -> String {
 fn scene() -> Result<Scene, Error> {
     let scenario = Scenario::parse(PLACE, "contact sheet")?;
     let library = GaitLibrary::built_in()?;
-    let cast = AvatarSet::new(library.gaits(), avatar::Sex::ALL.map(avatar::generated).to_vec())?;
+    // all in the same clothes: what differs is how they walk
+    let bodies = avatar::Sex::ALL.map(|sex| Avatar { wardrobe: None, ..avatar::generated(sex) });
+    let cast = AvatarSet::new(library.gaits(), bodies.to_vec())?;
     let mut crowd = Crowd { stages: vec![Stop::waypoint(Vec2::ZERO, 1.0)], ..Crowd::default() };
     for emotion in Emotion::ALL {
         for (row, sex) in (0..ROWS).zip(Sex::ALL) {

@@ -6,7 +6,6 @@ use super::crowd::CrowdBuffers;
 use super::direct::KnownDraws;
 use super::pack::MeshBuffers;
 use super::pipelines::Program;
-use crate::avatar::wardrobe::Outfit;
 use crate::gpu::Buffer;
 use crate::kernels::draw::far::SIFTED;
 use ash::vk;
@@ -33,9 +32,11 @@ pub(super) struct CrowdMeshes {
     pub(super) bounds: Vec<[[f32; 4]; 2]>,
 }
 
-/// A list, or where it is empty another: buffers hold something.
-const fn some<'a, T>(list: &'a [T], otherwise: &'a [T]) -> &'a [T] {
-    if list.is_empty() { otherwise } else { list }
+/// Words as a buffer holds them: it is longer than they are by up to 15 bytes, and shaders see all of it.
+fn padded<T: bytemuck::NoUninit>(list: &[T]) -> Vec<u32> {
+    let mut words: Vec<u32> = bytemuck::cast_slice(list).to_vec();
+    words.resize(words.len().max(1).next_multiple_of(4), 0);
+    words
 }
 
 /// Bodies without a pose, for agents of few pixels.
@@ -62,8 +63,8 @@ impl CrowdMeshes {
     pub(super) fn new(submitter: &Submitter, meshes: &MeshBuffers) -> Result<Self, Error> {
         Ok(Self {
             indices: submitter.upload("mesh indices", bytemuck::cast_slice(&meshes.indices))?,
-            outfits: submitter.upload("outfits", bytemuck::cast_slice(some(&meshes.outfits, &[Outfit::default()])))?,
-            tailoring: submitter.upload("tailoring", bytemuck::cast_slice(some(&meshes.tailoring, &[0])))?,
+            outfits: submitter.upload("outfits", bytemuck::cast_slice(&padded(&meshes.outfits)))?,
+            tailoring: submitter.upload("tailoring", bytemuck::cast_slice(&padded(&meshes.tailoring)))?,
             bucket_count: meshes.bucket_count(),
             level_count: meshes.level_count.max(1),
             far_count: meshes.far_count(),

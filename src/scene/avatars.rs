@@ -2,7 +2,7 @@
 
 use super::Error;
 use crate::avatar::{self, Avatar, RigMap, Sex};
-use crate::scenario::Scenario;
+use crate::scenario::{Clothes, Scenario};
 use std::path::{Path, PathBuf};
 
 /// The avatars of a scenario; its files are looked for in `folder`. `rig_maps` come before the scenario's own.
@@ -24,7 +24,11 @@ pub(super) fn avatars_of(
             return Err(Error::RigMap { file: file.clone(), name: name.to_owned(), hint }.into());
         }
     }
-    population.avatars.iter().map(|name| character(name, &beside(name), &maps)).collect()
+    let dressed = |avatar: Avatar| match population.clothes {
+        Clothes::Varied => avatar,
+        Clothes::Plain => Avatar { wardrobe: None, ..avatar },
+    };
+    population.avatars.iter().map(|name| character(name, &beside(name), &maps).map(dressed)).collect()
 }
 
 /// The name of a file without folder and ending.

@@ -2,16 +2,17 @@
 //! layouts. [`fill`] gives a simulation everything that its frames need.
 
 use super::avatar_set::AvatarSet;
+use super::outfits::outfits;
 use crate::avatar::foot::{Footprint, footprints, with_toes};
 use crate::avatar::waist::{bones, with_waist};
-use crate::avatar::wardrobe::{Clothes, Outfit};
+use crate::avatar::wardrobe::Outfit;
 use crate::avatar::{
     Avatar, Clip, ClipFrame, FaceVertex, FarVertex, LEVELS, Mesh, Paint, PaintCorner, Posture, RestJoint,
     Textured, TexturedMaterial, Vertex,
 };
 use crate::kernels::Store;
 use crate::kernels::gaze_schedule::index::COUNTS;
-use crate::kernels::layout::{Appearance, Expression, FarPose, FrameUniforms, MeshRange, Physique};
+use crate::kernels::layout::{Expression, FarPose, FrameUniforms, MeshRange, Physique};
 use crate::kernels::shared::block::BLOCK;
 use crate::kernels::shared::body::MATERIAL_BITS;
 use crate::kernels::shared::body::index::{
@@ -121,13 +122,6 @@ impl MeshBuffers {
         let corners =
             own.corners.iter().map(|corner| PaintCorner { material: first + corner.material, ..*corner });
         paint.corners.extend(corners.take(vertices));
-    }
-
-    /// Adds what outfits do to the next mesh, which has that many vertices of its own.
-    fn add_clothes(&mut self, clothes: &Clothes, collar: f32, vertices: usize) {
-        self.tailoring.resize(self.vertices.len() / VERTEX_STRIDE, 0);
-        let own = clothes.own.iter().take(vertices).chain(&clothes.of_others);
-        self.tailoring.extend(own.map(|vertex| vertex.word(collar)));
     }
 
     fn avatars(&self) -> u32 {
@@ -386,15 +380,6 @@ pub fn looking_at(frame: FrameUniforms, user_eyes: Option<Vec3>) -> FrameUniform
         Some(eyes) => FrameUniforms { user_eyes: eyes.extend(0.0).to_array(), ..frame },
         None => FrameUniforms { gaze_limit: limit_of(Budget::Most(0)), ..frame },
     }
-}
-
-/// What agents wear.
-fn outfits(store: &Store, cast: &AvatarSet) -> Vec<Outfit> {
-    let of = |(own, agent): (&Appearance, u32)| {
-        let wardrobe = cast.avatars().get(own.avatar() as usize).and_then(|avatar| avatar.wardrobe.as_ref());
-        wardrobe.map_or_else(Outfit::default, |wardrobe| Outfit::of(wardrobe.sex, agent, own))
-    };
-    store.appearance.iter().zip(0..).map(of).collect()
 }
 
 /// Robots and vehicles: outsiders are the last agents.

@@ -43,6 +43,7 @@ pub mod obstacles;
 mod optional;
 #[doc(hidden)]
 pub mod order;
+mod outfits;
 mod people;
 mod renew;
 #[doc(hidden)]

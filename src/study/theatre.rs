@@ -2,7 +2,7 @@
 
 use super::plan::{Stimulus, Trial};
 use crate::library::GaitLibrary;
-use crate::scenario::{Condition, RouteMode, Scenario, Shares, User, Walker};
+use crate::scenario::{Clothes, Condition, RouteMode, Scenario, Shares, User, Walker};
 use crate::scene::{Scene, SceneBuilder};
 use crate::study::error::Error;
 use crate::study::file::Crowd;
@@ -133,6 +133,7 @@ fn single(emotion: &str, body: &str) -> Result<Scenario, crate::Error> {
     scenario.population.agents = 0;
     scenario.population.emotions = emotions;
     scenario.population.avatars = vec![body.to_owned()];
+    scenario.population.clothes = Clothes::Plain; // every walker looks alike but for the walk
     Ok(scenario)
 }
 

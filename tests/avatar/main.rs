@@ -16,6 +16,7 @@ mod common;
 mod animation;
 mod attention;
 mod clips;
+mod clothes;
 mod expression;
 mod eyes;
 mod footing;

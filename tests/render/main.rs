@@ -15,6 +15,7 @@
 mod common;
 
 mod bodies;
+mod clothes;
 mod direct;
 mod faces;
 mod far;

@@ -24,8 +24,8 @@ const SEAT: &[Row] = &[
 const HEM_DROP: f32 = 0.040;
 const HEM_OFF: f32 = 0.010;
 /// How far a collar stands up, and off the neck, m.
-const COLLAR_RISE: f32 = 0.034;
-const COLLAR_OFF: f32 = 0.016;
+const COLLAR_RISE: f32 = 0.030;
+const COLLAR_OFF: f32 = 0.005;
 /// The inside of what hangs or stands open.
 const SHADED: f32 = 0.55;
 const FRAME: Paint = Paint::fixed(0.02, 0.018, 0.018);
@@ -77,9 +77,9 @@ impl Measures {
             out.wear(JACKET, false);
             self.hem_and_collar(out, &trunk);
             if self.sex == Sex::Female {
-                let skull = Skull::of(self).with(Cut::Short);
+                let skull = Skull::of(self).with(Cut::Up);
                 out.wear(HAIR_UP, false);
-                Self::hair(out, &skull, Cut::Short, &head);
+                Self::hair(out, &skull, Cut::Up, &head);
                 out.wear(PONYTAIL, false);
                 skull.ponytail(out, &head);
                 out.wear(BUN, false);
@@ -127,11 +127,12 @@ impl Measures {
         builder.begin(trunk);
         builder.loft(&hanging, segments, [Cap::Open; 2]);
         builder.end(None);
+        // it comes out of the top, and its edge turns in
         let rows = [
-            wider(neck, neck.0 - 0.022, COLLAR_OFF + 0.020, 2),
-            wider(neck, neck.0 + COLLAR_RISE, COLLAR_OFF - 0.010, 2),
-            wider(neck, neck.0 + COLLAR_RISE, COLLAR_OFF - 0.016, 0),
-            wider(neck, neck.0 - 0.004, COLLAR_OFF - 0.012, 0),
+            wider(neck, neck.0 - 0.018, COLLAR_OFF, 2),
+            wider(neck, neck.0 + COLLAR_RISE, COLLAR_OFF, 2),
+            wider(neck, neck.0 + COLLAR_RISE, COLLAR_OFF - 0.006, 0),
+            wider(neck, neck.0, COLLAR_OFF - 0.006, 0),
         ];
         let mut standing = rings(&rows, UPPER_SQUARE, TOP);
         for ring in &mut standing {
@@ -167,7 +168,7 @@ impl Measures {
 
 impl Skull {
     /// A place by its distance from the middle to the left, under the crown and to the front (man's size), m.
-    fn place(&self, [aside, drop, ahead]: [f32; 3]) -> Vec3 {
+    fn beside(&self, [aside, drop, ahead]: [f32; 3]) -> Vec3 {
         Vec3::new(aside * self.size, self.crown - drop * self.size, ahead * self.size)
     }
 
@@ -180,9 +181,10 @@ impl Skull {
             (0.205, -0.138, 0.024),
             (0.268, -0.126, 0.005),
         ];
-        let middle = |at: usize| self.place([0.0, PATH[at].0, PATH[at].1]);
+        let middle = |at: usize| self.beside([0.0, PATH[at].0, PATH[at].1]);
         let ring = |at: usize| {
-            let along = (middle((at + 1).min(PATH.len() - 1)) - middle(at.saturating_sub(1))).normalize_or_zero();
+            let along =
+                (middle((at + 1).min(PATH.len() - 1)) - middle(at.saturating_sub(1))).normalize_or_zero();
             let radius = PATH[at].2 * self.size;
             let keep = if at == 3 { 0 } else { 1 };
             let front = Vec3::X.cross(along).normalize_or_zero() * radius;
@@ -195,7 +197,7 @@ impl Skull {
     }
 
     fn bun<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let center = self.place([0.0, 0.060, -0.116]);
+        let center = self.beside([0.0, 0.060, -0.116]);
         // away from the head
         let along = Vec3::new(0.0, 0.45, -0.9).normalize();
         let radius = 0.038 * self.size;
@@ -214,16 +216,22 @@ impl Skull {
     }
 
     /// How far a cap is outside the skin, m (man's size): over all hair.
-    const CAP_OFF: f32 = 0.027;
-    /// Its rim, under the crown, m.
-    const RIM: f32 = 0.052;
+    const CAP_OFF: f32 = 0.024;
+    /// Its rim, under the crown at the front and at the back, m.
+    const RIM: [f32; 2] = [0.060, 0.100];
+
+    /// Where its rim is at an angle from the front, under the crown, m.
+    fn rim(angle: f32) -> f32 {
+        let [front, back] = Self::RIM;
+        front + (back - front) * (0.5 - 0.5 * libm::cosf(angle))
+    }
 
     fn cap<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        let (columns, rows) = if builder.level == 0 { (18_u8, 4_u8) } else { (7, 2) };
+        let (columns, rows) = if builder.level == 0 { (14_u8, 4_u8) } else { (7, 2) };
         let row = |t: f32, off: f32| -> Vec<Vec3> {
             let at = |k: u8| {
                 let angle = TAU * f32::from(k) / f32::from(columns);
-                self.around(angle, Self::RIM * libm::powf(1.0 - t, 1.35), off)
+                self.around(angle, Self::rim(angle) * libm::powf(1.0 - t, 1.5), off)
             };
             (0..columns).map(at).collect()
         };
@@ -252,7 +260,7 @@ impl Skull {
             let at = |k: u8| {
                 let turn = HALF * (2.0 * f32::from(k) / f32::from(columns) - 1.0);
                 let way = turn / HALF;
-                let rim = self.around(turn, Self::RIM, Self::CAP_OFF - 0.002);
+                let rim = self.around(turn, Self::rim(turn), Self::CAP_OFF - 0.002);
                 // straight ahead, and less at its ends
                 let reach = REACH * (1.0 - way * way) * out * self.size;
                 let sag = (0.012 * out + 0.010 * way * way * out + down) * self.size;
@@ -272,7 +280,7 @@ impl Skull {
     }
 
     fn glasses<'a>(&self, builder: &mut Builder<'a>, skin: Skin<'a>) {
-        const CORNERS: u8 = 12;
+        const CORNERS: u8 = 10;
         const HALF: [f32; 2] = [0.0245, 0.0190]; // of a rim, broad and high
         const THICK: f32 = 0.0028;
         const AHEAD: f32 = 0.0300; // of the middle of the eyes
@@ -280,7 +288,7 @@ impl Skull {
         let [eye, drop] = EYE_AT;
         // rims bend back towards the temples
         let flat = |x: f32, up: f32, out: f32| {
-            self.place([x, drop - 0.001 - up, EYE_DEPTH + AHEAD + out - 2.2 * x * x])
+            self.beside([x, drop - 0.001 - up, EYE_DEPTH + AHEAD + out - 2.2 * x * x])
         };
         for side in [-1.0, 1.0_f32] {
             let rim = |grow: f32, out: f32| -> Vec<Vec3> {
@@ -293,11 +301,11 @@ impl Skull {
                 (0..CORNERS).map(at).collect()
             };
             builder.begin(skin);
-            builder.grid(&[rim(0.0, 0.0), rim(0.5 * THICK, 0.0015), rim(THICK, 0.0)], true, FRAME);
+            builder.grid(&[rim(0.0, 0.0), rim(THICK, 0.0)], true, FRAME);
             builder.end(Some(Vec3::Z));
             let hinge = eye * 1.03 + HALF[0] + THICK;
             let strip = |up: f32, out: f32| {
-                let ear = self.place([side * (TO_EAR[0] + out), TO_EAR[1] - up, TO_EAR[2]]);
+                let ear = self.beside([side * (TO_EAR[0] + out), TO_EAR[1] - up, TO_EAR[2]]);
                 vec![flat(side * (hinge + out), 0.006 + up, 0.0), ear]
             };
             builder.begin(skin);

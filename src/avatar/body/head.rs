@@ -35,6 +35,8 @@ pub(super) enum Cut {
     Long,
     /// Off the ears, a short nape.
     Short,
+    /// The same of long hair that is tied up.
+    Up,
 }
 
 impl Cut {
@@ -49,7 +51,7 @@ impl Cut {
     const fn closing(self) -> [f32; 2] {
         match self {
             Self::Long => [0.30, 0.16],
-            Self::Short => [0.45, 0.05],
+            Self::Short | Self::Up => [0.45, 0.05],
         }
     }
 }
@@ -209,14 +211,18 @@ impl Measures {
     /// A shell of hair.
     pub(super) fn hair<'a>(builder: &mut Builder<'a>, skull: &Skull, cut: Cut, skin: Skin<'a>) {
         let is_finest = builder.level == 0;
-        let (columns, rows) = if is_finest { (24, 6) } else { (7, 2) };
+        let (columns, rows) = match (cut, is_finest) {
+            (_, false) => (7, 2),
+            (Cut::Up, true) => (18, 5),
+            _ => (24, 6),
+        };
         let hairline = |angle: f32| -> f32 {
             let turn = if angle > PI { TAU - angle } else { angle };
             // parted on the left: a fringe falls to the right; the skull is open above its last row
             let fringe = match (cut, is_finest) {
                 (_, false) => 0.052,
                 (Cut::Long, true) => 0.049 + 0.015 * step(-0.45, 0.75, -libm::sinf(angle)),
-                (Cut::Short, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
+                (Cut::Short | Cut::Up, true) => 0.048 + 0.008 * step(-0.45, 0.75, -libm::sinf(angle)),
             };
             match cut {
                 // shorter in front
@@ -224,16 +230,17 @@ impl Measures {
                     fringe + (0.212 + 0.026 * step(1.2, 2.3, turn) - fringe) * step(0.85, 1.35, turn)
                 }
                 // Sideburns in front of the ear, a short nape.
-                Cut::Short => fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn),
+                Cut::Short | Cut::Up => {
+                    fringe + (0.118 - fringe) * step(0.85, 1.5, turn) + 0.055 * step(1.7, 2.4, turn)
+                }
             }
         };
-        let thick =
-            [0.013, 0.020][builder.level.min(1)] + if cut == Cut::Long { 0.005 } else { -0.002 };
+        let thick = [0.013, 0.020][builder.level.min(1)] + if cut == Cut::Long { 0.005 } else { -0.002 };
         // Long hair grows thin towards its ends; short hair is fullest half way up.
         let fullness = |t: f32| match cut {
             _ if !is_finest => 1.0,
             Cut::Long => 0.8 + 0.2 * step(0.0, 0.4, t) + 0.12 * libm::sinf(PI * t),
-            Cut::Short => 1.0 + 0.3 * libm::sinf(PI * t),
+            Cut::Short | Cut::Up => 1.0 + 0.3 * libm::sinf(PI * t),
         };
         let mut grid: Vec<Vec<Vec3>> = Vec::new();
         for row in 0..=rows + 1 {
@@ -266,7 +273,7 @@ impl Measures {
             }
         }
         builder.end(None);
-        if cut == Cut::Short && builder.level == 0 {
+        if cut != Cut::Long && builder.level == 0 {
             [-1.0, 1.0].into_iter().for_each(|side| skull.ear(builder, skin, side));
         }
     }

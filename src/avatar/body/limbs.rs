@@ -68,11 +68,11 @@ pub(super) fn arm_stations(sex: Sex) -> &'static [Station] {
 /// Trouser leg or bare leg.
 pub(super) fn leg_stations(sex: Sex) -> &'static [Station] {
     match sex {
-        // Under the skirt it has the skirt's colour.
+        // Under the skirt, and 8 mm below its hem, it has the skirt's colour.
         Sex::Female => &[
             (0, 0.20, 0.094, 0, BOTTOM),
             (0, 0.60, 0.075, 0, BOTTOM),
-            (0, 0.82, 0.062, 2, SKIN),
+            (0, 0.86, 0.060, 2, SKIN),
             (1, 0.00, 0.056, 2, SKIN),
             (1, 0.32, 0.057, 0, SKIN),
             (1, 0.60, 0.047, 0, SKIN),
@@ -103,8 +103,8 @@ fn sleeve(sex: Sex, bone: usize, share: f32, paint: Paint) -> Cover {
         _ if is_hand => Cover::default(),
         place if place < hem => Cover { part: UPPER_SLEEVE, is_plain: true, growth: 0.0 },
         place => {
-            // the step of a hem is on the side of the arm
-            let is_hem = sex == Sex::Male && place < hem + 0.005;
+            // where a sleeve ends both have the same ring
+            let is_hem = place < hem + 0.006;
             let growth = if is_hem { 0.0 } else { growth };
             Cover { part: LOWER_SLEEVE, is_plain: sex == Sex::Male, growth }
         }

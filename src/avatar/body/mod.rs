@@ -3,6 +3,7 @@
 //! Everything is in the rest pose of model space: metres, y up, facing +z, arms hanging slightly out. All rest
 //! rotations are the identity, so a joint's rotation reads as a turn of the model's own axes. Proportions are
 //! those of adults (stature 1.64 m and 1.76 m, head about 1/7.5 of it); clothing and hair are tinted per agent.
+//! What an agent wears beside a body's own outfit is in `clothes`.
 
 mod clothes;
 mod expression;
@@ -18,7 +19,7 @@ mod weights;
 
 use super::wardrobe::{Clothes, Tailoring, Wardrobe};
 use super::{Avatar, FaceVertex, LEVELS, Mesh, RestJoint};
-use crate::gait::{JOINT_COUNT, Joint};
+use crate::gait::{JOINT_COUNT, Joint, walker};
 use glam::{Mat4, Quat, Vec3};
 pub(in crate::avatar) use shape::pack;
 use shape::{Builder, Paint, Shares};
@@ -30,9 +31,9 @@ use super::Material;
 /// Which of the two bodies.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Sex {
-    /// 1.64 m, bobbed hair, skirt.
+    /// 1.64 m; its own outfit has bobbed hair and a skirt.
     Female,
-    /// 1.76 m, short hair, trousers.
+    /// 1.76 m; its own outfit has trousers.
     Male,
 }
 
@@ -79,7 +80,11 @@ pub fn generated(sex: Sex) -> Avatar {
     });
     let mut levels = Vec::new();
     let mut faces = Vec::new();
-    let mut wardrobe = Wardrobe { sex, collar: measures.collar(), levels: Vec::new() };
+    let of = match sex {
+        Sex::Female => walker::Sex::Female,
+        Sex::Male => walker::Sex::Male,
+    };
+    let mut wardrobe = Wardrobe { sex: of, collar: measures.collar(), levels: Vec::new() };
     for level in 0..LEVELS {
         let (mesh, face, own) = measures.mesh(level);
         let (others, _, of_others) = measures.clothes(level);

@@ -44,6 +44,13 @@ pub(super) struct Cover {
     pub(super) growth: f32,
 }
 
+impl Cover {
+    /// Of the vertices of its band.
+    const fn tailoring(self) -> Tailoring {
+        Tailoring { part: self.part, is_plain: self.is_plain, growth: 0.0 }
+    }
+}
+
 /// A closed cross section: a superellipse with its own back radius.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ring {
@@ -243,23 +250,25 @@ impl<'a> Builder<'a> {
         let (Some(first), Some(last)) = (rings.first(), rings.last()) else { return };
         let swell = swell(segments);
         let shell = self.worn;
-        let circle = |builder: &mut Self, ring: &Ring, paint: Paint, part: u32| -> Vec<u32> {
-            if part > 0 {
-                builder.worn = Tailoring { part, growth: ring.cover.growth, is_plain: ring.cover.is_plain };
+        let circle = |builder: &mut Self, ring: &Ring, paint: Paint, band: Cover| -> Vec<u32> {
+            if band.part > 0 {
+                builder.worn = Tailoring { growth: ring.cover.growth, ..band.tailoring() };
             }
-            let corners =
-                (0..segments).map(|k| ring.point(TAU * k as f32 / segments as f32, swell)).collect::<Vec<_>>();
+            let corners = (0..segments)
+                .map(|k| ring.point(TAU * k as f32 / segments as f32, swell))
+                .collect::<Vec<_>>();
             let circle = corners.into_iter().map(|corner| builder.vertex(corner, paint)).collect();
             builder.worn = shell;
             circle
         };
         let mut previous: Option<(Vec<u32>, (Paint, u32))> = None;
         for pair in rings.windows(2) {
-            let (paint, part) = (pair[0].paint, pair[0].cover.part);
+            let (paint, band) = (pair[0].paint, pair[0].cover);
             let behind = |k: usize| libm::cosf(TAU * (k as f32 + 0.5) / segments as f32) < 0.1;
             if let Some(back_paint) = pair[0].back_paint {
-                let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint, part));
-                let [low_back, high_back] = [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint, part));
+                let [low, high] = [pair[0], pair[1]].map(|ring| circle(self, ring, paint, band));
+                let [low_back, high_back] =
+                    [pair[0], pair[1]].map(|ring| circle(self, ring, back_paint, band));
                 for k in 0..segments {
                     let next = (k + 1) % segments;
                     let (low, high) = if behind(k) { (&low_back, &high_back) } else { (&low, &high) };
@@ -269,15 +278,15 @@ impl<'a> Builder<'a> {
                 continue;
             }
             let low = match previous.take() {
-                Some((circle, painted)) if painted == (paint, part) => circle,
-                _ => circle(self, pair[0], paint, part),
+                Some((circle, painted)) if painted == (paint, band.part) => circle,
+                _ => circle(self, pair[0], paint, band),
             };
-            let high = circle(self, pair[1], paint, part);
+            let high = circle(self, pair[1], paint, band);
             for k in 0..segments {
                 let next = (k + 1) % segments;
                 self.quad(low[k], low[next], high[next], high[k]);
             }
-            previous = Some((high, (paint, part)));
+            previous = Some((high, (paint, band.part)));
         }
         let along = (last.center - first.center).normalize_or_zero();
         for (ring, paint, cap, out, reversed) in [
@@ -285,7 +294,7 @@ impl<'a> Builder<'a> {
             (last, rings[rings.len().saturating_sub(2)].paint, caps[1], along, false),
         ] {
             let Cap::Fan(height) = cap else { continue };
-            let rim = circle(self, ring, paint, 0);
+            let rim = circle(self, ring, paint, Cover::default());
             let tip = self.vertex(ring.center + out * height, paint);
             for k in 0..segments {
                 let next = (k + 1) % segments;

@@ -91,7 +91,17 @@ pub(super) fn reduce(name: &str, source: &mut Source, map: &RigMap) -> Result<Av
     let counts: Vec<String> = levels.iter().map(|mesh| (mesh.indices.len() / 3).to_string()).collect();
     source.report.push(format!("levels of detail: {} triangles", counts.join(", ")));
     let name = name.to_owned();
-    Ok(Avatar { name, joints, levels, eyes_in_head: eyes, eyeball: None, face, height, paint, wardrobe: None })
+    Ok(Avatar {
+        name,
+        joints,
+        levels,
+        eyes_in_head: eyes,
+        eyeball: None,
+        face,
+        height,
+        paint,
+        wardrobe: None,
+    })
 }
 
 /// What an expression moves.

@@ -32,8 +32,8 @@ pub(crate) use limits::{DAY, Limits, limits};
 pub use navigation::{BODY_RADIUS, MAX_NEIGHBOURS, Model, Navigation};
 pub use people::{Class, Normal, Spread};
 pub use population::{
-    Affect, EmotionMode, GaitChoice, GenderChoice, Groups, MAX_AGENTS, MAX_GROUP, Population, Prefer, Shares,
-    SharesError,
+    Affect, Clothes, EmotionMode, GaitChoice, GenderChoice, Groups, MAX_AGENTS, MAX_GROUP, Population,
+    Prefer, Shares, SharesError,
 };
 pub use props::{Environment, Ground, Prop, PropKind};
 pub use regions::{Obstacle, Point, Spawn};

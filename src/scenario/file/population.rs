@@ -35,6 +35,18 @@ pub enum EmotionMode {
     Affect,
 }
 
+/// What the people of the generated bodies wear.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Clothes {
+    /// Each agent its own outfit: tops, jackets, trousers, skirts, hair, caps, glasses, bags.
+    #[default]
+    Varied,
+    /// All women a short-sleeved top and a skirt, all men long sleeves and trousers; colours differ.
+    Plain,
+}
+
 /// Which gaits out of GEA(e) are more likely with [`GaitChoice::Random`]; by default all alike, as in the paper.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -165,6 +177,11 @@ fn is_usual(expression: &f32) -> bool {
     f64::from(*expression) == EXPRESSION
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "as serde asks")]
+fn is_default_clothes(clothes: &Clothes) -> bool {
+    *clothes == Clothes::default()
+}
+
 /// The crowd.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
@@ -197,6 +214,9 @@ pub struct Population {
     /// How tall, heavy and built the people of the generated bodies are; avatars of files keep their shape.
     #[serde(skip_serializing_if = "Bodies::is_default")]
     pub bodies: Bodies,
+    /// What they wear. Left out: each an outfit of its own.
+    #[serde(skip_serializing_if = "is_default_clothes")]
+    pub clothes: Clothes,
     /// The avatars in use: `female`, `male`, or the path of a rigged glTF or VRM file beside the scenario's.
     pub avatars: Vec<String>,
     /// Files beside the scenario's that name the joints of avatars whose rigs are not recognised.
@@ -271,6 +291,7 @@ impl Default for Population {
             expression: EXPRESSION as f32,
             faces: None,
             individuals: None,
+            clothes: Clothes::default(),
             emotion_mode: EmotionMode::default(),
             scale: [0.93, 1.07],
             bodies: Bodies::default(),

@@ -269,11 +269,23 @@ fn no_gait(scenario: &Scenario, chooser: &Chooser, missing: &[Emotion], why: &st
 fn colors(seed: u64, agent: u32) -> [u32; 4] {
     const SKIN: [u32; 7] = [0xf3d3bc, 0xe6b899, 0xd29f7b, 0xb47d57, 0x8d5a3b, 0x6b4128, 0x4a2c1b];
     const HAIR: [u32; 7] = [0x1c1714, 0x33241b, 0x5a3b24, 0x8a5f35, 0xc49a58, 0x8f8b86, 0x7a2f1d];
+    /// Which of them grow on each skin.
+    const HAIR_OF: [&[usize]; 7] = [
+        &[0, 1, 2, 3, 4, 5, 6],
+        &[0, 1, 2, 3, 4, 5, 6],
+        &[0, 1, 2, 3, 5],
+        &[0, 1, 2, 5],
+        &[0, 0, 1, 5],
+        &[0, 0, 1, 5],
+        &[0, 0, 0, 5],
+    ];
     const TOP: [u32; 14] = [
         0x2f4b6e, 0x9a3b3b, 0x4d6b46, 0xd9d4c7, 0x33363c, 0xc78b3c, 0x6a4c7d, 0x3f8a8c, 0xb9b2a7, 0x7d5a43,
         0xcf6a57, 0x8aa5bf, 0xe3c565, 0x56606b,
     ];
     const BOTTOM: [u32; 8] = [0x2a3b55, 0x1f2226, 0x5b5348, 0x7c7465, 0x3c4a3c, 0x474c57, 0x8d8675, 0x5a3a33];
     let pick = |draw: u32, list: &[u32]| list[index(seed, agent, Purpose::Colors, draw, list.len())];
-    [pick(0, &SKIN), pick(1, &HAIR), pick(2, &TOP), pick(3, &BOTTOM)]
+    let skin = index(seed, agent, Purpose::Colors, 0, SKIN.len());
+    let hair = HAIR_OF[skin][index(seed, agent, Purpose::Colors, 1, HAIR_OF[skin].len())];
+    [SKIN[skin], HAIR[hair], pick(2, &TOP), pick(3, &BOTTOM)]
 }
