@@ -98,7 +98,7 @@ struct Driver {
     process: Child,
     port: u16,
     /// Held: a closed pipe would end the driver.
-    _says: BufReader<ChildStdout>,
+    says: BufReader<ChildStdout>,
 }
 
 /// How often a driver may start. It wants one port for IPv4 and IPv6, takes a free one of the first, and ends
@@ -120,16 +120,17 @@ impl Driver {
         command.arg("--port=0").env("HOME", home).env_remove("XDG_CONFIG_HOME").env_remove("XDG_CACHE_HOME");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut process = command.spawn().unwrap();
-        let mut says = BufReader::new(process.stdout.take().unwrap());
+        let says = BufReader::new(process.stdout.take().unwrap());
+        // it ends with this wherever this function does
+        let mut driver = Self { process, port: 0, says };
         loop {
             let start = said.len();
-            if says.read_line(said).unwrap() == 0 {
-                process.wait().unwrap();
+            if driver.says.read_line(said).unwrap() == 0 {
                 return None;
             }
             if let Some((_, port)) = said[start..].split_once("successfully on port ") {
-                let port = port.trim().trim_end_matches('.').parse().unwrap();
-                return Some(Self { process, port, _says: says });
+                driver.port = port.trim().trim_end_matches('.').parse().unwrap();
+                return Some(driver);
             }
         }
     }
