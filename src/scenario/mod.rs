@@ -58,15 +58,14 @@ pub use crate::wkt::Error as WktError;
 pub(crate) use check::external::MAX_EXTERNAL_SPEED;
 pub use error::{BadValue, Error};
 pub use file::{
-    Affect, Arrivals, BODY_RADIUS, Budget, Class, Clothes, Condition, DEFAULT_BUDGET, EmotionDynamics,
-    EmotionMode, Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode,
-    GenderChoice, Ground, Groups, Journey, Layout, Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS,
-    Model, Navigation, Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode,
-    Scenario, Shares, SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way,
-    WayFinding,
+    Affect, Arrivals, BODY_RADIUS, Budget, Class, Condition, DEFAULT_BUDGET, EmotionDynamics, EmotionMode,
+    Environment, Event, ExternalAgent, ExternalKind, Floor, GaitChoice, Gaze, GazeMode, GenderChoice, Ground,
+    Groups, Journey, Layout, Leg, MAX_AGENTS, MAX_FLOORS, MAX_GROUP, MAX_NEIGHBOURS, Model, Navigation,
+    Normal, Obstacle, Plane, Point, Population, Prefer, Prop, PropKind, Route, RouteMode, Scenario, Shares,
+    SharesError, Source, Spawn, Spread, Stage, StageKind, Teleport, User, Walker, Way, WayFinding,
 };
 #[doc(hidden)]
-pub use file::{Bodies, MAX_COORDINATE, Sizes};
+pub use file::{Bodies, Clothes, MAX_COORDINATE, Sizes};
 pub(crate) use place::place_model;
 pub use place::{Area, AreaError, EnvironmentMesh, Floors, Geometry};
 pub use place::{

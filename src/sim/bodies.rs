@@ -71,7 +71,8 @@ pub struct MeshBuffers {
     /// Buckets of their finest meshes, in order.
     #[doc(hidden)]
     pub painted: Vec<u32>,
-    /// What outfits do to vertices, numbered as `vertices`: see [`Tailoring::word`]. Those past its end are the same in all.
+    /// What outfits do to vertices, numbered as `vertices`: see [`crate::avatar::wardrobe::Tailoring::word`]. Those past its end
+    /// are the same in all.
     #[doc(hidden)]
     pub tailoring: Vec<u32>,
     /// What agents wear; those past its end wear their avatar's own outfit.
