@@ -62,8 +62,8 @@ fn body_occlusion(vertex: u32) -> f32 {
     return (1.0 - between) * (1.0 - below) * (1.0 - low);
 }
 
-// Of a material (the lowest eight of its bits), how soft the edge between light and shade is, and its sheen. Skin lets light round, cloth and hair catch it
-// with their fibres; shoes and eyes do neither.
+// Of a material (the lowest eight of its bits), how soft the edge between light and shade is, and its sheen. Skin lets light
+// round, cloth and hair catch it with their fibres; shoes and eyes do neither.
 fn softness(bits: u32) -> vec2<f32> {
     let material = bits & 255u;
     if material == MATERIAL_SKIN {

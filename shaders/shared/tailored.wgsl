@@ -71,6 +71,7 @@ fn clothed(color: vec3<f32>, bits: u32, own: Outfit, tailored: u32, colors: vec2
     }
     return tinted(shade, material, colors);
 }
+
 // What a top looks like.
 const OPENING: vec3<f32> = vec3<f32>(0.022, 0.058, 0.9); // half width of an open front at the hem and at the collar; shade of lapels
 const LAPEL: f32 = 0.012;        // m

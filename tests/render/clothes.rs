@@ -78,7 +78,7 @@ fn what_is_not_worn_is_not_drawn_and_casts_no_shadow() {
         let body = body(TORSO, 0.0);
         let bare = Avatar { wardrobe: None, ..body.clone() };
         let (without, _) = draw(&device, &bare, None, quality);
-        assert!(without == draw(&device, &body, None, quality).0, "{quality:?}: nobody has an outfit");
+        assert!(without == draw(&device, &body, None, quality).0, "{quality:?}: no outfit is given");
         assert!(
             without == draw(&device, &body, Some(Outfit::default()), quality).0,
             "{quality:?}: the own one"
